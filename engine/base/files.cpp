@@ -1,0 +1,106 @@
+#include "engine/base/files.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <openssl/evp.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <utility>
+
+#include "engine/base/error.h"
+
+namespace touchtrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error io_failure(const std::string& what, const fs::path& path) {
+  return failure(fmt::format("{} {}: {}", what, path.string(), std::strerror(errno)),
+                 "check that the disk has room and that the folder can be written");
+}
+
+void sync_to_disk(const fs::path& path, int flags) {
+  const int descriptor = open(path.c_str(), flags | O_CLOEXEC);
+  if (descriptor < 0) throw io_failure("cannot open", path);
+  const int result = fsync(descriptor);
+  close(descriptor);
+  if (result != 0) throw io_failure("cannot flush", path);
+}
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+}  // namespace
+
+OutputFile::OutputFile(fs::path path, bool overwrite) : path_(std::move(path)) {
+  if (!overwrite && fs::exists(path_))
+    throw usage_error(fmt::format("{} exists", path_.string()),
+                      "choose another --output, or pass --overwrite to replace it");
+  std::error_code error;
+  fs::create_directories(folder_of(path_), error);
+  if (error)
+    throw failure(fmt::format("cannot make the folder of {}: {}", path_.string(), error.message()),
+                  "choose an --output in a folder that can be written");
+  temporary_ = folder_of(path_) / fmt::format(".{}.{}.tmp", path_.filename().string(), getpid());
+}
+
+OutputFile::~OutputFile() {
+  std::error_code ignored;
+  if (!committed_) fs::remove(temporary_, ignored);
+}
+
+void OutputFile::commit() {
+  sync_to_disk(temporary_, O_RDWR);
+  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) throw io_failure("cannot rename to", path_);
+  committed_ = true;
+  sync_to_disk(folder_of(path_), O_RDONLY | O_DIRECTORY);
+}
+
+void write_file(const fs::path& path, std::string_view bytes, bool overwrite) {
+  OutputFile output(path, overwrite);
+  std::ofstream stream(output.temporary(), std::ios::binary);
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (!stream) throw io_failure("cannot write", output.temporary());
+  output.commit();
+}
+
+std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
+  std::error_code error;
+  const auto size = fs::file_size(path, error);
+  if (error)
+    throw data_error(fmt::format("cannot read {}: {}", path.string(), error.message()),
+                     "check the path");
+  if (size > max_bytes)
+    throw data_error(fmt::format("{} has {} bytes; at most {} are read", path.string(), size, max_bytes),
+                     "check that this is the file that was meant");
+  std::string bytes(size, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream.read(bytes.data(), static_cast<std::streamsize>(size)))
+    throw data_error(fmt::format("cannot read {}", path.string()), "check its permissions");
+  return bytes;
+}
+
+std::string sha256_of_file(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw data_error(fmt::format("cannot read {}", path.string()), "check the path");
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(),
+                                                                        &EVP_MD_CTX_free);
+  EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
+  std::array<char, 1 << 16> buffer;
+  while (stream.read(buffer.data(), buffer.size()) || stream.gcount() > 0)
+    EVP_DigestUpdate(context.get(), buffer.data(), static_cast<std::size_t>(stream.gcount()));
+  std::array<unsigned char, 32> digest;
+  EVP_DigestFinal_ex(context.get(), digest.data(), nullptr);
+  std::string text;
+  for (unsigned char byte : digest) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace touchtrace {
+
+/// An output file that appears whole or not at all.
+///
+/// The constructor refuses a path that exists unless `overwrite`; the caller writes `temporary()`, in
+/// the same folder, and `commit()` does fsync, rename, fsync of the folder. Without a commit the
+/// destructor removes the temporary file, so neither an error nor Ctrl-C leaves a half-written output.
+class OutputFile {
+ public:
+  OutputFile(std::filesystem::path path, bool overwrite);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& temporary() const { return temporary_; }
+  void commit();
+
+ private:
+  std::filesystem::path path_, temporary_;
+  bool committed_ = false;
+};
+
+/// Writes `bytes` as an OutputFile.
+void write_file(const std::filesystem::path& path, std::string_view bytes, bool overwrite);
+
+/// The whole file. Throws data_error if it is missing, unreadable or larger than `max_bytes`.
+std::string read_file(const std::filesystem::path& path, std::uintmax_t max_bytes = 1u << 30);
+
+/// SHA-256 of a file, as sha256sum prints it.
+std::string sha256_of_file(const std::filesystem::path& path);
+
+}  // namespace touchtrace

@@ -1,0 +1,49 @@
+#include "engine/base/text.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace touchtrace {
+namespace {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = std::exchange(row[j + 1], std::min({replaced, row[j] + 1, row[j + 1] + 1}));
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string nearest_name(std::string_view wrong, const std::vector<std::string>& names) {
+  std::size_t best = std::max<std::size_t>(2, wrong.size() / 3) + 1;
+  std::string nearest;
+  for (const auto& name : names) {
+    const std::size_t distance = edit_distance(wrong, name);
+    if (distance < best) best = distance, nearest = name;
+  }
+  return nearest;
+}
+
+std::string comma_separated(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string suggestion(std::string_view wrong, const std::vector<std::string>& names) {
+  const std::string nearest = nearest_name(wrong, names);
+  const std::string known = fmt::format("known: {}", comma_separated(names));
+  return nearest.empty() ? known : fmt::format("did you mean '{}'? {}", nearest, known);
+}
+
+}  // namespace touchtrace

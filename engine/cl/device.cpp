@@ -1,0 +1,97 @@
+#include "engine/cl/device.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "engine/base/error.h"
+
+namespace touchtrace {
+namespace {
+
+std::string type_name(cl_device_type type) {
+  if (type & CL_DEVICE_TYPE_GPU) return "gpu";
+  return type & CL_DEVICE_TYPE_CPU ? "cpu" : "accelerator";
+}
+
+DeviceInfo describe(int number, const cl::Platform& platform, const cl::Device& device) {
+  DeviceInfo info;
+  info.number = number;
+  info.name = device.getInfo<CL_DEVICE_NAME>();
+  info.vendor = device.getInfo<CL_DEVICE_VENDOR>();
+  info.platform = platform.getInfo<CL_PLATFORM_NAME>();
+  info.driver = device.getInfo<CL_DRIVER_VERSION>();
+  info.type = type_name(device.getInfo<CL_DEVICE_TYPE>());
+  info.compute_units = static_cast<int>(device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>());
+  info.memory_bytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
+  info.has_doubles = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
+  info.is_pocl = info.platform.find("Portable Computing Language") != std::string::npos;
+  info.handle = device;
+  return info;
+}
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+bool fits(const DeviceInfo& info, const std::string& wish) {
+  return wish == std::to_string(info.number) || wish == info.type ||
+         lower(info.name + " " + info.platform).find(lower(wish)) != std::string::npos;
+}
+
+/// GPUs before accelerators before CPUs, then by compute units.
+bool slower(const DeviceInfo& a, const DeviceInfo& b) {
+  const auto rank = [](const DeviceInfo& info) {
+    return info.type == "gpu" ? 2 : info.type == "accelerator" ? 1 : 0;
+  };
+  return std::pair(rank(a), a.compute_units) < std::pair(rank(b), b.compute_units);
+}
+
+std::string list_text(const std::vector<DeviceInfo>& devices) {
+  std::string text;
+  for (const auto& info : devices) text += fmt::format("\n  {}: {} ({})", info.number, info.name, info.type);
+  return text;
+}
+
+}  // namespace
+
+std::vector<DeviceInfo> list_devices() {
+  std::vector<DeviceInfo> found;
+  std::vector<cl::Platform> platforms;
+  try {
+    cl::Platform::get(&platforms);
+  } catch (const cl::Error&) {
+    return found;
+  }
+  for (const auto& platform : platforms) {
+    std::vector<cl::Device> devices;
+    try {
+      platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
+      for (const auto& device : devices)
+        found.push_back(describe(static_cast<int>(found.size()), platform, device));
+    } catch (const cl::Error&) {
+      continue;
+    }
+  }
+  return found;
+}
+
+ChosenDevice choose_device(const std::string& wish) {
+  const auto devices = list_devices();
+  if (devices.empty())
+    throw device_error("no OpenCL device was found",
+                       "install PoCL, which runs on any processor: apt-get install pocl-opencl-icd");
+  if (wish.empty()) {
+    const auto& best = *std::ranges::max_element(devices, slower);
+    return {best, best.type == "cpu" ? "no GPU offers OpenCL here, so the processor computes"
+                                     : "the fastest device that offers OpenCL here"};
+  }
+  for (const auto& info : devices)
+    if (fits(info, wish)) return {info, fmt::format("asked for by --device {}", wish)};
+  throw device_error(fmt::format("no OpenCL device fits '{}'", wish),
+                     "pass --device with a number, a type or a part of a name of:" + list_text(devices));
+}
+
+}  // namespace touchtrace

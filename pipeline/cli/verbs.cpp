@@ -1,0 +1,13 @@
+#include "pipeline/cli/verbs.h"
+
+namespace touchtrace::cli {
+
+const std::vector<Verb>& verbs() {
+  static const std::vector<Verb> table{
+      devices_verb(),
+      verify_verb(),
+  };
+  return table;
+}
+
+}  // namespace touchtrace::cli

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "pipeline/cli/verb.h"
+
+namespace touchtrace::cli {
+
+// One file a verb: <name>_verb.cpp.
+Verb devices_verb();
+Verb verify_verb();
+
+}  // namespace touchtrace::cli

@@ -1,0 +1,69 @@
+#include <fmt/core.h>
+
+#include <chrono>
+#include <map>
+
+#include "engine/base/figure.h"
+#include "engine/base/text.h"
+#include "pipeline/cli/verbs.h"
+
+namespace touchtrace::cli {
+namespace {
+
+struct VerifyOptions {
+  std::string area;
+};
+
+/// One row an area: what a room promises, measured by the room itself.
+const std::map<std::string, Verification>& areas() {
+  static const std::map<std::string, Verification> table{};
+  return table;
+}
+
+std::vector<std::string> area_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, verification] : areas()) names.push_back(name);
+  return names;
+}
+
+void describe(OptionSet& set, VerifyOptions& o) {
+  set.input("area", o.area, "what to measure: " + comma_separated(area_names()));
+}
+
+void print_row(const Figure& figure) {
+  fmt::print("{:<52} {:>12.6g} {:<10} {:<16} {:<5} {:8.2f} s\n", figure.name, figure.value, figure.unit,
+             figure.goal_text(), figure.holds() ? "holds" : "FALLS SHORT", figure.seconds);
+}
+
+std::vector<Figure> measure(const Verification& verification, bool print) {
+  std::vector<Figure> figures;
+  auto last = std::chrono::steady_clock::now();
+  verification([&](Figure figure) {
+    const auto now = std::chrono::steady_clock::now();
+    figure.seconds = std::chrono::duration<double>(now - std::exchange(last, now)).count();
+    if (print) print_row(figure);
+    figures.push_back(std::move(figure));
+  });
+  return figures;
+}
+
+ExitCode run(const VerifyOptions& options, const Invocation& invocation) {
+  const auto area = areas().find(options.area);
+  if (area == areas().end())
+    throw usage_error(fmt::format("there is no area '{}' to verify", options.area),
+                      suggestion(options.area, area_names()));
+  const auto figures = measure(area->second, !invocation.json);
+  if (invocation.json) fmt::print("{}\n", to_json(figures).dump(2));
+  for (const auto& figure : figures)
+    if (!figure.holds()) return ExitCode::data;
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Verb verify_verb() {
+  return make_verb<VerifyOptions>("verify", "measure the figures that a part of touchtrace promises",
+                                  {"touchtrace verify engine", "touchtrace verify labels --json"}, run);
+}
+
+}  // namespace touchtrace::cli

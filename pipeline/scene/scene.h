@@ -1,0 +1,87 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipeline/recording/recording.h"
+
+namespace touchtrace::scene {
+
+/// World frame: z up, the person stands at the origin facing -y, the camera looks along +y; metres.
+inline constexpr double gravity_m_per_s2 = 9.81;
+
+enum class ShapeKind { sphere, box, capsule, cylinder };
+
+/// A solid that physics touches and the camera sees. `size_m`: sphere {r}; box half extents; capsule and
+/// cylinder {radius, half length, -} along the body's z axis. `body_from_shape` places it in its body.
+struct Solid {
+  ShapeKind kind = ShapeKind::sphere;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  Eigen::Isometry3d body_from_shape = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d color = Eigen::Vector3d::Constant(0.5);  ///< linear RGB in 0..1
+};
+
+/// An object; the origin of its body frame is its centre of mass.
+struct ObjectSpec {
+  std::string name;
+  double mass_kg = 0.1, friction = 0.7;
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Identity();
+  std::vector<Solid> solids;
+};
+
+struct RigidState {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< world from body
+  Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_velocity_rad_per_s = Eigen::Vector3d::Zero();
+};
+
+/// The scene at one instant. The hand's body frame lies in the palm: origin at its centre, z out of the
+/// palm, x towards the fingertips.
+struct SceneSample {
+  double time_s = 0.0;  ///< host's clock
+  RigidState hand, object;
+  double finger_closure = 0.0;  ///< 0 open .. 1 closed on the object; poses the fingers that one sees
+  Eigen::Vector3d contact_force_n = Eigen::Vector3d::Zero();  ///< of the hand on the object, world
+};
+
+/// What happened in one clip: samples at `sample_rate_hz`, and what the glove said of it.
+struct ClipMotion {
+  std::vector<SceneSample> samples;
+  std::vector<Truth::Event> events;
+  GloveStream glove;
+  bool dropped = false;
+};
+
+inline constexpr double sample_rate_hz = 500.0;
+
+struct SceneOptions {
+  std::string activity = "wave";
+  std::string object = "ball";
+  double minutes = 1.0;
+  double clip_s = 10.0;        ///< length of a clip; each has a new grasp
+  double pause_s = 2.0;        ///< between clips; nothing is recorded
+  int image_width = 320, image_height = 240;
+  int board_views = 20;
+  std::uint64_t seed = 1;
+};
+
+/// Physics, glove and its clock for clip number `clip`, starting at `start_s`; depends on nothing but its
+/// arguments, so clips may be simulated in any order on any number of threads.
+ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s);
+
+/// Every activity and object there is, for messages and --help.
+std::vector<std::string> activity_names();
+std::vector<std::string> object_names();
+/// Throws usage_error with the known names.
+const ObjectSpec& find_object(const std::string& name);
+
+/// What a camera sees of the hand (glove, fingers, forearm) and of the object at one instant, each solid
+/// placed in the world (`body_from_shape` is then world_from_shape).
+std::vector<Solid> hand_solids(const SceneSample& sample);
+std::vector<Solid> object_solids(const ObjectSpec& object, const SceneSample& sample);
+
+}  // namespace touchtrace::scene

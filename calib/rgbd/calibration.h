@@ -13,21 +13,26 @@
 namespace touchtrace {
 
 /// A calibrated RGBD camera. True depth [m] = depth_offset_m + depth_scale * measured depth [m].
+///
+/// The covariance is of the free parameters alone, with the board poses marginalised out. Names:
+/// color.fx
+/// .. color.cy [px], color.k1 .. color.k3, depth_from_color.rx .. rz [rad] (R = exp(r)
+/// R_estimated), depth_from_color.tx .. tz [m], depth.scale, depth.offset [m].
 struct RgbdCalibration {
   PinholeCamera color;
   std::optional<PinholeCamera> depth;  ///< absent for a colour-only calibration
   Eigen::Isometry3d depth_from_color = Eigen::Isometry3d::Identity();
   double depth_scale = 1.0, depth_offset_m = 0.0;
 
-  double rms_px = 0.0;         ///< of the colour corners
-  double depth_rms_m = 0.0;    ///< of the depth residuals
+  double rms_px = 0.0;                  ///< of the colour corners
+  double depth_rms_m = 0.0;             ///< of the depth residuals
   std::vector<std::string> parameters;  ///< names, in the order of the covariance
   Eigen::MatrixXd covariance;           ///< of `parameters`
-  nlohmann::json details;               ///< per-view residuals and RMS, outliers, verdict, provenance
+  nlohmann::json details;  ///< per-view residuals and RMS, outliers, verdict, provenance
 };
 
-/// Writes camera.yaml (and camera_depth.yaml), ROS camera_info, and calibration.json with everything, into
-/// `folder`. Refuses files that exist unless `overwrite`.
+/// Writes camera.yaml (and camera_depth.yaml), ROS camera_info, and calibration.json with
+/// everything, into `folder`. Refuses files that exist unless `overwrite`.
 void write_calibration(const std::filesystem::path& folder, const RgbdCalibration& calibration,
                        bool overwrite);
 /// Reads what write_calibration wrote. Throws data_error on a fault.

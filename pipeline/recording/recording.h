@@ -40,6 +40,8 @@ struct CameraInfo {
   int width = 0, height = 0;    ///< of colour and of depth
   double rate_hz = 20.0;        ///< nominal
   double depth_unit_m = 0.001;  ///< one count of a depth image; count 0 means no measurement
+  /// Factory fx, fy, cx, cy of the depth camera in pixels, as its driver reports them; 0: unknown.
+  std::array<double, 4> depth_intrinsics{};
   std::array<double, 3> gravity{0.0, 9.81, 0.0};  ///< m/s^2 in the colour camera's frame (its own sensor)
 };
 

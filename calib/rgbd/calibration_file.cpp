@@ -1,0 +1,155 @@
+#include <fmt/core.h>
+
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "calib/rgbd/calibration.h"
+#include "calib/rgbd/camera_info.h"
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+
+namespace touchtrace {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* schema = "touchtrace/calibration/1";
+constexpr std::uintmax_t max_bytes = 64u << 20;
+
+json numbers(const double* values, Eigen::Index count) {
+  return std::vector<double>(values, values + count);
+}
+
+/// Row-major.
+json matrix_json(const Eigen::MatrixXd& matrix) {
+  json rows = json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    const Eigen::VectorXd row = matrix.row(i).transpose();
+    rows.push_back(numbers(row.data(), row.size()));
+  }
+  return rows;
+}
+
+json camera_json(const PinholeCamera& camera) {
+  return {{"width", camera.width},
+          {"height", camera.height},
+          {"intrinsics_px", {camera.fx, camera.fy, camera.cx, camera.cy}},
+          {"distortion_k1_k2_p1_p2_k3", numbers(camera.distortion.data(), 5)}};
+}
+
+void require(bool good, const std::string& what) {
+  if (!good) throw std::invalid_argument(what);
+}
+
+double number(const json& value) {
+  const double result = value.get<double>();
+  require(std::isfinite(result), "a number is not finite");
+  return result;
+}
+
+int image_size(const json& value) {
+  const double size = number(value);
+  require(size >= 1.0 && size <= 1e5, "an image size is out of range");
+  return static_cast<int>(size);
+}
+
+std::vector<double> numbers(const json& values, std::size_t count) {
+  require(values.is_array() && values.size() == count, fmt::format("expected {} numbers", count));
+  std::vector<double> result;
+  for (const auto& value : values) result.push_back(number(value));
+  return result;
+}
+
+Eigen::MatrixXd matrix(const json& rows, Eigen::Index height, Eigen::Index width) {
+  require(rows.is_array() && static_cast<Eigen::Index>(rows.size()) == height,
+          fmt::format("expected {} rows", height));
+  Eigen::MatrixXd result(height, width);
+  for (Eigen::Index i = 0; i < height; ++i) {
+    const auto row = numbers(rows[static_cast<std::size_t>(i)], static_cast<std::size_t>(width));
+    result.row(i) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), width);
+  }
+  return result;
+}
+
+PinholeCamera camera_from(const json& value) {
+  PinholeCamera camera;
+  camera.width = image_size(value.at("width"));
+  camera.height = image_size(value.at("height"));
+  const auto intrinsics = numbers(value.at("intrinsics_px"), 4);
+  const auto distortion = numbers(value.at("distortion_k1_k2_p1_p2_k3"), 5);
+  camera.fx = intrinsics[0], camera.fy = intrinsics[1];
+  camera.cx = intrinsics[2], camera.cy = intrinsics[3];
+  camera.distortion = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(distortion.data());
+  require(camera.fx > 0.0 && camera.fy > 0.0, "a focal length is not positive");
+  return camera;
+}
+
+Eigen::Isometry3d isometry_from(const json& value) {
+  Eigen::Isometry3d pose;
+  pose.matrix() = matrix(value, 4, 4);
+  const Eigen::Matrix3d rotation = pose.linear();
+  require((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-6 &&
+              rotation.determinant() > 0.0 &&
+              pose.matrix().row(3) == Eigen::RowVector4d(0, 0, 0, 1),
+          "depth_from_color is not a rigid motion");
+  return pose;
+}
+
+json to_json(const RgbdCalibration& c) {
+  return {{"schema", schema},
+          {"color", camera_json(c.color)},
+          {"depth", c.depth ? camera_json(*c.depth) : json()},
+          {"depth_from_color", matrix_json(c.depth_from_color.matrix())},
+          {"depth_scale", c.depth_scale},
+          {"depth_offset_m", c.depth_offset_m},
+          {"rms_px", c.rms_px},
+          {"depth_rms_m", c.depth_rms_m},
+          {"parameters", c.parameters},
+          {"covariance", matrix_json(c.covariance)},
+          {"details", c.details}};
+}
+
+RgbdCalibration calibration_from(const json& value) {
+  require(value.at("schema") == schema, fmt::format("its schema is not {}", schema));
+  RgbdCalibration c;
+  c.color = camera_from(value.at("color"));
+  if (!value.at("depth").is_null()) c.depth = camera_from(value.at("depth"));
+  c.depth_from_color = isometry_from(value.at("depth_from_color"));
+  c.depth_scale = number(value.at("depth_scale"));
+  require(c.depth_scale > 0.0, "depth_scale is not positive");
+  c.depth_offset_m = number(value.at("depth_offset_m"));
+  c.rms_px = number(value.at("rms_px"));
+  c.depth_rms_m = number(value.at("depth_rms_m"));
+  c.parameters = value.at("parameters").get<std::vector<std::string>>();
+  const auto size = static_cast<Eigen::Index>(c.parameters.size());
+  c.covariance = matrix(value.at("covariance"), size, size);
+  c.details = value.at("details");
+  return c;
+}
+
+}  // namespace
+
+void write_calibration(const std::filesystem::path& folder, const RgbdCalibration& calibration,
+                       bool overwrite) {
+  std::map<std::string, std::string> texts;
+  texts["camera.yaml"] = camera_info_yaml("color", calibration.color);
+  if (calibration.depth) texts["camera_depth.yaml"] = camera_info_yaml("depth", *calibration.depth);
+  texts["calibration.json"] = to_json(calibration).dump(1) + "\n";
+  for (const auto& [name, text] : texts)
+    OutputFile(folder / name, overwrite);  // refuses before any is written
+  for (const auto& [name, text] : texts) write_file(folder / name, text, overwrite);
+}
+
+RgbdCalibration read_calibration(const std::filesystem::path& folder) {
+  const auto path = folder / "calibration.json";
+  const std::string text = read_file(path, max_bytes);
+  try {
+    return calibration_from(json::parse(text));
+  } catch (const std::exception& error) {
+    throw data_error(fmt::format("{} is not a usable calibration: {}", path.string(), error.what()),
+                     "write it again with `touchtrace calibrate`");
+  }
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,119 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <opencv2/core.hpp>
+
+#include "calib/rgbd/calibration.h"
+#include "calib/rgbd/camera_info.h"
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+
+namespace touchtrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CalibrationFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) /
+              ("calibration_file." + std::to_string(getpid()) + "." +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path folder_;
+};
+
+RgbdCalibration example() {
+  RgbdCalibration c;
+  c.color.width = 640, c.color.height = 480;
+  c.color.set_parameters({533.1234567890123, 531.0, 342.0, 235.0, -0.28, 0.09, 1e-20, -7e-4, 0.0});
+  c.depth = c.color;
+  c.depth_from_color.linear() =
+      Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  c.depth_from_color.translation() << 0.025, 0.001, -0.002;
+  c.depth_scale = 1.01, c.depth_offset_m = -0.003;
+  c.rms_px = 0.2, c.depth_rms_m = 0.004;
+  c.parameters = {"color.fx", "color.fy"};
+  c.covariance = Eigen::Matrix2d{{1.0, 0.1}, {0.1, 2.0}};
+  c.details["verdict"] = "GOOD";
+  return c;
+}
+
+TEST_F(CalibrationFile, ReadsBackWhatWasWritten) {
+  const auto written = example();
+  write_calibration(folder_, written, false);
+  const auto read = read_calibration(folder_);
+  EXPECT_EQ(read.color.parameters(), written.color.parameters());
+  EXPECT_EQ(read.color.width, 640);
+  ASSERT_TRUE(read.depth.has_value());
+  EXPECT_EQ(read.depth->parameters(), written.depth->parameters());
+  EXPECT_EQ(read.depth_from_color.matrix(), written.depth_from_color.matrix());
+  EXPECT_EQ(read.depth_scale, written.depth_scale);
+  EXPECT_EQ(read.depth_offset_m, written.depth_offset_m);
+  EXPECT_EQ(read.parameters, written.parameters);
+  EXPECT_EQ(read.covariance, written.covariance);
+  EXPECT_EQ(read.details, written.details);
+}
+
+TEST_F(CalibrationFile, CameraInfoIsYamlWithFloats) {
+  const auto camera = example().color;
+  const std::string text = camera_info_yaml("color", camera);
+  EXPECT_NE(text.find("data: [533.1234567890123, 0.0, 342.0, 0.0, 531.0, 235.0, 0.0, 0.0, 1.0]"),
+            std::string::npos);
+  cv::FileStorage yaml("%YAML:1.0\n---\n" + text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+  EXPECT_EQ(static_cast<int>(yaml["image_width"]), 640);
+  EXPECT_EQ(static_cast<std::string>(yaml["distortion_model"]), "plumb_bob");
+  EXPECT_EQ(static_cast<double>(yaml["camera_matrix"]["data"][0]), camera.fx);
+  EXPECT_EQ(static_cast<double>(yaml["distortion_coefficients"]["data"][2]), 1e-20);
+  EXPECT_EQ(yaml["projection_matrix"]["data"].size(), 12u);
+}
+
+TEST_F(CalibrationFile, NeverOverwritesSilentlyNorInPart) {
+  write_file(folder_ / "calibration.json", "precious", false);
+  EXPECT_THROW(write_calibration(folder_, example(), false), Error);
+  EXPECT_FALSE(fs::exists(folder_ / "camera.yaml"));
+  EXPECT_EQ(read_file(folder_ / "calibration.json"), "precious");
+  write_calibration(folder_, example(), true);
+  EXPECT_EQ(read_calibration(folder_).rms_px, 0.2);
+}
+
+/// The example with one member replaced must be refused with exit code 3.
+void expect_refused(const fs::path& folder, const char* pointer, const nlohmann::json& value) {
+  write_calibration(folder, example(), true);
+  auto document = nlohmann::json::parse(read_file(folder / "calibration.json"));
+  document[nlohmann::json::json_pointer(pointer)] = value;
+  write_file(folder / "calibration.json", document.dump(), true);
+  try {
+    read_calibration(folder);
+    ADD_FAILURE() << "accepted " << pointer << " = " << value;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::data) << pointer;
+  }
+}
+
+TEST_F(CalibrationFile, RefusesWhatCannotBeACalibration) {
+  expect_refused(folder_, "/schema", "touchtrace/labels/1");
+  expect_refused(folder_, "/color/width", 0);
+  expect_refused(folder_, "/color/width", 1e300);
+  expect_refused(folder_, "/color/intrinsics_px/0", -1.0);
+  expect_refused(folder_, "/color/intrinsics_px/0", nullptr);
+  expect_refused(folder_, "/color/distortion_k1_k2_p1_p2_k3", nlohmann::json::array({1.0}));
+  expect_refused(folder_, "/depth_from_color/0/0", 2.0);
+  expect_refused(folder_, "/depth_scale", 0.0);
+  expect_refused(folder_, "/covariance", nlohmann::json::array());
+  expect_refused(folder_, "/parameters", "fx");
+}
+
+TEST_F(CalibrationFile, RefusesTruncatedAndMissingFiles) {
+  EXPECT_THROW(read_calibration(folder_), Error);
+  write_calibration(folder_, example(), false);
+  const auto whole = read_file(folder_ / "calibration.json");
+  write_file(folder_ / "calibration.json", whole.substr(0, whole.size() / 2), true);
+  EXPECT_THROW(read_calibration(folder_), Error);
+}
+
+}  // namespace
+}  // namespace touchtrace

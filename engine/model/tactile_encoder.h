@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "engine/cl/runtime.h"
+#include "engine/model/model_spec.h"
+#include "engine/model/parameters.h"
+#include "engine/ops/tactile_window.h"
+
+namespace touchtrace {
+
+/// The convolutional half of the tactile encoder (section III-B): three 3x3 convolutions of stride
+/// 2 and padding 1 with 32, 64 and 128 channels, each with bias and ReLU, over the window of M
+/// frames in the difference basis of tactile_window.h.
+///
+/// Windows are never copied by the host: they are places in the stream of frames. All work is
+/// queued; nothing blocks. Weights are read from the flat parameter buffer on every forward pass.
+class TactileEncoder {
+ public:
+  /// Adds "tactile.conv1.weight" [32, M, 3, 3], "tactile.conv1.bias" [32], ... to `table`, started
+  /// as PyTorch starts convolutions (uniform within 1/sqrt(fan in)). `training` false: no buffers
+  /// and no kernels of the backward pass. Throws usage_error for frames outside 6..64 or M
+  /// outside 1..32.
+  TactileEncoder(Runtime& runtime, const ModelSpec& spec, int windows, bool training,
+                 ParameterTable& table);
+  ~TactileEncoder();
+
+  int windows() const;
+  /// Floats of one window's features: 128 * rows / 8 * cols / 8, each division rounded up.
+  int feature_size() const;
+  /// [windows, feature_size()], C order (channel, row, column); valid after forward().
+  const Buffer<float>& features() const;
+
+  /// `stream`: [frames, rows, cols]. `last_frame`: [windows]; window w holds the frames
+  /// last_frame[w] - M + 1 .. last_frame[w], which must lie in the stream. `parameters`: flat.
+  void forward(const Buffer<float>& stream, const Buffer<int>& last_frame,
+               const Buffer<float>& parameters, const TaxelDropout& dropout = {});
+  /// Adds the gradients of the last forward pass's weights and biases to `gradient` (flat, zeroed
+  /// by the caller); sums have one fixed order. `grad_features`: as features().
+  void backward(const Buffer<float>& grad_features, const Buffer<float>& gradient);
+
+ private:
+  struct Plan;
+  std::unique_ptr<Plan> plan_;
+};
+
+}  // namespace touchtrace

@@ -1,6 +1,6 @@
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -82,7 +82,8 @@ std::vector<std::string> flag_names(const Command& command) {
 std::vector<std::string> given(const Command& command) {
   std::vector<std::string> names;
   for (const auto& option : command.options.options()) {
-    const auto* flag = command.app->get_option_no_throw(option.positional ? option.name : "--" + option.name);
+    const auto* flag =
+        command.app->get_option_no_throw(option.positional ? option.name : "--" + option.name);
     if (flag && flag->count() > 0) names.push_back(option.name);
   }
   return names;
@@ -91,7 +92,8 @@ std::vector<std::string> given(const Command& command) {
 ExitCode run(Command& command) {
   if (command.quiet) Progress::silence();
   if (!command.configuration_file.empty())
-    apply_configuration(command.configuration_file, command.verb->name, command.options, given(command));
+    apply_configuration(command.configuration_file, command.verb->name, command.options,
+                        given(command));
   command.options.validate();
   command.invocation.options = command.options.values();
   return command.verb->run(command.invocation);
@@ -103,15 +105,18 @@ std::string first_unknown(const Command& command) {
 }
 
 /// Unknown flags and verbs get a suggestion; CLI11 alone would not make one.
-[[noreturn]] void throw_usage(const CLI::ParseError& error, const std::vector<std::unique_ptr<Command>>& commands,
-                              int argc, const char* const* argv) {
+[[noreturn]] void throw_usage(const CLI::ParseError& error,
+                              const std::vector<std::unique_ptr<Command>>& commands, int argc,
+                              const char* const* argv) {
   for (const auto& command : commands) {
     const std::string unknown = command->app->parsed() ? first_unknown(*command) : "";
     if (!unknown.empty())
-      throw usage_error(fmt::format("{} does not know '{}'", command->verb->name, unknown),
-                        suggestion(unknown.substr(unknown.find_first_not_of('-') == std::string::npos
-                                                      ? 0 : unknown.find_first_not_of('-')),
-                                   flag_names(*command)));
+      throw usage_error(
+          fmt::format("{} does not know '{}'", command->verb->name, unknown),
+          suggestion(unknown.substr(unknown.find_first_not_of('-') == std::string::npos
+                                        ? 0
+                                        : unknown.find_first_not_of('-')),
+                     flag_names(*command)));
   }
   std::vector<std::string> names;
   for (const auto& command : commands) names.push_back(command->verb->name);
@@ -150,14 +155,16 @@ int run_command_line(int argc, const char* const* argv) {
   catch_interrupts();
   try {
     const ExitCode code = dispatch(argc, argv);
-    if (std::fflush(stdout) != 0) throw failure("standard output cannot be written", "check the disk");
+    if (std::fflush(stdout) != 0)
+      throw failure("standard output cannot be written", "check the disk");
     return static_cast<int>(code);
   } catch (const Error& error) {
     return report(error.code(), error.what(), error.remedy());
   } catch (const std::bad_alloc&) {
     return report(ExitCode::failed, "out of memory", "use fewer or smaller inputs");
   } catch (const std::exception& error) {
-    return report(ExitCode::failed, error.what(), "this is a fault of touchtrace; please report it");
+    return report(ExitCode::failed, error.what(),
+                  "this is a fault of touchtrace; please report it");
   }
 }
 

@@ -1,9 +1,9 @@
 #include "pipeline/cli/configuration.h"
 
 #include <fmt/core.h>
+#include <toml++/toml.h>
 
 #include <algorithm>
-#include <toml++/toml.h>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
@@ -21,7 +21,9 @@ template <class T>
 bool assign(const toml::node& node, T& target) {
   if constexpr (std::is_same_v<T, std::uint64_t> || std::is_same_v<T, int>) {
     const auto value = node.value_exact<std::int64_t>();
-    if (!value || *value < 0 || (std::is_same_v<T, int> && *value > std::numeric_limits<int>::max())) return false;
+    if (!value || *value < 0 ||
+        (std::is_same_v<T, int> && *value > std::numeric_limits<int>::max()))
+      return false;
     target = static_cast<T>(*value);
     return true;
   } else if constexpr (std::is_same_v<T, double>) {
@@ -48,15 +50,16 @@ toml::table parse(const std::filesystem::path& file) {
   try {
     return toml::parse(read_file(file, 1 << 20), file.string());
   } catch (const toml::parse_error& error) {
-    throw usage_error(fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()),
-                      "correct the file; it is TOML 1.0");
+    throw usage_error(
+        fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()),
+        "correct the file; it is TOML 1.0");
   }
 }
 
 }  // namespace
 
-void apply_configuration(const std::filesystem::path& file, const std::string& verb, OptionSet& options,
-                         const std::vector<std::string>& given) {
+void apply_configuration(const std::filesystem::path& file, const std::string& verb,
+                         OptionSet& options, const std::vector<std::string>& given) {
   const toml::table document = parse(file);
   const toml::table* table = document[verb].as_table();
   if (!table) return;
@@ -69,10 +72,12 @@ void apply_configuration(const std::filesystem::path& file, const std::string& v
                         suggestion(key.str(), keys));
     const Option& option = options.options()[static_cast<std::size_t>(place - keys.begin())];
     if (std::ranges::find(given, option.name) != given.end()) continue;
-    const bool assigned = std::visit([&](auto* target) { return assign(node, *target); }, option.target);
+    const bool assigned =
+        std::visit([&](auto* target) { return assign(node, *target); }, option.target);
     if (!assigned)
-      throw usage_error(fmt::format("{}: {} has a value of the wrong type", file.string(), key.str()),
-                        option.help);
+      throw usage_error(
+          fmt::format("{}: {} has a value of the wrong type", file.string(), key.str()),
+          option.help);
   }
 }
 

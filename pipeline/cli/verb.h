@@ -27,7 +27,8 @@ struct Verb {
   std::function<ExitCode(const Invocation&)> run;
 };
 
-/// A verb whose options live in a struct `Options` with a free function `describe(OptionSet&, Options&)`.
+/// A verb whose options live in a struct `Options` with a free function `describe(OptionSet&,
+/// Options&)`.
 template <class Options>
 Verb make_verb(std::string name, std::string summary, std::vector<std::string> examples,
                ExitCode (*run)(const Options&, const Invocation&)) {

@@ -31,8 +31,9 @@ void describe(OptionSet& set, VerifyOptions& o) {
 }
 
 void print_row(const Figure& figure) {
-  fmt::print("{:<52} {:>12.6g} {:<10} {:<16} {:<5} {:8.2f} s\n", figure.name, figure.value, figure.unit,
-             figure.goal_text(), figure.holds() ? "holds" : "FALLS SHORT", figure.seconds);
+  fmt::print("{:<52} {:>12.6g} {:<10} {:<16} {:<5} {:8.2f} s\n", figure.name, figure.value,
+             figure.unit, figure.goal_text(), figure.holds() ? "holds" : "FALLS SHORT",
+             figure.seconds);
 }
 
 std::vector<Figure> measure(const Verification& verification, bool print) {
@@ -62,8 +63,9 @@ ExitCode run(const VerifyOptions& options, const Invocation& invocation) {
 }  // namespace
 
 Verb verify_verb() {
-  return make_verb<VerifyOptions>("verify", "measure the figures that a part of touchtrace promises",
-                                  {"touchtrace verify engine", "touchtrace verify labels --json"}, run);
+  return make_verb<VerifyOptions>(
+      "verify", "measure the figures that a part of touchtrace promises",
+      {"touchtrace verify engine", "touchtrace verify labels --json"}, run);
 }
 
 }  // namespace touchtrace::cli

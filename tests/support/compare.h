@@ -9,16 +9,18 @@
 
 namespace touchtrace::testing {
 
-/// The one comparator of numbers in all tests: |a - r| <= atol + k eps sqrt(n) scale, with eps of `T`'s
-/// precision, n the terms of the sum behind each value and scale the largest |r|. NaN never passes.
+/// The one comparator of numbers in all tests: |a - r| <= atol + k eps sqrt(n) scale, with eps of
+/// `T`'s precision, n the terms of the sum behind each value and scale the largest |r|. NaN never
+/// passes.
 template <class T>
-::testing::AssertionResult close(std::span<const T> actual, std::span<const double> reference, double k,
-                                 double n, double atol = 0.0) {
+::testing::AssertionResult close(std::span<const T> actual, std::span<const double> reference,
+                                 double k, double n, double atol = 0.0) {
   if (actual.size() != reference.size())
     return ::testing::AssertionFailure() << actual.size() << " values against " << reference.size();
   double scale = 0.0;
   for (double r : reference) scale = std::max(scale, std::abs(r));
-  const double bound = atol + k * static_cast<double>(std::numeric_limits<T>::epsilon()) * std::sqrt(n) * scale;
+  const double bound =
+      atol + k * static_cast<double>(std::numeric_limits<T>::epsilon()) * std::sqrt(n) * scale;
   std::size_t worst = 0, bad = 0;
   double worst_error = -1.0;
   for (std::size_t i = 0; i < actual.size(); ++i) {
@@ -27,9 +29,9 @@ template <class T>
     if (!(error <= worst_error)) worst_error = error, worst = i;
   }
   if (bad == 0) return ::testing::AssertionSuccess();
-  return ::testing::AssertionFailure() << bad << " of " << actual.size() << " values off by more than " << bound
-                                       << "; worst at " << worst << ": " << actual[worst] << " against "
-                                       << reference[worst];
+  return ::testing::AssertionFailure()
+         << bad << " of " << actual.size() << " values off by more than " << bound << "; worst at "
+         << worst << ": " << actual[worst] << " against " << reference[worst];
 }
 
 }  // namespace touchtrace::testing

@@ -1,0 +1,93 @@
+#include <fmt/core.h>
+#include <libusb.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "pipeline/cli/doctor.h"
+
+namespace touchtrace::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Bridge {
+  std::uint16_t vendor;
+  const char* name;
+};
+
+/// The serial chips of the gloves that people own.
+constexpr Bridge bridges[]{{0x1a86, "CH340"},
+                           {0x10c4, "CP210x"},
+                           {0x0403, "FTDI"},
+                           {0x0483, "STM32"},
+                           {0x2341, "Arduino"}};
+
+const char* bridge_name(std::uint16_t vendor) {
+  for (const auto& bridge : bridges)
+    if (bridge.vendor == vendor) return bridge.name;
+  return nullptr;
+}
+
+Finding check_open(libusb_device* device, const std::string& name) {
+  libusb_device_handle* handle = nullptr;
+  const int result = libusb_open(device, &handle);
+  if (result == 0) {
+    libusb_close(handle);
+    return {Finding::State::good, fmt::format("{} can be opened", name), ""};
+  }
+  return {Finding::State::advice,
+          fmt::format("{} cannot be opened: {}", name, libusb_error_name(result)),
+          "sudo usermod -aG dialout,plugdev $USER, then log in again"};
+}
+
+std::vector<Finding> check_devices(libusb_context* context) {
+  std::vector<Finding> findings;
+  libusb_device** list = nullptr;
+  const auto count = libusb_get_device_list(context, &list);
+  for (ssize_t i = 0; i < count; ++i) {
+    libusb_device_descriptor descriptor{};
+    if (libusb_get_device_descriptor(list[i], &descriptor) != 0) continue;
+    if (const char* name = bridge_name(descriptor.idVendor))
+      findings.push_back(check_open(
+          list[i],
+          fmt::format("USB {} ({:04x}:{:04x})", name, descriptor.idVendor, descriptor.idProduct)));
+  }
+  if (count >= 0) libusb_free_device_list(list, 1);
+  return findings;
+}
+
+Finding check_tty(const fs::path& tty) {
+  if (access(tty.c_str(), R_OK | W_OK) == 0)
+    return {Finding::State::good, tty.string() + " can be opened", ""};
+  return {Finding::State::advice, tty.string() + " cannot be opened by this user",
+          "sudo usermod -aG dialout $USER, then log in again"};
+}
+
+}  // namespace
+
+std::vector<Finding> check_usb() {
+  std::vector<Finding> findings;
+  libusb_context* context = nullptr;
+  if (const int result = libusb_init(&context); result != 0)
+    findings.push_back({Finding::State::advice,
+                        fmt::format("USB cannot be listed: {}", libusb_error_name(result)),
+                        "needed only for a glove on USB; check that /dev/bus/usb exists"});
+  else {
+    const std::unique_ptr<libusb_context, decltype(&libusb_exit)> owner(context, &libusb_exit);
+    findings = check_devices(context);
+  }
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator("/dev", ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("ttyACM") || name.starts_with("ttyUSB"))
+      findings.push_back(check_tty(entry.path()));
+  }
+  if (findings.empty())
+    findings.push_back(
+        {Finding::State::good, "no glove on USB; recordings and scenes need none", ""});
+  return findings;
+}
+
+}  // namespace touchtrace::cli

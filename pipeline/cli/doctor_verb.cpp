@@ -1,0 +1,61 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "pipeline/cli/doctor.h"
+#include "pipeline/cli/verbs.h"
+
+namespace touchtrace::cli {
+namespace {
+
+struct DoctorOptions {};
+
+void describe(OptionSet&, DoctorOptions&) {}
+
+const char* name_of(Finding::State state) {
+  switch (state) {
+    case Finding::State::good:
+      return "good";
+    case Finding::State::advice:
+      return "advice";
+    case Finding::State::broken:
+      return "broken";
+  }
+  return "";
+}
+
+void print(const Finding& finding) {
+  fmt::print("{:<7} {}\n", name_of(finding.state), finding.what);
+  if (!finding.fix.empty()) fmt::print("        fix: {}\n", finding.fix);
+}
+
+nlohmann::json to_json(const std::vector<Finding>& findings) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& finding : findings)
+    rows.push_back(
+        {{"state", name_of(finding.state)}, {"what", finding.what}, {"fix", finding.fix}});
+  return {{"findings", rows}};
+}
+
+ExitCode run(const DoctorOptions&, const Invocation& invocation) {
+  std::vector<Finding> findings;
+  for (const auto& check : {check_devices, check_disk, check_usb})
+    for (auto& finding : check()) {
+      if (!invocation.json) print(finding);
+      findings.push_back(std::move(finding));
+    }
+  if (invocation.json) fmt::print("{}\n", to_json(findings).dump(2));
+  const bool broken = std::ranges::any_of(
+      findings, [](const Finding& finding) { return finding.state == Finding::State::broken; });
+  return broken ? ExitCode::failed : ExitCode::done;
+}
+
+}  // namespace
+
+Verb doctor_verb() {
+  return make_verb<DoctorOptions>(
+      "doctor", "check devices and kernels, disk and USB, and say how to mend what is wrong",
+      {"touchtrace doctor", "touchtrace doctor --json"}, run);
+}
+
+}  // namespace touchtrace::cli

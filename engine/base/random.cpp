@@ -23,15 +23,9 @@ double to_unit(std::uint32_t high, std::uint32_t low) {
 
 }  // namespace
 
-RandomStream::RandomStream(std::uint64_t seed, std::string_view name)
-    : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
-      name_hash_(fnv1a(name)) {}
-
-std::array<std::uint32_t, 4> RandomStream::block(std::uint64_t index) const noexcept {
-  std::array<std::uint32_t, 4> x{
-      static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32),
-      static_cast<std::uint32_t>(name_hash_), static_cast<std::uint32_t>(name_hash_ >> 32)};
-  auto [k0, k1] = key_;
+std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> x,
+                                        std::array<std::uint32_t, 2> key) noexcept {
+  auto [k0, k1] = key;
   for (int round = 0; round < rounds; ++round, k0 += weyl_0, k1 += weyl_1) {
     const std::uint64_t p0 = std::uint64_t{multiplier_0} * x[0];
     const std::uint64_t p1 = std::uint64_t{multiplier_1} * x[2];
@@ -39,6 +33,17 @@ std::array<std::uint32_t, 4> RandomStream::block(std::uint64_t index) const noex
          static_cast<std::uint32_t>(p0 >> 32) ^ x[3] ^ k1, static_cast<std::uint32_t>(p0)};
   }
   return x;
+}
+
+RandomStream::RandomStream(std::uint64_t seed, std::string_view name)
+    : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
+      name_hash_(fnv1a(name)) {}
+
+std::array<std::uint32_t, 4> RandomStream::block(std::uint64_t index) const noexcept {
+  return philox4x32(
+      {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32),
+       static_cast<std::uint32_t>(name_hash_), static_cast<std::uint32_t>(name_hash_ >> 32)},
+      key_);
 }
 
 double RandomStream::uniform_at(std::uint64_t index) const noexcept {

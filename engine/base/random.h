@@ -6,6 +6,10 @@
 
 namespace touchtrace {
 
+/// The block cipher behind the streams: Philox 4x32-10, as published with Random123.
+std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
+                                        std::array<std::uint32_t, 2> key) noexcept;
+
 /// A named stream of random numbers: Philox 4x32-10 (Salmon et al., SC'11), counter-based.
 ///
 /// Streams of different names or seeds are independent, and every number can be had by its index, so

@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <vector>
+
+#include "engine/base/error.h"
+#include "engine/base/figure.h"
+#include "engine/base/files.h"
+#include "engine/base/options.h"
+#include "engine/base/provenance.h"
+#include "engine/base/random.h"
+#include "engine/base/text.h"
+
+namespace touchtrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The known answers that Random123 ships (kat_vectors).
+TEST(Random, PhiloxKnownAnswers) {
+  using Block = std::array<std::uint32_t, 4>;
+  EXPECT_EQ(philox4x32({0, 0, 0, 0}, {0, 0}),
+            (Block{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  constexpr std::uint32_t ones = 0xffffffff;
+  EXPECT_EQ(philox4x32({ones, ones, ones, ones}, {ones, ones}),
+            (Block{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
+  EXPECT_EQ(philox4x32({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+            (Block{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
+}
+
+TEST(Random, StreamsDifferByNameAndSeedAndCanBeSought) {
+  RandomStream a(7, "a"), b(7, "b"), c(8, "a");
+  EXPECT_NE(a.uniform_at(0), b.uniform_at(0));
+  EXPECT_NE(a.uniform_at(0), c.uniform_at(0));
+  for (int i = 0; i < 5; ++i) a.normal();
+  const double sixth = a.normal();
+  a.seek(5);
+  EXPECT_EQ(a.normal(), sixth);
+}
+
+// Bounds are five standard errors of each moment at n draws.
+TEST(Random, NormalMomentsAndUniformRange) {
+  constexpr int n = 200000;
+  RandomStream stream(1, "moments");
+  double sum = 0, squares = 0, fourth = 0, low = 1, high = 0;
+  for (int i = 0; i < n; ++i) {
+    const double x = stream.normal(), u = stream.uniform();
+    sum += x, squares += x * x, fourth += x * x * x * x;
+    low = std::min(low, u), high = std::max(high, u);
+  }
+  EXPECT_LT(std::abs(sum / n), 5 / std::sqrt(double{n}));
+  EXPECT_LT(std::abs(squares / n - 1), 5 * std::sqrt(2.0 / n));
+  EXPECT_LT(std::abs(fourth / n - 3), 5 * std::sqrt(96.0 / n));
+  EXPECT_GE(low, 0.0);
+  EXPECT_LT(high, 1.0);
+}
+
+TEST(Random, BelowIsUnbiased) {
+  std::array<int, 3> seen{};
+  RandomStream stream(3, "below");
+  constexpr int n = 30000;
+  for (int i = 0; i < n; ++i) ++seen[stream.below(3)];
+  for (int count : seen) EXPECT_LT(std::abs(count - n / 3), 5 * std::sqrt(n * 2.0 / 9.0));
+}
+
+TEST(Text, NearestName) {
+  const std::vector<std::string> names{"wave", "throw", "pingpong"};
+  EXPECT_EQ(nearest_name("wav", names), "wave");
+  EXPECT_EQ(nearest_name("trhow", names), "throw");
+  EXPECT_EQ(nearest_name("elephant", names), "");
+}
+
+struct SomeOptions {
+  int count = 3;
+  double rate_hz = 15;
+  std::string kind = "a";
+  std::string output;
+};
+
+OptionSet describe(SomeOptions& o) {
+  OptionSet set;
+  set.integer("count", o.count, "how many", 1, 10);
+  set.number("rate-hz", o.rate_hz, "how often", 0.1, 100);
+  set.choice("kind", o.kind, "which", {"a", "b"});
+  set.path("output", o.output, "where");
+  return set;
+}
+
+void expect_usage_error(SomeOptions options) {
+  try {
+    describe(options).validate();
+    FAIL() << "was accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::usage);
+    EXPECT_FALSE(error.remedy().empty());
+  }
+}
+
+TEST(Options, AreValidatedAndListed) {
+  SomeOptions good{3, 15, "a", "x"};
+  const OptionSet set = describe(good);
+  EXPECT_NO_THROW(set.validate());
+  EXPECT_EQ(set.values().dump(), R"({"count":3,"kind":"a","output":"x","rate_hz":15.0})");
+  expect_usage_error({0, 15, "a", "x"});
+  expect_usage_error({3, std::numeric_limits<double>::quiet_NaN(), "a", "x"});
+  expect_usage_error({3, 15, "c", "x"});
+  expect_usage_error({3, 15, "a", ""});
+}
+
+TEST(Figures, NaNNeverHolds) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(at_most("x", nan, "", 1).holds());
+  EXPECT_FALSE(reported("x", nan, "").holds());
+  EXPECT_TRUE(within("x", 1.0, "", 0.9, 1.1).holds());
+  EXPECT_FALSE(at_least("x", 1.0, "", 2.0).holds());
+}
+
+class Files : public ::testing::Test {
+ protected:
+  Files() : folder_(fs::temp_directory_path() / "touchtrace_files_test") {
+    fs::remove_all(folder_);
+  }
+  ~Files() override { fs::remove_all(folder_); }
+  std::size_t entries() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {}));
+  }
+  fs::path folder_;
+};
+
+TEST_F(Files, OutputAppearsWholeOrNotAtAll) {
+  {
+    OutputFile output(folder_ / "a", false);
+    std::ofstream(output.temporary()) << "half";
+  }
+  EXPECT_EQ(entries(), 0u);
+  write_file(folder_ / "a", "whole", false);
+  EXPECT_EQ(read_file(folder_ / "a"), "whole");
+  EXPECT_EQ(entries(), 1u);
+}
+
+TEST_F(Files, ExistingOutputIsKeptUnlessAskedFor) {
+  write_file(folder_ / "a", "first", false);
+  EXPECT_THROW(write_file(folder_ / "a", "second", false), Error);
+  EXPECT_EQ(read_file(folder_ / "a"), "first");
+  write_file(folder_ / "a", "second", true);
+  EXPECT_EQ(read_file(folder_ / "a"), "second");
+}
+
+TEST_F(Files, Sha256OfAbc) {
+  write_file(folder_ / "abc", "abc", false);
+  EXPECT_EQ(sha256_of_file(folder_ / "abc"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(ProvenanceJson, RoundTrip) {
+  Provenance made = start_provenance("touchtrace/test/1", "test");
+  made.inputs.push_back({"/data/wave.h5", "0123"});
+  made.options = {{"count", 3}};
+  const Provenance read = nlohmann::json(made).get<Provenance>();
+  EXPECT_EQ(nlohmann::json(read), nlohmann::json(made));
+  EXPECT_EQ(read.input_hash("elsewhere/wave.h5"), "0123");
+  EXPECT_EQ(read.input_hash("throw.h5"), "");
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,6 +13,8 @@ namespace touchtrace::scene {
 
 /// World frame: z up, the person stands at the origin facing -y, the camera looks along +y; metres.
 inline constexpr double gravity_m_per_s2 = 9.81;
+
+inline constexpr int finger_count = 5;  ///< index, middle, ring, little, thumb
 
 enum class ShapeKind { sphere, box, capsule, cylinder };
 
@@ -44,7 +47,8 @@ struct RigidState {
 struct SceneSample {
   double time_s = 0.0;  ///< host's clock
   RigidState hand, object;
-  double finger_closure = 0.0;  ///< 0 open .. 1 closed on the object; poses the fingers that one sees
+  double finger_closure = 0.0;  ///< 0 open .. 1 a fist: the mean of the fingers
+  std::array<double, finger_count> flexion_rad{};  ///< of the first joint; poses each finger
   Eigen::Vector3d contact_force_n = Eigen::Vector3d::Zero();  ///< of the hand on the object, world
 };
 
@@ -72,6 +76,15 @@ struct SceneOptions {
 /// Physics, glove and its clock for clip number `clip`, starting at `start_s`; depends on nothing but its
 /// arguments, so clips may be simulated in any order on any number of threads.
 ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s);
+
+/// The glove's true clock: frame n (its `sequence`) is scanned from first_frame_s + n / rate_hz, host's
+/// clock, on, and arrives `latency_s` plus an exponential jitter after its scan ended.
+struct GloveClock {
+  double first_frame_s = 0.0, rate_hz = 15.0;
+  double latency_s = 0.004, jitter_s = 0.003;
+  double lost_share = 0.02;  ///< of the frames
+};
+GloveClock glove_clock(const SceneOptions& options);
 
 /// Every activity and object there is, for messages and --help.
 std::vector<std::string> activity_names();

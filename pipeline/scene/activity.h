@@ -1,0 +1,54 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "pipeline/scene/motion.h"
+#include "pipeline/scene/scene.h"
+
+namespace touchtrace::scene {
+
+/// Activities think on this grid, whatever the physics' step.
+inline constexpr double control_interval_s = 1.0 / sample_rate_hz;
+
+/// What the person wants at one instant.
+struct Command {
+  MotionState hand;
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< world from hand
+  bool closed_grip = true;      ///< fingers by force; otherwise by posture
+  double grip_force_n = 0.0;    ///< of the four fingers together
+  double posture_rad = 0.0;     ///< flexion of all fingers
+  bool carrying = true;         ///< whether the object's weight is fed forward
+};
+
+/// What an activity knows when a clip begins. The random stream is its own.
+struct ActivityStart {
+  const ObjectSpec& object;
+  RandomStream random;
+};
+
+/// How a person moves. One file and one row in activities.cpp each.
+class Activity {
+ public:
+  virtual ~Activity() = default;
+  /// Called once every control interval, in order of time; time 0 is where the clip begins and earlier times
+  /// are the grasp. `seen` is the scene at that time.
+  virtual Command command(double time_s, const SceneSample& seen) = 0;
+};
+
+struct ActivityRow {
+  std::string name, summary;
+  std::function<std::unique_ptr<Activity>(ActivityStart)> make;
+};
+const std::vector<ActivityRow>& activities();
+/// Throws usage_error with the known names.
+const ActivityRow& find_activity(const std::string& name);
+
+std::unique_ptr<Activity> make_wave(ActivityStart start);
+std::unique_ptr<Activity> make_throw(ActivityStart start);
+
+/// The orientation of a hand before the person, palm up, fingers away from him, turned by roll about the forearm,
+/// pitch about the wrist and yaw.
+Eigen::Quaterniond palm_up(double roll_rad, double pitch_rad, double yaw_rad);
+
+}  // namespace touchtrace::scene

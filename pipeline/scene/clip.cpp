@@ -1,0 +1,68 @@
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "pipeline/scene/activity.h"
+#include "pipeline/scene/glove.h"
+#include "pipeline/scene/grasp.h"
+
+namespace touchtrace::scene {
+namespace {
+
+constexpr int grasp_attempts = 5;
+constexpr double lost_below_m = 0.20, lost_distance_m = 0.80;
+constexpr double shortest_flight_s = 0.04;
+
+bool lost(const RigidState& hand, const RigidState& object) {
+  const Eigen::Vector3d offset = object.position_m - hand.position_m;
+  return offset.z() < -lost_below_m || !(offset.norm() < lost_distance_m);
+}
+
+/// Release and catch are the ends of every stretch without contact that is long enough to be a flight.
+void add_flights(ClipMotion& clip) {
+  double last_touch_s = clip.samples.empty() ? 0.0 : clip.samples.front().time_s;
+  for (const SceneSample& sample : clip.samples) {
+    if (sample.contact_force_n.isZero(0.0)) continue;
+    if (sample.time_s - last_touch_s > shortest_flight_s) {
+      clip.events.push_back({last_touch_s, "release"});
+      clip.events.push_back({sample.time_s, "catch"});
+    }
+    last_touch_s = sample.time_s;
+  }
+}
+
+/// Records one clip after a grasp that held; `start_s` on the host's clock is time 0 of the activity.
+ClipMotion record(const SceneOptions& options, Performance& performance, double start_s) {
+  ClipMotion clip;
+  const int samples = static_cast<int>(std::lround(options.clip_s * sample_rate_hz));
+  clip.samples.reserve(samples);
+  Glove& glove = performance.glove();
+  glove.start(start_s);
+  for (int i = 0; i < samples; ++i) {
+    SceneSample sample = performance.sample();
+    sample.time_s = start_s + i * control_interval_s;
+    clip.samples.push_back(sample);
+    if (lost(sample.hand, sample.object)) {
+      clip.dropped = true;
+      clip.events.push_back({sample.time_s, "drop"});
+      break;
+    }
+    performance.advance();
+  }
+  clip.glove = glove.take();
+  add_flights(clip);
+  return clip;
+}
+
+}  // namespace
+
+ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s) {
+  for (int attempt = 1;; ++attempt) {
+    const std::string name = fmt::format("{} {} clip {} attempt {}", options.activity, options.object, clip, attempt);
+    Performance performance(options, name, start_s);
+    const bool held = performance.grasp();
+    if (held || attempt == grasp_attempts) return record(options, performance, start_s);
+  }
+}
+
+}  // namespace touchtrace::scene

@@ -1,0 +1,139 @@
+#include "pipeline/scene/grasp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/scene/solids.h"
+
+namespace touchtrace::scene {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double grasp_s = 1.4, turn_start_s = -0.7, turn_end_s = -0.1;  // activity's time
+constexpr double adaptation_s = 1.5, weight_error = 0.25, weight_lag_s = 0.05;
+constexpr double lever_lag_s = 0.02, shortest_lever_m = 0.01, longest_lever_m = 0.08;
+constexpr double grip_stiffness_nm_per_rad = 0.5, grip_relaxation_s = 0.15, posture_stiffness_nm_per_rad = 3.0;
+constexpr std::array<double, finger_count> share{0.30, 0.30, 0.25, 0.15, 0.60};
+
+long ticks(double time_s) { return std::lround(time_s / control_interval_s); }
+
+/// Long sides across the palm, then a random turn of each in-hand angle; balls any way round.
+Eigen::Quaterniond in_hand(const ObjectSpec& object, RandomStream& random) {
+  using Eigen::AngleAxisd;
+  const bool round = object.solids.front().kind == ShapeKind::sphere;
+  const bool box = object.solids.front().kind == ShapeKind::box;
+  const double across = box ? 0.0 : std::numbers::pi / 2;  // brings z of capsules and cylinders to y
+  const double spin = round || !box ? random.uniform(-std::numbers::pi, std::numbers::pi) : 0.0;
+  const double yaw = random.normal(0.0, 0.12);
+  return AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(across, Vector3d::UnitX()) *
+         AngleAxisd(spin, Vector3d::UnitZ());
+}
+
+/// How far the origin of the object has to be above the palm so that nothing touches.
+double height_over_palm_m(const ObjectSpec& object, const Eigen::Quaterniond& hand_from_object,
+                          const Vector3d& place) {
+  double height = 0.0;
+  for (double step = 0.0005; height < 0.2; height += step) {
+    bool free = true;
+    for (const Taxel& taxel : hand_model().taxels)
+      if (taxel.finger < 0)
+        free &= distance(object, hand_from_object.conjugate() *
+                                     (taxel.position_m - place - height * Vector3d::UnitZ()))
+                    .value_m > 0.0;
+    if (free) return height;
+  }
+  return height;
+}
+
+}  // namespace
+
+Performance::Performance(const SceneOptions& options, const std::string& name, double start_s)
+    : world_(find_object(options.object)),
+      activity_(find_activity(options.activity)
+                    .make({find_object(options.object), RandomStream(options.seed, name + " motion")})),
+      glove_(1, glove_clock(options), options.seed),
+      start_s_(start_s),
+      tick_(-ticks(grasp_s)) {
+  RandomStream random(options.seed, name + " grasp");
+  weight_error_ = weight_error * random.normal();
+  lever_m_.fill(0.04);
+  rest_rad_.fill(0.3);
+  world_.flexion_rad.fill(0.3);
+  const Command first = activity_->command(-grasp_s, sample());
+  const Vector3d fingers = first.orientation * Vector3d::UnitX();
+  taking_orientation_ = palm_up(0.0, 0.0, std::atan2(fingers.x(), -fingers.y()));
+  place_object(first, random);
+}
+
+void Performance::place_object(const Command& command, RandomStream& random) {
+  const Vector3d place(0.012 + 0.005 * random.normal(), 0.005 * random.normal(), 0.0);
+  const Eigen::Quaterniond hand_from_object = in_hand(world_.spec(), random);
+  const double height = height_over_palm_m(world_.spec(), hand_from_object, place);
+  world_.hand.position_m = command.hand.position_m;
+  world_.hand.orientation = wanted_orientation(command);
+  world_.object.position_m = world_.hand.position_m + world_.hand.orientation * (place + height * Vector3d::UnitZ());
+  world_.object.orientation = world_.hand.orientation * hand_from_object;
+}
+
+Eigen::Quaterniond Performance::wanted_orientation(const Command& command) const {
+  const double time_s = tick_ * control_interval_s;
+  const double s = std::clamp((time_s - turn_start_s) / (turn_end_s - turn_start_s), 0.0, 1.0);
+  if (s >= 1.0) return command.orientation;
+  return taking_orientation_.slerp(s * s * s * (10 - 15 * s + 6 * s * s), command.orientation);
+}
+
+FingerDrive Performance::finger_drive(const Command& command, int finger) {
+  if (!command.closed_grip) return {0.0, posture_stiffness_nm_per_rad, command.posture_rad};
+  const double measured = world_.contact().lever_m(finger);
+  if (measured > 0.0)
+    lever_m_[finger] += (std::clamp(measured, shortest_lever_m, longest_lever_m) - lever_m_[finger]) *
+                        control_interval_s / lever_lag_s;
+  rest_rad_[finger] += (world_.flexion_rad[finger] - rest_rad_[finger]) * control_interval_s / grip_relaxation_s;
+  return {share[finger] * command.grip_force_n * lever_m_[finger], grip_stiffness_nm_per_rad, rest_rad_[finger]};
+}
+
+Drive Performance::drive_to(const Command& command) {
+  Drive drive;
+  drive.position_m = command.hand.position_m;
+  drive.velocity_m_per_s = command.hand.velocity_m_per_s;
+  drive.acceleration_m_per_s2 = command.hand.acceleration_m_per_s2;
+  const Eigen::AngleAxisd turn(wanted_orientation(command) * world_.hand.orientation.conjugate());
+  drive.angular_velocity_rad_per_s = turn.angle() / control_interval_s * turn.axis();
+  const double time_s = std::max(0.0, tick_ * control_interval_s);
+  const double believed = 1 + weight_error_ * std::exp(-time_s / adaptation_s);
+  const double weight = command.carrying ? believed * world_.spec().mass_kg * gravity_m_per_s2 : 0.0;
+  fed_forward_n_ += (weight - fed_forward_n_) * control_interval_s / weight_lag_s;
+  drive.carried_weight_n = fed_forward_n_;
+  for (int i = 0; i < finger_count; ++i) drive.fingers[i] = finger_drive(command, i);
+  return drive;
+}
+
+void Performance::advance() {
+  const Command command = activity_->command(tick_ * control_interval_s, sample());
+  world_.advance(drive_to(command), control_interval_s);
+  ++tick_;
+  glove_.sense(world_.contact().force_n(), start_s_ + tick_ * control_interval_s, control_interval_s);
+}
+
+bool Performance::grasp() {
+  glove_.start(start_s_);
+  while (tick_ < 0) advance();
+  const Vector3d offset = world_.object.position_m - world_.hand.position_m;
+  return world_.contact().touching() && offset.norm() < 0.12;
+}
+
+SceneSample Performance::sample() const {
+  SceneSample sample;
+  sample.time_s = start_s_ + tick_ * control_interval_s;
+  sample.hand = world_.hand;
+  sample.object = world_.object;
+  sample.flexion_rad = world_.flexion_rad;
+  for (double flexion : world_.flexion_rad)
+    sample.finger_closure += flexion / (max_flexion_rad * finger_count);
+  sample.contact_force_n = world_.contact().force_on_object_n();
+  return sample;
+}
+
+}  // namespace touchtrace::scene

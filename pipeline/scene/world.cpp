@@ -1,0 +1,126 @@
+#include "pipeline/scene/world.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace touchtrace::scene {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double finger_inertia_kg_m2 = 5e-5, finger_damping_nm_s_per_rad = 0.02;
+constexpr double impact_speed_m_per_s = 0.3;
+
+Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3d& rotation) {
+  const double angle = rotation.norm();
+  if (angle == 0.0) return orientation;
+  return (Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle)) * orientation).normalized();
+}
+
+}  // namespace
+
+World::World(const ObjectSpec& spec, const ArmParameters& arm) : object_spec_(spec), arm_(arm) {}
+
+World::Velocity World::velocities() const {
+  Velocity u;
+  u << hand.velocity_m_per_s, object.velocity_m_per_s, object.angular_velocity_rad_per_s,
+      Eigen::Map<const Eigen::Matrix<double, finger_count, 1>>(flexion_rate_rad_per_s.data());
+  return u;
+}
+
+void World::add_masses(System& system, Velocity& momentum, double h) const {
+  const Matrix3d rotation = object.orientation.toRotationMatrix();
+  const Matrix3d inertia = rotation * object_spec_.inertia_kg_m2 * rotation.transpose();
+  const Vector3d& spin = object.angular_velocity_rad_per_s;
+  const Vector3d angular = inertia * spin;
+  system.diagonal().segment<3>(hand_at).setConstant(arm_.mass_kg);
+  system.diagonal().segment<3>(object_at).setConstant(object_spec_.mass_kg);
+  system.block<3, 3>(spin_at, spin_at) = inertia;
+  momentum.segment<3>(hand_at) = arm_.mass_kg * hand.velocity_m_per_s;
+  momentum.segment<3>(object_at) =
+      object_spec_.mass_kg * (object.velocity_m_per_s - h * gravity_m_per_s2 * Vector3d::UnitZ());
+  momentum.segment<3>(spin_at) = angular - h * spin.cross(angular);
+}
+
+void World::add_arm(const Drive& drive, System& system, Velocity& momentum, double h) const {
+  const double damping = arm_.damping_n_s_per_m(), gain = h * arm_.stiffness_n_per_m + damping;
+  const Vector3d wanted_velocity = drive.velocity_m_per_s + h * drive.acceleration_m_per_s2;
+  const Vector3d wanted_position =
+      drive.position_m + h * drive.velocity_m_per_s + 0.5 * h * h * drive.acceleration_m_per_s2;
+  const Vector3d at_rest = arm_.stiffness_n_per_m * (wanted_position - hand.position_m) +
+                           damping * wanted_velocity + arm_.mass_kg * drive.acceleration_m_per_s2 +
+                           drive.carried_weight_n * Vector3d::UnitZ();
+  const Vector3d force = at_rest - gain * hand.velocity_m_per_s;
+  if (const double size = force.norm(); size > arm_.force_bound_n) {
+    momentum.segment<3>(hand_at) += h * force * (arm_.force_bound_n / size);
+    return;
+  }
+  momentum.segment<3>(hand_at) += h * at_rest;
+  system.diagonal().segment<3>(hand_at).array() += h * gain;
+}
+
+void World::add_fingers(const Drive& drive, System& system, Velocity& momentum, double h) const {
+  for (int i = 0; i < finger_count; ++i) {
+    const FingerDrive& d = drive.fingers[i];
+    const double torque = d.torque_nm + d.stiffness_nm_per_rad * (d.rest_rad - flexion_rad[i]);
+    momentum[fingers_at + i] = finger_inertia_kg_m2 * flexion_rate_rad_per_s[i] + h * torque;
+    system(fingers_at + i, fingers_at + i) =
+        finger_inertia_kg_m2 + h * (finger_damping_nm_s_per_rad + h * d.stiffness_nm_per_rad);
+  }
+}
+
+void World::step(const Drive& drive, double h) {
+  const Vector3d& hand_spin = drive.angular_velocity_rad_per_s;
+  contact_.find({object_spec_, hand, object, hand_spin, flexion_rad, flexion_rate_rad_per_s}, h);
+  System system = System::Zero();
+  Velocity momentum;
+  add_masses(system, momentum, h);
+  add_fingers(drive, system, momentum, h);
+  add_arm(drive, system, momentum, h);
+  contact_.add_to(system, momentum, h);
+  const Velocity next = system.llt().solve(momentum);
+  contact_.settle(next, hand_spin, h);
+  move(next, drive, h);
+}
+
+void World::move(const Velocity& next, const Drive& drive, double h) {
+  const Vector3d fall = object.velocity_m_per_s;
+  hand.velocity_m_per_s = next.segment<3>(hand_at);
+  hand.position_m += h * hand.velocity_m_per_s;
+  hand.angular_velocity_rad_per_s = drive.angular_velocity_rad_per_s;
+  hand.orientation = turned(hand.orientation, h * drive.angular_velocity_rad_per_s);
+  object.velocity_m_per_s = next.segment<3>(object_at);
+  object.angular_velocity_rad_per_s = next.segment<3>(spin_at);
+  // Nothing stiff acts in free flight, where the trapezium rule is exact.
+  const Vector3d mean = 0.5 * (fall + object.velocity_m_per_s);
+  object.position_m += h * (contact_.touching() ? object.velocity_m_per_s : mean);
+  object.orientation = turned(object.orientation, h * object.angular_velocity_rad_per_s);
+  for (int i = 0; i < finger_count; ++i) {
+    const double wanted = flexion_rad[i] + h * next[fingers_at + i];
+    flexion_rad[i] = std::clamp(wanted, 0.0, max_flexion_rad);
+    flexion_rate_rad_per_s[i] = flexion_rad[i] == wanted ? next[fingers_at + i] : 0.0;
+  }
+}
+
+double World::next_step(double step_s) const {
+  if (contact_.touching()) return step_s;
+  const double speed = (object.velocity_m_per_s - hand.velocity_m_per_s).norm();
+  if (contact_.clearance_m() > 4 * step_s * speed + 0.001) return 2 * step_s;
+  return speed > impact_speed_m_per_s ? 0.5 * step_s : step_s;
+}
+
+void World::advance(const Drive& drive, double interval_s, double step_s) {
+  Drive now = drive;
+  double left = interval_s;
+  while (left > 1e-9) {
+    const double h = std::min(next_step(step_s), left);
+    step(now, h);
+    now.position_m += h * now.velocity_m_per_s + 0.5 * h * h * now.acceleration_m_per_s2;
+    now.velocity_m_per_s += h * now.acceleration_m_per_s2;
+    left -= h;
+  }
+}
+
+}  // namespace touchtrace::scene

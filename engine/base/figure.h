@@ -2,10 +2,23 @@
 
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace touchtrace {
+
+/// A picture that goes with a figure: curves over common axes, such as error over run time.
+struct Picture {
+  struct Curve {
+    std::string name;
+    std::vector<double> x, y;
+  };
+
+  std::string x_label, y_label;  ///< with the unit
+  bool log_x = false, log_y = false;
+  std::vector<Curve> curves;
+};
 
 /// One figure that a room promises, measured: a row of `touchtrace verify AREA`.
 struct Figure {
@@ -16,6 +29,7 @@ struct Figure {
   Goal goal = Goal::reported;
   double low = 0.0, high = 0.0;  ///< at_most: high; at_least: low; within: both; reported: none
   double seconds = 0.0;          ///< spent on measuring it
+  std::optional<Picture> picture = std::nullopt;  ///< for `verify --report`
 
   /// False for a value that is not finite, whatever the goal.
   bool holds() const;

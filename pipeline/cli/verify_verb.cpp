@@ -4,14 +4,16 @@
 #include <map>
 
 #include "engine/base/figure.h"
+#include "engine/base/files.h"
 #include "engine/base/text.h"
 #include "pipeline/cli/verbs.h"
+#include "pipeline/report/figures_page.h"
 
 namespace touchtrace::cli {
 namespace {
 
 struct VerifyOptions {
-  std::string area;
+  std::string area, report;
 };
 
 /// One row an area: what a room promises, measured by the room itself.
@@ -28,6 +30,7 @@ std::vector<std::string> area_names() {
 
 void describe(OptionSet& set, VerifyOptions& o) {
   set.input("area", o.area, "what to measure: " + comma_separated(area_names()));
+  set.text("report", o.report, "HTML file to write with the figures and their pictures");
 }
 
 void print_row(const Figure& figure) {
@@ -55,6 +58,9 @@ ExitCode run(const VerifyOptions& options, const Invocation& invocation) {
                       suggestion(options.area, area_names()));
   const auto figures = measure(area->second, !invocation.json);
   if (invocation.json) fmt::print("{}\n", to_json(figures).dump(2));
+  if (!options.report.empty())
+    write_file(options.report, report::figures_page("touchtrace verify " + options.area, figures),
+               invocation.overwrite);
   for (const auto& figure : figures)
     if (!figure.holds()) return ExitCode::data;
   return ExitCode::done;

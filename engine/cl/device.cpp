@@ -51,7 +51,8 @@ bool slower(const DeviceInfo& a, const DeviceInfo& b) {
 
 std::string list_text(const std::vector<DeviceInfo>& devices) {
   std::string text;
-  for (const auto& info : devices) text += fmt::format("\n  {}: {} ({})", info.number, info.name, info.type);
+  for (const auto& info : devices)
+    text += fmt::format("\n  {}: {} ({})", info.number, info.name, info.type);
   return text;
 }
 
@@ -81,8 +82,9 @@ std::vector<DeviceInfo> list_devices() {
 ChosenDevice choose_device(const std::string& wish) {
   const auto devices = list_devices();
   if (devices.empty())
-    throw device_error("no OpenCL device was found",
-                       "install PoCL, which runs on any processor: apt-get install pocl-opencl-icd");
+    throw device_error(
+        "no OpenCL device was found",
+        "install PoCL, which runs on any processor: apt-get install pocl-opencl-icd");
   if (wish.empty()) {
     const auto& best = *std::ranges::max_element(devices, slower);
     return {best, best.type == "cpu" ? "no GPU offers OpenCL here, so the processor computes"
@@ -90,8 +92,9 @@ ChosenDevice choose_device(const std::string& wish) {
   }
   for (const auto& info : devices)
     if (fits(info, wish)) return {info, fmt::format("asked for by --device {}", wish)};
-  throw device_error(fmt::format("no OpenCL device fits '{}'", wish),
-                     "pass --device with a number, a type or a part of a name of:" + list_text(devices));
+  throw device_error(
+      fmt::format("no OpenCL device fits '{}'", wish),
+      "pass --device with a number, a type or a part of a name of:" + list_text(devices));
 }
 
 }  // namespace touchtrace

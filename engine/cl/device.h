@@ -10,7 +10,7 @@ namespace touchtrace {
 
 /// What is known of an OpenCL device without using it.
 struct DeviceInfo {
-  int number;  ///< place in list_devices(), for --device
+  int number;                                        ///< place in list_devices(), for --device
   std::string name, vendor, platform, driver, type;  ///< type: "cpu", "gpu", "accelerator"
   int compute_units;
   std::uint64_t memory_bytes;
@@ -18,7 +18,8 @@ struct DeviceInfo {
   cl::Device handle;
 };
 
-/// Every device of every platform; empty if there is no OpenCL at all. Never throws for a bad driver.
+/// Every device of every platform; empty if there is no OpenCL at all. Never throws for a bad
+/// driver.
 std::vector<DeviceInfo> list_devices();
 
 struct ChosenDevice {
@@ -26,8 +27,8 @@ struct ChosenDevice {
   std::string reason;  ///< one sentence for the user
 };
 
-/// `wish`: empty for the fastest usable device, or a number, a type ("cpu", "gpu") or a part of a name.
-/// Throws device_error, listing what there is, if nothing fits.
+/// `wish`: empty for the fastest usable device, or a number, a type ("cpu", "gpu") or a part of a
+/// name. Throws device_error, listing what there is, if nothing fits.
 ChosenDevice choose_device(const std::string& wish);
 
 }  // namespace touchtrace

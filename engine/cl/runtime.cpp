@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/base/error.h"
 #include "engine/base/text.h"
 #include "engine/cl/kernel_sources.h"
 
@@ -20,13 +19,27 @@ std::string option_text(const Defines& defines, Accuracy accuracy) {
   return text;
 }
 
+std::string build_log(const cl::Program& program, const cl::Device& device) {
+  try {
+    return program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
+  } catch (const cl::Error&) {
+    return "(the driver gives no log)";
+  }
+}
+
+/// Memory in whole MiB, rounded up.
+std::uint64_t mebibytes(std::uint64_t bytes) { return (bytes + (1u << 20) - 1) >> 20; }
+
 }  // namespace
 
-Runtime::Runtime(ChosenDevice device, Accuracy accuracy)
-    : device_(std::move(device)),
+Runtime::Runtime(ChosenDevice device, Accuracy accuracy) try
+    : device_(device),
       accuracy_(accuracy),
       context_(device_.info.handle),
-      queue_(context_, device_.info.handle) {}
+      queue_(context_, device_.info.handle) {
+} catch (const cl::Error& error) {
+  throw opencl_error(error, "opening the device", device.info.name);
+}
 
 cl::Kernel Runtime::kernel(const std::vector<std::string>& files, const std::string& name,
                            const Defines& defines) {
@@ -34,7 +47,8 @@ cl::Kernel Runtime::kernel(const std::vector<std::string>& files, const std::str
   const std::string key = comma_separated(files) + " " + options;
   auto found = programs_.find(key);
   if (found == programs_.end()) found = programs_.emplace(key, build(files, options)).first;
-  return cl::Kernel(found->second, name.c_str());
+  return guarded("creating the kernel " + name,
+                 [&] { return cl::Kernel(found->second, name.c_str()); });
 }
 
 cl::Program Runtime::build(const std::vector<std::string>& files, const std::string& options) {
@@ -43,17 +57,45 @@ cl::Program Runtime::build(const std::vector<std::string>& files, const std::str
   cl::Program program(context_, source);
   try {
     program.build({device_.info.handle}, options.c_str());
-  } catch (const cl::Error&) {
-    throw device_error(fmt::format("{} does not build for {} with {}:\n{}", comma_separated(files),
-                                   device_.info.name, options,
-                                   program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_.info.handle)),
-                       "choose another device with --device, and report this log");
+  } catch (const cl::Error& error) {
+    throw device_error(
+        fmt::format("{} does not build for {} with {} ({}):\n{}", comma_separated(files),
+                    device_.info.name, options, opencl_error_name(error.err()),
+                    build_log(program, device_.info.handle)),
+        "choose another device with --device, and report this log");
   }
   return program;
 }
 
+void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global,
+                     const cl::NDRange& local) {
+  try {
+    queue_.enqueueNDRangeKernel(kernel, cl::NullRange, global, local);
+  } catch (const cl::Error& error) {
+    const auto name = kernel.getInfo<CL_KERNEL_FUNCTION_NAME>();
+    throw opencl_error(error, "the kernel " + name, device_.info.name);
+  }
+}
+
+void Runtime::finish() {
+  guarded("waiting for the kernels", [&] { return queue_.finish(); });
+}
+
+void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global) {
+  static const cl::NDRange ones[] = {cl::NDRange(1), cl::NDRange(1, 1), cl::NDRange(1, 1, 1)};
+  launch(kernel, global,
+         device_.info.type == "cpu" ? ones[global.dimensions() - 1] : cl::NullRange);
+}
+
 cl::Buffer Runtime::allocate_bytes(std::size_t bytes) {
-  return cl::Buffer(context_, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 1));
+  const auto doing = fmt::format("allocating {} MiB, with {} MiB in use already and {} MiB in all,",
+                                 mebibytes(bytes), mebibytes(allocated_bytes_),
+                                 mebibytes(device_.info.memory_bytes));
+  auto buffer = guarded(doing, [&] {
+    return cl::Buffer(context_, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 1));
+  });
+  allocated_bytes_ += bytes;
+  return buffer;
 }
 
 }  // namespace touchtrace

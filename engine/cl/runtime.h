@@ -4,9 +4,11 @@
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/cl/device.h"
+#include "engine/cl/opencl_error.h"
 
 namespace touchtrace {
 
@@ -43,13 +45,27 @@ class Runtime {
   const cl::Context& context() const { return context_; }
 
   /// A kernel of the program made of `files` of kernels/, in that order. Programs are built once a
-  /// runtime and set of defines. Throws device_error with device, options and log on a build failure.
+  /// runtime and set of defines. Throws device_error with device, options and log on a build
+  /// failure.
   cl::Kernel kernel(const std::vector<std::string>& files, const std::string& name,
                     const Defines& defines = {});
 
   template <class T>
   Buffer<T> allocate(std::size_t size) {
     return {allocate_bytes(size * sizeof(T)), size};
+  }
+  template <class T>
+  Buffer<T> allocate_zeros(std::size_t size) {
+    auto buffer = allocate<T>(size);
+    fill(buffer, T{});
+    return buffer;
+  }
+  template <class T>
+  void fill(const Buffer<T>& buffer, T value) {
+    if (buffer.size() == 0) return;
+    guarded("filling a buffer", [&] {
+      return queue_.enqueueFillBuffer(buffer.handle(), value, 0, buffer.size() * sizeof(T));
+    });
   }
   template <class T>
   Buffer<T> upload(std::span<const T> values) {
@@ -60,13 +76,19 @@ class Runtime {
   /// Blocks until the values may be reused.
   template <class T>
   void write(const Buffer<T>& buffer, std::span<const T> values, std::size_t offset = 0) {
-    queue_.enqueueWriteBuffer(buffer.handle(), CL_TRUE, offset * sizeof(T), values.size_bytes(),
-                              values.data());
+    if (values.empty()) return;
+    guarded("writing to the device", [&] {
+      return queue_.enqueueWriteBuffer(buffer.handle(), CL_TRUE, offset * sizeof(T),
+                                       values.size_bytes(), values.data());
+    });
   }
   template <class T>
   void read(const Buffer<T>& buffer, std::span<T> values, std::size_t offset = 0) {
-    queue_.enqueueReadBuffer(buffer.handle(), CL_TRUE, offset * sizeof(T), values.size_bytes(),
-                             values.data());
+    if (values.empty()) return;
+    guarded("reading from the device", [&] {
+      return queue_.enqueueReadBuffer(buffer.handle(), CL_TRUE, offset * sizeof(T),
+                                      values.size_bytes(), values.data());
+    });
   }
   template <class T>
   std::vector<T> download(const Buffer<T>& buffer) {
@@ -75,13 +97,24 @@ class Runtime {
     return values;
   }
 
-  /// Queues a launch; returns at once.
-  void launch(const cl::Kernel& kernel, const cl::NDRange& global, const cl::NDRange& local) {
-    queue_.enqueueNDRangeKernel(kernel, cl::NullRange, global, local);
-  }
-  void finish() { queue_.finish(); }
+  /// Queues a launch; returns at once. Throws device_error if the device refuses it.
+  void launch(const cl::Kernel& kernel, const cl::NDRange& global, const cl::NDRange& local);
+  /// Queues a kernel without barriers: in work-groups of one work-item on a CPU, where a work-item
+  /// is a tile, and of the driver's choice elsewhere.
+  void launch(const cl::Kernel& kernel, const cl::NDRange& global);
+  /// Waits until everything queued is done.
+  void finish();
 
  private:
+  /// The result of an OpenCL call; its errors become device_errors that say what was being done.
+  template <class Call>
+  auto guarded(std::string_view doing, Call call) {
+    try {
+      return call();
+    } catch (const cl::Error& error) {
+      throw opencl_error(error, doing, device_.info.name);
+    }
+  }
   cl::Buffer allocate_bytes(std::size_t bytes);
   cl::Program build(const std::vector<std::string>& files, const std::string& options);
 
@@ -89,6 +122,7 @@ class Runtime {
   Accuracy accuracy_;
   cl::Context context_;
   cl::CommandQueue queue_;
+  std::size_t allocated_bytes_ = 0;
   std::map<std::string, cl::Program> programs_;
 };
 

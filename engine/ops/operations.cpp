@@ -1,9 +1,14 @@
 #include "engine/ops/operation.h"
+#include "engine/ops/rows.h"
 
 namespace touchtrace {
 
 const std::vector<Operation>& operations() {
-  static const std::vector<Operation> table{};
+  static const std::vector<Operation> table{
+      tactile_window_operation(),
+      conv2d_operation(),
+      channel_blocks_operation(),
+  };
   return table;
 }
 

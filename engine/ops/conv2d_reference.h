@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/ops/conv2d.h"
+
+namespace touchtrace {
+
+/// The gradients of a convolution towards its three inputs.
+struct Conv2dGradients {
+  std::vector<double> in, weight, bias;
+};
+
+/// conv2d.h in plain loops. Arrays in C order without halo: in [image, channel, row, column],
+/// weight [out, in, 3, 3], bias [out].
+std::vector<double> conv2d_reference(const Conv2dShape& shape, const std::vector<double>& in,
+                                     const std::vector<double>& weight,
+                                     const std::vector<double>& bias);
+
+/// The sum before the ReLU.
+std::vector<double> conv2d_sum_reference(const Conv2dShape& shape, const std::vector<double>& in,
+                                         const std::vector<double>& weight,
+                                         const std::vector<double>& bias);
+
+/// `grad_sum`: the gradient towards the sum before the ReLU.
+Conv2dGradients conv2d_backward_reference(const Conv2dShape& shape, const std::vector<double>& in,
+                                          const std::vector<double>& weight,
+                                          const std::vector<double>& grad_sum);
+
+}  // namespace touchtrace

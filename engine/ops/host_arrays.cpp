@@ -1,0 +1,55 @@
+#include "engine/ops/host_arrays.h"
+
+namespace touchtrace {
+namespace {
+
+/// Calls `visit(plain, haloed)` with the flat indices of the same value in both layouts.
+template <class Visit>
+void visit_values(std::size_t planes, int rows, int cols, int lanes, Visit visit) {
+  for (std::size_t plane = 0; plane < planes; ++plane)
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < cols; ++column) {
+        const auto group = plane / lanes * (rows + 2) + row + 1;
+        visit((plane * rows + row) * cols + column,
+              (group * (cols + 2) + column + 1) * lanes + plane % lanes);
+      }
+}
+
+}  // namespace
+
+Buffer<float> upload(Runtime& runtime, const std::vector<double>& values) {
+  const std::vector<float> floats(values.begin(), values.end());
+  return runtime.upload<float>(floats);
+}
+
+std::vector<double> download(Runtime& runtime, const Buffer<float>& buffer) {
+  const auto floats = runtime.download(buffer);
+  return {floats.begin(), floats.end()};
+}
+
+std::vector<double> joined(std::vector<double> first, const std::vector<double>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+std::pair<std::vector<double>, std::vector<double>> split(const std::vector<double>& values,
+                                                          std::size_t size) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(size);
+  return {{values.begin(), middle}, {middle, values.end()}};
+}
+
+std::vector<double> with_halo(const std::vector<double>& plain, int rows, int cols, int lanes) {
+  const auto planes = plain.size() / (std::size_t(rows) * cols);
+  std::vector<double> haloed(planes * (rows + 2) * (cols + 2), 0.0);
+  visit_values(planes, rows, cols, lanes, [&](auto from, auto to) { haloed[to] = plain[from]; });
+  return haloed;
+}
+
+std::vector<double> without_halo(const std::vector<double>& haloed, int rows, int cols, int lanes) {
+  const auto planes = haloed.size() / (std::size_t(rows + 2) * (cols + 2));
+  std::vector<double> plain(planes * rows * cols);
+  visit_values(planes, rows, cols, lanes, [&](auto to, auto from) { plain[to] = haloed[from]; });
+  return plain;
+}
+
+}  // namespace touchtrace

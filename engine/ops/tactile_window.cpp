@@ -1,0 +1,44 @@
+#include "engine/ops/tactile_window.h"
+
+#include <cmath>
+
+namespace touchtrace {
+namespace {
+
+/// Lanes of a vector that fits a row: the kernel lets the last one overlap.
+int lanes_of(int cols) { return cols >= 16 ? 16 : cols >= 8 ? 8 : cols >= 4 ? 4 : 1; }
+
+cl::Kernel tactile_window_kernel(Runtime& runtime, const TactileWindowShape& shape) {
+  return runtime.kernel({"common.clh", "tactile_window.cl"}, "tactile_window",
+                        {{"WINDOW", std::to_string(shape.frames)},
+                         {"ROWS", std::to_string(shape.rows)},
+                         {"COLS", std::to_string(shape.cols)},
+                         {"LANES", std::to_string(lanes_of(shape.cols))}});
+}
+
+}  // namespace
+
+std::size_t TactileWindowShape::out_size() const {
+  return static_cast<std::size_t>(windows) * frames * (rows + 2) * (cols + 2);
+}
+
+std::uint32_t TaxelDropout::threshold() const {
+  return static_cast<std::uint32_t>(std::floor(share * 0x1p32));
+}
+
+TactileWindow::TactileWindow(Runtime& runtime, const TactileWindowShape& shape,
+                             const Buffer<float>& out)
+    : gather_(tactile_window_kernel(runtime, shape), range(shape.rows, shape.windows), out, out,
+              out, cl_uint{0}, cl_uint{0}, 1.0f) {}
+
+void TactileWindow::enqueue(Runtime& runtime, const Buffer<float>& stream,
+                            const Buffer<int>& last_frame, const TaxelDropout& dropout) {
+  gather_.set(0, stream);
+  gather_.set(1, last_frame);
+  gather_.set(3, dropout.key);
+  gather_.set(4, dropout.threshold());
+  gather_.set(5, static_cast<float>(1.0 / (1.0 - dropout.share)));
+  gather_.enqueue(runtime);
+}
+
+}  // namespace touchtrace

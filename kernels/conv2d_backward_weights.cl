@@ -1,0 +1,103 @@
+// Gradient of conv2d.clh towards weights and bias.
+//
+//   grad_weight[k][c][i][j] += sum_{images, y, x} grad_out[k][y][x] in[c][2y + i - 1][2x + j - 1]
+//   grad_bias[k]            += sum_{images, y, x} grad_out[k][y][x]
+//
+// Images are cut into chunks. A work-item sums one chunk for one pair of output blocks and one block of
+// input channels: for GROUP images, which stay in the first-level cache, and for each channel it keeps
+// 9 taps x 32 output channels in registers. conv2d_reduce then adds the chunks in their order, so the
+// result depends on the number of chunks only, never on threads.
+//
+//   partial       [chunk][pair][input channel][tap][32]
+//   partial_bias  [chunk][pair][32]
+//
+// -D GROUP=4
+#ifndef GROUP
+#define GROUP 4
+#endif
+#define PAIRS (OUT_CHANNELS / 32)
+
+static void weights_of_channel(__global const real* in, __global const real* grad_out,
+                               __global real* partial, int images, bool start) {
+#define START(t)                                                          \
+  real16 low##t = start ? (real16)(0) : vload16(2 * t, partial);          \
+  real16 high##t = start ? (real16)(0) : vload16(2 * t + 1, partial);
+  REPEAT(9, START)
+#undef START
+  for (int image = 0; image < images; ++image)
+    for (int y = 0; y < OUT_ROWS; ++y)
+      for (int x = 0; x < OUT_COLS; ++x) {
+        __global const real* g = grad_out + image * OUT_IMAGE + y * OUT_PITCH + x * OUT_STEP;
+        __global const real* taps = in + image * IN_IMAGE + 2 * y * IN_PITCH + 2 * x * IN_STEP;
+        const real16 g0 = vload16(0, g), g1 = vload16(0, g + OUT_BLOCK);
+#define ADD(t)                                                                     \
+  {                                                                                \
+    const real16 value = (real16)(taps[t / 3 * IN_PITCH + t % 3 * IN_STEP]);       \
+    low##t = fma(value, g0, low##t);                                               \
+    high##t = fma(value, g1, high##t);                                             \
+  }
+        REPEAT(9, ADD)
+#undef ADD
+      }
+#define STORE(t)                    \
+  vstore16(low##t, 2 * t, partial); \
+  vstore16(high##t, 2 * t + 1, partial);
+  REPEAT(9, STORE)
+#undef STORE
+}
+
+static void bias_of_pair(__global const real* grad_out, __global real* partial, int images) {
+  real16 low = 0, high = 0;
+  for (int image = 0; image < images; ++image)
+    for (int y = 0; y < OUT_ROWS; ++y)
+      for (int x = 0; x < OUT_COLS; ++x) {
+        __global const real* g = grad_out + image * OUT_IMAGE + y * OUT_PITCH + x * OUT_STEP;
+        low += vload16(0, g), high += vload16(0, g + OUT_BLOCK);
+      }
+  vstore16(low, 0, partial);
+  vstore16(high, 1, partial);
+}
+
+__kernel void conv2d_backward_weights(__global const real* restrict in,
+                                      __global const real* restrict grad_out,
+                                      __global real* restrict partial,
+                                      __global real* restrict partial_bias, int images, int chunk_images) {
+  const int pair = get_global_id(0), block = get_global_id(1), chunk = get_global_id(2);
+  const int begin = chunk * chunk_images, end = min(begin + chunk_images, images);
+  __global const real* g = grad_out + pair * 2 * OUT_BLOCK + OUT_CORNER;
+  __global real* to = partial + ((chunk * PAIRS + pair) * IN_CHANNELS + block * IN_LANES) * CHANNEL_SIZE;
+  for (int first = begin; first < end; first += GROUP)
+    for (int lane = 0; lane < IN_LANES; ++lane)
+      weights_of_channel(in + (size_t)first * IN_IMAGE + block * IN_BLOCK + lane * IN_LANE,
+                         g + (size_t)first * OUT_IMAGE, to + lane * CHANNEL_SIZE,
+                         min(GROUP, end - first), first == begin);
+  if (block == 0)
+    bias_of_pair(g + (size_t)begin * OUT_IMAGE, partial_bias + (chunk * PAIRS + pair) * 32, end - begin);
+}
+
+static real16 sum_of_chunks(__global const real* from, int chunks, int stride) {
+  real16 sum = vload16(0, from);
+  for (int chunk = 1; chunk < chunks; ++chunk) sum += vload16(0, from + (size_t)chunk * stride);
+  return sum;
+}
+
+// A work-item adds an input channel of a pair to gradient[weight_at + ...], the first also the bias.
+__kernel void conv2d_reduce(__global const real* restrict partial,
+                            __global const real* restrict partial_bias, int chunks,
+                            __global real* restrict gradient, int weight_at, int bias_at) {
+  const int channel = get_global_id(0), pair = get_global_id(1);
+  __global const real* from = partial + (pair * IN_CHANNELS + channel) * CHANNEL_SIZE;
+  __global real* to = gradient + weight_at + (pair * 32 * IN_CHANNELS + channel) * 9;
+  for (int half_tap = 0; half_tap < 18; ++half_tap) {
+    real sums[16];
+    vstore16(sum_of_chunks(from + half_tap * 16, chunks, PAIRS * IN_CHANNELS * CHANNEL_SIZE), 0, sums);
+    for (int lane = 0; lane < 16; ++lane)
+      to[(half_tap % 2 * 16 + lane) * IN_CHANNELS * 9 + half_tap / 2] += sums[lane];
+  }
+  if (channel == 0)
+    for (int half_pair = 0; half_pair < 2; ++half_pair) {
+      __global real* bias = gradient + bias_at + pair * 32 + half_pair * 16;
+      __global const real* bias_from = partial_bias + pair * 32 + half_pair * 16;
+      vstore16(vload16(0, bias) + sum_of_chunks(bias_from, chunks, PAIRS * 32), 0, bias);
+    }
+}

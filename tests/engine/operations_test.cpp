@@ -1,0 +1,98 @@
+// Every row of the table of operations on every device that OpenCL shows here.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <limits>
+#include <random>
+
+#include "engine/ops/operation_check.h"
+
+namespace touchtrace {
+namespace {
+
+/// New on every run and printed; TOUCHTRACE_TEST_SEED repeats one.
+std::uint64_t test_seed() {
+  static const std::uint64_t seed = [] {
+    const char* given = std::getenv("TOUCHTRACE_TEST_SEED");
+    const std::uint64_t value = given ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+    std::printf("TOUCHTRACE_TEST_SEED=%llu\n", static_cast<unsigned long long>(value));
+    return value;
+  }();
+  return seed;
+}
+
+using OnCase = std::function<void(Runtime&, const OperationCase&)>;
+
+class EveryOperation : public ::testing::TestWithParam<Operation> {
+ protected:
+  void on_every_device(const OnCase& check) {
+    const auto devices = list_devices();
+    ASSERT_FALSE(devices.empty()) << "no OpenCL device: install pocl-opencl-icd";
+    for (const auto& device : devices) {
+      Runtime runtime({device, "test"});
+      for (const auto& operation : GetParam().cases) {
+        SCOPED_TRACE(device.name + ": " + operation.shape);
+        check(runtime, operation);
+      }
+    }
+  }
+};
+
+Arrays filled(const OperationCase& operation, double value) {
+  Arrays inputs;
+  for (auto size : operation.input_sizes) inputs.emplace_back(size, value);
+  if (operation.prepare) operation.prepare(inputs);
+  return inputs;
+}
+
+TEST_P(EveryOperation, AgreesWithTheReference) {
+  on_every_device([](Runtime& runtime, const OperationCase& operation) {
+    EXPECT_LE(output_error(runtime, operation, draw_inputs(operation, test_seed())),
+              output_error_bound);
+  });
+}
+
+TEST_P(EveryOperation, GradientAgreesWithTheReference) {
+  on_every_device([](Runtime& runtime, const OperationCase& operation) {
+    if (!operation.backward) return;
+    const auto inputs = draw_inputs(operation, test_seed(), gradient_kink_margin);
+    EXPECT_LE(gradient_error(runtime, operation, inputs, test_seed()), gradient_error_bound);
+  });
+}
+
+TEST_P(EveryOperation, ReferenceGradientAgreesWithCentralDifferences) {
+  for (const auto& operation : GetParam().cases) {
+    if (!operation.reference_backward) continue;
+    SCOPED_TRACE(operation.shape);
+    const auto inputs = draw_inputs(operation, test_seed(), gradient_kink_margin);
+    EXPECT_LE(reference_gradient_error(operation, inputs, test_seed()), reference_gradient_bound);
+  }
+}
+
+TEST_P(EveryOperation, TakesZeroAndSaturatedInputs) {
+  on_every_device([](Runtime& runtime, const OperationCase& operation) {
+    EXPECT_LE(output_error(runtime, operation, filled(operation, 0.0)), output_error_bound);
+    EXPECT_LE(output_error(runtime, operation, filled(operation, 1023.0)), output_error_bound);
+  });
+}
+
+TEST_P(EveryOperation, TakesSubnormalInputs) {
+  on_every_device([](Runtime& runtime, const OperationCase& operation) {
+    // Each summand may lose one smallest normal number, and its factors are about 1.
+    const double smallest = std::numeric_limits<float>::min();
+    auto inputs = draw_inputs(operation, test_seed());
+    for (auto& value : inputs[0]) value = static_cast<float>(value * smallest / 100);
+    if (operation.prepare) operation.prepare(inputs);
+    EXPECT_LE(output_error(runtime, operation, inputs, 10 * operation.terms * smallest),
+              output_error_bound);
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, EveryOperation, ::testing::ValuesIn(operations()),
+                         [](const auto& row) { return row.param.name; });
+
+}  // namespace
+
+void PrintTo(const Operation& operation, std::ostream* out) { *out << operation.name; }
+
+}  // namespace touchtrace

@@ -4,6 +4,7 @@ namespace touchtrace::cli {
 
 const std::vector<Verb>& verbs() {
   static const std::vector<Verb> table{
+      doctor_verb(),
       devices_verb(),
       verify_verb(),
   };

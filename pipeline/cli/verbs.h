@@ -6,6 +6,7 @@ namespace touchtrace::cli {
 
 // One file a verb: <name>_verb.cpp.
 Verb devices_verb();
+Verb doctor_verb();
 Verb verify_verb();
 
 }  // namespace touchtrace::cli

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "calib/smooth/trajectory.h"
+
+namespace touchtrace {
+
+/// What became of a track. Everything but `converged` comes without a trajectory.
+enum class SmoothStatus { converged, no_samples, not_finite, unordered_times, not_converged };
+
+/// "no samples", ...: for messages.
+const char* name_of(SmoothStatus status);
+
+struct SmoothOptions {
+  Eigen::Vector3d gravity_m_per_s2{0.0, 9.81, 0.0};
+  InitialMotion initial{std::numeric_limits<double>::infinity(),
+                        std::numeric_limits<double>::infinity()};
+  MotionNoise<double> noise;
+  /// Jerk density and measurement scale by the likelihood of the innovations; else as in `noise`.
+  bool fit_noise = true;
+  /// Cauchy's loss of the whitened distance, c^2 log(1 + r^2 / c^2) with c = 4; else least squares.
+  bool robust = true;
+};
+
+struct SmoothedTrack {
+  SmoothStatus status = SmoothStatus::no_samples;
+  Trajectory trajectory;
+  std::vector<Flight> flights;  ///< with their times found; those that the data do not support are gone
+  std::vector<double> weights;  ///< [points] of the robust loss, 1: fully believed
+};
+
+struct SmoothedTracks {
+  MotionNoise<double> noise;
+  std::vector<SmoothedTrack> tracks;
+};
+
+/// Smooths the tracks of one body, clip by clip, with one noise for all: white noise on jerk while
+/// touched, gravity in `flights` [tracks] (a guess of their times, +-60 ms, or empty). Times of release
+/// and landing are variables; where the data speak against a flight it is left out.
+///
+/// What is nonlinear (event times, process noise) is Ceres'; what is linear given those is one banded
+/// Kalman and Rauch-Tung-Striebel pass, and the robust loss a sequence of such passes with new weights.
+SmoothedTracks smooth(const std::vector<Track>& tracks, const std::vector<std::vector<Flight>>& flights,
+                      const SmoothOptions& options);
+
+/// One track without flights.
+SmoothedTrack smooth(const Track& track, const SmoothOptions& options);
+
+}  // namespace touchtrace

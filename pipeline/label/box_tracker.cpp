@@ -1,0 +1,82 @@
+#include "pipeline/label/box_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/tracking.hpp>
+
+namespace touchtrace::label {
+namespace {
+
+constexpr int smallest_crop = 96, smallest_box = 8;
+
+/// CSRT tuned for speed: a small template, few scales and iterations cost little accuracy.
+cv::Ptr<cv::TrackerCSRT> fast_csrt() {
+  cv::TrackerCSRT::Params params;
+  params.template_size = 64;
+  params.number_of_scales = 5;
+  params.scale_step = 1.05f;
+  params.admm_iterations = 2;
+  params.use_segmentation = false;
+  return cv::TrackerCSRT::create(params);
+}
+
+cv::Mat crop(const MaskedImage& image, int left, int top, int size) {
+  const cv::Mat whole(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data()));
+  cv::Mat result(size, size, CV_8UC3, cv::Scalar::all(0));
+  const cv::Rect wanted(left, top, size, size), inside = wanted & cv::Rect(0, 0, image.width, image.height);
+  if (!inside.empty()) whole(inside).copyTo(result(inside - wanted.tl()));
+  return result;
+}
+
+}  // namespace
+
+MaskedImage masked_image(const RgbdFrame& frame, const Surface& surface, int width, int height) {
+  MaskedImage image{width, height, std::vector<std::uint8_t>(frame.color.size(), 0)};
+  for (const auto& point : surface)
+    for (int v = std::max(0, point.v - 1); v <= std::min(height - 1, point.v + 1); ++v) {
+      const int left = std::max(0, point.u - 1), right = std::min(width - 1, point.u + 1);
+      const auto from = 3 * (static_cast<std::size_t>(v) * static_cast<std::size_t>(width) +
+                             static_cast<std::size_t>(left));
+      std::copy_n(&frame.color[from], 3 * (right - left + 1), &image.rgb[from]);
+    }
+  return image;
+}
+
+struct BoxTracker::State {
+  cv::Ptr<cv::TrackerCSRT> tracker;
+  int crop_size = 0;
+  double left = 0.0, top = 0.0;          ///< of the target's centre in the crop
+};
+
+BoxTracker::BoxTracker() = default;
+BoxTracker::~BoxTracker() = default;
+BoxTracker::BoxTracker(BoxTracker&&) noexcept = default;
+BoxTracker& BoxTracker::operator=(BoxTracker&&) noexcept = default;
+
+void BoxTracker::stop() { state_.reset(); }
+
+void BoxTracker::start(const MaskedImage& image, const PixelBox& box) {
+  const int width = std::max(box.width, smallest_box), height = std::max(box.height, smallest_box);
+  state_ = std::make_unique<State>();
+  state_->crop_size = std::max(smallest_crop, 3 * std::max(width, height));
+  const int x = box.x + box.width / 2, y = box.y + box.height / 2, half = state_->crop_size / 2;
+  state_->left = state_->top = half;
+  state_->tracker = fast_csrt();
+  state_->tracker->init(crop(image, x - half, y - half, state_->crop_size),
+                        cv::Rect(half - width / 2, half - height / 2, width, height));
+}
+
+std::optional<PixelBox> BoxTracker::update(const MaskedImage& image, double predicted_x,
+                                           double predicted_y) {
+  if (!state_) return std::nullopt;
+  const int left = static_cast<int>(std::lround(predicted_x - state_->left));
+  const int top = static_cast<int>(std::lround(predicted_y - state_->top));
+  cv::Rect found;
+  if (!state_->tracker->update(crop(image, left, top, state_->crop_size), found)) return std::nullopt;
+  state_->left = found.x + 0.5 * found.width;
+  state_->top = found.y + 0.5 * found.height;
+  return PixelBox{found.x + left, found.y + top, found.width, found.height};
+}
+
+}  // namespace touchtrace::label

@@ -1,0 +1,108 @@
+#include "pipeline/label/lift.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace touchtrace::label {
+namespace {
+
+constexpr int most_shifts = 12, most_newton_steps = 8;
+constexpr double settled_m = 5e-4, cauchy_m = 0.004;
+
+/// Centroid and number of the points of `body` within `radius_m` of `center`.
+std::pair<Eigen::Vector3d, std::size_t> local_mean(const Surface& surface, Body body,
+                                                   const Eigen::Vector3d& center, double radius_m) {
+  const Eigen::Vector3f around = center.cast<float>();
+  const auto limit = static_cast<float>(radius_m * radius_m);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::size_t count = 0;
+  for (const auto& point : surface) {
+    if (point.body != body || (point.position_m - around).squaredNorm() > limit) continue;
+    sum += point.position_m.cast<double>();
+    ++count;
+  }
+  return {count > 0 ? Eigen::Vector3d(sum / static_cast<double>(count)) : center, count};
+}
+
+Patch gather(const Surface& surface, Body body, const Eigen::Vector3d& center, double radius_m) {
+  Patch patch;
+  patch.centroid_m = center;
+  int left = 1 << 14, right = -1, top = 1 << 14, bottom = -1;
+  for (const auto& point : surface) {
+    if (point.body != body || (point.position_m.cast<double>() - center).norm() > radius_m) continue;
+    patch.points_m.push_back(point.position_m);
+    left = std::min<int>(left, point.u), right = std::max<int>(right, point.u);
+    top = std::min<int>(top, point.v), bottom = std::max<int>(bottom, point.v);
+  }
+  patch.box = {left, top, right - left + 1, bottom - top + 1};
+  return patch;
+}
+
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::optional<Patch> find_patch(const Surface& surface, Body body, const Eigen::Vector3d& start_m,
+                                double radius_m, std::size_t fewest) {
+  Eigen::Vector3d center = start_m;
+  for (int i = 0; i < most_shifts; ++i) {
+    const auto [mean, count] = local_mean(surface, body, center, radius_m);
+    if (count < fewest) return std::nullopt;
+    const double moved = (mean - center).norm();
+    center = mean;
+    if (moved < settled_m) break;
+  }
+  auto patch = gather(surface, body, center, radius_m);
+  if (patch.points_m.size() < fewest) return std::nullopt;
+  return patch;
+}
+
+std::optional<Eigen::Vector3d> median_point(const Surface& surface, Body body,
+                                            const Eigen::Vector3d& center_m, double gate_m) {
+  std::array<std::vector<double>, 3> coordinates;
+  for (const auto& point : surface) {
+    if (point.body != body || (point.position_m.cast<double>() - center_m).norm() > gate_m) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      coordinates[axis].push_back(point.position_m[static_cast<Eigen::Index>(axis)]);
+  }
+  if (coordinates[0].empty()) return std::nullopt;
+  return Eigen::Vector3d(median_of(coordinates[0]), median_of(coordinates[1]), median_of(coordinates[2]));
+}
+
+Eigen::Vector3d sphere_center(const Patch& patch, double radius_m) {
+  Eigen::Vector3d center = patch.centroid_m + 2.0 / 3.0 * radius_m * patch.centroid_m.normalized();
+  const Eigen::Vector3d start = center;
+  for (int i = 0; i < most_newton_steps; ++i) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Identity();  // one point's worth of the start: never singular
+    Eigen::Vector3d gradient = center - start;
+    for (const auto& point : patch.points_m) {
+      const Eigen::Vector3d ray = center - point.cast<double>();
+      const double distance = std::max(ray.norm(), 1e-9), residual = distance - radius_m;
+      const double weight = 1.0 / (1.0 + residual * residual / (cauchy_m * cauchy_m));
+      const Eigen::Vector3d direction = ray / distance;
+      normal += weight * direction * direction.transpose();
+      gradient += weight * residual * direction;
+    }
+    const Eigen::Vector3d step = normal.ldlt().solve(gradient);
+    center -= step;
+    if (step.norm() < settled_m / 10.0) break;
+  }
+  return center;
+}
+
+double visible_part(const Patch& patch, double radius_m, const PinholeCamera& camera) {
+  const double radius_px = radius_m / patch.centroid_m.z() * std::sqrt(camera.fx * camera.fy);
+  return std::min(1.0, static_cast<double>(patch.points_m.size()) / (M_PI * radius_px * radius_px));
+}
+
+double silhouette_radius_m(const Patch& patch, const PinholeCamera& camera) {
+  const double width = patch.box.width / camera.fx, height = patch.box.height / camera.fy;
+  return 0.5 * std::max(width, height) * patch.centroid_m.z();
+}
+
+}  // namespace touchtrace::label

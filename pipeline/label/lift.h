@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pipeline/label/surface.h"
+
+namespace touchtrace::label {
+
+/// A body's visible surface, gathered from one frame.
+struct Patch {
+  Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3f> points_m;
+  PixelBox box;  ///< around the points' pixels
+};
+
+/// The points of `body` in the densest place near `start_m`: mean shift with a ball of `radius_m`. Nothing
+/// if fewer than `fewest` points lie in it.
+std::optional<Patch> find_patch(const Surface& surface, Body body, const Eigen::Vector3d& start_m,
+                                double radius_m, std::size_t fewest);
+
+/// Where to start when only a region is known: the median of the points of `body` within `gate_m` of
+/// `center_m`, or nothing.
+std::optional<Eigen::Vector3d> median_point(const Surface& surface, Body body,
+                                            const Eigen::Vector3d& center_m, double gate_m);
+
+/// Centre of a sphere of known radius through a patch seen from the origin: Gauss-Newton with Cauchy's
+/// loss from 2/3 radius behind the centroid, where a wholly visible sphere has its centre.
+Eigen::Vector3d sphere_center(const Patch& patch, double radius_m);
+
+/// Part of the disc of a sphere of `radius_m` at the patch's distance that the patch covers, 0..1.
+double visible_part(const Patch& patch, double radius_m, const PinholeCamera& camera);
+
+/// Half the patch's larger extent across the line of sight [m].
+double silhouette_radius_m(const Patch& patch, const PinholeCamera& camera);
+
+}  // namespace touchtrace::label

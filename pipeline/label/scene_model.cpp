@@ -1,0 +1,110 @@
+#include "pipeline/label/scene_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/error.h"
+#include "engine/base/interrupt.h"
+#include "pipeline/label/lift.h"
+
+namespace touchtrace::label {
+namespace {
+
+constexpr float bin_m = 0.02f, farthest_m = 5.0f, behind_band_m = 0.40f;
+constexpr double torso_part = 0.04;  // of the image that a torso covers at least
+constexpr std::size_t most_background = 15, frames_per_clip = 8, fewest_points = 12;
+constexpr double cluster_radius_m = 0.12, silhouette_quantile = 0.8;
+
+std::vector<std::uint16_t> background_depth(const FrameSource& frames) {
+  std::vector<std::vector<std::uint16_t>> depths;
+  for (std::size_t i = 0; i < std::min(most_background, frames.background_frames); ++i)
+    depths.push_back(frames.background(i).depth);
+  return median_depth(depths);
+}
+
+/// Frames spread over a clip, its first among them.
+std::vector<std::size_t> sampled_frames(const ClipFrames& clip) {
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < std::min(frames_per_clip, clip.count); ++i)
+    result.push_back(clip.first + i * clip.count / std::min(frames_per_clip, clip.count));
+  return result;
+}
+
+/// Where the torso begins: from the largest peak of the depths nearer until 10 % of it. Infinite if nothing
+/// as large as a torso is there.
+float band_limit(const std::vector<double>& histogram, double pixels) {
+  const auto peak = std::max_element(histogram.begin(), histogram.end());
+  const auto low = std::max(histogram.begin(), peak - 5), high = std::min(histogram.end(), peak + 6);
+  if (std::accumulate(low, high, 0.0) < torso_part * pixels) return farthest_m;
+  auto edge = peak;
+  while (edge != histogram.begin() && *edge > 0.1 * *peak) --edge;
+  return bin_m * static_cast<float>(edge - histogram.begin() + 1);
+}
+
+double quantile(std::vector<double> values, double part) {
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
+}
+
+/// Half the extent of the object across the line of sight, over frames in which it shows.
+double object_radius(const std::vector<Surface>& surfaces, const PinholeCamera& camera) {
+  std::vector<double> radii;
+  for (const auto& surface : surfaces) {
+    const auto start = median_point(surface, Body::object, Eigen::Vector3d::Zero(), farthest_m);
+    if (!start) continue;
+    if (const auto patch = find_patch(surface, Body::object, *start, cluster_radius_m, fewest_points))
+      radii.push_back(silhouette_radius_m(*patch, camera));
+  }
+  if (radii.empty())
+    throw data_error("the object was not found in any frame by the colours of its box",
+                     "give object boxes that lie on the object in each clip's first frame");
+  return quantile(std::move(radii), silhouette_quantile);
+}
+
+struct Samples {
+  std::map<std::string, std::vector<Surface>> surfaces;  ///< by object
+  std::vector<double> depths = std::vector<double>(static_cast<std::size_t>(farthest_m / bin_m) + 1);
+  std::size_t frames = 0;
+};
+
+/// Sees a few frames of every clip; counts depths and, in first frames, colours.
+Samples sample(SceneModel& model, const FrameSource& frames, const std::vector<ClipFrames>& clips) {
+  Samples samples;
+  for (const auto& clip : clips)
+    for (const auto index : sampled_frames(clip)) {
+      throw_if_interrupted();
+      auto surface = model.segmenter.moving_surface(frames.camera_frame(index));
+      for (const auto& point : surface)
+        samples.depths[static_cast<std::size_t>(std::min(point.position_m.z(), farthest_m) / bin_m)] += 1.0;
+      if (index == clip.first) model.colors[clip.object].learn(surface, clip.hand_box, clip.object_box);
+      samples.surfaces[clip.object].push_back(std::move(surface));
+      ++samples.frames;
+    }
+  return samples;
+}
+
+}  // namespace
+
+Surface SceneModel::see(const RgbdFrame& frame, const std::string& object) const {
+  auto surface = segmenter.moving_surface(frame);
+  colors.at(object).assign(surface);
+  std::erase_if(surface, [&](const SurfacePoint& point) {
+    return point.position_m.z() > band_m + (point.body == Body::rest ? 0.0f : behind_band_m);
+  });
+  return surface;
+}
+
+SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
+                       const FrameSource& frames, const std::vector<ClipFrames>& clips) {
+  SceneModel model{Segmenter(calibration, camera, background_depth(frames)), 0.0f, {}, {}};
+  auto samples = sample(model, frames, clips);
+  for (auto& [object, classes] : model.colors) classes.settle();
+  model.band_m = band_limit(samples.depths, static_cast<double>(samples.frames) * camera.width * camera.height);
+  for (auto& [object, surfaces] : samples.surfaces) {
+    for (auto& surface : surfaces) model.colors.at(object).assign(surface);
+    model.object_radius_m[object] = object_radius(surfaces, calibration.color);
+  }
+  return model;
+}
+
+}  // namespace touchtrace::label

@@ -1,0 +1,165 @@
+#include "pipeline/label/label.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <mutex>
+#include <opencv2/core/utility.hpp>
+
+#include "engine/base/error.h"
+#include "engine/base/progress.h"
+#include "pipeline/label/follow.h"
+#include "pipeline/label/parallel.h"
+#include "pipeline/label/states.h"
+#include "pipeline/label/timeline.h"
+
+namespace touchtrace::label {
+namespace {
+
+constexpr double enough_found = 0.5;  // of all frames; less is a failure of the set-up, not of a frame
+
+Eigen::Vector3d gravity(const CameraInfo& camera) {
+  return {camera.gravity[0], camera.gravity[1], camera.gravity[2]};
+}
+
+void require_background(const FrameSource& frames) {
+  if (frames.background_frames == 0)
+    throw data_error("the recording has no background frames: nothing can be segmented",
+                     "record a few frames of the scene without the person first");
+}
+
+std::vector<ClipFrames> usable_clips(const Recording& recording, const Timeline& timeline) {
+  auto clips = clip_frames(recording, timeline);
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (recording.clips[i].dropped) clips[i].count = 0;
+    if (clips[i].count > 0 && (clips[i].hand_box.empty() || clips[i].object_box.empty()))
+      throw data_error(fmt::format("clip {} has no boxes on hand and object", i),
+                       "mark them in the clip's first frame, or use --boxes proposed");
+  }
+  return clips;
+}
+
+std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& frames,
+                                  const std::vector<ClipFrames>& clips, const Timeline& timeline,
+                                  const Recording& recording, const LabelOptions& options) {
+  const auto kind = options.tracker == "csrt" ? TrackerKind::csrt : TrackerKind::component;
+  std::size_t total = 0;
+  for (const auto& clip : clips) total += clip.count;
+  Progress progress("following hand and object", total);
+  std::vector<ClipTrack> tracks(clips.size());
+  cv::setNumThreads(1);  // clips are the parallel work
+  for_each_index(clips.size(), options.threads, [&](std::size_t i) {
+    if (clips[i].count == 0) return;
+    tracks[i] = follow(scene, frames, clips[i], timeline.camera_time_s, gravity(recording.camera), kind);
+    progress.advance(clips[i].count);
+  });
+  return tracks;
+}
+
+struct Shares {
+  double hand_lost = 0.0, object_lost = 0.0, object_follows = 0.0;
+  int restarts = 0;
+};
+
+Shares shares_of(const std::vector<ClipTrack>& tracks) {
+  Shares shares;
+  double frames = 0.0;
+  for (const auto& track : tracks) {
+    frames += static_cast<double>(track.time_s.size());
+    shares.restarts += track.restarts;
+    for (const auto& o : track.hand) shares.hand_lost += !o.found;
+    for (const auto& o : track.object) shares.object_lost += !o.found, shares.object_follows += o.follows_hand;
+  }
+  for (double* share : {&shares.hand_lost, &shares.object_lost, &shares.object_follows}) *share /= std::max(1.0, frames);
+  return shares;
+}
+
+void require_found(const Shares& shares) {
+  for (const auto& [body, lost] : {std::pair{"hand", shares.hand_lost}, {"object", shares.object_lost}})
+    if (lost > 1.0 - enough_found)
+      throw data_error(fmt::format("the {} was lost in {:.0f} % of all frames", body, 100.0 * lost),
+                       "check the boxes, the calibration and that the background was recorded without the person");
+}
+
+nlohmann::json clock_summary(const ClockFit& clock) {
+  return {{"offset_s", clock.offset_s},
+          {"drift_ppm", clock.drift_ppm()},
+          {"drift_deviation_ppm", 1e6 * clock.rate_deviation},
+          {"mean_delay_s", clock.mean_delay_s}};
+}
+
+nlohmann::json noise_summary(const SmoothedTracks& smoothed) {
+  return {{"jerk_density_m2_per_s5", smoothed.noise.jerk_density},
+          {"measurement_scale", smoothed.noise.measurement_scale}};
+}
+
+nlohmann::json flights_summary(const SmoothedTracks& smoothed) {
+  auto flights = nlohmann::json::array();
+  for (std::size_t clip = 0; clip < smoothed.tracks.size(); ++clip)
+    for (const auto& flight : smoothed.tracks[clip].flights)
+      flights.push_back({{"clip", clip}, {"release_s", flight.release_s}, {"landing_s", flight.landing_s}});
+  return flights;
+}
+
+nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene, const Timeline& timeline,
+                         const Shares& shares, const SmoothedBodies& bodies) {
+  return {{"tracker", options.tracker},
+          {"hand_lost_share", shares.hand_lost},
+          {"object_lost_share", shares.object_lost},
+          {"object_follows_share", shares.object_follows},
+          {"tracker_restarts", shares.restarts},
+          {"band_m", scene.band_m},
+          {"object_radius_m", scene.object_radius_m},
+          {"clocks", {{"camera", clock_summary(timeline.camera)},
+                      {"glove", clock_summary(timeline.glove)},
+                      {"label_time", "middle of the glove's scan"},
+                      {"unobservable", "the least latency of glove and camera stays in their offsets"}}},
+          {"noise", {{"hand", noise_summary(bodies.hand)}, {"object", noise_summary(bodies.object)}}},
+          {"flights", flights_summary(bodies.object)}};
+}
+
+}  // namespace
+
+void describe(OptionSet& set, LabelOptions& o) {
+  set.choice("tracker", o.tracker, "how targets are followed", {"csrt", "component"});
+  set.choice("boxes", o.boxes, "where targets are in a clip's first frame", {"given", "proposed"});
+  set.integer("threads", o.threads, "clips worked on at a time; 0: one a core", 0, 1024);
+}
+
+Labels label_recording(const Recording& recording, const FrameSource& frames,
+                       const RgbdCalibration& calibration, const LabelOptions& options) {
+  const auto timeline = align(recording);
+  require_background(frames);
+  const auto clips = usable_clips(recording, timeline);
+  const Stopwatch learning;
+  const auto scene = learn_scene(calibration, recording.camera, frames, clips);
+  const double learning_s = learning.wall_seconds();
+  const Stopwatch following;
+  const auto tracks = follow_all(scene, frames, clips, timeline, recording, options);
+  const double following_s = following.wall_seconds(), following_cpu_s = following.cpu_seconds();
+  const auto shares = shares_of(tracks);
+  require_found(shares);
+  const Stopwatch smoothing;
+  const auto bodies = smooth_bodies(tracks, gravity(recording.camera));
+
+  Labels labels;
+  labels.activity = recording.activity;
+  labels.clips = recording.clips;
+  resample(glove_frames(recording, timeline), tracks, bodies, 1.0 / recording.camera.rate_hz, labels);
+  labels.raw = raw_track(tracks);
+  labels.summary = summarize(options, scene, timeline, shares, bodies);
+  labels.summary["seconds"] = {{"learn_scene", learning_s}, {"follow", following_s},
+                               {"follow_cpu", following_cpu_s}, {"smooth", smoothing.wall_seconds()}};
+  return labels;
+}
+
+Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
+                       const LabelOptions& options) {
+  std::mutex mutex;  // Debian's HDF5 serves one thread at a time
+  const FrameSource frames{[&](std::size_t i) { return std::lock_guard(mutex), reader.read_camera_frame(i); },
+                           [&](std::size_t i) { return std::lock_guard(mutex), reader.read_background(i); },
+                           reader.background_frames()};
+  return label_recording(reader.recording(), frames, calibration, options);
+}
+
+}  // namespace touchtrace::label

@@ -1,0 +1,157 @@
+#include "pipeline/label/states.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace touchtrace::label {
+namespace {
+
+/// Before its first frame a body of a person moves at most so fast, so that causal states start sane.
+constexpr InitialMotion initial_motion{1.5, 15.0};
+constexpr double fewest_away_m = 0.05;    // from the grip's distance: the object has left the hand
+constexpr double longest_bridge_s = 0.2;  // of lost frames within a flight
+
+using Observations = std::vector<Observation>;
+
+Track track_of(const std::vector<double>& time_s, const Observations& observations) {
+  Track track;
+  for (std::size_t i = 0; i < time_s.size(); ++i)
+    if (observations[i].found)
+      track.push_back({time_s[i], observations[i].position_m, observations[i].sigma_m});
+  return track;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Distance of hand and object in every frame; NaN where one was not seen.
+std::vector<double> distances(const ClipTrack& track) {
+  std::vector<double> result;
+  for (std::size_t i = 0; i < track.time_s.size(); ++i)
+    result.push_back(track.hand[i].found && track.object[i].found
+                         ? (track.object[i].position_m - track.hand[i].position_m).norm()
+                         : std::numeric_limits<double>::quiet_NaN());
+  return result;
+}
+
+/// Stretches in which the object is away from where the grip has it.
+std::vector<Flight> guess_flights(const ClipTrack& track) {
+  const auto distance = distances(track);
+  std::vector<double> seen;
+  std::ranges::copy_if(distance, std::back_inserter(seen), [](double d) { return std::isfinite(d); });
+  if (seen.empty()) return {};
+  const double away = median(seen) + fewest_away_m;
+  std::vector<Flight> flights;
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    if (!(distance[i] > away)) continue;
+    if (!flights.empty() && track.time_s[i] - flights.back().landing_s < longest_bridge_s)
+      flights.back().landing_s = track.time_s[i];
+    else
+      flights.push_back({track.time_s[i], track.time_s[i]});
+  }
+  std::erase_if(flights, [](const Flight& f) { return !(f.landing_s > f.release_s); });
+  for (auto& flight : flights) {  // it left before it was away
+    flight.release_s -= 0.05;
+    flight.landing_s += 0.03;
+  }
+  return flights;
+}
+
+/// What the nearest camera frame says of a label at `time_s`.
+std::uint8_t quality(double time_s, const std::vector<double>& frame_time_s,
+                     const Observations& observations, double camera_period_s) {
+  const auto after = std::ranges::lower_bound(frame_time_s, time_s);
+  auto nearest = after == frame_time_s.end() ? after - 1 : after;
+  if (nearest != frame_time_s.begin() && time_s - *(nearest - 1) < *nearest - time_s) --nearest;
+  const auto& seen = observations[static_cast<std::size_t>(nearest - frame_time_s.begin())];
+  std::uint8_t bits = quality_good;
+  if (time_s < frame_time_s.front() || time_s > frame_time_s.back()) bits |= quality_gap;
+  if (!seen.found || std::abs(*nearest - time_s) > camera_period_s) bits |= quality_lost;
+  if (seen.follows_hand) bits |= quality_follows;
+  return bits;
+}
+
+void append(const Eigen::Vector3d& value, std::vector<double>& to) {
+  to.insert(to.end(), value.data(), value.data() + 3);
+}
+
+void append_state(const Trajectory& trajectory, double time_s, LabelledBody& body) {
+  const auto state = trajectory.smoothed(time_s), causal = trajectory.causal(time_s);
+  append(state.position_m, body.position_m);
+  append(state.velocity_m_per_s, body.velocity_m_per_s);
+  append(causal.position_m, body.causal_position_m);
+  append(causal.velocity_m_per_s, body.causal_velocity_m_per_s);
+  const auto covariance = state.position_velocity_covariance();
+  body.covariance.insert(body.covariance.end(), covariance.data(), covariance.data() + 36);
+}
+
+/// A clip without any usable track: not a number, and lost.
+void append_nothing(LabelledBody& body) {
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  for (auto* values : {&body.position_m, &body.velocity_m_per_s, &body.causal_position_m, &body.causal_velocity_m_per_s})
+    values->insert(values->end(), 3, nothing);
+  body.covariance.insert(body.covariance.end(), 36, nothing);
+  body.quality.push_back(quality_lost | quality_gap);
+}
+
+void append_label(const GloveFrame& frame, const SmoothedTrack& smoothed, const ClipTrack& track,
+                  const Observations& observations, double camera_period_s, LabelledBody& body) {
+  if (smoothed.status != SmoothStatus::converged) return append_nothing(body);
+  append_state(smoothed.trajectory, frame.time_s, body);
+  body.quality.push_back(quality(frame.time_s, track.time_s, observations, camera_period_s));
+}
+
+void append_observation(const Observation& seen, std::vector<double>& position, std::vector<double>& sigma) {
+  const Eigen::Vector3d nothing = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  append(seen.found ? seen.position_m : nothing, position);
+  append(seen.found ? seen.sigma_m : nothing, sigma);
+}
+
+}  // namespace
+
+SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks, const Eigen::Vector3d& gravity_m_per_s2) {
+  std::vector<Track> hand, object;
+  std::vector<std::vector<Flight>> flights;
+  for (const auto& track : tracks) {
+    hand.push_back(track_of(track.time_s, track.hand));
+    object.push_back(track_of(track.time_s, track.object));
+    flights.push_back(guess_flights(track));
+  }
+  SmoothOptions options;
+  options.gravity_m_per_s2 = gravity_m_per_s2;
+  options.initial = initial_motion;
+  options.noise.jerk_density = 300.0;
+  return {smooth(hand, std::vector<std::vector<Flight>>(tracks.size()), options),
+          smooth(object, flights, options)};
+}
+
+void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack>& tracks,
+              const SmoothedBodies& bodies, double camera_period_s, Labels& labels) {
+  for (const auto& frame : frames) {
+    const auto clip = static_cast<std::size_t>(frame.clip);
+    labels.time_s.push_back(frame.time_s);
+    labels.clip.push_back(frame.clip);
+    labels.glove_frame.push_back(frame.index);
+    const auto& track = tracks[clip];
+    append_label(frame, bodies.hand.tracks[clip], track, track.hand, camera_period_s, labels.hand);
+    append_label(frame, bodies.object.tracks[clip], track, track.object, camera_period_s, labels.object);
+  }
+}
+
+RawTrack raw_track(const std::vector<ClipTrack>& tracks) {
+  RawTrack raw;
+  for (std::size_t clip = 0; clip < tracks.size(); ++clip)
+    for (std::size_t i = 0; i < tracks[clip].time_s.size(); ++i) {
+      raw.time_s.push_back(tracks[clip].time_s[i]);
+      raw.clip.push_back(static_cast<std::int32_t>(clip));
+      append_observation(tracks[clip].hand[i], raw.hand_m, raw.hand_sigma_m);
+      append_observation(tracks[clip].object[i], raw.object_m, raw.object_sigma_m);
+    }
+  return raw;
+}
+
+}  // namespace touchtrace::label

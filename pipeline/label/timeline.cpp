@@ -1,0 +1,97 @@
+#include "pipeline/label/timeline.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/error.h"
+
+namespace touchtrace::label {
+namespace {
+
+constexpr double most_rate_error = 0.05;
+
+/// Device time of a glove's frames: its counter at the nominal rate, from the first frame on.
+double device_time_s(const GloveStream& glove, std::uint64_t sequence) {
+  return (static_cast<double>(sequence) - static_cast<double>(glove.sequence.front())) / glove.info.rate_hz;
+}
+
+void require_streams(const Recording& recording) {
+  if (recording.gloves.empty() || recording.gloves.front().frames() == 0)
+    throw data_error("the recording has no glove frames: there is nothing to label",
+                     "record with the glove connected; run: touchtrace check RECORDING");
+  if (recording.camera_times.frames() == 0)
+    throw data_error("the recording has no camera frames: nothing can be followed",
+                     "record with the camera connected; run: touchtrace check RECORDING");
+  if (recording.clips.empty())
+    throw data_error("the recording has no clips", "mark at least one stretch with a grasp");
+}
+
+void require_rate(const ClockFit& clock, const char* stream) {
+  if (std::abs(clock.rate - 1.0) > most_rate_error)
+    throw data_error(fmt::format("the {}'s counter runs {:.3g} times as fast as it should", stream, 1.0 / clock.rate),
+                     "check the stream's nominal rate and its counter; run: touchtrace check RECORDING");
+}
+
+}  // namespace
+
+double Timeline::glove_time_s(std::uint64_t sequence) const {
+  return glove.host_time_s(static_cast<double>(sequence) / glove_rate_hz) - 0.5 * glove_scan_s;
+}
+
+Timeline align(const Recording& recording) {
+  require_streams(recording);
+  Timeline timeline;
+  timeline.camera = fit_clock(recording.camera_times.device_time_s, recording.camera_times.host_time_s);
+  require_rate(timeline.camera, "camera");
+  for (double device_s : recording.camera_times.device_time_s)
+    timeline.camera_time_s.push_back(timeline.camera.host_time_s(device_s));
+
+  const auto& stream = recording.gloves.front();
+  std::vector<double> device_s;
+  for (auto sequence : stream.sequence) device_s.push_back(device_time_s(stream, sequence));
+  timeline.glove = fit_clock(device_s, stream.host_time_s);
+  require_rate(timeline.glove, "glove");
+  timeline.glove_scan_s = stream.info.scan_s;
+  timeline.glove_rate_hz = stream.info.rate_hz;
+  timeline.glove.offset_s -= timeline.glove.rate * static_cast<double>(stream.sequence.front()) / stream.info.rate_hz;
+  return timeline;
+}
+
+std::vector<GloveFrame> glove_frames(const Recording& recording, const Timeline& timeline) {
+  const auto& sequence = recording.gloves.front().sequence;
+  std::vector<GloveFrame> result;
+  for (std::size_t clip = 0; clip < recording.clips.size(); ++clip) {
+    const auto& window = recording.clips[clip];
+    if (window.dropped) continue;
+    const auto within = [&](std::uint64_t s) {
+      const double t = timeline.glove_time_s(s);
+      return t >= window.start_s && t <= window.end_s;
+    };
+    const auto first = std::ranges::find_if(sequence, within);
+    if (first == sequence.end()) continue;
+    auto next = first;
+    for (auto s = *first; next != sequence.end() && within(*next); ++s) {
+      const bool arrived = *next == s;
+      result.push_back({timeline.glove_time_s(s), static_cast<std::int32_t>(clip),
+                        arrived ? next - sequence.begin() : -1});
+      if (arrived) ++next;
+    }
+  }
+  return result;
+}
+
+std::vector<ClipFrames> clip_frames(const Recording& recording, const Timeline& timeline) {
+  const auto& times = timeline.camera_time_s;
+  std::vector<ClipFrames> result;
+  for (const auto& clip : recording.clips) {
+    const auto first = std::ranges::lower_bound(times, clip.start_s), last = std::ranges::upper_bound(times, clip.end_s);
+    result.push_back({static_cast<std::size_t>(first - times.begin()),
+                      static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, last - first)), clip.hand_box,
+                      clip.object_box, clip.object});
+  }
+  return result;
+}
+
+}  // namespace touchtrace::label

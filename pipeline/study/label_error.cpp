@@ -1,0 +1,161 @@
+#include "pipeline/study/label_error.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "engine/base/error.h"
+
+namespace touchtrace::study {
+namespace {
+
+constexpr double wrong_m = 0.060, deviations_of_80_percent = 1.2815515655446004;
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// One label against the truth.
+struct Sample {
+  Vector6 error;  ///< position, velocity
+  Eigen::Vector3d causal_velocity_error;
+  Matrix6 covariance;
+  bool lost;
+};
+
+/// The truth's samples around a time: index of the earlier one and the part of the way to the later one.
+struct Place {
+  std::size_t index;
+  double part;
+};
+
+std::optional<Place> find_place(const Truth& truth, std::int32_t clip, double time_s) {
+  const auto [first, last] = std::ranges::equal_range(truth.clip, clip);
+  const auto begin = truth.time_s.begin() + (first - truth.clip.begin());
+  const auto end = truth.time_s.begin() + (last - truth.clip.begin());
+  const auto after = std::upper_bound(begin, end, time_s);
+  if (after == begin || after == end) return std::nullopt;
+  return Place{static_cast<std::size_t>(after - truth.time_s.begin()) - 1,
+               (time_s - *(after - 1)) / (*after - *(after - 1))};
+}
+
+Eigen::Vector3d row(const std::vector<double>& values, std::size_t index) {
+  return Eigen::Map<const Eigen::Vector3d>(&values[3 * index]);
+}
+
+Eigen::Vector3d interpolate(const std::vector<double>& values, const Place& place) {
+  return (1.0 - place.part) * row(values, place.index) + place.part * row(values, place.index + 1);
+}
+
+std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, const Truth& truth,
+                               const Truth::Body& true_body) {
+  std::vector<Sample> samples;
+  for (std::size_t i = 0; i < labels.time_s.size(); ++i) {
+    const auto place = find_place(truth, labels.clip[i], labels.time_s[i]);
+    if (!place || !std::isfinite(body.position_m[3 * i])) continue;
+    Sample sample;
+    const Eigen::Vector3d velocity = interpolate(true_body.velocity_m_per_s, *place);
+    sample.error << row(body.position_m, i) - interpolate(true_body.position_m, *place),
+        row(body.velocity_m_per_s, i) - velocity;
+    sample.causal_velocity_error = row(body.causal_velocity_m_per_s, i) - velocity;
+    sample.covariance = Eigen::Map<const Matrix6>(&body.covariance[36 * i]);
+    sample.lost = body.quality[i] != quality_good;
+    samples.push_back(std::move(sample));
+  }
+  if (samples.empty())
+    throw data_error("no label lies within the truth's clips", "compare labels with the recording they were made of");
+  return samples;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Eigen::Vector3d median_offset(const std::vector<Sample>& samples) {
+  Eigen::Vector3d result;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const auto& sample : samples) values.push_back(sample.error[axis]);
+    result[axis] = median(std::move(values));
+  }
+  return result;
+}
+
+double covered(const Sample& sample, int first) {
+  double count = 0.0;
+  for (int i = first; i < first + 3; ++i)
+    count += std::abs(sample.error[i]) < deviations_of_80_percent * std::sqrt(sample.covariance(i, i));
+  return count / 3.0;
+}
+
+/// The samples that are not wrong; counts shares on the way.
+std::vector<Sample> keep_right(const std::vector<Sample>& samples, BodyError& error) {
+  const Eigen::Vector3d offset = median_offset(samples);
+  std::vector<Sample> right;
+  const double part = 1.0 / static_cast<double>(samples.size());
+  for (const auto& sample : samples) {
+    const bool wrong = !((sample.error.head<3>() - offset).norm() < wrong_m);
+    error.lost_share += part * sample.lost;
+    error.wrong_share += part * wrong;
+    error.wrong_unsaid_share += part * (wrong && !sample.lost);
+    if (!wrong) right.push_back(sample);
+  }
+  return right;
+}
+
+BodyError error_of(const std::vector<Sample>& samples) {
+  BodyError error;
+  auto right = keep_right(samples, error);
+  const double part = 1.0 / std::max(1.0, static_cast<double>(right.size()));
+  for (const auto& sample : right) error.bias_m += part * sample.error.head<3>();
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero(), spread = Eigen::Vector3d::Zero();
+  double velocity = 0.0, causal = 0.0;
+  for (auto& sample : right) {
+    squares += part * sample.error.head<3>().cwiseAbs2();
+    sample.error.head<3>() -= error.bias_m;
+    spread += part * sample.error.head<3>().cwiseAbs2();
+    velocity += part * sample.error.tail<3>().squaredNorm() / 3.0;
+    causal += part * sample.causal_velocity_error.squaredNorm() / 3.0;
+    error.position_coverage += part * covered(sample, 0);
+    error.velocity_coverage += part * covered(sample, 3);
+    error.nees += part * sample.error.dot(sample.covariance.ldlt().solve(sample.error)) / 6.0;
+  }
+  error.position_rms_m = squares.cwiseSqrt();
+  error.position_spread_m = spread.cwiseSqrt();
+  error.velocity_rms_m_per_s = std::sqrt(velocity);
+  error.causal_velocity_rms_m_per_s = std::sqrt(causal);
+  return error;
+}
+
+std::array<double, 3> numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace
+
+LabelError compare_labels_with_truth(const Labels& labels, const Truth& truth) {
+  return {error_of(samples_of(labels, labels.hand, truth, truth.hand)),
+          error_of(samples_of(labels, labels.object, truth, truth.object))};
+}
+
+void to_json(nlohmann::json& json, const BodyError& error) {
+  json = {{"lost_share", error.lost_share},
+          {"wrong_share", error.wrong_share},
+          {"wrong_unsaid_share", error.wrong_unsaid_share},
+          {"bias_m", numbers(error.bias_m)},
+          {"position_rms_m", numbers(error.position_rms_m)},
+          {"position_spread_m", numbers(error.position_spread_m)},
+          {"velocity_rms_m_per_s", error.velocity_rms_m_per_s},
+          {"causal_velocity_rms_m_per_s", error.causal_velocity_rms_m_per_s},
+          {"position_coverage", error.position_coverage},
+          {"velocity_coverage", error.velocity_coverage},
+          {"nees", error.nees}};
+}
+
+void to_json(nlohmann::json& json, const LabelError& error) {
+  json = {{"hand", error.hand}, {"object", error.object}};
+}
+
+}  // namespace touchtrace::study

@@ -21,7 +21,8 @@ void check(Times device_s, Times host_s) {
     if (!std::isfinite(device_s[i]) || !std::isfinite(host_s[i]))
       throw data_error("a time stamp that is not a number", "run: touchtrace check RECORDING");
     if (i > 0 && !(device_s[i] > device_s[i - 1]))
-      throw data_error("a device counter that does not increase", "run: touchtrace check RECORDING");
+      throw data_error("a device counter that does not increase",
+                       "run: touchtrace check RECORDING");
   }
 }
 
@@ -45,7 +46,8 @@ std::vector<std::size_t> lower_hull(Times x, Times y) {
   return hull;
 }
 
-/// The line through the hull's edge below the mean device time: no other line below has a smaller mean distance.
+/// The line through the hull's edge below the mean device time: no other line below has a smaller
+/// mean distance.
 ClockFit envelope(Times device_s, Times host_s) {
   const auto hull = lower_hull(device_s, host_s);
   const double middle = mean(device_s);
@@ -67,7 +69,8 @@ ClockFit envelope(Times device_s, Times host_s) {
 
 }  // namespace
 
-ClockFit fit_clock(const std::vector<double>& device_time_s, const std::vector<double>& host_time_s) {
+ClockFit fit_clock(const std::vector<double>& device_time_s,
+                   const std::vector<double>& host_time_s) {
   check(device_time_s, host_time_s);
   const Times device(device_time_s), host(host_time_s);
   auto fit = envelope(device, host);

@@ -26,8 +26,8 @@ WeightedTrack around(const WeightedTrack& track, const Flight& flight) {
   return window;
 }
 
-/// -log likelihood of a stretch as a function of one flight's release and landing, in units of time from
-/// the stretch's first point. The other flights stay as they are.
+/// -log likelihood of a stretch as a function of one flight's release and landing, in units of time
+/// from the stretch's first point. The other flights stay as they are.
 class FlightCost {
  public:
   FlightCost(const WeightedTrack& window, std::vector<Flight> before, std::vector<Flight> after,
@@ -64,9 +64,10 @@ class FlightCost {
     for (const auto& event : before_) events.push_back({T(event.time), event.release});
     events.insert(events.end(), own.begin(), own.end());
     for (const auto& event : after_) events.push_back({T(event.time), event.release});
-    const MotionNoise<T> noise{T(noise_.jerk_density), T(noise_.measurement_scale),
-                               noise_.flight_jerk_density, noise_.flight_acceleration_m_per_s2,
-                               noise_.landing_velocity_m_per_s, noise_.landing_acceleration_m_per_s2};
+    const MotionNoise<T> noise{
+        T(noise_.jerk_density),          T(noise_.measurement_scale),
+        noise_.flight_jerk_density,      noise_.flight_acceleration_m_per_s2,
+        noise_.landing_velocity_m_per_s, noise_.landing_acceleration_m_per_s2};
     return innovation_cost(track_, MotionPrior<T>(noise, std::move(events)), gravity_, initial_);
   }
 
@@ -79,7 +80,8 @@ class FlightCost {
   std::vector<ContactEvent<double>> before_, after_;
 };
 
-/// The best point of a grid around the guess; the likelihood has kinks where an event passes a frame.
+/// The best point of a grid around the guess; the likelihood has kinks where an event passes a
+/// frame.
 double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
   double lowest = std::numeric_limits<double>::infinity();
   for (int i = -grid_half; i <= grid_half; ++i)
@@ -93,9 +95,9 @@ double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
 }
 
 /// The flight with its best times, or nothing if the data speak against it.
-std::vector<Flight> refine(const WeightedTrack& track, const Flight& guess, std::vector<Flight> before,
-                           std::vector<Flight> after, const MotionNoise<double>& noise,
-                           const SmoothOptions& options) {
+std::vector<Flight> refine(const WeightedTrack& track, const Flight& guess,
+                           std::vector<Flight> before, std::vector<Flight> after,
+                           const MotionNoise<double>& noise, const SmoothOptions& options) {
   const auto window = around(track, guess);
   if (window.points.size() < 3) return {};
   auto* cost = new FlightCost(window, std::move(before), std::move(after), noise, options);
@@ -116,12 +118,14 @@ std::vector<Flight> refine(const WeightedTrack& track, const Flight& guess, std:
 
 }  // namespace
 
-std::vector<Flight> most_likely_flights(const WeightedTrack& track, const MotionNoise<double>& noise,
+std::vector<Flight> most_likely_flights(const WeightedTrack& track,
+                                        const MotionNoise<double>& noise,
                                         const SmoothOptions& options) {
   std::vector<Flight> found;
   for (std::size_t i = 0; i < track.flights.size(); ++i) {
     const auto next = track.flights.begin() + static_cast<std::ptrdiff_t>(i) + 1;
-    const auto flight = refine(track, track.flights[i], found, {next, track.flights.end()}, noise, options);
+    const auto flight =
+        refine(track, track.flights[i], found, {next, track.flights.end()}, noise, options);
     found.insert(found.end(), flight.begin(), flight.end());
   }
   return found;

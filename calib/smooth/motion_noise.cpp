@@ -30,15 +30,19 @@ class NoiseCost {
   template <class T>
   bool operator()(const T* log_noise, T* cost) const {
     using std::exp;
-    MotionNoise<T> noise{exp(log_noise[0]), exp(log_noise[1]), noise_.flight_jerk_density,
-                         noise_.flight_acceleration_m_per_s2, noise_.landing_velocity_m_per_s,
+    MotionNoise<T> noise{exp(log_noise[0]),
+                         exp(log_noise[1]),
+                         noise_.flight_jerk_density,
+                         noise_.flight_acceleration_m_per_s2,
+                         noise_.landing_velocity_m_per_s,
                          noise_.landing_acceleration_m_per_s2};
     const T unlikely = log_noise[1] / log_scale_deviation;
     *cost = 0.5 * unlikely * unlikely;
     for (std::size_t i = 0; i < tracks_.size(); ++i) {
       std::vector<ContactEvent<T>> events;
       for (const auto& event : events_[i]) events.push_back({T(event.time), event.release});
-      *cost += innovation_cost(tracks_[i], MotionPrior<T>(noise, std::move(events)), gravity_, initial_);
+      *cost +=
+          innovation_cost(tracks_[i], MotionPrior<T>(noise, std::move(events)), gravity_, initial_);
     }
     return true;
   }

@@ -40,9 +40,9 @@ Transition<T> white_jerk(const T& h, const T& density) {
 /// How freely a body moves. Units of Track: metres and seconds.
 template <class T>
 struct MotionNoise {
-  T jerk_density{1.0};              ///< while held or touched [m^2/s^5]
-  T measurement_scale{1.0};         ///< the deviations of measurements are multiplied by it
-  double flight_jerk_density = 0.01;            ///< in free flight [m^2/s^5]
+  T jerk_density{1.0};                ///< while held or touched [m^2/s^5]
+  T measurement_scale{1.0};           ///< the deviations of measurements are multiplied by it
+  double flight_jerk_density = 0.01;  ///< in free flight [m^2/s^5]
   double flight_acceleration_m_per_s2 = 0.1;    ///< deviation from gravity in flight: drag, tilt
   double landing_velocity_m_per_s = 1.5;        ///< deviation of the jump at a landing
   double landing_acceleration_m_per_s2 = 15.0;  ///< likewise
@@ -55,7 +55,8 @@ struct ContactEvent {
   bool release;
 };
 
-/// The prior of a motion with flights: white jerk while touched, gravity between release and landing.
+/// The prior of a motion with flights: white jerk while touched, gravity between release and
+/// landing.
 template <class T>
 class MotionPrior {
  public:
@@ -111,11 +112,11 @@ struct AxisState {
   Matrix3<T> covariance = Matrix3<T>::Zero();
 
   AxisState after(const Transition<T>& step, double gravity) const {
-    return {step.F * mean + step.u * T(gravity),
-            step.F * covariance * step.F.transpose() + step.Q};
+    return {step.F * mean + step.u * T(gravity), step.F * covariance * step.F.transpose() + step.Q};
   }
 
-  /// Takes in a measured position (Joseph's form); returns -log of its likelihood, without the constant.
+  /// Takes in a measured position (Joseph's form); returns -log of its likelihood, without the
+  /// constant.
   T measure(double position, const T& variance) {
     using std::log;
     const T s = covariance(0, 0) + variance, innovation = T(position) - mean[0];

@@ -23,7 +23,8 @@ struct ScaledTrack : std::vector<ScaledPoint> {
       ScaledPoint point{(track[i].time_s - track.front().time_s) / units.time_s, {}, {}};
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<Eigen::Index>(axis);
-        point.position[axis] = (track[i].position_m[k] - track.front().position_m[k]) / units.length_m;
+        point.position[axis] =
+            (track[i].position_m[k] - track.front().position_m[k]) / units.length_m;
         point.sigma[axis] = track[i].sigma_m[k] / units.length_m / std::sqrt(weights[i]);
         extent = std::max(extent, std::abs(point.position[axis]));
       }

@@ -26,7 +26,8 @@ SmoothStatus check(const Track& track) {
 
 Trajectory pass(const WeightedTrack& track, const MotionNoise<double>& noise,
                 const SmoothOptions& options) {
-  return {track.points, track.weights, track.flights, noise, options.gravity_m_per_s2, options.initial};
+  return {track.points,   track.weights, track.flights, noise, options.gravity_m_per_s2,
+          options.initial};
 }
 
 /// Weights of Cauchy's loss at the residuals of `trajectory`; returns the largest change.
@@ -43,15 +44,18 @@ double reweight(WeightedTrack& track, const Trajectory& trajectory, double measu
   return change;
 }
 
-/// Gauss-Newton on the robust loss: least squares with new weights until they stay. False if they do not.
-bool find_weights(WeightedTrack& track, const MotionNoise<double>& noise, const SmoothOptions& options) {
+/// Gauss-Newton on the robust loss: least squares with new weights until they stay. False if they
+/// do not.
+bool find_weights(WeightedTrack& track, const MotionNoise<double>& noise,
+                  const SmoothOptions& options) {
   for (int i = 0; i < most_passes; ++i)
     if (reweight(track, pass(track, noise, options), noise.measurement_scale) < weight_tolerance)
       return true;
   return false;
 }
 
-SmoothedTrack finish(WeightedTrack track, const MotionNoise<double>& noise, const SmoothOptions& options) {
+SmoothedTrack finish(WeightedTrack track, const MotionNoise<double>& noise,
+                     const SmoothOptions& options) {
   SmoothedTrack result{check(track.points), {}, track.flights, {}};
   if (result.status != SmoothStatus::converged) return result;
   const bool found = !options.robust || find_weights(track, noise, options);
@@ -88,22 +92,29 @@ MotionNoise<double> find_noise(std::vector<WeightedTrack>& tracks, const SmoothO
 
 const char* name_of(SmoothStatus status) {
   switch (status) {
-    case SmoothStatus::converged: return "converged";
-    case SmoothStatus::no_samples: return "no samples";
-    case SmoothStatus::not_finite: return "a time, position or deviation that is not a number";
-    case SmoothStatus::unordered_times: return "times out of order";
-    case SmoothStatus::not_converged: return "not converged";
+    case SmoothStatus::converged:
+      return "converged";
+    case SmoothStatus::no_samples:
+      return "no samples";
+    case SmoothStatus::not_finite:
+      return "a time, position or deviation that is not a number";
+    case SmoothStatus::unordered_times:
+      return "times out of order";
+    case SmoothStatus::not_converged:
+      return "not converged";
   }
   return "unknown";
 }
 
-SmoothedTracks smooth(const std::vector<Track>& tracks, const std::vector<std::vector<Flight>>& flights,
+SmoothedTracks smooth(const std::vector<Track>& tracks,
+                      const std::vector<std::vector<Flight>>& flights,
                       const SmoothOptions& options) {
   std::vector<WeightedTrack> weighted;
   for (std::size_t i = 0; i < tracks.size(); ++i)
     weighted.push_back({tracks[i], std::vector<double>(tracks[i].size(), 1.0), flights[i]});
   SmoothedTracks result{find_noise(weighted, options), {}};
-  for (auto& track : weighted) result.tracks.push_back(finish(std::move(track), result.noise, options));
+  for (auto& track : weighted)
+    result.tracks.push_back(finish(std::move(track), result.noise, options));
   return result;
 }
 

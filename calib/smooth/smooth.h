@@ -27,7 +27,8 @@ struct SmoothOptions {
 struct SmoothedTrack {
   SmoothStatus status = SmoothStatus::no_samples;
   Trajectory trajectory;
-  std::vector<Flight> flights;  ///< with their times found; those that the data do not support are gone
+  std::vector<Flight>
+      flights;  ///< with their times found; those that the data do not support are gone
   std::vector<double> weights;  ///< [points] of the robust loss, 1: fully believed
 };
 
@@ -37,12 +38,14 @@ struct SmoothedTracks {
 };
 
 /// Smooths the tracks of one body, clip by clip, with one noise for all: white noise on jerk while
-/// touched, gravity in `flights` [tracks] (a guess of their times, +-60 ms, or empty). Times of release
-/// and landing are variables; where the data speak against a flight it is left out.
+/// touched, gravity in `flights` [tracks] (a guess of their times, +-60 ms, or empty). Times of
+/// release and landing are variables; where the data speak against a flight it is left out.
 ///
-/// What is nonlinear (event times, process noise) is Ceres'; what is linear given those is one banded
-/// Kalman and Rauch-Tung-Striebel pass, and the robust loss a sequence of such passes with new weights.
-SmoothedTracks smooth(const std::vector<Track>& tracks, const std::vector<std::vector<Flight>>& flights,
+/// What is nonlinear (event times, process noise) is Ceres'; what is linear given those is one
+/// banded Kalman and Rauch-Tung-Striebel pass, and the robust loss a sequence of such passes with
+/// new weights.
+SmoothedTracks smooth(const std::vector<Track>& tracks,
+                      const std::vector<std::vector<Flight>>& flights,
                       const SmoothOptions& options);
 
 /// One track without flights.

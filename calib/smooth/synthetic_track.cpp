@@ -73,8 +73,8 @@ class MotionWriter {
 };
 
 Eigen::Vector3d at(const std::vector<Eigen::Vector3d>& values, double time_s) {
-  const double steps = std::clamp(time_s / SyntheticMotion::step_s, 0.0,
-                                  static_cast<double>(values.size() - 1));
+  const double steps =
+      std::clamp(time_s / SyntheticMotion::step_s, 0.0, static_cast<double>(values.size() - 1));
   const auto i = std::min(static_cast<std::size_t>(steps), values.size() - 2);
   const double part = steps - static_cast<double>(i);
   return values[i] + part * (values[i + 1] - values[i]);
@@ -83,7 +83,9 @@ Eigen::Vector3d at(const std::vector<Eigen::Vector3d>& values, double time_s) {
 }  // namespace
 
 Eigen::Vector3d SyntheticMotion::position_at(double time_s) const { return at(position_m, time_s); }
-Eigen::Vector3d SyntheticMotion::velocity_at(double time_s) const { return at(velocity_m_per_s, time_s); }
+Eigen::Vector3d SyntheticMotion::velocity_at(double time_s) const {
+  return at(velocity_m_per_s, time_s);
+}
 
 SyntheticMotion synthetic_wave(double seconds, std::uint64_t seed) {
   RandomStream random(seed, "synthetic wave");
@@ -91,9 +93,11 @@ SyntheticMotion synthetic_wave(double seconds, std::uint64_t seed) {
   while (writer.shorter_than(seconds)) {
     const double stroke_s = random.uniform(0.11, 0.45);
     // 30 m/s^2 is the most that an arm does: a stroke of length L in T peaks at 5.77 L / T^2
-    const double amplitude = std::min(random.uniform(0.02, 0.08), 0.5 * 30.0 * stroke_s * stroke_s / 5.77);
+    const double amplitude =
+        std::min(random.uniform(0.02, 0.08), 0.5 * 30.0 * stroke_s * stroke_s / 5.77);
     const Eigen::Vector3d way(1.0, random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4));
-    for (int side = 1, strokes = 4 + static_cast<int>(random.below(12)); strokes > 0; --strokes, side = -side)
+    for (int side = 1, strokes = 4 + static_cast<int>(random.below(12)); strokes > 0;
+         --strokes, side = -side)
       writer.reach(side * amplitude * way, stroke_s);
   }
   return writer.take();
@@ -121,7 +125,8 @@ Track measure(const SyntheticMotion& motion, double rate_hz, double sigma_m, std
   for (std::size_t i = 0; i < frames; ++i) {
     const double time_s = static_cast<double>(i) / rate_hz;
     Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
-    track.push_back({time_s, motion.position_at(time_s) + sigma_m * noise, Eigen::Vector3d::Constant(sigma_m)});
+    track.push_back(
+        {time_s, motion.position_at(time_s) + sigma_m * noise, Eigen::Vector3d::Constant(sigma_m)});
   }
   return track;
 }

@@ -91,7 +91,8 @@ AxisState<double> initial_state(const ScaledTrack& track, std::size_t axis,
   const double spread = std::max(wide * track.front().sigma[axis], track.extent);
   AxisState<double> state;
   state.mean[0] = track.front().position[axis];
-  state.covariance.diagonal() << spread * spread, std::pow(std::min(spread, initial.velocity_m_per_s), 2),
+  state.covariance.diagonal() << spread * spread,
+      std::pow(std::min(spread, initial.velocity_m_per_s), 2),
       std::pow(std::min(spread, initial.acceleration_m_per_s2), 2);
   return state;
 }
@@ -132,8 +133,9 @@ void Trajectory::run_smoother() {
   for (std::size_t k = times_.size() - 1; k-- > 0;) {
     const auto step = prior_.between(times_[k], times_[k + 1]);
     for (std::size_t axis = 0; axis < axes; ++axis)
-      smoothed_[k][axis] = step_back(filtered_[k][axis], step,
-                                     gravity_[static_cast<Eigen::Index>(axis)], smoothed_[k + 1][axis]);
+      smoothed_[k][axis] =
+          step_back(filtered_[k][axis], step, gravity_[static_cast<Eigen::Index>(axis)],
+                    smoothed_[k + 1][axis]);
   }
 }
 
@@ -153,7 +155,8 @@ Trajectory::Axes Trajectory::filtered_at(std::size_t knot, double time) const {
 Trajectory::Axes Trajectory::smoothed_at(double time) const {
   if (time < times_.front()) {  // x(t) = F^-1 (x0 - w)
     const double h = times_.front() - time;
-    const Eigen::Matrix3d back = white_jerk(-h, 0.0).F, noise = white_jerk(h, prior_.noise().jerk_density).Q;
+    const Eigen::Matrix3d back = white_jerk(-h, 0.0).F,
+                          noise = white_jerk(h, prior_.noise().jerk_density).Q;
     Axes result = smoothed_.front();
     for (auto& axis : result)
       axis = {back * axis.mean, back * (axis.covariance + noise) * back.transpose()};
@@ -175,7 +178,8 @@ MotionState Trajectory::smoothed(double time_s) const {
 
 MotionState Trajectory::causal(double time_s) const {
   const double time = (time_s - origin_s_) / units_.time_s;
-  return in_metres(time < times_.front() ? smoothed_at(time) : filtered_at(knot_before(time), time));
+  return in_metres(time < times_.front() ? smoothed_at(time)
+                                         : filtered_at(knot_before(time), time));
 }
 
 MotionState Trajectory::in_metres(const Axes& scaled) const {

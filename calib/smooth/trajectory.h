@@ -25,7 +25,8 @@ struct Flight {
 /// Where a body is and how it moves, and how well that is known. Axes are independent.
 struct MotionState {
   Eigen::Vector3d position_m, velocity_m_per_s, acceleration_m_per_s2;
-  std::array<Eigen::Matrix3d, 3> covariance;  ///< of (position, velocity, acceleration), axis by axis
+  std::array<Eigen::Matrix3d, 3>
+      covariance;  ///< of (position, velocity, acceleration), axis by axis
 
   /// [6, 6] of (position, velocity).
   Eigen::Matrix<double, 6, 6> position_velocity_covariance() const;
@@ -48,14 +49,15 @@ struct InitialMotion {
 };
 
 /// A smoothed motion: knots at the measurements, states in between by the same prior, exactly.
-/// Filter and Rauch-Tung-Striebel smoother in O(n); covariances are sums of squares, never differences.
+/// Filter and Rauch-Tung-Striebel smoother in O(n); covariances are sums of squares, never
+/// differences.
 class Trajectory {
  public:
   Trajectory() = default;
   /// `weights` [points] in (0, 1] divide the variances. `track` must not be empty.
-  Trajectory(const Track& track, const std::vector<double>& weights, const std::vector<Flight>& flights,
-             const MotionNoise<double>& noise, const Eigen::Vector3d& gravity_m_per_s2,
-             const InitialMotion& initial);
+  Trajectory(const Track& track, const std::vector<double>& weights,
+             const std::vector<Flight>& flights, const MotionNoise<double>& noise,
+             const Eigen::Vector3d& gravity_m_per_s2, const InitialMotion& initial);
 
   bool empty() const { return times_.empty(); }
   double first_s() const { return origin_s_ + times_.front() * units_.time_s; }
@@ -71,7 +73,8 @@ class Trajectory {
  private:
   using Axes = std::array<AxisState<double>, 3>;
 
-  void run_filter(const Track& track, const std::vector<double>& weights, const InitialMotion& initial);
+  void run_filter(const Track& track, const std::vector<double>& weights,
+                  const InitialMotion& initial);
   void run_smoother();
   std::size_t knot_before(double time) const;
   Axes filtered_at(std::size_t knot, double time) const;

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include "engine/base/files.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/label/label.h"
 
@@ -22,16 +23,18 @@ void print_summary(const Labels& labels, const std::string& output) {
   const auto& s = labels.summary;
   fmt::print("{} labels of {} clips in {}\n", labels.time_s.size(), labels.clips.size(), output);
   fmt::print("lost: hand {:.2f} %, object {:.2f} %; object only follows the hand in {:.2f} %\n",
-             100.0 * s["hand_lost_share"].get<double>(), 100.0 * s["object_lost_share"].get<double>(),
+             100.0 * s["hand_lost_share"].get<double>(),
+             100.0 * s["object_lost_share"].get<double>(),
              100.0 * s["object_follows_share"].get<double>());
   fmt::print("clocks: camera drift {:.1f} ppm, glove drift {:.1f} ppm; flights: {}\n",
-             s["clocks"]["camera"]["drift_ppm"].get<double>(), s["clocks"]["glove"]["drift_ppm"].get<double>(),
-             s["flights"].size());
+             s["clocks"]["camera"]["drift_ppm"].get<double>(),
+             s["clocks"]["glove"]["drift_ppm"].get<double>(), s["flights"].size());
 }
 
 ExitCode run(const LabelVerbOptions& options, const Invocation& invocation) {
   const Stopwatch stopwatch;
-  const OutputFile output(options.output, invocation.overwrite);  // refuses early what may not be written
+  const OutputFile output(options.output,
+                          invocation.overwrite);  // refuses early what may not be written
   auto provenance = start_provenance("touchtrace/labels/1", "label");
   provenance.options = invocation.options;
   provenance.add_input(options.recording);
@@ -53,7 +56,8 @@ Verb label_verb() {
   return make_verb<LabelVerbOptions>(
       "label", "follow hand and object in a recording and write their states at every glove frame",
       {"touchtrace label wave.h5 --calibration camera --output labels.h5",
-       "touchtrace label wave.h5 --calibration camera --output labels.h5 --tracker component --json"},
+       "touchtrace label wave.h5 --calibration camera --output labels.h5 --tracker component "
+       "--json"},
       run);
 }
 

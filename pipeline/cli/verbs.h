@@ -7,6 +7,7 @@ namespace touchtrace::cli {
 // One file a verb: <name>_verb.cpp.
 Verb devices_verb();
 Verb doctor_verb();
+Verb label_verb();
 Verb verify_verb();
 
 }  // namespace touchtrace::cli

@@ -22,9 +22,11 @@ cv::Ptr<cv::TrackerCSRT> fast_csrt() {
 }
 
 cv::Mat crop(const MaskedImage& image, int left, int top, int size) {
-  const cv::Mat whole(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data()));
+  const cv::Mat whole(image.height, image.width, CV_8UC3,
+                      const_cast<std::uint8_t*>(image.rgb.data()));
   cv::Mat result(size, size, CV_8UC3, cv::Scalar::all(0));
-  const cv::Rect wanted(left, top, size, size), inside = wanted & cv::Rect(0, 0, image.width, image.height);
+  const cv::Rect wanted(left, top, size, size),
+      inside = wanted & cv::Rect(0, 0, image.width, image.height);
   if (!inside.empty()) whole(inside).copyTo(result(inside - wanted.tl()));
   return result;
 }
@@ -46,7 +48,7 @@ MaskedImage masked_image(const RgbdFrame& frame, const Surface& surface, int wid
 struct BoxTracker::State {
   cv::Ptr<cv::TrackerCSRT> tracker;
   int crop_size = 0;
-  double left = 0.0, top = 0.0;          ///< of the target's centre in the crop
+  double left = 0.0, top = 0.0;  ///< of the target's centre in the crop
 };
 
 BoxTracker::BoxTracker() = default;
@@ -73,7 +75,8 @@ std::optional<PixelBox> BoxTracker::update(const MaskedImage& image, double pred
   const int left = static_cast<int>(std::lround(predicted_x - state_->left));
   const int top = static_cast<int>(std::lround(predicted_y - state_->top));
   cv::Rect found;
-  if (!state_->tracker->update(crop(image, left, top, state_->crop_size), found)) return std::nullopt;
+  if (!state_->tracker->update(crop(image, left, top, state_->crop_size), found))
+    return std::nullopt;
   state_->left = found.x + 0.5 * found.width;
   state_->top = found.y + 0.5 * found.height;
   return PixelBox{found.x + left, found.y + top, found.width, found.height};

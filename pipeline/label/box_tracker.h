@@ -17,8 +17,9 @@ struct MaskedImage {
 
 MaskedImage masked_image(const RgbdFrame& frame, const Surface& surface, int width, int height);
 
-/// OpenCV's CSRT on a crop of the masked image that moves with the predicted motion: the tracker itself sees
-/// a target that hardly moves, which lifts its speed limit of about 1.5 target sizes a frame.
+/// OpenCV's CSRT on a crop of the masked image that moves with the predicted motion: the tracker
+/// itself sees a target that hardly moves, which lifts its speed limit of about 1.5 target sizes a
+/// frame.
 class BoxTracker {
  public:
   BoxTracker();
@@ -27,8 +28,8 @@ class BoxTracker {
   BoxTracker& operator=(BoxTracker&&) noexcept;
 
   void start(const MaskedImage& image, const PixelBox& box);
-  /// The box in `image`, looked for around `predicted_x`, `predicted_y` (its centre). Nothing if the tracker
-  /// gives up or was never started.
+  /// The box in `image`, looked for around `predicted_x`, `predicted_y` (its centre). Nothing if
+  /// the tracker gives up or was never started.
   std::optional<PixelBox> update(const MaskedImage& image, double predicted_x, double predicted_y);
   void stop();
 

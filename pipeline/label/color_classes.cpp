@@ -7,7 +7,8 @@
 namespace touchtrace::label {
 namespace {
 
-/// `counts` over a cube of colours, smoothed along each channel by (1 4 1) / 6: shades not yet seen.
+/// `counts` over a cube of colours, smoothed along each channel by (1 4 1) / 6: shades not yet
+/// seen.
 std::vector<double> smoothed(const std::vector<double>& counts, std::size_t levels) {
   std::vector<double> now = counts;
   for (std::size_t stride : {std::size_t{1}, levels, levels * levels}) {
@@ -33,7 +34,8 @@ std::vector<double> density(const std::vector<double>& counts, std::size_t level
 
 }  // namespace
 
-void ColorClasses::learn(const Surface& surface, const PixelBox& hand_box, const PixelBox& object_box) {
+void ColorClasses::learn(const Surface& surface, const PixelBox& hand_box,
+                         const PixelBox& object_box) {
   for (const auto& point : surface) {
     const Body body = contains(object_box, point) ? Body::object
                       : contains(hand_box, point) ? Body::hand
@@ -47,8 +49,8 @@ void ColorClasses::settle() {
              object = density(counts_[2], levels, 5e-5);
   for (std::size_t i = 0; i < table_.size(); ++i)
     table_[i] = object[i] > hand[i] && object[i] > rest[i] ? Body::object
-                : hand[i] > rest[i]                         ? Body::hand
-                                                            : Body::rest;
+                : hand[i] > rest[i]                        ? Body::hand
+                                                           : Body::rest;
 }
 
 void ColorClasses::assign(Surface& surface) const {

@@ -7,9 +7,9 @@
 
 namespace touchtrace::label {
 
-/// Tells hand, object and the rest (arm, torso) apart by colour. Learnt from frames in which boxes were
-/// drawn: the object's box may hold fingers and the hand's box the object, so a colour belongs to the body
-/// in whose box it is relatively most frequent.
+/// Tells hand, object and the rest (arm, torso) apart by colour. Learnt from frames in which boxes
+/// were drawn: the object's box may hold fingers and the hand's box the object, so a colour belongs
+/// to the body in whose box it is relatively most frequent.
 class ColorClasses {
  public:
   /// Counts one frame's colours.
@@ -21,15 +21,17 @@ class ColorClasses {
   void assign(Surface& surface) const;
 
  private:
-  static constexpr std::size_t levels = 16;  // of each channel: coarse enough to learn from few frames
+  static constexpr std::size_t levels =
+      16;  // of each channel: coarse enough to learn from few frames
 
   static std::size_t bin(const std::array<std::uint8_t, 3>& rgb) {
-    return (static_cast<std::size_t>(rgb[0] >> 4) * levels + (rgb[1] >> 4)) * levels + (rgb[2] >> 4);
+    return (static_cast<std::size_t>(rgb[0] >> 4) * levels + (rgb[1] >> 4)) * levels +
+           (rgb[2] >> 4);
   }
 
   std::array<std::vector<double>, 3> counts_{std::vector<double>(levels * levels * levels),
-                                             std::vector<double>(levels * levels * levels),
-                                             std::vector<double>(levels * levels * levels)};
+                                             std::vector<double>(levels* levels* levels),
+                                             std::vector<double>(levels* levels* levels)};
   std::vector<Body> table_ = std::vector<Body>(levels * levels * levels, Body::rest);
 };
 

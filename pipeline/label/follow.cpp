@@ -11,19 +11,23 @@ namespace touchtrace::label {
 namespace {
 
 constexpr double hand_radius_m = 0.12, hand_sigma_m = 0.004, follow_sigma_m = 0.02;
-constexpr double reach_m = 0.07;        // an object so much farther from the hand than in the grip is away
-constexpr double search_margin = 1.6;   // of the object's radius: what belongs to it
+constexpr double reach_m =
+    0.07;  // an object so much farther from the hand than in the grip is away
+constexpr double search_margin = 1.6;  // of the object's radius: what belongs to it
 constexpr std::size_t fewest_hand = 30, fewest_object = 6;
 constexpr double most_box_shift = 0.4;  // of a box's size, before its tracker is set anew
 
 /// The box around a patch, as a tracker gets it.
-PixelBox tracker_box(const PixelBox& box) { return {box.x - 1, box.y - 1, box.width + 2, box.height + 2}; }
+PixelBox tracker_box(const PixelBox& box) {
+  return {box.x - 1, box.y - 1, box.width + 2, box.height + 2};
+}
 
 bool agrees(const PixelBox& tracked, const PixelBox& seen) {
   const double dx = tracked.x + 0.5 * tracked.width - seen.x - 0.5 * seen.width;
   const double dy = tracked.y + 0.5 * tracked.height - seen.y - 0.5 * seen.height;
   const double size = std::max(seen.width, seen.height);
-  return std::hypot(dx, dy) < most_box_shift * size && tracked.width < 2 * size && 2 * tracked.width > seen.width;
+  return std::hypot(dx, dy) < most_box_shift * size && tracked.width < 2 * size &&
+         2 * tracked.width > seen.width;
 }
 
 /// One body: its filter, its tracker, and how it is told from the rest.
@@ -45,7 +49,8 @@ class Target {
   }
 
   /// By the tracker's box where it is believed, else by colour and depth within the gate.
-  std::optional<Patch> find(const Surface& surface, const MaskedImage& image, const PinholeCamera& camera) {
+  std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
+                            const PinholeCamera& camera) {
     const Eigen::Vector3d expected = filter.position_m();
     auto start = median_point(surface, body_, expected, filter.gate_m());
     std::optional<PixelBox> tracked;
@@ -57,8 +62,10 @@ class Target {
     }
     if (!start) return lose();
     const auto patch = find_patch(surface, body_, *start, radius_m_, fewest_);
-    if (!patch || (patch->centroid_m - expected).norm() > filter.gate_m() + radius_m_) return lose();
-    if (kind_ == TrackerKind::csrt && !(tracked && agrees(*tracked, patch->box))) restart(image, patch->box);
+    if (!patch || (patch->centroid_m - expected).norm() > filter.gate_m() + radius_m_)
+      return lose();
+    if (kind_ == TrackerKind::csrt && !(tracked && agrees(*tracked, patch->box)))
+      restart(image, patch->box);
     return patch;
   }
 
@@ -89,23 +96,35 @@ class Target {
 
 /// Deviation of a sphere's centre, by how much of it is seen; depth is known half as well.
 Eigen::Vector3d object_sigma_m(double visible) {
-  const double sigma = visible > 0.8 ? 0.0016 : visible > 0.6 ? 0.003 : visible > 0.4 ? 0.005 : 0.01;
+  const double sigma = visible > 0.8   ? 0.0016
+                       : visible > 0.6 ? 0.003
+                       : visible > 0.4 ? 0.005
+                                       : 0.01;
   return {sigma, sigma, 2.0 * sigma};
 }
 
 Observation observe_hand(const Patch& patch) {
-  return {true, false, patch.centroid_m, {hand_sigma_m, hand_sigma_m, 1.5 * hand_sigma_m}, patch.centroid_m, 1.0, patch.box};
+  return {true,
+          false,
+          patch.centroid_m,
+          {hand_sigma_m, hand_sigma_m, 1.5 * hand_sigma_m},
+          patch.centroid_m,
+          1.0,
+          patch.box};
 }
 
 Observation observe_object(const Patch& patch, double radius_m, const PinholeCamera& camera) {
   const double visible = visible_part(patch, radius_m, camera);
-  return {true, false, sphere_center(patch, radius_m), object_sigma_m(visible), patch.centroid_m, visible, patch.box};
+  return {
+      true,    false,    sphere_center(patch, radius_m), object_sigma_m(visible), patch.centroid_m,
+      visible, patch.box};
 }
 
 /// Hand and object of one clip.
 class Follower {
  public:
-  Follower(const SceneModel& scene, const ClipFrames& clip, const Eigen::Vector3d& gravity, TrackerKind kind)
+  Follower(const SceneModel& scene, const ClipFrames& clip, const Eigen::Vector3d& gravity,
+           TrackerKind kind)
       : scene_(scene),
         clip_(clip),
         gravity_(gravity),
@@ -117,7 +136,9 @@ class Follower {
   void step(const RgbdFrame& frame, double seconds, ClipTrack& track) {
     const auto surface = scene_.see(frame, clip_.object);
     const auto& camera = scene_.segmenter.color_camera();
-    const auto image = kind_ == TrackerKind::csrt ? masked_image(frame, surface, camera.width, camera.height) : MaskedImage{};
+    const auto image = kind_ == TrackerKind::csrt
+                           ? masked_image(frame, surface, camera.width, camera.height)
+                           : MaskedImage{};
     std::optional<Patch> hand, object;
     if (!started_) {
       hand = hand_.begin(surface, clip_.hand_box);
@@ -180,18 +201,21 @@ class Follower {
 
 constexpr double wholly_seen = 0.5;
 
-/// In the grip little of the object shows and a sphere's fit is noisy, but always the same part shows: there
-/// the centroid plus the grasp's median of (fit - centroid) is steadier.
+/// In the grip little of the object shows and a sphere's fit is noisy, but always the same part
+/// shows: there the centroid plus the grasp's median of (fit - centroid) is steadier.
 void steady_in_grip(std::vector<Observation>& object) {
   std::array<std::vector<double>, 3> offsets;
-  const auto is_partial = [](const Observation& o) { return o.found && !o.follows_hand && o.visible < wholly_seen; };
+  const auto is_partial = [](const Observation& o) {
+    return o.found && !o.follows_hand && o.visible < wholly_seen;
+  };
   for (const auto& o : object)
     for (std::size_t axis = 0; is_partial(o) && axis < 3; ++axis)
       offsets[axis].push_back((o.position_m - o.surface_m)[static_cast<Eigen::Index>(axis)]);
   if (offsets[0].empty()) return;
   Eigen::Vector3d offset;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto middle = offsets[axis].begin() + static_cast<std::ptrdiff_t>(offsets[axis].size() / 2);
+    const auto middle =
+        offsets[axis].begin() + static_cast<std::ptrdiff_t>(offsets[axis].size() / 2);
     std::nth_element(offsets[axis].begin(), middle, offsets[axis].end());
     offset[static_cast<Eigen::Index>(axis)] = *middle;
   }

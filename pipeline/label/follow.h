@@ -13,22 +13,23 @@ enum class TrackerKind { csrt, component };
 /// One body in one camera frame.
 struct Observation {
   bool found = false;
-  bool follows_hand = false;           ///< the object was not seen: it is where the hand carries it
-  Eigen::Vector3d position_m, sigma_m; ///< of the body's centre
-  Eigen::Vector3d surface_m;           ///< centroid of what was seen
-  double visible = 0.0;                ///< part of the object's disc, 0..1
+  bool follows_hand = false;  ///< the object was not seen: it is where the hand carries it
+  Eigen::Vector3d position_m, sigma_m;  ///< of the body's centre
+  Eigen::Vector3d surface_m;            ///< centroid of what was seen
+  double visible = 0.0;                 ///< part of the object's disc, 0..1
   PixelBox box;
 };
 
 struct ClipTrack {
-  std::vector<double> time_s;               ///< [frames]
-  std::vector<Observation> hand, object;    ///< [frames]
-  int restarts = 0;                         ///< times a tracker was set on its target anew
+  std::vector<double> time_s;             ///< [frames]
+  std::vector<Observation> hand, object;  ///< [frames]
+  int restarts = 0;                       ///< times a tracker was set on its target anew
 };
 
-/// Follows hand and object through a clip. Each has a Kalman filter, with gravity once the object is away
-/// from the hand; the tracker looks where the filter predicts; its box is believed if the body's points lie
-/// in it within the gate, else the body is looked for by colour and depth within the gate, which grows while it is lost.
+/// Follows hand and object through a clip. Each has a Kalman filter, with gravity once the object
+/// is away from the hand; the tracker looks where the filter predicts; its box is believed if the
+/// body's points lie in it within the gate, else the body is looked for by colour and depth within
+/// the gate, which grows while it is lost.
 ClipTrack follow(const SceneModel& scene, const FrameSource& frames, const ClipFrames& clip,
                  const std::vector<double>& frame_time_s, const Eigen::Vector3d& gravity_m_per_s2,
                  TrackerKind tracker);

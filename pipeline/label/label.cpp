@@ -16,7 +16,8 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr double enough_found = 0.5;  // of all frames; less is a failure of the set-up, not of a frame
+constexpr double enough_found =
+    0.5;  // of all frames; less is a failure of the set-up, not of a frame
 
 Eigen::Vector3d gravity(const CameraInfo& camera) {
   return {camera.gravity[0], camera.gravity[1], camera.gravity[2]};
@@ -50,7 +51,8 @@ std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& fr
   cv::setNumThreads(1);  // clips are the parallel work
   for_each_index(clips.size(), options.threads, [&](std::size_t i) {
     if (clips[i].count == 0) return;
-    tracks[i] = follow(scene, frames, clips[i], timeline.camera_time_s, gravity(recording.camera), kind);
+    tracks[i] =
+        follow(scene, frames, clips[i], timeline.camera_time_s, gravity(recording.camera), kind);
     progress.advance(clips[i].count);
   });
   return tracks;
@@ -68,17 +70,21 @@ Shares shares_of(const std::vector<ClipTrack>& tracks) {
     frames += static_cast<double>(track.time_s.size());
     shares.restarts += track.restarts;
     for (const auto& o : track.hand) shares.hand_lost += !o.found;
-    for (const auto& o : track.object) shares.object_lost += !o.found, shares.object_follows += o.follows_hand;
+    for (const auto& o : track.object)
+      shares.object_lost += !o.found, shares.object_follows += o.follows_hand;
   }
-  for (double* share : {&shares.hand_lost, &shares.object_lost, &shares.object_follows}) *share /= std::max(1.0, frames);
+  for (double* share : {&shares.hand_lost, &shares.object_lost, &shares.object_follows})
+    *share /= std::max(1.0, frames);
   return shares;
 }
 
 void require_found(const Shares& shares) {
-  for (const auto& [body, lost] : {std::pair{"hand", shares.hand_lost}, {"object", shares.object_lost}})
+  for (const auto& [body, lost] :
+       {std::pair{"hand", shares.hand_lost}, {"object", shares.object_lost}})
     if (lost > 1.0 - enough_found)
       throw data_error(fmt::format("the {} was lost in {:.0f} % of all frames", body, 100.0 * lost),
-                       "check the boxes, the calibration and that the background was recorded without the person");
+                       "check the boxes, the calibration and that the background was recorded "
+                       "without the person");
 }
 
 nlohmann::json clock_summary(const ClockFit& clock) {
@@ -97,25 +103,29 @@ nlohmann::json flights_summary(const SmoothedTracks& smoothed) {
   auto flights = nlohmann::json::array();
   for (std::size_t clip = 0; clip < smoothed.tracks.size(); ++clip)
     for (const auto& flight : smoothed.tracks[clip].flights)
-      flights.push_back({{"clip", clip}, {"release_s", flight.release_s}, {"landing_s", flight.landing_s}});
+      flights.push_back(
+          {{"clip", clip}, {"release_s", flight.release_s}, {"landing_s", flight.landing_s}});
   return flights;
 }
 
-nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene, const Timeline& timeline,
-                         const Shares& shares, const SmoothedBodies& bodies) {
-  return {{"tracker", options.tracker},
-          {"hand_lost_share", shares.hand_lost},
-          {"object_lost_share", shares.object_lost},
-          {"object_follows_share", shares.object_follows},
-          {"tracker_restarts", shares.restarts},
-          {"band_m", scene.band_m},
-          {"object_radius_m", scene.object_radius_m},
-          {"clocks", {{"camera", clock_summary(timeline.camera)},
-                      {"glove", clock_summary(timeline.glove)},
-                      {"label_time", "middle of the glove's scan"},
-                      {"unobservable", "the least latency of glove and camera stays in their offsets"}}},
-          {"noise", {{"hand", noise_summary(bodies.hand)}, {"object", noise_summary(bodies.object)}}},
-          {"flights", flights_summary(bodies.object)}};
+nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
+                         const Timeline& timeline, const Shares& shares,
+                         const SmoothedBodies& bodies) {
+  return {
+      {"tracker", options.tracker},
+      {"hand_lost_share", shares.hand_lost},
+      {"object_lost_share", shares.object_lost},
+      {"object_follows_share", shares.object_follows},
+      {"tracker_restarts", shares.restarts},
+      {"band_m", scene.band_m},
+      {"object_radius_m", scene.object_radius_m},
+      {"clocks",
+       {{"camera", clock_summary(timeline.camera)},
+        {"glove", clock_summary(timeline.glove)},
+        {"label_time", "middle of the glove's scan"},
+        {"unobservable", "the least latency of glove and camera stays in their offsets"}}},
+      {"noise", {{"hand", noise_summary(bodies.hand)}, {"object", noise_summary(bodies.object)}}},
+      {"flights", flights_summary(bodies.object)}};
 }
 
 }  // namespace
@@ -145,20 +155,24 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   Labels labels;
   labels.activity = recording.activity;
   labels.clips = recording.clips;
-  resample(glove_frames(recording, timeline), tracks, bodies, 1.0 / recording.camera.rate_hz, labels);
+  resample(glove_frames(recording, timeline), tracks, bodies, 1.0 / recording.camera.rate_hz,
+           labels);
   labels.raw = raw_track(tracks);
   labels.summary = summarize(options, scene, timeline, shares, bodies);
-  labels.summary["seconds"] = {{"learn_scene", learning_s}, {"follow", following_s},
-                               {"follow_cpu", following_cpu_s}, {"smooth", smoothing.wall_seconds()}};
+  labels.summary["seconds"] = {{"learn_scene", learning_s},
+                               {"follow", following_s},
+                               {"follow_cpu", following_cpu_s},
+                               {"smooth", smoothing.wall_seconds()}};
   return labels;
 }
 
 Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
                        const LabelOptions& options) {
   std::mutex mutex;  // Debian's HDF5 serves one thread at a time
-  const FrameSource frames{[&](std::size_t i) { return std::lock_guard(mutex), reader.read_camera_frame(i); },
-                           [&](std::size_t i) { return std::lock_guard(mutex), reader.read_background(i); },
-                           reader.background_frames()};
+  const FrameSource frames{
+      [&](std::size_t i) { return std::lock_guard(mutex), reader.read_camera_frame(i); },
+      [&](std::size_t i) { return std::lock_guard(mutex), reader.read_background(i); },
+      reader.background_frames()};
   return label_recording(reader.recording(), frames, calibration, options);
 }
 

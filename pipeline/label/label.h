@@ -9,19 +9,22 @@
 namespace touchtrace::label {
 
 struct LabelOptions {
-  std::string tracker = "csrt";  ///< "csrt": as in the paper; "component": colour and depth alone, much faster
-  std::string boxes = "given";   ///< "given": the recording's; "proposed": found by touchtrace
-  int threads = 0;               ///< 0: one a core
+  std::string tracker =
+      "csrt";  ///< "csrt": as in the paper; "component": colour and depth alone, much faster
+  std::string boxes = "given";  ///< "given": the recording's; "proposed": found by touchtrace
+  int threads = 0;              ///< 0: one a core
 };
 
 void describe(OptionSet& set, LabelOptions& options);
 
-/// Hand and object of a recording at every frame of its first glove: segment, follow, lift, align, smooth.
-/// Reads nothing of a recording's truth. The result does not depend on the number of threads.
+/// Hand and object of a recording at every frame of its first glove: segment, follow, lift, align,
+/// smooth. Reads nothing of a recording's truth. The result does not depend on the number of
+/// threads.
 ///
-/// A label's time is the middle of the glove frame's scan on the host's clock, up to the least latency of
-/// either stream, which stamps cannot show; `summary` says so and gives clocks, noise, shares and seconds.
-/// Throws data_error for a recording without glove, camera frames, clips or background, or whose boxes lead nowhere.
+/// A label's time is the middle of the glove frame's scan on the host's clock, up to the least
+/// latency of either stream, which stamps cannot show; `summary` says so and gives clocks, noise,
+/// shares and seconds. Throws data_error for a recording without glove, camera frames, clips or
+/// background, or whose boxes lead nowhere.
 Labels label_recording(const Recording& recording, const FrameSource& frames,
                        const RgbdCalibration& calibration, const LabelOptions& options);
 

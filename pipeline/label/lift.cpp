@@ -30,7 +30,8 @@ Patch gather(const Surface& surface, Body body, const Eigen::Vector3d& center, d
   patch.centroid_m = center;
   int left = 1 << 14, right = -1, top = 1 << 14, bottom = -1;
   for (const auto& point : surface) {
-    if (point.body != body || (point.position_m.cast<double>() - center).norm() > radius_m) continue;
+    if (point.body != body || (point.position_m.cast<double>() - center).norm() > radius_m)
+      continue;
     patch.points_m.push_back(point.position_m);
     left = std::min<int>(left, point.u), right = std::max<int>(right, point.u);
     top = std::min<int>(top, point.v), bottom = std::max<int>(bottom, point.v);
@@ -66,19 +67,22 @@ std::optional<Eigen::Vector3d> median_point(const Surface& surface, Body body,
                                             const Eigen::Vector3d& center_m, double gate_m) {
   std::array<std::vector<double>, 3> coordinates;
   for (const auto& point : surface) {
-    if (point.body != body || (point.position_m.cast<double>() - center_m).norm() > gate_m) continue;
+    if (point.body != body || (point.position_m.cast<double>() - center_m).norm() > gate_m)
+      continue;
     for (std::size_t axis = 0; axis < 3; ++axis)
       coordinates[axis].push_back(point.position_m[static_cast<Eigen::Index>(axis)]);
   }
   if (coordinates[0].empty()) return std::nullopt;
-  return Eigen::Vector3d(median_of(coordinates[0]), median_of(coordinates[1]), median_of(coordinates[2]));
+  return Eigen::Vector3d(median_of(coordinates[0]), median_of(coordinates[1]),
+                         median_of(coordinates[2]));
 }
 
 Eigen::Vector3d sphere_center(const Patch& patch, double radius_m) {
   Eigen::Vector3d center = patch.centroid_m + 2.0 / 3.0 * radius_m * patch.centroid_m.normalized();
   const Eigen::Vector3d start = center;
   for (int i = 0; i < most_newton_steps; ++i) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Identity();  // one point's worth of the start: never singular
+    Eigen::Matrix3d normal =
+        Eigen::Matrix3d::Identity();  // one point's worth of the start: never singular
     Eigen::Vector3d gradient = center - start;
     for (const auto& point : patch.points_m) {
       const Eigen::Vector3d ray = center - point.cast<double>();

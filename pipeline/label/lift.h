@@ -14,18 +14,18 @@ struct Patch {
   PixelBox box;  ///< around the points' pixels
 };
 
-/// The points of `body` in the densest place near `start_m`: mean shift with a ball of `radius_m`. Nothing
-/// if fewer than `fewest` points lie in it.
+/// The points of `body` in the densest place near `start_m`: mean shift with a ball of `radius_m`.
+/// Nothing if fewer than `fewest` points lie in it.
 std::optional<Patch> find_patch(const Surface& surface, Body body, const Eigen::Vector3d& start_m,
                                 double radius_m, std::size_t fewest);
 
-/// Where to start when only a region is known: the median of the points of `body` within `gate_m` of
-/// `center_m`, or nothing.
+/// Where to start when only a region is known: the median of the points of `body` within `gate_m`
+/// of `center_m`, or nothing.
 std::optional<Eigen::Vector3d> median_point(const Surface& surface, Body body,
                                             const Eigen::Vector3d& center_m, double gate_m);
 
-/// Centre of a sphere of known radius through a patch seen from the origin: Gauss-Newton with Cauchy's
-/// loss from 2/3 radius behind the centroid, where a wholly visible sphere has its centre.
+/// Centre of a sphere of known radius through a patch seen from the origin: Gauss-Newton with
+/// Cauchy's loss from 2/3 radius behind the centroid, where a wholly visible sphere has its centre.
 Eigen::Vector3d sphere_center(const Patch& patch, double radius_m);
 
 /// Part of the disc of a sphere of `radius_m` at the patch's distance that the patch covers, 0..1.

@@ -22,7 +22,8 @@ void for_each_index(std::size_t count, int threads, const std::function<void(std
         next = count;
       }
   };
-  const auto cores = threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency());
+  const auto cores = threads > 0 ? static_cast<std::size_t>(threads)
+                                 : std::max(1u, std::thread::hardware_concurrency());
   {
     std::vector<std::jthread> workers;
     for (std::size_t i = 1; i < std::min(cores, count); ++i) workers.emplace_back(run);

@@ -30,11 +30,12 @@ std::vector<std::size_t> sampled_frames(const ClipFrames& clip) {
   return result;
 }
 
-/// Where the torso begins: from the largest peak of the depths nearer until 10 % of it. Infinite if nothing
-/// as large as a torso is there.
+/// Where the torso begins: from the largest peak of the depths nearer until 10 % of it. Infinite if
+/// nothing as large as a torso is there.
 float band_limit(const std::vector<double>& histogram, double pixels) {
   const auto peak = std::max_element(histogram.begin(), histogram.end());
-  const auto low = std::max(histogram.begin(), peak - 5), high = std::min(histogram.end(), peak + 6);
+  const auto low = std::max(histogram.begin(), peak - 5),
+             high = std::min(histogram.end(), peak + 6);
   if (std::accumulate(low, high, 0.0) < torso_part * pixels) return farthest_m;
   auto edge = peak;
   while (edge != histogram.begin() && *edge > 0.1 * *peak) --edge;
@@ -52,7 +53,8 @@ double object_radius(const std::vector<Surface>& surfaces, const PinholeCamera& 
   for (const auto& surface : surfaces) {
     const auto start = median_point(surface, Body::object, Eigen::Vector3d::Zero(), farthest_m);
     if (!start) continue;
-    if (const auto patch = find_patch(surface, Body::object, *start, cluster_radius_m, fewest_points))
+    if (const auto patch =
+            find_patch(surface, Body::object, *start, cluster_radius_m, fewest_points))
       radii.push_back(silhouette_radius_m(*patch, camera));
   }
   if (radii.empty())
@@ -63,7 +65,8 @@ double object_radius(const std::vector<Surface>& surfaces, const PinholeCamera& 
 
 struct Samples {
   std::map<std::string, std::vector<Surface>> surfaces;  ///< by object
-  std::vector<double> depths = std::vector<double>(static_cast<std::size_t>(farthest_m / bin_m) + 1);
+  std::vector<double> depths =
+      std::vector<double>(static_cast<std::size_t>(farthest_m / bin_m) + 1);
   std::size_t frames = 0;
 };
 
@@ -75,8 +78,11 @@ Samples sample(SceneModel& model, const FrameSource& frames, const std::vector<C
       throw_if_interrupted();
       auto surface = model.segmenter.moving_surface(frames.camera_frame(index));
       for (const auto& point : surface)
-        samples.depths[static_cast<std::size_t>(std::min(point.position_m.z(), farthest_m) / bin_m)] += 1.0;
-      if (index == clip.first) model.colors[clip.object].learn(surface, clip.hand_box, clip.object_box);
+        samples
+            .depths[static_cast<std::size_t>(std::min(point.position_m.z(), farthest_m) / bin_m)] +=
+            1.0;
+      if (index == clip.first)
+        model.colors[clip.object].learn(surface, clip.hand_box, clip.object_box);
       samples.surfaces[clip.object].push_back(std::move(surface));
       ++samples.frames;
     }
@@ -99,7 +105,8 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
   SceneModel model{Segmenter(calibration, camera, background_depth(frames)), 0.0f, {}, {}};
   auto samples = sample(model, frames, clips);
   for (auto& [object, classes] : model.colors) classes.settle();
-  model.band_m = band_limit(samples.depths, static_cast<double>(samples.frames) * camera.width * camera.height);
+  model.band_m = band_limit(samples.depths,
+                            static_cast<double>(samples.frames) * camera.width * camera.height);
   for (auto& [object, surfaces] : samples.surfaces) {
     for (auto& surface : surfaces) model.colors.at(object).assign(surface);
     model.object_radius_m[object] = object_radius(surfaces, calibration.color);

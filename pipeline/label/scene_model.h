@@ -26,16 +26,17 @@ struct ClipFrames {
 /// What is learnt of the scene before anything is followed.
 struct SceneModel {
   Segmenter segmenter;
-  float band_m = 0.0f;                          ///< nearer than this is hand, arm or object
-  std::map<std::string, ColorClasses> colors;   ///< by object
+  float band_m = 0.0f;                         ///< nearer than this is hand, arm or object
+  std::map<std::string, ColorClasses> colors;  ///< by object
   std::map<std::string, double> object_radius_m;
 
-  /// The frame's surface in front of the band, told apart; coloured points may lie a little behind it.
+  /// The frame's surface in front of the band, told apart; coloured points may lie a little behind
+  /// it.
   Surface see(const RgbdFrame& frame, const std::string& object) const;
 };
 
-/// Background from its frames, the band from the torso's depth over the recording, colours from the clips'
-/// first frames, the object's radius from its silhouettes.
+/// Background from its frames, the band from the torso's depth over the recording, colours from the
+/// clips' first frames, the object's radius from its silhouettes.
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
                        const FrameSource& frames, const std::vector<ClipFrames>& clips);
 

@@ -7,7 +7,8 @@
 namespace touchtrace::label {
 namespace {
 
-/// Before its first frame a body of a person moves at most so fast, so that causal states start sane.
+/// Before its first frame a body of a person moves at most so fast, so that causal states start
+/// sane.
 constexpr InitialMotion initial_motion{1.5, 15.0};
 constexpr double fewest_away_m = 0.05;    // from the grip's distance: the object has left the hand
 constexpr double longest_bridge_s = 0.2;  // of lost frames within a flight
@@ -42,7 +43,8 @@ std::vector<double> distances(const ClipTrack& track) {
 std::vector<Flight> guess_flights(const ClipTrack& track) {
   const auto distance = distances(track);
   std::vector<double> seen;
-  std::ranges::copy_if(distance, std::back_inserter(seen), [](double d) { return std::isfinite(d); });
+  std::ranges::copy_if(distance, std::back_inserter(seen),
+                       [](double d) { return std::isfinite(d); });
   if (seen.empty()) return {};
   const double away = median(seen) + fewest_away_m;
   std::vector<Flight> flights;
@@ -92,7 +94,8 @@ void append_state(const Trajectory& trajectory, double time_s, LabelledBody& bod
 /// A clip without any usable track: not a number, and lost.
 void append_nothing(LabelledBody& body) {
   const double nothing = std::numeric_limits<double>::quiet_NaN();
-  for (auto* values : {&body.position_m, &body.velocity_m_per_s, &body.causal_position_m, &body.causal_velocity_m_per_s})
+  for (auto* values : {&body.position_m, &body.velocity_m_per_s, &body.causal_position_m,
+                       &body.causal_velocity_m_per_s})
     values->insert(values->end(), 3, nothing);
   body.covariance.insert(body.covariance.end(), 36, nothing);
   body.quality.push_back(quality_lost | quality_gap);
@@ -105,15 +108,18 @@ void append_label(const GloveFrame& frame, const SmoothedTrack& smoothed, const 
   body.quality.push_back(quality(frame.time_s, track.time_s, observations, camera_period_s));
 }
 
-void append_observation(const Observation& seen, std::vector<double>& position, std::vector<double>& sigma) {
-  const Eigen::Vector3d nothing = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+void append_observation(const Observation& seen, std::vector<double>& position,
+                        std::vector<double>& sigma) {
+  const Eigen::Vector3d nothing =
+      Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   append(seen.found ? seen.position_m : nothing, position);
   append(seen.found ? seen.sigma_m : nothing, sigma);
 }
 
 }  // namespace
 
-SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks, const Eigen::Vector3d& gravity_m_per_s2) {
+SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
+                             const Eigen::Vector3d& gravity_m_per_s2) {
   std::vector<Track> hand, object;
   std::vector<std::vector<Flight>> flights;
   for (const auto& track : tracks) {
@@ -138,7 +144,8 @@ void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack
     labels.glove_frame.push_back(frame.index);
     const auto& track = tracks[clip];
     append_label(frame, bodies.hand.tracks[clip], track, track.hand, camera_period_s, labels.hand);
-    append_label(frame, bodies.object.tracks[clip], track, track.object, camera_period_s, labels.object);
+    append_label(frame, bodies.object.tracks[clip], track, track.object, camera_period_s,
+                 labels.object);
   }
 }
 

@@ -14,9 +14,10 @@ struct SmoothedBodies {
   SmoothedTracks hand, object;
 };
 
-/// Smooths both bodies. Flights are guessed where the object leaves the hand; nothing flies, nothing is
-/// searched.
-SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks, const Eigen::Vector3d& gravity_m_per_s2);
+/// Smooths both bodies. Flights are guessed where the object leaves the hand; nothing flies,
+/// nothing is searched.
+SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
+                             const Eigen::Vector3d& gravity_m_per_s2);
 
 /// Both bodies' states at every glove frame, and their quality.
 void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack>& tracks,

@@ -8,7 +8,8 @@ namespace touchtrace::label {
 namespace {
 
 constexpr double background_gap_m = 0.06, background_gap_part = 0.04;
-constexpr float occlusion_m = 0.05f;  // a point so far behind another of the same pixel is not seen there
+constexpr float occlusion_m =
+    0.05f;  // a point so far behind another of the same pixel is not seen there
 
 }  // namespace
 
@@ -48,7 +49,8 @@ Segmenter::Segmenter(const RgbdCalibration& calibration, const CameraInfo& camer
     for (int u = 0; u < width_; ++u)
       rays_.push_back((color_from_depth.linear() * lens.unproject({u, v})).cast<float>());
   for (auto& limit : limit_) {
-    const double gap_m = std::max(background_gap_m, background_gap_part * limit * camera.depth_unit_m);
+    const double gap_m =
+        std::max(background_gap_m, background_gap_part * limit * camera.depth_unit_m);
     limit = static_cast<std::uint16_t>(std::max(0.0, limit - gap_m / camera.depth_unit_m));
   }
 }
@@ -61,7 +63,8 @@ std::vector<std::uint8_t> Segmenter::mask(const RgbdFrame& frame) const {
   for (std::size_t v = 1; v + 1 < static_cast<std::size_t>(height_); ++v)
     for (std::size_t u = 1; u + 1 < w; ++u) {
       const std::uint8_t* p = &raw[v * w + u];
-      const int neighbours = p[-1] + p[1] + p[w] + p[w - 1] + p[w + 1] + *(p - w) + *(p - w - 1) + *(p - w + 1);
+      const int neighbours =
+          p[-1] + p[1] + p[w] + p[w - 1] + p[w + 1] + *(p - w) + *(p - w - 1) + *(p - w + 1);
       clean[v * w + u] = p[0] != 0 && neighbours >= 4;
     }
   return clean;
@@ -79,9 +82,12 @@ Surface Segmenter::moving_surface(const RgbdFrame& frame) const {
     const Eigen::Vector2d pixel = color_.project(point.cast<double>());
     const auto u = std::lround(pixel.x()), v = std::lround(pixel.y());
     if (u < 0 || v < 0 || u >= width_ || v >= height_) continue;
-    const auto at = static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u);
+    const auto at = static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
+                    static_cast<std::size_t>(u);
     nearest[at] = std::min(nearest[at], point.z());
-    surface.push_back({point, static_cast<std::int16_t>(u), static_cast<std::int16_t>(v),
+    surface.push_back({point,
+                       static_cast<std::int16_t>(u),
+                       static_cast<std::int16_t>(v),
                        {frame.color[3 * at], frame.color[3 * at + 1], frame.color[3 * at + 2]}});
   }
   std::erase_if(surface, [&](const SurfacePoint& point) {

@@ -27,8 +27,8 @@ bool contains(const PixelBox& box, const SurfacePoint& point);
 /// The per-pixel median of depth images, holes left out; 0 where nothing was ever measured.
 std::vector<std::uint16_t> median_depth(const std::vector<std::vector<std::uint16_t>>& depths);
 
-/// Finds what stands before the background, in the depth camera's image, and gives each point its place in
-/// the colour camera's frame and its colour.
+/// Finds what stands before the background, in the depth camera's image, and gives each point its
+/// place in the colour camera's frame and its colour.
 class Segmenter {
  public:
   Segmenter(const RgbdCalibration& calibration, const CameraInfo& camera,
@@ -39,14 +39,17 @@ class Segmenter {
 
  private:
   std::vector<std::uint8_t> mask(const RgbdFrame& frame) const;
-  double corrected_depth_m(std::uint16_t count) const { return depth_offset_m_ + depth_scale_ * count; }
+  double corrected_depth_m(std::uint16_t count) const {
+    return depth_offset_m_ + depth_scale_ * count;
+  }
 
   PinholeCamera color_;
   int width_, height_;
-  double depth_scale_, depth_offset_m_;      ///< metres = offset + scale * count
-  Eigen::Vector3f depth_origin_m_;           ///< of the depth camera, in the colour camera's frame
-  std::vector<Eigen::Vector3f> rays_;        ///< of the depth pixels, rotated to the colour camera's frame
-  std::vector<std::uint16_t> limit_;         ///< counts at and beyond it are background; 0: no limit
+  double depth_scale_, depth_offset_m_;  ///< metres = offset + scale * count
+  Eigen::Vector3f depth_origin_m_;       ///< of the depth camera, in the colour camera's frame
+  std::vector<Eigen::Vector3f>
+      rays_;                          ///< of the depth pixels, rotated to the colour camera's frame
+  std::vector<std::uint16_t> limit_;  ///< counts at and beyond it are background; 0: no limit
 };
 
 }  // namespace touchtrace::label

@@ -24,7 +24,8 @@ void TargetFilter::start(const Eigen::Vector3d& position_m, double sigma_m) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     axes_[axis].mean << position_m[static_cast<Eigen::Index>(axis)], 0.0, 0.0;
     axes_[axis].covariance.setZero();
-    axes_[axis].covariance.diagonal() << sigma_m * sigma_m, start_speed_m_per_s * start_speed_m_per_s, 0.0;
+    axes_[axis].covariance.diagonal() << sigma_m * sigma_m,
+        start_speed_m_per_s * start_speed_m_per_s, 0.0;
   }
 }
 
@@ -48,7 +49,8 @@ Eigen::Vector3d TargetFilter::velocity_m_per_s() const {
 }
 
 double TargetFilter::gate_m() const {
-  const double largest = std::max({axes_[0].covariance(0, 0), axes_[1].covariance(0, 0), axes_[2].covariance(0, 0)});
+  const double largest =
+      std::max({axes_[0].covariance(0, 0), axes_[1].covariance(0, 0), axes_[2].covariance(0, 0)});
   return smallest_gate_m + gate_deviations * std::sqrt(largest);
 }
 

@@ -14,7 +14,8 @@ constexpr double most_rate_error = 0.05;
 
 /// Device time of a glove's frames: its counter at the nominal rate, from the first frame on.
 double device_time_s(const GloveStream& glove, std::uint64_t sequence) {
-  return (static_cast<double>(sequence) - static_cast<double>(glove.sequence.front())) / glove.info.rate_hz;
+  return (static_cast<double>(sequence) - static_cast<double>(glove.sequence.front())) /
+         glove.info.rate_hz;
 }
 
 void require_streams(const Recording& recording) {
@@ -30,8 +31,10 @@ void require_streams(const Recording& recording) {
 
 void require_rate(const ClockFit& clock, const char* stream) {
   if (std::abs(clock.rate - 1.0) > most_rate_error)
-    throw data_error(fmt::format("the {}'s counter runs {:.3g} times as fast as it should", stream, 1.0 / clock.rate),
-                     "check the stream's nominal rate and its counter; run: touchtrace check RECORDING");
+    throw data_error(
+        fmt::format("the {}'s counter runs {:.3g} times as fast as it should", stream,
+                    1.0 / clock.rate),
+        "check the stream's nominal rate and its counter; run: touchtrace check RECORDING");
 }
 
 }  // namespace
@@ -43,7 +46,8 @@ double Timeline::glove_time_s(std::uint64_t sequence) const {
 Timeline align(const Recording& recording) {
   require_streams(recording);
   Timeline timeline;
-  timeline.camera = fit_clock(recording.camera_times.device_time_s, recording.camera_times.host_time_s);
+  timeline.camera =
+      fit_clock(recording.camera_times.device_time_s, recording.camera_times.host_time_s);
   require_rate(timeline.camera, "camera");
   for (double device_s : recording.camera_times.device_time_s)
     timeline.camera_time_s.push_back(timeline.camera.host_time_s(device_s));
@@ -55,7 +59,8 @@ Timeline align(const Recording& recording) {
   require_rate(timeline.glove, "glove");
   timeline.glove_scan_s = stream.info.scan_s;
   timeline.glove_rate_hz = stream.info.rate_hz;
-  timeline.glove.offset_s -= timeline.glove.rate * static_cast<double>(stream.sequence.front()) / stream.info.rate_hz;
+  timeline.glove.offset_s -=
+      timeline.glove.rate * static_cast<double>(stream.sequence.front()) / stream.info.rate_hz;
   return timeline;
 }
 
@@ -86,10 +91,11 @@ std::vector<ClipFrames> clip_frames(const Recording& recording, const Timeline& 
   const auto& times = timeline.camera_time_s;
   std::vector<ClipFrames> result;
   for (const auto& clip : recording.clips) {
-    const auto first = std::ranges::lower_bound(times, clip.start_s), last = std::ranges::upper_bound(times, clip.end_s);
+    const auto first = std::ranges::lower_bound(times, clip.start_s),
+               last = std::ranges::upper_bound(times, clip.end_s);
     result.push_back({static_cast<std::size_t>(first - times.begin()),
-                      static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, last - first)), clip.hand_box,
-                      clip.object_box, clip.object});
+                      static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, last - first)),
+                      clip.hand_box, clip.object_box, clip.object});
   }
   return result;
 }

@@ -10,8 +10,8 @@ namespace touchtrace::label {
 
 /// Both streams on the host's clock, each up to its least latency.
 struct Timeline {
-  ClockFit camera, glove;              ///< glove: of sequence / nominal rate
-  std::vector<double> camera_time_s;   ///< [camera frames], when the image was taken
+  ClockFit camera, glove;             ///< glove: of sequence / nominal rate
+  std::vector<double> camera_time_s;  ///< [camera frames], when the image was taken
   double glove_scan_s = 0.0, glove_rate_hz = 15.0;
 
   /// The middle of the scan of the glove's frame number `sequence`.
@@ -28,8 +28,8 @@ struct GloveFrame {
   std::int64_t index;
 };
 
-/// Every frame of the first glove's counter within a clip, lost ones included, clip after clip; clips in
-/// which the object fell are left out.
+/// Every frame of the first glove's counter within a clip, lost ones included, clip after clip;
+/// clips in which the object fell are left out.
 std::vector<GloveFrame> glove_frames(const Recording& recording, const Timeline& timeline);
 
 /// The camera frames of each clip.

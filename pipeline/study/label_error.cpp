@@ -25,7 +25,8 @@ struct Sample {
   bool lost;
 };
 
-/// The truth's samples around a time: index of the earlier one and the part of the way to the later one.
+/// The truth's samples around a time: index of the earlier one and the part of the way to the later
+/// one.
 struct Place {
   std::size_t index;
   double part;
@@ -65,7 +66,8 @@ std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, c
     samples.push_back(std::move(sample));
   }
   if (samples.empty())
-    throw data_error("no label lies within the truth's clips", "compare labels with the recording they were made of");
+    throw data_error("no label lies within the truth's clips",
+                     "compare labels with the recording they were made of");
   return samples;
 }
 
@@ -88,7 +90,8 @@ Eigen::Vector3d median_offset(const std::vector<Sample>& samples) {
 double covered(const Sample& sample, int first) {
   double count = 0.0;
   for (int i = first; i < first + 3; ++i)
-    count += std::abs(sample.error[i]) < deviations_of_80_percent * std::sqrt(sample.covariance(i, i));
+    count +=
+        std::abs(sample.error[i]) < deviations_of_80_percent * std::sqrt(sample.covariance(i, i));
   return count / 3.0;
 }
 

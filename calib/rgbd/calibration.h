@@ -31,6 +31,9 @@ struct RgbdCalibration {
   nlohmann::json details;  ///< per-view residuals and RMS, outliers, verdict, provenance
 };
 
+/// calibration.json as it is written.
+nlohmann::json calibration_json(const RgbdCalibration& calibration);
+
 /// Writes camera.yaml (and camera_depth.yaml), ROS camera_info, and calibration.json with
 /// everything, into `folder`. Refuses files that exist unless `overwrite`.
 void write_calibration(const std::filesystem::path& folder, const RgbdCalibration& calibration,

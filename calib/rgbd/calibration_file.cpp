@@ -96,20 +96,6 @@ Eigen::Isometry3d isometry_from(const json& value) {
   return pose;
 }
 
-json to_json(const RgbdCalibration& c) {
-  return {{"schema", schema},
-          {"color", camera_json(c.color)},
-          {"depth", c.depth ? camera_json(*c.depth) : json()},
-          {"depth_from_color", matrix_json(c.depth_from_color.matrix())},
-          {"depth_scale", c.depth_scale},
-          {"depth_offset_m", c.depth_offset_m},
-          {"rms_px", c.rms_px},
-          {"depth_rms_m", c.depth_rms_m},
-          {"parameters", c.parameters},
-          {"covariance", matrix_json(c.covariance)},
-          {"details", c.details}};
-}
-
 RgbdCalibration calibration_from(const json& value) {
   require(value.at("schema") == schema, fmt::format("its schema is not {}", schema));
   RgbdCalibration c;
@@ -130,12 +116,26 @@ RgbdCalibration calibration_from(const json& value) {
 
 }  // namespace
 
+json calibration_json(const RgbdCalibration& c) {
+  return {{"schema", schema},
+          {"color", camera_json(c.color)},
+          {"depth", c.depth ? camera_json(*c.depth) : json()},
+          {"depth_from_color", matrix_json(c.depth_from_color.matrix())},
+          {"depth_scale", c.depth_scale},
+          {"depth_offset_m", c.depth_offset_m},
+          {"rms_px", c.rms_px},
+          {"depth_rms_m", c.depth_rms_m},
+          {"parameters", c.parameters},
+          {"covariance", matrix_json(c.covariance)},
+          {"details", c.details}};
+}
+
 void write_calibration(const std::filesystem::path& folder, const RgbdCalibration& calibration,
                        bool overwrite) {
   std::map<std::string, std::string> texts;
   texts["camera.yaml"] = camera_info_yaml("color", calibration.color);
   if (calibration.depth) texts["camera_depth.yaml"] = camera_info_yaml("depth", *calibration.depth);
-  texts["calibration.json"] = to_json(calibration).dump(1) + "\n";
+  texts["calibration.json"] = calibration_json(calibration).dump(1) + "\n";
   for (const auto& [name, text] : texts)
     OutputFile(folder / name, overwrite);  // refuses before any is written
   for (const auto& [name, text] : texts) write_file(folder / name, text, overwrite);

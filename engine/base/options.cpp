@@ -70,6 +70,10 @@ void OptionSet::input(std::string name, std::string& target, std::string help) {
   options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}, true, true});
 }
 
+void OptionSet::optional_input(std::string name, std::string& target, std::string help) {
+  options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}, false, true});
+}
+
 void OptionSet::inputs(std::string name, std::vector<std::string>& target, std::string help) {
   options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}, true, true});
 }

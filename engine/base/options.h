@@ -40,6 +40,7 @@ class OptionSet {
   void choice(std::string name, std::string& target, std::string help, std::vector<std::string> choices);
   void path(std::string name, std::string& target, std::string help);
   void input(std::string name, std::string& target, std::string help);
+  void optional_input(std::string name, std::string& target, std::string help);
   void inputs(std::string name, std::vector<std::string>& target, std::string help);
 
   const std::vector<Option>& options() const { return options_; }

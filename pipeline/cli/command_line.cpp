@@ -28,7 +28,8 @@ struct Command {
 };
 
 void bind(CLI::App& app, const Option& option) {
-  const std::string flag = option.positional ? option.name : "--" + option.name;
+  const std::string short_flag = option.name == "output" ? "-o," : "";
+  const std::string flag = option.positional ? option.name : short_flag + "--" + option.name;
   std::visit(
       [&](auto* target) {
         using Value = std::remove_pointer_t<decltype(target)>;

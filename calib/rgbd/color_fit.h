@@ -1,0 +1,31 @@
+#pragma once
+
+#include <map>
+
+#include "calib/rgbd/board_problem.h"
+
+namespace touchtrace {
+
+/// The colour camera alone.
+struct ColorFit {
+  RgbdParameters parameters;
+  std::vector<bool> used;       ///< [views]; outlier views are left out
+  std::vector<int> free_color;  ///< as BoardProblem::free_color, with the distortion that BIC chose
+  double corner_sigma_px = 0.0;  ///< noise of a corner's coordinate
+  std::map<int, double> bic;     ///< by number of distortion coefficients, relative to the best
+  bool converged = false;
+};
+
+/// Robust fit, outlier views out, then distortion with 0, 2 (k1 k2), 4 (+ p1 p2) or 5 (+ k3)
+/// coefficients by the Bayesian information criterion.
+ColorFit fit_color(const BoardObservations& observations, const Prior& prior);
+
+/// Noise of a corner's coordinate [px] from the residuals of the used views and the degrees of
+/// freedom.
+double corner_noise_px(const BoardObservations& observations, const std::vector<bool>& used,
+                       std::size_t free_color, const RgbdParameters& parameters);
+
+/// RMS over corners of the residual's length [px], as OpenCV reports it; 0 without residuals.
+double rms(const std::vector<Eigen::Vector2d>& residuals);
+
+}  // namespace touchtrace

@@ -1,0 +1,192 @@
+#include "calib/rgbd/depth_fit.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "calib/rgbd/statistics.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr double samples_per_view = 200.0;
+constexpr int largest_block_px = 16;
+constexpr double plane_gate = 0.15;  ///< of the depth: farther from the plane is not the board
+constexpr double outlier_sigmas = 4.0;
+
+/// Where rays of depth pixels meet the board.
+struct BoardPlane {
+  Eigen::Isometry3d board_from_depth;
+  std::array<double, 4> camera;
+
+  /// x, y on the board [m] and z, the depth in the depth camera's frame [m].
+  Eigen::Vector3d hit(const Eigen::Vector2d& pixel) const {
+    const Eigen::Vector3d ray((pixel.x() - camera[2]) / camera[0],
+                              (pixel.y() - camera[3]) / camera[1], 1.0);
+    const Eigen::Vector3d origin = board_from_depth.translation();
+    const Eigen::Vector3d direction = board_from_depth.linear() * ray;
+    const double depth = -origin.z() / direction.z();
+    return {origin.x() + depth * direction.x(), origin.y() + depth * direction.y(), depth};
+  }
+};
+
+BoardPlane board_plane(std::size_t view, const RgbdParameters& p) {
+  const Eigen::Isometry3d depth_from_board =
+      pose_of(p.depth_from_color) * pose_of(p.camera_from_board[view]);
+  return {depth_from_board.inverse(), p.depth};
+}
+
+bool on_board(const Chessboard& board, const Eigen::Vector3d& hit, double extent) {
+  const double width = board.square_m * (board.columns - 1),
+               height = board.square_m * (board.rows - 1);
+  return hit.z() > 0.0 && std::abs(hit.x() - 0.5 * width) <= 0.5 * extent * width &&
+         std::abs(hit.y() - 0.5 * height) <= 0.5 * extent * height;
+}
+
+int block_size_px(const Chessboard& board, const BoardPlane& plane) {
+  const Eigen::Vector3d centre(0.5 * board.square_m * (board.columns - 1),
+                               0.5 * board.square_m * (board.rows - 1), 0.0);
+  const double depth = (plane.board_from_depth.inverse() * centre).z();
+  const double area_px =
+      4.0 * centre.x() * centre.y() * plane.camera[0] * plane.camera[1] / (depth * depth);
+  return static_cast<int>(
+      std::clamp(std::sqrt(area_px / samples_per_view), 1.0, double(largest_block_px)));
+}
+
+/// The block's pixels that are on the board; none if one of them is off it.
+struct BlockMean {
+  Eigen::Vector2d pixel_sum = Eigen::Vector2d::Zero();
+  double depth_sum = 0.0;
+  int count = 0;
+  bool whole = true;
+
+  void add(const Eigen::Vector2d& pixel, double measured_m, bool inside, double expected_m) {
+    whole = whole && inside;
+    if (!inside || !(measured_m > 0.0) ||
+        std::abs(measured_m - expected_m) > plane_gate * expected_m)
+      return;
+    pixel_sum += pixel, depth_sum += measured_m, ++count;
+  }
+};
+
+BlockMean block_mean(const BoardObservations& o, std::size_t view, const BoardPlane& plane,
+                     double extent, int x0, int y0, int size) {
+  BlockMean mean;
+  for (int y = y0; y < y0 + size && mean.whole; ++y)
+    for (int x = x0; x < x0 + size && mean.whole; ++x) {
+      const Eigen::Vector2d pixel(x, y);
+      const Eigen::Vector3d hit = plane.hit(pixel);
+      const auto index = static_cast<std::size_t>(y) * static_cast<std::size_t>(o.width) +
+                         static_cast<std::size_t>(x);
+      mean.add(pixel, o.views[view].depth_m[index], on_board(o.board, hit, extent), hit.z());
+    }
+  return mean;
+}
+
+void add_samples(const BoardObservations& o, std::size_t view, const RgbdParameters& p,
+                 double extent, std::vector<DepthSample>& samples) {
+  const BoardPlane plane = board_plane(view, p);
+  const int size = block_size_px(o.board, plane);
+  for (int y = 0; y + size <= o.height; y += size)
+    for (int x = 0; x + size <= o.width; x += size) {
+      const BlockMean mean = block_mean(o, view, plane, extent, x, y, size);
+      if (!mean.whole || 2 * mean.count < size * size) continue;
+      const double depth = mean.depth_sum / mean.count;
+      samples.push_back(
+          {view, mean.pixel_sum / mean.count, depth, DepthNoise{}.effective_sigma_m(depth)});
+    }
+}
+
+std::vector<double> residuals_of(const std::vector<DepthSample>& samples, const RgbdParameters& p) {
+  std::vector<double> residuals;
+  for (const auto& sample : samples) residuals.push_back(depth_residual(sample, p));
+  return residuals;
+}
+
+/// The exponent under which the residuals are most likely; `depths` are the model's.
+DepthNoise most_likely_noise(const std::vector<double>& residuals,
+                             const std::vector<double>& depths) {
+  DepthNoise best;
+  double best_cost = std::numeric_limits<double>::infinity();
+  const auto count = static_cast<double>(residuals.size());
+  for (int exponent : {0, 1, 2}) {
+    double squares = 0.0, logs = 0.0;
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      squares += std::pow(residuals[i] / std::pow(depths[i], exponent), 2);
+      logs += exponent * std::log(depths[i]);
+    }
+    const double sigma = std::max(std::sqrt(squares / count), 1e-9);
+    const double cost = count * std::log(sigma) + logs;
+    if (cost < best_cost) best_cost = cost, best = {sigma, exponent, 1.0};
+  }
+  return best;
+}
+
+/// Kish's design effect from quadrants: how much more the mean over a quarter of a view's samples
+/// varies than that of independent ones. Neighbouring depth pixels share noise.
+double design_effect(const std::vector<DepthSample>& samples,
+                     const std::vector<double>& normalized) {
+  std::map<std::size_t, std::pair<Eigen::Vector2d, double>> centres;
+  for (const auto& s : samples) centres.try_emplace(s.view, Eigen::Vector2d::Zero(), 0.0);
+  for (const auto& s : samples) centres[s.view].first += s.pixel, centres[s.view].second += 1.0;
+  std::map<std::array<std::size_t, 2>, std::array<double, 2>> quadrants;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto& [sum, count] = centres[samples[i].view];
+    const Eigen::Vector2d offset = samples[i].pixel - sum / count;
+    auto& [total, number] =
+        quadrants[{samples[i].view, (offset.x() > 0.0) + 2u * (offset.y() > 0.0)}];
+    total += normalized[i], number += 1.0;
+  }
+  double effect = 0.0;
+  for (const auto& [key, quadrant] : quadrants) effect += quadrant[0] * quadrant[0] / quadrant[1];
+  const auto number = static_cast<double>(quadrants.size());
+  effect /= number;
+  // Below this it is what independent samples show by chance.
+  return effect > 1.0 + 2.0 * std::sqrt(2.0 / number) ? effect : 1.0;
+}
+
+}  // namespace
+
+double DepthNoise::effective_sigma_m(double depth_m) const {
+  return sigma_at_1m * std::pow(depth_m, exponent) * std::sqrt(inflation);
+}
+
+bool has_depth(const BoardObservations& observations) {
+  return std::ranges::any_of(observations.views,
+                             [](const BoardView& view) { return !view.depth_m.empty(); });
+}
+
+std::vector<DepthSample> depth_samples(const BoardObservations& observations,
+                                       const std::vector<bool>& used,
+                                       const RgbdParameters& parameters, double extent) {
+  std::vector<DepthSample> samples;
+  for (std::size_t view = 0; view < used.size(); ++view)
+    if (used[view] && !observations.views[view].depth_m.empty())
+      add_samples(observations, view, parameters, extent, samples);
+  return samples;
+}
+
+DepthNoise weigh_samples(std::vector<DepthSample>& samples, const RgbdParameters& parameters) {
+  std::vector<double> normalized;
+  for (const auto& s : samples) normalized.push_back(depth_residual(s, parameters) / s.sigma_m);
+  const double limit = outlier_sigmas * robust_deviation(normalized);
+  std::erase_if(samples, [&](const DepthSample& s) {
+    return !(std::abs(depth_residual(s, parameters) / s.sigma_m) <= limit);
+  });
+  const auto residuals = residuals_of(samples, parameters);
+  std::vector<double> depths;
+  for (const auto& s : samples) depths.push_back(plane_depth_m(s.pixel, s.view, parameters));
+  DepthNoise noise = most_likely_noise(residuals, depths);
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    normalized[i] = residuals[i] / noise.effective_sigma_m(depths[i]);
+  normalized.resize(samples.size());
+  noise.inflation = design_effect(samples, normalized);
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    samples[i].sigma_m = noise.effective_sigma_m(depths[i]);
+  return noise;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "calib/rgbd/color_fit.h"
+
+namespace touchtrace {
+
+/// The depth camera's noise: sigma(z) = sigma_at_1m * z^exponent for one sample.
+struct DepthNoise {
+  double sigma_at_1m = 0.01;
+  int exponent = 2;        ///< 0, 1 or 2 (2: triangulation)
+  double inflation = 1.0;  ///< variance of a mean of samples over that of independent ones
+
+  /// Deviation that makes `inflation` correlated samples weigh as one.
+  double effective_sigma_m(double depth_m) const;
+};
+
+/// True if at least one view has a depth image.
+bool has_depth(const BoardObservations& observations);
+
+/// Means of square blocks of depth pixels that lie on the board as posed now, within `extent`
+/// (0..1) of the inner corners' rectangle, about 200 a view. What is not near the board's plane is
+/// left out.
+std::vector<DepthSample> depth_samples(const BoardObservations& observations,
+                                       const std::vector<bool>& used,
+                                       const RgbdParameters& parameters, double extent);
+
+/// Noise from the residuals; also drops the samples beyond 4 sigma and sets every sample's sigma_m.
+DepthNoise weigh_samples(std::vector<DepthSample>& samples, const RgbdParameters& parameters);
+
+}  // namespace touchtrace

@@ -1,0 +1,125 @@
+#include "calib/rgbd/details.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/rgbd/verdict.h"
+
+namespace touchtrace {
+namespace {
+
+using nlohmann::json;
+
+constexpr double told = 0.7;  ///< a deviation above this share of the prior's comes from the prior
+
+json points(const std::vector<Eigen::Vector2d>& values) {
+  json list = json::array();
+  for (const auto& value : values) list.push_back({value.x(), value.y()});
+  return list;
+}
+
+void add_depth_residuals(const CalibrationResult& r, std::size_t view, json& entry) {
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  for (const auto& sample : r.problem.samples) {
+    if (sample.view != view) continue;
+    const double residual = depth_residual(sample, r.parameters);
+    sum += residual, squares += residual * residual, count += 1.0;
+  }
+  if (count == 0.0) return;
+  entry["depth_rms_m"] = std::sqrt(squares / count);
+  entry["depth_bias_m"] = sum / count;
+}
+
+json views(const CalibrationResult& r) {
+  json list = json::array();
+  const auto& observations = r.problem.observations;
+  for (std::size_t view = 0; view < observations.views.size(); ++view) {
+    const auto residuals = corner_residuals(observations, view, r.parameters);
+    json entry{{"name", observations.views[view].name},
+               {"used", bool(r.problem.used[view])},
+               {"rms_px", rms(residuals)},
+               {"corners_px", points(observations.views[view].corners_px)},
+               {"residuals_px", points(residuals)}};
+    add_depth_residuals(r, view, entry);
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+json outlier_views(const CalibrationResult& r) {
+  json names = json::array();
+  for (std::size_t view = 0; view < r.problem.used.size(); ++view)
+    if (!r.problem.used[view]) names.push_back(r.problem.observations.views[view].name);
+  return names;
+}
+
+/// Deviations of the priors in the order of the covariance.
+std::vector<double> prior_sigmas(const BoardProblem& problem) {
+  std::vector<double> sigmas;
+  for (int i : problem.free_color)
+    sigmas.push_back(problem.prior.color_sigma[static_cast<std::size_t>(i)]);
+  if (problem.samples.empty()) return sigmas;
+  const auto append = [&](const auto& values) {
+    sigmas.insert(sigmas.end(), values.begin(), values.end());
+  };
+  append(problem.prior.pose_sigma);
+  append(problem.prior.depth_sigma);
+  append(problem.prior.correction_sigma);
+  return sigmas;
+}
+
+json not_told(const CalibrationResult& r) {
+  json list = json::array();
+  const auto priors = prior_sigmas(r.problem);
+  for (std::size_t i = 0; i < priors.size(); ++i) {
+    const double sigma = deviation(r.calibration, r.calibration.parameters[i]);
+    if (!(sigma <= told * priors[i]))
+      list.push_back({{"parameter", r.calibration.parameters[i]},
+                      {"sigma", sigma},
+                      {"prior_sigma", priors[i]}});
+  }
+  return list;
+}
+
+json sigmas(const RgbdCalibration& calibration) {
+  json values = json::object();
+  for (const auto& name : calibration.parameters) values[name] = deviation(calibration, name);
+  return values;
+}
+
+json depth(const CalibrationResult& r) {
+  if (r.problem.samples.empty()) return nullptr;
+  return {{"samples", r.problem.samples.size()},
+          {"sigma_at_1m", r.noise.sigma_at_1m},
+          {"exponent", r.noise.exponent},
+          {"inflation", r.noise.inflation},
+          {"bias_sigma_at_1m", depth_bias_deviation_m(r.calibration, 1.0)}};
+}
+
+json bic(const ColorFit& color) {
+  json values = json::object();
+  for (const auto& [coefficients, value] : color.bic) values[std::to_string(coefficients)] = value;
+  return values;
+}
+
+}  // namespace
+
+json calibration_details(const CalibrationResult& r) {
+  const auto used = static_cast<int>(std::ranges::count(r.problem.used, true));
+  const Verdict verdict = judge(r.calibration, used);
+  return {{"verdict", grade_name(verdict.grade)},
+          {"advice", verdict.advice},
+          {"distortion_coefficients", r.problem.free_color.size() - 4},
+          {"distortion_bic", bic(r.color)},
+          {"corner_sigma_px", r.problem.corner_sigma_px},
+          {"sigmas", sigmas(r.calibration)},
+          {"not_told", not_told(r)},
+          {"views", views(r)},
+          {"outlier_views", outlier_views(r)},
+          {"views_without_board", r.problem.observations.views_without_board},
+          {"depth", depth(r)}};
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "calib/rgbd/calibration.h"
+#include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/depth_fit.h"
+
+namespace touchtrace {
+
+struct CalibrationResult {
+  const BoardProblem& problem;
+  const RgbdParameters& parameters;
+  const RgbdCalibration& calibration;
+  const ColorFit& color;
+  const DepthNoise& noise;
+};
+
+/// RgbdCalibration::details:
+///     verdict "GOOD" | "WEAK" | "BAD", advice [..]
+///     distortion_coefficients, distortion_bic {"0".. "5"}, corner_sigma_px
+///     sigmas {parameter: deviation}, not_told [{parameter, sigma, prior_sigma}]
+///     views [{name, used, rms_px, corners_px [[u, v]..], residuals_px [[du, dv]..], depth_rms_m,
+///     depth_bias_m}] outlier_views [..], views_without_board [..] depth {samples, sigma_at_1m,
+///     exponent, inflation, bias_sigma_at_1m}, null for colour only
+/// Residuals are measured minus projected; depth_bias_m is the mean of model minus measured.
+nlohmann::json calibration_details(const CalibrationResult& result);
+
+}  // namespace touchtrace

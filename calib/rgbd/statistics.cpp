@@ -1,0 +1,22 @@
+#include "calib/rgbd/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace touchtrace {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double robust_deviation(std::vector<double> values) {
+  for (double& value : values) value = std::abs(value);
+  constexpr double median_of_abs_normal = 0.6744897501960817;
+  return median(std::move(values)) / median_of_abs_normal;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,52 @@
+#include <fmt/core.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "engine/base/error.h"
+#include "engine/base/progress.h"
+#include "pipeline/acquire/board_views.h"
+#include "pipeline/recording/recording_file.h"
+
+namespace touchtrace {
+namespace {
+
+GreyImage grey_of(const RgbdFrame& frame, const CameraInfo& camera) {
+  const cv::Mat color(camera.height, camera.width, CV_8UC3,
+                      const_cast<std::uint8_t*>(frame.color.data()));
+  cv::Mat grey;
+  cv::cvtColor(color, grey, cv::COLOR_RGB2GRAY);
+  return {grey.cols, grey.rows, {grey.datastart, grey.dataend}};
+}
+
+std::vector<float> metres_of(const RgbdFrame& frame, const CameraInfo& camera) {
+  std::vector<float> metres;
+  metres.reserve(frame.depth.size());
+  for (std::uint16_t count : frame.depth)
+    metres.push_back(static_cast<float>(count * camera.depth_unit_m));
+  return metres;
+}
+
+}  // namespace
+
+BoardObservations board_views_of_recording(const std::filesystem::path& path) {
+  const RecordingReader reader(path);
+  const CameraInfo& camera = reader.recording().camera;
+  const BoardInfo& info = reader.recording().board;
+  if (reader.board_views() == 0)
+    throw data_error(fmt::format("{} has no chessboard views", path.string()),
+                     "record some, or calibrate from --images");
+  BoardObservations observations;
+  observations.board = {info.columns, info.rows, info.square_m};
+  observations.width = camera.width, observations.height = camera.height;
+  observations.depth_intrinsics = camera.depth_intrinsics;
+  Progress progress("looking for the board", reader.board_views());
+  for (std::size_t index = 0; index < reader.board_views(); ++index) {
+    const RgbdFrame frame = reader.read_board_view(index);
+    add_view(observations, fmt::format("view {}", index), grey_of(frame, camera),
+             metres_of(frame, camera));
+    progress.advance();
+  }
+  return observations;
+}
+
+}  // namespace touchtrace

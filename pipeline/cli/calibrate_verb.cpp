@@ -1,0 +1,117 @@
+#include <fmt/core.h>
+
+#include "calib/rgbd/calibrate.h"
+#include "engine/base/files.h"
+#include "engine/base/provenance.h"
+#include "engine/base/text.h"
+#include "pipeline/acquire/board_views.h"
+#include "pipeline/cli/verbs.h"
+
+namespace touchtrace::cli {
+namespace {
+
+struct CalibrateOptions {
+  std::string recording, images, output;
+  int columns = 9, rows = 6;
+  double square_mm = 25.0;
+};
+
+void describe(OptionSet& set, CalibrateOptions& o) {
+  set.optional_input("recording", o.recording, "recording whose chessboard views are used");
+  set.text("images", o.images,
+           "instead of a recording: folder of board images, or a pattern in quotes");
+  set.integer("columns", o.columns, "inner corners along a row of the board, for --images", 3, 100);
+  set.integer("rows", o.rows, "inner corners along a column of the board, for --images", 3, 100);
+  set.number("square-mm", o.square_mm, "side of a square of the board [mm], for --images", 0.1,
+             1000.0);
+  set.path("output", o.output, "folder for camera.yaml, camera_depth.yaml and calibration.json");
+}
+
+BoardObservations observe(const CalibrateOptions& o) {
+  if (o.recording.empty() == o.images.empty())
+    throw usage_error("calibrate needs either a recording or --images",
+                      "see touchtrace calibrate --help");
+  if (!o.recording.empty()) return board_views_of_recording(o.recording);
+  return board_views_of_images(o.images, {o.columns, o.rows, 1e-3 * o.square_mm});
+}
+
+Provenance provenance_of(const CalibrateOptions& o, const Invocation& invocation,
+                         const Stopwatch& stopwatch) {
+  auto provenance = start_provenance("touchtrace/calibration/1", "calibrate");
+  provenance.options = invocation.options;
+  if (!o.recording.empty()) provenance.add_input(o.recording);
+  if (!o.images.empty())
+    for (const auto& path : image_files(o.images)) provenance.add_input(path);
+  stopwatch.stop(provenance);
+  return provenance;
+}
+
+std::string list_of(const nlohmann::json& names) {
+  return comma_separated(names.get<std::vector<std::string>>());
+}
+
+void print_depth(const RgbdCalibration& c) {
+  const auto& depth = c.details["depth"];
+  fmt::print(
+      "depth     true = {:+.2f} mm + {:.5f} x measured; {:.2f} mm RMS in {} samples; 1 m is known "
+      "to {:.2f} mm\n",
+      1e3 * c.depth_offset_m, c.depth_scale, 1e3 * c.depth_rms_m, depth["samples"].get<int>(),
+      1e3 * depth["bias_sigma_at_1m"].get<double>());
+  const Eigen::Vector3d place = 1e3 * c.depth_from_color.translation();
+  fmt::print(
+      "          colour camera at ({:.1f}, {:.1f}, {:.1f}) mm of the depth camera, turned by "
+      "{:.3f} degrees\n",
+      place.x(), place.y(), place.z(),
+      Eigen::AngleAxisd(c.depth_from_color.linear()).angle() * 180.0 / 3.14159265358979323846);
+}
+
+void print_summary(const RgbdCalibration& c) {
+  const auto& details = c.details;
+  const auto& sigma = details["sigmas"];
+  fmt::print(
+      "camera    fx {:.2f} +- {:.2f}  fy {:.2f} +- {:.2f}  cx {:.2f} +- {:.2f}  cy {:.2f} +- "
+      "{:.2f} px\n",
+      c.color.fx, sigma["color.fx"].get<double>(), c.color.fy, sigma["color.fy"].get<double>(),
+      c.color.cx, sigma["color.cx"].get<double>(), c.color.cy, sigma["color.cy"].get<double>());
+  fmt::print("lens      {} distortion coefficients by BIC; {:.4f} px RMS\n",
+             details["distortion_coefficients"].get<int>(), c.rms_px);
+  if (c.depth) print_depth(c);
+  if (!details["outlier_views"].empty())
+    fmt::print("outliers  left out: {}\n", list_of(details["outlier_views"]));
+  if (!details["views_without_board"].empty())
+    fmt::print("no board  in {}\n", list_of(details["views_without_board"]));
+  for (const auto& entry : details["not_told"])
+    fmt::print("not told  by the data: {} (+- {:.3g}); it keeps its prior value\n",
+               entry["parameter"].get<std::string>(), entry["sigma"].get<double>());
+  fmt::print("verdict   {}\n", details["verdict"].get<std::string>());
+  for (const auto& advice : details["advice"])
+    fmt::print("          {}\n", advice.get<std::string>());
+}
+
+ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
+  const Stopwatch stopwatch;
+  const OutputFile refuses_what_exists(std::filesystem::path(options.output) / "calibration.json",
+                                       invocation.overwrite);
+  RgbdCalibration calibration = calibrate(observe(options));
+  calibration.details["provenance"] = provenance_of(options, invocation, stopwatch);
+  write_calibration(options.output, calibration, invocation.overwrite);
+  if (invocation.json)
+    fmt::print("{}\n", calibration_json(calibration).dump(2));
+  else
+    print_summary(calibration);
+  return calibration.details["verdict"] == "BAD" ? ExitCode::data : ExitCode::done;
+}
+
+}  // namespace
+
+Verb calibrate_verb() {
+  return make_verb<CalibrateOptions>(
+      "calibrate",
+      "find the camera's intrinsics, depth error and their uncertainty from board views",
+      {"touchtrace calibrate recording.h5 --output calibration",
+       "touchtrace calibrate --images 'photos/left*.jpg' --columns 9 --rows 6 --square-mm 25 "
+       "--output calibration"},
+      run);
+}
+
+}  // namespace touchtrace::cli

@@ -25,14 +25,15 @@ std::vector<std::string> activity_names() {
 const ActivityRow& find_activity(const std::string& name) {
   for (const ActivityRow& row : activities())
     if (row.name == name) return row;
-  throw usage_error(fmt::format("there is no activity '{}'", name), suggestion(name, activity_names()));
+  throw usage_error(fmt::format("there is no activity '{}'", name),
+                    suggestion(name, activity_names()));
 }
 
 Eigen::Quaterniond palm_up(double roll_rad, double pitch_rad, double yaw_rad) {
   using Eigen::AngleAxisd, Eigen::Vector3d;
   const double fingers_away = -std::numbers::pi / 2;
-  return AngleAxisd(yaw_rad + fingers_away, Vector3d::UnitZ()) * AngleAxisd(pitch_rad, Vector3d::UnitY()) *
-         AngleAxisd(roll_rad, Vector3d::UnitX());
+  return AngleAxisd(yaw_rad + fingers_away, Vector3d::UnitZ()) *
+         AngleAxisd(pitch_rad, Vector3d::UnitY()) * AngleAxisd(roll_rad, Vector3d::UnitX());
 }
 
 }  // namespace touchtrace::scene

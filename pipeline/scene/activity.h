@@ -15,10 +15,10 @@ inline constexpr double control_interval_s = 1.0 / sample_rate_hz;
 struct Command {
   MotionState hand;
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< world from hand
-  bool closed_grip = true;      ///< fingers by force; otherwise by posture
-  double grip_force_n = 0.0;    ///< of the four fingers together
-  double posture_rad = 0.0;     ///< flexion of all fingers
-  bool carrying = true;         ///< whether the object's weight is fed forward
+  bool closed_grip = true;    ///< fingers by force; otherwise by posture
+  double grip_force_n = 0.0;  ///< of the four fingers together
+  std::array<double, finger_count> posture_rad{};
+  bool carrying = true;  ///< whether the object's weight is fed forward
 };
 
 /// What an activity knows when a clip begins. The random stream is its own.
@@ -31,8 +31,8 @@ struct ActivityStart {
 class Activity {
  public:
   virtual ~Activity() = default;
-  /// Called once every control interval, in order of time; time 0 is where the clip begins and earlier times
-  /// are the grasp. `seen` is the scene at that time.
+  /// Called once every control interval, in order of time; time 0 is where the clip begins and
+  /// earlier times are the grasp. `seen` is the scene at that time.
   virtual Command command(double time_s, const SceneSample& seen) = 0;
 };
 
@@ -47,8 +47,8 @@ const ActivityRow& find_activity(const std::string& name);
 std::unique_ptr<Activity> make_wave(ActivityStart start);
 std::unique_ptr<Activity> make_throw(ActivityStart start);
 
-/// The orientation of a hand before the person, palm up, fingers away from him, turned by roll about the forearm,
-/// pitch about the wrist and yaw.
+/// The orientation of a hand before the person, palm up, fingers away from him, turned by roll
+/// about the forearm, pitch about the wrist and yaw.
 Eigen::Quaterniond palm_up(double roll_rad, double pitch_rad, double yaw_rad);
 
 }  // namespace touchtrace::scene

@@ -18,7 +18,8 @@ bool lost(const RigidState& hand, const RigidState& object) {
   return offset.z() < -lost_below_m || !(offset.norm() < lost_distance_m);
 }
 
-/// Release and catch are the ends of every stretch without contact that is long enough to be a flight.
+/// Release and catch are the ends of every stretch without contact that is long enough to be a
+/// flight.
 void add_flights(ClipMotion& clip) {
   double last_touch_s = clip.samples.empty() ? 0.0 : clip.samples.front().time_s;
   for (const SceneSample& sample : clip.samples) {
@@ -31,7 +32,8 @@ void add_flights(ClipMotion& clip) {
   }
 }
 
-/// Records one clip after a grasp that held; `start_s` on the host's clock is time 0 of the activity.
+/// Records one clip after a grasp that held; `start_s` on the host's clock is time 0 of the
+/// activity.
 ClipMotion record(const SceneOptions& options, Performance& performance, double start_s) {
   ClipMotion clip;
   const int samples = static_cast<int>(std::lround(options.clip_s * sample_rate_hz));
@@ -58,7 +60,8 @@ ClipMotion record(const SceneOptions& options, Performance& performance, double 
 
 ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s) {
   for (int attempt = 1;; ++attempt) {
-    const std::string name = fmt::format("{} {} clip {} attempt {}", options.activity, options.object, clip, attempt);
+    const std::string name =
+        fmt::format("{} {} clip {} attempt {}", options.activity, options.object, clip, attempt);
     Performance performance(options, name, start_s);
     const bool held = performance.grasp();
     if (held || attempt == grasp_attempts) return record(options, performance, start_s);

@@ -46,7 +46,8 @@ void ContactPatch::find(const ContactScene& scene, double h) {
   const Vector3d hand_in_object =
       world_from_object.transpose() * (scene.hand.position_m - scene.object.position_m);
   std::array<FingerPose, finger_count> poses;
-  for (int i = 0; i < finger_count; ++i) poses[i] = pose_finger(hand.fingers[i], scene.flexion_rad[i]);
+  for (int i = 0; i < finger_count; ++i)
+    poses[i] = pose_finger(hand.fingers[i], scene.flexion_rad[i]);
   for (const TaxelGroup& group : hand.groups) {
     Frame frame{object_from_hand, hand_in_object, world_from_object, nullptr};
     if (group.finger >= 0) {
@@ -58,14 +59,16 @@ void ContactPatch::find(const ContactScene& scene, double h) {
   }
 }
 
-void ContactPatch::search(const TaxelGroup& group, const Frame& frame, const ContactScene& scene, double h) {
+void ContactPatch::search(const TaxelGroup& group, const Frame& frame, const ContactScene& scene,
+                          double h) {
   const Vector3d centre = frame.object_from_link * group.centre_m + frame.link_in_object;
   const double gap = distance(scene.spec, centre).value_m - group.radius_m;
   clearance_m_ = std::clamp(gap, 0.0, clearance_m_);
   if (gap > 0.0) return;
   const HandModel& hand = hand_model();
   for (int i = group.first; i < group.first + group.count; ++i) {
-    const Vector3d point = frame.object_from_link * hand.taxels[i].position_m + frame.link_in_object;
+    const Vector3d point =
+        frame.object_from_link * hand.taxels[i].position_m + frame.link_in_object;
     const Distance d = distance(scene.spec, point);
     if (d.value_m >= 0.0) continue;
     Contact c{};
@@ -97,7 +100,8 @@ void ContactPatch::add(const Contact& found, double depth, const ContactScene& s
   const double rate = -c.normal.dot(slide);
   c.elastic_n = k * depth * (1 + depth / p.hardening_m);
   const double damping = c.elastic_n * p.dissipation_s_per_m;
-  const double slope = k * (1 + 2 * depth / p.hardening_m) * std::max(0.0, 1 + p.dissipation_s_per_m * rate);
+  const double slope =
+      k * (1 + 2 * depth / p.hardening_m) * std::max(0.0, 1 + p.dissipation_s_per_m * rate);
   c.rate_gain = h * slope + damping;
   const double normal_force = c.elastic_n + c.rate_gain * rate;
   if (normal_force <= 0.0) return;
@@ -156,8 +160,8 @@ void ContactPatch::settle(const ContactVelocity& next, const Vector3d& hand_spin
   force_on_object_n_.setZero();
   torque_on_object_nm_.setZero();
   for (const Contact& c : contacts_) {
-    Vector3d slide = next.segment<3>(hand_at) + hand_spin.cross(c.from_hand) - next.segment<3>(object_at) -
-                     next.segment<3>(spin_at).cross(c.from_object);
+    Vector3d slide = next.segment<3>(hand_at) + hand_spin.cross(c.from_hand) -
+                     next.segment<3>(object_at) - next.segment<3>(spin_at).cross(c.from_object);
     if (c.finger >= 0) slide += next[fingers_at + c.finger] * c.with_flexion;
     apply(c, slide, h);
     Vector3d& bristle = bristle_m_[c.taxel];

@@ -11,8 +11,8 @@ inline constexpr int velocity_count = fingers_at + finger_count;
 using ContactSystem = Eigen::Matrix<double, velocity_count, velocity_count>;
 using ContactVelocity = Eigen::Matrix<double, velocity_count, 1>;
 
-/// Winkler foundation under every taxel, as soft tissue and glove: f = k d (1 + d / d0) (1 + c d'), friction a
-/// bristle of 0.7 k with the same relative damping, clipped at the Coulomb limit.
+/// Winkler foundation under every taxel, as soft tissue and glove: f = k d (1 + d / d0) (1 + c d'),
+/// friction a bristle of 0.7 k with the same relative damping, clipped at the Coulomb limit.
 struct ContactParameters {
   double stiffness_n_per_m3 = 1e7, hardening_m = 0.003, dissipation_s_per_m = 3.0;
   double bristle_ratio = 0.7;
@@ -43,24 +43,26 @@ class ContactPatch {
   void settle(const ContactVelocity& next, const Eigen::Vector3d& hand_spin, double h);
 
   bool touching() const { return !contacts_.empty(); }
-  /// Distance of the nearest group's bounding sphere from the object [m] when find() ran; 0 in contact.
+  /// Distance of the nearest group's bounding sphere from the object [m] when find() ran; 0 in
+  /// contact.
   double clearance_m() const { return clearance_m_; }
   std::span<const double> force_n() const { return force_n_; }  ///< normal, of every taxel
   const Eigen::Vector3d& force_on_object_n() const { return force_on_object_n_; }
   const Eigen::Vector3d& torque_on_object_nm() const { return torque_on_object_nm_; }
   double normal_force_n(int finger) const { return finger_force_n_[finger + 1]; }  ///< -1: palm
-  double lever_m(int finger) const;  ///< torque about the first joint a newton of the finger's force
+  double lever_m(
+      int finger) const;  ///< torque about the first joint a newton of the finger's force
   long clamp_hits() const { return clamp_hits_; }
 
  private:
   struct Contact {
     int taxel, finger;
-    Eigen::Vector3d normal;       ///< out of the object, world
+    Eigen::Vector3d normal;                                ///< out of the object, world
     Eigen::Vector3d from_object, from_hand, with_flexion;  ///< lever arms and dp/dflexion, world
     double elastic_n, rate_gain;  ///< normal force at rest, and its growth with d' (h k + c)
     double tangent_share, tangent_k, tangent_c, friction;
-    Eigen::Matrix3d resistance;   ///< force against relative velocity, implicit part
-    Eigen::Vector3d push;         ///< force on the taxel at zero relative velocity
+    Eigen::Matrix3d resistance;  ///< force against relative velocity, implicit part
+    Eigen::Vector3d push;        ///< force on the taxel at zero relative velocity
   };
   struct Frame;
 

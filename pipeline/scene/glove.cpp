@@ -51,7 +51,8 @@ const GloveTraits& glove_traits(int number) {
   static std::map<int, GloveTraits> known;
   const std::lock_guard lock(guard);
   const auto found = known.find(number);
-  return found != known.end() ? found->second : known.emplace(number, make_traits(number)).first->second;
+  return found != known.end() ? found->second
+                              : known.emplace(number, make_traits(number)).first->second;
 }
 
 GloveInfo glove_info(int number) {
@@ -89,7 +90,8 @@ Glove::Glove(int number, const GloveClock& clock, std::uint64_t seed)
 }
 
 double Glove::row_time_s(std::uint64_t frame, int row) const {
-  return clock_.first_frame_s + static_cast<double>(frame) / clock_.rate_hz + scan_s * row / glove_rows;
+  return clock_.first_frame_s + static_cast<double>(frame) / clock_.rate_hz +
+         scan_s * row / glove_rows;
 }
 
 void Glove::start(double time_s) {
@@ -103,12 +105,14 @@ void Glove::start(double time_s) {
 
 void Glove::relax(std::span<const double> force_n, double interval_s) {
   for (std::size_t i = 0; i < force_n.size(); ++i)
-    if (force_n[i] > 0.0 && !is_active_[i]) is_active_[i] = 1, active_.push_back(static_cast<int>(i));
+    if (force_n[i] > 0.0 && !is_active_[i])
+      is_active_[i] = 1, active_.push_back(static_cast<int>(i));
   const double loading = -std::expm1(-interval_s / loading_lag_s);
   const double unloading = -std::expm1(-interval_s / unloading_lag_s);
   const double creeping = -std::expm1(-interval_s / creep_s);
   for (int i : active_) {
-    pressed_n_[i] += (force_n[i] > pressed_n_[i] ? loading : unloading) * (force_n[i] - pressed_n_[i]);
+    pressed_n_[i] +=
+        (force_n[i] > pressed_n_[i] ? loading : unloading) * (force_n[i] - pressed_n_[i]);
     crept_n_[i] += creeping * (pressed_n_[i] - crept_n_[i]);
   }
   std::erase_if(active_, [&](int i) {
@@ -124,8 +128,8 @@ void Glove::measure(double time_s) {
   std::ranges::fill(col_sum_, 0.0);
   for (int i : active_) {
     const Taxel& taxel = hand_model().taxels[i];
-    const double drift =
-        1 + drift_share * std::sin(traits_.drift_rad_per_s[i] * time_s + traits_.drift_phase_rad[i]);
+    const double drift = 1 + drift_share * std::sin(traits_.drift_rad_per_s[i] * time_s +
+                                                    traits_.drift_phase_rad[i]);
     const double force = traits_.gain[i] * drift * (pressed_n_[i] + creep_share * crept_n_[i]);
     const double signal = force / (force + half_saturation_n);
     signal_[taxel.cell()] = signal;
@@ -140,7 +144,8 @@ void Glove::read_row(int row, double time_s) {
     const int cell = row * glove_cols + col;
     const double own = signal_[cell];
     const double leaked = cross_talk * (row_sum_[row] + col_sum_[col] - 2 * own);
-    const double read = stream_.info.mask[cell] ? (own + leaked) / (1 + cross_talk * row_sum_[row]) : 0.0;
+    const double read =
+        stream_.info.mask[cell] ? (own + leaked) / (1 + cross_talk * row_sum_[row]) : 0.0;
     const double counts = traits_.baseline_counts[cell] + full_scale_counts * read +
                           noise_counts * noise_.normal_at(number_ * cells + cell);
     frame_[cell] = static_cast<std::uint16_t>(std::lround(std::clamp(counts, 0.0, largest_count)));

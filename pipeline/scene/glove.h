@@ -7,9 +7,9 @@ namespace touchtrace::scene {
 
 /// What makes one glove different from the next; fixed by its number, whatever is done with it.
 struct GloveTraits {
-  std::vector<float> gain;            ///< per taxel, lognormal; 0 where dead
+  std::vector<float> gain;                              ///< per taxel, lognormal; 0 where dead
   std::vector<float> drift_rad_per_s, drift_phase_rad;  ///< of each gain's slow change
-  std::vector<float> baseline_counts;  ///< [rows x cols]
+  std::vector<float> baseline_counts;                   ///< [rows x cols]
 };
 const GloveTraits& glove_traits(int number);
 GloveInfo glove_info(int number);
@@ -19,10 +19,11 @@ class Glove {
  public:
   Glove(int number, const GloveClock& clock, std::uint64_t seed);
 
-  /// Moves the sensing material on by `interval_s` (always the same) under these normal forces, then reads
-  /// every row that is due up to `time_s`.
+  /// Moves the sensing material on by `interval_s` (always the same) under these normal forces,
+  /// then reads every row that is due up to `time_s`.
   void sense(std::span<const double> force_n, double time_s, double interval_s);
-  /// Starts with the first frame whose scan begins at `time_s` or later; what was recorded is forgotten.
+  /// Starts with the first frame whose scan begins at `time_s` or later; what was recorded is
+  /// forgotten.
   void start(double time_s);
   /// Every whole frame that was read and not lost.
   GloveStream take();

@@ -14,8 +14,9 @@ using Eigen::Vector3d;
 constexpr double grasp_s = 1.4, turn_start_s = -0.7, turn_end_s = -0.1;  // activity's time
 constexpr double adaptation_s = 1.5, weight_error = 0.25, weight_lag_s = 0.05;
 constexpr double lever_lag_s = 0.02, shortest_lever_m = 0.01, longest_lever_m = 0.08;
-constexpr double grip_stiffness_nm_per_rad = 0.5, grip_relaxation_s = 0.15, posture_stiffness_nm_per_rad = 3.0;
-constexpr std::array<double, finger_count> share{0.30, 0.30, 0.25, 0.15, 0.60};
+constexpr double grip_stiffness_nm_per_rad = 1.0, grip_relaxation_s = 0.3,
+                 posture_stiffness_nm_per_rad = 3.0;
+constexpr std::array<double, finger_count> share{0.30, 0.30, 0.25, 0.15, 0.80};
 
 long ticks(double time_s) { return std::lround(time_s / control_interval_s); }
 
@@ -24,7 +25,8 @@ Eigen::Quaterniond in_hand(const ObjectSpec& object, RandomStream& random) {
   using Eigen::AngleAxisd;
   const bool round = object.solids.front().kind == ShapeKind::sphere;
   const bool box = object.solids.front().kind == ShapeKind::box;
-  const double across = box ? 0.0 : std::numbers::pi / 2;  // brings z of capsules and cylinders to y
+  const double across =
+      box ? 0.0 : std::numbers::pi / 2;  // brings z of capsules and cylinders to y
   const double spin = round || !box ? random.uniform(-std::numbers::pi, std::numbers::pi) : 0.0;
   const double yaw = random.normal(0.0, 0.12);
   return AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(across, Vector3d::UnitX()) *
@@ -51,8 +53,9 @@ double height_over_palm_m(const ObjectSpec& object, const Eigen::Quaterniond& ha
 
 Performance::Performance(const SceneOptions& options, const std::string& name, double start_s)
     : world_(find_object(options.object)),
-      activity_(find_activity(options.activity)
-                    .make({find_object(options.object), RandomStream(options.seed, name + " motion")})),
+      activity_(
+          find_activity(options.activity)
+              .make({find_object(options.object), RandomStream(options.seed, name + " motion")})),
       glove_(1, glove_clock(options), options.seed),
       start_s_(start_s),
       tick_(-ticks(grasp_s)) {
@@ -68,12 +71,13 @@ Performance::Performance(const SceneOptions& options, const std::string& name, d
 }
 
 void Performance::place_object(const Command& command, RandomStream& random) {
-  const Vector3d place(0.012 + 0.005 * random.normal(), 0.005 * random.normal(), 0.0);
+  const Vector3d place(0.018 + 0.005 * random.normal(), 0.005 * random.normal(), 0.0);
   const Eigen::Quaterniond hand_from_object = in_hand(world_.spec(), random);
   const double height = height_over_palm_m(world_.spec(), hand_from_object, place);
   world_.hand.position_m = command.hand.position_m;
   world_.hand.orientation = wanted_orientation(command);
-  world_.object.position_m = world_.hand.position_m + world_.hand.orientation * (place + height * Vector3d::UnitZ());
+  world_.object.position_m =
+      world_.hand.position_m + world_.hand.orientation * (place + height * Vector3d::UnitZ());
   world_.object.orientation = world_.hand.orientation * hand_from_object;
 }
 
@@ -85,13 +89,18 @@ Eigen::Quaterniond Performance::wanted_orientation(const Command& command) const
 }
 
 FingerDrive Performance::finger_drive(const Command& command, int finger) {
-  if (!command.closed_grip) return {0.0, posture_stiffness_nm_per_rad, command.posture_rad};
+  if (!command.closed_grip) return {0.0, posture_stiffness_nm_per_rad, command.posture_rad[finger]};
   const double measured = world_.contact().lever_m(finger);
-  if (measured > 0.0)
-    lever_m_[finger] += (std::clamp(measured, shortest_lever_m, longest_lever_m) - lever_m_[finger]) *
-                        control_interval_s / lever_lag_s;
-  rest_rad_[finger] += (world_.flexion_rad[finger] - rest_rad_[finger]) * control_interval_s / grip_relaxation_s;
-  return {share[finger] * command.grip_force_n * lever_m_[finger], grip_stiffness_nm_per_rad, rest_rad_[finger]};
+  if (measured <= 0.0)  // still closing
+    rest_rad_[finger] = world_.flexion_rad[finger];
+  else
+    lever_m_[finger] +=
+        (std::clamp(measured, shortest_lever_m, longest_lever_m) - lever_m_[finger]) *
+        control_interval_s / lever_lag_s;
+  rest_rad_[finger] +=
+      (world_.flexion_rad[finger] - rest_rad_[finger]) * control_interval_s / grip_relaxation_s;
+  return {share[finger] * command.grip_force_n * lever_m_[finger], grip_stiffness_nm_per_rad,
+          rest_rad_[finger]};
 }
 
 Drive Performance::drive_to(const Command& command) {
@@ -103,7 +112,8 @@ Drive Performance::drive_to(const Command& command) {
   drive.angular_velocity_rad_per_s = turn.angle() / control_interval_s * turn.axis();
   const double time_s = std::max(0.0, tick_ * control_interval_s);
   const double believed = 1 + weight_error_ * std::exp(-time_s / adaptation_s);
-  const double weight = command.carrying ? believed * world_.spec().mass_kg * gravity_m_per_s2 : 0.0;
+  const double weight =
+      command.carrying ? believed * world_.spec().mass_kg * gravity_m_per_s2 : 0.0;
   fed_forward_n_ += (weight - fed_forward_n_) * control_interval_s / weight_lag_s;
   drive.carried_weight_n = fed_forward_n_;
   for (int i = 0; i < finger_count; ++i) drive.fingers[i] = finger_drive(command, i);
@@ -114,7 +124,8 @@ void Performance::advance() {
   const Command command = activity_->command(tick_ * control_interval_s, sample());
   world_.advance(drive_to(command), control_interval_s);
   ++tick_;
-  glove_.sense(world_.contact().force_n(), start_s_ + tick_ * control_interval_s, control_interval_s);
+  glove_.sense(world_.contact().force_n(), start_s_ + tick_ * control_interval_s,
+               control_interval_s);
 }
 
 bool Performance::grasp() {

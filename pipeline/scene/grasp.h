@@ -6,8 +6,9 @@
 
 namespace touchtrace::scene {
 
-/// A person with a glove who takes an object and performs an activity with it, one control interval after the
-/// other. Its time 0 is `start_s` of the host's clock; before it the object is taken into the hand.
+/// A person with a glove who takes an object and performs an activity with it, one control interval
+/// after the other. Its time 0 is `start_s` of the host's clock; before it the object is taken into
+/// the hand.
 class Performance {
  public:
   /// `name` names the random streams.
@@ -31,8 +32,8 @@ class Performance {
   std::unique_ptr<Activity> activity_;
   Glove glove_;
   double start_s_;
-  long tick_;                                     ///< control intervals since time 0
-  double weight_error_;                           ///< of the weight fed forward, at time 0
+  long tick_;            ///< control intervals since time 0
+  double weight_error_;  ///< of the weight fed forward, at time 0
   double fed_forward_n_ = 0.0;
   std::array<double, finger_count> lever_m_, rest_rad_;
   Eigen::Quaterniond taking_orientation_ = Eigen::Quaterniond::Identity();

@@ -10,27 +10,37 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double palm_half_length_m = 0.045, palm_half_width_m = 0.042;
-constexpr double palm_dish_radius_m = 0.15;
+constexpr double palm_dish_radius_m = 0.13, heel_start_m = -0.010, heel_radius_m = 0.055;
 constexpr double taxel_fan_rad = std::numbers::pi / 3;  // to either side of a finger's palmar line
 
 /// Columns x along the thumb, z out of its pad, chosen so that flexion closes it over the palm.
 Matrix3d thumb_base() {
-  const Vector3d x = Vector3d(0.55, -0.55, 0.63).normalized();
-  const Vector3d z = (Vector3d(0.1, 0.75, 0.65) - x * x.dot(Vector3d(0.1, 0.75, 0.65))).normalized();
+  const Vector3d x = Vector3d(-0.25, 0.05, 0.95).normalized(), pad(0.92, 0.35, 0.0);
+  const Vector3d z = (pad - x * x.dot(pad)).normalized();
   Matrix3d base;
   base << x, z.cross(x), z;
   return base;
 }
 
+/// Flexed fingers converge (on the scaphoid), so the planes in which they flex lean towards the
+/// middle.
 Finger long_finger(double y, double length) {
-  return {{palm_half_length_m, y, -0.003}, Matrix3d::Identity(), 3,
-          {0.45 * length, 0.30 * length, 0.25 * length}, {1.0, 0.9, 0.6}, 0.0085};
+  constexpr double lean_rad_per_m = 12.0;
+  const Matrix3d lean = Eigen::AngleAxisd(lean_rad_per_m * y, Vector3d::UnitX()).toRotationMatrix();
+  return {{palm_half_length_m, y, -0.003},
+          lean,
+          3,
+          {0.45 * length, 0.30 * length, 0.25 * length},
+          {1.0, 1.15, 0.75},
+          0.0085};
 }
 
 std::array<Finger, finger_count> make_fingers() {
-  return {long_finger(-0.032, 0.075), long_finger(-0.011, 0.083), long_finger(0.011, 0.078),
-          long_finger(0.032, 0.062),
-          Finger{{-0.015, -0.046, 0.0}, thumb_base(), 2, {0.038, 0.032, 0.0}, {1.0, 0.8, 0.0}, 0.010}};
+  return {
+      long_finger(-0.032, 0.075), long_finger(-0.011, 0.083), long_finger(0.011, 0.078),
+      long_finger(0.032, 0.062),
+      Finger{
+          {-0.036, -0.026, 0.006}, thumb_base(), 2, {0.038, 0.032, 0.0}, {1.0, 0.8, 0.0}, 0.010}};
 }
 
 void add_group(HandModel& model, int finger, int link, int first) {
@@ -43,17 +53,28 @@ void add_group(HandModel& model, int finger, int link, int first) {
   model.groups.push_back({finger, link, first, count, centre, radius});
 }
 
+/// A shallow dish that rises to thenar and hypothenar at the heel.
+double palm_height_m(double x, double y) {
+  const double heel = std::max(0.0, heel_start_m - x);
+  return (x * x + y * y) / (2 * palm_dish_radius_m) + heel * heel / (2 * heel_radius_m);
+}
+
 /// A quarter of the palm: 7 x 8 of its 14 x 16 taxels.
 void add_palm_quarter(HandModel& model, int first_row, int first_col) {
   constexpr int rows = 14, cols = 16, image_row = 18, image_col = 4;
-  constexpr double row_pitch = 2 * palm_half_length_m / rows, col_pitch = 2 * palm_half_width_m / cols;
+  constexpr double row_pitch = 2 * palm_half_length_m / rows,
+                   col_pitch = 2 * palm_half_width_m / cols;
   const int first = static_cast<int>(model.taxels.size());
   for (int row = first_row; row < first_row + rows / 2; ++row)
     for (int col = first_col; col < first_col + cols / 2; ++col) {
       const double x = palm_half_length_m - (row + 0.5) * row_pitch;
       const double y = (col + 0.5) * col_pitch - palm_half_width_m;
-      const double z = (x * x + y * y) / (2 * palm_dish_radius_m);
-      model.taxels.push_back({-1, 0, {x, y, z}, row_pitch * col_pitch, image_row + row, image_col + col});
+      model.taxels.push_back({-1,
+                              0,
+                              {x, y, palm_height_m(x, y)},
+                              row_pitch * col_pitch,
+                              image_row + row,
+                              image_col + col});
     }
   add_group(model, -1, 0, first);
 }
@@ -80,7 +101,8 @@ HandModel make_hand() {
   for (int row : {0, 7})
     for (int col : {0, 8}) add_palm_quarter(model, row, col);
   for (int finger = 0; finger < 4; ++finger)
-    for (int link = 0; link < 3; ++link) add_link(model, finger, link, 5, 5 * (2 - link), 6 * finger);
+    for (int link = 0; link < 3; ++link)
+      add_link(model, finger, link, 5, 5 * (2 - link), 6 * finger);
   for (int link = 0; link < 2; ++link) add_link(model, 4, link, 8, 16 + 8 * (1 - link), 26);
   return model;
 }

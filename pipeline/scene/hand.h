@@ -10,10 +10,10 @@ inline constexpr int glove_rows = 32, glove_cols = 32;
 inline constexpr int max_links = 3;
 inline constexpr double max_flexion_rad = 1.6;
 
-/// A chain of links that all flex by multiples of one angle, about the -y axis of the chain's base frame:
-/// x runs along the stretched finger, z out of its palmar side.
+/// A chain of links that all flex by multiples of one angle, about the -y axis of the chain's base
+/// frame: x runs along the stretched finger, z out of its palmar side.
 struct Finger {
-  Eigen::Vector3d base_m;           ///< of the first joint, hand's frame
+  Eigen::Vector3d base_m;  ///< of the first joint, hand's frame
   Eigen::Matrix3d hand_from_base;
   int links;
   std::array<double, max_links> length_m, coupling;  ///< of each joint's angle to the first's

@@ -24,9 +24,8 @@ MotionState Quintic::at(double time_s) const {
     return {to_.position_m + onward, to_.velocity_m_per_s, Eigen::Vector3d::Zero()};
   }
   const auto& [c3, c4, c5] = high_;
-  return {from_.position_m +
-              t * (from_.velocity_m_per_s +
-                   t * (0.5 * from_.acceleration_m_per_s2 + t * (c3 + t * (c4 + t * c5)))),
+  return {from_.position_m + t * (from_.velocity_m_per_s + t * (0.5 * from_.acceleration_m_per_s2 +
+                                                                t * (c3 + t * (c4 + t * c5)))),
           from_.velocity_m_per_s +
               t * (from_.acceleration_m_per_s2 + t * (3 * c3 + t * (4 * c4 + t * 5 * c5))),
           from_.acceleration_m_per_s2 + t * (6 * c3 + t * (12 * c4 + t * 20 * c5))};

@@ -12,8 +12,8 @@ struct MotionState {
                   acceleration_m_per_s2 = Eigen::Vector3d::Zero();
 };
 
-/// The fifth-order polynomial between two states: minimum jerk (Flash and Hogan 1985) when both are at
-/// rest. After its end it goes on with the end's velocity.
+/// The fifth-order polynomial between two states: minimum jerk (Flash and Hogan 1985) when both are
+/// at rest. After its end it goes on with the end's velocity.
 class Quintic {
  public:
   Quintic() = default;
@@ -30,8 +30,8 @@ class Quintic {
   double start_s_ = 0.0, duration_s_ = 0.0;
 };
 
-/// A smooth random function of time of zero mean and deviation 1 with frequencies up to `bandwidth_hz`: a sum of
-/// sinusoids, so that it depends on no step.
+/// A smooth random function of time of zero mean and deviation 1 with frequencies up to
+/// `bandwidth_hz`: a sum of sinusoids, so that it depends on no step.
 class SmoothNoise {
  public:
   SmoothNoise(RandomStream& random, double bandwidth_hz);

@@ -15,8 +15,9 @@ Solid solid(ShapeKind kind, const Vector3d& size_m, const Vector3d& color) {
 
 /// Principal moments of a homogeneous body; a capsule counts as the cylinder of its whole length.
 Eigen::Matrix3d inertia(double mass_kg, const Solid& s) {
-  const Vector3d half = s.kind == ShapeKind::capsule ? Vector3d(s.size_m[0], s.size_m[0] + s.size_m[1], 0.0)
-                                                     : s.size_m;
+  const Vector3d half = s.kind == ShapeKind::capsule
+                            ? Vector3d(s.size_m[0], s.size_m[0] + s.size_m[1], 0.0)
+                            : s.size_m;
   Vector3d moments = Vector3d::Zero();
   switch (s.kind) {
     case ShapeKind::sphere:
@@ -41,10 +42,11 @@ ObjectSpec object(std::string name, double mass_kg, double friction, Solid shape
 
 const std::vector<ObjectSpec>& objects() {
   static const std::vector<ObjectSpec> table{
-      object("ball", 0.170, 0.6, solid(ShapeKind::sphere, {0.0286, 0, 0}, {0.85, 0.10, 0.05})),
+      object("ball", 0.170, 0.7, solid(ShapeKind::sphere, {0.0286, 0, 0}, {0.85, 0.10, 0.05})),
       object("box", 0.220, 0.6, solid(ShapeKind::box, {0.025, 0.045, 0.022}, {0.90, 0.55, 0.05})),
       object("can", 0.350, 0.6, solid(ShapeKind::cylinder, {0.026, 0.050, 0}, {0.10, 0.60, 0.15})),
-      object("bottle", 0.260, 0.7, solid(ShapeKind::capsule, {0.024, 0.050, 0}, {0.10, 0.35, 0.85})),
+      object("bottle", 0.260, 0.7,
+             solid(ShapeKind::capsule, {0.024, 0.050, 0}, {0.10, 0.35, 0.85})),
   };
   return table;
 }

@@ -61,7 +61,8 @@ Distance distance(const Solid& solid, const Vector3d& point) {
 Distance distance(const ObjectSpec& object, const Vector3d& point) {
   Distance nearest = distance(object.solids.front(), point);
   for (std::size_t i = 1; i < object.solids.size(); ++i)
-    if (const Distance d = distance(object.solids[i], point); d.value_m < nearest.value_m) nearest = d;
+    if (const Distance d = distance(object.solids[i], point); d.value_m < nearest.value_m)
+      nearest = d;
   return nearest;
 }
 

@@ -4,14 +4,15 @@
 
 namespace touchtrace::scene {
 
-/// How far a point lies outside of a surface (negative inside), and the surface's outward normal there.
+/// How far a point lies outside of a surface (negative inside), and the surface's outward normal
+/// there.
 struct Distance {
   double value_m;
   Eigen::Vector3d normal;
 };
 
-/// `point` in the frame of the body that carries the solid. Exact outside and inside, except that near a
-/// box's edges outside the normal is that of the nearest point.
+/// `point` in the frame of the body that carries the solid. Exact outside and inside, except that
+/// near a box's edges outside the normal is that of the nearest point.
 Distance distance(const Solid& solid, const Eigen::Vector3d& point);
 
 /// Of the union of the object's solids; `point` in the object's body frame.

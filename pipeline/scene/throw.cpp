@@ -8,10 +8,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double open_rad = 0.40, trapping_rad = 0.75;  // posture for the toss, and around a caught object
+constexpr double open_rad = 0.40,
+                 trapping_rad = 0.75;  // posture for the toss, and around a caught object
 constexpr double posture_s = 0.15, reaction_s = 0.09, catch_error_m = 0.006;
 
-/// Hold, dip, toss off the open cupped palm, watch, move under the object and give way while catching it.
+/// Hold, dip, toss off the open cupped palm, watch, move under the object and give way while
+/// catching it.
 class Throw : public Activity {
  public:
   explicit Throw(ActivityStart start);
@@ -41,11 +43,14 @@ class Throw : public Activity {
   double old_posture_rad_ = trapping_rad, new_posture_rad_ = trapping_rad, bend_start_s_ = -10.0;
 };
 
-MotionState at_rest(const Vector3d& position) { return {position, Vector3d::Zero(), Vector3d::Zero()}; }
+MotionState at_rest(const Vector3d& position) {
+  return {position, Vector3d::Zero(), Vector3d::Zero()};
+}
 
 Throw::Throw(ActivityStart start)
     : random_(start.random),
-      base_m_(random_.uniform(-0.28, -0.08), random_.uniform(-0.52, -0.42), random_.uniform(0.95, 1.10)),
+      base_m_(random_.uniform(-0.28, -0.08), random_.uniform(-0.52, -0.42),
+              random_.uniform(0.95, 1.10)),
       roll_(random_.normal(0.0, 0.03)),
       pitch_(random_.normal(-0.03, 0.03)),
       yaw_(random_.uniform(-0.4, 0.4)),
@@ -67,7 +72,8 @@ void Throw::bend_to(double posture, double time_s) {
 
 double Throw::posture_rad(double time_s) const {
   const double s = std::clamp((time_s - bend_start_s_) / posture_s, 0.0, 1.0);
-  return old_posture_rad_ + (new_posture_rad_ - old_posture_rad_) * s * s * s * (10 - 15 * s + 6 * s * s);
+  return old_posture_rad_ +
+         (new_posture_rad_ - old_posture_rad_) * s * s * s * (10 - 15 * s + 6 * s * s);
 }
 
 void Throw::hold(double time_s) {
@@ -98,22 +104,26 @@ void Throw::toss(double time_s) {
 void Throw::watch(double time_s) {
   const MotionState now = plan_.at(time_s);
   const double duration_s = reaction_s + 0.04;
-  begin(Phase::watch, at_rest(now.position_m + 0.4 * duration_s * now.velocity_m_per_s), time_s, duration_s);
+  begin(Phase::watch, at_rest(now.position_m + 0.4 * duration_s * now.velocity_m_per_s), time_s,
+        duration_s);
 }
 
 /// Ballistic prediction of where and when the object comes down to the height at which it is met.
 void Throw::meet(double time_s, const SceneSample& seen) {
   const Vector3d& p = seen.object.position_m;
   const Vector3d& v = seen.object.velocity_m_per_s;
-  const double height_m = plan_.at(time_s).position_m.z() + in_palm_m_.z() + random_.uniform(-0.05, 0.0);
+  const double height_m =
+      plan_.at(time_s).position_m.z() + in_palm_m_.z() + random_.uniform(-0.05, 0.0);
   const double above = p.z() - height_m;
   const double fall_s =
-      (v.z() + std::sqrt(std::max(0.0, v.z() * v.z() + 2 * gravity_m_per_s2 * above))) / gravity_m_per_s2;
+      (v.z() + std::sqrt(std::max(0.0, v.z() * v.z() + 2 * gravity_m_per_s2 * above))) /
+      gravity_m_per_s2;
   const Vector3d speed = v - gravity_m_per_s2 * fall_s * Vector3d::UnitZ();
   const Vector3d error = catch_error_m * Vector3d(random_.normal(), random_.normal(), 0.0);
   MotionState target;
-  target.position_m = p + fall_s * v - 0.5 * gravity_m_per_s2 * fall_s * fall_s * Vector3d::UnitZ() -
-                      in_palm_m_ + error;
+  target.position_m = p + fall_s * v -
+                      0.5 * gravity_m_per_s2 * fall_s * fall_s * Vector3d::UnitZ() - in_palm_m_ +
+                      error;
   target.velocity_m_per_s = random_.uniform(0.35, 0.60) * speed;
   begin(Phase::meet, target, time_s, std::max(fall_s, 0.06));
 }
@@ -122,7 +132,8 @@ void Throw::give(double time_s) {
   const MotionState now = plan_.at(time_s);
   const double duration_s = random_.uniform(0.22, 0.32);
   bend_to(trapping_rad, time_s + 0.03);
-  begin(Phase::give, at_rest(now.position_m + 0.45 * duration_s * now.velocity_m_per_s), time_s, duration_s);
+  begin(Phase::give, at_rest(now.position_m + 0.45 * duration_s * now.velocity_m_per_s), time_s,
+        duration_s);
 }
 
 void Throw::advance(double time_s, const SceneSample& seen) {
@@ -147,15 +158,20 @@ Command Throw::command(double time_s, const SceneSample& seen) {
   if (time_s >= plan_.end_s()) advance(time_s, seen);
   Command command;
   command.hand = plan_.at(time_s);
-  command.orientation = palm_up(roll_ + 0.01 * roll_noise_.at(time_s), pitch_ + 0.01 * pitch_noise_.at(time_s), yaw_);
+  command.orientation =
+      palm_up(roll_ + 0.01 * roll_noise_.at(time_s), pitch_ + 0.01 * pitch_noise_.at(time_s), yaw_);
   command.closed_grip = false;
-  command.posture_rad = posture_rad(time_s);
+  const double flexion = posture_rad(time_s);
+  command.posture_rad.fill(flexion);
+  command.posture_rad.back() = flexion - open_rad;  // the thumb stands aside of the open palm
   command.carrying = phase_ != Phase::watch && phase_ != Phase::meet;
   return command;
 }
 
 }  // namespace
 
-std::unique_ptr<Activity> make_throw(ActivityStart start) { return std::make_unique<Throw>(std::move(start)); }
+std::unique_ptr<Activity> make_throw(ActivityStart start) {
+  return std::make_unique<Throw>(std::move(start));
+}
 
 }  // namespace touchtrace::scene

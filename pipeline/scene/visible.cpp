@@ -18,7 +18,8 @@ Isometry3d placed(const RigidState& body) {
 }
 
 Solid capsule_between(const Vector3d& a, const Vector3d& b, double radius, const Vector3d& color) {
-  Solid solid{ShapeKind::capsule, {radius, 0.5 * (b - a).norm(), 0.0}, Isometry3d::Identity(), color};
+  Solid solid{
+      ShapeKind::capsule, {radius, 0.5 * (b - a).norm(), 0.0}, Isometry3d::Identity(), color};
   solid.body_from_shape.linear() =
       Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), b - a).toRotationMatrix();
   solid.body_from_shape.translation() = 0.5 * (a + b);
@@ -43,7 +44,8 @@ void add_finger(std::vector<Solid>& solids, const Isometry3d& world_from_hand, c
                 double flexion_rad) {
   const FingerPose pose = pose_finger(finger, flexion_rad);
   for (int link = 0; link < finger.links; ++link) {
-    const Vector3d end = pose.joint_m[link] + finger.length_m[link] * pose.hand_from_link[link].col(0);
+    const Vector3d end =
+        pose.joint_m[link] + finger.length_m[link] * pose.hand_from_link[link].col(0);
     solids.push_back(capsule_between(world_from_hand * pose.joint_m[link], world_from_hand * end,
                                      finger.radius_m, glove_color));
   }

@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double hardest_m_per_s2 = 18.0;  // of a planned sub-movement
+constexpr double hardest_m_per_s2 = 18.0;     // of a planned sub-movement
 constexpr double minimum_jerk_peak = 5.7735;  // peak acceleration x duration^2 / distance
 constexpr double anticipation_s = 0.06;
 
@@ -39,13 +39,14 @@ class Wave : public Activity {
 Wave::Wave(ActivityStart start)
     : object_(start.object),
       random_(start.random),
-      base_m_(random_.uniform(-0.30, -0.05), random_.uniform(-0.55, -0.42), random_.uniform(0.98, 1.22)),
+      base_m_(random_.uniform(-0.30, -0.05), random_.uniform(-0.55, -0.42),
+              random_.uniform(0.98, 1.22)),
       centre_m_(base_m_),
       roll_(random_.uniform(-0.6, 0.6)),
       pitch_(random_.uniform(-0.3, 0.3)),
       yaw_(random_.uniform(-0.4, 0.4)),
       tilt_rad_per_m_(random_.uniform(1.5, 1.8)),
-      base_grip_n_(random_.uniform(3.0, 5.0)),
+      base_grip_n_(random_.uniform(4.0, 8.0)),
       grip_noise_(random_, 1.0),
       roll_noise_(random_, 2.0),
       pitch_noise_(random_, 2.0) {
@@ -56,7 +57,8 @@ Wave::Wave(ActivityStart start)
 
 void Wave::begin_bout() {
   centre_m_ = base_m_ + 0.03 * Vector3d(random_.normal(), random_.normal(), random_.normal())
-                                   .cwiseMax(-2.0).cwiseMin(2.0);
+                                   .cwiseMax(-2.0)
+                                   .cwiseMin(2.0);
   direction_ = Vector3d(random_.normal(), 0.6 * random_.normal(), random_.normal()).normalized();
   stroke_s_ = 0.5 * random_.uniform(0.22, 0.9);
   const double reach_m = hardest_m_per_s2 * stroke_s_ * stroke_s_ / minimum_jerk_peak;
@@ -81,8 +83,8 @@ void Wave::plan_next(double time_s) {
 }
 
 double Wave::grip_force_n(double time_s) const {
-  const Vector3d load =
-      plan_.at(time_s + anticipation_s).acceleration_m_per_s2 + gravity_m_per_s2 * Vector3d::UnitZ();
+  const Vector3d load = plan_.at(time_s + anticipation_s).acceleration_m_per_s2 +
+                        gravity_m_per_s2 * Vector3d::UnitZ();
   const double noise = 1 + 0.1 * grip_noise_.at(time_s);
   return noise * (base_grip_n_ + 0.9 * object_.mass_kg * load.norm());
 }
@@ -104,6 +106,8 @@ Command Wave::command(double time_s, const SceneSample&) {
 
 }  // namespace
 
-std::unique_ptr<Activity> make_wave(ActivityStart start) { return std::make_unique<Wave>(std::move(start)); }
+std::unique_ptr<Activity> make_wave(ActivityStart start) {
+  return std::make_unique<Wave>(std::move(start));
+}
 
 }  // namespace touchtrace::scene

@@ -16,7 +16,8 @@ constexpr double impact_speed_m_per_s = 0.3;
 Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3d& rotation) {
   const double angle = rotation.norm();
   if (angle == 0.0) return orientation;
-  return (Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle)) * orientation).normalized();
+  return (Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle)) * orientation)
+      .normalized();
 }
 
 }  // namespace

@@ -10,7 +10,9 @@ namespace touchtrace::scene {
 struct ArmParameters {
   double mass_kg = 2.0, stiffness_n_per_m = 300.0, damping_ratio = 0.5, force_bound_n = 60.0;
 
-  double damping_n_s_per_m() const { return 2 * damping_ratio * std::sqrt(stiffness_n_per_m * mass_kg); }
+  double damping_n_s_per_m() const {
+    return 2 * damping_ratio * std::sqrt(stiffness_n_per_m * mass_kg);
+  }
 };
 
 /// How one finger's first joint is driven: torque + stiffness (rest - flexion).
@@ -18,24 +20,25 @@ struct FingerDrive {
   double torque_nm = 0.0, stiffness_nm_per_rad = 0.0, rest_rad = 0.0;
 };
 
-/// What the body wants during one control interval; the wanted hand accelerates uniformly within it.
+/// What the body wants during one control interval; the wanted hand accelerates uniformly within
+/// it.
 struct Drive {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero(), velocity_m_per_s = Eigen::Vector3d::Zero(),
                   acceleration_m_per_s2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity_rad_per_s = Eigen::Vector3d::Zero();  ///< of the hand, imposed
-  double carried_weight_n = 0.0;  ///< fed forward, upwards
+  double carried_weight_n = 0.0;                                         ///< fed forward, upwards
   std::array<FingerDrive, finger_count> fingers;
 };
 
 /// Hand (translation), object (rigid) and five finger joints, solved together: 14 velocities, one
-/// linearly implicit Euler step M (u' - u) = h f(q + h u', u') with f linearized about the present, so
-/// stiff grips need no small step. The hand's orientation is imposed by the drive.
+/// linearly implicit Euler step M (u' - u) = h f(q + h u', u') with f linearized about the present,
+/// so stiff grips need no small step. The hand's orientation is imposed by the drive.
 class World {
  public:
   explicit World(const ObjectSpec& object, const ArmParameters& arm = {});
 
-  /// One control interval in as many steps as its events need: `step_s` while anything touches, finer
-  /// just before an impact, coarse in free flight. Deterministic.
+  /// One control interval in as many steps as its events need: `step_s` while anything touches,
+  /// finer just before an impact, coarse in free flight. Deterministic.
   void advance(const Drive& drive, double interval_s, double step_s = 0.001);
   /// Exactly one step.
   void step(const Drive& drive, double h);

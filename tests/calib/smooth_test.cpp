@@ -1,0 +1,316 @@
+#include "calib/smooth/smooth.h"
+
+#include <ceres/ceres.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "calib/smooth/synthetic_track.h"
+#include "engine/base/random.h"
+
+namespace touchtrace {
+namespace {
+
+SmoothOptions fixed_noise(double jerk_density) {
+  SmoothOptions options;
+  options.fit_noise = false;
+  options.noise.jerk_density = jerk_density;
+  return options;
+}
+
+Track rescaled(const Track& track, double meters, double seconds, double origin_s) {
+  Track result;
+  for (const auto& point : track)
+    result.push_back(
+        {origin_s + seconds * point.time_s, meters * point.position_m, meters * point.sigma_m});
+  return result;
+}
+
+/// Largest differences of position and velocity from `reference`, in its units, at times in between
+/// knots.
+std::pair<double, double> difference(const SmoothedTrack& rescaled, const SmoothedTrack& reference,
+                                     double meters, double seconds) {
+  double position = 0.0, velocity = 0.0;
+  for (double t = 0.31; t < 9.0; t += 0.0731) {
+    const auto a = rescaled.trajectory.smoothed(t * seconds), b = reference.trajectory.smoothed(t);
+    position = std::max(position, (a.position_m / meters - b.position_m).norm());
+    velocity =
+        std::max(velocity, (a.velocity_m_per_s * seconds / meters - b.velocity_m_per_s).norm());
+  }
+  return {position, velocity};
+}
+
+/// The whitened distance of two knots under white jerk, for Ceres.
+struct JerkCost {
+  Eigen::Matrix3d root;  ///< of the inverse covariance
+  Eigen::Matrix3d F;
+
+  template <class T>
+  bool operator()(const T* from, const T* to, T* residual) const {
+    using Knot = Eigen::Map<const Eigen::Matrix<T, 3, 3, Eigen::RowMajor>>;  // (p, v, a) by axis
+    Eigen::Map<Eigen::Matrix<T, 3, 3, Eigen::RowMajor>> out(residual);
+    out = root.cast<T>() * (Knot(to) - F.cast<T>() * Knot(from));
+    return true;
+  }
+};
+
+struct PositionCost {
+  TrackPoint point;
+
+  template <class T>
+  bool operator()(const T* knot, T* residual) const {
+    for (int axis = 0; axis < 3; ++axis)
+      residual[axis] = (knot[axis] - point.position_m[axis]) / point.sigma_m[axis];
+    return true;
+  }
+};
+
+/// The robust problem as Ceres solves it, all knots at once: the reference.
+std::vector<Eigen::Vector3d> solved_by_ceres(const Track& track, double jerk_density,
+                                             const Trajectory& start) {
+  std::vector<std::array<double, 9>> knots(track.size());
+  ceres::Problem problem;
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    const auto state = start.smoothed(track[i].time_s);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto k = static_cast<Eigen::Index>(axis);
+      knots[i][axis] = state.position_m[k];
+      knots[i][3 + axis] = state.velocity_m_per_s[k];
+      knots[i][6 + axis] = state.acceleration_m_per_s2[k];
+    }
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PositionCost, 3, 9>(new PositionCost{track[i]}),
+        new ceres::CauchyLoss(4.0), knots[i].data());
+    if (i == 0) continue;
+    const auto step = white_jerk(track[i].time_s - track[i - 1].time_s, jerk_density);
+    const Eigen::Matrix3d root = step.Q.inverse().llt().matrixU();
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<JerkCost, 9, 9, 9>(new JerkCost{root, step.F}), nullptr,
+        knots[i - 1].data(), knots[i].data());
+  }
+  ceres::Solver::Options options;
+  options.max_num_iterations = 200;
+  options.function_tolerance = 1e-14;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  EXPECT_EQ(summary.termination_type, ceres::CONVERGENCE);
+  std::vector<Eigen::Vector3d> positions;
+  for (const auto& knot : knots) positions.emplace_back(knot[0], knot[1], knot[2]);
+  return positions;
+}
+
+TEST(Smooth, FindsTheMinimumThatCeresFinds) {
+  auto track = measure(synthetic_wave(10.0, 4), 20.0, 0.002, 4);
+  for (std::size_t i = 7; i < track.size(); i += 23) track[i].position_m.x() += 0.05;
+  const double jerk_density = 300.0;
+  const auto smoothed = smooth(track, fixed_noise(jerk_density));
+  ASSERT_EQ(smoothed.status, SmoothStatus::converged);
+  const auto reference = solved_by_ceres(track, jerk_density, smoothed.trajectory);
+  // weights settle to 1e-4, so positions to about 1e-4 of an outlier's pull of a few millimetres
+  for (std::size_t i = 0; i < track.size(); ++i)
+    EXPECT_LT((smoothed.trajectory.smoothed(track[i].time_s).position_m - reference[i]).norm(),
+              2e-6)
+        << i;
+}
+
+TEST(Smooth, OutliersHardlyMatter) {
+  const auto motion = synthetic_wave(10.0, 5);
+  auto track = measure(motion, 20.0, 0.002, 5);
+  const auto clean = smooth(track, fixed_noise(300.0));
+  track[60].position_m.y() += 0.3;
+  const auto spoilt = smooth(track, fixed_noise(300.0));
+  EXPECT_LT(spoilt.weights[60], 0.01);
+  EXPECT_LT((spoilt.trajectory.smoothed(track[60].time_s).position_m -
+             clean.trajectory.smoothed(track[60].time_s).position_m)
+                .norm(),
+            0.006);
+}
+
+TEST(Smooth, IsTheSameInMillimetresMillisecondsAndEpochTime) {
+  const auto track = measure(synthetic_wave(10.0, 1), 20.0, 0.002, 1);
+  auto options = fixed_noise(300.0);
+  options.robust = false;
+  const auto reference = smooth(track, options);
+  for (const auto& [meters, seconds] : {std::pair{1e3, 1.0}, {1.0, 1e3}, {1e3, 1e3}}) {
+    auto scaled = options;
+    scaled.noise.jerk_density *= meters * meters / std::pow(seconds, 5);
+    const auto other = smooth(rescaled(track, meters, seconds, 0.0), scaled);
+    const auto [position, velocity] = difference(other, reference, meters, seconds);
+    EXPECT_LT(position, 1e-9);
+    EXPECT_LT(velocity, 1e-9);
+  }
+  const double epoch_s = 1.7e9;  // doubles there are 2.4e-7 s apart: at 1 m/s as many metres
+  const auto late = smooth(rescaled(track, 1.0, 1.0, epoch_s), options);
+  EXPECT_LT((late.trajectory.smoothed(epoch_s + 5.0).position_m -
+             reference.trajectory.smoothed(5.0).position_m)
+                .norm(),
+            1e-6);
+}
+
+TEST(Smooth, FindsTheNoiseInAnyUnit) {
+  const auto track = measure(synthetic_wave(20.0, 1), 20.0, 0.002, 1);
+  const auto reference = smooth(std::vector<Track>{track}, {{}}, {}).noise;
+  const auto scaled = smooth(std::vector<Track>{rescaled(track, 1e3, 1e3, 0.0)}, {{}}, {}).noise;
+  EXPECT_NEAR(reference.measurement_scale, 1.0, 0.15);
+  EXPECT_NEAR(scaled.measurement_scale / reference.measurement_scale, 1.0, 1e-6);
+  EXPECT_NEAR(scaled.jerk_density * 1e15 / 1e6 / reference.jerk_density, 1.0, 1e-6);
+}
+
+/// A motion drawn from the prior itself, and its measurements.
+struct PriorMotion {
+  std::vector<Eigen::Matrix3d> states;  ///< rows p, v, a; a column an axis
+  Track track;
+};
+
+PriorMotion draw_motion(int frames, double jerk_density, double sigma_m, std::uint64_t seed) {
+  RandomStream random(seed, "prior");
+  const auto step = white_jerk(0.05, jerk_density);
+  const Eigen::Matrix3d root = step.Q.llt().matrixL();
+  Eigen::Matrix3d state = Eigen::Matrix3d::Zero(), noise;
+  PriorMotion motion;
+  for (int i = 0; i < frames; ++i) {
+    for (auto& value : noise.reshaped()) value = random.normal();
+    state = step.F * state + root * noise;
+    const Eigen::Vector3d error(random.normal(), random.normal(), random.normal());
+    motion.track.push_back(
+        {0.05 * i, state.row(0).transpose() + sigma_m * error, Eigen::Vector3d::Constant(sigma_m)});
+    motion.states.push_back(state);
+  }
+  return motion;
+}
+
+TEST(Smooth, IntervalsAreTrueForAMotionOfThePrior) {
+  std::vector<PriorMotion> motions;
+  std::vector<Track> tracks;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    motions.push_back(draw_motion(100, 100.0, 0.002, seed));
+    tracks.push_back(motions.back().track);
+  }
+  SmoothOptions options;
+  options.robust = false;
+  const auto smoothed = smooth(tracks, std::vector<std::vector<Flight>>(tracks.size()), options);
+  EXPECT_NEAR(smoothed.noise.jerk_density, 100.0, 5.0);
+  EXPECT_NEAR(smoothed.noise.measurement_scale, 1.0, 0.03);
+  double covered = 0.0;
+  for (std::size_t k = 0; k < tracks.size(); ++k)
+    for (std::size_t i = 0; i < tracks[k].size(); ++i) {
+      const auto estimate = smoothed.tracks[k].trajectory.smoothed(tracks[k][i].time_s);
+      for (int axis = 0; axis < 3; ++axis)
+        covered += std::abs(estimate.velocity_m_per_s[axis] - motions[k].states[i](1, axis)) <
+                   1.28155 * std::sqrt(estimate.covariance[static_cast<std::size_t>(axis)](1, 1));
+    }
+  // 12000 intervals, neighbours correlated over about 4: deviation sqrt(.8 * .2 * 4 / 12000) = 0.7
+  // %
+  EXPECT_NEAR(covered / 12000.0, 0.80, 0.02);
+}
+
+TEST(Smooth, CausalStatesUseNoLaterFrame) {
+  const auto track = measure(synthetic_wave(10.0, 2), 20.0, 0.002, 2);
+  const auto options = fixed_noise(300.0);
+  auto linear = options;
+  linear.robust = false;
+  const auto whole = smooth(track, linear),
+             part = smooth(Track(track.begin(), track.begin() + 101), linear);
+  const auto a = whole.trajectory.causal(5.02), b = part.trajectory.causal(5.02);
+  EXPECT_LT((a.position_m - b.position_m).norm(), 1e-12);
+  EXPECT_LT((a.velocity_m_per_s - b.velocity_m_per_s).norm(), 1e-10);
+  EXPECT_LT(
+      (part.trajectory.causal(5.0).position_m - part.trajectory.smoothed(5.0).position_m).norm(),
+      1e-12);
+}
+
+TEST(Smooth, FindsReleaseAndLanding) {
+  const auto motion = synthetic_throw(30.0, 1);
+  const auto track = measure(motion, 20.0, 0.002, 1);
+  auto guess = motion.flights;
+  for (auto& flight : guess) flight.release_s += 0.03, flight.landing_s -= 0.03;
+  const auto found = smooth({track}, {guess}, {}).tracks.front();
+  ASSERT_EQ(found.flights.size(), motion.flights.size());
+  double squares = 0.0;
+  for (std::size_t i = 0; i < guess.size(); ++i)
+    squares += std::pow(found.flights[i].landing_s - motion.flights[i].landing_s, 2);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(guess.size())), 0.015);
+}
+
+TEST(Smooth, DropsAFlightThatDidNotHappen) {
+  const auto track = measure(synthetic_wave(10.0, 6), 20.0, 0.002, 6);
+  const auto found = smooth({track}, {{{4.0, 4.3}}}, {}).tracks.front();
+  EXPECT_TRUE(found.flights.empty());
+}
+
+TEST(Smooth, NamesWhatItCannotDo) {
+  const SmoothOptions options = fixed_noise(300.0);
+  const auto good = measure(synthetic_wave(2.0, 1), 20.0, 0.002, 1);
+  EXPECT_EQ(smooth(Track{}, options).status, SmoothStatus::no_samples);
+  auto track = good;
+  track[3].position_m.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(smooth(track, options).status, SmoothStatus::not_finite);
+  track = good;
+  track[3].sigma_m.y() = 0.0;
+  EXPECT_EQ(smooth(track, options).status, SmoothStatus::not_finite);
+  track = good;
+  std::swap(track[3].time_s, track[9].time_s);
+  EXPECT_EQ(smooth(track, options).status, SmoothStatus::unordered_times);
+}
+
+TEST(Smooth, OneTwoAndEqualSamples) {
+  const SmoothOptions options = fixed_noise(300.0);
+  const Eigen::Vector3d place(1.0, 2.0, 3.0), sigma = Eigen::Vector3d::Constant(0.002);
+  const auto one = smooth(Track{{5.0, place, sigma}}, options);
+  ASSERT_EQ(one.status, SmoothStatus::converged);
+  EXPECT_LT((one.trajectory.smoothed(5.0).position_m - place).norm(), 1e-9);
+  EXPECT_GT(one.trajectory.smoothed(5.0).covariance[0](1, 1),
+            1.0);  // nothing is known of the velocity
+
+  auto options_linear = options;
+  options_linear.robust = false;
+  const auto equal =
+      smooth(Track{{5.0, place, sigma}, {5.0, place + 2.0 * sigma, sigma}}, options_linear);
+  ASSERT_EQ(equal.status, SmoothStatus::converged);
+  EXPECT_LT((equal.trajectory.smoothed(5.0).position_m - place - sigma).norm(), 1e-8);
+  EXPECT_NEAR(equal.trajectory.smoothed(5.0).covariance[0](0, 0), 0.5 * 4e-6, 1e-11);
+}
+
+TEST(Smooth, AGapWidensTheIntervals) {
+  auto track = measure(synthetic_wave(10.0, 3), 20.0, 0.002, 3);
+  track.erase(track.begin() + 50, track.begin() + 150);
+  const auto smoothed = smooth(track, fixed_noise(300.0));
+  ASSERT_EQ(smoothed.status, SmoothStatus::converged);
+  EXPECT_GT(smoothed.trajectory.smoothed(5.0).covariance[0](0, 0),
+            1e4 * smoothed.trajectory.smoothed(1.0).covariance[0](0, 0));
+}
+
+/// Stiff: whatever the noise and its ratio to the prior, the states are finite and near the
+/// measurements or the result says that it did not converge.
+TEST(Smooth, StiffProblemsEndWellOrSaySo) {
+  for (double sigma : {1e-6, 1e-3, 1.0, 1e6})
+    for (double ratio : {1e-9, 1e-4, 1.0, 1e4, 1e9}) {
+      auto track = measure(synthetic_wave(5.0, 8), 20.0, 0.002, 8);
+      for (auto& point : track) point.sigma_m.setConstant(sigma);
+      track[20].time_s = track[19].time_s;
+      track[30].time_s = track[29].time_s + 1e-9;
+      auto options = fixed_noise(ratio * sigma * sigma / std::pow(0.05, 5));
+      options.robust = false;
+      const auto smoothed = smooth(track, options);
+      if (smoothed.status != SmoothStatus::converged) continue;
+      for (const auto& point : track) {
+        const auto state = smoothed.trajectory.smoothed(point.time_s);
+        const double deviation = std::sqrt(state.covariance[0](0, 0));
+        EXPECT_LE(deviation, sigma * (1.0 + 1e-6)) << sigma << " " << ratio;
+        EXPECT_TRUE(state.position_m.allFinite() && state.velocity_m_per_s.allFinite());
+        EXPECT_LT(state.position_m.norm(), 0.5) << sigma << " " << ratio << " at " << point.time_s;
+      }
+    }
+}
+
+TEST(Smooth, ABodyAtRestRests) {
+  Track track;
+  for (int i = 0; i < 40; ++i)
+    track.push_back({0.05 * i, Eigen::Vector3d(0.1, 0.2, 1.0), Eigen::Vector3d::Constant(0.002)});
+  const auto smoothed = smooth(track, {});
+  ASSERT_EQ(smoothed.status, SmoothStatus::converged);
+  EXPECT_LT(smoothed.trajectory.smoothed(1.0).velocity_m_per_s.norm(), 1e-6);
+}
+
+}  // namespace
+}  // namespace touchtrace

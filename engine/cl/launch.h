@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -31,10 +32,13 @@ class Launch {
   void set(cl_uint index, cl_int value) { kernel_.setArg(index, value); }
   void set(cl_uint index, cl_uint value) { kernel_.setArg(index, value); }
   void set(cl_uint index, cl_float value) { kernel_.setArg(index, value); }
-  void set(cl_uint index, const cl::Buffer& buffer) { kernel_.setArg(index, buffer); }
+  void set(cl_uint index, const cl::Buffer& buffer) {
+    kernel_.setArg(index, buffer);
+    buffers_[index] = buffer;
+  }
   template <class T>
   void set(cl_uint index, const Buffer<T>& buffer) {
-    kernel_.setArg(index, buffer.handle());
+    set(index, buffer.handle());
   }
 
   void enqueue(Runtime& runtime) const { runtime.launch(kernel_, global_); }
@@ -42,6 +46,7 @@ class Launch {
  private:
   cl::Kernel kernel_;
   cl::NDRange global_;
+  std::map<cl_uint, cl::Buffer> buffers_;  ///< kept alive: OpenCL's kernel arguments do not
 };
 
 /// Launches in their order.

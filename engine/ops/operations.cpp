@@ -8,6 +8,11 @@ const std::vector<Operation>& operations() {
       tactile_window_operation(),
       conv2d_operation(),
       channel_blocks_operation(),
+      dense_operation(),
+      layer_norm_operation(),
+      rollout_operation(),
+      state_loss_operation(),
+      adam_operation(),
   };
   return table;
 }

@@ -5,8 +5,13 @@
 namespace touchtrace {
 
 // The rows of the table of operations, each from the *_cases.cpp of its own name.
+Operation adam_operation();
 Operation channel_blocks_operation();
 Operation conv2d_operation();
+Operation dense_operation();
+Operation layer_norm_operation();
+Operation rollout_operation();
+Operation state_loss_operation();
 Operation tactile_window_operation();
 
 }  // namespace touchtrace

@@ -1,0 +1,96 @@
+#include "engine/model/model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace touchtrace {
+
+Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use)
+    : runtime_(runtime), spec_(spec), sequences_(sequences), steps_(steps) {
+  validate(spec);
+  const bool training = use == Use::training;
+  const int rows = sequences * steps;
+  if (spec.touch) {
+    encoder_ = std::make_unique<TactileEncoder>(runtime, spec, rows, training, table_);
+    TouchEmbedding::declare(spec, encoder_->feature_size(), table_);
+    input_.last_frame = runtime.allocate<std::int32_t>(rows);
+  }
+  DynamicsMlp::declare(spec, table_);
+  weights_ = std::make_unique<Weights>(
+      Weights{table_, runtime.allocate<float>(table_.size()),
+              training ? runtime.allocate<float>(table_.size()) : Buffer<float>()});
+  if (spec.touch)
+    touch_ = std::make_unique<TouchEmbedding>(runtime, spec, *weights_, encoder_->features(), rows);
+  dynamics_ = std::make_unique<DynamicsMlp>(
+      runtime, spec, *weights_, touch_ ? touch_->embedding() : Buffer<float>(), sequences, steps);
+  if (training) plan_loss();
+}
+
+void Model::plan_loss() {
+  const auto rows = static_cast<std::size_t>(sequences_) * steps_;
+  dynamics_->plan_backward(runtime_, touch_ ? touch_->grad_embedding() : Buffer<float>());
+  input_.target = runtime_.allocate<float>(rows * state_lanes);
+  input_.weight = runtime_.allocate<float>(rows);
+  loss_ = runtime_.allocate<float>(1);
+  loss_launches_ = state_loss(runtime_, {.sequences = sequences_,
+                                         .steps = steps_,
+                                         .state = spec_.state,
+                                         .states = states(),
+                                         .spread = spread(),
+                                         .target = input_.target,
+                                         .weight = input_.weight,
+                                         .row_loss = runtime_.allocate<float>(rows),
+                                         .total = loss_,
+                                         .grad_state = dynamics_->gradients().grad_state,
+                                         .grad_spread = dynamics_->gradients().grad_spread});
+}
+
+void Model::prepare() {
+  if (touch_) enqueue(runtime_, touch_->prepare());
+  enqueue(runtime_, dynamics_->prepare());
+}
+
+void Model::forward(const Buffer<float>& stream, const TaxelDropout& dropout) {
+  if (touch_) {
+    encoder_->forward(stream, input_.last_frame, weights_->values, dropout);
+    enqueue(runtime_, touch_->forward());
+  }
+  enqueue(runtime_, dynamics_->forward());
+}
+
+void Model::backward() {
+  const auto& gradient = weights_->gradient;
+  runtime_.fill(gradient, 0.0f);
+  enqueue(runtime_, loss_launches_);
+  enqueue(runtime_, dynamics_->backward());
+  if (!touch_) return;
+  enqueue(runtime_, touch_->backward());
+  encoder_->backward(touch_->grad_features(), gradient);
+}
+
+std::string Model::first_not_finite() {
+  std::vector<std::pair<std::string, Buffer<float>>> results{{"the weights", weights_->values}};
+  if (touch_) {
+    results.emplace_back("the tactile encoder's features", encoder_->features());
+    results.emplace_back("the tactile embedding", touch_->embedding());
+  }
+  results.emplace_back("the roll-out's states", states());
+  results.emplace_back("the roll-out's spread", spread());
+  results.emplace_back("the loss", loss_);
+  results.emplace_back("the gradient towards layer 2 of the dynamics MLP",
+                       dynamics_->gradients().d_h2);
+  results.emplace_back("the gradient towards layer 1 of the dynamics MLP",
+                       dynamics_->gradients().d_h1);
+  if (touch_) {
+    results.emplace_back("the gradient towards the tactile embedding", touch_->grad_embedding());
+    results.emplace_back("the gradient towards the tactile features", touch_->grad_features());
+  }
+  results.emplace_back("the gradient of the weights", weights_->gradient);
+  for (const auto& [name, buffer] : results)
+    if (!std::ranges::all_of(runtime_.download(buffer), [](float v) { return std::isfinite(v); }))
+      return name;
+  return {};
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,43 @@
+#include "engine/model/model_spec.h"
+
+#include <fmt/core.h>
+
+#include "engine/base/error.h"
+
+namespace touchtrace {
+namespace {
+
+void require(bool holds, const char* what) {
+  if (!holds)
+    throw usage_error(fmt::format("a model's {}", what), "correct the model's specification");
+}
+
+}  // namespace
+
+void to_json(nlohmann::json& json, const ModelSpec& spec) {
+  json = {{"touch", spec.touch},   {"window_frames", spec.window_frames},
+          {"rows", spec.rows},     {"cols", spec.cols},
+          {"hidden", spec.hidden}, {"embedding", spec.embedding},
+          {"state", spec.state}};
+}
+
+void from_json(const nlohmann::json& json, ModelSpec& spec) {
+  json.at("touch").get_to(spec.touch);
+  json.at("window_frames").get_to(spec.window_frames);
+  json.at("rows").get_to(spec.rows);
+  json.at("cols").get_to(spec.cols);
+  json.at("embedding").get_to(spec.embedding);
+  json.at("hidden").get_to(spec.hidden);
+  json.at("state").get_to(spec.state);
+}
+
+void validate(const ModelSpec& spec) {
+  require(spec.hidden >= 64 && spec.hidden <= 1024 && spec.hidden % 64 == 0,
+          "hidden layers are a multiple of 64 wide, 1024 at most");
+  require(spec.state >= 1 && spec.state <= 16, "state has 1 to 16 values");
+  if (!spec.touch) return;
+  require(spec.embedding >= 16 && spec.embedding <= 1024 && spec.embedding % 16 == 0,
+          "tactile embedding has a multiple of 16 values, 1024 at most");
+}
+
+}  // namespace touchtrace

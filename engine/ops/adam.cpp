@@ -1,0 +1,40 @@
+#include "engine/ops/adam.h"
+
+#include <cmath>
+
+namespace touchtrace {
+namespace {
+
+constexpr int chunk = 1024;  // parameters a work-item, as in adam.cl
+constexpr cl_uint clip_norm_argument = 8;
+
+}  // namespace
+
+Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float>& gradient,
+           const Buffer<float>& decay, const Buffer<float>& loss)
+    : runtime_(runtime) {
+  const int size = static_cast<int>(parameters.size()), chunks = (size + chunk - 1) / chunk;
+  first_ = runtime.allocate_zeros<float>(parameters.size());
+  second_ = runtime.allocate_zeros<float>(parameters.size());
+  partial_ = runtime.allocate<float>(static_cast<std::size_t>(chunks));
+  norm_ = runtime.allocate<float>(1);
+  const auto kernel = [&](const char* name) {
+    return runtime.kernel({"common.clh", "adam.cl"}, name);
+  };
+  measure_ = {Launch(kernel("squares"), range(chunks), gradient, size, partial_),
+              Launch(kernel("norm"), range(1), partial_, chunks, norm_)};
+  update_ = {Launch(kernel("adam"), range(chunks), parameters, gradient, first_, second_, decay,
+                    size, norm_, loss, 0.0f, 0.0f, 0.0f, 0.0f)};
+}
+
+void Adam::enqueue(const AdamStep& step) {
+  const float arguments[] = {static_cast<float>(step.clip_norm),
+                             static_cast<float>(step.learning_rate),
+                             static_cast<float>(1.0 / (1.0 - std::pow(0.9, step.count))),
+                             static_cast<float>(1.0 / (1.0 - std::pow(0.999, step.count)))};
+  for (cl_uint i = 0; i < 4; ++i) update_[0].set(clip_norm_argument + i, arguments[i]);
+  touchtrace::enqueue(runtime_, measure_);
+  touchtrace::enqueue(runtime_, update_);
+}
+
+}  // namespace touchtrace

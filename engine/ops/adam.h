@@ -1,0 +1,35 @@
+#pragma once
+
+#include "engine/cl/launch.h"
+
+namespace touchtrace {
+
+/// What one update needs beside the arrays.
+struct AdamStep {
+  int count;  ///< of this update, from 1
+  double learning_rate, clip_norm;
+};
+
+/// Adam with decoupled weight decay and clipping of the gradient's norm, over flat arrays.
+class Adam {
+ public:
+  /// `decay`: weight decay of each parameter. The moments start at zero. An update with a gradient
+  /// or a `loss` [1] that is not finite changes nothing.
+  Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float>& gradient,
+       const Buffer<float>& decay, const Buffer<float>& loss);
+
+  void enqueue(const AdamStep& step);
+
+  const Buffer<float>& first_moment() const { return first_; }
+  const Buffer<float>& second_moment() const { return second_; }
+  /// [1], of the whole gradient before clipping.
+  const Buffer<float>& norm() const { return norm_; }
+
+ private:
+  Runtime& runtime_;
+  Buffer<float> first_, second_, partial_, norm_;
+  Launches measure_;
+  Launches update_;
+};
+
+}  // namespace touchtrace

@@ -1,0 +1,35 @@
+#include "engine/ops/dense.h"
+
+namespace touchtrace {
+namespace {
+
+cl::Kernel dense_kernel(Runtime& runtime, const char* name) {
+  return runtime.kernel({"common.clh", "tile.clh", "dense.cl"}, name);
+}
+
+int tiles(int size, int tile) { return (size + tile - 1) / tile; }
+
+}  // namespace
+
+Launch gemm(Runtime& runtime, const MatrixView& a, const MatrixView& b,
+            const std::optional<MatrixView>& bias, const MatrixView& c, int rows, int columns,
+            int count) {
+  const MatrixView start = bias.value_or(b);
+  return Launch(dense_kernel(runtime, "gemm"), range(tiles(rows, 4), tiles(columns, 64)), a.buffer,
+                a.at, a.row, a.step, b.buffer, b.at, b.row, start.buffer, start.at, bias ? 1 : 0,
+                c.buffer, c.at, c.row, rows, columns, count);
+}
+
+Launch pack(Runtime& runtime, const MatrixView& from, const MatrixView& to, int rows, int columns,
+            int to_columns) {
+  return Launch(dense_kernel(runtime, "pack"), range(rows), from.buffer, from.at, from.row,
+                from.step, columns, to.buffer, to.at, to.row, to_columns);
+}
+
+Launch column_sums(Runtime& runtime, const MatrixView& a, const MatrixView& sums, int rows,
+                   int columns) {
+  return Launch(dense_kernel(runtime, "column_sums"), range(tiles(columns, 16)), a.buffer, a.at,
+                a.row, sums.buffer, sums.at, rows, columns);
+}
+
+}  // namespace touchtrace

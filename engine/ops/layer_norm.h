@@ -1,0 +1,24 @@
+#pragma once
+
+#include "engine/cl/launch.h"
+
+namespace touchtrace {
+
+/// LayerNorm over rows of `columns` values, a multiple of 16.
+struct LayerNormArrays {
+  int rows, columns;
+  Buffer<float> parameters;
+  int gain_at, bias_at;      ///< into `parameters` and into a gradient of the same layout
+  Buffer<float> x, y;        ///< [rows, columns]
+  Buffer<float> statistics;  ///< [rows, 2]: mean and 1 / deviation of each row
+};
+
+Launch layer_norm(Runtime& runtime, const LayerNormArrays& arrays);
+/// grad_x from grad_y, both [rows, columns].
+Launch layer_norm_backward(Runtime& runtime, const LayerNormArrays& arrays,
+                           const Buffer<float>& grad_y, const Buffer<float>& grad_x);
+/// The gradients of gain and bias, written into the flat `gradient`.
+Launch layer_norm_weights(Runtime& runtime, const LayerNormArrays& arrays,
+                          const Buffer<float>& grad_y, const Buffer<float>& gradient);
+
+}  // namespace touchtrace

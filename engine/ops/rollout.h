@@ -1,0 +1,36 @@
+#pragma once
+
+#include "engine/cl/launch.h"
+#include "engine/ops/dense.h"
+
+namespace touchtrace {
+
+/// Lanes that a state takes in device memory; those beyond its size are zero.
+inline constexpr int state_lanes = 16;
+
+/// Roll-out of the dynamics MLP over S sequences and T steps (kernels/rollout.cl). Rows are ordered
+/// [T][S]; `hidden` is a multiple of 64, `state` at most 16.
+struct RolloutArrays {
+  int sequences, steps, state, hidden;
+  Buffer<float> parameters;
+  int b2_at, w2_at, w3_at;  ///< into `parameters`: [hidden], [hidden, hidden], [2 state, hidden]
+  Buffer<float> w1, w2;     ///< transposed: [state, hidden], [hidden, hidden]
+  Buffer<float> w3, b3;     ///< transposed and padded: [hidden, 2, 16], [2, 16]
+  MatrixView first;         ///< [T * S, hidden]; row 0: one row for all
+  Buffer<float> states;     ///< [T + 1, S, 16]; the first S rows are the initial states
+  Buffer<float> h1, h2;     ///< [T, S, hidden]
+  Buffer<float> spread;     ///< [T, S, 16]
+};
+
+struct RolloutGradients {
+  Buffer<float> grad_state, grad_spread;  ///< [T, S, 16], of the loss
+  Buffer<float> w1;                       ///< [hidden, 16], padded
+  Buffer<float> d_out;                    ///< [T, S, 2, 16]: towards delta and band
+  Buffer<float> d_h1, d_h2;               ///< [T, S, hidden], before the activations
+};
+
+Launch rollout(Runtime& runtime, const RolloutArrays& arrays);
+Launch rollout_backward(Runtime& runtime, const RolloutArrays& arrays,
+                        const RolloutGradients& gradients);
+
+}  // namespace touchtrace

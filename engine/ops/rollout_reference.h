@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+namespace touchtrace {
+
+struct RolloutShape {
+  int sequences, steps, state, hidden;
+  bool shared_first;  ///< `first` is one row [hidden] for all instead of [T * S, hidden]
+};
+
+/// The weights of rollout.h, as PyTorch lays them out: [outputs, inputs].
+struct RolloutWeights {
+  std::vector<double> w1;      ///< [hidden, state]: of the state alone
+  std::vector<double> w2, b2;  ///< [hidden, hidden], [hidden]
+  std::vector<double> w3, b3;  ///< [2 state, hidden], [2 state]
+};
+
+/// A roll-out with what its gradient needs. Rows in the order [T][S].
+struct RolloutTrace {
+  std::vector<double> states;      ///< [T + 1, S, state]
+  std::vector<double> sum1, sum2;  ///< [T, S, hidden], before the activations
+  std::vector<double> spread;      ///< [T, S, state]
+};
+
+struct RolloutReferenceGradients {
+  std::vector<double> first;
+  RolloutWeights weights;
+};
+
+/// rollout.h in plain loops.
+RolloutTrace rollout_reference(const RolloutShape& shape, const std::vector<double>& initial,
+                               const std::vector<double>& first, const RolloutWeights& weights);
+
+/// `grad_state`, `grad_spread`: [T, S, state], towards the predicted states and spread.
+RolloutReferenceGradients rollout_backward_reference(const RolloutShape& shape,
+                                                     const RolloutTrace& trace,
+                                                     const RolloutWeights& weights,
+                                                     const std::vector<double>& grad_state,
+                                                     const std::vector<double>& grad_spread);
+
+}  // namespace touchtrace

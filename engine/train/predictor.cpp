@@ -1,0 +1,120 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "engine/base/error.h"
+#include "engine/model/model.h"
+#include "engine/train/batch_rows.h"
+#include "engine/train/trainer.h"
+#include "engine/train/weight_file.h"
+
+namespace touchtrace {
+namespace {
+
+// Roll-outs go through the device in blocks of this size at most, so that memory stays bounded.
+constexpr int block_sequences = 32, block_steps = 20;
+
+nlohmann::json parse_metadata(const TensorFile& file, const char* key) {
+  const auto found = file.metadata.find(key);
+  const auto json = found == file.metadata.end()
+                        ? nlohmann::json()
+                        : nlohmann::json::parse(found->second, nullptr, false);
+  if (!json.is_object())
+    throw data_error(fmt::format("the model has no valid '{}' among its metadata", key),
+                     "use a model that touchtrace train wrote");
+  return json;
+}
+
+ModelSpec spec_of(const TensorFile& file) {
+  try {
+    return parse_metadata(file, "spec").get<ModelSpec>();
+  } catch (const nlohmann::json::exception&) {
+    throw data_error("the model's specification lacks a member",
+                     "use a model that touchtrace train wrote");
+  }
+}
+
+}  // namespace
+
+struct Predictor::Plan {
+  Runtime& runtime;
+  TensorFile file;
+  ModelSpec spec;
+  nlohmann::json metadata;
+  std::unique_ptr<Model> model;
+
+  Plan(Runtime& on, const std::filesystem::path& path)
+      : runtime(on),
+        file(read_safetensors(path)),
+        spec(spec_of(file)),
+        metadata(parse_metadata(file, "metadata")) {}
+
+  /// A model of the batch's size, at most a block; kept from call to call.
+  void fit(const RolloutBatch& batch) {
+    const int sequences = std::min(batch.sequences, block_sequences);
+    const int steps = std::min(batch.steps, block_steps);
+    if (model && model->sequences() == sequences && model->steps() == steps) return;
+    model = std::make_unique<Model>(runtime, spec, sequences, steps, Model::Use::prediction);
+    runtime.write<float>(model->weights().values, values_of(model->table(), file));
+    model->prepare();
+  }
+
+  /// Rolls the block's sequences out to the end and writes them to `rollout`.
+  void predict(BatchBlock block, const Buffer<float>& stream, std::size_t frames,
+               Rollout& rollout) {
+    std::vector<float> state = block.batch.initial_state;
+    for (; block.first_step < block.batch.steps; block.first_step += model->steps()) {
+      write_windows(runtime, *model, block, frames);
+      write_initial_states(runtime, *model, block, state);
+      model->forward(stream);
+      collect(block, rollout);
+      const int last = std::min(block.first_step + model->steps(), block.batch.steps) - 1;
+      for (int s = 0; s < block.batch.sequences; ++s)
+        std::copy_n(
+            rollout.state.begin() + (std::ptrdiff_t(s) * block.batch.steps + last) * spec.state,
+            spec.state, state.begin() + std::ptrdiff_t(s) * spec.state);
+    }
+  }
+
+  void collect(const BatchBlock& block, Rollout& rollout) {
+    const auto states = runtime.download(model->states()),
+               spread = runtime.download(model->spread());
+    const int sequences =
+        std::min(model->sequences(), block.batch.sequences - block.first_sequence);
+    const int steps = std::min(model->steps(), block.batch.steps - block.first_step);
+    for (int t = 0; t < steps; ++t)
+      for (int s = 0; s < sequences; ++s) {
+        const std::ptrdiff_t row = std::ptrdiff_t(t) * model->sequences() + s;
+        const std::ptrdiff_t to =
+            (std::ptrdiff_t(block.first_sequence + s) * block.batch.steps + block.first_step + t) *
+            spec.state;
+        std::copy_n(states.begin() + (row + model->sequences()) * state_lanes, spec.state,
+                    rollout.state.begin() + to);
+        std::copy_n(spread.begin() + row * state_lanes, spec.state, rollout.spread.begin() + to);
+      }
+  }
+};
+
+Predictor::Predictor(Runtime& runtime, const std::filesystem::path& model)
+    : plan_(std::make_unique<Plan>(runtime, model)) {}
+
+Predictor::~Predictor() = default;
+
+const ModelSpec& Predictor::spec() const { return plan_->spec; }
+const nlohmann::json& Predictor::metadata() const { return plan_->metadata; }
+
+Rollout Predictor::predict(const RolloutBatch& batch, std::span<const float> tactile) {
+  const auto& spec = plan_->spec;
+  const std::size_t frames = tactile.size() / (std::size_t(spec.rows) * spec.cols);
+  check(batch, spec, frames);
+  const auto values = std::size_t(batch.sequences) * batch.steps * spec.state;
+  Rollout rollout{std::vector<float>(values), std::vector<float>(values)};
+  if (values == 0) return rollout;
+  plan_->fit(batch);
+  const auto stream = spec.touch ? plan_->runtime.upload(tactile) : Buffer<float>();
+  for (int s = 0; s < batch.sequences; s += plan_->model->sequences())
+    plan_->predict({batch, s, 0}, stream, frames, rollout);
+  return rollout;
+}
+
+}  // namespace touchtrace

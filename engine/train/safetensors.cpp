@@ -1,0 +1,161 @@
+#include "engine/train/safetensors.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+
+namespace touchtrace {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "safetensors is little endian");
+
+constexpr std::size_t length_bytes = 8, max_header_bytes = 100'000'000, max_tensors = 10'000;
+constexpr int max_depth = 4;
+constexpr const char* metadata_key = "__metadata__";
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw data_error(what, "use a file that touchtrace train wrote, or write it again");
+}
+
+/// Parses the header; nlohmann alone keeps the last of two equal keys and any depth.
+nlohmann::json parse_header(std::string_view text) {
+  std::vector<std::set<std::string>> keys;
+  const auto watch = [&](int depth, nlohmann::json::parse_event_t event, nlohmann::json& value) {
+    using Event = nlohmann::json::parse_event_t;
+    if (depth > max_depth) refuse("its header is nested too deep");
+    if (event == Event::object_start) keys.emplace_back();
+    if (event == Event::object_end) keys.pop_back();
+    if (event == Event::key && !keys.back().insert(value.get<std::string>()).second)
+      refuse(fmt::format("its header has two keys {}", value.dump()));
+    return true;
+  };
+  if (text.empty() || text.front() != '{') refuse("its header does not start with '{'");
+  try {
+    return nlohmann::json::parse(text, watch);
+  } catch (const nlohmann::json::exception&) {
+    refuse("its header is not JSON");
+  }
+}
+
+/// The number of values of a shape, refusing what no file can hold.
+std::size_t value_count(const std::vector<std::size_t>& shape, std::size_t limit) {
+  std::size_t count = 1;
+  for (const std::size_t extent : shape) {
+    if (extent != 0 && count > limit / extent) refuse("a shape is larger than the file");
+    count *= extent;
+  }
+  return count;
+}
+
+struct Range {
+  std::size_t begin, end;
+};
+
+/// A row of the header, its values not read yet.
+std::pair<Tensor, Range> parse_row(const std::string& name, const nlohmann::json& row,
+                                   std::size_t data_bytes) {
+  if (row.at("dtype") != "F32") refuse(fmt::format("'{}' is not of dtype F32", name));
+  const auto sizes = [&](const char* key) {
+    for (const auto& number : row.at(key))
+      if (!number.is_number_unsigned()) refuse(fmt::format("'{}' has a bad {}", name, key));
+    return row.at(key).get<std::vector<std::size_t>>();
+  };
+  Tensor tensor{name, sizes("shape"), {}};
+  const auto offsets = sizes("data_offsets");
+  if (offsets.size() != 2 || offsets[0] > offsets[1] || offsets[1] > data_bytes)
+    refuse(fmt::format("'{}' lies outside the file", name));
+  const std::size_t count = value_count(tensor.shape, data_bytes / sizeof(float));
+  if (count * sizeof(float) != offsets[1] - offsets[0])
+    refuse(fmt::format("'{}' has a shape that does not fit its offsets", name));
+  return {std::move(tensor), {offsets[0], offsets[1]}};
+}
+
+void read_values(std::vector<std::pair<Tensor, Range>>& rows, std::string_view data) {
+  std::ranges::sort(rows, {},
+                    [](const auto& row) { return std::pair(row.second.begin, row.second.end); });
+  std::size_t end = 0;
+  for (auto& [tensor, range] : rows) {
+    if (range.begin != end) refuse(fmt::format("'{}' leaves a gap or overlaps", tensor.name));
+    end = range.end;
+    tensor.values.resize((range.end - range.begin) / sizeof(float));
+    if (!tensor.values.empty())
+      std::memcpy(tensor.values.data(), data.data() + range.begin, range.end - range.begin);
+  }
+  if (end != data.size()) refuse("it holds bytes that no tensor owns");
+}
+
+TensorFile parse(std::string_view bytes) {
+  std::uint64_t header_bytes = 0;
+  if (bytes.size() < length_bytes) refuse("it is too short");
+  std::memcpy(&header_bytes, bytes.data(), length_bytes);
+  bytes.remove_prefix(length_bytes);
+  if (header_bytes > std::min(bytes.size(), max_header_bytes))
+    refuse("its header reaches past its end");
+  const auto header = parse_header(bytes.substr(0, header_bytes));
+  const auto data = bytes.substr(header_bytes);
+  if (header.size() > max_tensors) refuse("it holds too many tensors");
+  TensorFile file;
+  std::vector<std::pair<Tensor, Range>> rows;
+  for (const auto& [name, row] : header.items()) {
+    if (name == metadata_key)
+      row.get_to(file.metadata);
+    else
+      rows.push_back(parse_row(name, row, data.size()));
+  }
+  read_values(rows, data);
+  for (auto& row : rows) file.tensors.push_back(std::move(row.first));
+  return file;
+}
+
+}  // namespace
+
+const Tensor& TensorFile::at(const std::string& name, std::size_t size) const {
+  const auto found = std::ranges::find(tensors, name, &Tensor::name);
+  if (found == tensors.end()) refuse(fmt::format("there is no tensor '{}'", name));
+  if (found->values.size() != size)
+    refuse(fmt::format("'{}' holds {} values instead of {}", name, found->values.size(), size));
+  return *found;
+}
+
+void write_safetensors(const std::filesystem::path& path, const TensorFile& file, bool overwrite) {
+  nlohmann::ordered_json header;
+  if (!file.metadata.empty()) header[metadata_key] = file.metadata;
+  std::string data;
+  for (const auto& tensor : file.tensors) {
+    const std::size_t begin = data.size();
+    data.append(reinterpret_cast<const char*>(tensor.values.data()),
+                tensor.values.size() * sizeof(float));
+    header[tensor.name] = {
+        {"dtype", "F32"}, {"shape", tensor.shape}, {"data_offsets", {begin, data.size()}}};
+  }
+  std::string text = header.dump();
+  text.resize((text.size() + length_bytes - 1) / length_bytes * length_bytes, ' ');
+  const std::uint64_t header_bytes = text.size();
+  write_file(path,
+             std::string(reinterpret_cast<const char*>(&header_bytes), length_bytes) + text + data,
+             overwrite);
+}
+
+TensorFile read_safetensors(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  try {
+    return parse(bytes);
+  } catch (const nlohmann::json::exception&) {
+    throw data_error(path.string() + ": its header is not that of a safetensors file",
+                     "use a file that touchtrace train wrote, or write it again");
+  } catch (const Error& error) {
+    throw data_error(fmt::format("{}: {}", path.string(), error.what()), error.remedy());
+  }
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,24 @@
+#include "engine/train/weight_file.h"
+
+#include <algorithm>
+
+namespace touchtrace {
+
+std::vector<Tensor> tensors_of(const ParameterTable& table, std::span<const float> values) {
+  std::vector<Tensor> tensors;
+  for (const auto& row : table.rows()) {
+    const auto part = values.subspan(row.offset, row.size);
+    tensors.push_back({row.name, {row.shape.begin(), row.shape.end()}, {part.begin(), part.end()}});
+  }
+  return tensors;
+}
+
+std::vector<float> values_of(const ParameterTable& table, const TensorFile& file) {
+  std::vector<float> values(table.size(), 0.0f);
+  for (const auto& row : table.rows())
+    std::ranges::copy(file.at(row.name, row.size).values,
+                      values.begin() + static_cast<std::ptrdiff_t>(row.offset));
+  return values;
+}
+
+}  // namespace touchtrace

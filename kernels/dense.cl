@@ -1,0 +1,65 @@
+// Dense layers and their gradients as one GEMM; lanes run over the columns of C.
+//
+//   gemm:        C[m][n] = bias[n] + sum_k A(m, k) B[k][n],  A(m, k) = a[a_at + m * a_row + k * a_step]
+//   pack:        to[i][j] = from[from_at + i * from_row + j * from_step], 0 where j >= columns
+//   column_sums: sums[n] = sum_m a[m][n]
+//
+// Rows of B and of A in column_sums must be readable up to the next multiple of 16 columns.
+
+static void store_wide(wide_tile t, int row, int rows, __global real* c, int ld) {
+#define STORE(r)                                            \
+  if (row + r < rows) {                                     \
+    __global real* to = c + (size_t)(row + r) * ld;         \
+    vstore16(t.a##r##0, 0, to), vstore16(t.a##r##1, 1, to); \
+    vstore16(t.a##r##2, 2, to), vstore16(t.a##r##3, 3, to); \
+  }
+  ROWS(STORE)
+#undef STORE
+}
+
+static void store_narrow(narrow_tile t, int columns, int row, int rows, __global real* c, int ld) {
+#define STORE(r) \
+  if (row + r < rows) store_lanes(t.a##r, columns, c + (size_t)(row + r) * ld);
+  ROWS(STORE)
+#undef STORE
+}
+
+// One work-item computes 4 x 64 of C. `biased` 0: `bias` is not read.
+__kernel void gemm(__global const real* a, int a_at, int a_row, int a_step, __global const real* b,
+                   int b_at, int b_ld, __global const real* bias, int bias_at, int biased,
+                   __global real* c, int c_at, int c_ld, int rows, int columns, int count) {
+  const int row = get_global_id(0) * 4;
+  int n = get_global_id(1) * 64;
+  const row_pointers x = rows_of(a + a_at, a_row, row, rows);
+  b += b_at, bias += bias_at, c += c_at;
+  if (columns - n >= 64) {
+    wide_tile t = biased ? load_wide(rows_of(bias + n, 0, 0, 1)) : zero_wide();
+    t = multiply_wide(t, x, a_step, b + n, b_ld, count);
+    store_wide(t, row, rows, c + n, c_ld);
+    return;
+  }
+  for (; n < columns; n += 16) {
+    narrow_tile t = fill_narrow(biased ? vload16(0, bias + n) : (real16)(0));
+    t = multiply_narrow(t, x, a_step, b + n, b_ld, count);
+    store_narrow(t, columns - n, row, rows, c + n, c_ld);
+  }
+}
+
+// One work-item a row of `to`.
+__kernel void pack(__global const real* from, int from_at, int from_row, int from_step, int columns,
+                   __global real* to, int to_at, int to_row, int to_columns) {
+  const int i = get_global_id(0);
+  from += from_at + (size_t)i * from_row;
+  to += to_at + (size_t)i * to_row;
+  for (int j = 0; j < to_columns; ++j) to[j] = j < columns ? from[j * from_step] : 0;
+}
+
+// One work-item 16 columns.
+__kernel void column_sums(__global const real* a, int a_at, int a_ld, __global real* sums, int sums_at,
+                          int rows, int columns) {
+  const int n = get_global_id(0) * 16;
+  a += a_at + n;
+  real16 sum = 0;
+  for (int m = 0; m < rows; ++m) sum += vload16(0, a + (size_t)m * a_ld);
+  store_lanes(sum, columns - n, sums + sums_at + n);
+}

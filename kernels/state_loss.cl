@@ -1,0 +1,40 @@
+// Loss of predicted states and its gradient (equation 4): L1 + pinball(0.1) + pinball(0.9), where the
+// quantiles are state -+ spread (equation 3).
+//
+//   pinball(tau) = max(tau p, (tau - 1) p);  its slope at p = 0 is the mean of both sides'
+//
+// One work-item a row [step][sequence] of 16 lanes, STATE of them used. weight: of the row, the mean's
+// divisor included; a row of weight 0 counts nothing, whatever its target is.
+
+static real16 pinball(real16 p, real tau) { return fmax(tau * p, (tau - 1) * p); }
+static real16 pinball_slope(real16 p, real tau) { return (tau - (real)0.5) + (real)0.5 * sign(p); }
+
+__kernel void state_loss(__global const real* states, __global const real* spread,
+                         __global const real* target, __global const real* weight, int sequences,
+                         __global real* loss, __global real* grad_state, __global real* grad_spread) {
+  const size_t row = get_global_id(0);
+  const real w = weight[row];
+  real16 d = vload16(row, target) - vload16(row + sequences, states);
+  real16 q = vload16(row, spread);
+  if (w == 0) d = 0, q = 0;
+  const real16 low = d + q, high = d - q;
+  const real16 value = fabs(d) + pinball(low, (real)0.1) + pinball(high, (real)0.9);
+  const real16 slope_low = pinball_slope(low, (real)0.1), slope_high = pinball_slope(high, (real)0.9);
+
+  real lanes[16], sum = 0;
+  vstore16(value, 0, lanes);
+  for (int i = 0; i < STATE; ++i) sum += lanes[i];
+  loss[row] = w * sum;
+
+  const real16 lane = (real16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const real16 scale = select((real16)(0), (real16)(w), lane < (real16)(STATE));
+  vstore16(-scale * (sign(d) + slope_low + slope_high), row, grad_state);
+  vstore16(scale * (slope_low - slope_high), row, grad_spread);
+}
+
+// total[0] = the sum of n values, in their order.
+__kernel void sum(__global const real* values, int n, __global real* total) {
+  real result = 0;
+  for (int i = 0; i < n; ++i) result += values[i];
+  total[0] = result;
+}

@@ -1,0 +1,110 @@
+#include "pipeline/scene/simulate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <future>
+#include <optional>
+#include <thread>
+
+#include "engine/base/interrupt.h"
+#include "engine/base/progress.h"
+#include "pipeline/recording/recording_file.h"
+#include "pipeline/scene/camera_clock.h"
+#include "pipeline/scene/truth.h"
+#include "pipeline/scene/video.h"
+
+namespace touchtrace::scene {
+namespace {
+
+constexpr double first_clip_s = 1.0;
+
+int clip_count(const SceneOptions& options) {
+  return std::max(1, static_cast<int>(std::lround(60.0 * options.minutes / options.clip_s)));
+}
+
+double clip_start_s(const SceneOptions& options, int clip) {
+  return first_clip_s + clip * (options.clip_s + options.pause_s);
+}
+
+/// The clips' motions, in order, computed a few clips ahead on threads of their own.
+class MotionQueue {
+ public:
+  explicit MotionQueue(const SceneOptions& options) : options_(options), clips_(clip_count(options)) {
+    for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i) start_next();
+  }
+
+  ClipMotion next() {
+    ClipMotion motion = ahead_.front().get();
+    ahead_.pop_front();
+    start_next();
+    return motion;
+  }
+
+ private:
+  void start_next() {
+    if (started_ == clips_) return;
+    const int clip = started_++;
+    ahead_.push_back(std::async(std::launch::async, [options = options_, clip] {
+      return simulate_clip(options, clip, clip_start_s(options, clip));
+    }));
+  }
+
+  SceneOptions options_;
+  int clips_, started_ = 0;
+  std::deque<std::future<ClipMotion>> ahead_;
+};
+
+void append_glove(std::vector<GloveStream>& gloves, const GloveStream& glove) {
+  if (gloves.empty()) gloves.push_back({glove.info, {}, {}, {}});
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  append(gloves.front().sequence, glove.sequence);
+  append(gloves.front().host_time_s, glove.host_time_s);
+  append(gloves.front().counts, glove.counts);
+}
+
+SimulationSummary summarize(const Recording& recording) {
+  SimulationSummary summary;
+  summary.clips = recording.clips.size();
+  summary.dropped_clips = static_cast<std::size_t>(std::ranges::count(recording.clips, true, &Clip::dropped));
+  summary.glove_frames = recording.gloves.front().frames();
+  summary.camera_frames = recording.camera_times.frames();
+  return summary;
+}
+
+}  // namespace
+
+SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runtime, const std::filesystem::path& output,
+                                     bool overwrite, Provenance provenance) {
+  const ObjectSpec& object = find_object(options.object);
+  const RgbdCamera camera = make_camera(options);
+  const CameraClock clock = make_camera_clock(options);
+  Recording recording;
+  recording.activity = options.activity;
+  recording.camera = camera_info(camera, options);
+  RecordingWriter writer(output, recording.camera, overwrite);
+  std::optional<Video> video;
+  if (runtime) video.emplace(*runtime, camera, clock, options, writer);
+
+  const int clips = clip_count(options);
+  Truth truth = start_truth(options, camera, clock);
+  Progress progress("simulate " + options.activity, static_cast<std::uint64_t>(clips));
+  MotionQueue motions(options);
+  for (int i = 0; i < clips; ++i) {
+    const ClipMotion motion = motions.next();
+    const double start_s = clip_start_s(options, i);
+    recording.clips.push_back({start_s, start_s + options.clip_s, options.object, motion.dropped, {}, {}});
+    if (video) video->record_clip(motion, object, i, recording);
+    append_glove(recording.gloves, motion.glove);
+    append_truth(truth, motion, i, camera.color_from_world);
+    progress.advance();
+  }
+  SimulationSummary summary = summarize(recording);
+  if (video) summary.board_views = video->record_still_views(recording.board);
+  writer.write_truth(truth);
+  recording.provenance = std::move(provenance);
+  writer.finish(recording);
+  return summary;
+}
+
+}  // namespace touchtrace::scene

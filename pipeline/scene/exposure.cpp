@@ -13,6 +13,7 @@ namespace {
 
 constexpr int color_instants = 4;
 constexpr int largest_mark_error_px = 3;
+constexpr double sleeve_contrast = 0.12, sleeve_waves_per_m = 23.0;
 constexpr double glove_contrast = 0.10, glove_waves_per_m = 90.0;
 constexpr double object_contrast = 0.08, object_waves_per_m = 45.0;
 
@@ -34,6 +35,7 @@ std::vector<PaintedSolid> scene_at(const ClipMotion& motion, const ObjectSpec& o
   const SceneSample sample = sample_at(motion, time_s);
   std::vector<PaintedSolid> scene = room_solids();
   append(scene, person_solids(time_s));
+  append(scene, {forearm_solid(sample)}, sleeve_contrast, sleeve_waves_per_m);
   append(scene, hand_solids(sample), glove_contrast, glove_waves_per_m);
   append(scene, object_solids(object, sample), object_contrast, object_waves_per_m);
   return scene;

@@ -92,9 +92,10 @@ std::vector<std::string> object_names();
 /// Throws usage_error with the known names.
 const ObjectSpec& find_object(const std::string& name);
 
-/// What a camera sees of the hand (glove, fingers, forearm) and of the object at one instant, each solid
+/// What a camera sees of the gloved hand, the forearm and the object at one instant, each solid
 /// placed in the world (`body_from_shape` is then world_from_shape).
 std::vector<Solid> hand_solids(const SceneSample& sample);
+Solid forearm_solid(const SceneSample& sample);
 std::vector<Solid> object_solids(const ObjectSpec& object, const SceneSample& sample);
 
 }  // namespace touchtrace::scene

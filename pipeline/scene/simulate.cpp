@@ -7,7 +7,6 @@
 #include <optional>
 #include <thread>
 
-#include "engine/base/interrupt.h"
 #include "engine/base/progress.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/camera_clock.h"
@@ -76,6 +75,7 @@ SimulationSummary summarize(const Recording& recording) {
 
 SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runtime, const std::filesystem::path& output,
                                      bool overwrite, Provenance provenance) {
+  const Stopwatch stopwatch;
   const ObjectSpec& object = find_object(options.object);
   const RgbdCamera camera = make_camera(options);
   const CameraClock clock = make_camera_clock(options);
@@ -102,6 +102,8 @@ SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runti
   SimulationSummary summary = summarize(recording);
   if (video) summary.board_views = video->record_still_views(recording.board);
   writer.write_truth(truth);
+  stopwatch.stop(provenance);
+  summary.wall_seconds = provenance.wall_seconds, summary.cpu_seconds = provenance.cpu_seconds;
   recording.provenance = std::move(provenance);
   writer.finish(recording);
   return summary;

@@ -10,6 +10,7 @@ namespace touchtrace::scene {
 /// What a simulation left in the recording.
 struct SimulationSummary {
   std::size_t clips = 0, dropped_clips = 0, glove_frames = 0, camera_frames = 0, board_views = 0;
+  double wall_seconds = 0.0, cpu_seconds = 0.0;
 };
 
 /// Simulates every clip, renders what the camera sees of it, and writes the recording with its truth.

@@ -9,6 +9,7 @@ using Eigen::Vector3d;
 const Vector3d glove_color(0.07, 0.09, 0.14), sleeve_color(0.35, 0.12, 0.10);
 // The shoulder-side end of the forearm hangs beside the person, who stands at the origin.
 const Vector3d elbow_m(-0.22, -0.02, 1.02);
+const Vector3d wrist_in_hand_m(-0.075, 0.0, -0.014);
 
 Isometry3d placed(const RigidState& body) {
   Isometry3d world_from_body = Isometry3d::Identity();
@@ -60,10 +61,12 @@ std::vector<Solid> hand_solids(const SceneSample& sample) {
   for (int i = 0; i < finger_count; ++i)
     add_finger(solids, world_from_hand, hand_model().fingers[i], sample.flexion_rad[i]);
   const Vector3d heel = world_from_hand * Vector3d(-0.040, 0.0, -0.012);
-  const Vector3d wrist = world_from_hand * Vector3d(-0.075, 0.0, -0.014);
-  solids.push_back(capsule_between(heel, wrist, 0.026, glove_color));
-  solids.push_back(capsule_between(wrist, elbow_m, 0.035, sleeve_color));
+  solids.push_back(capsule_between(heel, world_from_hand * wrist_in_hand_m, 0.026, glove_color));
   return solids;
+}
+
+Solid forearm_solid(const SceneSample& sample) {
+  return capsule_between(placed(sample.hand) * wrist_in_hand_m, elbow_m, 0.035, sleeve_color);
 }
 
 std::vector<Solid> object_solids(const ObjectSpec& object, const SceneSample& sample) {

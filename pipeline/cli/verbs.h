@@ -9,6 +9,7 @@ Verb calibrate_verb();
 Verb devices_verb();
 Verb doctor_verb();
 Verb label_verb();
+Verb simulate_verb();
 Verb verify_verb();
 
 }  // namespace touchtrace::cli

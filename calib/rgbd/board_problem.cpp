@@ -145,8 +145,8 @@ bool solve(const BoardProblem& problem, RgbdParameters& parameters) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.max_num_iterations = 100;
-  options.function_tolerance = 1e-12;
-  options.parameter_tolerance = 1e-12;
+  options.function_tolerance = 1e-10;
+  options.parameter_tolerance = 1e-10;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, ceres_problem.get(), &summary);

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/depth_fit.h"
 #include "calib/rgbd/details.h"
+#include "calib/rgbd/prior.h"
 #include "calib/rgbd/verdict.h"
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
@@ -16,38 +16,9 @@
 namespace touchtrace {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double centre_sigma =
-    0.1;  ///< of the principal point about the image's centre, of the width
-constexpr double factory_sigma =
-    0.005;  ///< of factory depth intrinsics, relative; centre: of the width
-constexpr double guessed_sigma = 0.1;  ///< of depth intrinsics taken from the colour camera
-constexpr double pose_sigma_rad = 0.1,
-                 pose_sigma_m = 0.1;  ///< of the depth camera beside the colour one
-constexpr double scale_sigma = 0.05, offset_sigma_m = 0.05;  ///< of the depth's error
 constexpr double first_extent = 0.5, final_extent = 1.0;  ///< of the board that depth is taken from
 constexpr int joint_rounds = 2;
 constexpr std::size_t fewest_samples = 100;
-
-Prior color_prior(const BoardObservations& o) {
-  Prior prior;
-  prior.color_sigma.fill(infinity);
-  prior.color_mean[2] = 0.5 * (o.width - 1), prior.color_mean[3] = 0.5 * (o.height - 1);
-  prior.color_sigma[2] = prior.color_sigma[3] = centre_sigma * o.width;
-  return prior;
-}
-
-void add_depth_prior(const BoardObservations& o, const RgbdParameters& p, Prior& prior) {
-  const bool known = o.depth_intrinsics[0] > 0.0;
-  const double relative = known ? factory_sigma : guessed_sigma;
-  if (known) prior.depth_mean = o.depth_intrinsics;
-  if (!known) std::copy_n(p.color.begin(), 4, prior.depth_mean.begin());
-  prior.depth_sigma = {relative * prior.depth_mean[0], relative * prior.depth_mean[1],
-                       relative * o.width, relative * o.width};
-  prior.pose_sigma = {pose_sigma_rad, pose_sigma_rad, pose_sigma_rad,
-                      pose_sigma_m,   pose_sigma_m,   pose_sigma_m};
-  prior.correction_sigma = {scale_sigma, offset_sigma_m};
-}
 
 void require_views(const BoardObservations& o, std::ptrdiff_t views, const char* what) {
   if (views < fewest_views)
@@ -128,10 +99,14 @@ RgbdCalibration calibration_of(const BoardProblem& problem, const RgbdParameters
 
 }  // namespace
 
-RgbdCalibration calibrate(const BoardObservations& observations) {
+RgbdCalibration calibrate(const BoardObservations& observations,
+                          const CalibrateSettings& settings) {
   require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "found");
   BoardProblem problem{observations, {}, {}, color_prior(observations)};
-  const ColorFit color = fit_color(observations, problem.prior);
+  const auto distortions = settings.distortion_coefficients < 0
+                               ? std::vector{0, 2, 4, 5}
+                               : std::vector{settings.distortion_coefficients};
+  const ColorFit color = fit_color(observations, problem.prior, distortions);
   if (!color.converged) throw no_convergence();
   require_views(observations, std::ranges::count(color.used, true), "usable");
   RgbdParameters parameters = color.parameters;

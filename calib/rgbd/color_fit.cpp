@@ -78,14 +78,15 @@ double corner_noise_px(const BoardObservations& observations, const std::vector<
                   smallest_sigma_px);
 }
 
-ColorFit fit_color(const BoardObservations& observations, const Prior& prior) {
+ColorFit fit_color(const BoardObservations& observations, const Prior& prior,
+                   const std::vector<int>& distortions) {
   BoardProblem problem{observations, std::vector<bool>(observations.views.size(), true), {}, prior};
   RgbdParameters start = initial_guess(observations);
   ColorFit fit;
   if (!fit_robustly(problem, start)) return fit;
   const double count = number_of_coordinates(observations, problem.used);
   double best = std::numeric_limits<double>::infinity();
-  for (int coefficients : {0, 2, 4, 5}) {
+  for (int coefficients : distortions) {
     throw_if_interrupted();
     RgbdParameters parameters = start;
     problem.free_color = free_parameters(coefficients);

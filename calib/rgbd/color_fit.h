@@ -16,9 +16,10 @@ struct ColorFit {
   bool converged = false;
 };
 
-/// Robust fit, outlier views out, then distortion with 0, 2 (k1 k2), 4 (+ p1 p2) or 5 (+ k3)
-/// coefficients by the Bayesian information criterion.
-ColorFit fit_color(const BoardObservations& observations, const Prior& prior);
+/// Robust fit, outlier views out, then the best of `distortions`, the numbers of coefficients to
+/// try (0, 2: k1 k2, 4: and p1 p2, 5: and k3), by the Bayesian information criterion.
+ColorFit fit_color(const BoardObservations& observations, const Prior& prior,
+                   const std::vector<int>& distortions);
 
 /// Noise of a corner's coordinate [px] from the residuals of the used views and the degrees of
 /// freedom.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "calib/rgbd/design_effect.h"
 #include "calib/rgbd/statistics.h"
 
 namespace touchtrace {
@@ -46,14 +47,12 @@ bool on_board(const Chessboard& board, const Eigen::Vector3d& hit, double extent
          std::abs(hit.y() - 0.5 * height) <= 0.5 * extent * height;
 }
 
-int block_size_px(const Chessboard& board, const BoardPlane& plane) {
+/// Area [px] of the inner corners' rectangle at the distance of its middle.
+double board_area_px(const Chessboard& board, const BoardPlane& plane) {
   const Eigen::Vector3d centre(0.5 * board.square_m * (board.columns - 1),
                                0.5 * board.square_m * (board.rows - 1), 0.0);
   const double depth = (plane.board_from_depth.inverse() * centre).z();
-  const double area_px =
-      4.0 * centre.x() * centre.y() * plane.camera[0] * plane.camera[1] / (depth * depth);
-  return static_cast<int>(
-      std::clamp(std::sqrt(area_px / samples_per_view), 1.0, double(largest_block_px)));
+  return 4.0 * centre.x() * centre.y() * plane.camera[0] * plane.camera[1] / (depth * depth);
 }
 
 /// The block's pixels that are on the board; none if one of them is off it.
@@ -86,12 +85,31 @@ BlockMean block_mean(const BoardObservations& o, std::size_t view, const BoardPl
   return mean;
 }
 
+/// Columns and rows of the depth image that the inner corners' rectangle may cover.
+Eigen::AlignedBox2i covered_pixels(const BoardObservations& o, const BoardPlane& plane) {
+  const Eigen::Isometry3d depth_from_board = plane.board_from_depth.inverse();
+  const int last = o.board.corners() - 1;
+  Eigen::AlignedBox2d box;
+  for (int corner : {0, o.board.columns - 1, last - o.board.columns + 1, last}) {
+    const Eigen::Vector3d p = depth_from_board * o.board.corner_m(corner);
+    if (!(p.z() > 0.0)) return {};
+    box.extend(Eigen::Vector2d(plane.camera[0] * p.x() / p.z() + plane.camera[2],
+                               plane.camera[1] * p.y() / p.z() + plane.camera[3]));
+  }
+  const Eigen::AlignedBox2d image(Eigen::Vector2d::Zero(),
+                                  Eigen::Vector2d(o.width - 1, o.height - 1));
+  const Eigen::AlignedBox2d seen = box.intersection(image);
+  if (seen.isEmpty()) return {};
+  return {seen.min().cast<int>(), seen.max().cast<int>()};
+}
+
 void add_samples(const BoardObservations& o, std::size_t view, const RgbdParameters& p,
-                 double extent, std::vector<DepthSample>& samples) {
+                 double extent, int size, std::vector<DepthSample>& samples) {
   const BoardPlane plane = board_plane(view, p);
-  const int size = block_size_px(o.board, plane);
-  for (int y = 0; y + size <= o.height; y += size)
-    for (int x = 0; x + size <= o.width; x += size) {
+  const auto box = covered_pixels(o, plane);
+  if (box.isEmpty()) return;
+  for (int y = box.min().y(); y + size <= box.max().y() + 1; y += size)
+    for (int x = box.min().x(); x + size <= box.max().x() + 1; x += size) {
       const BlockMean mean = block_mean(o, view, plane, extent, x, y, size);
       if (!mean.whole || 2 * mean.count < size * size) continue;
       const double depth = mean.depth_sum / mean.count;
@@ -125,29 +143,6 @@ DepthNoise most_likely_noise(const std::vector<double>& residuals,
   return best;
 }
 
-/// Kish's design effect from quadrants: how much more the mean over a quarter of a view's samples
-/// varies than that of independent ones. Neighbouring depth pixels share noise.
-double design_effect(const std::vector<DepthSample>& samples,
-                     const std::vector<double>& normalized) {
-  std::map<std::size_t, std::pair<Eigen::Vector2d, double>> centres;
-  for (const auto& s : samples) centres.try_emplace(s.view, Eigen::Vector2d::Zero(), 0.0);
-  for (const auto& s : samples) centres[s.view].first += s.pixel, centres[s.view].second += 1.0;
-  std::map<std::array<std::size_t, 2>, std::array<double, 2>> quadrants;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const auto& [sum, count] = centres[samples[i].view];
-    const Eigen::Vector2d offset = samples[i].pixel - sum / count;
-    auto& [total, number] =
-        quadrants[{samples[i].view, (offset.x() > 0.0) + 2u * (offset.y() > 0.0)}];
-    total += normalized[i], number += 1.0;
-  }
-  double effect = 0.0;
-  for (const auto& [key, quadrant] : quadrants) effect += quadrant[0] * quadrant[0] / quadrant[1];
-  const auto number = static_cast<double>(quadrants.size());
-  effect /= number;
-  // Below this it is what independent samples show by chance.
-  return effect > 1.0 + 2.0 * std::sqrt(2.0 / number) ? effect : 1.0;
-}
-
 }  // namespace
 
 double DepthNoise::effective_sigma_m(double depth_m) const {
@@ -159,13 +154,24 @@ bool has_depth(const BoardObservations& observations) {
                              [](const BoardView& view) { return !view.depth_m.empty(); });
 }
 
+int depth_block_px(const BoardObservations& observations, const std::vector<bool>& used,
+                   const RgbdParameters& parameters) {
+  double area_px = 0.0, views = 0.0;
+  for (std::size_t view = 0; view < used.size(); ++view)
+    if (used[view])
+      area_px += board_area_px(observations.board, board_plane(view, parameters)), views += 1.0;
+  const double size = std::sqrt(area_px / (views * samples_per_view));
+  return static_cast<int>(std::clamp(size, 1.0, double(largest_block_px)));
+}
+
 std::vector<DepthSample> depth_samples(const BoardObservations& observations,
                                        const std::vector<bool>& used,
                                        const RgbdParameters& parameters, double extent) {
+  const int size = depth_block_px(observations, used, parameters);
   std::vector<DepthSample> samples;
   for (std::size_t view = 0; view < used.size(); ++view)
     if (used[view] && !observations.views[view].depth_m.empty())
-      add_samples(observations, view, parameters, extent, samples);
+      add_samples(observations, view, parameters, extent, size, samples);
   return samples;
 }
 

@@ -17,9 +17,12 @@ struct DepthNoise {
 /// True if at least one view has a depth image.
 bool has_depth(const BoardObservations& observations);
 
+/// Side of the blocks of depth_samples [px], so that a view gives about 200.
+int depth_block_px(const BoardObservations& observations, const std::vector<bool>& used,
+                   const RgbdParameters& parameters);
+
 /// Means of square blocks of depth pixels that lie on the board as posed now, within `extent`
-/// (0..1) of the inner corners' rectangle, about 200 a view. What is not near the board's plane is
-/// left out.
+/// (0..1) of the inner corners' rectangle. What is not near the board's plane is left out.
 std::vector<DepthSample> depth_samples(const BoardObservations& observations,
                                        const std::vector<bool>& used,
                                        const RgbdParameters& parameters, double extent);

@@ -8,18 +8,18 @@
 
 namespace touchtrace {
 
-/// The recording file: HDF5, libver latest, fletcher32 on every chunk, CF units and dimension scales.
+/// The recording file: HDF5, libver latest, fletcher32 on every chunk, CF units and dimension
+/// scales.
 ///
 ///     /                    Conventions, schema, activity, epoch_unix_s, provenance (JSON)
 ///     /clips/              start_s, end_s, object, dropped, hand_box[n,4], object_box[n,4]
-///     /glove0/, /glove1/   sequence, host_time_s, counts[n,rows,cols], baseline, mask, taxel_position
-///     /camera/             sequence, device_time_s, host_time_s, color[n,h,w,3], depth[n,h,w]
-///     /background/         color, depth: the empty scene
-///     /board/              color, depth: the chessboard in many poses
-///     /truth/              simulated recordings only
+///     /glove0/, /glove1/   sequence, host_time_s, counts[n,rows,cols], baseline, mask,
+///     taxel_position /camera/             sequence, device_time_s, host_time_s, color[n,h,w,3],
+///     depth[n,h,w] /background/         color, depth: the empty scene /board/              color,
+///     depth: the chessboard in many poses /truth/              simulated recordings only
 
-/// Writes a recording; the file appears, whole, with `finish`. The glove streams, clips and truth are
-/// given at once, images one at a time.
+/// Writes a recording; the file appears, whole, with `finish`. The glove streams, clips and truth
+/// are given at once, images one at a time.
 class RecordingWriter {
  public:
   RecordingWriter(const std::filesystem::path& path, const CameraInfo& camera, bool overwrite);
@@ -37,14 +37,17 @@ class RecordingWriter {
   std::unique_ptr<File> file_;
 };
 
-/// Opens a recording and checks it: schema, shapes, checksums as they are read, finite and increasing
-/// times. Every fault is a data_error that says what is wrong and what to do. Untrusted files are safe.
+/// Opens a recording and checks it: schema, shapes, checksums as they are read, finite and
+/// increasing times. Every fault is a data_error that says what is wrong and what to do. Untrusted
+/// files are safe.
 class RecordingReader {
  public:
   explicit RecordingReader(const std::filesystem::path& path);
   ~RecordingReader();
 
   const Recording& recording() const;
+  /// False for a recording of colour images alone: its frames then have an empty `depth`.
+  bool has_depth() const;
   RgbdFrame read_camera_frame(std::size_t index) const;
   std::size_t background_frames() const;
   RgbdFrame read_background(std::size_t index) const;

@@ -14,11 +14,7 @@ pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
 
 set(HDF5_PREFER_PARALLEL OFF)
 find_package(HDF5 REQUIRED COMPONENTS C HL)
-if(NOT TARGET HDF5::HDF5)
-  add_library(HDF5::HDF5 INTERFACE IMPORTED)
-  target_include_directories(HDF5::HDF5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})
-  target_link_libraries(HDF5::HDF5 INTERFACE ${HDF5_C_LIBRARIES} ${HDF5_C_HL_LIBRARIES})
-endif()
+find_library(LIBDEFLATE deflate REQUIRED)
 
 find_program(CCACHE ccache)
 if(CCACHE)

@@ -1,0 +1,151 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "pipeline/recording/h5_array.h"
+
+namespace touchtrace::h5 {
+namespace {
+
+/// Deflate cannot compress further than this.
+constexpr hsize_t greatest_compression = 1032;
+constexpr hsize_t greatest_chunk_bytes = 256 << 20;
+constexpr int greatest_rank = 8;
+
+std::vector<hsize_t> extents_of(hid_t space, const std::string& name) {
+  const int rank = H5Sget_simple_extent_ndims(space);
+  if (H5Sget_simple_extent_type(space) != H5S_SIMPLE || rank < 1 || rank > greatest_rank)
+    throw H5Error(fmt::format("{} is no array", name));
+  std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
+  check(H5Sget_simple_extent_dims(space, extents.data(), nullptr), name);
+  return extents;
+}
+
+/// Bytes of a block of this shape; throws if that is more than `limit`.
+hsize_t bounded_bytes(const std::vector<hsize_t>& shape, hsize_t element_bytes, hsize_t limit,
+                      const std::string& name) {
+  hsize_t bytes = element_bytes;
+  for (hsize_t extent : shape) {
+    if (extent != 0 && bytes > limit / extent)
+      throw H5Error(fmt::format("{} claims to be larger than its file can hold", name));
+    bytes *= extent;
+  }
+  return bytes;
+}
+
+}  // namespace
+
+ArrayReader::ArrayReader(hid_t group, const std::string& name, const ElementType& type,
+                         hsize_t file_bytes)
+    : name_(name), element_bytes_(type.bytes) {
+  const LibraryLock lock;
+  dataset_ = Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, name);
+  const Handle stored_type(H5Dget_type(dataset_), H5Tclose, name);
+  if (H5Tequal(stored_type, type.type) <= 0)
+    throw H5Error(fmt::format("{} has another type than it should", name));
+  shape_ = extents_of(Handle(H5Dget_space(dataset_), H5Sclose, name), name);
+  const hsize_t limit =
+      std::min(file_bytes, std::numeric_limits<hsize_t>::max() / greatest_compression) *
+      greatest_compression;
+  bounded_bytes(shape_, element_bytes_, limit, name);
+  row_bytes_ = bounded_bytes({shape_.begin() + 1, shape_.end()}, element_bytes_, limit, name);
+  if (row_bytes_ == 0) throw H5Error(fmt::format("{} has empty rows", name));
+  check_layout();
+  bounded_bytes({chunk_rows_}, row_bytes_, greatest_chunk_bytes, name);
+  check_chunks(file_bytes);
+}
+
+void ArrayReader::check_layout() {
+  const Handle creation(H5Dget_create_plist(dataset_), H5Pclose, name_);
+  std::vector<hsize_t> chunk(shape_.size());
+  if (H5Pget_layout(creation) != H5D_CHUNKED || H5Pget_external_count(creation) != 0 ||
+      H5Pget_chunk(creation, static_cast<int>(chunk.size()), chunk.data()) !=
+          static_cast<int>(chunk.size()))
+    throw H5Error(fmt::format("{} is not stored in chunks", name_));
+  if (chunk[0] == 0 || !std::equal(chunk.begin() + 1, chunk.end(), shape_.begin() + 1))
+    throw H5Error(fmt::format("{} is divided into chunks along more than its first axis", name_));
+  chunk_rows_ = chunk[0];
+  check_filters(creation);
+}
+
+void ArrayReader::check_filters(hid_t creation) {
+  static const std::vector<H5Z_filter_t> order{H5Z_FILTER_SHUFFLE, H5Z_FILTER_DEFLATE,
+                                               H5Z_FILTER_FLETCHER32};
+  auto next = order.begin();
+  const int count = H5Pget_nfilters(creation);
+  for (int i = 0; i < count; ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t values = 0;
+    const auto filter = H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &values, nullptr,
+                                       0, nullptr, &config);
+    next = std::find(next, order.end(), filter);
+    if (next == order.end())
+      throw H5Error(fmt::format(
+          "{} uses filters other than shuffle, deflate, fletcher32, in this order", name_));
+    pipeline_.push_back(*next++);
+  }
+  if (pipeline_.empty() || pipeline_.back() != H5Z_FILTER_FLETCHER32)
+    throw H5Error(fmt::format("{} carries no fletcher32 checksums", name_));
+}
+
+void ArrayReader::check_chunks(hsize_t file_bytes) const {
+  std::vector<hsize_t> offset(shape_.size(), 0);
+  for (hsize_t row = 0; row < rows(); row += chunk_rows_) {
+    offset[0] = row;
+    unsigned skipped = 0;
+    haddr_t address = HADDR_UNDEF;
+    hsize_t bytes = 0;
+    check(H5Dget_chunk_info_by_coord(dataset_, offset.data(), &skipped, &address, &bytes), name_);
+    if (address == HADDR_UNDEF || bytes == 0)
+      throw H5Error(fmt::format("{}: the chunk of row {} is missing", name_, row));
+    if (address > file_bytes || bytes > file_bytes - address)
+      throw H5Error(fmt::format("{}: the chunk of row {} lies outside the file", name_, row));
+  }
+}
+
+std::vector<std::uint8_t> ArrayReader::stored_chunk(hsize_t chunk,
+                                                    std::uint32_t& skipped_filters) const {
+  std::vector<hsize_t> offset(shape_.size(), 0);
+  offset[0] = chunk * chunk_rows_;
+  const LibraryLock lock;
+  hsize_t bytes = 0;
+  check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), name_);
+  std::vector<std::uint8_t> stored(bytes);
+  check(H5Dread_chunk(dataset_, H5P_DEFAULT, offset.data(), &skipped_filters, stored.data()),
+        name_);
+  return stored;
+}
+
+std::vector<std::uint8_t> ArrayReader::decoded_chunk(hsize_t chunk) const {
+  std::uint32_t skipped = 0;
+  const auto stored = stored_chunk(chunk, skipped);
+  ChunkFilters filters{1, false, false};
+  for (std::size_t i = 0; i < pipeline_.size(); ++i) {
+    if (skipped >> i & 1) continue;
+    if (pipeline_[i] == H5Z_FILTER_SHUFFLE) filters.shuffle_bytes = element_bytes_;
+    if (pipeline_[i] == H5Z_FILTER_DEFLATE) filters.deflate = true;
+    if (pipeline_[i] == H5Z_FILTER_FLETCHER32) filters.fletcher32 = true;
+  }
+  std::vector<std::uint8_t> raw(chunk_rows_ * row_bytes_);
+  const auto fault = filters.fletcher32 ? decode_chunk(stored, filters, raw)
+                                        : std::optional<std::string>("it carries no checksum");
+  if (fault)
+    throw H5Error(
+        fmt::format("{}: the chunk of row {} is damaged: {}", name_, chunk * chunk_rows_, *fault));
+  return raw;
+}
+
+void ArrayReader::read(hsize_t first, std::span<std::uint8_t> out) const {
+  for (hsize_t row = first; !out.empty();) {
+    const hsize_t chunk = row / chunk_rows_, inside = row % chunk_rows_;
+    const auto raw = decoded_chunk(chunk);
+    const std::size_t bytes = std::min<std::size_t>(out.size(), raw.size() - inside * row_bytes_);
+    std::memcpy(out.data(), raw.data() + inside * row_bytes_, bytes);
+    out = out.subspan(bytes);
+    row += bytes / row_bytes_;
+  }
+}
+
+}  // namespace touchtrace::h5

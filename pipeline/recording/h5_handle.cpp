@@ -1,0 +1,63 @@
+#include "pipeline/recording/h5_handle.h"
+
+#include <fmt/core.h>
+
+#include <mutex>
+#include <utility>
+
+namespace touchtrace::h5 {
+namespace {
+
+std::mutex library_mutex;
+thread_local int locks_held = 0;
+
+herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* text) {
+  if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
+  return 0;
+}
+
+std::string library_message() {
+  std::string text;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &text);
+  return text.empty() ? "no reason given" : text;
+}
+
+}  // namespace
+
+LibraryLock::LibraryLock() {
+  if (locks_held++ == 0) library_mutex.lock();
+  // Errors become exceptions; the setting belongs to the thread in a thread-safe build.
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+LibraryLock::~LibraryLock() {
+  if (--locks_held == 0) library_mutex.unlock();
+}
+
+hid_t check_id(hid_t result, const std::string& what) {
+  if (result < 0) throw H5Error(fmt::format("{}: {}", what, library_message()));
+  return result;
+}
+
+void check(herr_t result, const std::string& what) { check_id(result, what); }
+
+Handle::~Handle() {
+  if (id_ < 0) return;
+  const LibraryLock lock;
+  closer_(id_);
+}
+
+Handle::Handle(Handle&& other) noexcept
+    : id_(std::exchange(other.id_, H5I_INVALID_HID)), closer_(other.closer_) {}
+
+Handle& Handle::operator=(Handle&& other) noexcept {
+  std::swap(id_, other.id_);
+  std::swap(closer_, other.closer_);
+  return *this;
+}
+
+void Handle::close(const std::string& what) {
+  if (id_ >= 0) check(closer_(std::exchange(id_, H5I_INVALID_HID)), what);
+}
+
+}  // namespace touchtrace::h5

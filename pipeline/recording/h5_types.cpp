@@ -1,0 +1,53 @@
+#include <bit>
+
+#include "pipeline/recording/h5_array.h"
+
+namespace touchtrace::h5 {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "rows are copied as they are stored");
+
+ElementType copy_of(hid_t type, std::size_t bytes) {
+  return {Handle(H5Tcopy(type), H5Tclose, "data type"), bytes};
+}
+
+}  // namespace
+
+template <>
+ElementType element_type<double>() {
+  return copy_of(H5T_IEEE_F64LE, 8);
+}
+template <>
+ElementType element_type<float>() {
+  return copy_of(H5T_IEEE_F32LE, 4);
+}
+template <>
+ElementType element_type<std::uint8_t>() {
+  return copy_of(H5T_STD_U8LE, 1);
+}
+template <>
+ElementType element_type<std::uint16_t>() {
+  return copy_of(H5T_STD_U16LE, 2);
+}
+template <>
+ElementType element_type<std::int32_t>() {
+  return copy_of(H5T_STD_I32LE, 4);
+}
+template <>
+ElementType element_type<std::int64_t>() {
+  return copy_of(H5T_STD_I64LE, 8);
+}
+template <>
+ElementType element_type<std::uint64_t>() {
+  return copy_of(H5T_STD_U64LE, 8);
+}
+
+ElementType text_type(std::size_t bytes) {
+  auto text = copy_of(H5T_C_S1, bytes);
+  check(H5Tset_size(text.type, bytes), "text");
+  check(H5Tset_strpad(text.type, H5T_STR_NULLPAD), "text");
+  check(H5Tset_cset(text.type, H5T_CSET_UTF8), "text");
+  return text;
+}
+
+}  // namespace touchtrace::h5

@@ -1,0 +1,45 @@
+#include "engine/base/files.h"
+#include "pipeline/recording/h5_file.h"
+#include "pipeline/recording/labels_schema.h"
+#include "pipeline/recording/validate.h"
+
+namespace touchtrace {
+namespace {
+
+void save(h5::Saver root, const Labels& labels) {
+  root.attribute("Conventions", std::string("CF-1.10"));
+  root.attribute("schema", std::string(labels_schema));
+  root.attribute("provenance", nlohmann::json(labels.provenance));
+  const ClipColumns clips = columns_of(labels.clips);
+  h5::Saver group = root.group("clips");
+  exchange_clips(group, clips);
+  exchange_labels(root, labels);
+}
+
+}  // namespace
+
+void write_labels(const std::filesystem::path& path, const Labels& labels, bool overwrite) {
+  validate(labels, path.string());
+  OutputFile output(path, overwrite);
+  h5::write_checked(path, [&] {
+    h5::Handle file = h5::create_file(output.temporary());
+    save(h5::Saver(h5::Handle(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "the root group")),
+         labels);
+    h5::close_file(file);
+  });
+  output.commit();
+}
+
+Labels read_labels(const std::filesystem::path& path) {
+  return h5::read_untrusted(path, [&] {
+    const h5::Loader root = h5::open_root(path, labels_schema);
+    Labels labels;
+    labels.provenance = read_provenance(root);
+    labels.clips = read_clips(root);
+    exchange_labels(root, labels);
+    validate(labels, path.string());
+    return labels;
+  });
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,70 @@
+#include "pipeline/recording/recording_schema.h"
+
+namespace touchtrace {
+namespace {
+
+void append(std::vector<std::int32_t>& column, const PixelBox& box) {
+  column.insert(column.end(), {box.x, box.y, box.width, box.height});
+}
+
+PixelBox box_at(const std::vector<std::int32_t>& column, std::size_t i) {
+  return {column[4 * i], column[4 * i + 1], column[4 * i + 2], column[4 * i + 3]};
+}
+
+}  // namespace
+
+ClipColumns columns_of(const std::vector<Clip>& clips) {
+  ClipColumns columns;
+  for (const auto& clip : clips) {
+    columns.start_s.push_back(clip.start_s);
+    columns.end_s.push_back(clip.end_s);
+    columns.object.push_back(clip.object);
+    columns.dropped.push_back(clip.dropped ? 1 : 0);
+    append(columns.hand_box, clip.hand_box);
+    append(columns.object_box, clip.object_box);
+  }
+  return columns;
+}
+
+std::vector<Clip> clips_of(const ClipColumns& columns) {
+  std::vector<Clip> clips(columns.start_s.size());
+  for (std::size_t i = 0; i < clips.size(); ++i)
+    clips[i] = {columns.start_s[i],          columns.end_s[i],
+                columns.object[i],           columns.dropped[i] != 0,
+                box_at(columns.hand_box, i), box_at(columns.object_box, i)};
+  return clips;
+}
+
+EventColumns columns_of(const std::vector<Truth::Event>& events) {
+  EventColumns columns;
+  for (const auto& event : events) {
+    columns.time_s.push_back(event.time_s);
+    columns.kind.push_back(event.kind);
+  }
+  return columns;
+}
+
+std::vector<Truth::Event> events_of(const EventColumns& columns) {
+  std::vector<Truth::Event> events(columns.time_s.size());
+  for (std::size_t i = 0; i < events.size(); ++i) events[i] = {columns.time_s[i], columns.kind[i]};
+  return events;
+}
+
+std::vector<Clip> read_clips(const h5::Loader& root) {
+  ClipColumns columns;
+  const h5::Loader group = root.group("clips");
+  exchange_clips(group, columns);
+  return clips_of(columns);
+}
+
+Provenance read_provenance(const h5::Loader& root) {
+  nlohmann::json json;
+  root.attribute("provenance", json);
+  try {
+    return json.get<Provenance>();
+  } catch (const nlohmann::json::exception& fault) {
+    throw h5::H5Error(std::string("the provenance is incomplete: ") + fault.what());
+  }
+}
+
+}  // namespace touchtrace

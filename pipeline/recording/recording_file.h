@@ -8,18 +8,19 @@
 
 namespace touchtrace {
 
-/// The recording file: HDF5, libver latest, fletcher32 on every chunk, CF units and dimension
-/// scales.
+/// The recording file: HDF5, libver latest, CF units and dimension scales; every dataset is chunked
+/// along its first axis and carries fletcher32 checksums.
 ///
-///     /                    Conventions, schema, activity, epoch_unix_s, provenance (JSON)
-///     /clips/              start_s, end_s, object, dropped, hand_box[n,4], object_box[n,4]
-///     /glove0/, /glove1/   sequence, host_time_s, counts[n,rows,cols], baseline, mask,
-///     taxel_position /camera/             sequence, device_time_s, host_time_s, color[n,h,w,3],
-///     depth[n,h,w] /background/         color, depth: the empty scene /board/              color,
-///     depth: the chessboard in many poses /truth/              simulated recordings only
+/// - `/`: Conventions, schema, activity, epoch_unix_s, provenance (JSON)
+/// - `/clips`: start_s, end_s, object, dropped, hand_box[n,4], object_box[n,4]
+/// - `/glove0`, `/glove1`: sequence, host_time_s, counts[n,rows,cols], baseline, mask, taxel_position
+/// - `/camera`: sequence, device_time_s, host_time_s, color[n,h,w,3], depth[n,h,w]
+/// - `/background`: color, depth of the empty scene
+/// - `/board`: color, depth of the chessboard in many poses
+/// - `/truth`: simulated recordings only
 
-/// Writes a recording; the file appears, whole, with `finish`. The glove streams, clips and truth
-/// are given at once, images one at a time.
+/// Writes a recording; the file appears, whole, with `finish`. The glove streams, clips and truth are
+/// given at once, images one at a time.
 class RecordingWriter {
  public:
   RecordingWriter(const std::filesystem::path& path, const CameraInfo& camera, bool overwrite);
@@ -37,9 +38,8 @@ class RecordingWriter {
   std::unique_ptr<File> file_;
 };
 
-/// Opens a recording and checks it: schema, shapes, checksums as they are read, finite and
-/// increasing times. Every fault is a data_error that says what is wrong and what to do. Untrusted
-/// files are safe.
+/// Opens a recording and checks it: schema, shapes, checksums as they are read, finite and increasing
+/// times. Every fault is a data_error that says what is wrong and what to do. Untrusted files are safe.
 class RecordingReader {
  public:
   explicit RecordingReader(const std::filesystem::path& path);

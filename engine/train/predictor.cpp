@@ -16,10 +16,9 @@ constexpr int block_sequences = 32, block_steps = 20;
 
 nlohmann::json parse_metadata(const TensorFile& file, const char* key) {
   const auto found = file.metadata.find(key);
-  const auto json = found == file.metadata.end()
-                        ? nlohmann::json()
-                        : nlohmann::json::parse(found->second, nullptr, false);
-  if (!json.is_object())
+  auto json =
+      nlohmann::json::parse(found == file.metadata.end() ? "" : found->second, nullptr, false);
+  if (json.is_discarded())
     throw data_error(fmt::format("the model has no valid '{}' among its metadata", key),
                      "use a model that touchtrace train wrote");
   return json;
@@ -29,7 +28,7 @@ ModelSpec spec_of(const TensorFile& file) {
   try {
     return parse_metadata(file, "spec").get<ModelSpec>();
   } catch (const nlohmann::json::exception&) {
-    throw data_error("the model's specification lacks a member",
+    throw data_error("the model's specification is not one",
                      "use a model that touchtrace train wrote");
   }
 }
@@ -47,12 +46,12 @@ struct Predictor::Plan {
       : runtime(on),
         file(read_safetensors(path)),
         spec(spec_of(file)),
-        metadata(parse_metadata(file, "metadata")) {}
+        metadata(parse_metadata(file, "metadata")) {
+    fit(1, 1);  // so that a file without all weights is refused at once
+  }
 
-  /// A model of the batch's size, at most a block; kept from call to call.
-  void fit(const RolloutBatch& batch) {
-    const int sequences = std::min(batch.sequences, block_sequences);
-    const int steps = std::min(batch.steps, block_steps);
+  /// A model of this size, kept from call to call.
+  void fit(int sequences, int steps) {
     if (model && model->sequences() == sequences && model->steps() == steps) return;
     model = std::make_unique<Model>(runtime, spec, sequences, steps, Model::Use::prediction);
     runtime.write<float>(model->weights().values, values_of(model->table(), file));
@@ -110,7 +109,7 @@ Rollout Predictor::predict(const RolloutBatch& batch, std::span<const float> tac
   const auto values = std::size_t(batch.sequences) * batch.steps * spec.state;
   Rollout rollout{std::vector<float>(values), std::vector<float>(values)};
   if (values == 0) return rollout;
-  plan_->fit(batch);
+  plan_->fit(std::min(batch.sequences, block_sequences), std::min(batch.steps, block_steps));
   const auto stream = spec.touch ? plan_->runtime.upload(tactile) : Buffer<float>();
   for (int s = 0; s < batch.sequences; s += plan_->model->sequences())
     plan_->predict({batch, s, 0}, stream, frames, rollout);

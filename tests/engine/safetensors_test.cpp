@@ -1,0 +1,148 @@
+#include "engine/train/safetensors.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+
+namespace touchtrace {
+namespace {
+
+class Safetensors : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("safetensors_" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+               std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path path() const { return folder_ / "file.safetensors"; }
+
+  /// Writes a header, its length (unless `length` replaces it) and the data, and reads it back.
+  TensorFile read_back(const std::string& header, const std::string& data,
+                       std::uint64_t length = 0) {
+    const std::uint64_t size = length ? length : header.size();
+    std::string bytes(sizeof size, '\0');
+    std::memcpy(bytes.data(), &size, sizeof size);
+    write_file(path(), bytes + header + data, true);
+    return read_safetensors(path());
+  }
+
+  void expect_refused(const std::string& header, const std::string& data,
+                      std::uint64_t length = 0) {
+    try {
+      read_back(header, data, length);
+      ADD_FAILURE() << "accepted: " << header.substr(0, 200);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::data) << error.what();
+      EXPECT_NE(std::string(error.what()).find("file.safetensors"), std::string::npos);
+    }
+  }
+
+  std::filesystem::path folder_;
+};
+
+const std::string four(4, '\1'), eight(8, '\1');
+
+TEST_F(Safetensors, GivesBackWhatWasWritten) {
+  const TensorFile file{
+      {{"spec", R"({"touch":true})"}},
+      {{"b", {2, 3}, {1, 2, 3, 4, 5, 6}}, {"a", {}, {-0.5f}}, {"none", {0, 4}, {}}}};
+  write_safetensors(path(), file, false);
+  const auto read = read_safetensors(path());
+  EXPECT_EQ(read.metadata, file.metadata);
+  ASSERT_EQ(read.tensors.size(), 3u);
+  EXPECT_EQ(read.at("b", 6).values, file.tensors[0].values);
+  EXPECT_EQ(read.at("b", 6).shape, file.tensors[0].shape);
+  EXPECT_EQ(read.at("a", 1).values, file.tensors[1].values);
+  EXPECT_THROW(read.at("b", 5), Error);
+  EXPECT_THROW(read.at("c", 1), Error);
+  EXPECT_THROW(write_safetensors(path(), file, false), Error) << "an existing file was overwritten";
+}
+
+TEST_F(Safetensors, IsReadByPlainPython) {
+  write_safetensors(path(), {{{"note", "x"}}, {{"w", {2, 2}, {1, 2, 3, 4.5f}}, {"v", {1}, {7}}}},
+                    false);
+  const std::string script =
+      "import json,struct,sys;b=open(sys.argv[1],'rb').read();n,=struct.unpack('<Q',b[:8]);"
+      "h=json.loads(b[8:8+n]);d=b[8+n:];assert n%8==0;assert h.pop('__metadata__')=={'note':'x'};"
+      "t={k:struct.unpack('<%df'%((r['data_offsets'][1]-r['data_offsets'][0])//4),"
+      "d[r['data_offsets'][0]:r['data_offsets'][1]]) for k,r in h.items()};"
+      "assert t=={'w':(1,2,3,4.5),'v':(7,)},t;assert h['w']['shape']==[2,2];"
+      "assert h['w']['dtype']=='F32'";
+  EXPECT_EQ(std::system(("/usr/bin/python3 -c \"" + script + "\" " + path().string()).c_str()), 0);
+}
+
+TEST_F(Safetensors, TakesPaddedHeadersAndAnyOrder) {
+  const auto file = read_back(R"({"b":{"dtype":"F32","shape":[1],"data_offsets":[4,8]},)"
+                              R"("a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]}}   )",
+                              eight);
+  EXPECT_EQ(file.tensors.front().name, "a");
+}
+
+TEST_F(Safetensors, RefusesWhatIsNotWhole) {
+  const std::string header = R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})";
+  EXPECT_NO_THROW(read_back(header, eight));
+  expect_refused(header, four);
+  expect_refused(header, eight + four);
+  expect_refused(header, eight, header.size() + 100);
+  expect_refused(header, eight, ~std::uint64_t{0});
+  expect_refused(header, eight, std::uint64_t{1} << 40);
+  expect_refused(header.substr(0, 20), "");
+  expect_refused("", "");
+  expect_refused("[1]", "");
+  write_file(path(), "abc", true);
+  EXPECT_THROW(read_safetensors(path()), Error);
+}
+
+TEST_F(Safetensors, RefusesEveryTruncation) {
+  write_safetensors(path(), {{{"k", "v"}}, {{"w", {3}, {1, 2, 3}}, {"x", {1}, {4}}}}, false);
+  const auto whole = read_file(path());
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    write_file(path(), whole.substr(0, size), true);
+    EXPECT_THROW(read_safetensors(path()), Error) << size << " bytes of " << whole.size();
+  }
+}
+
+TEST_F(Safetensors, RefusesOverlapsGapsAndBadRows) {
+  const auto two = [](const std::string& first, const std::string& second) {
+    return R"({"a":{"dtype":"F32","shape":[1],"data_offsets":)" + first +
+           R"(},"b":{"dtype":"F32","shape":[1],"data_offsets":)" + second + "}}";
+  };
+  EXPECT_NO_THROW(read_back(two("[0,4]", "[4,8]"), eight));
+  for (const std::string bad :
+       {"[0,4]", "[2,6]", "[5,9]", "[8,4]", "[-4,0]", "[4]", "[4,8,9]", "[4.0,8.0]", "\"x\"",
+        "[18446744073709551612,18446744073709551616]"})
+    expect_refused(two("[0,4]", bad), eight);
+}
+
+TEST_F(Safetensors, RefusesBadShapesTypesAndKeys) {
+  const auto one = [](const std::string& dtype, const std::string& shape) {
+    return R"({"a":{"dtype":)" + dtype + R"(,"shape":)" + shape + R"(,"data_offsets":[0,8]}})";
+  };
+  EXPECT_NO_THROW(read_back(one(R"("F32")", "[2]"), eight));
+  for (const std::string shape : {"[3]", "[-2]", "[2.0]", "2", "[[2]]", "[4294967296,4294967296]",
+                                  "[9223372036854775809,2]", "null"})
+    expect_refused(one(R"("F32")", shape), eight);
+  for (const std::string dtype : {R"("F64")", R"("I32")", "7"})
+    expect_refused(one(dtype, "[2]"), eight);
+  expect_refused(R"({"a":{"shape":[2],"data_offsets":[0,8]}})", eight);
+  expect_refused(R"({"a":7})", "");
+  expect_refused(R"({"__metadata__":{"k":7}})", "");
+  expect_refused(R"({"a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]},)"
+                 R"("a":{"dtype":"F32","shape":[1],"data_offsets":[4,8]}})",
+                 eight);
+  expect_refused(R"({"a":{"dtype":"F32","shape":[2],"shape":[2],"data_offsets":[0,8]}})", eight);
+  expect_refused("{\"a\":" + std::string(100'000, '['), "");
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -6,6 +6,7 @@ const std::vector<Verb>& verbs() {
   static const std::vector<Verb> table{
       doctor_verb(),
       devices_verb(),
+      simulate_verb(),
       verify_verb(),
   };
   return table;

@@ -29,6 +29,13 @@ Eigen::Quaterniond small_rotation(RandomStream& random, double deviation_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn.normalized()));
 }
 
+/// What the depth camera's driver reports: within a thousandth, as factory calibrations are.
+std::array<double, 4> factory_intrinsics(RandomStream random, const PinholeCamera& camera) {
+  constexpr double error = 1e-3;
+  return {camera.fx * random.normal(1.0, error), camera.fy * random.normal(1.0, error),
+          camera.cx + camera.width * random.normal(0.0, error), camera.cy + camera.width * random.normal(0.0, error)};
+}
+
 /// Looks along +y of the world, `pitch_rad` down; camera axes x right, y down, z forward.
 Eigen::Isometry3d looking_at_person(const Eigen::Vector3d& position_m, double pitch_rad) {
   Eigen::Matrix3d level;
@@ -79,7 +86,7 @@ RgbdCamera make_camera(const SceneOptions& options) {
       random.normal(0.0, 5e-4), random.normal(0.0, 5e-4), 0.0;
   camera.depth = specimen(random, options.image_width, options.image_height, 608.0);
   camera.depth_from_color = depth_pose(random);
-  camera.color_from_world = looking_at_person({random.normal(0.0, 0.02), -1.3, random.normal(1.35, 0.02)},
+  camera.color_from_world = looking_at_person({random.normal(-0.08, 0.02), -1.3, random.normal(1.35, 0.02)},
                                               random.normal(8.0, 1.0) * radians_per_degree);
   camera.sensor.scale = random.normal(1.0, 0.004);
   camera.sensor.offset_m = random.normal(0.0, 0.005);
@@ -95,6 +102,7 @@ CameraInfo camera_info(const RgbdCamera& camera, const SceneOptions& options) {
   CameraInfo info;
   info.width = camera.color.width, info.height = camera.color.height;
   info.depth_unit_m = camera.depth_unit_m;
+  info.depth_intrinsics = factory_intrinsics(RandomStream(options.seed, "factory calibration"), camera.depth);
   info.gravity = {gravity.x(), gravity.y(), gravity.z()};
   return info;
 }

@@ -23,6 +23,7 @@ std::vector<hsize_t> with_rows(hsize_t rows, const std::vector<hsize_t>& row_sha
 
 Handle creation_properties(const std::vector<hsize_t>& chunk, bool shuffled) {
   Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "dataset properties");
+  check(H5Pset_obj_track_times(properties, false), "dataset properties");
   check(H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data()), "chunks");
   if (shuffled) check(H5Pset_shuffle(properties), "shuffle");
   check(H5Pset_deflate(properties, 1), "deflate");

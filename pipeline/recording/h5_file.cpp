@@ -19,7 +19,9 @@ Handle latest_format() {
 }  // namespace
 
 Handle create_file(const fs::path& path) {
-  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, latest_format()), H5Fclose,
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "file creation");
+  check(H5Pset_obj_track_times(creation, false), "file creation");
+  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, latest_format()), H5Fclose,
           path.string()};
 }
 

@@ -11,7 +11,8 @@
 
 namespace touchtrace::h5 {
 
-/// A new file, libver latest: its metadata carry checksums. Replaces one that exists.
+/// A new file, libver latest: its metadata carry checksums. Replaces one that exists. No time
+/// stamps: the same content makes the same bytes.
 Handle create_file(const std::filesystem::path& path);
 
 /// Flushes and closes. H5Fclose alone returns 0 on a full disk.

@@ -33,8 +33,10 @@ std::vector<hsize_t> row_shape(const std::vector<Axis>& axes) {
 Saver::Saver(Handle group) : group_(std::move(group)) {}
 
 Saver Saver::group(const std::string& name) const {
-  return Saver(Handle(H5Gcreate2(group_, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                      H5Gclose, name));
+  const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, name);
+  check(H5Pset_obj_track_times(creation, false), name);
+  return Saver(
+      Handle(H5Gcreate2(group_, name.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose, name));
 }
 
 void Saver::attribute(const std::string& name, const std::string& value) {

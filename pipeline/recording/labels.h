@@ -23,7 +23,7 @@ struct LabelledBody {
 /// 0 is good; bits say why a label is less than that.
 enum LabelQuality : std::uint8_t {
   quality_good = 0,
-  quality_lost = 1,      ///< nothing was measured nearby: the state is a prediction
+  quality_lost = 1,      ///< nothing was measured nearby: the state is a prediction, or NaN
   quality_follows = 2,   ///< the object was not told from the hand and follows its motion
   quality_gap = 4,       ///< outside the measured time
 };

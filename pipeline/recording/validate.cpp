@@ -114,12 +114,23 @@ void validate_body(const Truth::Body& body, const std::string& name) {
   require_finite(body.orientation_wxyz, name + "/orientation_wxyz");
 }
 
+/// `values` hold `size` numbers a label; a label that is lost may hold none.
+void require_finite_where_known(const std::vector<double>& values, std::size_t size,
+                                const std::vector<std::uint8_t>& quality, const std::string& name) {
+  for (std::size_t i = 0; i < quality.size(); ++i)
+    if ((quality[i] & (quality_lost | quality_gap)) == 0)
+      require_finite(std::span(values).subspan(size * i, size), fmt::format("{} at {}", name, i));
+}
+
 void validate_body(const LabelledBody& body, const std::string& name) {
-  require_finite(body.position_m, name + "/position_m");
-  require_finite(body.velocity_m_per_s, name + "/velocity_m_per_s");
-  require_finite(body.covariance, name + "/covariance");
-  require_finite(body.causal_position_m, name + "/causal_position_m");
-  require_finite(body.causal_velocity_m_per_s, name + "/causal_velocity_m_per_s");
+  const auto check = [&](const std::vector<double>& values, std::size_t size, const char* part) {
+    require_finite_where_known(values, size, body.quality, name + part);
+  };
+  check(body.position_m, 3, "/position_m");
+  check(body.velocity_m_per_s, 3, "/velocity_m_per_s");
+  check(body.covariance, 36, "/covariance");
+  check(body.causal_position_m, 3, "/causal_position_m");
+  check(body.causal_velocity_m_per_s, 3, "/causal_velocity_m_per_s");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "engine/base/error.h"
+#include "engine/base/files.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
@@ -84,6 +85,15 @@ TEST(RecordingFile, EveryBitComesBack) {
   expect_same(reader.read_background(0), sample.background[0]);
   ASSERT_EQ(reader.board_views(), 2u);
   expect_same(reader.read_board_view(1), sample.board[1]);
+}
+
+TEST(RecordingFile, TheSameContentMakesTheSameBytes) {
+  const TemporaryFolder folder;
+  const auto sample = sample_recording();
+  write(sample, folder / "a.h5");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 keeps times in seconds
+  write(sample, folder / "b.h5");
+  EXPECT_EQ(sha256_of_file(folder / "a.h5"), sha256_of_file(folder / "b.h5"));
 }
 
 TEST(RecordingFile, TruthComesBackAndOnlyWhereItWasWritten) {

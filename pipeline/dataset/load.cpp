@@ -1,0 +1,178 @@
+#include "pipeline/dataset/load.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "engine/base/provenance.h"
+#include "pipeline/dataset/tactile_image.h"
+#include "pipeline/recording/labels.h"
+#include "pipeline/recording/recording_file.h"
+
+namespace touchtrace {
+namespace {
+
+/// Clocks are aligned to milliseconds; a label further from its frame belongs to another recording.
+constexpr double most_alignment_s = 1.0;
+
+[[noreturn]] void reject(const LabelledRecording& source, const std::string& fault) {
+  throw data_error(fmt::format("{} does not fit {}: {}", source.labels.string(),
+                               source.recording.string(), fault),
+                   "give each recording the labels that `touchtrace label` made from it");
+}
+
+State state_of(const std::vector<double>& object_m, const std::vector<double>& object_m_per_s,
+               const std::vector<double>& hand_m, const std::vector<double>& hand_m_per_s,
+               std::size_t i) {
+  State state;
+  const std::vector<double>* parts[] = {&object_m, &object_m_per_s, &hand_m, &hand_m_per_s};
+  for (std::size_t d = 0; d < state_size; ++d)
+    state[d] = static_cast<float>((*parts[d / 3])[3 * i + d % 3]);
+  return state;
+}
+
+bool is_finite(const State& state) {
+  return std::all_of(state.begin(), state.end(), [](float value) { return std::isfinite(value); });
+}
+
+/// One recording being added to a dataset.
+class Addition {
+ public:
+  Addition(Dataset& dataset, const LabelledRecording& source, int number, int resolution)
+      : dataset_(dataset),
+        source_(source),
+        number_(number),
+        reader_(source.recording),
+        labels_(read_labels(source.labels)) {
+    check_labels();
+    check_kind(resolution);
+  }
+
+  void add_clips() {
+    const auto& clip = labels_.clip;
+    for (auto first = clip.begin(); first != clip.end();) {
+      const auto last = std::find_if(first, clip.end(), [&](auto c) { return c != *first; });
+      add_clip(*first, static_cast<std::size_t>(first - clip.begin()),
+               static_cast<std::size_t>(last - clip.begin()));
+      first = last;
+    }
+  }
+
+ private:
+  const GloveStream& glove() const { return reader_.recording().gloves.front(); }
+
+  void check_labels() const;
+  void check_kind(int resolution);
+  void add_clip(int clip, std::size_t first, std::size_t last);
+  void add_image(std::int64_t glove_frame);
+  State label(std::size_t i) const {
+    return state_of(labels_.object.position_m, labels_.object.velocity_m_per_s,
+                    labels_.hand.position_m, labels_.hand.velocity_m_per_s, i);
+  }
+  State causal_label(std::size_t i) const {
+    return state_of(labels_.object.causal_position_m, labels_.object.causal_velocity_m_per_s,
+                    labels_.hand.causal_position_m, labels_.hand.causal_velocity_m_per_s, i);
+  }
+
+  Dataset& dataset_;
+  const LabelledRecording& source_;
+  int number_;
+  RecordingReader reader_;
+  Labels labels_;
+};
+
+void Addition::check_labels() const {
+  const Recording& recording = reader_.recording();
+  if (recording.gloves.empty())
+    throw data_error(fmt::format("{} has no glove", source_.recording.string()),
+                     "train and evaluate on a recording made with a glove");
+  if (labels_.activity != recording.activity) reject(source_, "the activities differ");
+  if (labels_.clips.size() != recording.clips.size()) reject(source_, "the clips differ");
+  const auto hash = labels_.provenance.input_hash(source_.recording);
+  if (!hash.empty() && hash != sha256_of_file(source_.recording))
+    reject(source_, "they were made from another file of that name");
+  const auto frames = static_cast<std::int64_t>(glove().frames());
+  for (std::size_t i = 0; i < labels_.time_s.size(); ++i) {
+    const std::int64_t frame = labels_.glove_frame[i];
+    if (frame < 0) continue;
+    if (frame >= frames ||
+        !(std::abs(labels_.time_s[i] - glove().host_time_s[static_cast<std::size_t>(frame)]) <=
+          most_alignment_s))
+      reject(source_, fmt::format("label {} belongs to no frame of the glove", i));
+  }
+}
+
+void Addition::check_kind(int resolution) {
+  const GloveInfo& info = glove().info;
+  Dataset kind;
+  kind.activity = labels_.activity;
+  kind.rows = resolution > 0 ? resolution : info.rows;
+  kind.cols = resolution > 0 ? resolution : info.cols;
+  kind.rate_hz = info.rate_hz;
+  if (number_ == 0) dataset_ = kind;
+  if (kind.activity != dataset_.activity || kind.rows != dataset_.rows ||
+      kind.cols != dataset_.cols || kind.rate_hz != dataset_.rate_hz)
+    throw data_error(
+        fmt::format("{} is of another activity, rate or glove than the recordings before it",
+                    source_.recording.string()),
+        "train and evaluate on recordings of one kind at a time");
+}
+
+void Addition::add_image(std::int64_t glove_frame) {
+  const auto pixels = static_cast<std::size_t>(dataset_.rows * dataset_.cols);
+  auto& tactile = dataset_.tactile;
+  tactile.resize(tactile.size() + pixels);
+  const auto image = std::span(tactile).last(pixels);
+  if (glove_frame < 0) {
+    std::copy_n(image.begin() - static_cast<std::ptrdiff_t>(pixels), pixels, image.begin());
+    return;
+  }
+  const GloveInfo& info = glove().info;
+  const auto taxels = static_cast<std::size_t>(info.taxels());
+  std::vector<float> pressure(taxels);
+  pressure_of(
+      info,
+      std::span(glove().counts).subspan(static_cast<std::size_t>(glove_frame) * taxels, taxels),
+      pressure);
+  AreaAverage(info.rows, info.cols, dataset_.rows, dataset_.cols).apply(pressure, image);
+}
+
+void Addition::add_clip(int clip, std::size_t first, std::size_t last) {
+  const Clip& info = labels_.clips[static_cast<std::size_t>(clip)];
+  while (first < last && labels_.glove_frame[first] < 0) ++first;
+  if (info.dropped || first == last) return;
+  for (std::size_t i = first; i < last; ++i)
+    if (!is_finite(label(i)) || !is_finite(causal_label(i))) return;
+  dataset_.sequences.push_back({dataset_.frames(), static_cast<int>(last - first), info.object,
+                                split_of_clip(clip), number_, clip});
+  for (std::size_t i = first; i < last; ++i) {
+    add_image(labels_.glove_frame[i]);
+    dataset_.label.push_back(label(i));
+    dataset_.causal_label.push_back(causal_label(i));
+    dataset_.trusted.push_back(labels_.hand.quality[i] == quality_good &&
+                               labels_.object.quality[i] == quality_good);
+    dataset_.time_s.push_back(labels_.time_s[i]);
+  }
+}
+
+}  // namespace
+
+Split split_of_clip(int clip) {
+  if (clip % 5 == 1) return Split::evaluation;
+  return clip % 10 == 3 ? Split::validation : Split::train;
+}
+
+Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution) {
+  Dataset dataset;
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    Addition(dataset, sources[i], static_cast<int>(i), resolution).add_clips();
+  if (dataset.sequences.empty())
+    throw data_error("the recordings hold no labelled clip that can be used",
+                     "see with `touchtrace check` whether objects fell or tracks were lost");
+  return dataset;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,58 @@
+#include "pipeline/dataset/tactile_image.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/error.h"
+
+namespace touchtrace {
+
+void pressure_of(const GloveInfo& info, std::span<const std::uint16_t> counts,
+                 std::span<float> pressure) {
+  const auto range = static_cast<float>((1 << info.bits) - 1);
+  const auto sign = static_cast<float>(info.polarity);
+  for (std::size_t i = 0; i < pressure.size(); ++i) {
+    const float touched = sign * (static_cast<float>(counts[i]) - info.baseline_counts[i]) / range;
+    pressure[i] = info.mask[i] ? std::clamp(touched, 0.0f, 1.0f) : 0.0f;
+  }
+}
+
+AreaAverage::Axis AreaAverage::divide(int taxels, int cells) {
+  if (cells < 1 || cells > taxels)
+    throw usage_error(fmt::format("{} taxels cannot be averaged to {}", taxels, cells),
+                      fmt::format("choose a resolution from 1 to {}", taxels));
+  Axis axis;
+  const double width = static_cast<double>(taxels) / cells;
+  for (int cell = 0; cell < cells; ++cell) {
+    const double start = cell * width, end = cell + 1 == cells ? taxels : (cell + 1) * width;
+    const int first = static_cast<int>(start);
+    axis.first.push_back(first);
+    auto& share = axis.share.emplace_back();
+    for (int taxel = first; taxel < end; ++taxel) {
+      const double shared = std::min<double>(taxel + 1, end) - std::max<double>(taxel, start);
+      share.push_back(static_cast<float>(shared / width));
+    }
+  }
+  return axis;
+}
+
+AreaAverage::AreaAverage(int rows, int cols, int out_rows, int out_cols)
+    : row_(divide(rows, out_rows)), col_(divide(cols, out_cols)), cols_(cols) {}
+
+void AreaAverage::apply(std::span<const float> in, std::span<float> out) const {
+  auto cell = out.begin();
+  for (std::size_t r = 0; r < row_.first.size(); ++r)
+    for (std::size_t c = 0; c < col_.first.size(); ++c) {
+      float sum = 0.0f;
+      for (std::size_t i = 0; i < row_.share[r].size(); ++i) {
+        const auto from = (row_.first[r] + i) * cols_ + col_.first[c];
+        for (std::size_t j = 0; j < col_.share[c].size(); ++j)
+          sum += row_.share[r][i] * col_.share[c][j] * in[from + j];
+      }
+      *cell++ = sum;
+    }
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,197 @@
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <set>
+
+#include "engine/base/error.h"
+#include "pipeline/dataset/load.h"
+#include "pipeline/dataset/tactile_image.h"
+#include "tests/pipeline/recording_samples.h"
+
+namespace touchtrace {
+namespace {
+
+using testing::sample_labels;
+using testing::sample_recording;
+using testing::SampleRecording;
+using testing::TemporaryFolder;
+
+/// Sample files, bent by the test before they are written.
+struct Files {
+  SampleRecording sample = sample_recording();
+  Labels labels = sample_labels(sample.recording);
+  TemporaryFolder folder;
+
+  LabelledRecording written() {
+    write(sample, folder / "r.h5", true, true);
+    write_labels(folder / "l.h5", labels, true);
+    return {folder / "r.h5", folder / "l.h5"};
+  }
+};
+
+TEST(AreaAverage, KeepsTheMeanAtEveryResolution) {
+  std::vector<float> image(32 * 32);
+  RandomStream random(1, "image");
+  for (float& value : image) value = static_cast<float>(random.uniform());
+  const double mean = std::accumulate(image.begin(), image.end(), 0.0) / 1024.0;
+  for (int size : {32, 31, 24, 16, 12, 8, 7, 6, 1}) {
+    std::vector<float> coarse(static_cast<std::size_t>(size * size));
+    AreaAverage(32, 32, size, size).apply(image, coarse);
+    const double coarse_mean = std::accumulate(coarse.begin(), coarse.end(), 0.0) / (size * size);
+    // Each cell is a sum of up to 32 x 32 products of floats, each rounded to 2^-24 of at most 1.
+    EXPECT_NEAR(coarse_mean, mean, 1024 * 0x1p-24) << size;
+  }
+}
+
+TEST(AreaAverage, SharesATaxelBetweenCellsByArea) {
+  const std::vector<float> row{1.0f, 10.0f, 100.0f};
+  std::vector<float> halves(2);
+  AreaAverage(1, 3, 1, 2).apply(row, halves);
+  EXPECT_FLOAT_EQ(halves[0], (1.0f + 5.0f) / 1.5f);
+  EXPECT_FLOAT_EQ(halves[1], (5.0f + 100.0f) / 1.5f);
+  EXPECT_THROW(AreaAverage(3, 3, 4, 3), Error);
+}
+
+TEST(Pressure, KnowsPolarityBaselineRangeAndMask) {
+  GloveInfo info;
+  info.rows = 1, info.cols = 4, info.bits = 10, info.polarity = -1;
+  info.baseline_counts = {1000.0f, 1000.0f, 1000.0f, 1000.0f};
+  info.mask = {1, 1, 0, 1};
+  const std::vector<std::uint16_t> counts{1000, 488, 488, 1023};
+  std::vector<float> pressure(4);
+  pressure_of(info, counts, pressure);
+  EXPECT_EQ(pressure, (std::vector<float>{0.0f, 512.0f / 1023.0f, 0.0f, 0.0f}));
+}
+
+TEST(Splits, AreByClipAndKeepTheirShares) {
+  std::array<int, 3> count{};
+  for (int clip = 0; clip < 100; ++clip) ++count[static_cast<std::size_t>(split_of_clip(clip))];
+  EXPECT_EQ(count, (std::array<int, 3>{70, 10, 20}));
+}
+
+TEST(Dataset, SequencesAreWholeClipsInOrder) {
+  Files files;
+  const Dataset data = load_dataset({files.written()});
+  ASSERT_EQ(data.sequences.size(), 2u);
+  EXPECT_EQ(data.sequences[0].split, Split::train);
+  EXPECT_EQ(data.sequences[1].split, Split::evaluation);
+  EXPECT_EQ(data.sequences[1].object, "box");
+  int next = 0;
+  for (const auto& sequence : data.sequences) {
+    EXPECT_EQ(sequence.first_frame, next);
+    const Clip& clip = files.sample.recording.clips[static_cast<std::size_t>(sequence.clip)];
+    for (int f = next; f < next + sequence.frames; ++f) {
+      EXPECT_GE(data.time_s[f], clip.start_s);
+      EXPECT_LE(data.time_s[f], clip.end_s);
+    }
+    next += sequence.frames;
+  }
+  EXPECT_EQ(next, data.frames());
+  EXPECT_EQ(data.frames(), 40);
+  EXPECT_EQ(data.tactile.size(), 40u * 30u);
+}
+
+TEST(Dataset, ALostFrameHoldsTheImageBeforeIt) {
+  Files files;
+  const Dataset data = load_dataset({files.written()});
+  const auto image = [&](int f) {
+    return std::span(data.tactile).subspan(static_cast<std::size_t>(f) * 30, 30);
+  };
+  ASSERT_EQ(files.labels.glove_frame[7], -1);
+  EXPECT_TRUE(std::ranges::equal(image(7), image(6)));
+  EXPECT_FALSE(std::ranges::equal(image(8), image(7)));
+}
+
+TEST(Dataset, StatesAreObjectThenHand) {
+  Files files;
+  const Dataset data = load_dataset({files.written()});
+  EXPECT_EQ(data.label[3][1], static_cast<float>(files.labels.object.position_m[10]));
+  EXPECT_EQ(data.label[3][4], static_cast<float>(files.labels.object.velocity_m_per_s[10]));
+  EXPECT_EQ(data.label[3][7], static_cast<float>(files.labels.hand.position_m[10]));
+  EXPECT_EQ(data.causal_label[3][10],
+            static_cast<float>(files.labels.hand.causal_velocity_m_per_s[10]));
+}
+
+TEST(Dataset, LeavesOutWhatCannotTeach) {
+  Files files;
+  files.labels.object.quality[2] = quality_follows;
+  files.labels.clips[1].dropped = true;
+  const Dataset data = load_dataset({files.written()});
+  ASSERT_EQ(data.sequences.size(), 1u);
+  EXPECT_EQ(data.trusted[2], 0);
+  EXPECT_EQ(data.trusted[3], 1);
+
+  files.labels.clips[1].dropped = false;
+  files.labels.hand.quality[5] = quality_lost;
+  files.labels.hand.position_m[15] = std::nan("");
+  const Dataset other = load_dataset({files.written()});
+  ASSERT_EQ(other.sequences.size(), 1u);
+  EXPECT_EQ(other.sequences[0].clip, 1);
+}
+
+TEST(Dataset, RefusesLabelsOfAnotherRecording) {
+  Files files;
+  const auto source = files.written();
+  files.labels.provenance.add_input(source.recording);
+  EXPECT_NO_THROW(load_dataset({files.written()}));
+  files.labels.provenance.inputs[0].sha256[0] ^= 1;
+  EXPECT_THROW(load_dataset({files.written()}), Error);
+  files.labels.provenance.inputs.clear();
+  for (double& t : files.labels.time_s) t += 5.0;
+  EXPECT_THROW(load_dataset({files.written()}), Error);
+  files.labels.activity = "throw";
+  EXPECT_THROW(load_dataset({files.written()}), Error);
+}
+
+TEST(Dataset, RefusesARecordingWithoutGloveAndAFinerGridThanTheGloves) {
+  Files files;
+  EXPECT_THROW(load_dataset({files.written()}, 6), Error);
+  EXPECT_EQ(load_dataset({files.written()}, 5).cols, 5);
+  files.sample.recording.gloves.clear();
+  EXPECT_THROW(load_dataset({files.written()}), Error);
+}
+
+TEST(Dataset, NormalizationIsOfTheTrustedTrainingLabels) {
+  Files files;
+  files.labels.object.quality[4] = quality_lost;
+  const Dataset data = load_dataset({files.written()});
+  const Normalization scaling = fit_normalization(data);
+  std::vector<double> values;
+  for (int f = 0; f < 20; ++f)
+    if (f != 4) values.push_back(data.label[f][9]);
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / 19.0;
+  double square = 0.0;
+  for (double value : values) square += (value - mean) * (value - mean);
+  EXPECT_FLOAT_EQ(scaling.mean[9], static_cast<float>(mean));
+  EXPECT_FLOAT_EQ(scaling.deviation[9], static_cast<float>(std::sqrt(square / 19.0)));
+  const State back = scaling.unscaled(scaling.scaled(data.label[3]));
+  for (int d = 0; d < state_size; ++d) EXPECT_NEAR(back[d], data.label[3][d], 1e-5);
+}
+
+TEST(Dataset, TruthIsInterpolatedAtTheLabels) {
+  Files files;
+  const auto source = files.written();
+  Dataset data = load_dataset({source});
+  EXPECT_TRUE(data.truth.empty());
+  attach_truth(data, {source});
+  ASSERT_EQ(data.truth.size(), data.label.size());
+  for (int f = 0; f < data.frames(); ++f)
+    for (int d = 0; d < 3; ++d) {
+      const double rate = d + 1.0, t = data.time_s[f], h = 1.0 / testing::sample_truth_rate_hz;
+      // Hermite: h^4/384 max|p''''|; linear: h^2/8 max|v''|; both of 0.1 sin(rate t). At a clip's
+      // end up to one interval is extrapolated: h^2/2 max|p''| and h max|v'|. Half a float's digit
+      // beside it.
+      const bool inside =
+          t <= files.sample.recording.clips[data.sequences[f < 20 ? 0 : 1].clip].end_s - h;
+      const double position_bound =
+          inside ? std::pow(h * rate, 4) / 3840 : std::pow(h * rate, 2) / 20;
+      const double velocity_bound =
+          inside ? rate * std::pow(h * rate, 2) / 80 : rate * rate * h / 10;
+      EXPECT_NEAR(data.truth[f][d], 0.1 * std::sin(rate * t), position_bound + 1e-8);
+      EXPECT_NEAR(data.truth[f][d + 9], 0.1 * rate * std::cos(rate * t + 0.5),
+                  velocity_bound + 2e-8);
+    }
+}
+
+}  // namespace
+}  // namespace touchtrace

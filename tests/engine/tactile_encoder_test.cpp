@@ -1,0 +1,169 @@
+#include "engine/model/tactile_encoder.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "engine/base/error.h"
+#include "engine/base/random.h"
+#include "engine/ops/conv2d_reference.h"
+#include "engine/ops/host_arrays.h"
+#include "engine/ops/tactile_window_reference.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr int windows = 3, stream_frames = 40;
+
+std::vector<double> normal_floats(std::size_t size, const char* name) {
+  RandomStream random(20, name);
+  std::vector<double> values(size);
+  for (auto& value : values) value = static_cast<float>(random.normal());
+  return values;
+}
+
+double norm_of_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double difference = 0.0, norm = 0.0;
+  for (std::size_t i = 0; i < b.size(); ++i)
+    difference += (a[i] - b[i]) * (a[i] - b[i]), norm += b[i] * b[i];
+  return a.size() == b.size() ? std::sqrt(difference / norm) : NAN;
+}
+
+/// The encoder in plain loops.
+class Reference {
+ public:
+  Reference(const ModelSpec& spec, const ParameterTable& table,
+            const std::vector<double>& parameters, const std::vector<double>& stream,
+            const std::vector<int>& last_frame, const TaxelDropout& dropout)
+      : table_(table), parameters_(parameters) {
+    activations_.push_back(tactile_window_reference(
+        {windows, spec.window_frames, spec.rows, spec.cols}, stream, last_frame, dropout));
+    Conv2dShape shape{windows, spec.window_frames, spec.rows, spec.cols, 32, true};
+    for (int layer = 1; layer <= 3; ++layer) {
+      shapes_.push_back(shape);
+      activations_.push_back(
+          conv2d_reference(shape, activations_.back(), weight(layer), bias(layer)));
+      shape = {windows,          shape.out_channels,     shape.out_rows(),
+               shape.out_cols(), 2 * shape.out_channels, false};
+    }
+  }
+
+  const std::vector<double>& features() const { return activations_.back(); }
+
+  std::vector<double> gradient(std::vector<double> grad) const {
+    std::vector<double> flat(table_.size());
+    for (int layer = 3; layer >= 1; --layer) {
+      for (std::size_t i = 0; i < grad.size(); ++i)
+        if (!(activations_[layer][i] > 0)) grad[i] = 0;
+      auto g = conv2d_backward_reference(shapes_[layer - 1], activations_[layer - 1], weight(layer),
+                                         grad);
+      std::ranges::copy(g.weight, flat.begin() + row(layer, "weight").offset);
+      std::ranges::copy(g.bias, flat.begin() + row(layer, "bias").offset);
+      grad = g.in;
+    }
+    return flat;
+  }
+
+ private:
+  const Parameter& row(int layer, const std::string& what) const {
+    return table_.at("tactile.conv" + std::to_string(layer) + "." + what);
+  }
+  std::vector<double> slice(const Parameter& p) const {
+    return {parameters_.begin() + p.offset, parameters_.begin() + p.offset + p.size};
+  }
+  std::vector<double> weight(int layer) const { return slice(row(layer, "weight")); }
+  std::vector<double> bias(int layer) const { return slice(row(layer, "bias")); }
+
+  const ParameterTable& table_;
+  const std::vector<double>& parameters_;
+  std::vector<std::vector<double>> activations_;
+  std::vector<Conv2dShape> shapes_;
+};
+
+struct Size {
+  int frames, rows, cols;
+};
+
+class EncoderOfSize : public ::testing::TestWithParam<Size> {};
+
+TEST_P(EncoderOfSize, AgreesWithPlainLoops) {
+  const auto [frames, rows, cols] = GetParam();
+  ModelSpec spec;
+  spec.window_frames = frames, spec.rows = rows, spec.cols = cols;
+  Runtime runtime(choose_device(""));
+  ParameterTable table;
+  table.add("something before", {7}, {});
+  TactileEncoder encoder(runtime, spec, windows, true, table);
+
+  const auto initial = table.initial_values(3);
+  const std::vector<double> parameters(initial.begin(), initial.end());
+  const auto stream = normal_floats(std::size_t(stream_frames) * rows * cols, "stream");
+  const std::vector<int> last_frame{frames - 1, stream_frames - 1, 33};
+  const TaxelDropout dropout{0.2, 99};
+  const Reference reference(spec, table, parameters, stream, last_frame, dropout);
+
+  encoder.forward(upload(runtime, stream), runtime.upload<int>(last_frame),
+                  upload(runtime, parameters), dropout);
+  ASSERT_EQ(std::size_t(windows) * encoder.feature_size(), reference.features().size());
+  EXPECT_LE(norm_of_difference(download(runtime, encoder.features()), reference.features()), 2e-6);
+
+  const auto grad_features = normal_floats(reference.features().size(), "gradient");
+  const auto gradient = runtime.allocate_zeros<float>(table.size());
+  encoder.backward(upload(runtime, grad_features), gradient);
+  const auto expected = reference.gradient(grad_features);
+  EXPECT_LE(norm_of_difference(download(runtime, gradient), expected), 5e-5);
+
+  encoder.backward(upload(runtime, grad_features), gradient);  // adds
+  auto twice = expected;
+  for (auto& value : twice) value *= 2;
+  EXPECT_LE(norm_of_difference(download(runtime, gradient), twice), 5e-5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, EncoderOfSize,
+                         ::testing::Values(Size{10, 32, 32}, Size{1, 6, 6}, Size{32, 8, 12},
+                                           Size{4, 24, 16}, Size{3, 7, 13}, Size{2, 64, 9}),
+                         [](const auto& size) {
+                           return "M" + std::to_string(size.param.frames) + "_" +
+                                  std::to_string(size.param.rows) + "x" +
+                                  std::to_string(size.param.cols);
+                         });
+
+TEST(TactileEncoder, GivesTheSameBitsTwice) {
+  ModelSpec spec;
+  const auto run = [&] {
+    Runtime runtime(choose_device(""));
+    ParameterTable table;
+    TactileEncoder encoder(runtime, spec, 45, true, table);
+    const auto parameters = runtime.upload<float>(table.initial_values(1));
+    std::vector<int> last_frame(45);
+    std::iota(last_frame.begin(), last_frame.end(), 9);
+    encoder.forward(upload(runtime, normal_floats(54 * 32 * 32, "stream")),
+                    runtime.upload<int>(last_frame), parameters, {0.2, 5});
+    const auto gradient = runtime.allocate_zeros<float>(table.size());
+    encoder.backward(encoder.features(), gradient);
+    return runtime.download(gradient);
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(TactileEncoder, RefusesSizesItCannotTake) {
+  Runtime runtime(choose_device(""));
+  for (const Size size : {Size{10, 5, 32}, {10, 32, 65}, {0, 32, 32}, {33, 32, 32}}) {
+    ModelSpec spec;
+    spec.window_frames = size.frames, spec.rows = size.rows, spec.cols = size.cols;
+    ParameterTable table;
+    EXPECT_THROW(TactileEncoder(runtime, spec, 1, false, table), Error);
+  }
+}
+
+TEST(TaxelDropout, BlanksItsShareAndKeepsTheMean) {
+  const TactileWindowShape shape{64, 1, 32, 32};
+  const std::vector<double> ones(32 * 32, 1.0);
+  const auto out = tactile_window_reference(shape, ones, std::vector<int>(64, 0), {0.2, 123});
+  const double blanked = static_cast<double>(std::ranges::count(out, 0.0)) / out.size();
+  EXPECT_NEAR(blanked, 0.2, 4 * std::sqrt(0.2 * 0.8 / out.size()));
+  EXPECT_NEAR(std::accumulate(out.begin(), out.end(), 0.0) / out.size(), 1.0, 0.02);
+}
+
+}  // namespace
+}  // namespace touchtrace

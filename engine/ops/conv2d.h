@@ -23,7 +23,8 @@ struct Conv2dShape {
   int out_cols() const { return (cols + 1) / 2; }
   std::size_t in_size() const;   ///< floats of the input with its halo
   std::size_t out_size() const;  ///< floats of the output with its halo
-  double flops() const;          ///< of one forward pass or of one of the two backward passes
+  /// Of one forward pass or of one of the two backward passes, taps in the halo included.
+  double flops() const;
 };
 
 /// Where a layer's weight [out, in, 3, 3] and bias [out] start in the flat buffer of parameters.

@@ -4,7 +4,14 @@
 
 namespace touchtrace {
 
-/// The rows of `touchtrace verify engine`, measured on the device chosen by default.
+/// The rows of `touchtrace verify engine`: every group below, on the device chosen by default.
 Verification verify_engine();
+
+// The groups, each from the verify_*.cpp of its own name.
+
+/// Worst errors of every operation at every shape of the table, on every device.
+void verify_operations(const std::function<void(Figure)>& emit);
+/// The tactile encoder: seconds of a step, and shares of the multiply-add peak.
+void verify_encoder(const std::function<void(Figure)>& emit);
 
 }  // namespace touchtrace

@@ -1,0 +1,20 @@
+// What the device can multiply and add at most: 12 independent chains of fused multiply-adds on vectors
+// of 16, nothing read or written meanwhile. The yardstick of `touchtrace verify engine`.
+//
+//   2 * 16 * 12 * turns floating-point operations a work-item
+__kernel void fma_peak(__global real* restrict out, real factor, int turns) {
+#define START(n) real16 sum##n = (real16)(n);
+  REPEAT(12, START)
+#undef START
+  const real16 f = (real16)(factor);
+  for (int turn = 0; turn < turns; ++turn) {
+#define MULTIPLY(n) sum##n = fma(sum##n, f, f);
+    REPEAT(12, MULTIPLY)
+#undef MULTIPLY
+  }
+  real16 total = 0;
+#define TOTAL(n) total += sum##n;
+  REPEAT(12, TOTAL)
+#undef TOTAL
+  vstore16(total, get_global_id(0), out);
+}

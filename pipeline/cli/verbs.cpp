@@ -7,6 +7,8 @@ const std::vector<Verb>& verbs() {
       doctor_verb(),
       devices_verb(),
       simulate_verb(),
+      calibrate_verb(),
+      label_verb(),
       verify_verb(),
   };
   return table;

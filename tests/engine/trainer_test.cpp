@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <numeric>
@@ -251,6 +252,36 @@ TEST_F(TrainerTest, RefusesBatchesThatDoNotFit) {
   refused([](RolloutBatch& b) { b.sequences = 2; });
   refused([](RolloutBatch& b) { b.weight.pop_back(); });
   EXPECT_NO_THROW(run.trainer.update(good));
+}
+
+/// A problem for engine_step, which runs in a process of its own.
+void write_problem(const std::filesystem::path& path, const ModelSpec& spec) {
+  RandomStream random(6, "problem");
+  const auto stream = noise_stream(spec, 60, random);
+  const auto batch = noise_batch(spec, 7, 20, 60, random);
+  TensorFile file{{{"spec", nlohmann::json(spec).dump()}, {"sequences", "7"}, {"steps", "20"}}, {}};
+  const auto add = [&](const char* name, const std::vector<float>& values) {
+    file.tensors.push_back({name, {values.size()}, values});
+  };
+  add("first_frame", {batch.first_frame.begin(), batch.first_frame.end()});
+  add("stream", stream);
+  add("initial_state", batch.initial_state);
+  add("target", batch.target);
+  write_safetensors(path, file, false);
+}
+
+TEST_F(TrainerTest, ThreadsDoNotChangeABit) {
+  write_problem(folder_ / "problem", small_spec(true));
+  const auto trained = [&](const std::string& threads) {
+    const auto out = folder_ / ("weights" + threads);
+    const auto command = "POCL_MAX_PTHREAD_COUNT=" + threads + " " ENGINE_STEP " " +
+                         (folder_ / "problem").string() + " train 50 " + out.string();
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return read_file(out);
+  };
+  const auto one = trained("1");
+  EXPECT_EQ(one, trained("2"));
+  EXPECT_EQ(one, trained("2")) << "two runs differ";
 }
 
 class PredictorTest : public TrainerTest {

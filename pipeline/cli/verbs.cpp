@@ -7,6 +7,7 @@ const std::vector<Verb>& verbs() {
       doctor_verb(),
       devices_verb(),
       simulate_verb(),
+      check_verb(),
       calibrate_verb(),
       label_verb(),
       verify_verb(),

@@ -6,6 +6,7 @@ namespace touchtrace::cli {
 
 // One file a verb: <name>_verb.cpp.
 Verb calibrate_verb();
+Verb check_verb();
 Verb devices_verb();
 Verb doctor_verb();
 Verb label_verb();

@@ -9,6 +9,7 @@
 #include "engine/base/files.h"
 #include "engine/base/provenance.h"
 #include "pipeline/dataset/tactile_image.h"
+#include "pipeline/recording/check.h"
 #include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording_file.h"
 
@@ -86,9 +87,7 @@ class Addition {
 
 void Addition::check_labels() const {
   const Recording& recording = reader_.recording();
-  if (recording.gloves.empty())
-    throw data_error(fmt::format("{} has no glove", source_.recording.string()),
-                     "train and evaluate on a recording made with a glove");
+  require_nothing_lacking(lacks_for_training(recording), source_.recording.string());
   if (labels_.activity != recording.activity) reject(source_, "the activities differ");
   if (labels_.clips.size() != recording.clips.size()) reject(source_, "the clips differ");
   const auto hash = labels_.provenance.input_hash(source_.recording);

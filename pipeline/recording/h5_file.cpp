@@ -16,6 +16,18 @@ Handle latest_format() {
   return access;
 }
 
+Loader root_of(const fs::path& path) {
+  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "opening");
+  return {Handle(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "the root group"),
+          fs::file_size(path)};
+}
+
+std::string schema_attribute(const Loader& root) {
+  std::string schema;
+  root.attribute("schema", schema);
+  return schema;
+}
+
 }  // namespace
 
 Handle create_file(const fs::path& path) {
@@ -31,20 +43,23 @@ void close_file(Handle& file) {
 }
 
 Loader open_root(const fs::path& path, const std::string& schema) {
-  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "opening");
-  Loader root(Handle(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "the root group"),
-              fs::file_size(path));
-  std::string found;
-  root.attribute("schema", found);
+  Loader root = root_of(path);
+  const std::string found = schema_attribute(root);
   if (found != schema) throw H5Error(fmt::format("it is a '{}', not a '{}'", found, schema));
   return root;
+}
+
+std::string schema_of(const fs::path& path) {
+  return read_untrusted(path, [&] { return schema_attribute(root_of(path)); });
 }
 
 void check_is_hdf5(const fs::path& path) {
   constexpr std::array<char, 8> signature{'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
   std::error_code error;
   if (!fs::is_regular_file(path, error))
-    throw data_error(fmt::format("there is no file {}", path.string()), "check the path");
+    throw data_error(fmt::format("{} {}", path.string(),
+                                 fs::exists(path, error) ? "is no file" : "does not exist"),
+                     "check the path");
   std::array<char, 8> start{};
   std::ifstream stream(path, std::ios::binary);
   if (!stream)

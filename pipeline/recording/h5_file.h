@@ -22,6 +22,9 @@ void close_file(Handle& file);
 /// "touchtrace/recording/1". Throws H5Error.
 Loader open_root(const std::filesystem::path& path, const std::string& schema);
 
+/// The schema that a file says it has. Untrusted files are safe; throws data_error.
+std::string schema_of(const std::filesystem::path& path);
+
 /// Runs `read` in a child process with bounds on memory and time. Throws the data_error that `read`
 /// threw there, or one that says that the file cannot be read if the child did not come to its end.
 void try_in_child(const std::filesystem::path& path, const std::function<void()>& read);

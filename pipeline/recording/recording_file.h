@@ -48,6 +48,8 @@ class RecordingReader {
   const Recording& recording() const;
   /// False for a recording of colour images alone: its frames then have an empty `depth`.
   bool has_depth() const;
+  /// Whether `read_truth` would find one.
+  bool has_truth() const;
   RgbdFrame read_camera_frame(std::size_t index) const;
   std::size_t background_frames() const;
   RgbdFrame read_background(std::size_t index) const;

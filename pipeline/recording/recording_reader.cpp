@@ -31,6 +31,7 @@ struct RecordingReader::File {
   File(const std::filesystem::path& file, const h5::Loader& root)
       : path(file.string()),
         recording(read_streams(root, path)),
+        truth(root.has("truth")),
         frames(root.group("camera"), recording.camera),
         background(root.group("background"), recording.camera),
         board(root.group("board"), recording.camera) {
@@ -40,6 +41,7 @@ struct RecordingReader::File {
 
   std::string path;
   Recording recording;
+  bool truth;
   ImageSeriesReader frames, background, board;
 };
 
@@ -53,6 +55,8 @@ RecordingReader::~RecordingReader() = default;
 const Recording& RecordingReader::recording() const { return file_->recording; }
 
 bool RecordingReader::has_depth() const { return file_->frames.has_depth(); }
+
+bool RecordingReader::has_truth() const { return file_->truth; }
 
 RgbdFrame RecordingReader::read_camera_frame(std::size_t index) const {
   return file_->frames.read(index, file_->path + ":/camera");

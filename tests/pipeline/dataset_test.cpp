@@ -151,6 +151,14 @@ TEST(Dataset, RefusesARecordingWithoutGloveAndAFinerGridThanTheGloves) {
   EXPECT_THROW(load_dataset({files.written()}), Error);
 }
 
+TEST(Dataset, RefusesAGloveThatFeltNothingOrIsSaturated) {
+  for (std::uint16_t counts : {0, 1023}) {
+    Files files;
+    std::ranges::fill(files.sample.recording.gloves[0].counts, counts);
+    EXPECT_THROW(load_dataset({files.written()}), Error);
+  }
+}
+
 TEST(Dataset, NormalizationIsOfTheTrustedTrainingLabels) {
   Files files;
   files.labels.object.quality[4] = quality_lost;

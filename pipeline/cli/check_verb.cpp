@@ -1,0 +1,102 @@
+#include <fmt/core.h>
+
+#include "pipeline/cli/verbs.h"
+#include "pipeline/recording/check.h"
+
+namespace touchtrace::cli {
+namespace {
+
+struct CheckOptions {
+  std::string file, use = "anything";
+  bool quick = false;
+};
+
+void describe(OptionSet& set, CheckOptions& o) {
+  set.input("file", o.file, "a recording or labels");
+  set.choice("for", o.use, "what it has to serve", {"anything", "calibrate", "label", "train"});
+  set.flag("quick", o.quick, "do not decompress every image to test its checksum");
+}
+
+void print_stream(const std::string& name, const nlohmann::json& stream, const std::string& extra) {
+  fmt::print("{:<10} {} frames, {:.3f} Hz (nominal {:g}), {} lost ({:.2f} %), jitter {:.2f} ms{}\n",
+             name, stream["frames"].get<std::size_t>(), stream["rate_hz"].get<double>(),
+             stream["nominal_hz"].get<double>(), stream["lost"].get<std::size_t>(),
+             100 * stream["lost_share"].get<double>(), 1e3 * stream["jitter_s"].get<double>(),
+             extra);
+}
+
+std::string glove_details(const nlohmann::json& glove) {
+  return fmt::format(
+      "; {} x {}, {} bits, {} taxels ({} dead), frames all zero {:.2f} %, saturated {:.2f} %",
+      glove["rows"].get<int>(), glove["cols"].get<int>(), glove["bits"].get<int>(),
+      glove["taxels"].get<int>(), glove["dead_taxels"].get<int>(),
+      100 * glove["zero_frames"].get<double>(), 100 * glove["saturated_frames"].get<double>());
+}
+
+std::string camera_details(const nlohmann::json& camera) {
+  return fmt::format(
+      "; {} x {}, {}, {} background, {} board views", camera["width"].get<int>(),
+      camera["height"].get<int>(), camera["depth"].get<bool>() ? "depth" : "no depth",
+      camera["background_frames"].get<std::size_t>(), camera["board_views"].get<std::size_t>());
+}
+
+void print_body(const std::string& name, const nlohmann::json& body) {
+  fmt::print(
+      "{:<10} lost {:.2f} %, follows the hand {:.2f} %, outside the measured time {:.2f} %\n", name,
+      100 * body["lost_share"].get<double>(), 100 * body["follows_share"].get<double>(),
+      100 * body["gap_share"].get<double>());
+}
+
+void print_holds(const nlohmann::json& holds) {
+  const auto& clips = holds["clips"];
+  fmt::print("{}, activity {}\n", holds["schema"].get<std::string>(),
+             holds["activity"].get<std::string>());
+  fmt::print("clips      {}, {:.1f} s, {} dropped; {}\n", clips["count"].get<std::size_t>(),
+             clips["seconds"].get<double>(), clips["dropped"].get<std::size_t>(),
+             clips["objects"].dump());
+  if (holds.contains("labels")) {
+    fmt::print("labels     {}, from {} camera frames\n", holds["labels"].get<std::size_t>(),
+               holds["camera_frames"].get<std::size_t>());
+    print_body("hand", holds["hand"]);
+    print_body("object", holds["object"]);
+    return;
+  }
+  for (const auto& glove : holds["gloves"])
+    print_stream(glove["name"].get<std::string>(), glove, glove_details(glove));
+  print_stream("camera", holds["camera"], camera_details(holds["camera"]));
+  fmt::print("truth      {}\n", holds["truth"].get<bool>() ? "yes" : "no");
+}
+
+void print_verdict(const FileCheck& check) {
+  for (const auto& fault : check.faults) fmt::print("fault      {}\n", fault);
+  for (const auto& [verb, lacks] : check.lacks) {
+    if (lacks.empty()) fmt::print("{:<10} can use it\n", verb);
+    for (const auto& lack : lacks) fmt::print("{:<10} cannot use it: {}\n", verb, lack);
+  }
+}
+
+ExitCode run(const CheckOptions& options, const Invocation& invocation) {
+  const FileCheck check = check_file(options.file, !options.quick);
+  if (invocation.json) {
+    fmt::print("{}\n", to_json(check).dump(2));
+  } else {
+    print_holds(check.holds);
+    print_verdict(check);
+  }
+  const auto wanted = check.lacks.find(options.use);
+  const bool serves =
+      options.use == "anything" || (wanted != check.lacks.end() && wanted->second.empty());
+  return check.good() && serves ? ExitCode::done : ExitCode::data;
+}
+
+}  // namespace
+
+Verb check_verb() {
+  return make_verb<CheckOptions>(
+      "check", "say what a recording or a file of labels holds and what it is good for",
+      {"touchtrace check out/wave/recording.h5",
+       "touchtrace check --for label recording.h5 --json"},
+      run);
+}
+
+}  // namespace touchtrace::cli

@@ -57,12 +57,20 @@ void OptionSet::text(std::string name, std::string& target, std::string help) {
   options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}});
 }
 
+void OptionSet::texts(std::string name, std::vector<std::string>& target, std::string help) {
+  options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}});
+}
+
 void OptionSet::choice(std::string name, std::string& target, std::string help,
                        std::vector<std::string> choices) {
   options_.push_back({std::move(name), &target, std::move(help), 0, 0, std::move(choices)});
 }
 
 void OptionSet::path(std::string name, std::string& target, std::string help) {
+  options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}, true});
+}
+
+void OptionSet::paths(std::string name, std::vector<std::string>& target, std::string help) {
   options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}, true});
 }
 

@@ -37,8 +37,10 @@ class OptionSet {
   void number(std::string name, double& target, std::string help, double minimum, double maximum);
   void numbers(std::string name, std::vector<double>& target, std::string help);
   void text(std::string name, std::string& target, std::string help);
+  void texts(std::string name, std::vector<std::string>& target, std::string help);
   void choice(std::string name, std::string& target, std::string help, std::vector<std::string> choices);
   void path(std::string name, std::string& target, std::string help);
+  void paths(std::string name, std::vector<std::string>& target, std::string help);
   void input(std::string name, std::string& target, std::string help);
   void optional_input(std::string name, std::string& target, std::string help);
   void inputs(std::string name, std::vector<std::string>& target, std::string help);

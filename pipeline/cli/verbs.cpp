@@ -6,11 +6,15 @@ const std::vector<Verb>& verbs() {
   static const std::vector<Verb> table{
       doctor_verb(),
       devices_verb(),
+      plan_verb(),
       simulate_verb(),
       check_verb(),
       calibrate_verb(),
       label_verb(),
+      train_verb(),
+      evaluate_verb(),
       verify_verb(),
+      report_verb(),
   };
   return table;
 }

@@ -9,8 +9,12 @@ Verb calibrate_verb();
 Verb check_verb();
 Verb devices_verb();
 Verb doctor_verb();
+Verb evaluate_verb();
 Verb label_verb();
+Verb plan_verb();
+Verb report_verb();
 Verb simulate_verb();
+Verb train_verb();
 Verb verify_verb();
 
 }  // namespace touchtrace::cli

@@ -63,5 +63,7 @@ class RecordingReader {
 
 /// Truth, for evaluation only. Throws data_error if the recording has none.
 Truth read_truth(const std::filesystem::path& path);
+/// Whether a recording has a truth.
+bool has_truth(const std::filesystem::path& path);
 
 }  // namespace touchtrace

@@ -4,9 +4,10 @@ function(touchtrace_embed_kernels folder)
   set(generated ${PROJECT_BINARY_DIR}/generated/kernel_sources.cpp)
   add_custom_command(
     OUTPUT ${generated}
-    COMMAND ${CMAKE_COMMAND} -DOUTPUT=${generated} "-DFILES=${files}"
-            -P ${PROJECT_SOURCE_DIR}/scripts/cmake/WriteKernelSources.cmake
-    DEPENDS ${files} ${PROJECT_SOURCE_DIR}/scripts/cmake/WriteKernelSources.cmake
+    COMMAND ${CMAKE_COMMAND} -DOUTPUT=${generated} -DHEADER=engine/cl/kernel_sources.h
+            -DFUNCTION=kernel_sources "-DFILES=${files}"
+            -P ${PROJECT_SOURCE_DIR}/scripts/cmake/WriteTexts.cmake
+    DEPENDS ${files} ${PROJECT_SOURCE_DIR}/scripts/cmake/WriteTexts.cmake
     VERBATIM)
   add_library(touchtrace_kernels STATIC ${generated})
   target_include_directories(touchtrace_kernels PUBLIC ${PROJECT_SOURCE_DIR})

@@ -1,6 +1,6 @@
-# Run by EmbedKernels.cmake with OUTPUT and FILES.
-set(text "#include \"engine/cl/kernel_sources.h\"\n\nnamespace touchtrace {\n\n")
-string(APPEND text "const std::map<std::string, std::string_view>& kernel_sources() {\n")
+# Run with OUTPUT, FILES, and the HEADER that declares FUNCTION.
+set(text "#include \"${HEADER}\"\n\nnamespace touchtrace {\n\n")
+string(APPEND text "const std::map<std::string, std::string_view>& ${FUNCTION}() {\n")
 string(APPEND text "  static const std::map<std::string, std::string_view> sources{\n")
 foreach(file IN LISTS FILES)
   get_filename_component(name ${file} NAME)
@@ -8,9 +8,9 @@ foreach(file IN LISTS FILES)
   # A string literal may hold 64 KiB at most.
   string(LENGTH "${source}" length)
   if(length GREATER 60000)
-    message(FATAL_ERROR "${file} is too long to embed; split it by operation family")
+    message(FATAL_ERROR "${file} is too long to embed; split it")
   endif()
-  string(APPEND text "      {\"${name}\", R\"kernel(${source})kernel\"},\n")
+  string(APPEND text "      {\"${name}\", R\"text(${source})text\"},\n")
 endforeach()
 string(APPEND text "  };\n  return sources;\n}\n\n}  // namespace touchtrace\n")
 file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,57 @@
+#include <fmt/core.h>
+
+#include "engine/base/files.h"
+#include "pipeline/cli/verbs.h"
+#include "pipeline/report/report.h"
+
+namespace touchtrace::cli {
+namespace {
+
+struct ReportOptions {
+  std::string folder, output;
+  std::vector<std::string> metrics, labels, calibration, recording;
+};
+
+void describe(OptionSet& set, ReportOptions& o) {
+  set.path("output", o.output, "HTML file to write");
+  set.text("folder", o.folder, "folder whose artefacts are shown, subfolders included");
+  set.texts("metrics", o.metrics, "metrics files of touchtrace evaluate");
+  set.texts("labels", o.labels, "labels files");
+  set.texts("calibration", o.calibration, "calibration.json files");
+  set.texts("recording", o.recording, "recordings, for their provenance");
+}
+
+void append(std::vector<std::filesystem::path>& paths, const std::vector<std::string>& more) {
+  paths.insert(paths.end(), more.begin(), more.end());
+}
+
+ExitCode run(const ReportOptions& options, const Invocation& invocation) {
+  report::ReportInputs inputs;
+  if (!options.folder.empty()) inputs = report::find_inputs(options.folder);
+  append(inputs.metrics, options.metrics);
+  append(inputs.labels, options.labels);
+  append(inputs.calibrations, options.calibration);
+  append(inputs.recordings, options.recording);
+  if (inputs.empty())
+    throw usage_error("there is nothing to report on",
+                      "give a --folder with artefacts, or --metrics, --labels, ...");
+  const std::string page = report::render(report::report_data(inputs));
+  write_file(options.output, page, invocation.overwrite);
+  if (invocation.json)
+    fmt::print("{}\n", nlohmann::json{{"output", options.output}, {"bytes", page.size()}}.dump(2));
+  else
+    fmt::print("{}: {:.1f} MB\n", options.output, 1e-6 * static_cast<double>(page.size()));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Verb report_verb() {
+  return make_verb<ReportOptions>(
+      "report", "put results, paths, labels and provenance into one HTML file",
+      {"touchtrace report --folder out/demo --output out/demo/report.html",
+       "touchtrace report --metrics metrics.json --labels wave.labels.h5 --output wave.html"},
+      run);
+}
+
+}  // namespace touchtrace::cli

@@ -1,0 +1,48 @@
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "pipeline/cli/verbs.h"
+#include "pipeline/study/sessions.h"
+#include "pipeline/study/training.h"
+
+namespace touchtrace::cli {
+namespace {
+
+ExitCode run(const study::TrainingOptions& options, const Invocation& invocation) {
+  Runtime runtime(choose_device(invocation.device));
+  Provenance provenance = start_provenance("touchtrace/model/1", "train");
+  provenance.options = invocation.options;
+  const auto files = study::paired(options.recordings, options.labels);
+  for (const auto& pair : files) {
+    provenance.add_input(pair.recording);
+    provenance.add_input(pair.labels);
+  }
+  const Dataset data = load_dataset(files, options.resolution);
+  const auto card =
+      study::train_model(runtime, data, options, std::move(provenance), invocation.overwrite);
+  const double l1_at_20 = card.log.empty() ? std::nan("") : card.log.back().validation_l1_at_20;
+  if (invocation.json)
+    fmt::print(
+        "{}\n",
+        nlohmann::json{{"output", options.output}, {"model", card.name()}, {"card", card}}.dump(2));
+  else
+    fmt::print("{}: {} model of {}, {} updates on {} in {:.1f} s, validation L1@20 {:.3f}\n",
+               options.output, card.name(), card.activity, options.optimizer.updates,
+               runtime.device().name, card.provenance.wall_seconds, l1_at_20);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Verb train_verb() {
+  return make_verb<study::TrainingOptions>(
+      "train", "train a model that predicts hand and object from touch",
+      {"touchtrace train --recording wave.h5 --labels wave.labels.h5 --output "
+       "wave_full.safetensors",
+       "touchtrace train --recording wave.h5 --labels wave.labels.h5 --without-touch --output "
+       "wave_without_touch.safetensors"},
+      run);
+}
+
+}  // namespace touchtrace::cli

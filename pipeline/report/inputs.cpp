@@ -1,0 +1,53 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "engine/base/error.h"
+#include "pipeline/report/report.h"
+
+namespace touchtrace::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> files_of(const fs::path& folder) {
+  std::error_code error;
+  fs::recursive_directory_iterator entries(folder, error);
+  if (error)
+    throw data_error(fmt::format("cannot read the folder {}: {}", folder.string(), error.message()),
+                     "give the --folder that the artefacts lie in");
+  std::vector<fs::path> files;
+  for (const auto& entry : entries)
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+void place(ReportInputs& inputs, const fs::path& file) {
+  const std::string name = file.filename().string();
+  if (name.starts_with('.')) return;
+  if (name.ends_with("metrics.json"))
+    inputs.metrics.push_back(file);
+  else if (name == "calibration.json")
+    inputs.calibrations.push_back(file);
+  else if (name.ends_with("labels.h5"))
+    inputs.labels.push_back(file);
+  else if (name.ends_with(".h5"))
+    inputs.recordings.push_back(file);
+}
+
+}  // namespace
+
+bool ReportInputs::empty() const {
+  return metrics.empty() && labels.empty() && calibrations.empty() && recordings.empty();
+}
+
+ReportInputs find_inputs(const fs::path& folder) {
+  ReportInputs inputs;
+  for (const auto& file : files_of(folder)) place(inputs, file);
+  const auto whole = std::ranges::find(inputs.metrics, folder / "metrics.json");
+  if (whole != inputs.metrics.end()) inputs.metrics = {*whole};
+  return inputs;
+}
+
+}  // namespace touchtrace::report

@@ -1,0 +1,49 @@
+// Example roll-outs: paths in space, each axis with its band, and the tactile frames behind them.
+
+const axisNames = ["x", "y (down)", "z (away)"];
+const bodies = [{ name: "object", first: 0 }, { name: "hand", first: 6 }];
+
+function examplePaths(example, body) {
+  const points = (states) => states.map((state) => state.slice(body.first, body.first + 3));
+  const radius = (spread) => spread.map((row) => Math.hypot(...row.slice(body.first, body.first + 3)) / Math.sqrt(3));
+  const paths = Object.entries(example.models).map(([model, rollout]) => ({
+    points: points(rollout.state), stroke: model, dash: model === "full" ? [] : [5, 4], radii: model === "full" ? radius(rollout.spread) : null }));
+  return [{ points: points(example.target), stroke: "truth" }, ...paths];
+}
+
+function axisChart(example, body, axis) {
+  const d = body.first + axis, time = example.target.map((_, i) => (i + 1) / example.rate_hz);
+  const column = (rows) => rows.map((row) => row[d]);
+  const series = Object.entries(example.models).map(([model, { state, spread }]) => ({
+    x: time, y: column(state), stroke: model, dash: model === "full" ? null : "5 4",
+    band: model === "full" ? [-1, 1].map((sign) => state.map((row, i) => row[d] + sign * spread[i][d])) : null }));
+  return lineChart([...series, { x: time, y: column(example.target), stroke: "truth", width: 1.5 }],
+    { width: 345, height: 170, title: `${body.name} ${axisNames[axis]}, m`, xLabel: "s" });
+}
+
+function exampleView(example) {
+  const charts = bodies.map((body) => [0, 1, 2].map((axis) => axisChart(example, body, axis)));
+  const moveCursors = (step) => charts.flat().forEach((chart) => chart.moveCursor(step / example.rate_hz));
+  const view = (body) => element("figure", {}, pathView(examplePaths(example, body), 390, 320), element("figcaption", {}, `${body.name}; drag to turn`));
+  return element("div", {}, element("div", { class: "figures" }, bodies.map(view),
+    example.tactile ? tactileView(example.tactile, example.rate_hz, moveCursors) : null),
+    charts.map((row) => element("div", { class: "figures" }, row.map((chart) => element("figure", {}, chart)))));
+}
+
+function exampleChooser(activity, examples) {
+  const place = element("div");
+  const choice = element("select", { "aria-label": `example of ${activity}` }, examples.map((e, i) =>
+    element("option", { value: i }, `${e.object}, ${e.rank} roll-out: L1@50 ${fixed(e.l1_at_50, 3)} (clip ${e.clip}, frame ${e.start_frame})`)));
+  const show = () => place.replaceChildren(exampleView(examples[Number(choice.value)]));
+  choice.addEventListener("change", show);
+  show();
+  return [element("h3", {}, activity), element("div", { class: "control" }, choice), place];
+}
+
+function exampleSection(metrics) {
+  const activities = [...new Set(metrics.examples.map((example) => example.activity))];
+  if (!activities.length) return;
+  section("roll-outs", "Predicted and true paths", "Evaluation roll-outs chosen by the full model's error: the median one, and the ones at its 10th and 90th percentile. The band is the 10–90 % interval after scaling; camera's frame.",
+    legend([{ name: metrics.against === "truth" ? "truth" : "labels", stroke: "truth" }, { name: "Full, with its band", stroke: "full" }, { name: "w/o Touch", stroke: "without_touch", dash: true }]),
+    activities.map((activity) => exampleChooser(activity, metrics.examples.filter((e) => e.activity === activity))));
+}

@@ -1,0 +1,43 @@
+#include "pipeline/report/artefact_data.h"
+
+namespace touchtrace::report {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::size_t> in_clip(const std::vector<std::int32_t>& clips, std::int32_t clip) {
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < clips.size(); ++i)
+    if (clips[i] == clip) which.push_back(i);
+  return which;
+}
+
+json points(const std::vector<double>& values, const std::vector<std::size_t>& which) {
+  json rows = json::array();
+  for (std::size_t i : which) rows.push_back({values[3 * i], values[3 * i + 1], values[3 * i + 2]});
+  return rows;
+}
+
+json times(const std::vector<double>& time_s, const std::vector<std::size_t>& which,
+           double start_s) {
+  json values = json::array();
+  for (std::size_t i : which) values.push_back(time_s[i] - start_s);
+  return values;
+}
+
+}  // namespace
+
+json smoothing_data(const Labels& labels, const std::string& name) {
+  const std::int32_t clip = labels.clip.front();
+  const auto labelled = in_clip(labels.clip, clip), raw = in_clip(labels.raw.clip, clip);
+  const double start_s = labels.time_s[labelled.front()];
+  return {{"name", name},
+          {"time_s", times(labels.time_s, labelled, start_s)},
+          {"object", points(labels.object.position_m, labelled)},
+          {"hand", points(labels.hand.position_m, labelled)},
+          {"raw_time_s", times(labels.raw.time_s, raw, start_s)},
+          {"raw_object", points(labels.raw.object_m, raw)},
+          {"raw_hand", points(labels.raw.hand_m, raw)}};
+}
+
+}  // namespace touchtrace::report

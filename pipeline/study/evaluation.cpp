@@ -1,0 +1,109 @@
+#include "pipeline/study/evaluation.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <set>
+
+#include "engine/base/error.h"
+#include "pipeline/study/results.h"
+
+namespace touchtrace::study {
+namespace {
+
+using nlohmann::json;
+
+bool all_have_truth(const std::vector<Session>& sessions) {
+  return std::ranges::none_of(sessions,
+                              [](const Session& session) { return session.data.truth.empty(); });
+}
+
+Reference choose_reference(const std::vector<Session>& sessions, const std::string& against) {
+  if (against == "labels") return Reference::labels;
+  if (all_have_truth(sessions)) return Reference::truth;
+  if (against == "truth")
+    throw data_error("a recording has no truth",
+                     "only simulated ones have it; pass --against labels");
+  return Reference::labels;
+}
+
+void require_fit(const LoadedModel& model, const Session& session) {
+  const ModelSpec& spec = model.card.spec;
+  const Dataset& data = session.data;
+  if (spec.touch && (spec.rows != data.rows || spec.cols != data.cols))
+    throw data_error(fmt::format("{} takes frames of {} x {}, {} has {} x {}", model.path,
+                                 spec.rows, spec.cols, session.name, data.rows, data.cols),
+                     "evaluate it on recordings like those it was trained on");
+}
+
+std::vector<const Session*> sessions_of(const std::vector<Session>& sessions,
+                                        const LoadedModel& model) {
+  std::vector<const Session*> found;
+  for (const Session& session : sessions)
+    if (session.data.activity == model.card.activity) found.push_back(&session);
+  if (found.empty())
+    throw data_error(fmt::format("{} was trained on {}, and no recording is of that", model.path,
+                                 model.card.activity),
+                     "give a --recording of that activity with its --labels");
+  for (const Session* session : found) require_fit(model, *session);
+  return found;
+}
+
+json card_json(const LoadedModel& model) {
+  json card = model.card;
+  card["model"] = model.card.name();
+  card["path"] = model.path;
+  return card;
+}
+
+}  // namespace
+
+void describe(OptionSet& set, EvaluationOptions& o) {
+  set.paths("recording", o.recordings,
+            "recordings to evaluate on; only their evaluation clips are used");
+  set.paths("labels", o.labels, "their labels, in the same order");
+  set.paths("model", o.models,
+            "models to compare; each is matched with the recordings of its activity");
+  set.text("output", o.output, "metrics file to write (JSON), for touchtrace report");
+  set.choice("against", o.against,
+             "what predictions are held against; auto: truth where there is one",
+             {"auto", "truth", "labels"});
+  set.integer("stride", o.stride, "frames from the start of one roll-out to the next", 1, 1000);
+  set.seed("seed", o.seed, "of the baseline Random and of the bootstrap");
+}
+
+LoadedModel load_model(Runtime& runtime, const std::string& path) {
+  auto predictor = std::make_unique<Predictor>(runtime, path);
+  ModelCard card = read_card(predictor->metadata(), path);
+  return {path, std::move(card), std::move(predictor)};
+}
+
+json evaluate_models(const std::vector<Session>& sessions, std::vector<LoadedModel>& models,
+                     const EvaluationOptions& options) {
+  const Reference reference = choose_reference(sessions, options.against);
+  json document{{"schema", "touchtrace/metrics/1"},
+                {"against", reference == Reference::truth ? "truth" : "labels"}};
+  for (const char* key : {"results", "differences", "curves", "examples", "models", "label_errors"})
+    document[key] = json::array();
+  std::set<std::string> activities;
+  for (const LoadedModel& model : models) activities.insert(model.card.activity);
+  for (const std::string& activity : activities) {
+    std::vector<LoadedModel*> contenders;
+    for (LoadedModel& model : models)
+      if (model.card.activity == activity) contenders.push_back(&model);
+    const Contest contest = hold_contest(sessions_of(sessions, *contenders.front()), contenders,
+                                         reference, options.stride, options.seed);
+    append_results(document, contest, options.seed);
+    append_examples(document, contest);
+    document["scaling"][activity] = {{"mean", contest.scaling.mean},
+                                     {"deviation", contest.scaling.deviation}};
+  }
+  for (const LoadedModel& model : models) document["models"].push_back(card_json(model));
+  for (const Session& session : sessions)
+    if (!session.label_error.is_null())
+      document["label_errors"].push_back(
+          {{"recording", session.name}, {"error", session.label_error}});
+  return document;
+}
+
+}  // namespace touchtrace::study

@@ -1,0 +1,111 @@
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/study/results.h"
+
+namespace touchtrace::study {
+namespace {
+
+using nlohmann::json;
+
+std::string base64(const std::vector<unsigned char>& bytes) {
+  std::vector<unsigned char> text(4 * (bytes.size() / 3 + 1) + 1);
+  const int length = EVP_EncodeBlock(text.data(), bytes.data(), static_cast<int>(bytes.size()));
+  return {text.begin(), text.begin() + length};
+}
+
+template <class Unscale>
+nlohmann::json rows_of(const float* scaled, int steps, Unscale unscale) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (int step = 0; step < steps; ++step) {
+    nlohmann::json row = nlohmann::json::array();
+    for (int d = 0; d < state_size; ++d) row.push_back(unscale(scaled[step * state_size + d], d));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// Frames first .. first + count - 1 as bytes, 255 for full pressure.
+json tactile_json(const Dataset& data, int first, int count, int first_step) {
+  const std::size_t frame_size =
+      static_cast<std::size_t>(data.rows) * static_cast<std::size_t>(data.cols);
+  const auto pressure = std::span(data.tactile)
+                            .subspan(static_cast<std::size_t>(first) * frame_size,
+                                     static_cast<std::size_t>(count) * frame_size);
+  std::vector<unsigned char> bytes;
+  for (float value : pressure)
+    bytes.push_back(
+        static_cast<unsigned char>(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f))));
+  return {{"rows", data.rows},
+          {"cols", data.cols},
+          {"first_step", first_step},
+          {"data", base64(bytes)}};
+}
+
+json states_json(const float* scaled, int steps, const Normalization& scaling) {
+  return rows_of(scaled, steps, [&](float value, int d) {
+    return value * scaling.deviation[d] + scaling.mean[d];
+  });
+}
+
+json spreads_json(const float* scaled, int steps, const Normalization& scaling) {
+  return rows_of(scaled, steps, [&](float value, int d) { return value * scaling.deviation[d]; });
+}
+
+json model_json(const Contest& contest, const Contender& contender, std::size_t at) {
+  const int steps = contest.cases.batch.steps;
+  const Rollout scaled =
+      with_scaled_band(contender.rollout, steps, contender.model->card.band_scale);
+  return {{"state", states_json(&scaled.state[at], steps, contest.scaling)},
+          {"spread", spreads_json(&scaled.spread[at], steps, contest.scaling)}};
+}
+
+json example(const Contest& contest, const std::string& rank, int i, double l1_at_50) {
+  const RolloutBatch& batch = contest.cases.batch;
+  const Dataset& data = contest.sessions[contest.session[i]]->data;
+  const int start = batch.first_frame[i];
+  const std::size_t at = static_cast<std::size_t>(i) * contest.cases.path_size();
+  json row{{"activity", contest.card().activity},
+           {"object", contest.object[i]},
+           {"clip", contest.cases.sequence[i]},
+           {"start_frame", start},
+           {"rank", rank},
+           {"l1_at_50", l1_at_50},
+           {"rate_hz", data.rate_hz},
+           {"target", states_json(&batch.target[at], batch.steps, contest.scaling)}};
+  for (const Contender& contender : contest.contenders)
+    if (contender.model) row["models"][contender.name] = model_json(contest, contender, at);
+  row["tactile"] = tactile_json(data, start - contest.history + 1, contest.history + batch.steps,
+                                1 - contest.history);
+  return row;
+}
+
+/// Indices at these shares of the order of `values`.
+std::vector<int> at_shares(const std::vector<double>& values, const std::vector<double>& shares) {
+  std::vector<int> order, found;
+  for (int i = 0; i < static_cast<int>(values.size()); ++i)
+    if (!std::isnan(values[i])) order.push_back(i);
+  std::ranges::sort(order, {}, [&](int i) { return values[i]; });
+  for (double share : shares)
+    if (!order.empty())
+      found.push_back(
+          order[static_cast<std::size_t>(share * static_cast<double>(order.size() - 1))]);
+  return found;
+}
+
+}  // namespace
+
+void append_examples(json& document, const Contest& contest) {
+  static const std::vector<std::string> ranks{"median", "good", "bad"};
+  const Contender* full = contest.find("full");
+  const Contender& judge = full ? *full : contest.contenders.back();
+  std::vector<double> errors;
+  for (const CaseScore& one : judge.scores) errors.push_back(one.l1_at_50);
+  const auto chosen = at_shares(errors, {0.5, 0.1, 0.9});
+  for (std::size_t k = 0; k < chosen.size(); ++k)
+    document["examples"].push_back(example(contest, ranks[k], chosen[k], errors[chosen[k]]));
+}
+
+}  // namespace touchtrace::study

@@ -1,0 +1,79 @@
+#include "pipeline/study/model_card.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/error.h"
+
+namespace touchtrace::study {
+namespace {
+
+bool plausible(const ModelCard& card) {
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  const auto finite = [](double value) { return std::isfinite(value); };
+  return std::ranges::all_of(card.scaling.deviation, positive) &&
+         std::ranges::all_of(card.scaling.mean, finite) &&
+         std::ranges::all_of(card.band_scale, positive) && positive(card.rate_hz);
+}
+
+/// JSON has no NaN; a value that does not exist is null.
+double value_or_nan(const nlohmann::json& value) {
+  return value.is_null() ? std::nan("") : value.get<double>();
+}
+
+}  // namespace
+
+void to_json(nlohmann::json& json, const TrainingLogEntry& entry) {
+  json = {{"update", entry.update},
+          {"seconds", entry.seconds},
+          {"training_loss", entry.training_loss},
+          {"validation_loss", entry.validation_loss},
+          {"validation_l1_at_20", entry.validation_l1_at_20},
+          {"validation_l1_at_50", entry.validation_l1_at_50}};
+}
+
+void from_json(const nlohmann::json& json, TrainingLogEntry& entry) {
+  entry.update = json.at("update");
+  entry.seconds = json.at("seconds");
+  entry.training_loss = value_or_nan(json.at("training_loss"));
+  entry.validation_loss = value_or_nan(json.at("validation_loss"));
+  entry.validation_l1_at_20 = value_or_nan(json.at("validation_l1_at_20"));
+  entry.validation_l1_at_50 = value_or_nan(json.at("validation_l1_at_50"));
+}
+
+void to_json(nlohmann::json& json, const ModelCard& card) {
+  json = {{"spec", card.spec},
+          {"scaling", {{"mean", card.scaling.mean}, {"deviation", card.scaling.deviation}}},
+          {"activity", card.activity},
+          {"objects", card.objects},
+          {"rate_hz", card.rate_hz},
+          {"band_scale", card.band_scale},
+          {"log", card.log},
+          {"provenance", card.provenance}};
+}
+
+void from_json(const nlohmann::json& json, ModelCard& card) {
+  card.spec = json.at("spec");
+  card.scaling.mean = json.at("scaling").at("mean");
+  card.scaling.deviation = json.at("scaling").at("deviation");
+  card.activity = json.at("activity");
+  card.objects = json.at("objects").get<std::vector<std::string>>();
+  card.rate_hz = json.at("rate_hz");
+  card.band_scale = json.at("band_scale").get<BandScale>();
+  card.log = json.at("log").get<std::vector<TrainingLogEntry>>();
+  card.provenance = json.at("provenance");
+}
+
+ModelCard read_card(const nlohmann::json& metadata, const std::string& path) {
+  try {
+    ModelCard card = metadata;
+    if (plausible(card)) return card;
+  } catch (const nlohmann::json::exception&) {
+  }
+  throw data_error(fmt::format("{} does not say how its model was trained", path),
+                   "give a file that `touchtrace train` made");
+}
+
+}  // namespace touchtrace::study

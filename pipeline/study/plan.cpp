@@ -1,0 +1,113 @@
+#include "pipeline/study/plan.h"
+
+#include <fmt/core.h>
+
+#include <map>
+
+namespace touchtrace::study {
+namespace {
+
+/// What an activity can hold. One that is not known may hold everything.
+struct ActivityTraits {
+  bool flight = true, impacts = true;
+};
+
+ActivityTraits traits_of(const std::string& activity) {
+  static const std::map<std::string, ActivityTraits> table{{"wave", {false, false}},
+                                                           {"throw", {true, false}},
+                                                           {"pingpong", {true, true}},
+                                                           {"balance", {false, false}}};
+  const auto row = table.find(activity);
+  return row == table.end() ? ActivityTraits{} : row->second;
+}
+
+class Planner {
+ public:
+  explicit Planner(const PlanWishes& wishes)
+      : wishes_(wishes), traits_(traits_of(wishes.activity)) {
+    plan_.model.touch = wishes.touch;
+    plan_.model.window_frames = wishes.window_frames;
+    plan_.model.rows = wishes.rows;
+    plan_.model.cols = wishes.cols;
+  }
+
+  Plan make() {
+    plan_data();
+    plan_labels();
+    plan_model();
+    plan_evaluation();
+    return plan_;
+  }
+
+ private:
+  void add(const char* stage, const char* part, bool included, std::string why) {
+    plan_.items.push_back({stage, part, included, std::move(why)});
+  }
+
+  void plan_data() {
+    const bool simulated = wishes_.simulated;
+    add("simulate", "hand, object and contact", simulated,
+        simulated ? "no recording is given" : "the recording is given");
+    add("simulate", "glove", simulated && wishes_.touch,
+        !wishes_.touch ? "touch is not wanted"
+        : simulated    ? "the model feels through it"
+                       : "the recording is given");
+    add("simulate", "camera", simulated,
+        simulated ? "labels come from images, never from the truth" : "the recording is given");
+    add("calibrate", "colour and depth camera", true, "labels are in metres");
+  }
+
+  void plan_labels() {
+    const std::string only = fmt::format("nothing flies in {}", wishes_.activity);
+    add("label", "hand and object tracks", true, "the state holds both (equation 2)");
+    add("label", "contact events (release, catch)", traits_.flight,
+        traits_.flight ? "the object leaves the hand" : only);
+    add("label", "impact events", traits_.impacts,
+        traits_.impacts ? "velocity jumps at an impact"
+                        : fmt::format("nothing bounces in {}", wishes_.activity));
+  }
+
+  void plan_model() {
+    const std::string no_touch = "touch is not wanted";
+    const bool many = wishes_.objects.size() > 1;
+    const std::string objects = many ? "not part of this version; the model is trained without it"
+                                     : "one object: nothing to tell apart";
+    add("train", "tactile encoder", wishes_.touch,
+        wishes_.touch
+            ? fmt::format("{} frames of {} x {}", wishes_.window_frames, wishes_.rows, wishes_.cols)
+            : no_touch);
+    add("train", "object encoder", false, wishes_.touch ? objects : no_touch);
+    add("train", "contrastive loss", false, wishes_.touch ? objects : no_touch);
+    add("train", "dynamics MLP with band", true, "predicts state, 10 % and 90 % quantile");
+  }
+
+  void plan_evaluation() {
+    add("evaluate", "random", true, "another trajectory of the data set: the floor");
+    add("evaluate", "without touch", true, "what the state alone can predict");
+    add("evaluate", "full", wishes_.touch,
+        wishes_.touch ? "what touch adds" : "touch is not wanted");
+  }
+
+  PlanWishes wishes_;
+  ActivityTraits traits_;
+  Plan plan_;
+};
+
+}  // namespace
+
+Plan make_plan(const PlanWishes& wishes) { return Planner(wishes).make(); }
+
+nlohmann::json plan_json(const PlanWishes& wishes, const Plan& plan) {
+  nlohmann::json items = nlohmann::json::array();
+  for (const auto& item : plan.items)
+    items.push_back({{"stage", item.stage},
+                     {"part", item.part},
+                     {"included", item.included},
+                     {"why", item.why}});
+  return {{"activity", wishes.activity},
+          {"objects", wishes.objects},
+          {"model", plan.model},
+          {"items", items}};
+}
+
+}  // namespace touchtrace::study

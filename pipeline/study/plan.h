@@ -1,0 +1,37 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "engine/model/model_spec.h"
+
+namespace touchtrace::study {
+
+/// What a scene holds and what is wanted from it.
+struct PlanWishes {
+  std::string activity = "wave";
+  std::vector<std::string> objects{"ball"};
+  bool simulated = true;  ///< the data come from the simulator, not from a glove and a camera
+  bool touch = true;      ///< false: only the baseline without touch
+  int window_frames = 10, rows = 32, cols = 32;
+};
+
+struct PlanItem {
+  std::string stage, part;
+  bool included;
+  std::string why;
+};
+
+/// What will be built and run, and what is left out: what is left out costs nothing.
+struct Plan {
+  ModelSpec model;
+  std::vector<PlanItem> items;
+};
+
+Plan make_plan(const PlanWishes& wishes);
+
+/// {"activity","objects","model","items":[{"stage","part","included","why"}...]}
+nlohmann::json plan_json(const PlanWishes& wishes, const Plan& plan);
+
+}  // namespace touchtrace::study

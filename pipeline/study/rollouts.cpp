@@ -1,0 +1,104 @@
+#include "pipeline/study/rollouts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/random.h"
+
+namespace touchtrace::study {
+namespace {
+
+double pinball(double tau, double error) { return std::max(tau * error, (tau - 1.0) * error); }
+
+/// Indices of the cases that may stand in for case `i`.
+std::vector<int> others(const RolloutCases& cases, int i) {
+  std::vector<int> other_clips, other_starts;
+  for (int j = 0; j < cases.count(); ++j) {
+    if (cases.sequence[j] != cases.sequence[i]) other_clips.push_back(j);
+    if (j != i) other_starts.push_back(j);
+  }
+  return other_clips.empty() ? other_starts : other_clips;
+}
+
+}  // namespace
+
+std::vector<Start> starts_of(const Dataset& data, const RolloutGrid& grid) {
+  std::vector<Start> starts;
+  for (int s = 0; s < static_cast<int>(data.sequences.size()); ++s) {
+    const Sequence& sequence = data.sequences[s];
+    if (sequence.split != grid.split) continue;
+    const int last = sequence.first_frame + sequence.frames - 1 - grid.steps;
+    for (int frame = sequence.first_frame + grid.history - 1; frame <= last; frame += grid.stride)
+      if (data.trusted[frame]) starts.push_back({s, frame});
+  }
+  return starts;
+}
+
+void append_rollout(RolloutBatch& batch, const Dataset& data, const Normalization& scaling,
+                    Reference reference, int start) {
+  const auto& states = reference == Reference::labels ? data.label : data.truth;
+  const State initial = scaling.scaled(data.causal_label[start]);
+  batch.first_frame.push_back(start);
+  batch.initial_state.insert(batch.initial_state.end(), initial.begin(), initial.end());
+  for (int frame = start + 1; frame <= start + batch.steps; ++frame) {
+    const State target = scaling.scaled(states[frame]);
+    batch.target.insert(batch.target.end(), target.begin(), target.end());
+    batch.weight.push_back(reference == Reference::labels && !data.trusted[frame] ? 0.0f : 1.0f);
+  }
+  ++batch.sequences;
+}
+
+RolloutCases make_cases(const Dataset& data, const RolloutGrid& grid, const Normalization& scaling,
+                        Reference reference) {
+  RolloutCases cases;
+  cases.batch.steps = grid.steps;
+  for (const auto& [sequence, frame] : starts_of(data, grid)) {
+    append_rollout(cases.batch, data, scaling, reference, frame);
+    cases.sequence.push_back(sequence);
+  }
+  return cases;
+}
+
+double mean_loss(const Rollout& rollout, const RolloutBatch& batch) {
+  double sum = 0.0, total = 0.0;
+  for (std::size_t i = 0; i < batch.target.size(); ++i) {
+    const double weight = batch.weight.empty() ? 1.0 : batch.weight[i / state_size];
+    const double error = static_cast<double>(batch.target[i]) - rollout.state[i];
+    const double spread = rollout.spread[i];
+    sum += weight * (std::abs(error) + pinball(0.1, error + spread) + pinball(0.9, error - spread));
+    total += weight;
+  }
+  return total > 0.0 ? sum / total : 0.0;
+}
+
+std::vector<float> rescaled(const std::vector<float>& states, const Normalization& from,
+                            const Normalization& to) {
+  std::vector<float> result(states.size());
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const std::size_t d = i % state_size;
+    result[i] = (states[i] * from.deviation[d] + from.mean[d] - to.mean[d]) / to.deviation[d];
+  }
+  return result;
+}
+
+Rollout rescaled(const Rollout& rollout, const Normalization& from, const Normalization& to) {
+  Rollout result{rescaled(rollout.state, from, to), rollout.spread};
+  for (std::size_t i = 0; i < result.spread.size(); ++i)
+    result.spread[i] *= from.deviation[i % state_size] / to.deviation[i % state_size];
+  return result;
+}
+
+std::vector<float> random_paths(const RolloutCases& cases, std::uint64_t seed) {
+  RandomStream random(seed, "random baseline");
+  std::vector<float> paths;
+  for (int i = 0; i < cases.count(); ++i) {
+    const auto candidates = others(cases, i);
+    const int j = candidates[random.below(candidates.size())];
+    const auto first =
+        cases.batch.target.begin() + static_cast<std::ptrdiff_t>(j * cases.path_size());
+    paths.insert(paths.end(), first, first + static_cast<std::ptrdiff_t>(cases.path_size()));
+  }
+  return paths;
+}
+
+}  // namespace touchtrace::study

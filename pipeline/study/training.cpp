@@ -1,0 +1,181 @@
+#include "pipeline/study/training.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "engine/base/progress.h"
+#include "pipeline/study/plan.h"
+#include "pipeline/study/sampler.h"
+#include "pipeline/study/training_files.h"
+#include "pipeline/study/validation.h"
+
+namespace touchtrace::study {
+namespace {
+
+constexpr int looks_in_a_run = 20;
+constexpr double checkpoint_period_s = 30.0;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// A file for the present weights that goes away with this object.
+class ScratchWeights {
+ public:
+  explicit ScratchWeights(const std::filesystem::path& output)
+      : path_(output.string() + ".scratch") {}
+  ~ScratchWeights() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  const std::filesystem::path& save(const Trainer& trainer, const ModelCard& card) const {
+    trainer.save(path_, card, true);
+    return path_;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// What must be the same for a run to go on from a checkpoint.
+nlohmann::json identity(const Provenance& provenance) {
+  nlohmann::json same{{"options", provenance.options}, {"inputs", nlohmann::json::array()}};
+  same["options"].erase("resume");
+  for (const auto& input : provenance.inputs) same["inputs"].push_back(input.sha256);
+  return same;
+}
+
+ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provenance provenance) {
+  std::set<std::string> objects;
+  for (const auto& sequence : data.sequences)
+    if (sequence.split == Split::train) objects.insert(sequence.object);
+  ModelCard card;
+  card.objects.assign(objects.begin(), objects.end());
+  card.spec = make_plan({data.activity, card.objects, false, !options.without_touch, options.window,
+                         data.rows, data.cols})
+                  .model;
+  card.scaling = fit_normalization(data);
+  card.activity = data.activity;
+  card.rate_hz = data.rate_hz;
+  card.provenance = std::move(provenance);
+  return card;
+}
+
+class TrainingRun {
+ public:
+  TrainingRun(Runtime& runtime, const Dataset& data, const TrainingOptions& options, ModelCard card)
+      : options_(options),
+        card_(std::move(card)),
+        sampler_(data, card_.scaling, options.sequences, options.steps, options.window,
+                 options.optimizer.seed),
+        validation_(runtime, data, card_),
+        trainer_(runtime, card_.spec, options.optimizer, options.sequences, options.steps,
+                 options.without_touch ? std::span<const float>()
+                                       : std::span<const float>(data.tactile)),
+        checkpoint_(options.output),
+        scratch_(options.output) {}
+
+  ModelCard run(bool overwrite) {
+    prepare(overwrite);
+    try {
+      train();
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::interrupted) throw;
+      save_checkpoint();
+      throw Error(ExitCode::interrupted,
+                  fmt::format("interrupted after {} updates", trainer_.updates()),
+                  "run the same command with --resume to go on");
+    }
+    return finish(overwrite);
+  }
+
+ private:
+  int updates() const { return options_.optimizer.updates; }
+
+  void prepare(bool overwrite) {
+    OutputFile(options_.output, overwrite);  // refuses now rather than after the training
+    if (options_.resume)
+      position_ = checkpoint_.load(trainer_, identity(card_.provenance));
+    else if (checkpoint_.exists() && !overwrite)
+      throw usage_error(
+          fmt::format("{} has the checkpoint of an unfinished run beside it", options_.output),
+          "pass --resume to go on from it, or --overwrite to start anew");
+  }
+
+  void train() {
+    Progress progress("training", static_cast<std::uint64_t>(updates() - trainer_.updates()));
+    while (trainer_.updates() < updates()) {
+      const double loss = update();
+      look_if_due();
+      if (seconds_since(saved_) > checkpoint_period_s) save_checkpoint();
+      progress.advance(1, fmt::format("loss {:.3f}", loss));
+    }
+  }
+
+  double update() {
+    const auto start = Clock::now();
+    const double loss = trainer_.update(sampler_.batch(trainer_.updates()));
+    position_.seconds += seconds_since(start);
+    position_.loss_sum += loss;
+    ++position_.loss_count;
+    return loss;
+  }
+
+  void look_if_due() {
+    const int period = std::max(1, updates() / looks_in_a_run);
+    if (validation_.empty() ||
+        (trainer_.updates() % period != 0 && trainer_.updates() != updates()))
+      return;
+    TrainingLogEntry entry{trainer_.updates(), position_.seconds,
+                           position_.loss_sum / position_.loss_count};
+    validation_.look(scratch_.save(trainer_, card_), entry);
+    position_.log.push_back(entry);
+    position_.loss_sum = 0.0;
+    position_.loss_count = 0;
+  }
+
+  void save_checkpoint() {
+    checkpoint_.save(trainer_, position_, identity(card_.provenance));
+    saved_ = Clock::now();
+  }
+
+  ModelCard finish(bool overwrite) {
+    card_.log = position_.log;
+    card_.band_scale = validation_.band_scale(scratch_.save(trainer_, card_));
+    watch_.stop(card_.provenance);
+    trainer_.save(options_.output, card_, overwrite);
+    checkpoint_.remove();
+    return card_;
+  }
+
+  TrainingOptions options_;
+  ModelCard card_;
+  Stopwatch watch_;
+  Sampler sampler_;
+  Validation validation_;
+  Trainer trainer_;
+  Checkpoint checkpoint_;
+  ScratchWeights scratch_;
+  TrainingPosition position_;
+  Clock::time_point saved_ = Clock::now();
+};
+
+}  // namespace
+
+ModelCard train_model(Runtime& runtime, const Dataset& data, const TrainingOptions& options,
+                      Provenance provenance, bool overwrite) {
+  provenance.device = runtime.device().name;
+  provenance.seed = options.optimizer.seed;
+  return TrainingRun(runtime, data, options, make_card(data, options, std::move(provenance)))
+      .run(overwrite);
+}
+
+}  // namespace touchtrace::study

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "engine/base/options.h"
+#include "engine/cl/runtime.h"
+#include "engine/train/trainer.h"
+#include "pipeline/dataset/dataset.h"
+#include "pipeline/study/model_card.h"
+
+namespace touchtrace::study {
+
+/// Options of `touchtrace train`. The defaults are the recipe under which touch counts.
+struct TrainingOptions {
+  std::vector<std::string> recordings, labels;  ///< pairs, in the same order
+  std::string output;
+  bool without_touch = false, resume = false;
+  int window = 10, resolution = 32;
+  int sequences = 8, steps = 20;
+  TrainOptions optimizer;
+};
+
+void describe(OptionSet& set, TrainingOptions& options);
+
+/// Trains on the training clips of `data`, looking at its validation clips now and then, and writes
+/// `options.output`. A checkpoint lies beside it meanwhile; with `options.resume` training goes on
+/// from there, to the same bits as without the break. Ctrl-C saves a checkpoint and throws.
+/// `provenance` is finished and put into the model's card. Throws data_error if no training clip is
+/// long enough.
+ModelCard train_model(Runtime& runtime, const Dataset& data, const TrainingOptions& options,
+                      Provenance provenance, bool overwrite);
+
+}  // namespace touchtrace::study

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "engine/train/trainer.h"
+#include "pipeline/study/model_card.h"
+
+namespace touchtrace::study {
+
+/// Where a run stands beside its weights: what the log needs to go on.
+struct TrainingPosition {
+  std::vector<TrainingLogEntry> log;
+  double seconds = 0.0;   ///< spent on updates
+  double loss_sum = 0.0;  ///< since the last entry
+  int loss_count = 0;
+};
+
+/// The checkpoint of an unfinished run: weights and optimiser in one file, the position in another,
+/// both beside the output and each whole at any moment.
+class Checkpoint {
+ public:
+  explicit Checkpoint(const std::filesystem::path& output);
+
+  bool exists() const;
+  /// `identity`: what must be the same for a run to go on.
+  void save(const Trainer& trainer, const TrainingPosition& position,
+            const nlohmann::json& identity) const;
+  /// Throws data_error if there is none or it is of a run with another identity.
+  TrainingPosition load(Trainer& trainer, const nlohmann::json& identity) const;
+  void remove() const noexcept;
+
+ private:
+  std::filesystem::path weights_, position_;
+};
+
+}  // namespace touchtrace::study

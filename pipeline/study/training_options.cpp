@@ -1,0 +1,27 @@
+#include <limits>
+
+#include "pipeline/study/training.h"
+
+namespace touchtrace::study {
+
+void describe(OptionSet& set, TrainingOptions& o) {
+  set.paths("recording", o.recordings, "recordings to learn from");
+  set.paths("labels", o.labels, "their labels, in the same order");
+  set.path("output", o.output, "model file to write (safetensors)");
+  set.flag("without-touch", o.without_touch, "train the baseline that sees no tactile frame");
+  set.flag("resume", o.resume, "go on from the checkpoint beside the output");
+  set.integer("updates", o.optimizer.updates, "updates of the weights", 1, 10'000'000);
+  set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
+  set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);
+  set.integer("sequences", o.sequences, "roll-outs in a batch", 1, 4096);
+  set.integer("steps", o.steps, "steps of a roll-out in training", 1, 200);
+  set.number("learning-rate", o.optimizer.learning_rate,
+             "at the start; falls to 0 by a half cosine", 1e-8, 1.0);
+  set.number("weight-decay", o.optimizer.weight_decay, "decoupled, of AdamW", 0.0, 10.0);
+  set.number("clip-norm", o.optimizer.clip_norm, "largest norm of a gradient", 1e-6, 1e6);
+  set.number("taxel-dropout", o.optimizer.taxel_dropout, "share of taxels blanked in an update",
+             0.0, 0.9);
+  set.seed("seed", o.optimizer.seed, "of the weights, the batches and the drop-out");
+}
+
+}  // namespace touchtrace::study

@@ -1,0 +1,43 @@
+#include "pipeline/study/validation.h"
+
+#include "pipeline/study/score.h"
+
+namespace touchtrace::study {
+namespace {
+
+constexpr int stride_frames = 10;
+
+}  // namespace
+
+Validation::Validation(Runtime& runtime, const Dataset& data, const ModelCard& card)
+    : runtime_(runtime),
+      data_(data),
+      cases_(make_cases(data,
+                        {Split::validation, horizon_steps, stride_frames, card.spec.window_frames},
+                        card.scaling, Reference::labels)) {}
+
+Rollout Validation::predict(const std::filesystem::path& weights) const {
+  return Predictor(runtime_, weights).predict(cases_.batch, data_.tactile);
+}
+
+void Validation::look(const std::filesystem::path& weights, TrainingLogEntry& entry) const {
+  const Rollout rollout = predict(weights);
+  std::vector<double> at_20, at_50;
+  const auto size = cases_.path_size(), steps = static_cast<std::size_t>(cases_.batch.steps);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(cases_.count()); ++i) {
+    const auto errors = l1_by_step(Path(rollout.state).subspan(i * size, size),
+                                   Path(cases_.batch.target).subspan(i * size, size));
+    const auto weight = std::span(cases_.batch.weight).subspan(i * steps, steps);
+    at_20.push_back(mean_until(errors, weight, short_horizon_steps));
+    at_50.push_back(mean_until(errors, weight, horizon_steps));
+  }
+  entry.validation_loss = mean_loss(rollout, cases_.batch);
+  entry.validation_l1_at_20 = mean_known(at_20);
+  entry.validation_l1_at_50 = mean_known(at_50);
+}
+
+BandScale Validation::band_scale(const std::filesystem::path& weights) const {
+  return empty() ? BandScale{} : fit_band_scale(predict(weights), cases_.batch);
+}
+
+}  // namespace touchtrace::study

@@ -1,0 +1,128 @@
+// The report: one file, its sections, and nothing of the data that could become markup.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "pipeline/report/report.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace touchtrace;
+using nlohmann::json;
+
+class ReportPage : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("touchtrace_report_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    write_file(folder_ / name, text, true);
+    return folder_ / name;
+  }
+
+  fs::path folder_;
+};
+
+json metrics_document(const std::string& activity) {
+  return {{"schema", "touchtrace/metrics/1"},
+          {"against", "truth"},
+          {"results",
+           {{{"activity", activity},
+             {"object", "</script><b>ball"},
+             {"split", "seen"},
+             {"model", "full"},
+             {"l1_at_20", 0.123456789}}}},
+          {"differences", json::array()},
+          {"curves", json::array()},
+          {"examples", json::array()},
+          {"label_errors", json::array()},
+          {"models",
+           {{{"model", "full"},
+             {"path", "out/full.safetensors"},
+             {"activity", activity},
+             {"log", json::array()},
+             {"provenance", {{"verb", "train"}, {"wall_seconds", 12.0}}}}}},
+          {"provenance", {{"verb", "evaluate"}, {"wall_seconds", 1.5}}}};
+}
+
+TEST_F(ReportPage, HoldsItsDataAndNeedsNoOtherFile) {
+  const auto path = write("wave.metrics.json", metrics_document("wave").dump());
+  report::ReportInputs inputs;
+  inputs.metrics = {path};
+  const std::string page = report::render(report::report_data(inputs));
+  EXPECT_TRUE(page.starts_with("<!doctype html>"));
+  for (const char* token : {"@DATA@", "@STYLE@", "@SCRIPT@", "</script><b>"})
+    EXPECT_EQ(page.find(token), std::string::npos) << token;
+  std::string addresses = page;
+  const std::regex name_space("http://www.w3.org/2000/svg");  // a name, never fetched
+  addresses = std::regex_replace(addresses, name_space, "");
+  for (const char* token :
+       {"http:", "https:", "src=", "@import", "url(", "fetch(", "XMLHttpRequest"})
+    EXPECT_EQ(addresses.find(token), std::string::npos) << token;
+}
+
+TEST_F(ReportPage, ScriptsOnlyMakeTextNodes) {
+  const std::string page = report::render(json::object());
+  for (const char* token :
+       {"innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval("})
+    EXPECT_EQ(page.find(token), std::string::npos) << token;
+}
+
+TEST_F(ReportPage, EveryPartIsEmbedded) {
+  const std::string page = report::render(json::object());
+  for (const char* token :
+       {"function resultSection", "function exampleSection", "function horizonSection",
+        "function runTimeSection", "function labelErrorSection", "function smoothingSection",
+        "function calibrationSection", "function provenanceSection", "build();",
+        "prefers-color-scheme"})
+    EXPECT_NE(page.find(token), std::string::npos) << token;
+}
+
+TEST_F(ReportPage, NumbersAreRoundedAndStagesListed) {
+  report::ReportInputs inputs;
+  inputs.metrics = {write("wave.metrics.json", metrics_document("wave").dump())};
+  const json data = report::report_data(inputs);
+  EXPECT_DOUBLE_EQ(data.at("metrics").at("results")[0].at("l1_at_20"), 0.12346);
+  ASSERT_EQ(data.at("stages").size(), 2u);
+  EXPECT_EQ(data.at("stages")[0].at("artefact"), "full.safetensors");
+  EXPECT_EQ(data.at("stages")[0].at("wall_seconds"), 12.0);
+}
+
+TEST_F(ReportPage, SeveralMetricsFilesBecomeOne) {
+  write("wave.metrics.json", metrics_document("wave").dump());
+  write("throw.metrics.json", metrics_document("throw").dump());
+  const json both = report::report_data(report::find_inputs(folder_));
+  EXPECT_EQ(both.at("metrics").at("results").size(), 2u);
+  write("metrics.json", metrics_document("wave").dump());
+  const json whole = report::report_data(report::find_inputs(folder_));
+  EXPECT_EQ(whole.at("metrics").at("results").size(), 1u) << "a plain metrics.json stands for all";
+}
+
+TEST_F(ReportPage, WhatIsMissingIsLeftOut) {
+  const json data = report::report_data({});
+  EXPECT_TRUE(data.at("metrics").is_null());
+  for (const char* key : {"calibrations", "smoothing", "stages", "artefacts"})
+    EXPECT_TRUE(data.at(key).empty()) << key;
+  EXPECT_TRUE(report::find_inputs(folder_).empty());
+}
+
+TEST_F(ReportPage, BadInputsAreDataErrors) {
+  for (const char* text :
+       {"", "{", "[]", "null", "{\"schema\":\"other\"}", "{\"schema\":\"touchtrace/metrics/1\"}"}) {
+    report::ReportInputs inputs;
+    inputs.metrics = {write("bad.metrics.json", text)};
+    EXPECT_THROW(report::report_data(inputs), Error) << text;
+  }
+  EXPECT_THROW(report::find_inputs(folder_ / "none"), Error);
+}
+
+}  // namespace

@@ -1,0 +1,88 @@
+// Bands: coverage that is known beforehand, and scaling that reaches its nominal level.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/base/random.h"
+#include "pipeline/dataset/dataset.h"
+#include "pipeline/study/band.h"
+#include "pipeline/study/rollouts.h"
+
+namespace {
+
+using namespace touchtrace;
+using namespace touchtrace::study;
+
+struct Residuals {
+  RolloutBatch batch;
+  Rollout rollout;
+};
+
+/// Normal residuals whose deviation grows with the step, and a band that does not know it: its half
+/// width is the 90 % quantile of the first step.
+Residuals growing_residuals(int sequences, int steps, std::uint64_t seed) {
+  RandomStream random(seed, "residuals");
+  Residuals made;
+  made.batch.sequences = sequences;
+  made.batch.steps = steps;
+  for (int i = 0; i < sequences * steps * state_size; ++i) {
+    const int step = i / state_size % steps;
+    made.batch.target.push_back(static_cast<float>(random.normal(0.0, 1.0 + step)));
+  }
+  made.rollout.state.assign(made.batch.target.size(), 0.0f);
+  made.rollout.spread.assign(made.batch.target.size(), 1.2815516f);
+  return made;
+}
+
+/// Five standard errors of a share near 0.8 among n values.
+double five_sigma(int n) { return 5.0 * std::sqrt(0.8 * 0.2 / n); }
+
+TEST(Band, CoverageOfAKnownBand) {
+  const int sequences = 400, steps = 3;
+  const auto made = growing_residuals(sequences, steps, 1);
+  const auto coverage = coverage_by_step(made.rollout, made.batch, {});
+  for (int step = 0; step < steps; ++step)
+    EXPECT_NEAR(coverage[step], std::erf(1.2815516 / (1.0 + step) / std::sqrt(2.0)),
+                five_sigma(sequences * state_size));
+}
+
+TEST(Band, ScalingReachesTheNominalLevelOnFreshResiduals) {
+  const int sequences = 400, steps = 10;
+  const auto fitted = growing_residuals(sequences, steps, 1),
+             fresh = growing_residuals(sequences, steps, 2);
+  const BandScale scale = fit_band_scale(fitted.rollout, fitted.batch);
+  const auto coverage = coverage_by_step(fresh.rollout, fresh.batch, scale);
+  for (int step = 0; step < steps; ++step) {
+    EXPECT_NEAR(scale[step], 1.0 + step, 0.1 * (1.0 + step));
+    // Both the fit and the check have the error of a share.
+    EXPECT_NEAR(coverage[step], nominal_coverage,
+                std::sqrt(2.0) * five_sigma(sequences * state_size));
+  }
+}
+
+TEST(Band, StepsThatWeighNothingAreNotCounted) {
+  auto made = growing_residuals(2, 2, 1);
+  made.batch.weight = {1, 0, 1, 0};
+  const auto coverage = coverage_by_step(made.rollout, made.batch, {});
+  EXPECT_FALSE(std::isnan(coverage[0]));
+  EXPECT_TRUE(std::isnan(coverage[1]));
+  EXPECT_EQ(fit_band_scale(made.rollout, made.batch)[1], 1.0);
+}
+
+TEST(Band, OneFactorServesTheStepsBeyondItsEnd) {
+  const auto made = growing_residuals(5, 4, 1);
+  const auto scaled = with_scaled_band(made.rollout, 4, {2.0, 3.0});
+  EXPECT_FLOAT_EQ(scaled.spread[0], 2.0f * 1.2815516f);
+  EXPECT_FLOAT_EQ(scaled.spread[state_size], 3.0f * 1.2815516f);
+  EXPECT_FLOAT_EQ(scaled.spread[3 * state_size], 3.0f * 1.2815516f);
+  EXPECT_FLOAT_EQ(scaled.spread[4 * state_size], 2.0f * 1.2815516f);
+}
+
+TEST(Band, LossOfEquation4ByHand) {
+  RolloutBatch batch{1, 1, {0}, {}, std::vector<float>(state_size, 1.0f), {}};
+  const Rollout rollout{std::vector<float>(state_size, 0.0f), std::vector<float>(state_size, 0.5f)};
+  // |1 - 0| + 0.1 (1 + 0.5) + 0.9 (1 - 0.5)
+  EXPECT_NEAR(mean_loss(rollout, batch), (1.0 + 0.15 + 0.45), 1e-6);
+}
+
+}  // namespace

@@ -1,0 +1,186 @@
+// Training and evaluation as the verbs run them, on a scene where nothing but touch tells the
+// force.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "engine/base/interrupt.h"
+#include "pipeline/study/evaluation.h"
+#include "pipeline/study/synthetic.h"
+#include "pipeline/study/training.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace touchtrace;
+using namespace touchtrace::study;
+
+class Learning : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { runtime_ = std::make_unique<Runtime>(choose_device("")); }
+  static void TearDownTestSuite() { runtime_.reset(); }
+
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / "touchtrace_learning_test";
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  TrainingOptions options(const std::string& name, int updates) const {
+    TrainingOptions o;
+    o.output = (folder_ / name).string();
+    o.window = 4;
+    o.optimizer.updates = updates;
+    return o;
+  }
+
+  static ModelCard train(const Dataset& data, const TrainingOptions& options) {
+    Provenance provenance = start_provenance("touchtrace/model/1", "train");
+    provenance.options = {{"updates", options.optimizer.updates}};
+    return train_model(*runtime_, data, options, std::move(provenance), true);
+  }
+
+  /// The weights of a model file: what follows its header.
+  static std::string weights(const std::string& path) {
+    const std::string bytes = read_file(path);
+    std::uint64_t header = 0;
+    for (int i = 7; i >= 0; --i)
+      header = header << 8 | static_cast<unsigned char>(bytes[static_cast<std::size_t>(i)]);
+    return bytes.substr(8 + header);
+  }
+
+  static std::vector<LoadedModel> load(const std::vector<std::string>& paths) {
+    std::vector<LoadedModel> models;
+    for (const auto& path : paths) models.push_back(load_model(*runtime_, path));
+    return models;
+  }
+
+  static std::unique_ptr<Runtime> runtime_;
+  fs::path folder_;
+};
+
+std::unique_ptr<Runtime> Learning::runtime_;
+
+TEST_F(Learning, FullIsBetterThanWithoutTouchIsBetterThanRandom) {
+  const Dataset data = synthetic_dataset();
+  auto full = options("full", 400), without = options("without", 400);
+  without.without_touch = true;
+  train(data, full);
+  const ModelCard card = train(data, without);
+  EXPECT_EQ(card.name(), "without_touch");
+  EXPECT_EQ(card.objects, std::vector<std::string>{"ball"});
+
+  std::vector<Session> sessions{{"synthetic", data, {}, {}}};
+  auto models = load({full.output, without.output});
+  const auto document = evaluate_models(sessions, models, {});
+  EXPECT_EQ(document.at("against"), "truth");
+  std::map<std::string, nlohmann::json> row;
+  for (const auto& result : document.at("results")) row[result.at("model")] = result;
+  for (const char* metric : {"l1_at_20", "l1_at_50"}) {
+    const double best = row["full"].at(metric), middle = row["without_touch"].at(metric),
+                 worst = row["random"].at(metric);
+    EXPECT_LT(best, 0.8 * middle) << metric;
+    EXPECT_LT(middle, worst) << metric;
+  }
+  EXPECT_NEAR(row["full"].at("coverage").get<double>(), 0.8, 0.1);
+  EXPECT_EQ(row["full"].at("split"), "seen");
+  for (const auto& difference : document.at("differences")) {
+    if (difference.at("metric") == "hausdorff") continue;
+    EXPECT_LT(difference.at("high").get<double>(), 0.0) << difference;
+  }
+  EXPECT_EQ(document.at("examples").size(), 3u);
+  EXPECT_EQ(document.at("curves")[1].at("l1_by_step").size(), 50u);
+}
+
+TEST_F(Learning, EvaluationClipsDoNotReachTheWeights) {
+  const Dataset clean = synthetic_dataset();
+  Dataset poisoned = clean;
+  for (const auto& sequence : poisoned.sequences)
+    for (int f = sequence.first_frame;
+         sequence.split == Split::evaluation && f < sequence.first_frame + sequence.frames; ++f) {
+      poisoned.label[f].fill(1e6f);
+      poisoned.causal_label[f].fill(-1e6f);
+      for (int i = 0; i < poisoned.rows * poisoned.cols; ++i)
+        poisoned.tactile[static_cast<std::size_t>(f * poisoned.rows * poisoned.cols + i)] = 1.0f;
+    }
+  poisoned.truth.assign(poisoned.truth.size(), State{});
+  const ModelCard a = train(clean, options("clean", 25)),
+                  b = train(poisoned, options("poisoned", 25));
+  EXPECT_EQ(weights(options("clean", 25).output), weights(options("poisoned", 25).output));
+  EXPECT_EQ(a.scaling.deviation, b.scaling.deviation);
+  EXPECT_EQ(a.band_scale, b.band_scale);
+}
+
+using LearningDeathTest = Learning;
+
+TEST_F(LearningDeathTest, ResumingGivesTheSameBits) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const Dataset data = synthetic_dataset();
+  auto broken = options("broken", 30);
+  EXPECT_EXIT(
+      {
+        catch_interrupts();
+        std::raise(SIGINT);
+        try {
+          train(data, broken);
+        } catch (const Error& error) {
+          std::_Exit(static_cast<int>(error.code()));
+        }
+      },
+      ::testing::ExitedWithCode(130), "");
+  EXPECT_FALSE(fs::exists(broken.output));
+  ASSERT_TRUE(fs::exists(broken.output + ".checkpoint"));
+  broken.resume = true;
+  train(data, broken);
+  const auto whole = options("whole", 30);
+  train(data, whole);
+  EXPECT_EQ(weights(broken.output), weights(whole.output));
+  EXPECT_FALSE(fs::exists(broken.output + ".checkpoint"));
+}
+
+TEST_F(Learning, AnExistingModelIsNotOverwritten) {
+  const Dataset data = synthetic_dataset();
+  const auto o = options("model", 1);
+  write_file(o.output, "something", false);
+  EXPECT_THROW(train_model(*runtime_, data, o, start_provenance("", ""), false), Error);
+  EXPECT_EQ(read_file(o.output), "something");
+}
+
+TEST_F(Learning, ResumingWithoutACheckpointIsAnError) {
+  auto o = options("none", 1);
+  o.resume = true;
+  EXPECT_THROW(train(synthetic_dataset(), o), Error);
+}
+
+TEST_F(Learning, ClipsThatAreTooShortAreAnError) {
+  EXPECT_THROW(train(synthetic_dataset({4, 12}), options("short", 1)), Error);
+}
+
+TEST_F(Learning, AModelOfAnotherActivityIsRefused) {
+  Dataset data = synthetic_dataset();
+  train(data, options("model", 1));
+  data.activity = "throw";
+  std::vector<Session> sessions{{"throw", data, {}, {}}};
+  auto models = load({options("model", 1).output});
+  EXPECT_THROW(evaluate_models(sessions, models, {}), Error);
+}
+
+TEST(TruthOffset, AConstantDifferenceIsRemoved) {
+  Dataset data = synthetic_dataset();
+  for (State& state : data.label) {
+    state[1] += 0.02f;
+    state[8] -= 0.05f;
+  }
+  const TruthOffset offset = estimate_offset(data);
+  EXPECT_NEAR(offset.object_m[1], 0.02, 1e-6);
+  EXPECT_NEAR(offset.hand_m[2], -0.05, 1e-6);
+  shift_truth(data, offset);
+  for (int f = 0; f < data.frames(); f += 100)
+    for (int d = 0; d < state_size; ++d) EXPECT_NEAR(data.truth[f][d], data.label[f][d], 1e-6);
+}
+
+}  // namespace

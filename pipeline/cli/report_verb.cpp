@@ -25,6 +25,14 @@ void append(std::vector<std::filesystem::path>& paths, const std::vector<std::st
   paths.insert(paths.end(), more.begin(), more.end());
 }
 
+void print_stages(const nlohmann::json& stages) {
+  fmt::print("{:<12} {:<32} {:>9} {:>9}  {}\n", "verb", "made", "seconds", "CPU s", "device");
+  for (const auto& stage : stages)
+    fmt::print("{:<12} {:<32} {:>9.1f} {:>9.1f}  {}\n", stage.at("verb").get<std::string>(),
+               stage.at("artefact").get<std::string>(), stage.at("wall_seconds").get<double>(),
+               stage.at("cpu_seconds").get<double>(), stage.at("device").get<std::string>());
+}
+
 ExitCode run(const ReportOptions& options, const Invocation& invocation) {
   report::ReportInputs inputs;
   if (!options.folder.empty()) inputs = report::find_inputs(options.folder);
@@ -35,12 +43,18 @@ ExitCode run(const ReportOptions& options, const Invocation& invocation) {
   if (inputs.empty())
     throw usage_error("there is nothing to report on",
                       "give a --folder with artefacts, or --metrics, --labels, ...");
-  const std::string page = report::render(report::report_data(inputs));
+  const nlohmann::json data = report::report_data(inputs);
+  const std::string page = report::render(data);
   write_file(options.output, page, invocation.overwrite);
   if (invocation.json)
-    fmt::print("{}\n", nlohmann::json{{"output", options.output}, {"bytes", page.size()}}.dump(2));
-  else
+    fmt::print("{}\n", nlohmann::json{{"output", options.output},
+                                      {"bytes", page.size()},
+                                      {"stages", data.at("stages")}}
+                           .dump(2));
+  else {
+    print_stages(data.at("stages"));
     fmt::print("{}: {:.1f} MB\n", options.output, 1e-6 * static_cast<double>(page.size()));
+  }
   return ExitCode::done;
 }
 

@@ -12,6 +12,7 @@
 #include "pipeline/label/parallel.h"
 #include "pipeline/label/states.h"
 #include "pipeline/label/timeline.h"
+#include "pipeline/recording/check.h"
 
 namespace touchtrace::label {
 namespace {
@@ -168,6 +169,7 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
 
 Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
                        const LabelOptions& options) {
+  require_nothing_lacking(lacks_for_labelling(reader), "the recording");
   std::mutex mutex;  // Debian's HDF5 serves one thread at a time
   const FrameSource frames{
       [&](std::size_t i) { return std::lock_guard(mutex), reader.read_camera_frame(i); },

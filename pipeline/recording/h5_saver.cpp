@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <hdf5_hl.h>
 
 #include <algorithm>
@@ -76,6 +77,10 @@ Axis Saver::write_axis(const std::string& name, const ElementType& type,
 void Saver::write(const std::string& name, const ElementType& type,
                   std::span<const std::uint8_t> bytes, const std::vector<Axis>& axes,
                   const Meaning& meaning) {
+  std::size_t expected_bytes = type.bytes;
+  for (const auto& axis : axes) expected_bytes *= axis.length;
+  if (bytes.size() != expected_bytes)
+    throw H5Error(fmt::format("'{}' has another length than its axes", name));
   ArrayWriter writer(group_, name, type, row_shape(axes));
   writer.append(bytes);
   describe(writer.dataset(), axes, meaning);

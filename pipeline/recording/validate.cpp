@@ -117,6 +117,7 @@ void validate_body(const Truth::Body& body, const std::string& name) {
 /// `values` hold `size` numbers a label; a label that is lost may hold none.
 void require_finite_where_known(const std::vector<double>& values, std::size_t size,
                                 const std::vector<std::uint8_t>& quality, const std::string& name) {
+  require(values.size() == size * quality.size(), name, "it has not a value for every label");
   for (std::size_t i = 0; i < quality.size(); ++i)
     if ((quality[i] & (quality_lost | quality_gap)) == 0)
       require_finite(std::span(values).subspan(size * i, size), fmt::format("{} at {}", name, i));

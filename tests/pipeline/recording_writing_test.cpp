@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <csignal>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "tests/pipeline/recording_samples.h"
+
+namespace touchtrace {
+namespace {
+
+using testing::put;
+using testing::sample_labels;
+using testing::sample_recording;
+using testing::TemporaryFolder;
+
+std::size_t files_in(const TemporaryFolder& folder) {
+  const std::filesystem::directory_iterator files(folder.path());
+  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+}
+
+/// The exit code that `write` ends in when no file may grow beyond `most_bytes`; 0: it succeeded.
+/// Runs in a child, as on a disk that fills up.
+template <class Write>
+int outcome_on_small_disk(rlim_t most_bytes, Write write) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlimit bound{most_bytes, most_bytes};
+    setrlimit(RLIMIT_FSIZE, &bound);
+    std::signal(SIGXFSZ, SIG_IGN);
+    try {
+      write();
+    } catch (const Error& error) {
+      _exit(static_cast<int>(error.code()));
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(RecordingWriting, AFullDiskIsAFailureThatLeavesNothing) {
+  const TemporaryFolder folder;
+  const auto sample = sample_recording();
+  write(sample, folder / "whole.h5");
+  const auto whole_bytes = std::filesystem::file_size(folder / "whole.h5");
+  std::filesystem::remove(folder / "whole.h5");
+  for (int part = 0; part < 10; ++part) {
+    const auto room = whole_bytes * part / 10;
+    EXPECT_EQ(outcome_on_small_disk(room, [&] { write(sample, folder / "a.h5"); }),
+              static_cast<int>(ExitCode::failed))
+        << room << " bytes";
+    EXPECT_EQ(files_in(folder), 0u) << room << " bytes";
+  }
+  EXPECT_EQ(outcome_on_small_disk(whole_bytes - 1, [&] { write(sample, folder / "a.h5"); }),
+            static_cast<int>(ExitCode::failed));
+  // On its way the library takes a little more than the file has in the end.
+  EXPECT_EQ(outcome_on_small_disk(2 * whole_bytes, [&] { write(sample, folder / "a.h5"); }), 0);
+}
+
+TEST(RecordingWriting, AFullDiskNeverCostsAnOldFile) {
+  const TemporaryFolder folder;
+  const Labels labels = sample_labels(sample_recording().recording);
+  write_labels(folder / "l.h5", labels, false);
+  const std::string before = read_file(folder / "l.h5");
+  EXPECT_EQ(outcome_on_small_disk(before.size() / 2,
+                                  [&] { write_labels(folder / "l.h5", labels, true); }),
+            static_cast<int>(ExitCode::failed));
+  EXPECT_EQ(read_file(folder / "l.h5"), before);
+  EXPECT_EQ(files_in(folder), 1u);
+}
+
+TEST(RecordingWriting, NothingIsOverwrittenUnasked) {
+  const TemporaryFolder folder;
+  const auto sample = sample_recording();
+  put(folder / "a.h5", "precious");
+  EXPECT_THROW(write(sample, folder / "a.h5"), Error);
+  EXPECT_THROW(write_labels(folder / "a.h5", sample_labels(sample.recording), false), Error);
+  EXPECT_EQ(read_file(folder / "a.h5"), "precious");
+  EXPECT_NO_THROW(write(sample, folder / "a.h5", true, true));
+}
+
+TEST(RecordingWriting, AnInterruptedWriterLeavesNothing) {
+  const TemporaryFolder folder;
+  const auto sample = sample_recording();
+  {
+    RecordingWriter writer(folder / "a.h5", sample.recording.camera, false);
+    writer.append_camera_frame(sample.frames[0]);
+    writer.append_board_view(sample.board[0]);
+    writer.write_truth(sample.truth);
+  }
+  EXPECT_EQ(files_in(folder), 0u);
+}
+
+TEST(RecordingWriting, AKilledWriterLeavesNothingUnderTheFinalName) {
+  const TemporaryFolder folder;
+  const auto sample = sample_recording();
+  const pid_t child = fork();
+  if (child == 0) {
+    RecordingWriter writer(folder / "a.h5", sample.recording.camera, false);
+    for (const auto& frame : sample.frames) writer.append_camera_frame(frame);
+    raise(SIGKILL);
+  }
+  waitpid(child, nullptr, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.h5"));
+  EXPECT_NO_THROW(write(sample, folder / "a.h5"));
+}
+
+TEST(RecordingWriting, WhatDoesNotFitTogetherIsRefused) {
+  const TemporaryFolder folder;
+  auto sample = sample_recording();
+  sample.frames[2].color.pop_back();
+  EXPECT_THROW(write(sample, folder / "a.h5"), Error);
+  sample = sample_recording();
+  sample.frames.pop_back();
+  EXPECT_THROW(write(sample, folder / "a.h5"), Error);
+  sample = sample_recording();
+  sample.recording.gloves[0].counts.pop_back();
+  EXPECT_THROW(write(sample, folder / "a.h5"), Error);
+  sample = sample_recording();
+  sample.recording.gloves.resize(3, sample.recording.gloves[0]);
+  EXPECT_THROW(write(sample, folder / "a.h5"), Error);
+  sample = sample_recording();
+  sample.truth.contact_force_n.pop_back();
+  EXPECT_THROW(write(sample, folder / "a.h5"), Error);
+  Labels labels = sample_labels(sample.recording);
+  labels.hand.covariance.pop_back();
+  EXPECT_THROW(write_labels(folder / "l.h5", labels, false), Error);
+  EXPECT_EQ(files_in(folder), 0u);
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -8,6 +8,7 @@
 #include "engine/base/text.h"
 #include "engine/train/verify_engine.h"
 #include "pipeline/cli/verbs.h"
+#include "pipeline/recording/verify_recording.h"
 #include "pipeline/report/figures_page.h"
 
 namespace touchtrace::cli {
@@ -19,7 +20,10 @@ struct VerifyOptions {
 
 /// One row an area: what a room promises, measured by the room itself.
 const std::map<std::string, Verification>& areas() {
-  static const std::map<std::string, Verification> table{{"engine", verify_engine()}};
+  static const std::map<std::string, Verification> table{
+      {"engine", verify_engine()},
+      {"recording", verify_recording()},
+  };
   return table;
 }
 

@@ -1,14 +1,15 @@
 // A colour image of solids: Lambert shading, surface patterns, motion blur, sensor noise.
 //
-// One work-item renders a tile of LANES x TILE_ROWS pixels. A pixel is the mean over samples_per_axis^2
-// rays spread evenly over its area and, in the same order, over the sub-frames of the exposure; one ray
-// where the tile holds a single solid. The camera encodes light by its square root, which turns shot
-// noise into noise of the same size at every brightness (Anscombe 1948).
+// One work-item renders a tile of LANES x TILE_ROWS pixels. A pixel is the mean over
+// samples_per_axis^2 rays spread evenly over its area and, in the same order, over the sub-frames of
+// the exposure; one ray where the tile holds a single solid. The camera encodes light by its square
+// root, which turns shot noise into noise of the same size at every brightness (Anscombe 1948).
 //
-// rays_x, rays_y [height, width]: x', y' of each pixel's centre; pitch: their step from pixel to pixel.
+// rays_x, rays_y [height, width]: x', y' of each pixel's centre; pitch: their step between pixels.
 // tiles [height / TILE_ROWS, width / LANES]: x' low, high, y' low, high of a tile's rays.
 // solids [subframes, count, SOLID_FLOATS], near ones first; bounds span all sub-frames.
 // color [height, width, 3]: RGB.
+//
 // -D TILE_ROWS=8, -D MAX_SOLIDS=96
 #ifndef TILE_ROWS
 #define TILE_ROWS 8
@@ -27,11 +28,13 @@ inline lanes wave(lanes x) {
 
 inline lanes cloth(__global const float* s, lanes3 p) {
   const float f = s[PATTERN + 2];
-  const lanes coarse = wave(f * p.x + 0.31f * f * p.z) + wave(f * p.y) + wave(f * p.z - 0.27f * f * p.x);
+  const lanes coarse =
+      wave(f * p.x + 0.31f * f * p.z) + wave(f * p.y) + wave(f * p.z - 0.27f * f * p.x);
   return 1.0f + s[PATTERN + 1] * (coarse - 2.0f);
 }
 
-// A board in the shape's x-y plane: squares of alternating colour around the origin, white around them.
+// A board in the shape's x-y plane: squares of alternating colour around the origin, white around
+// them.
 inline lanes chessboard(__global const float* s, lanes3 p) {
   const float square = s[PATTERN + 1], columns = s[PATTERN + 2], rows = s[PATTERN + 3];
   const lanes u = p.x / square + 0.5f * columns, v = p.y / square + 0.5f * rows;
@@ -43,9 +46,12 @@ inline lanes chessboard(__global const float* s, lanes3 p) {
 
 inline lanes pattern_at(__global const float* s, lanes3 p) {
   switch ((int)s[PATTERN]) {
-    case CLOTH: return cloth(s, p);
-    case CHESSBOARD: return chessboard(s, p);
-    default: return 1.0f;
+    case CLOTH:
+      return cloth(s, p);
+    case CHESSBOARD:
+      return chessboard(s, p);
+    default:
+      return 1.0f;
   }
 }
 
@@ -63,7 +69,8 @@ inline lanes3 round_normal(__global const float* s, lanes3 p) {
   const int kind = (int)s[KIND];
   const float half_length = kind == SPHERE ? 0.0f : s[SIZE + 1], scale = 1.0f / s[SIZE];
   const lane_mask cap = (kind == CYLINDER) && fabs(p.z) > half_length - 1e-5f;
-  const lanes z = kind == CYLINDER ? (lanes)0.0f : (p.z - clamp(p.z, -half_length, half_length)) * scale;
+  const lanes z =
+      kind == CYLINDER ? (lanes)0.0f : (p.z - clamp(p.z, -half_length, half_length)) * scale;
   lanes3 n;
   n.x = cap ? (lanes)0.0f : p.x * scale;
   n.y = cap ? (lanes)0.0f : p.y * scale;
@@ -97,17 +104,20 @@ inline lanes3 trace(__global const float* solids, const int* visible, int count,
   return color;
 }
 
-inline lane_bytes encode(lanes light, float scale, lanes noise) {
-  return lane_bytes_of(clamp(rint(255.0f * sqrt(fmax(light * scale, 0.0f)) + noise), 0.0f, 255.0f));
+inline uchar16 encode(lanes light, float scale, lanes noise) {
+  return convert_uchar16(clamp(rint(255.0f * sqrt(fmax(light * scale, 0.0f)) + noise), 0.0f, 255.0f));
 }
 
 // Sixteen pixels, colours side by side.
 inline void store_pixels(__global uchar* color, uchar16 r, uchar16 g, uchar16 b) {
-  vstore16((uchar16)(r.s0, g.s0, b.s0, r.s1, g.s1, b.s1, r.s2, g.s2, b.s2, r.s3, g.s3, b.s3, r.s4, g.s4, b.s4, r.s5),
+  vstore16((uchar16)(r.s0, g.s0, b.s0, r.s1, g.s1, b.s1, r.s2, g.s2, b.s2, r.s3, g.s3, b.s3, r.s4,
+                     g.s4, b.s4, r.s5),
            0, color);
-  vstore16((uchar16)(g.s5, b.s5, r.s6, g.s6, b.s6, r.s7, g.s7, b.s7, r.s8, g.s8, b.s8, r.s9, g.s9, b.s9, r.sa, g.sa),
+  vstore16((uchar16)(g.s5, b.s5, r.s6, g.s6, b.s6, r.s7, g.s7, b.s7, r.s8, g.s8, b.s8, r.s9, g.s9,
+                     b.s9, r.sa, g.sa),
            1, color);
-  vstore16((uchar16)(b.sa, r.sb, g.sb, b.sb, r.sc, g.sc, b.sc, r.sd, g.sd, b.sd, r.se, g.se, b.se, r.sf, g.sf, b.sf),
+  vstore16((uchar16)(b.sa, r.sb, g.sb, b.sb, r.sc, g.sc, b.sc, r.sd, g.sd, b.sd, r.se, g.se, b.se,
+                     r.sf, g.sf, b.sf),
            2, color);
 }
 
@@ -118,16 +128,17 @@ __kernel void render_color(__global const float* rays_x, __global const float* r
                            __global uchar* color) {
   const int column = get_global_id(0) * LANES, first_row = get_global_id(1) * TILE_ROWS;
   int visible[MAX_SOLIDS];
-  const int seen = visible_solids(solids, count, tiles[get_global_id(1) * get_global_size(0) + get_global_id(0)], visible);
+  const int seen = visible_solids(
+      solids, count, tiles[get_global_id(1) * get_global_size(0) + get_global_id(0)], visible);
   const int axis = seen > 1 ? samples_per_axis : 1, samples = axis * axis;
   for (int row = first_row; row < min(first_row + TILE_ROWS, height); ++row) {
     const int pixel = row * width + column;
-    const lanes x = load_lanes(0, rays_x + pixel), y = load_lanes(0, rays_y + pixel);
+    const lanes x = vload16(0, rays_x + pixel), y = vload16(0, rays_y + pixel);
     lanes3 sum = {0.0f, 0.0f, 0.0f};
     for (int i = 0; i < samples; ++i) {
       const float u = (i % axis + 0.5f) / axis - 0.5f, v = (i / axis + 0.5f) / axis - 0.5f;
-      const lanes3 c = trace(solids + (i * subframes / samples) * count * SOLID_FLOATS, visible, seen,
-                             x + u * pitch.x, y + v * pitch.y, lamp_and_gain.xyz);
+      const lanes3 c = trace(solids + (i * subframes / samples) * count * SOLID_FLOATS, visible,
+                             seen, x + u * pitch.x, y + v * pitch.y, lamp_and_gain.xyz);
       sum.x += c.x, sum.y += c.y, sum.z += c.z;
     }
     const philox_block random = philox(pixel, 0, key);

@@ -21,10 +21,12 @@ void describe(OptionSet& set, SimulateOptions& o) {
   set.input("output", o.output, "the recording to write, an HDF5 file");
   set.choice("activity", s.activity, "what the hand does", scene::activity_names());
   set.choice("object", s.object, "what it holds", scene::object_names());
-  set.number("minutes", s.minutes, "recorded time, rounded to whole clips, at least one [min]", 0.01, 1e4);
+  set.number("minutes", s.minutes, "recorded time, rounded to whole clips, at least one [min]",
+             0.01, 1e4);
   set.number("clip-s", s.clip_s, "length of a clip; each has a new grasp [s]", 1.0, 600.0);
   set.number("pause-s", s.pause_s, "unrecorded time between clips [s]", 0.0, 600.0);
-  set.integer("width", s.image_width, "of colour and depth images, a multiple of 16 [px]", 160, 1280);
+  set.integer("width", s.image_width, "of colour and depth images, a multiple of 16 [px]", 160,
+              1280);
   set.integer("height", s.image_height, "of colour and depth images [px]", 120, 960);
   set.integer("board-views", s.board_views, "chessboard views for the calibration", 0, 200);
   set.flag("no-images", o.no_images, "glove and truth only, nothing is rendered");
@@ -52,14 +54,16 @@ ExitCode run(const SimulateOptions& options, const Invocation& invocation) {
     runtime.emplace(choose_device(invocation.device));
     provenance.device = runtime->device().name;
   }
-  const auto summary = scene::simulate_recording(options.scene, runtime ? &*runtime : nullptr, options.output,
-                                                 invocation.overwrite, std::move(provenance));
+  const auto summary =
+      scene::simulate_recording(options.scene, runtime ? &*runtime : nullptr, options.output,
+                                invocation.overwrite, std::move(provenance));
   if (invocation.json)
     fmt::print("{}\n", to_json(summary, options.output).dump(2));
   else
-    fmt::print("{}: {} clips ({} dropped the object), {} glove frames, {} camera frames, {} board views\n",
-               options.output, summary.clips, summary.dropped_clips, summary.glove_frames, summary.camera_frames,
-               summary.board_views);
+    fmt::print(
+        "{}: {} clips ({} dropped the object), {} glove frames, {} camera frames, {} board views\n",
+        options.output, summary.clips, summary.dropped_clips, summary.glove_frames,
+        summary.camera_frames, summary.board_views);
   return ExitCode::done;
 }
 

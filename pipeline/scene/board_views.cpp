@@ -27,28 +27,35 @@ Eigen::Isometry3d draw_pose(RandomStream& random, const PinholeCamera& camera, i
   const Eigen::Vector3d axis(std::cos(direction), std::sin(direction), 0.0);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = (Eigen::AngleAxisd(random.uniform(0.0, largest_tilt_rad), axis) *
-                   Eigen::AngleAxisd(random.uniform(-largest_roll_rad, largest_roll_rad), Eigen::Vector3d::UnitZ()))
+                   Eigen::AngleAxisd(random.uniform(-largest_roll_rad, largest_roll_rad),
+                                     Eigen::Vector3d::UnitZ()))
                       .toRotationMatrix();
   pose.translation() = ray * random.uniform(nearest_m, farthest_m);
   return pose;
 }
 
-/// Corner (column, row) of the squares, the outer ones and the margin's included: from -1 to columns + 2.
+/// Corner (column, row) of the squares, the outer ones and the margin's included: from -1 to
+/// columns + 2.
 Eigen::Vector3d square_corner(const BoardInfo& board, int column, int row) {
-  return board.square_m * Eigen::Vector3d(column - 0.5 * (board.columns + 1), row - 0.5 * (board.rows + 1), 0.0);
+  return board.square_m *
+         Eigen::Vector3d(column - 0.5 * (board.columns + 1), row - 0.5 * (board.rows + 1), 0.0);
 }
 
 bool inside(const PinholeCamera& camera, const Eigen::Vector3d& point) {
   if (point.z() < 0.1) return false;
   const Eigen::Vector2d pixel = camera.project(point);
-  return pixel.x() > 1.0 && pixel.y() > 1.0 && pixel.x() < camera.width - 2.0 && pixel.y() < camera.height - 2.0;
+  return pixel.x() > 1.0 && pixel.y() > 1.0 && pixel.x() < camera.width - 2.0 &&
+         pixel.y() < camera.height - 2.0;
 }
 
-double narrowest_square_px(const PinholeCamera& camera, const BoardInfo& board, const Eigen::Isometry3d& pose) {
+double narrowest_square_px(const PinholeCamera& camera, const BoardInfo& board,
+                           const Eigen::Isometry3d& pose) {
   double least = camera.width;
   for (int row : {0, board.rows})
     for (int column : {0, board.columns}) {
-      const auto pixel = [&](int c, int r) -> Eigen::Vector2d { return camera.project(pose * square_corner(board, c, r)); };
+      const auto pixel = [&](int c, int r) -> Eigen::Vector2d {
+        return camera.project(pose * square_corner(board, c, r));
+      };
       const Eigen::Vector2d across = pixel(column + 1, row) - pixel(column, row);
       const Eigen::Vector2d down = pixel(column, row + 1) - pixel(column, row);
       const double area = std::abs(across.x() * down.y() - across.y() * down.x());
@@ -57,19 +64,21 @@ double narrowest_square_px(const PinholeCamera& camera, const BoardInfo& board, 
   return least;
 }
 
-bool can_be_used(const RgbdCamera& camera, const BoardInfo& board, const Eigen::Isometry3d& color_from_board) {
+bool can_be_used(const RgbdCamera& camera, const BoardInfo& board,
+                 const Eigen::Isometry3d& color_from_board) {
   for (int row : {-1, board.rows + 2})
     for (int column : {-1, board.columns + 2}) {
       const Eigen::Vector3d corner = color_from_board * square_corner(board, column, row);
-      if (!inside(camera.color, corner) || !inside(camera.depth, camera.depth_from_color * corner)) return false;
+      if (!inside(camera.color, corner) || !inside(camera.depth, camera.depth_from_color * corner))
+        return false;
     }
   return narrowest_square_px(camera.color, board, color_from_board) >= least_square_px;
 }
 
 }  // namespace
 
-std::vector<Eigen::Isometry3d> board_poses(const RgbdCamera& camera, const BoardInfo& board, int count,
-                                           std::uint64_t seed) {
+std::vector<Eigen::Isometry3d> board_poses(const RgbdCamera& camera, const BoardInfo& board,
+                                           int count, std::uint64_t seed) {
   constexpr int tries = 1000;
   RandomStream random(seed, "board poses");
   std::vector<Eigen::Isometry3d> poses;

@@ -33,9 +33,9 @@ CameraClock make_camera_clock(const SceneOptions& options) {
 }
 
 nlohmann::json clock_truth(const CameraClock& clock) {
-  return {{"period_s", clock.period_s},   {"offset_s", clock.offset_s},
+  return {{"period_s", clock.period_s},     {"offset_s", clock.offset_s},
           {"drift_ppm", clock.drift * 1e6}, {"latency_s", clock.latency_s},
-          {"jitter_s", clock.jitter_s},   {"drop_share", clock.drop_share}};
+          {"jitter_s", clock.jitter_s},     {"drop_share", clock.drop_share}};
 }
 
 }  // namespace touchtrace::scene

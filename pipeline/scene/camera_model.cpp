@@ -33,7 +33,8 @@ Eigen::Quaterniond small_rotation(RandomStream& random, double deviation_rad) {
 std::array<double, 4> factory_intrinsics(RandomStream random, const PinholeCamera& camera) {
   constexpr double error = 1e-3;
   return {camera.fx * random.normal(1.0, error), camera.fy * random.normal(1.0, error),
-          camera.cx + camera.width * random.normal(0.0, error), camera.cy + camera.width * random.normal(0.0, error)};
+          camera.cx + camera.width * random.normal(0.0, error),
+          camera.cy + camera.width * random.normal(0.0, error)};
 }
 
 /// Looks along +y of the world, `pitch_rad` down; camera axes x right, y down, z forward.
@@ -86,8 +87,9 @@ RgbdCamera make_camera(const SceneOptions& options) {
       random.normal(0.0, 5e-4), random.normal(0.0, 5e-4), 0.0;
   camera.depth = specimen(random, options.image_width, options.image_height, 608.0);
   camera.depth_from_color = depth_pose(random);
-  camera.color_from_world = looking_at_person({random.normal(-0.08, 0.02), -1.3, random.normal(1.35, 0.02)},
-                                              random.normal(8.0, 1.0) * radians_per_degree);
+  camera.color_from_world =
+      looking_at_person({random.normal(-0.08, 0.02), -1.3, random.normal(1.35, 0.02)},
+                        random.normal(8.0, 1.0) * radians_per_degree);
   camera.sensor.scale = random.normal(1.0, 0.004);
   camera.sensor.offset_m = random.normal(0.0, 0.005);
   return camera;
@@ -96,13 +98,13 @@ RgbdCamera make_camera(const SceneOptions& options) {
 CameraInfo camera_info(const RgbdCamera& camera, const SceneOptions& options) {
   RandomStream random(options.seed, "camera accelerometer");
   const Eigen::Vector3d down(0.0, 0.0, -gravity_m_per_s2);
-  const Eigen::Quaterniond error =
-      small_rotation(random, accelerometer_error_rad / std::sqrt(3.0));
+  const Eigen::Quaterniond error = small_rotation(random, accelerometer_error_rad / std::sqrt(3.0));
   const Eigen::Vector3d gravity = error * (camera.color_from_world.linear() * down);
   CameraInfo info;
   info.width = camera.color.width, info.height = camera.color.height;
   info.depth_unit_m = camera.depth_unit_m;
-  info.depth_intrinsics = factory_intrinsics(RandomStream(options.seed, "factory calibration"), camera.depth);
+  info.depth_intrinsics =
+      factory_intrinsics(RandomStream(options.seed, "factory calibration"), camera.depth);
   info.gravity = {gravity.x(), gravity.y(), gravity.z()};
   return info;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "engine/base/random.h"
@@ -11,7 +12,7 @@
 namespace touchtrace::scene {
 namespace {
 
-constexpr int color_instants = 4;
+constexpr int color_instants = 4, circle_points = 16;
 constexpr int largest_mark_error_px = 3;
 constexpr double sleeve_contrast = 0.12, sleeve_waves_per_m = 23.0;
 constexpr double glove_contrast = 0.10, glove_waves_per_m = 90.0;
@@ -23,15 +24,18 @@ RigidState between(const RigidState& a, const RigidState& b, double w) {
           (1.0 - w) * a.angular_velocity_rad_per_s + w * b.angular_velocity_rad_per_s};
 }
 
-void append(std::vector<PaintedSolid>& scene, const std::vector<Solid>& solids, double contrast, double waves_per_m) {
-  for (const auto& solid : solids) scene.push_back({solid, Pattern::cloth, {contrast, waves_per_m, 0.0}});
+void append(std::vector<PaintedSolid>& scene, const std::vector<Solid>& solids, double contrast,
+            double waves_per_m) {
+  for (const auto& solid : solids)
+    scene.push_back({solid, Pattern::cloth, {contrast, waves_per_m, 0.0}});
 }
 
 void append(std::vector<PaintedSolid>& scene, const std::vector<PaintedSolid>& solids) {
   scene.insert(scene.end(), solids.begin(), solids.end());
 }
 
-std::vector<PaintedSolid> scene_at(const ClipMotion& motion, const ObjectSpec& object, double time_s) {
+std::vector<PaintedSolid> scene_at(const ClipMotion& motion, const ObjectSpec& object,
+                                   double time_s) {
   const SceneSample sample = sample_at(motion, time_s);
   std::vector<PaintedSolid> scene = room_solids();
   append(scene, person_solids(time_s));
@@ -41,14 +45,15 @@ std::vector<PaintedSolid> scene_at(const ClipMotion& motion, const ObjectSpec& o
   return scene;
 }
 
-/// Pixels that spheres along the solid's longest axis cover: tighter than the corners of a box around it.
 struct PixelBounds {
   Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::max()), high = -low;
 
-  void include(const Eigen::Vector2d& pixel) { low = low.cwiseMin(pixel), high = high.cwiseMax(pixel); }
+  void include(const Eigen::Vector2d& pixel) {
+    low = low.cwiseMin(pixel), high = high.cwiseMax(pixel);
+  }
 };
 
-/// Points whose hull is near the solid's: corners of a box, circles of a round solid's ends.
+/// Points whose hull, widened by roundness_m, is the solid or near it.
 std::vector<Eigen::Vector3d> outline(const Solid& solid) {
   const Eigen::Vector3d& s = solid.size_m;
   const bool is_box = solid.kind == ShapeKind::box;
@@ -59,7 +64,10 @@ std::vector<Eigen::Vector3d> outline(const Solid& solid) {
       for (double x : {-s.x(), s.x()})
         for (double y : {-s.y(), s.y()}) points.emplace_back(x, y, end);
     else if (solid.kind == ShapeKind::cylinder)
-      for (int i = 0; i < 16; ++i) points.emplace_back(s.x() * std::cos(i * M_PI / 8), s.x() * std::sin(i * M_PI / 8), end);
+      for (int i = 0; i < circle_points; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / circle_points;
+        points.emplace_back(s.x() * std::cos(angle), s.x() * std::sin(angle), end);
+      }
     else
       points.emplace_back(0.0, 0.0, end);
   }
@@ -67,7 +75,8 @@ std::vector<Eigen::Vector3d> outline(const Solid& solid) {
 }
 
 double roundness_m(const Solid& solid) {
-  return solid.kind == ShapeKind::sphere || solid.kind == ShapeKind::capsule ? solid.size_m.x() : 0.0;
+  return solid.kind == ShapeKind::sphere || solid.kind == ShapeKind::capsule ? solid.size_m.x()
+                                                                             : 0.0;
 }
 
 void include(PixelBounds& bounds, const Solid& solid, const RgbdCamera& camera) {
@@ -75,7 +84,8 @@ void include(PixelBounds& bounds, const Solid& solid, const RgbdCamera& camera) 
     const Eigen::Vector3d p = camera.color_from_world * (solid.body_from_shape * point);
     if (p.z() < 0.1) continue;
     const Eigen::Vector2d pixel = camera.color.project(p);
-    const Eigen::Vector2d radius = roundness_m(solid) / p.z() * Eigen::Vector2d(camera.color.fx, camera.color.fy);
+    const Eigen::Vector2d radius =
+        roundness_m(solid) / p.z() * Eigen::Vector2d(camera.color.fx, camera.color.fy);
     bounds.include(pixel - radius), bounds.include(pixel + radius);
   }
 }
@@ -96,7 +106,8 @@ SceneSample sample_at(const ClipMotion& motion, double time_s) {
   return sample;
 }
 
-Exposure expose(const ClipMotion& motion, const ObjectSpec& object, double middle_s, double exposure_s) {
+Exposure expose(const ClipMotion& motion, const ObjectSpec& object, double middle_s,
+                double exposure_s) {
   Exposure exposure;
   for (int i = 0; i < color_instants; ++i)
     exposure.color.push_back(
@@ -105,18 +116,21 @@ Exposure expose(const ClipMotion& motion, const ObjectSpec& object, double middl
   return exposure;
 }
 
-PixelBox mark(const std::vector<Solid>& solids, const RgbdCamera& camera, std::uint64_t seed, int clip,
-              std::string_view target) {
+PixelBox mark(const std::vector<Solid>& solids, const RgbdCamera& camera, std::uint64_t seed,
+              int clip, std::string_view target) {
   PixelBounds bounds;
   for (const auto& solid : solids) include(bounds, solid, camera);
   RandomStream random(seed, "marked box " + std::string(target));
   random.seek(static_cast<std::uint64_t>(clip) * 64);
   const auto off = [&](double value, int size) {
-    const auto error = static_cast<double>(random.below(2 * largest_mark_error_px + 1)) - largest_mark_error_px;
+    const auto error =
+        static_cast<double>(random.below(2 * largest_mark_error_px + 1)) - largest_mark_error_px;
     return static_cast<int>(std::clamp(std::round(value) + error, 0.0, static_cast<double>(size)));
   };
-  const int left = off(bounds.low.x(), camera.color.width), right = off(bounds.high.x(), camera.color.width);
-  const int top = off(bounds.low.y(), camera.color.height), bottom = off(bounds.high.y(), camera.color.height);
+  const int left = off(bounds.low.x(), camera.color.width),
+            right = off(bounds.high.x(), camera.color.width);
+  const int top = off(bounds.low.y(), camera.color.height),
+            bottom = off(bounds.high.y(), camera.color.height);
   return {left, top, right - left, bottom - top};
 }
 

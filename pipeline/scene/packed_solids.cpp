@@ -16,10 +16,14 @@ constexpr double nearest_plane_m = 0.02;
 Eigen::Vector3d half_extents(const Solid& solid) {
   const Eigen::Vector3d& s = solid.size_m;
   switch (solid.kind) {
-    case ShapeKind::sphere: return Eigen::Vector3d::Constant(s.x());
-    case ShapeKind::capsule: return {s.x(), s.x(), s.x() + s.y()};
-    case ShapeKind::cylinder: return {s.x(), s.x(), s.y()};
-    default: return s;
+    case ShapeKind::sphere:
+      return Eigen::Vector3d::Constant(s.x());
+    case ShapeKind::capsule:
+      return {s.x(), s.x(), s.x() + s.y()};
+    case ShapeKind::cylinder:
+      return {s.x(), s.x(), s.y()};
+    default:
+      return s;
   }
 }
 
@@ -39,18 +43,19 @@ std::vector<std::size_t> near_first(const std::vector<PaintedSolid>& solids,
   return order;
 }
 
-std::array<float, 4> bounds_of_all(const std::vector<std::vector<PaintedSolid>>& instants, std::size_t i,
-                                   const Eigen::Isometry3d& camera_from_world) {
+std::array<float, 4> bounds_of_all(const std::vector<std::vector<PaintedSolid>>& instants,
+                                   std::size_t i, const Eigen::Isometry3d& camera_from_world) {
   std::array<float, 4> all{unbounded, -unbounded, unbounded, -unbounded};
   for (const auto& solids : instants) {
     const auto b = projected_bounds(solids[i].solid, camera_from_world);
-    all = {std::min(all[0], b[0]), std::max(all[1], b[1]), std::min(all[2], b[2]), std::max(all[3], b[3])};
+    all = {std::min(all[0], b[0]), std::max(all[1], b[1]), std::min(all[2], b[2]),
+           std::max(all[3], b[3])};
   }
   return all;
 }
 
-void append(std::vector<float>& packed, const PaintedSolid& painted, const std::array<float, 4>& bounds,
-            const Eigen::Isometry3d& camera_from_world) {
+void append(std::vector<float>& packed, const PaintedSolid& painted,
+            const std::array<float, 4>& bounds, const Eigen::Isometry3d& camera_from_world) {
   const Solid& solid = painted.solid;
   const Eigen::Isometry3d shape_from_camera = (camera_from_world * solid.body_from_shape).inverse();
   const auto push = [&](double value) { packed.push_back(static_cast<float>(value)); };
@@ -68,7 +73,8 @@ void append(std::vector<float>& packed, const PaintedSolid& painted, const std::
 
 }  // namespace
 
-std::array<float, 4> projected_bounds(const Solid& solid, const Eigen::Isometry3d& camera_from_world) {
+std::array<float, 4> projected_bounds(const Solid& solid,
+                                      const Eigen::Isometry3d& camera_from_world) {
   const Eigen::Isometry3d camera_from_shape = camera_from_world * solid.body_from_shape;
   const Eigen::Vector3d half = half_extents(solid);
   std::array<float, 4> b{unbounded, -unbounded, unbounded, -unbounded};

@@ -23,7 +23,8 @@ void append_tile(RayMap& map, const PinholeCamera& camera, int column, int row, 
       const auto pixel = static_cast<std::size_t>(v) * camera.width + u;
       x.include(map.x[pixel]), y.include(map.y[pixel]);
     }
-  const auto mx = static_cast<float>(margin_px / camera.fx), my = static_cast<float>(margin_px / camera.fy);
+  const auto mx = static_cast<float>(margin_px / camera.fx),
+             my = static_cast<float>(margin_px / camera.fy);
   map.tiles.insert(map.tiles.end(), {x.low - mx, x.high + mx, y.low - my, y.high + my});
 }
 
@@ -31,8 +32,9 @@ void append_tile(RayMap& map, const PinholeCamera& camera, int column, int row, 
 
 RayMap make_ray_map(const PinholeCamera& camera, double margin_px) {
   if (camera.width <= 0 || camera.height <= 0 || camera.width % RayMap::lanes != 0)
-    throw usage_error(fmt::format("images of {}x{} cannot be rendered", camera.width, camera.height),
-                      fmt::format("choose a width that is a multiple of {}", RayMap::lanes));
+    throw usage_error(
+        fmt::format("images of {}x{} cannot be rendered", camera.width, camera.height),
+        fmt::format("choose a width that is a multiple of {}", RayMap::lanes));
   RayMap map;
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {

@@ -6,8 +6,8 @@
 
 namespace touchtrace::scene {
 
-/// The rays of a camera's pixels, and what each tile of the image can see. Rows of pixels are `lanes`
-/// vectors; kernels/render_color.cl gives the layouts.
+/// The rays of a camera's pixels, and what each tile of the image can see. Rows of pixels are
+/// `lanes` vectors; kernels/render_color.cl gives the layouts.
 struct RayMap {
   static constexpr int lanes = 16, tile_rows = 8;
 
@@ -16,8 +16,8 @@ struct RayMap {
   int tile_columns, tile_lines;
 };
 
-/// `margin_px`: how far rays may leave their pixel's centre. Throws usage_error unless the width is a
-/// multiple of 16.
+/// `margin_px`: how far rays may leave their pixel's centre. Throws usage_error unless the width is
+/// a multiple of 16.
 RayMap make_ray_map(const PinholeCamera& camera, double margin_px);
 
 }  // namespace touchtrace::scene

@@ -38,8 +38,10 @@ class Renderer {
   Renderer(Runtime& runtime, const RgbdCamera& camera, std::uint64_t seed);
   ~Renderer();
 
-  /// `stream` and `number` name the frame's noise. `samples_per_axis`^2 rays are cast a colour pixel.
-  RgbdFrame render(const Exposure& exposure, std::string_view stream, std::uint64_t number, int samples_per_axis = 2);
+  /// `stream` and `number` name the frame's noise. `samples_per_axis`^2 rays are cast a colour
+  /// pixel.
+  RgbdFrame render(const Exposure& exposure, std::string_view stream, std::uint64_t number,
+                   int samples_per_axis = 2);
 
  private:
   struct Device;

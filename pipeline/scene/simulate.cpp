@@ -29,7 +29,8 @@ double clip_start_s(const SceneOptions& options, int clip) {
 /// The clips' motions, in order, computed a few clips ahead on threads of their own.
 class MotionQueue {
  public:
-  explicit MotionQueue(const SceneOptions& options) : options_(options), clips_(clip_count(options)) {
+  explicit MotionQueue(const SceneOptions& options)
+      : options_(options), clips_(clip_count(options)) {
     for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i) start_next();
   }
 
@@ -56,7 +57,9 @@ class MotionQueue {
 
 void append_glove(std::vector<GloveStream>& gloves, const GloveStream& glove) {
   if (gloves.empty()) gloves.push_back({glove.info, {}, {}, {}});
-  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  const auto append = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
   append(gloves.front().sequence, glove.sequence);
   append(gloves.front().host_time_s, glove.host_time_s);
   append(gloves.front().counts, glove.counts);
@@ -65,7 +68,8 @@ void append_glove(std::vector<GloveStream>& gloves, const GloveStream& glove) {
 SimulationSummary summarize(const Recording& recording) {
   SimulationSummary summary;
   summary.clips = recording.clips.size();
-  summary.dropped_clips = static_cast<std::size_t>(std::ranges::count(recording.clips, true, &Clip::dropped));
+  summary.dropped_clips =
+      static_cast<std::size_t>(std::ranges::count(recording.clips, true, &Clip::dropped));
   summary.glove_frames = recording.gloves.front().frames();
   summary.camera_frames = recording.camera_times.frames();
   return summary;
@@ -73,8 +77,9 @@ SimulationSummary summarize(const Recording& recording) {
 
 }  // namespace
 
-SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runtime, const std::filesystem::path& output,
-                                     bool overwrite, Provenance provenance) {
+SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runtime,
+                                     const std::filesystem::path& output, bool overwrite,
+                                     Provenance provenance) {
   const Stopwatch stopwatch;
   const ObjectSpec& object = find_object(options.object);
   const RgbdCamera camera = make_camera(options);
@@ -93,7 +98,8 @@ SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runti
   for (int i = 0; i < clips; ++i) {
     const ClipMotion motion = motions.next();
     const double start_s = clip_start_s(options, i);
-    recording.clips.push_back({start_s, start_s + options.clip_s, options.object, motion.dropped, {}, {}});
+    recording.clips.push_back(
+        {start_s, start_s + options.clip_s, options.object, motion.dropped, {}, {}});
     if (video) video->record_clip(motion, object, i, recording);
     append_glove(recording.gloves, motion.glove);
     append_truth(truth, motion, i, camera.color_from_world);

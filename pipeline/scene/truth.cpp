@@ -3,7 +3,9 @@
 namespace touchtrace::scene {
 namespace {
 
-void append(std::vector<double>& values, const Eigen::Vector3d& v) { values.insert(values.end(), v.begin(), v.end()); }
+void append(std::vector<double>& values, const Eigen::Vector3d& v) {
+  values.insert(values.end(), v.begin(), v.end());
+}
 
 void append(Truth::Body& body, const RigidState& state, const Eigen::Isometry3d& color_from_world) {
   const Eigen::Quaterniond turn(color_from_world.linear()), q = turn * state.orientation;
@@ -25,11 +27,13 @@ nlohmann::json glove_clock_truth(const GloveClock& clock) {
 Truth start_truth(const SceneOptions& options, const RgbdCamera& camera, const CameraClock& clock) {
   Truth truth;
   truth.calibration = calibration_truth(camera);
-  truth.clocks = {{"camera", clock_truth(clock)}, {"glove0", glove_clock_truth(glove_clock(options))}};
+  truth.clocks = {{"camera", clock_truth(clock)},
+                  {"glove0", glove_clock_truth(glove_clock(options))}};
   return truth;
 }
 
-void append_truth(Truth& truth, const ClipMotion& motion, int clip, const Eigen::Isometry3d& color_from_world) {
+void append_truth(Truth& truth, const ClipMotion& motion, int clip,
+                  const Eigen::Isometry3d& color_from_world) {
   constexpr auto stride = static_cast<std::size_t>(sample_rate_hz / truth_rate_hz);
   for (std::size_t i = 0; i < motion.samples.size(); i += stride) {
     const SceneSample& sample = motion.samples[i];

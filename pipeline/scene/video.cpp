@@ -18,8 +18,8 @@ void append_stamps(CameraTimes& times, const CameraClock& clock, std::uint64_t s
 
 }  // namespace
 
-Video::Video(Runtime& runtime, const RgbdCamera& camera, const CameraClock& clock, const SceneOptions& options,
-             RecordingWriter& writer)
+Video::Video(Runtime& runtime, const RgbdCamera& camera, const CameraClock& clock,
+             const SceneOptions& options, RecordingWriter& writer)
     : camera_(camera),
       clock_(clock),
       options_(options),
@@ -32,13 +32,16 @@ void Video::store(RgbdFrame frame, Append append) {
                         [this, append, frame = std::move(frame)] { (writer_.*append)(frame); });
 }
 
-void Video::record_clip(const ClipMotion& motion, const ObjectSpec& object, int clip, Recording& recording) {
+void Video::record_clip(const ClipMotion& motion, const ObjectSpec& object, int clip,
+                        Recording& recording) {
   Clip& described = recording.clips.back();
   const auto sequences = clock_.frames_between(described.start_s, described.end_s);
   for (std::uint64_t sequence : sequences) {
     throw_if_interrupted();
-    const Exposure exposure = expose(motion, object, clock_.true_time_s(sequence), camera_.exposure_s);
-    store(renderer_.render(exposure, "camera frame", sequence), &RecordingWriter::append_camera_frame);
+    const Exposure exposure =
+        expose(motion, object, clock_.true_time_s(sequence), camera_.exposure_s);
+    store(renderer_.render(exposure, "camera frame", sequence),
+          &RecordingWriter::append_camera_frame);
     append_stamps(recording.camera_times, clock_, sequence);
   }
   if (sequences.empty()) return;

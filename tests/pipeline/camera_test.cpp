@@ -1,0 +1,264 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/scene/backdrop.h"
+#include "pipeline/scene/camera_clock.h"
+#include "pipeline/scene/renderer.h"
+
+namespace touchtrace::scene {
+namespace {
+
+Runtime& runtime() {
+  static Runtime instance(choose_device(""));
+  return instance;
+}
+
+SceneOptions small_images() {
+  SceneOptions options;
+  options.image_width = 320, options.image_height = 240;
+  return options;
+}
+
+/// A camera whose images hold geometry only.
+RgbdCamera exact_camera(const SceneOptions& options) {
+  RgbdCamera camera = make_camera(options);
+  camera.sensor = DepthSensor::exact();
+  camera.color_noise_counts = 0.0;
+  return camera;
+}
+
+/// A solid at a place of the colour camera's frame, turned so that none of its axes is the
+/// camera's.
+PaintedSolid solid_before(const RgbdCamera& camera, ShapeKind kind, const Eigen::Vector3d& size_m,
+                          const Eigen::Vector3d& position_m) {
+  PaintedSolid painted;
+  painted.solid.kind = kind, painted.solid.size_m = size_m;
+  painted.solid.body_from_shape =
+      camera.color_from_world.inverse() * Eigen::Translation3d(position_m) *
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.5, -0.3, 0.8).normalized());
+  return painted;
+}
+
+/// A wall across the depth camera's axis, its face `depth_m` away.
+PaintedSolid wall_before(const RgbdCamera& camera, double depth_m) {
+  PaintedSolid wall;
+  wall.solid.kind = ShapeKind::box, wall.solid.size_m = {9.0, 9.0, 0.1};
+  wall.solid.body_from_shape = (camera.depth_from_color * camera.color_from_world).inverse() *
+                               Eigen::Translation3d(0.0, 0.0, depth_m + 0.1);
+  return wall;
+}
+
+double distance_to(const Solid& solid, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d& s = solid.size_m;
+  const double radial = p.head<2>().norm() - s.x();
+  switch (solid.kind) {
+    case ShapeKind::sphere:
+      return p.norm() - s.x();
+    case ShapeKind::capsule:
+      return (p - Eigen::Vector3d(0, 0, std::clamp(p.z(), -s.y(), s.y()))).norm() - s.x();
+    case ShapeKind::cylinder:
+      return std::max(radial, std::abs(p.z()) - s.y());
+    default:
+      return (p.cwiseAbs() - s).maxCoeff();
+  }
+}
+
+/// Checks every pixel of a depth image of one solid: what was hit lies on the surface with nothing
+/// of the solid before it, and where nothing was hit, the ray misses it.
+void expect_depth_of(const RgbdCamera& camera, const Solid& solid,
+                     const std::vector<std::uint16_t>& depth) {
+  const Eigen::Isometry3d shape_from_depth =
+      (camera.depth_from_color * camera.color_from_world * solid.body_from_shape).inverse();
+  const double tolerance_m =
+      0.5 * camera.depth_unit_m + 2e-5;  // half a count, and single precision
+  int hits = 0, wrong = 0;
+  for (int v = 0; v < camera.depth.height; ++v)
+    for (int u = 0; u < camera.depth.width; ++u) {
+      const Eigen::Vector3d ray = camera.depth.unproject({u, v});
+      const double hit_m =
+          depth[static_cast<std::size_t>(v * camera.depth.width + u)] * camera.depth_unit_m;
+      const auto distance = [&](double z) {
+        return distance_to(solid, shape_from_depth * (z * ray));
+      };
+      const double bound = tolerance_m * ray.norm();
+      if (hit_m > 0.0) ++hits, wrong += !(std::abs(distance(hit_m)) <= bound);
+      for (double z = 0.6; z < (hit_m > 0.0 ? hit_m : 1.4); z += 0.004)
+        wrong += !(distance(z) >= -bound);
+    }
+  EXPECT_GT(hits, 300);
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(Camera, DepthLiesOnTheSurfaceOfEveryShape) {
+  const RgbdCamera camera = exact_camera(small_images());
+  Renderer renderer(runtime(), camera, 1);
+  const std::vector<std::pair<ShapeKind, Eigen::Vector3d>> shapes{
+      {ShapeKind::sphere, {0.06, 0, 0}},
+      {ShapeKind::box, {0.05, 0.03, 0.08}},
+      {ShapeKind::capsule, {0.03, 0.07, 0}},
+      {ShapeKind::cylinder, {0.04, 0.06, 0}}};
+  for (const auto& [kind, size_m] : shapes) {
+    SCOPED_TRACE(static_cast<int>(kind));
+    const PaintedSolid solid = solid_before(camera, kind, size_m, {0.12, -0.07, 0.95});
+    const RgbdFrame frame = renderer.render(still({solid}), "test", 0);
+    expect_depth_of(camera, solid.solid, frame.depth);
+  }
+}
+
+/// The centre of the pixels that a far too bright sphere saturates: all that it touches, so that
+/// its outline widens evenly.
+Eigen::Vector2d centre_of_bright(const RgbdFrame& frame, int width) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double count = 0.0;
+  for (std::size_t i = 0; i < frame.depth.size(); ++i)
+    if (frame.color[3 * i] == 255)
+      sum += Eigen::Vector2d(static_cast<double>(i % width), static_cast<double>(i / width)),
+          ++count;
+  return sum / count;
+}
+
+TEST(Camera, SpheresAppearWhereTheDistortedPinholeProjectsThem) {
+  const RgbdCamera camera = exact_camera(small_images());
+  Renderer renderer(runtime(), camera, 1);
+  for (double x : {-0.38, 0.0, 0.38})
+    for (double y : {-0.28, 0.01, 0.28}) {
+      // Small: the centre of a sphere's image lies f tan(angle) (r / z)^2 < 0.04 px outside its
+      // centre's.
+      PaintedSolid sphere = solid_before(camera, ShapeKind::sphere, {0.016, 0, 0}, {x, y, 1.0});
+      sphere.solid.color.setConstant(1000.0);
+      const RgbdFrame frame = renderer.render(still({sphere}), "test", 0);
+      const Eigen::Vector2d expected = camera.color.project({x, y, 1.0});
+      EXPECT_LT((centre_of_bright(frame, camera.color.width) - expected).norm(), 0.2)
+          << x << ' ' << y;
+    }
+}
+
+struct Moments {
+  double mean, deviation;
+};
+
+Moments moments(const std::vector<double>& values) {
+  double sum = 0.0, squares = 0.0;
+  for (double v : values) sum += v;
+  const double mean = sum / static_cast<double>(values.size());
+  for (double v : values) squares += (v - mean) * (v - mean);
+  return {mean, std::sqrt(squares / static_cast<double>(values.size()))};
+}
+
+std::vector<double> measured_m(const RgbdFrame& frame, const RgbdCamera& camera) {
+  std::vector<double> values;
+  for (int v = 1; v < camera.depth.height - 1; ++v)
+    for (int u = 1; u < camera.depth.width - 1; ++u)
+      values.push_back(frame.depth[static_cast<std::size_t>(v * camera.depth.width + u)] *
+                       camera.depth_unit_m);
+  return values;
+}
+
+TEST(Camera, AxialNoiseIsThatOfTheDisparity) {
+  RgbdCamera camera = make_camera(small_images());
+  camera.sensor.scale = 1.0, camera.sensor.offset_m = 0.0;
+  camera.sensor.disparity_step_px = 0.0;
+  Renderer renderer(runtime(), camera, 1);
+  for (double z : {0.8, 1.1, 2.0}) {
+    const auto depth =
+        measured_m(renderer.render(still({wall_before(camera, z)}), "noise", 0), camera);
+    const double focal_baseline = 2.0 * camera.depth.fx * camera.sensor.baseline_m;
+    const double expected_m = z * z / focal_baseline * camera.sensor.disparity_sigma_px;
+    const double independent =
+        static_cast<double>(depth.size()) / 9.0;  // the noise is a mean of 3x3
+    EXPECT_NEAR(moments(depth).deviation / expected_m, 1.0, 4.0 / std::sqrt(2.0 * independent))
+        << z;
+    EXPECT_NEAR(moments(depth).mean, z, 4.0 * expected_m / std::sqrt(independent) + 2e-5) << z;
+  }
+}
+
+TEST(Camera, DepthComesInStepsOfAnEighthOfADisparity) {
+  RgbdCamera camera = make_camera(small_images());
+  camera.sensor.scale = 1.004, camera.sensor.offset_m = 0.006;
+  Renderer renderer(runtime(), camera, 1);
+  const auto depth =
+      measured_m(renderer.render(still({wall_before(camera, 1.1)}), "noise", 0), camera);
+  const double focal_baseline = 2.0 * camera.depth.fx * camera.sensor.baseline_m;
+  double worst_m = 0.0;
+  for (double measured : depth) {
+    const double z = camera.sensor.offset_m + camera.sensor.scale * measured;
+    const double on_step = focal_baseline / (std::round(8.0 * focal_baseline / z) / 8.0);
+    worst_m = std::max(worst_m, std::abs(on_step - z));
+  }
+  EXPECT_LE(worst_m, 0.5 * camera.depth_unit_m * camera.sensor.scale + 1e-6);
+}
+
+TEST(Camera, NearThingsHideAStripOfTheWallFromTheSecondImager) {
+  RgbdCamera camera = exact_camera(small_images());
+  camera.sensor.holes = true;
+  Renderer renderer(runtime(), camera, 1);
+  const double near_m = 1.0, far_m = 2.0;
+  PaintedSolid post = wall_before(camera, near_m);
+  post.solid.size_m.x() = 0.1;
+  const auto depth = renderer.render(still({post, wall_before(camera, far_m)}), "noise", 0).depth;
+  const int width = camera.depth.width, row = camera.depth.height / 2 * width;
+  const int holes =
+      static_cast<int>(std::count(depth.begin() + row + 1, depth.begin() + row + width - 1, 0));
+  const double shadow_px =
+      camera.depth.fx * camera.sensor.baseline_m * (1.0 / near_m - 1.0 / far_m);
+  EXPECT_NEAR(holes, shadow_px, 4.0);  // and a ragged pixel or two at each of the two edges
+}
+
+TEST(Camera, ColorNoiseIsTheSensors) {
+  for (int width : {320, 640}) {
+    SceneOptions options;
+    options.image_width = width, options.image_height = width * 3 / 4;
+    const RgbdCamera camera = make_camera(options);
+    Renderer renderer(runtime(), camera, 1);
+    const auto a = renderer.render(still(room_solids()), "noise", 1).color;
+    const auto b = renderer.render(still(room_solids()), "noise", 2).color;
+    std::vector<double> difference;
+    for (std::size_t i = 0; i < a.size(); ++i) difference.push_back(double(a[i]) - double(b[i]));
+    const double sigma = camera.color_noise_counts * width / sensor_width_px;
+    const double expected =
+        std::sqrt(2.0 * (sigma * sigma + 1.0 / 12.0));  // and rounding to counts
+    EXPECT_NEAR(moments(difference).deviation / expected, 1.0, 0.02) << width;
+  }
+}
+
+TEST(Camera, SameSeedSameBitsInAnyOrder) {
+  const RgbdCamera camera = make_camera(small_images());
+  Renderer first(runtime(), camera, 5), second(runtime(), camera, 5), other(runtime(), camera, 6);
+  const Exposure room = still(room_solids());
+  const RgbdFrame zero = first.render(room, "frame", 0), one = first.render(room, "frame", 1);
+  const RgbdFrame one_again = second.render(room, "frame", 1),
+                  zero_again = second.render(room, "frame", 0);
+  EXPECT_EQ(zero.color, zero_again.color);
+  EXPECT_EQ(zero.depth, zero_again.depth);
+  EXPECT_EQ(one.color, one_again.color);
+  EXPECT_EQ(one.depth, one_again.depth);
+  EXPECT_NE(zero.color, one.color);
+  EXPECT_NE(zero.color, other.render(room, "frame", 0).color);
+}
+
+TEST(CameraClock, SequenceGoesOnThroughDroppedFrames) {
+  const CameraClock clock = make_camera_clock(small_images());
+  const auto frames = clock.frames_between(10.0, 210.0);
+  const auto all = static_cast<double>(frames.back() - frames.front() + 1);
+  EXPECT_NEAR(all, 200.0 / clock.period_s, 2.0);
+  EXPECT_NEAR(1.0 - static_cast<double>(frames.size()) / all, clock.drop_share,
+              4.0 * std::sqrt(clock.drop_share / all));
+  EXPECT_LT(static_cast<double>(frames.size()), all);
+  EXPECT_GE(clock.true_time_s(frames.front()), 10.0);
+  EXPECT_LT(clock.true_time_s(frames.back()), 210.0);
+}
+
+TEST(CameraClock, ArrivalIsLeastLatencyPlusExponentialJitter) {
+  const CameraClock clock = make_camera_clock(small_images());
+  std::vector<double> jitter;
+  for (std::uint64_t i = 1000; i < 11000; ++i)
+    jitter.push_back(clock.arrival_s(i) - clock.true_time_s(i) - clock.latency_s);
+  EXPECT_GE(*std::ranges::min_element(jitter), -1e-9);
+  EXPECT_NEAR(moments(jitter).mean / clock.jitter_s, 1.0, 0.04);
+  EXPECT_NEAR(moments(jitter).deviation / clock.jitter_s, 1.0, 0.08);
+}
+
+}  // namespace
+}  // namespace touchtrace::scene

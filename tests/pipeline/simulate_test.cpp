@@ -1,0 +1,128 @@
+#include "pipeline/scene/simulate.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/error.h"
+#include "pipeline/recording/recording_file.h"
+#include "pipeline/scene/camera_clock.h"
+#include "pipeline/scene/camera_model.h"
+
+namespace touchtrace::scene {
+namespace {
+
+SceneOptions short_scene() {
+  SceneOptions options;
+  options.minutes = 0.1, options.clip_s = 3.0, options.pause_s = 1.0;
+  options.image_width = 160, options.image_height = 120;
+  options.board_views = 2;
+  return options;
+}
+
+std::filesystem::path scratch(const std::string& name) {
+  return std::filesystem::path(::testing::TempDir()) / ("touchtrace_simulate_" + name + ".h5");
+}
+
+Provenance provenance() { return start_provenance("touchtrace/recording/1", "simulate"); }
+
+TEST(Simulate, RecordingHoldsWhatTheSummarySays) {
+  const SceneOptions options = short_scene();
+  const auto path = scratch("whole");
+  Runtime runtime(choose_device(""));
+  const auto summary = simulate_recording(options, &runtime, path, true, provenance());
+  const RecordingReader reader(path);
+  const Recording& recording = reader.recording();
+  EXPECT_EQ(summary.clips, 2u);
+  EXPECT_EQ(recording.clips.size(), summary.clips);
+  EXPECT_EQ(recording.camera_times.frames(), summary.camera_frames);
+  EXPECT_EQ(recording.gloves.front().frames(), summary.glove_frames);
+  EXPECT_EQ(reader.board_views(), summary.board_views);
+  EXPECT_NEAR(static_cast<double>(summary.camera_frames), 120.0, 8.0);
+  EXPECT_GT(reader.read_camera_frame(summary.camera_frames - 1).color.size(), 0u);
+}
+
+/// The colour camera's gravity, as its sensor says, within 1 degree and 1 % of the truth.
+TEST(Simulate, GravityIsNearlyTrue) {
+  for (std::uint64_t seed : {1, 2, 3}) {
+    SceneOptions options = short_scene();
+    options.seed = seed;
+    const RgbdCamera camera = make_camera(options);
+    const auto g = camera_info(camera, options).gravity;
+    const Eigen::Vector3d measured(g[0], g[1], g[2]);
+    const Eigen::Vector3d truth =
+        camera.color_from_world.linear() * Eigen::Vector3d(0.0, 0.0, -gravity_m_per_s2);
+    EXPECT_NEAR(measured.norm(), gravity_m_per_s2, 0.1);
+    EXPECT_GT(measured.normalized().dot(truth.normalized()), std::cos(0.018));
+  }
+}
+
+TEST(Simulate, MarkedBoxesHoldTheTrueObject) {
+  const SceneOptions options = short_scene();
+  const auto path = scratch("boxes");
+  Runtime runtime(choose_device(""));
+  simulate_recording(options, &runtime, path, true, provenance());
+  const Recording recording = RecordingReader(path).recording();
+  const Truth truth = read_truth(path);
+  const RgbdCamera camera = make_camera(options);
+  const CameraClock clock = make_camera_clock(options);
+  for (std::size_t c = 0; c < recording.clips.size(); ++c) {
+    const Clip& clip = recording.clips[c];
+    const auto first = std::ranges::find_if(
+        recording.camera_times.sequence,
+        [&](std::uint64_t sequence) { return clock.true_time_s(sequence) >= clip.start_s; });
+    const auto sample = static_cast<std::size_t>(
+        std::ranges::lower_bound(truth.time_s, clock.true_time_s(*first)) - truth.time_s.begin());
+    const Eigen::Vector3d p(truth.object.position_m[3 * sample],
+                            truth.object.position_m[3 * sample + 1],
+                            truth.object.position_m[3 * sample + 2]);
+    const Eigen::Vector2d pixel = camera.color.project(p);
+    const PixelBox& box = clip.object_box;
+    // Each side is off by up to 3 pixels, so the middle by up to 3; the object moves less than one
+    // more.
+    EXPECT_NEAR(pixel.x(), box.x + 0.5 * box.width, 4.0);
+    EXPECT_NEAR(pixel.y(), box.y + 0.5 * box.height, 4.0);
+    EXPECT_FALSE(clip.hand_box.empty());
+  }
+}
+
+TEST(Simulate, WithoutImagesTheGloveAndTheTruthAreTheSame) {
+  const SceneOptions options = short_scene();
+  Runtime runtime(choose_device(""));
+  simulate_recording(options, &runtime, scratch("images"), true, provenance());
+  const auto summary = simulate_recording(options, nullptr, scratch("glove"), true, provenance());
+  EXPECT_EQ(summary.camera_frames, 0u);
+  const Recording with = RecordingReader(scratch("images")).recording();
+  const Recording without = RecordingReader(scratch("glove")).recording();
+  EXPECT_EQ(with.gloves.front().counts, without.gloves.front().counts);
+  EXPECT_EQ(with.gloves.front().host_time_s, without.gloves.front().host_time_s);
+  EXPECT_EQ(read_truth(scratch("images")).object.position_m,
+            read_truth(scratch("glove")).object.position_m);
+}
+
+ExitCode code_of(const SceneOptions& options, const std::filesystem::path& path, bool overwrite) {
+  try {
+    simulate_recording(options, nullptr, path, overwrite, provenance());
+    return ExitCode::done;
+  } catch (const Error& error) {
+    return error.code();
+  }
+}
+
+TEST(Simulate, UnknownNamesAndExistingOutputsAreRefused) {
+  const auto path = scratch("refused");
+  std::filesystem::remove(path);
+  SceneOptions options = short_scene();
+  options.object = "bal";
+  EXPECT_EQ(code_of(options, path, false), ExitCode::usage);
+  options = short_scene();
+  options.activity = "juggle";
+  EXPECT_EQ(code_of(options, path, false), ExitCode::usage);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_EQ(code_of(short_scene(), path, false), ExitCode::done);
+  EXPECT_NE(code_of(short_scene(), path, false), ExitCode::done);
+}
+
+}  // namespace
+}  // namespace touchtrace::scene

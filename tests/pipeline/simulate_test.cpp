@@ -9,9 +9,12 @@
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/camera_clock.h"
 #include "pipeline/scene/camera_model.h"
+#include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace::scene {
 namespace {
+
+using testing::TemporaryFolder;
 
 SceneOptions short_scene() {
   SceneOptions options;
@@ -21,15 +24,12 @@ SceneOptions short_scene() {
   return options;
 }
 
-std::filesystem::path scratch(const std::string& name) {
-  return std::filesystem::path(::testing::TempDir()) / ("touchtrace_simulate_" + name + ".h5");
-}
-
 Provenance provenance() { return start_provenance("touchtrace/recording/1", "simulate"); }
 
 TEST(Simulate, RecordingHoldsWhatTheSummarySays) {
   const SceneOptions options = short_scene();
-  const auto path = scratch("whole");
+  const TemporaryFolder folder;
+  const auto path = folder / "whole.h5";
   Runtime runtime(choose_device(""));
   const auto summary = simulate_recording(options, &runtime, path, true, provenance());
   const RecordingReader reader(path);
@@ -60,7 +60,8 @@ TEST(Simulate, GravityIsNearlyTrue) {
 
 TEST(Simulate, MarkedBoxesHoldTheTrueObject) {
   const SceneOptions options = short_scene();
-  const auto path = scratch("boxes");
+  const TemporaryFolder folder;
+  const auto path = folder / "boxes.h5";
   Runtime runtime(choose_device(""));
   simulate_recording(options, &runtime, path, true, provenance());
   const Recording recording = RecordingReader(path).recording();
@@ -90,15 +91,16 @@ TEST(Simulate, MarkedBoxesHoldTheTrueObject) {
 TEST(Simulate, WithoutImagesTheGloveAndTheTruthAreTheSame) {
   const SceneOptions options = short_scene();
   Runtime runtime(choose_device(""));
-  simulate_recording(options, &runtime, scratch("images"), true, provenance());
-  const auto summary = simulate_recording(options, nullptr, scratch("glove"), true, provenance());
+  const TemporaryFolder folder;
+  const auto images = folder / "images.h5", glove = folder / "glove.h5";
+  simulate_recording(options, &runtime, images, true, provenance());
+  const auto summary = simulate_recording(options, nullptr, glove, true, provenance());
   EXPECT_EQ(summary.camera_frames, 0u);
-  const Recording with = RecordingReader(scratch("images")).recording();
-  const Recording without = RecordingReader(scratch("glove")).recording();
+  const Recording with = RecordingReader(images).recording();
+  const Recording without = RecordingReader(glove).recording();
   EXPECT_EQ(with.gloves.front().counts, without.gloves.front().counts);
   EXPECT_EQ(with.gloves.front().host_time_s, without.gloves.front().host_time_s);
-  EXPECT_EQ(read_truth(scratch("images")).object.position_m,
-            read_truth(scratch("glove")).object.position_m);
+  EXPECT_EQ(read_truth(images).object.position_m, read_truth(glove).object.position_m);
 }
 
 ExitCode code_of(const SceneOptions& options, const std::filesystem::path& path, bool overwrite) {
@@ -111,8 +113,8 @@ ExitCode code_of(const SceneOptions& options, const std::filesystem::path& path,
 }
 
 TEST(Simulate, UnknownNamesAndExistingOutputsAreRefused) {
-  const auto path = scratch("refused");
-  std::filesystem::remove(path);
+  const TemporaryFolder folder;
+  const auto path = folder / "refused.h5";
   SceneOptions options = short_scene();
   options.object = "bal";
   EXPECT_EQ(code_of(options, path, false), ExitCode::usage);

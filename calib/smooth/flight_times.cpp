@@ -12,6 +12,7 @@ namespace touchtrace {
 namespace {
 
 constexpr double grid_step_s = 0.01, margin_s = 0.35, shortest_flight_s = 0.04;
+constexpr double curvature_step_s = 0.004, largest_deviation_s = 0.02;
 constexpr int grid_half = 6;
 
 /// The stretch of a track around one flight, with its weights.
@@ -94,6 +95,22 @@ double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
   return lowest;
 }
 
+/// Deviation of one event's time from the curvature of the likelihood over a few milliseconds.
+double deviation(const FlightCost& cost, const double* times, int event) {
+  const double unit_s = cost.time_s(1.0) - cost.time_s(0.0), step = curvature_step_s / unit_s;
+  double here = 0.0, values[2] = {0.0, 0.0};
+  bool valid = cost(times, &here);
+  for (int side = 0; side < 2; ++side) {
+    double at[] = {times[0], times[1]};
+    at[event] += side == 0 ? -step : step;
+    valid = valid && cost(at, &values[side]);
+  }
+  const double curvature = (values[0] + values[1] - 2.0 * here) / (step * step);
+  const double largest = largest_deviation_s / unit_s;
+  return unit_s *
+         (valid && curvature > 0.0 ? std::min(largest, 1.0 / std::sqrt(curvature)) : largest);
+}
+
 /// The flight with its best times, or nothing if the data speak against it.
 std::vector<Flight> refine(const WeightedTrack& track, const Flight& guess,
                            std::vector<Flight> before, std::vector<Flight> after,
@@ -113,7 +130,8 @@ std::vector<Flight> refine(const WeightedTrack& track, const Flight& guess,
   double refined[2] = {times[0], times[1]};
   ceres::Solve(solver, problem, refined, &summary);
   if (summary.IsSolutionUsable()) std::copy_n(refined, 2, times);
-  return {{cost->time_s(times[0]), cost->time_s(times[1])}};
+  return {{cost->time_s(times[0]), cost->time_s(times[1]), deviation(*cost, times, 0),
+           deviation(*cost, times, 1)}};
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "calib/smooth/likelihood.h"
@@ -54,31 +55,65 @@ bool find_weights(WeightedTrack& track, const MotionNoise<double>& noise,
   return false;
 }
 
-SmoothedTrack finish(WeightedTrack track, const MotionNoise<double>& noise,
-                     const SmoothOptions& options) {
-  SmoothedTrack result{check(track.points), {}, track.flights, {}};
+/// The flights with every release moved by `release` and every landing by `landing` deviations.
+std::vector<Flight> moved(std::vector<Flight> flights, double release, double landing) {
+  for (auto& flight : flights) {
+    flight.release_s += release * flight.release_sigma_s;
+    flight.landing_s += landing * flight.landing_sigma_s;
+  }
+  return flights;
+}
+
+/// Third-degree cubature over the event times: flights are far enough apart to be moved all at
+/// once.
+std::vector<Trajectory> trajectories_of(WeightedTrack track, const MotionNoise<double>& noise,
+                                        const SmoothOptions& options) {
+  if (track.flights.empty()) return {pass(track, noise, options)};
+  std::vector<Trajectory> result;
+  const auto flights = track.flights;
+  const double d = std::numbers::sqrt2;
+  for (const auto& [release, landing] : {std::pair{d, 0.0}, {-d, 0.0}, {0.0, d}, {0.0, -d}}) {
+    track.flights = moved(flights, release, landing);
+    result.push_back(pass(track, noise, options));
+  }
+  return result;
+}
+
+/// The track before anything of its later part was used.
+WeightedTrack blind(const WeightedTrack& track) {
+  return {track.points, std::vector<double>(track.points.size(), 1.0), {}};
+}
+
+SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const SmoothOptions& options) {
+  SmoothedTrack result;
+  result.status = check(track.points);
   if (result.status != SmoothStatus::converged) return result;
-  const bool found = !options.robust || find_weights(track, noise, options);
-  auto trajectory = pass(track, noise, options);
-  if (!found || !trajectory.finite()) {
+  const bool found = !options.robust || find_weights(track, all.noise, options);
+  result.trajectories = trajectories_of(track, all.noise, options);
+  result.filter = pass(blind(track), all.causal_noise, options);
+  if (!found || !result.filter.finite() ||
+      !std::ranges::all_of(result.trajectories, &Trajectory::finite)) {
     result.status = SmoothStatus::not_converged;
     return result;
   }
-  result.trajectory = std::move(trajectory);
+  result.flights = std::move(track.flights);
   result.weights = std::move(track.weights);
+  return result;
+}
+
+std::vector<WeightedTrack> usable(const std::vector<WeightedTrack>& tracks) {
+  std::vector<WeightedTrack> result;
+  std::ranges::copy_if(tracks, std::back_inserter(result), [](const WeightedTrack& track) {
+    return check(track.points) == SmoothStatus::converged;
+  });
   return result;
 }
 
 /// Noise, weights and event times in turn; each is found given the others, twice.
 MotionNoise<double> find_noise(std::vector<WeightedTrack>& tracks, const SmoothOptions& options) {
   auto noise = options.noise;
-  std::vector<WeightedTrack> usable;
   for (int round = 0; round < 2; ++round) {
-    usable.clear();
-    std::ranges::copy_if(tracks, std::back_inserter(usable), [](const WeightedTrack& track) {
-      return check(track.points) == SmoothStatus::converged;
-    });
-    if (options.fit_noise) noise = most_likely_noise(usable, options).value_or(noise);
+    if (options.fit_noise) noise = most_likely_noise(usable(tracks), options).value_or(noise);
     for (auto& track : tracks) {
       if (check(track.points) != SmoothStatus::converged) continue;
       track.flights = most_likely_flights(track, noise, options);
@@ -88,23 +123,19 @@ MotionNoise<double> find_noise(std::vector<WeightedTrack>& tracks, const SmoothO
   return noise;
 }
 
-}  // namespace
-
-const char* name_of(SmoothStatus status) {
-  switch (status) {
-    case SmoothStatus::converged:
-      return "converged";
-    case SmoothStatus::no_samples:
-      return "no samples";
-    case SmoothStatus::not_finite:
-      return "a time, position or deviation that is not a number";
-    case SmoothStatus::unordered_times:
-      return "times out of order";
-    case SmoothStatus::not_converged:
-      return "not converged";
-  }
-  return "unknown";
+/// As find_noise, of filters that know of no flights.
+MotionNoise<double> find_causal_noise(const std::vector<WeightedTrack>& tracks,
+                                      const MotionNoise<double>& noise,
+                                      const SmoothOptions& options) {
+  if (!options.fit_noise ||
+      std::ranges::all_of(tracks, [](const auto& t) { return t.flights.empty(); }))
+    return noise;
+  auto without_flights = usable(tracks);
+  for (auto& track : without_flights) track.flights.clear();
+  return most_likely_noise(without_flights, options).value_or(noise);
 }
+
+}  // namespace
 
 SmoothedTracks smooth(const std::vector<Track>& tracks,
                       const std::vector<std::vector<Flight>>& flights,
@@ -112,9 +143,10 @@ SmoothedTracks smooth(const std::vector<Track>& tracks,
   std::vector<WeightedTrack> weighted;
   for (std::size_t i = 0; i < tracks.size(); ++i)
     weighted.push_back({tracks[i], std::vector<double>(tracks[i].size(), 1.0), flights[i]});
-  SmoothedTracks result{find_noise(weighted, options), {}};
-  for (auto& track : weighted)
-    result.tracks.push_back(finish(std::move(track), result.noise, options));
+  SmoothedTracks result;
+  result.noise = find_noise(weighted, options);
+  result.causal_noise = find_causal_noise(weighted, result.noise, options);
+  for (auto& track : weighted) result.tracks.push_back(finish(std::move(track), result, options));
   return result;
 }
 

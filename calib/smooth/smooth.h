@@ -3,15 +3,9 @@
 #include <limits>
 #include <vector>
 
-#include "calib/smooth/trajectory.h"
+#include "calib/smooth/smoothed_track.h"
 
 namespace touchtrace {
-
-/// What became of a track. Everything but `converged` comes without a trajectory.
-enum class SmoothStatus { converged, no_samples, not_finite, unordered_times, not_converged };
-
-/// "no samples", ...: for messages.
-const char* name_of(SmoothStatus status);
 
 struct SmoothOptions {
   Eigen::Vector3d gravity_m_per_s2{0.0, 9.81, 0.0};
@@ -24,16 +18,9 @@ struct SmoothOptions {
   bool robust = true;
 };
 
-struct SmoothedTrack {
-  SmoothStatus status = SmoothStatus::no_samples;
-  Trajectory trajectory;
-  std::vector<Flight>
-      flights;  ///< with their times found; those that the data do not support are gone
-  std::vector<double> weights;  ///< [points] of the robust loss, 1: fully believed
-};
-
 struct SmoothedTracks {
   MotionNoise<double> noise;
+  MotionNoise<double> causal_noise;  ///< of the filters, which know of no flights
   std::vector<SmoothedTrack> tracks;
 };
 

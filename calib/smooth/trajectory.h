@@ -20,6 +20,7 @@ using Track = std::vector<TrackPoint>;
 /// Free flight, from the end of contact to its beginning.
 struct Flight {
   double release_s, landing_s;
+  double release_sigma_s = 0.0, landing_sigma_s = 0.0;  ///< deviations
 };
 
 /// Where a body is and how it moves, and how well that is known. Axes are independent.

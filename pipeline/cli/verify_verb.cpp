@@ -10,6 +10,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/verify_recording.h"
 #include "pipeline/report/figures_page.h"
+#include "pipeline/study/verify_labels.h"
 
 namespace touchtrace::cli {
 namespace {
@@ -22,6 +23,7 @@ struct VerifyOptions {
 const std::map<std::string, Verification>& areas() {
   static const std::map<std::string, Verification> table{
       {"engine", verify_engine()},
+      {"labels", study::verify_labels()},
       {"recording", verify_recording()},
   };
   return table;

@@ -7,32 +7,46 @@
 namespace touchtrace::label {
 namespace {
 
-/// `counts` over a cube of colours, smoothed along each channel by (1 4 1) / 6: shades not yet
-/// seen.
-std::vector<double> smoothed(const std::vector<double>& counts, std::size_t levels) {
-  std::vector<double> now = counts;
-  for (std::size_t stride : {std::size_t{1}, levels, levels * levels}) {
-    std::vector<double> next(now.size());
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      const std::size_t level = i / stride % levels;
-      const double below = level > 0 ? now[i - stride] : now[i];
-      const double above = level + 1 < levels ? now[i + stride] : now[i];
-      next[i] = (below + 4.0 * now[i] + above) / 6.0;
-    }
-    now = std::move(next);
-  }
-  return now;
-}
+constexpr double times_as_frequent = 3.0;
+constexpr double unseen = 1e-4;  // density of a colour that never showed: then it is the rest's
 
-/// Relative frequencies; every bin gets a little, so that an unseen colour is the rest's.
-std::vector<double> density(const std::vector<double>& counts, std::size_t levels, double floor) {
-  auto result = smoothed(counts, levels);
-  const double total = std::max(1.0, std::accumulate(result.begin(), result.end(), 0.0));
-  for (auto& value : result) value = value / total + floor;
+/// `counts` smoothed along one dimension of a grid by (1 4 1) / 6: shades not yet seen.
+std::vector<double> smoothed(const std::vector<double>& counts, std::size_t stride,
+                             std::size_t levels) {
+  std::vector<double> result(counts.size());
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const std::size_t level = i / stride % levels;
+    const double below = level > 0 ? counts[i - stride] : counts[i];
+    const double above = level + 1 < levels ? counts[i + stride] : counts[i];
+    result[i] = (below + 4.0 * counts[i] + above) / 6.0;
+  }
   return result;
 }
 
+std::size_t level_of(double value, double low, double high, std::size_t levels) {
+  const double part = (value - low) / (high - low) * static_cast<double>(levels);
+  return static_cast<std::size_t>(std::clamp(part, 0.0, static_cast<double>(levels) - 0.5));
+}
+
 }  // namespace
+
+std::size_t ColorClasses::bin(const std::array<std::uint8_t, 3>& rgb) {
+  constexpr double dark = 8.0;  // keeps the chromaticity of nearly black pixels from jumping
+  const double sum = rgb[0] + rgb[1] + rgb[2] + 3.0 * dark;
+  const auto red = level_of((rgb[0] + dark) / sum, 0.05, 0.85, chroma_levels);
+  const auto green = level_of((rgb[1] + dark) / sum, 0.05, 0.85, chroma_levels);
+  const auto bright = level_of(std::log(sum), std::log(24.0), std::log(789.0), brightness_levels);
+  return (bright * chroma_levels + green) * chroma_levels + red;
+}
+
+std::vector<double> ColorClasses::density(const std::vector<double>& counts) {
+  auto result = smoothed(counts, 1, chroma_levels);
+  result = smoothed(result, chroma_levels, chroma_levels);
+  result = smoothed(result, chroma_levels * chroma_levels, brightness_levels);
+  const double total = std::max(1.0, std::accumulate(result.begin(), result.end(), 0.0));
+  for (auto& value : result) value /= total;
+  return result;
+}
 
 void ColorClasses::learn(const Surface& surface, const PixelBox& hand_box,
                          const PixelBox& object_box) {
@@ -45,12 +59,13 @@ void ColorClasses::learn(const Surface& surface, const PixelBox& hand_box,
 }
 
 void ColorClasses::settle() {
-  const auto rest = density(counts_[0], levels, 1e-4), hand = density(counts_[1], levels, 5e-5),
-             object = density(counts_[2], levels, 5e-5);
-  for (std::size_t i = 0; i < table_.size(); ++i)
-    table_[i] = object[i] > hand[i] && object[i] > rest[i] ? Body::object
-                : hand[i] > rest[i]                        ? Body::hand
-                                                           : Body::rest;
+  const auto rest = density(counts_[0]), hand = density(counts_[1]), object = density(counts_[2]);
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    const double others = std::max({rest[i], hand[i], unseen});
+    table_[i] = object[i] > times_as_frequent * others ? Body::object
+                : hand[i] > std::max(rest[i], unseen)  ? Body::hand
+                                                       : Body::rest;
+  }
 }
 
 void ColorClasses::assign(Surface& surface) const {

@@ -7,9 +7,10 @@
 
 namespace touchtrace::label {
 
-/// Tells hand, object and the rest (arm, torso) apart by colour. Learnt from frames in which boxes
-/// were drawn: the object's box may hold fingers and the hand's box the object, so a colour belongs
-/// to the body in whose box it is relatively most frequent.
+/// Tells hand, object and the rest (arm, torso) apart by colour: chromaticity, and brightness
+/// coarsely, so that a material's shades stay together. Learnt from frames in which boxes were
+/// drawn. The object's box mostly holds fingers too, so a colour is the object's only if it is
+/// several times as frequent there as anywhere else.
 class ColorClasses {
  public:
   /// Counts one frame's colours.
@@ -21,18 +22,15 @@ class ColorClasses {
   void assign(Surface& surface) const;
 
  private:
-  static constexpr std::size_t levels =
-      16;  // of each channel: coarse enough to learn from few frames
+  static constexpr std::size_t chroma_levels = 32, brightness_levels = 4;
+  static constexpr std::size_t bins = chroma_levels * chroma_levels * brightness_levels;
 
-  static std::size_t bin(const std::array<std::uint8_t, 3>& rgb) {
-    return (static_cast<std::size_t>(rgb[0] >> 4) * levels + (rgb[1] >> 4)) * levels +
-           (rgb[2] >> 4);
-  }
+  static std::size_t bin(const std::array<std::uint8_t, 3>& rgb);
+  static std::vector<double> density(const std::vector<double>& counts);
 
-  std::array<std::vector<double>, 3> counts_{std::vector<double>(levels * levels * levels),
-                                             std::vector<double>(levels* levels* levels),
-                                             std::vector<double>(levels* levels* levels)};
-  std::vector<Body> table_ = std::vector<Body>(levels * levels * levels, Body::rest);
+  std::array<std::vector<double>, 3> counts_{std::vector<double>(bins), std::vector<double>(bins),
+                                             std::vector<double>(bins)};  ///< by Body
+  std::vector<Body> table_ = std::vector<Body>(bins, Body::rest);
 };
 
 }  // namespace touchtrace::label

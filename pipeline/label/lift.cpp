@@ -104,9 +104,17 @@ double visible_part(const Patch& patch, double radius_m, const PinholeCamera& ca
   return std::min(1.0, static_cast<double>(patch.points_m.size()) / (M_PI * radius_px * radius_px));
 }
 
-double silhouette_radius_m(const Patch& patch, const PinholeCamera& camera) {
-  const double width = patch.box.width / camera.fx, height = patch.box.height / camera.fy;
-  return 0.5 * std::max(width, height) * patch.centroid_m.z();
+double silhouette_radius_m(const Patch& patch) {
+  constexpr double disc_width = 1.374;  // of the middle 80 % of a disc's points, in radii
+  double widest = 0.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    std::vector<float> across;
+    for (const auto& point : patch.points_m) across.push_back(point[axis]);
+    std::ranges::sort(across);
+    const auto tail = across.size() / 10;
+    widest = std::max<double>(widest, across[across.size() - 1 - tail] - across[tail]);
+  }
+  return widest / disc_width;
 }
 
 }  // namespace touchtrace::label

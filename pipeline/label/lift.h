@@ -31,7 +31,8 @@ Eigen::Vector3d sphere_center(const Patch& patch, double radius_m);
 /// Part of the disc of a sphere of `radius_m` at the patch's distance that the patch covers, 0..1.
 double visible_part(const Patch& patch, double radius_m, const PinholeCamera& camera);
 
-/// Half the patch's larger extent across the line of sight [m].
-double silhouette_radius_m(const Patch& patch, const PinholeCamera& camera);
+/// Radius [m] of the disc whose points spread across the line of sight as the patch's do along its
+/// longer axis: by the middle 80 %, so that stray points do not count.
+double silhouette_radius_m(const Patch& patch);
 
 }  // namespace touchtrace::label

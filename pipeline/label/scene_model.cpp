@@ -47,15 +47,15 @@ double quantile(std::vector<double> values, double part) {
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
 }
 
-/// Half the extent of the object across the line of sight, over frames in which it shows.
-double object_radius(const std::vector<Surface>& surfaces, const PinholeCamera& camera) {
+/// The radius of the object's silhouette over frames in which it shows.
+double object_radius(const std::vector<Surface>& surfaces) {
   std::vector<double> radii;
   for (const auto& surface : surfaces) {
     const auto start = median_point(surface, Body::object, Eigen::Vector3d::Zero(), farthest_m);
     if (!start) continue;
     if (const auto patch =
             find_patch(surface, Body::object, *start, cluster_radius_m, fewest_points))
-      radii.push_back(silhouette_radius_m(*patch, camera));
+      radii.push_back(silhouette_radius_m(*patch));
   }
   if (radii.empty())
     throw data_error("the object was not found in any frame by the colours of its box",
@@ -109,7 +109,7 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
                             static_cast<double>(samples.frames) * camera.width * camera.height);
   for (auto& [object, surfaces] : samples.surfaces) {
     for (auto& surface : surfaces) model.colors.at(object).assign(surface);
-    model.object_radius_m[object] = object_radius(surfaces, calibration.color);
+    model.object_radius_m[object] = object_radius(surfaces);
   }
   return model;
 }

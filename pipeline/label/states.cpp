@@ -10,6 +10,9 @@ namespace {
 /// Before its first frame a body of a person moves at most so fast, so that causal states start
 /// sane.
 constexpr InitialMotion initial_motion{1.5, 15.0};
+/// What part of a body shows changes slowly, and its middle with it: an error that no smoother
+/// sees.
+constexpr double hand_systematic_m = 0.005, object_systematic_m = 0.003;
 constexpr double fewest_away_m = 0.05;    // from the grip's distance: the object has left the hand
 constexpr double longest_bridge_s = 0.2;  // of lost frames within a flight
 
@@ -81,13 +84,15 @@ void append(const Eigen::Vector3d& value, std::vector<double>& to) {
   to.insert(to.end(), value.data(), value.data() + 3);
 }
 
-void append_state(const Trajectory& trajectory, double time_s, LabelledBody& body) {
-  const auto state = trajectory.smoothed(time_s), causal = trajectory.causal(time_s);
+void append_state(const SmoothedTrack& track, double time_s, double systematic_m,
+                  LabelledBody& body) {
+  const auto state = track.smoothed(time_s), causal = track.causal(time_s);
   append(state.position_m, body.position_m);
   append(state.velocity_m_per_s, body.velocity_m_per_s);
   append(causal.position_m, body.causal_position_m);
   append(causal.velocity_m_per_s, body.causal_velocity_m_per_s);
-  const auto covariance = state.position_velocity_covariance();
+  auto covariance = state.position_velocity_covariance();
+  covariance.diagonal().head<3>().array() += systematic_m * systematic_m;
   body.covariance.insert(body.covariance.end(), covariance.data(), covariance.data() + 36);
 }
 
@@ -102,9 +107,10 @@ void append_nothing(LabelledBody& body) {
 }
 
 void append_label(const GloveFrame& frame, const SmoothedTrack& smoothed, const ClipTrack& track,
-                  const Observations& observations, double camera_period_s, LabelledBody& body) {
+                  const Observations& observations, double camera_period_s, double systematic_m,
+                  LabelledBody& body) {
   if (smoothed.status != SmoothStatus::converged) return append_nothing(body);
-  append_state(smoothed.trajectory, frame.time_s, body);
+  append_state(smoothed, frame.time_s, systematic_m, body);
   body.quality.push_back(quality(frame.time_s, track.time_s, observations, camera_period_s));
 }
 
@@ -143,9 +149,10 @@ void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack
     labels.clip.push_back(frame.clip);
     labels.glove_frame.push_back(frame.index);
     const auto& track = tracks[clip];
-    append_label(frame, bodies.hand.tracks[clip], track, track.hand, camera_period_s, labels.hand);
+    append_label(frame, bodies.hand.tracks[clip], track, track.hand, camera_period_s,
+                 hand_systematic_m, labels.hand);
     append_label(frame, bodies.object.tracks[clip], track, track.object, camera_period_s,
-                 labels.object);
+                 object_systematic_m, labels.object);
   }
 }
 

@@ -12,7 +12,8 @@
 namespace touchtrace::study {
 namespace {
 
-constexpr double wrong_m = 0.060, deviations_of_80_percent = 1.2815515655446004;
+constexpr double impact_m_per_s2 = 40.0, wrong_m = 0.060,
+                 deviations_of_80_percent = 1.2815515655446004;
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -21,6 +22,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 struct Sample {
   Vector6 error;  ///< position, velocity
   Eigen::Vector3d causal_velocity_error;
+  Eigen::Vector3d velocity, acceleration;  ///< true
   Matrix6 covariance;
   bool lost;
 };
@@ -50,6 +52,12 @@ Eigen::Vector3d interpolate(const std::vector<double>& values, const Place& plac
   return (1.0 - place.part) * row(values, place.index) + place.part * row(values, place.index + 1);
 }
 
+/// By the truth's neighbouring samples, in m/s^2.
+Eigen::Vector3d acceleration(const Truth& truth, const Truth::Body& body, const Place& place) {
+  return (row(body.velocity_m_per_s, place.index + 1) - row(body.velocity_m_per_s, place.index)) /
+         (truth.time_s[place.index + 1] - truth.time_s[place.index]);
+}
+
 std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, const Truth& truth,
                                const Truth::Body& true_body) {
   std::vector<Sample> samples;
@@ -61,6 +69,8 @@ std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, c
     sample.error << row(body.position_m, i) - interpolate(true_body.position_m, *place),
         row(body.velocity_m_per_s, i) - velocity;
     sample.causal_velocity_error = row(body.causal_velocity_m_per_s, i) - velocity;
+    sample.velocity = velocity;
+    sample.acceleration = acceleration(truth, true_body, *place);
     sample.covariance = Eigen::Map<const Matrix6>(&body.covariance[36 * i]);
     sample.lost = body.quality[i] != quality_good;
     samples.push_back(std::move(sample));
@@ -110,19 +120,46 @@ std::vector<Sample> keep_right(const std::vector<Sample>& samples, BodyError& er
   return right;
 }
 
+/// Labels that are late by d show v(t - d): their error is -d a, fitted where there is no impact.
+double delay_of(const std::vector<Sample>& samples) {
+  double product = 0.0, square = 0.0;
+  for (const auto& sample : samples) {
+    if (!(sample.acceleration.norm() < impact_m_per_s2)) continue;
+    product -= sample.error.tail<3>().dot(sample.acceleration);
+    square += sample.acceleration.squaredNorm();
+  }
+  return square > 0.0 ? product / square : 0.0;
+}
+
+/// Takes delay and bias out of every sample.
+void align(std::vector<Sample>& samples, BodyError& error) {
+  error.delay_s = delay_of(samples);
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();
+  for (auto& sample : samples) {
+    const bool smooth = sample.acceleration.norm() < impact_m_per_s2;
+    sample.error.head<3>() += error.delay_s * sample.velocity;
+    if (smooth) sample.error.tail<3>() += error.delay_s * sample.acceleration;
+    bias += sample.error.head<3>() / static_cast<double>(samples.size());
+  }
+  for (auto& sample : samples) sample.error.head<3>() -= bias;
+  error.bias_m = bias;
+}
+
 BodyError error_of(const std::vector<Sample>& samples) {
   BodyError error;
   auto right = keep_right(samples, error);
   const double part = 1.0 / std::max(1.0, static_cast<double>(right.size()));
-  for (const auto& sample : right) error.bias_m += part * sample.error.head<3>();
   Eigen::Vector3d squares = Eigen::Vector3d::Zero(), spread = Eigen::Vector3d::Zero();
-  double velocity = 0.0, causal = 0.0;
-  for (auto& sample : right) {
+  double velocity = 0.0, causal = 0.0, aligned = 0.0;
+  for (const auto& sample : right) {
     squares += part * sample.error.head<3>().cwiseAbs2();
-    sample.error.head<3>() -= error.bias_m;
-    spread += part * sample.error.head<3>().cwiseAbs2();
     velocity += part * sample.error.tail<3>().squaredNorm() / 3.0;
     causal += part * sample.causal_velocity_error.squaredNorm() / 3.0;
+  }
+  align(right, error);
+  for (const auto& sample : right) {
+    spread += part * sample.error.head<3>().cwiseAbs2();
+    aligned += part * sample.error.tail<3>().squaredNorm() / 3.0;
     error.position_coverage += part * covered(sample, 0);
     error.velocity_coverage += part * covered(sample, 3);
     error.nees += part * sample.error.dot(sample.covariance.ldlt().solve(sample.error)) / 6.0;
@@ -130,6 +167,7 @@ BodyError error_of(const std::vector<Sample>& samples) {
   error.position_rms_m = squares.cwiseSqrt();
   error.position_spread_m = spread.cwiseSqrt();
   error.velocity_rms_m_per_s = std::sqrt(velocity);
+  error.aligned_velocity_rms_m_per_s = std::sqrt(aligned);
   error.causal_velocity_rms_m_per_s = std::sqrt(causal);
   return error;
 }
@@ -152,6 +190,8 @@ void to_json(nlohmann::json& json, const BodyError& error) {
           {"position_spread_m", numbers(error.position_spread_m)},
           {"velocity_rms_m_per_s", error.velocity_rms_m_per_s},
           {"causal_velocity_rms_m_per_s", error.causal_velocity_rms_m_per_s},
+          {"delay_s", error.delay_s},
+          {"aligned_velocity_rms_m_per_s", error.aligned_velocity_rms_m_per_s},
           {"position_coverage", error.position_coverage},
           {"velocity_coverage", error.velocity_coverage},
           {"nees", error.nees}};

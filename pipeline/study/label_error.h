@@ -9,21 +9,23 @@
 namespace touchtrace::study {
 
 /// How far the labels of one body are from the truth, in the colour camera's frame. Labels further
-/// off than 60 mm (from the truth plus the median offset) are wrong; RMS and coverage are over the
-/// others.
+/// off than 60 mm (from the truth plus the median offset) are wrong; all else is over the others.
+/// What no recording shows (where a body's middle is, the streams' least latency) is given as bias
+/// and delay; spread, aligned velocity, coverage and NEES are of what is left.
 struct BodyError {
   double lost_share = 0.0;                           ///< labels that say so
   double wrong_share = 0.0;                          ///< lost or not
   double wrong_unsaid_share = 0.0;                   ///< wrong while said to be good
   Eigen::Vector3d bias_m = Eigen::Vector3d::Zero();  ///< mean error; of the hand: from blob to palm
-  Eigen::Vector3d position_rms_m = Eigen::Vector3d::Zero();     ///< bias included
-  Eigen::Vector3d position_spread_m = Eigen::Vector3d::Zero();  ///< bias removed
+  Eigen::Vector3d position_rms_m = Eigen::Vector3d::Zero();     ///< bias and delay included
+  Eigen::Vector3d position_spread_m = Eigen::Vector3d::Zero();  ///< both removed
   double velocity_rms_m_per_s = 0.0;                            ///< per axis, all three
   double causal_velocity_rms_m_per_s = 0.0;                     ///< of the filtered states
-  double position_coverage = 0.0;  ///< share of axes within the 80 % interval, bias removed
+  double delay_s = 0.0;  ///< of the labels, that fits best: latency that no stamp shows
+  double aligned_velocity_rms_m_per_s = 0.0;  ///< with that delay removed
+  double position_coverage = 0.0;             ///< share of axes within the 80 % interval
   double velocity_coverage = 0.0;
-  double nees =
-      0.0;  ///< mean squared error in units of the covariance, 1 if it is true; bias removed
+  double nees = 0.0;  ///< mean squared error in units of the covariance, 1 if it is true
 };
 
 struct LabelError {

@@ -32,7 +32,7 @@ std::pair<double, double> difference(const SmoothedTrack& rescaled, const Smooth
                                      double meters, double seconds) {
   double position = 0.0, velocity = 0.0;
   for (double t = 0.31; t < 9.0; t += 0.0731) {
-    const auto a = rescaled.trajectory.smoothed(t * seconds), b = reference.trajectory.smoothed(t);
+    const auto a = rescaled.smoothed(t * seconds), b = reference.smoothed(t);
     position = std::max(position, (a.position_m / meters - b.position_m).norm());
     velocity =
         std::max(velocity, (a.velocity_m_per_s * seconds / meters - b.velocity_m_per_s).norm());
@@ -105,10 +105,10 @@ TEST(Smooth, FindsTheMinimumThatCeresFinds) {
   const double jerk_density = 300.0;
   const auto smoothed = smooth(track, fixed_noise(jerk_density));
   ASSERT_EQ(smoothed.status, SmoothStatus::converged);
-  const auto reference = solved_by_ceres(track, jerk_density, smoothed.trajectory);
+  const auto reference = solved_by_ceres(track, jerk_density, smoothed.trajectories.front());
   // weights settle to 1e-4, so positions to about 1e-4 of an outlier's pull of a few millimetres
   for (std::size_t i = 0; i < track.size(); ++i)
-    EXPECT_LT((smoothed.trajectory.smoothed(track[i].time_s).position_m - reference[i]).norm(),
+    EXPECT_LT((smoothed.smoothed(track[i].time_s).position_m - reference[i]).norm(),
               2e-6)
         << i;
 }
@@ -120,8 +120,8 @@ TEST(Smooth, OutliersHardlyMatter) {
   track[60].position_m.y() += 0.3;
   const auto spoilt = smooth(track, fixed_noise(300.0));
   EXPECT_LT(spoilt.weights[60], 0.01);
-  EXPECT_LT((spoilt.trajectory.smoothed(track[60].time_s).position_m -
-             clean.trajectory.smoothed(track[60].time_s).position_m)
+  EXPECT_LT((spoilt.smoothed(track[60].time_s).position_m -
+             clean.smoothed(track[60].time_s).position_m)
                 .norm(),
             0.006);
 }
@@ -141,8 +141,8 @@ TEST(Smooth, IsTheSameInMillimetresMillisecondsAndEpochTime) {
   }
   const double epoch_s = 1.7e9;  // doubles there are 2.4e-7 s apart: at 1 m/s as many metres
   const auto late = smooth(rescaled(track, 1.0, 1.0, epoch_s), options);
-  EXPECT_LT((late.trajectory.smoothed(epoch_s + 5.0).position_m -
-             reference.trajectory.smoothed(5.0).position_m)
+  EXPECT_LT((late.smoothed(epoch_s + 5.0).position_m -
+             reference.smoothed(5.0).position_m)
                 .norm(),
             1e-6);
 }
@@ -194,7 +194,7 @@ TEST(Smooth, IntervalsAreTrueForAMotionOfThePrior) {
   double covered = 0.0;
   for (std::size_t k = 0; k < tracks.size(); ++k)
     for (std::size_t i = 0; i < tracks[k].size(); ++i) {
-      const auto estimate = smoothed.tracks[k].trajectory.smoothed(tracks[k][i].time_s);
+      const auto estimate = smoothed.tracks[k].smoothed(tracks[k][i].time_s);
       for (int axis = 0; axis < 3; ++axis)
         covered += std::abs(estimate.velocity_m_per_s[axis] - motions[k].states[i](1, axis)) <
                    1.28155 * std::sqrt(estimate.covariance[static_cast<std::size_t>(axis)](1, 1));
@@ -211,11 +211,11 @@ TEST(Smooth, CausalStatesUseNoLaterFrame) {
   linear.robust = false;
   const auto whole = smooth(track, linear),
              part = smooth(Track(track.begin(), track.begin() + 101), linear);
-  const auto a = whole.trajectory.causal(5.02), b = part.trajectory.causal(5.02);
+  const auto a = whole.causal(5.02), b = part.causal(5.02);
   EXPECT_LT((a.position_m - b.position_m).norm(), 1e-12);
   EXPECT_LT((a.velocity_m_per_s - b.velocity_m_per_s).norm(), 1e-10);
   EXPECT_LT(
-      (part.trajectory.causal(5.0).position_m - part.trajectory.smoothed(5.0).position_m).norm(),
+      (part.causal(5.0).position_m - part.smoothed(5.0).position_m).norm(),
       1e-12);
 }
 
@@ -258,8 +258,8 @@ TEST(Smooth, OneTwoAndEqualSamples) {
   const Eigen::Vector3d place(1.0, 2.0, 3.0), sigma = Eigen::Vector3d::Constant(0.002);
   const auto one = smooth(Track{{5.0, place, sigma}}, options);
   ASSERT_EQ(one.status, SmoothStatus::converged);
-  EXPECT_LT((one.trajectory.smoothed(5.0).position_m - place).norm(), 1e-9);
-  EXPECT_GT(one.trajectory.smoothed(5.0).covariance[0](1, 1),
+  EXPECT_LT((one.smoothed(5.0).position_m - place).norm(), 1e-9);
+  EXPECT_GT(one.smoothed(5.0).covariance[0](1, 1),
             1.0);  // nothing is known of the velocity
 
   auto options_linear = options;
@@ -267,8 +267,8 @@ TEST(Smooth, OneTwoAndEqualSamples) {
   const auto equal =
       smooth(Track{{5.0, place, sigma}, {5.0, place + 2.0 * sigma, sigma}}, options_linear);
   ASSERT_EQ(equal.status, SmoothStatus::converged);
-  EXPECT_LT((equal.trajectory.smoothed(5.0).position_m - place - sigma).norm(), 1e-8);
-  EXPECT_NEAR(equal.trajectory.smoothed(5.0).covariance[0](0, 0), 0.5 * 4e-6, 1e-11);
+  EXPECT_LT((equal.smoothed(5.0).position_m - place - sigma).norm(), 1e-8);
+  EXPECT_NEAR(equal.smoothed(5.0).covariance[0](0, 0), 0.5 * 4e-6, 1e-11);
 }
 
 TEST(Smooth, AGapWidensTheIntervals) {
@@ -276,8 +276,8 @@ TEST(Smooth, AGapWidensTheIntervals) {
   track.erase(track.begin() + 50, track.begin() + 150);
   const auto smoothed = smooth(track, fixed_noise(300.0));
   ASSERT_EQ(smoothed.status, SmoothStatus::converged);
-  EXPECT_GT(smoothed.trajectory.smoothed(5.0).covariance[0](0, 0),
-            1e4 * smoothed.trajectory.smoothed(1.0).covariance[0](0, 0));
+  EXPECT_GT(smoothed.smoothed(5.0).covariance[0](0, 0),
+            1e4 * smoothed.smoothed(1.0).covariance[0](0, 0));
 }
 
 /// Stiff: whatever the noise and its ratio to the prior, the states are finite and near the
@@ -294,7 +294,7 @@ TEST(Smooth, StiffProblemsEndWellOrSaySo) {
       const auto smoothed = smooth(track, options);
       if (smoothed.status != SmoothStatus::converged) continue;
       for (const auto& point : track) {
-        const auto state = smoothed.trajectory.smoothed(point.time_s);
+        const auto state = smoothed.smoothed(point.time_s);
         const double deviation = std::sqrt(state.covariance[0](0, 0));
         EXPECT_LE(deviation, sigma * (1.0 + 1e-6)) << sigma << " " << ratio;
         EXPECT_TRUE(state.position_m.allFinite() && state.velocity_m_per_s.allFinite());
@@ -309,7 +309,7 @@ TEST(Smooth, ABodyAtRestRests) {
     track.push_back({0.05 * i, Eigen::Vector3d(0.1, 0.2, 1.0), Eigen::Vector3d::Constant(0.002)});
   const auto smoothed = smooth(track, {});
   ASSERT_EQ(smoothed.status, SmoothStatus::converged);
-  EXPECT_LT(smoothed.trajectory.smoothed(1.0).velocity_m_per_s.norm(), 1e-6);
+  EXPECT_LT(smoothed.smoothed(1.0).velocity_m_per_s.norm(), 1e-6);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 constexpr double outlier_ratio = 3.0;  ///< a view's RMS over the median view's
 constexpr double smallest_sigma_px =
     1e-6;  ///< of data without noise, where weights lose their meaning
-constexpr int robust_rounds = 3;
+constexpr int robust_rounds = 2;
 
 /// fx fy cx cy and the first coefficients of k1 k2 p1 p2 k3.
 std::vector<int> free_parameters(int coefficients) {

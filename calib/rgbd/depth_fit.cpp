@@ -13,7 +13,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr double samples_per_view = 200.0;
+constexpr double samples_per_view = 120.0;
 constexpr int largest_block_px = 16;
 constexpr double plane_gate = 0.15;  ///< of the depth: farther from the plane is not the board
 constexpr double outlier_sigmas = 4.0;

@@ -17,7 +17,7 @@ struct DepthNoise {
 /// True if at least one view has a depth image.
 bool has_depth(const BoardObservations& observations);
 
-/// Side of the blocks of depth_samples [px], so that a view gives about 200.
+/// Side of the blocks of depth_samples [px], so that a view gives about 120.
 int depth_block_px(const BoardObservations& observations, const std::vector<bool>& used,
                    const RgbdParameters& parameters);
 

@@ -7,6 +7,7 @@
 #include "engine/base/files.h"
 #include "engine/base/text.h"
 #include "engine/train/verify_engine.h"
+#include "pipeline/acquire/verify_images.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/verify_recording.h"
 #include "pipeline/report/figures_page.h"
@@ -22,6 +23,7 @@ struct VerifyOptions {
 /// One row an area: what a room promises, measured by the room itself.
 const std::map<std::string, Verification>& areas() {
   static const std::map<std::string, Verification> table{
+      {"calibration", calibration_verification()},
       {"engine", verify_engine()},
       {"labels", study::verify_labels()},
       {"recording", verify_recording()},

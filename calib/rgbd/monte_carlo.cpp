@@ -1,0 +1,98 @@
+#include "calib/rgbd/monte_carlo.h"
+
+#include <Eigen/Cholesky>
+#include <atomic>
+#include <cmath>
+#include <ctime>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "calib/rgbd/calibrate.h"
+#include "engine/base/progress.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr Eigen::Index color_parameters = 8;
+
+struct Run {
+  Eigen::VectorXd error;
+  double color_nees = 0.0, nees = 0.0, seconds = 0.0;
+  std::vector<std::string> names;
+};
+
+double thread_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double normalized_square(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance) {
+  return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(error.size());
+}
+
+Run run_once(const SimulatedBoards& boards, int index) {
+  RandomStream random(static_cast<std::uint64_t>(index), "simulated noise");
+  const BoardObservations observations = observe(boards, random);
+  const double start_s = thread_seconds();
+  const RgbdCalibration c = calibrate(observations, {.distortion_coefficients = 4});
+  Run run;
+  run.seconds = thread_seconds() - start_s;
+  run.names = c.parameters;
+  run.error = errors(c, boards.truth);
+  run.nees = normalized_square(run.error, c.covariance);
+  run.color_nees =
+      normalized_square(run.error.head(color_parameters),
+                        c.covariance.topLeftCorner(color_parameters, color_parameters));
+  return run;
+}
+
+std::vector<Run> run_all(const SimulatedBoards& boards, int count) {
+  std::vector<Run> runs(static_cast<std::size_t>(count));
+  std::atomic<int> next = 0;
+  std::mutex mutex;
+  std::exception_ptr failed;
+  Progress progress("simulated calibrations", static_cast<std::uint64_t>(count));
+  const auto work = [&] {
+    try {
+      for (int i = next++; i < count; i = next++) {
+        runs[static_cast<std::size_t>(i)] = run_once(boards, i);
+        progress.advance();
+      }
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      failed = std::current_exception();
+      next = count;
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
+      threads.emplace_back(work);
+  }
+  if (failed) std::rethrow_exception(failed);
+  return runs;
+}
+
+}  // namespace
+
+MonteCarlo monte_carlo(const SimulatedBoards& boards, int count) {
+  const auto runs = run_all(boards, count);
+  MonteCarlo result;
+  result.runs = count;
+  result.names = runs.front().names;
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(runs.front().error.size());
+  for (const auto& run : runs) {
+    squares += run.error.cwiseAbs2() / count;
+    result.nees += run.nees / count;
+    result.color_nees += run.color_nees / count;
+    result.solve_seconds += run.seconds / count;
+  }
+  const Eigen::VectorXd ratios =
+      (squares.array() / cramer_rao_bound(boards).diagonal().array()).sqrt();
+  result.rmse_ratio.assign(ratios.begin(), ratios.end());
+  return result;
+}
+
+}  // namespace touchtrace

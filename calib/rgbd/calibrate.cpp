@@ -17,7 +17,7 @@ namespace touchtrace {
 namespace {
 
 constexpr double first_extent = 0.5, final_extent = 1.0;  ///< of the board that depth is taken from
-constexpr int joint_rounds = 2;
+constexpr int joint_rounds = 4;
 constexpr std::size_t fewest_samples = 100;
 
 void require_views(const BoardObservations& o, std::ptrdiff_t views, const char* what) {
@@ -53,7 +53,7 @@ bool place_depth_camera(BoardProblem& problem, RgbdParameters& p) {
 bool solve_jointly(BoardProblem& problem, RgbdParameters& p, DepthNoise& noise) {
   for (int round = 0; round < joint_rounds; ++round) {
     throw_if_interrupted();
-    noise = weigh_samples(problem.samples, p);
+    noise = weigh_samples(problem.samples, p, round > 0);
     if (!solve(problem, p)) return false;
     problem.corner_sigma_px =
         corner_noise_px(problem.observations, problem.used, problem.free_color.size(), p);
@@ -103,10 +103,9 @@ RgbdCalibration calibrate(const BoardObservations& observations,
                           const CalibrateSettings& settings) {
   require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "found");
   BoardProblem problem{observations, {}, {}, color_prior(observations)};
-  const auto distortions = settings.distortion_coefficients < 0
-                               ? std::vector{0, 2, 4, 5}
-                               : std::vector{settings.distortion_coefficients};
-  const ColorFit color = fit_color(observations, problem.prior, distortions);
+  const auto radial = settings.radial_coefficients < 0 ? std::vector{0, 2, 3}
+                                                       : std::vector{settings.radial_coefficients};
+  const ColorFit color = fit_color(observations, problem.prior, radial);
   if (!color.converged) throw no_convergence();
   require_views(observations, std::ranges::count(color.used, true), "usable");
   RgbdParameters parameters = color.parameters;

@@ -8,7 +8,7 @@ namespace touchtrace {
 inline constexpr int fewest_views = 3;
 
 struct CalibrateSettings {
-  int distortion_coefficients = -1;  ///< 0, 2, 4 or 5; -1: chosen by BIC
+  int radial_coefficients = -1;  ///< 0, 2 or 3; -1: chosen by BIC
 };
 
 /// Intrinsics, distortion, board poses, and (where views have depth images) RGB-to-depth pose,

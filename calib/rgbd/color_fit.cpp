@@ -16,11 +16,11 @@ constexpr double smallest_sigma_px =
     1e-6;  ///< of data without noise, where weights lose their meaning
 constexpr int robust_rounds = 2;
 
-/// fx fy cx cy and the first coefficients of k1 k2 p1 p2 k3.
-std::vector<int> free_parameters(int coefficients) {
-  std::vector<int> indices;
-  for (int i = 0; i < 4 + coefficients; ++i) indices.push_back(i);
-  return indices;
+/// fx fy cx cy p1 p2, and k1 k2 of two, k1 k2 k3 of three radial coefficients.
+std::vector<int> free_parameters(int radial) {
+  if (radial == 0) return {0, 1, 2, 3, 6, 7};
+  if (radial == 2) return {0, 1, 2, 3, 4, 5, 6, 7};
+  return {0, 1, 2, 3, 4, 5, 6, 7, 8};
 }
 
 std::vector<double> view_rms(const BoardObservations& observations,
@@ -48,7 +48,7 @@ double number_of_coordinates(const BoardObservations& observations, const std::v
 /// Rounds of robust fit; each takes its scale and its outlier views from the one before.
 bool fit_robustly(BoardProblem& problem, RgbdParameters& parameters) {
   bool converged = solve(problem, parameters);  // without distortion, to come near
-  problem.free_color = free_parameters(4);
+  problem.free_color = free_parameters(2);
   for (int round = 0; round < robust_rounds; ++round) {
     throw_if_interrupted();
     converged = solve(problem, parameters);
@@ -59,6 +59,21 @@ bool fit_robustly(BoardProblem& problem, RgbdParameters& parameters) {
     problem.corner_sigma_px = std::max(typical / std::sqrt(2.0), smallest_sigma_px);
   }
   return converged;
+}
+
+/// Solves with `radial` coefficients from `parameters`, whose others become 0. Returns BIC;
+/// infinite if there is no solution.
+double fit_with(int radial, BoardProblem& problem, RgbdParameters& parameters) {
+  throw_if_interrupted();
+  problem.free_color = free_parameters(radial);
+  for (int i = 4; i < 9; ++i)
+    if (std::ranges::find(problem.free_color, i) == problem.free_color.end())
+      parameters.color[static_cast<std::size_t>(i)] = 0.0;
+  if (!solve(problem, parameters)) return std::numeric_limits<double>::infinity();
+  const double count = number_of_coordinates(problem.observations, problem.used);
+  const double squares =
+      std::max(sum_of_squares(problem.observations, problem.used, parameters), count * 1e-24);
+  return count * std::log(squares / count) + radial * std::log(count);
 }
 
 }  // namespace
@@ -79,30 +94,24 @@ double corner_noise_px(const BoardObservations& observations, const std::vector<
 }
 
 ColorFit fit_color(const BoardObservations& observations, const Prior& prior,
-                   const std::vector<int>& distortions) {
+                   const std::vector<int>& radial_choices) {
   BoardProblem problem{observations, std::vector<bool>(observations.views.size(), true), {}, prior};
   RgbdParameters start = initial_guess(observations);
   ColorFit fit;
   if (!fit_robustly(problem, start)) return fit;
-  const double count = number_of_coordinates(observations, problem.used);
   double best = std::numeric_limits<double>::infinity();
-  for (int coefficients : distortions) {
-    throw_if_interrupted();
+  for (int radial : radial_choices) {
     RgbdParameters parameters = start;
-    problem.free_color = free_parameters(coefficients);
-    std::fill(parameters.color.begin() + 4 + coefficients, parameters.color.end(), 0.0);
-    if (!solve(problem, parameters)) continue;
-    const double squares =
-        std::max(sum_of_squares(observations, problem.used, parameters), count * 1e-24);
-    const double bic = count * std::log(squares / count) + coefficients * std::log(count);
-    fit.bic[coefficients] = bic;
-    if (bic >= best) continue;
-    best = bic;
+    fit.bic[radial] = fit_with(radial, problem, parameters);
+    if (!(fit.bic[radial] < best)) continue;
+    best = fit.bic[radial];
     fit.parameters = parameters;
     fit.free_color = problem.free_color;
+    fit.radial_coefficients = radial;
     fit.converged = true;
   }
-  for (auto& [coefficients, bic] : fit.bic) bic -= best;
+  std::erase_if(fit.bic, [](const auto& choice) { return !std::isfinite(choice.second); });
+  for (auto& [radial, bic] : fit.bic) bic -= best;
   fit.used = problem.used;
   if (fit.converged)
     fit.corner_sigma_px =

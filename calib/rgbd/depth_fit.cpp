@@ -175,7 +175,8 @@ std::vector<DepthSample> depth_samples(const BoardObservations& observations,
   return samples;
 }
 
-DepthNoise weigh_samples(std::vector<DepthSample>& samples, const RgbdParameters& parameters) {
+DepthNoise weigh_samples(std::vector<DepthSample>& samples, const RgbdParameters& parameters,
+                         bool poses_settled) {
   std::vector<double> normalized;
   for (const auto& s : samples) normalized.push_back(depth_residual(s, parameters) / s.sigma_m);
   const double limit = outlier_sigmas * robust_deviation(normalized);
@@ -189,7 +190,8 @@ DepthNoise weigh_samples(std::vector<DepthSample>& samples, const RgbdParameters
   for (std::size_t i = 0; i < samples.size(); ++i)
     normalized[i] = residuals[i] / noise.effective_sigma_m(depths[i]);
   normalized.resize(samples.size());
-  noise.inflation = design_effect(samples, normalized);
+  const DesignEffect effect = design_effect(samples, normalized);
+  noise.inflation = poses_settled ? std::max(effect.planes, effect.tiles) : effect.tiles;
   for (std::size_t i = 0; i < samples.size(); ++i)
     samples[i].sigma_m = noise.effective_sigma_m(depths[i]);
   return noise;

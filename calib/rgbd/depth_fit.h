@@ -28,6 +28,9 @@ std::vector<DepthSample> depth_samples(const BoardObservations& observations,
                                        const RgbdParameters& parameters, double extent);
 
 /// Noise from the residuals; also drops the samples beyond 4 sigma and sets every sample's sigma_m.
-DepthNoise weigh_samples(std::vector<DepthSample>& samples, const RgbdParameters& parameters);
+/// Until the poses are settled with the depth, what a whole view has in common counts as their
+/// error.
+DepthNoise weigh_samples(std::vector<DepthSample>& samples, const RgbdParameters& parameters,
+                         bool poses_settled);
 
 }  // namespace touchtrace

@@ -18,22 +18,30 @@ struct ViewResiduals {
   std::vector<double> values;
 };
 
-Eigen::VectorXd without_plane(const ViewResiduals& view) {
+/// The plane's value at each sample.
+Eigen::VectorXd plane_part(const ViewResiduals& view) {
   const auto count = static_cast<Eigen::Index>(view.values.size());
   Eigen::MatrixXd design(count, 3);
   for (Eigen::Index i = 0; i < count; ++i)
     design.row(i) << 1.0, view.pixels[static_cast<std::size_t>(i)].transpose();
   const Eigen::Map<const Eigen::VectorXd> values(view.values.data(), count);
-  return values - design * design.colPivHouseholderQr().solve(values);
+  return design * design.colPivHouseholderQr().solve(values);
 }
 
-struct TileSums {
-  double squares = 0.0;  ///< of the tiles' sums over the square root of their sizes
-  double freedom = 0.0;  ///< tiles less the plane's three parameters
+/// A sum of squares that has the mean `freedom` for independent samples.
+struct ChiSquare {
+  double squares = 0.0, freedom = 0.0;
+
+  /// Their ratio; 1 if there is no more than chance would give.
+  double excess() const {
+    const double ratio = squares / std::max(freedom, 1.0);
+    return ratio > 1.0 + 2.0 * std::sqrt(2.0 / std::max(freedom, 1.0)) ? ratio : 1.0;
+  }
+  void operator+=(const ChiSquare& other) { squares += other.squares, freedom += other.freedom; }
 };
 
-TileSums tile_sums(const ViewResiduals& view) {
-  const Eigen::VectorXd residuals = without_plane(view);
+/// Sums over tiles of `residuals`, from which a plane was taken.
+ChiSquare tile_sums(const ViewResiduals& view, const Eigen::VectorXd& residuals) {
   Eigen::AlignedBox2d box;
   for (const auto& pixel : view.pixels) box.extend(pixel);
   std::array<std::array<double, 2>, tiles_per_side * tiles_per_side> tiles{};
@@ -45,7 +53,7 @@ TileSums tile_sums(const ViewResiduals& view) {
     auto& [sum, count] = tiles[static_cast<std::size_t>(row * tiles_per_side + column)];
     sum += residuals[static_cast<Eigen::Index>(i)], count += 1.0;
   }
-  TileSums sums{0.0, -3.0};
+  ChiSquare sums{0.0, -3.0};
   for (const auto& [sum, count] : tiles)
     if (count > 0.0) sums.squares += sum * sum / count, sums.freedom += 1.0;
   return sums;
@@ -53,22 +61,22 @@ TileSums tile_sums(const ViewResiduals& view) {
 
 }  // namespace
 
-double design_effect(const std::vector<DepthSample>& samples,
-                     const std::vector<double>& normalized) {
+DesignEffect design_effect(const std::vector<DepthSample>& samples,
+                           const std::vector<double>& normalized) {
   std::map<std::size_t, ViewResiduals> views;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     views[samples[i].view].pixels.push_back(samples[i].pixel);
     views[samples[i].view].values.push_back(normalized[i]);
   }
-  TileSums total;
+  ChiSquare planes, tiles;
   for (const auto& [index, view] : views) {
-    if (static_cast<Eigen::Index>(view.values.size()) < fewest_samples) continue;
-    const TileSums sums = tile_sums(view);
-    total.squares += sums.squares, total.freedom += sums.freedom;
+    const auto count = static_cast<Eigen::Index>(view.values.size());
+    if (count < fewest_samples) continue;
+    const Eigen::VectorXd plane = plane_part(view);
+    planes += {plane.squaredNorm(), 3.0};
+    tiles += tile_sums(view, Eigen::Map<const Eigen::VectorXd>(view.values.data(), count) - plane);
   }
-  if (total.freedom < 1.0) return 1.0;
-  const double effect = total.squares / total.freedom;
-  return effect > 1.0 + 2.0 * std::sqrt(2.0 / total.freedom) ? effect : 1.0;
+  return {planes.excess(), tiles.excess()};
 }
 
 }  // namespace touchtrace

@@ -6,13 +6,16 @@
 
 namespace touchtrace {
 
-/// Kish's design effect: how much more the mean over a tile of samples varies than that of
-/// independent ones, because neighbouring depth pixels share noise. `normalized`: residuals of unit
-/// variance.
-///
-/// Tiles are 4x4 a view; each view's plane is fitted and taken out first, because an error of the
-/// board's pose is not noise of the depth. 1 unless the data show more than chance would.
-double design_effect(const std::vector<DepthSample>& samples,
-                     const std::vector<double>& normalized);
+/// Kish's design effect: how much more a sum of samples varies than that of independent ones,
+/// because neighbouring depth pixels share noise. 1 unless the data show more than chance would.
+struct DesignEffect {
+  double planes =
+      1.0;  ///< of the plane fitted to a view's residuals; also grows with errors of the poses
+  double tiles = 1.0;  ///< of 4x4 tiles a view, after that plane was taken out
+};
+
+/// `normalized`: the samples' residuals, divided by their deviation.
+DesignEffect design_effect(const std::vector<DepthSample>& samples,
+                           const std::vector<double>& normalized);
 
 }  // namespace touchtrace

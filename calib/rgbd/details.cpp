@@ -100,7 +100,7 @@ json depth(const CalibrationResult& r) {
 
 json bic(const ColorFit& color) {
   json values = json::object();
-  for (const auto& [coefficients, value] : color.bic) values[std::to_string(coefficients)] = value;
+  for (const auto& [radial, value] : color.bic) values[std::to_string(radial)] = value;
   return values;
 }
 
@@ -111,8 +111,8 @@ json calibration_details(const CalibrationResult& r) {
   const Verdict verdict = judge(r.calibration, used);
   return {{"verdict", grade_name(verdict.grade)},
           {"advice", verdict.advice},
-          {"distortion_coefficients", r.problem.free_color.size() - 4},
-          {"distortion_bic", bic(r.color)},
+          {"radial_coefficients", r.color.radial_coefficients},
+          {"radial_bic", bic(r.color)},
           {"corner_sigma_px", r.problem.corner_sigma_px},
           {"sigmas", sigmas(r.calibration)},
           {"not_told", not_told(r)},

@@ -18,7 +18,7 @@ struct CalibrationResult {
 
 /// RgbdCalibration::details:
 ///     verdict "GOOD" | "WEAK" | "BAD", advice [..]
-///     distortion_coefficients, distortion_bic {"0".. "5"}, corner_sigma_px
+///     radial_coefficients, radial_bic {"0", "2", "3"} relative to the best, corner_sigma_px
 ///     sigmas {parameter: deviation}, not_told [{parameter, sigma, prior_sigma}]
 ///     views [{name, used, rms_px, corners_px [[u, v]..], residuals_px [[du, dv]..], depth_rms_m,
 ///     depth_bias_m}] outlier_views [..], views_without_board [..] depth {samples, sigma_at_1m,

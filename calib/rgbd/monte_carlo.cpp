@@ -36,7 +36,7 @@ Run run_once(const SimulatedBoards& boards, int index) {
   RandomStream random(static_cast<std::uint64_t>(index), "simulated noise");
   const BoardObservations observations = observe(boards, random);
   const double start_s = thread_seconds();
-  const RgbdCalibration c = calibrate(observations, {.distortion_coefficients = 4});
+  const RgbdCalibration c = calibrate(observations, {.radial_coefficients = 2});
   Run run;
   run.seconds = thread_seconds() - start_s;
   run.names = c.parameters;

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double centre_sigma = 0.1;  // of the width
+constexpr double tangential_sigma = 2e-3;
 constexpr double guessed_sigma =
     0.1;  // relative, of the colour camera's intrinsics for the depth camera
 constexpr double pose_sigma_rad = 0.1, pose_sigma_m = 0.1;
@@ -20,6 +21,7 @@ Prior color_prior(const BoardObservations& o) {
   prior.color_sigma.fill(infinity);
   prior.color_mean[2] = 0.5 * (o.width - 1), prior.color_mean[3] = 0.5 * (o.height - 1);
   prior.color_sigma[2] = prior.color_sigma[3] = centre_sigma * o.width;
+  prior.color_sigma[6] = prior.color_sigma[7] = tangential_sigma;
   return prior;
 }
 

@@ -6,7 +6,8 @@ namespace touchtrace {
 
 inline constexpr double factory_relative_sigma = 0.005;
 
-/// The colour camera's principal point is near the image's centre; nothing else is known of it.
+/// The colour camera's principal point is near the image's centre and its lens nearly centred;
+/// nothing else is known of it.
 Prior color_prior(const BoardObservations& observations);
 
 /// Adds what is known of the depth camera: the factory's intrinsics within 0.5 % (centre: of the

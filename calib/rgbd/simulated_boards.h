@@ -21,12 +21,11 @@ SimulatedBoards simulated_boards(int views, bool with_depth);
 /// One noisy realisation; also the factory's depth intrinsics get their error of 0.5 %.
 BoardObservations observe(const SimulatedBoards& boards, RandomStream& random);
 
-/// Estimate minus truth, in the order of RgbdCalibration::parameters; rotation as log(R_estimate
-/// R_true').
+/// Estimate minus truth, in the order of RgbdCalibration::parameters, for two or three radial
+/// coefficients; rotation as log(R_estimate R_true').
 Eigen::VectorXd errors(const RgbdCalibration& calibration, const RgbdParameters& truth);
 
-/// The Cramer-Rao bound with four distortion coefficients; with depth, also the prior's information
-/// counts.
+/// The Cramer-Rao bound with k1 k2 p1 p2; the prior's information counts.
 Eigen::MatrixXd cramer_rao_bound(const SimulatedBoards& boards);
 
 }  // namespace touchtrace

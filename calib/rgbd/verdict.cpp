@@ -44,7 +44,7 @@ void judge_color(Verdict& verdict, const RgbdCalibration& c, int used_views) {
 
 void judge_depth(Verdict& verdict, const RgbdCalibration& c) {
   const double bias_mm = 1e3 * depth_bias_deviation_m(c, 1.0);
-  apply(verdict, bias_mm, 3.0, 20.0,
+  apply(verdict, bias_mm, 5.0, 20.0,
         fmt::format("depth at 1 m is known to {:.1f} mm only: show the board from 0.4 to 1.5 m",
                     bias_mm));
   const double pose_mm =

@@ -73,8 +73,8 @@ void print_summary(const RgbdCalibration& c) {
       "{:.2f} px\n",
       c.color.fx, sigma["color.fx"].get<double>(), c.color.fy, sigma["color.fy"].get<double>(),
       c.color.cx, sigma["color.cx"].get<double>(), c.color.cy, sigma["color.cy"].get<double>());
-  fmt::print("lens      {} distortion coefficients by BIC; {:.4f} px RMS\n",
-             details["distortion_coefficients"].get<int>(), c.rms_px);
+  fmt::print("lens      {} radial coefficients by BIC, 2 tangential; {:.4f} px RMS\n",
+             details["radial_coefficients"].get<int>(), c.rms_px);
   if (c.depth) print_depth(c);
   if (!details["outlier_views"].empty())
     fmt::print("outliers  left out: {}\n", list_of(details["outlier_views"]));

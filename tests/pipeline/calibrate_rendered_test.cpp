@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "calib/rgbd/calibrate.h"
+#include "calib/rgbd/simulated_boards.h"
+#include "engine/cl/device.h"
+#include "pipeline/acquire/board_views.h"
+#include "pipeline/recording/recording_file.h"
+#include "pipeline/scene/camera_clock.h"
+#include "pipeline/scene/video.h"
+#include "tests/pipeline/recording_samples.h"
+
+namespace touchtrace {
+namespace {
+
+using testing::TemporaryFolder;
+
+RgbdParameters parameters_of(const scene::RgbdCamera& camera) {
+  RgbdParameters truth;
+  truth.color = camera.color.parameters();
+  std::copy_n(camera.depth.parameters().begin(), 4, truth.depth.begin());
+  const Eigen::AngleAxisd turn(camera.depth_from_color.linear());
+  const Eigen::Vector3d rotation = turn.angle() * turn.axis();
+  const Eigen::Vector3d translation = camera.depth_from_color.translation();
+  truth.depth_from_color = {rotation.x(),    rotation.y(),    rotation.z(),
+                            translation.x(), translation.y(), translation.z()};
+  truth.depth_correction = {camera.sensor.scale, camera.sensor.offset_m};
+  return truth;
+}
+
+/// The board views that the scene's camera records, written to a recording and read again.
+BoardObservations recorded_views(const scene::SceneOptions& options,
+                                 const scene::RgbdCamera& camera,
+                                 const std::filesystem::path& path) {
+  auto sample = testing::sample_recording();
+  Runtime runtime(choose_device("cpu"));
+  const CameraInfo info = scene::camera_info(camera, options);
+  RecordingWriter writer(path, info, false);
+  scene::Video video(runtime, camera, scene::make_camera_clock(options), options, writer);
+  video.record_still_views(BoardInfo{});
+  sample.recording.camera = info;
+  sample.recording.camera_times = {};
+  writer.finish(sample.recording);
+  return board_views_of_recording(path);
+}
+
+TEST(CalibrateRendered, FindsTheTruthWithinItsOwnUncertainty) {
+  const TemporaryFolder folder;
+  const scene::SceneOptions options{.image_width = 320, .image_height = 240, .board_views = 20};
+  const auto camera = scene::make_camera(options);
+  const auto observations = recorded_views(options, camera, folder / "boards.h5");
+  EXPECT_GE(observations.views.size(), 18u);
+  const RgbdCalibration c = calibrate(observations);
+  EXPECT_EQ(c.details["verdict"], "GOOD");
+  EXPECT_LT(c.rms_px, 0.1);
+  const Eigen::VectorXd error = errors(c, parameters_of(camera));
+  for (Eigen::Index i = 0; i < error.size(); ++i)
+    EXPECT_LT(std::abs(error[i]), 3.5 * std::sqrt(c.covariance(i, i)))
+        << c.parameters[static_cast<std::size_t>(i)];
+}
+
+}  // namespace
+}  // namespace touchtrace

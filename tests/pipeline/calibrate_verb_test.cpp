@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include "calib/rgbd/calibration.h"
+#include "engine/base/files.h"
+#include "pipeline/cli/verb.h"
+#include "tests/pipeline/recording_samples.h"
+
+namespace touchtrace {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::TemporaryFolder;
+
+const fs::path photographs = "/usr/share/doc/opencv-doc/examples/data";
+
+int run(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"touchtrace", "calibrate", "--quiet"});
+  std::vector<const char*> argv;
+  for (const auto& argument : arguments) argv.push_back(argument.c_str());
+  return cli::run_command_line(static_cast<int>(argv.size()), argv.data());
+}
+
+/// A grey picture in PGM, without a board.
+void write_grey(const fs::path& path, int width, int height) {
+  write_file(path,
+             "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" +
+                 std::string(static_cast<std::size_t>(width * height), '\x80'),
+             false);
+}
+
+TEST(CalibrateVerb, PhotographsOfOpenCv) {
+  ASSERT_TRUE(fs::exists(photographs / "left01.jpg")) << "install the package opencv-doc";
+  const TemporaryFolder folder;
+  ASSERT_EQ(run({"--images", (photographs / "left0?.jpg").string(), "--columns", "9", "--rows", "6",
+                 "--square-mm", "25", "-o", (folder / "left").string()}),
+            0);
+  const RgbdCalibration c = read_calibration(folder / "left");
+  EXPECT_LE(c.rms_px, 0.24);
+  EXPECT_NEAR(c.color.fx, 533.6, 1.5);
+  EXPECT_FALSE(c.depth.has_value());
+  EXPECT_EQ(c.details["verdict"], "GOOD");
+  EXPECT_EQ(c.details["provenance"]["inputs"].size(), 9u);
+  EXPECT_TRUE(fs::exists(folder / "left" / "camera.yaml"));
+  EXPECT_FALSE(fs::exists(folder / "left" / "camera_depth.yaml"));
+}
+
+TEST(CalibrateVerb, NeverOverwritesSilently) {
+  const TemporaryFolder folder;
+  write_file(folder / "out/calibration.json", "precious", false);
+  EXPECT_EQ(run({"--images", photographs.string(), "-o", (folder / "out").string()}), 2);
+  EXPECT_EQ(read_file(folder / "out/calibration.json"), "precious");
+}
+
+TEST(CalibrateVerb, SaysWhatIsWrongWithTheImages) {
+  const TemporaryFolder folder;
+  const auto calibrate_folder = [&](const std::string& name) {
+    return run({"--images", (folder / name).string(), "-o", (folder / "out").string()});
+  };
+  EXPECT_EQ(calibrate_folder("missing"), 3);
+  fs::create_directory(folder / "empty");
+  EXPECT_EQ(calibrate_folder("empty"), 3);
+  for (const char* name : {"boardless/1.pgm", "boardless/2.pgm", "boardless/3.pgm"})
+    write_grey(folder / name, 64, 48);
+  EXPECT_EQ(calibrate_folder("boardless"), 3);
+  write_grey(folder / "mixed/1.pgm", 64, 48);
+  write_grey(folder / "mixed/2.pgm", 64, 32);
+  EXPECT_EQ(calibrate_folder("mixed"), 3);
+  write_file(folder / "broken/1.jpg", "this is no picture", false);
+  EXPECT_EQ(calibrate_folder("broken"), 3);
+  write_file(folder / "nothing/1.jpg", "", false);
+  EXPECT_EQ(calibrate_folder("nothing"), 3);
+  EXPECT_FALSE(fs::exists(folder / "out/calibration.json"));
+}
+
+TEST(CalibrateVerb, WantsEitherARecordingOrImages) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(run({"-o", (folder / "out").string()}), 2);
+  EXPECT_EQ(run({"recording.h5", "--images", "photos", "-o", (folder / "out").string()}), 2);
+  EXPECT_EQ(run({"--images", "photos"}), 2);
+}
+
+}  // namespace
+}  // namespace touchtrace

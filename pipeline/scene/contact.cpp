@@ -16,13 +16,17 @@ Matrix3d cross_matrix(const Vector3d& v) {
   return m;
 }
 
+// Upper bounds: of a taxel's distance from the middle of the palm, and of its way a radian of
+// flexion.
+constexpr double hand_reach_m = 0.18, finger_reach_m = 0.20;
+
 }  // namespace
 
 /// One link seen from the object, and the way back to the world.
 struct ContactPatch::Frame {
   Matrix3d object_from_link;
   Vector3d link_in_object;
-  Matrix3d world_from_object;
+  Matrix3d world_from_object, world_from_hand;
   const FingerPose* pose;
 };
 
@@ -30,7 +34,9 @@ ContactPatch::ContactPatch(const ContactParameters& parameters)
     : parameters_(parameters),
       force_n_(hand_model().taxels.size(), 0.0),
       bristle_m_(hand_model().taxels.size(), Vector3d::Zero()),
-      touched_at_(hand_model().taxels.size(), -2) {
+      touched_at_(hand_model().taxels.size(), -2),
+      taxel_free_until_m_(hand_model().taxels.size(), 0.0),
+      group_free_until_m_(hand_model().groups.size(), 0.0) {
   contacts_.reserve(hand_model().taxels.size());
   loaded_.reserve(hand_model().taxels.size());
 }
@@ -38,6 +44,7 @@ ContactPatch::ContactPatch(const ContactParameters& parameters)
 void ContactPatch::find(const ContactScene& scene, double h) {
   const HandModel& hand = hand_model();
   contacts_.clear();
+  friction_ = scene.spec.friction;
   ++step_;
   clearance_m_ = 1.0;
   const Matrix3d world_from_hand = scene.hand.orientation.toRotationMatrix();
@@ -48,8 +55,9 @@ void ContactPatch::find(const ContactScene& scene, double h) {
   std::array<FingerPose, finger_count> poses;
   for (int i = 0; i < finger_count; ++i)
     poses[i] = pose_finger(hand.fingers[i], scene.flexion_rad[i]);
+  follow(object_from_hand, hand_in_object, scene.flexion_rad);
   for (const TaxelGroup& group : hand.groups) {
-    Frame frame{object_from_hand, hand_in_object, world_from_object, nullptr};
+    Frame frame{object_from_hand, hand_in_object, world_from_object, world_from_hand, nullptr};
     if (group.finger >= 0) {
       frame.pose = &poses[group.finger];
       frame.object_from_link = object_from_hand * frame.pose->hand_from_link[group.link];
@@ -62,66 +70,95 @@ void ContactPatch::find(const ContactScene& scene, double h) {
 void ContactPatch::search(const TaxelGroup& group, const Frame& frame, const ContactScene& scene,
                           double h) {
   const Vector3d centre = frame.object_from_link * group.centre_m + frame.link_in_object;
-  const double gap = distance(scene.spec, centre).value_m - group.radius_m;
-  clearance_m_ = std::clamp(gap, 0.0, clearance_m_);
-  if (gap > 0.0) return;
-  const HandModel& hand = hand_model();
+  const double travel = travel_m_[group.finger + 1];
+  double& free_until = group_free_until_m_[&group - hand_model().groups.data()];
+  if (travel >= free_until) free_until = travel + distance_m(scene.spec, centre) - group.radius_m;
+  clearance_m_ = std::clamp(free_until - travel, 0.0, clearance_m_);
+  if (travel < free_until) return;
   for (int i = group.first; i < group.first + group.count; ++i) {
+    if (travel < taxel_free_until_m_[i]) continue;
     const Vector3d point =
-        frame.object_from_link * hand.taxels[i].position_m + frame.link_in_object;
-    const Distance d = distance(scene.spec, point);
-    if (d.value_m >= 0.0) continue;
-    Contact c{};
-    c.taxel = i;
-    c.finger = group.finger;
-    c.normal = frame.world_from_object * d.normal;
-    c.from_object = frame.world_from_object * point;
-    c.from_hand = c.from_object + scene.object.position_m - scene.hand.position_m;
-    if (frame.pose) {
-      const Vector3d in_hand = scene.hand.orientation.conjugate() * c.from_hand;
-      const Finger& finger = hand.fingers[group.finger];
-      c.with_flexion = scene.hand.orientation * frame.pose->jacobian(finger, group.link, in_hand);
-    } else {
-      c.with_flexion.setZero();
-    }
-    add(c, -d.value_m, scene, h);
+        frame.object_from_link * hand_model().taxels[i].position_m + frame.link_in_object;
+    const double d = distance_m(scene.spec, point);
+    if (d < 0.0)
+      touch(i, group, point, frame, scene, h);
+    else
+      taxel_free_until_m_[i] = travel + d;
   }
 }
 
-void ContactPatch::add(const Contact& found, double depth, const ContactScene& scene, double h) {
+/// Distances change no faster than their points move, so a taxel that was clear by d need not be
+/// looked at until it may have moved by d against the object.
+void ContactPatch::follow(const Matrix3d& object_from_hand, const Vector3d& hand_in_object,
+                          const std::array<double, finger_count>& flexion_rad) {
+  const double moved = (hand_in_object - last_hand_in_object_).norm() +
+                       hand_reach_m * (object_from_hand - last_object_from_hand_).norm();
+  for (double& travel : travel_m_) travel += moved;
+  for (int i = 0; i < finger_count; ++i)
+    travel_m_[i + 1] += finger_reach_m * std::abs(flexion_rad[i] - last_flexion_rad_[i]);
+  last_hand_in_object_ = hand_in_object;
+  last_object_from_hand_ = object_from_hand;
+  last_flexion_rad_ = flexion_rad;
+}
+
+void ContactPatch::touch(int taxel, const TaxelGroup& group, const Vector3d& point,
+                         const Frame& frame, const ContactScene& scene, double h) {
+  const Distance d = distance(scene.spec, point);
+  Contact& c = contacts_.emplace_back();
+  c.taxel = taxel;
+  c.finger = group.finger;
+  c.normal = frame.world_from_object * d.normal;
+  c.from_object = frame.world_from_object * point;
+  c.from_hand = c.from_object + scene.object.position_m - scene.hand.position_m;
+  c.with_flexion.setZero();
+  if (frame.pose) {
+    const Vector3d in_hand = frame.world_from_hand.transpose() * c.from_hand;
+    const Finger& finger = hand_model().fingers[group.finger];
+    c.with_flexion = frame.world_from_hand * frame.pose->jacobian(finger, group.link, in_hand);
+  }
+  if (!load(c, -d.value_m, scene, h)) contacts_.pop_back();
+}
+
+Vector3d ContactPatch::slide(const Contact& c, const ContactScene& scene) {
+  Vector3d velocity = scene.hand.velocity_m_per_s + scene.hand_spin.cross(c.from_hand) -
+                      scene.object.velocity_m_per_s -
+                      scene.object.angular_velocity_rad_per_s.cross(c.from_object);
+  if (c.finger >= 0) velocity += scene.flexion_rate[c.finger] * c.with_flexion;
+  return velocity;
+}
+
+bool ContactPatch::load(Contact& c, double depth, const ContactScene& scene, double h) {
   const ContactParameters& p = parameters_;
   if (depth > p.clamp_m) ++clamp_hits_, depth = p.clamp_m;
-  const double k = p.stiffness_n_per_m3 * hand_model().taxels[found.taxel].area_m2;
-  Contact c = found;
-  Vector3d slide = scene.hand.velocity_m_per_s + scene.hand_spin.cross(c.from_hand) -
-                   scene.object.velocity_m_per_s -
-                   scene.object.angular_velocity_rad_per_s.cross(c.from_object);
-  if (c.finger >= 0) slide += scene.flexion_rate[c.finger] * c.with_flexion;
-  const double rate = -c.normal.dot(slide);
+  const double k = p.stiffness_n_per_m3 * hand_model().taxels[c.taxel].area_m2;
+  const Vector3d velocity = slide(c, scene);
+  const double rate = -c.normal.dot(velocity);
   c.elastic_n = k * depth * (1 + depth / p.hardening_m);
-  const double damping = c.elastic_n * p.dissipation_s_per_m;
   const double slope =
       k * (1 + 2 * depth / p.hardening_m) * std::max(0.0, 1 + p.dissipation_s_per_m * rate);
-  c.rate_gain = h * slope + damping;
+  c.rate_gain = h * slope + c.elastic_n * p.dissipation_s_per_m;
   const double normal_force = c.elastic_n + c.rate_gain * rate;
-  if (normal_force <= 0.0) return;
+  if (normal_force <= 0.0) return false;
+  rub(c, p.bristle_ratio * k, p.dissipation_s_per_m * depth, velocity + c.normal * rate,
+      normal_force, h);
+  c.push -= c.resistance * scene.hand_spin.cross(c.from_hand);
+  return true;
+}
 
+void ContactPatch::rub(Contact& c, double stiffness, double damping_s, const Vector3d& creep,
+                       double normal_force, double h) {
   Vector3d& bristle = bristle_m_[c.taxel];
   if (touched_at_[c.taxel] != step_ - 1) bristle.setZero();
   touched_at_[c.taxel] = step_;
   bristle -= c.normal * c.normal.dot(bristle);
-  const Vector3d creep = slide + c.normal * rate;  // the tangential part
-  c.friction = scene.spec.friction;
-  c.tangent_k = p.bristle_ratio * k;
-  c.tangent_c = c.tangent_k * p.dissipation_s_per_m * depth;
+  c.tangent_k = stiffness;
+  c.tangent_c = stiffness * damping_s;
   const double pull = (c.tangent_k * (bristle + h * creep) + c.tangent_c * creep).norm();
-  c.tangent_share = std::min(1.0, c.friction * normal_force / std::max(pull, 1e-12));
-  const double tangent_gain = c.tangent_share * (h * c.tangent_k + c.tangent_c);
-  c.resistance = tangent_gain * Matrix3d::Identity() +
-                 (c.rate_gain - tangent_gain) * c.normal * c.normal.transpose();
-  c.push = c.elastic_n * c.normal - c.tangent_share * c.tangent_k * bristle -
-           c.resistance * scene.hand_spin.cross(c.from_hand);
-  contacts_.push_back(c);
+  c.tangent_share = std::min(1.0, friction_ * normal_force / std::max(pull, 1e-12));
+  const double gain = c.tangent_share * (h * c.tangent_k + c.tangent_c);
+  c.resistance =
+      gain * Matrix3d::Identity() + (c.rate_gain - gain) * c.normal * c.normal.transpose();
+  c.push = c.elastic_n * c.normal - c.tangent_share * c.tangent_k * bristle;
 }
 
 void ContactPatch::add_to(ContactSystem& system, ContactVelocity& momentum, double h) const {
@@ -177,7 +214,7 @@ void ContactPatch::apply(const Contact& c, const Vector3d& slide, double h) {
   const Vector3d friction =
       -c.tangent_share * (c.tangent_k * (bristle + h * creep) + c.tangent_c * creep);
   bristle += h * creep;
-  const double longest = c.friction * normal_force / c.tangent_k;
+  const double longest = friction_ * normal_force / c.tangent_k;
   if (const double length = bristle.norm(); length > longest) bristle *= longest / length;
 
   force_n_[c.taxel] = normal_force;

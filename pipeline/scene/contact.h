@@ -60,14 +60,23 @@ class ContactPatch {
     Eigen::Vector3d normal;                                ///< out of the object, world
     Eigen::Vector3d from_object, from_hand, with_flexion;  ///< lever arms and dp/dflexion, world
     double elastic_n, rate_gain;  ///< normal force at rest, and its growth with d' (h k + c)
-    double tangent_share, tangent_k, tangent_c, friction;
+    double tangent_share, tangent_k, tangent_c;
     Eigen::Matrix3d resistance;  ///< force against relative velocity, implicit part
     Eigen::Vector3d push;        ///< force on the taxel at zero relative velocity
   };
   struct Frame;
 
   void search(const TaxelGroup& group, const Frame& frame, const ContactScene& scene, double h);
-  void add(const Contact& found, double depth, const ContactScene& scene, double h);
+  void follow(const Eigen::Matrix3d& object_from_hand, const Eigen::Vector3d& hand_in_object,
+              const std::array<double, finger_count>& flexion_rad);
+  void touch(int taxel, const TaxelGroup& group, const Eigen::Vector3d& point, const Frame& frame,
+             const ContactScene& scene, double h);
+  /// Fills in the force law at this depth; false if the surfaces part faster than the tissue
+  /// follows.
+  bool load(Contact& contact, double depth, const ContactScene& scene, double h);
+  void rub(Contact& contact, double stiffness, double damping_s, const Eigen::Vector3d& creep,
+           double normal_force, double h);
+  static Eigen::Vector3d slide(const Contact& contact, const ContactScene& scene);
   void apply(const Contact& contact, const Eigen::Vector3d& slide, double h);
 
   ContactParameters parameters_;
@@ -75,11 +84,17 @@ class ContactPatch {
   std::vector<double> force_n_;
   std::vector<Eigen::Vector3d> bristle_m_;  ///< tangential stretch, world
   std::vector<long> touched_at_;            ///< step in which the taxel last touched
-  std::vector<int> loaded_;                 ///< taxels with a force, to be cleared
+  /// Travels at which a taxel or group may touch at the soonest.
+  std::vector<double> taxel_free_until_m_, group_free_until_m_;
+  std::array<double, finger_count + 1> travel_m_{};  ///< against the object, of palm and fingers
+  Eigen::Matrix3d last_object_from_hand_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d last_hand_in_object_ = Eigen::Vector3d::Zero();
+  std::array<double, finger_count> last_flexion_rad_{};
+  std::vector<int> loaded_;  ///< taxels with a force, to be cleared
   std::array<double, finger_count + 1> finger_force_n_{}, finger_torque_nm_{};
   Eigen::Vector3d force_on_object_n_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque_on_object_nm_ = Eigen::Vector3d::Zero();
-  double clearance_m_ = 0.0;
+  double clearance_m_ = 0.0, friction_ = 0.0;
   long step_ = 0, clamp_hits_ = 0;
 };
 

@@ -51,13 +51,15 @@ double height_over_palm_m(const ObjectSpec& object, const Eigen::Quaterniond& ha
 
 }  // namespace
 
-Performance::Performance(const SceneOptions& options, const std::string& name, double start_s)
+Performance::Performance(const SceneOptions& options, const std::string& name, double start_s,
+                         double step_s)
     : world_(find_object(options.object)),
       activity_(
           find_activity(options.activity)
               .make({find_object(options.object), RandomStream(options.seed, name + " motion")})),
       glove_(1, glove_clock(options), options.seed),
       start_s_(start_s),
+      step_s_(step_s),
       tick_(-ticks(grasp_s)) {
   RandomStream random(options.seed, name + " grasp");
   weight_error_ = weight_error * random.normal();
@@ -122,7 +124,7 @@ Drive Performance::drive_to(const Command& command) {
 
 void Performance::advance() {
   const Command command = activity_->command(tick_ * control_interval_s, sample());
-  world_.advance(drive_to(command), control_interval_s);
+  world_.advance(drive_to(command), control_interval_s, step_s_);
   ++tick_;
   glove_.sense(world_.contact().force_n(), start_s_ + tick_ * control_interval_s,
                control_interval_s);
@@ -143,6 +145,7 @@ SceneSample Performance::sample() const {
   sample.flexion_rad = world_.flexion_rad;
   for (double flexion : world_.flexion_rad)
     sample.finger_closure += flexion / (max_flexion_rad * finger_count);
+  for (double force : world_.contact().force_n()) sample.grip_force_n += force;
   sample.contact_force_n = world_.contact().force_on_object_n();
   return sample;
 }

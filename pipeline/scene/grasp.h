@@ -11,8 +11,10 @@ namespace touchtrace::scene {
 /// the hand.
 class Performance {
  public:
-  /// `name` names the random streams.
-  Performance(const SceneOptions& options, const std::string& name, double start_s);
+  /// `name` names the random streams; `step_s` is the physics' step, on which no random number
+  /// depends.
+  Performance(const SceneOptions& options, const std::string& name, double start_s,
+              double step_s = 0.001);
 
   /// From putting the object on the palm to time 0; false if it fell.
   bool grasp();
@@ -31,7 +33,7 @@ class Performance {
   World world_;
   std::unique_ptr<Activity> activity_;
   Glove glove_;
-  double start_s_;
+  double start_s_, step_s_;
   long tick_;            ///< control intervals since time 0
   double weight_error_;  ///< of the weight fed forward, at time 0
   double fed_forward_n_ = 0.0;

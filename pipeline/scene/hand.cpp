@@ -59,14 +59,14 @@ double palm_height_m(double x, double y) {
   return (x * x + y * y) / (2 * palm_dish_radius_m) + heel * heel / (2 * heel_radius_m);
 }
 
-/// A quarter of the palm: 7 x 8 of its 14 x 16 taxels.
-void add_palm_quarter(HandModel& model, int first_row, int first_col) {
+/// An eighth of the palm: 7 x 4 of its 14 x 16 taxels.
+void add_palm_part(HandModel& model, int first_row, int first_col) {
   constexpr int rows = 14, cols = 16, image_row = 18, image_col = 4;
   constexpr double row_pitch = 2 * palm_half_length_m / rows,
                    col_pitch = 2 * palm_half_width_m / cols;
   const int first = static_cast<int>(model.taxels.size());
   for (int row = first_row; row < first_row + rows / 2; ++row)
-    for (int col = first_col; col < first_col + cols / 2; ++col) {
+    for (int col = first_col; col < first_col + cols / 4; ++col) {
       const double x = palm_half_length_m - (row + 0.5) * row_pitch;
       const double y = (col + 0.5) * col_pitch - palm_half_width_m;
       model.taxels.push_back({-1,
@@ -99,7 +99,7 @@ void add_link(HandModel& model, int finger, int link, int rows, int image_row, i
 HandModel make_hand() {
   HandModel model{make_fingers(), {}, {}};
   for (int row : {0, 7})
-    for (int col : {0, 8}) add_palm_quarter(model, row, col);
+    for (int col : {0, 4, 8, 12}) add_palm_part(model, row, col);
   for (int finger = 0; finger < 4; ++finger)
     for (int link = 0; link < 3; ++link)
       add_link(model, finger, link, 5, 5 * (2 - link), 6 * finger);

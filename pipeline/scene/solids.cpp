@@ -34,6 +34,26 @@ Distance cylinder_distance(double radius, double half_length, const Vector3d& p)
   return side > end ? Distance{side, radial} : Distance{end, axial};
 }
 
+double shape_distance_m(const Solid& solid, const Vector3d& p) {
+  const Vector3d& size = solid.size_m;
+  switch (solid.kind) {
+    case ShapeKind::sphere:
+      return p.norm() - size[0];
+    case ShapeKind::capsule:
+      return (p - std::clamp(p.z(), -size[1], size[1]) * Vector3d::UnitZ()).norm() - size[0];
+    case ShapeKind::cylinder: {
+      const double side = std::sqrt(p.x() * p.x() + p.y() * p.y()) - size[0];
+      const double end = std::abs(p.z()) - size[1];
+      return side > 0.0 && end > 0.0 ? std::sqrt(side * side + end * end) : std::max(side, end);
+    }
+    case ShapeKind::box:
+      break;
+  }
+  const Vector3d excess = p.cwiseAbs() - size;
+  const double depth = excess.maxCoeff();
+  return depth > 0.0 ? excess.cwiseMax(0.0).norm() : depth;
+}
+
 Distance shape_distance(const Solid& solid, const Vector3d& p) {
   const Vector3d& size = solid.size_m;
   switch (solid.kind) {
@@ -49,12 +69,15 @@ Distance shape_distance(const Solid& solid, const Vector3d& p) {
   return box_distance(size, p);
 }
 
+Vector3d in_shape(const Solid& solid, const Vector3d& point) {
+  return solid.body_from_shape.linear().transpose() * (point - solid.body_from_shape.translation());
+}
+
 }  // namespace
 
 Distance distance(const Solid& solid, const Vector3d& point) {
   const auto rotation = solid.body_from_shape.linear();
-  const Vector3d in_shape = rotation.transpose() * (point - solid.body_from_shape.translation());
-  const Distance d = shape_distance(solid, in_shape);
+  const Distance d = shape_distance(solid, in_shape(solid, point));
   return {d.value_m, rotation * d.normal};
 }
 
@@ -63,6 +86,14 @@ Distance distance(const ObjectSpec& object, const Vector3d& point) {
   for (std::size_t i = 1; i < object.solids.size(); ++i)
     if (const Distance d = distance(object.solids[i], point); d.value_m < nearest.value_m)
       nearest = d;
+  return nearest;
+}
+
+double distance_m(const ObjectSpec& object, const Vector3d& point) {
+  double nearest = shape_distance_m(object.solids[0], in_shape(object.solids[0], point));
+  for (std::size_t i = 1; i < object.solids.size(); ++i)
+    nearest =
+        std::min(nearest, shape_distance_m(object.solids[i], in_shape(object.solids[i], point)));
   return nearest;
 }
 

@@ -17,6 +17,8 @@ Distance distance(const Solid& solid, const Eigen::Vector3d& point);
 
 /// Of the union of the object's solids; `point` in the object's body frame.
 Distance distance(const ObjectSpec& object, const Eigen::Vector3d& point);
+/// The same without the normal, which most points do not need.
+double distance_m(const ObjectSpec& object, const Eigen::Vector3d& point);
 
 /// Of a sphere around the origin of the body frame that holds the solid.
 double bounding_radius_m(const Solid& solid);

@@ -22,7 +22,8 @@ Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3d&
 
 }  // namespace
 
-World::World(const ObjectSpec& spec, const ArmParameters& arm) : object_spec_(spec), arm_(arm) {}
+World::World(const ObjectSpec& spec, const ArmParameters& arm, const ContactParameters& contact)
+    : object_spec_(spec), arm_(arm), contact_(contact) {}
 
 World::Velocity World::velocities() const {
   Velocity u;

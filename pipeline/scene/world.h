@@ -35,7 +35,8 @@ struct Drive {
 /// so stiff grips need no small step. The hand's orientation is imposed by the drive.
 class World {
  public:
-  explicit World(const ObjectSpec& object, const ArmParameters& arm = {});
+  explicit World(const ObjectSpec& object, const ArmParameters& arm = {},
+                 const ContactParameters& contact = {});
 
   /// One control interval in as many steps as its events need: `step_s` while anything touches,
   /// finer just before an impact, coarse in free flight. Deterministic.

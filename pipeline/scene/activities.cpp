@@ -10,8 +10,8 @@ namespace touchtrace::scene {
 
 const std::vector<ActivityRow>& activities() {
   static const std::vector<ActivityRow> table{
-      {"wave", "the object is held and waved to and fro", make_wave},
-      {"throw", "the object is tossed off the open palm and caught", make_throw},
+      {"wave", "the object is held and waved to and fro", 0.002, make_wave},
+      {"throw", "the object is tossed off the open palm and caught", 0.001, make_throw},
   };
   return table;
 }

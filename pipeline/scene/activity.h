@@ -36,8 +36,11 @@ class Activity {
   virtual Command command(double time_s, const SceneSample& seen) = 0;
 };
 
+/// `step_s` is the physics' step while hand and object touch, on the knee of error against run
+/// time.
 struct ActivityRow {
   std::string name, summary;
+  double step_s;
   std::function<std::unique_ptr<Activity>(ActivityStart)> make;
 };
 const std::vector<ActivityRow>& activities();

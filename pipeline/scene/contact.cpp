@@ -116,33 +116,23 @@ void ContactPatch::touch(int taxel, const TaxelGroup& group, const Vector3d& poi
     const Finger& finger = hand_model().fingers[group.finger];
     c.with_flexion = frame.world_from_hand * frame.pose->jacobian(finger, group.link, in_hand);
   }
-  if (!load(c, -d.value_m, scene, h)) contacts_.pop_back();
+  load(c, -d.value_m, scene, h);
 }
 
-Vector3d ContactPatch::slide(const Contact& c, const ContactScene& scene) {
-  Vector3d velocity = scene.hand.velocity_m_per_s + scene.hand_spin.cross(c.from_hand) -
-                      scene.object.velocity_m_per_s -
-                      scene.object.angular_velocity_rad_per_s.cross(c.from_object);
-  if (c.finger >= 0) velocity += scene.flexion_rate[c.finger] * c.with_flexion;
-  return velocity;
-}
-
-bool ContactPatch::load(Contact& c, double depth, const ContactScene& scene, double h) {
+void ContactPatch::load(Contact& c, double depth, const ContactScene& scene, double h) {
   const ContactParameters& p = parameters_;
   if (depth > p.clamp_m) ++clamp_hits_, depth = p.clamp_m;
   const double k = p.stiffness_n_per_m3 * hand_model().taxels[c.taxel].area_m2;
-  const Vector3d velocity = slide(c, scene);
+  const Vector3d velocity = slide(c, scene.velocity, scene.hand_spin);
   const double rate = -c.normal.dot(velocity);
   c.elastic_n = k * depth * (1 + depth / p.hardening_m);
   const double slope =
       k * (1 + 2 * depth / p.hardening_m) * std::max(0.0, 1 + p.dissipation_s_per_m * rate);
   c.rate_gain = h * slope + c.elastic_n * p.dissipation_s_per_m;
-  const double normal_force = c.elastic_n + c.rate_gain * rate;
-  if (normal_force <= 0.0) return false;
+  const double normal_force = std::max(0.0, c.elastic_n + c.rate_gain * rate);
   rub(c, p.bristle_ratio * k, p.dissipation_s_per_m * depth, velocity + c.normal * rate,
       normal_force, h);
   c.push -= c.resistance * scene.hand_spin.cross(c.from_hand);
-  return true;
 }
 
 void ContactPatch::rub(Contact& c, double stiffness, double damping_s, const Vector3d& creep,
@@ -189,6 +179,20 @@ void ContactPatch::add_to(ContactSystem& system, ContactVelocity& momentum, doub
   system.block<3, 3>(spin_at, spin_at) += h * turn;
 }
 
+Vector3d ContactPatch::slide(const Contact& c, const ContactVelocity& next,
+                             const Vector3d& hand_spin) {
+  Vector3d velocity = next.segment<3>(hand_at) + hand_spin.cross(c.from_hand) -
+                      next.segment<3>(object_at) - next.segment<3>(spin_at).cross(c.from_object);
+  if (c.finger >= 0) velocity += next[fingers_at + c.finger] * c.with_flexion;
+  return velocity;
+}
+
+bool ContactPatch::part(const ContactVelocity& next, const Vector3d& hand_spin) {
+  return std::erase_if(contacts_, [&](const Contact& c) {
+           return c.elastic_n < c.rate_gain * c.normal.dot(slide(c, next, hand_spin));
+         }) > 0;
+}
+
 void ContactPatch::settle(const ContactVelocity& next, const Vector3d& hand_spin, double h) {
   for (int taxel : loaded_) force_n_[taxel] = 0.0;
   loaded_.clear();
@@ -197,19 +201,16 @@ void ContactPatch::settle(const ContactVelocity& next, const Vector3d& hand_spin
   force_on_object_n_.setZero();
   torque_on_object_nm_.setZero();
   for (const Contact& c : contacts_) {
-    Vector3d slide = next.segment<3>(hand_at) + hand_spin.cross(c.from_hand) -
-                     next.segment<3>(object_at) - next.segment<3>(spin_at).cross(c.from_object);
-    if (c.finger >= 0) slide += next[fingers_at + c.finger] * c.with_flexion;
-    apply(c, slide, h);
+    apply(c, slide(c, next, hand_spin), h);
     Vector3d& bristle = bristle_m_[c.taxel];
     bristle += h * hand_spin.cross(bristle);
   }
 }
 
-void ContactPatch::apply(const Contact& c, const Vector3d& slide, double h) {
-  const double rate = -c.normal.dot(slide);
+void ContactPatch::apply(const Contact& c, const Vector3d& velocity, double h) {
+  const double rate = -c.normal.dot(velocity);
   const double normal_force = std::max(0.0, c.elastic_n + c.rate_gain * rate);
-  const Vector3d creep = slide + c.normal * rate;
+  const Vector3d creep = velocity + c.normal * rate;
   Vector3d& bristle = bristle_m_[c.taxel];
   const Vector3d friction =
       -c.tangent_share * (c.tangent_k * (bristle + h * creep) + c.tangent_c * creep);

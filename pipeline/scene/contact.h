@@ -26,7 +26,7 @@ struct ContactScene {
   const RigidState& object;
   Eigen::Vector3d hand_spin;  ///< imposed angular velocity
   const std::array<double, finger_count>& flexion_rad;
-  const std::array<double, finger_count>& flexion_rate;
+  const ContactVelocity& velocity;  ///< of everything, at present
 };
 
 /// All taxels that touch the object, and the tangential state of each.
@@ -39,6 +39,9 @@ class ContactPatch {
   /// Adds h (stiffness h + damping) to `system` and the contacts' impulse to `momentum`.
   /// Only the lower triangle of `system` is written.
   void add_to(ContactSystem& system, ContactVelocity& momentum, double h) const;
+  /// Lets go of contacts that would have to pull at the velocities solved for; true if there were
+  /// any, and the system has to be solved again without them.
+  bool part(const ContactVelocity& next, const Eigen::Vector3d& hand_spin);
   /// With the velocities solved for: forces of every taxel, friction states, sums.
   void settle(const ContactVelocity& next, const Eigen::Vector3d& hand_spin, double h);
 
@@ -71,13 +74,12 @@ class ContactPatch {
               const std::array<double, finger_count>& flexion_rad);
   void touch(int taxel, const TaxelGroup& group, const Eigen::Vector3d& point, const Frame& frame,
              const ContactScene& scene, double h);
-  /// Fills in the force law at this depth; false if the surfaces part faster than the tissue
-  /// follows.
-  bool load(Contact& contact, double depth, const ContactScene& scene, double h);
+  void load(Contact& contact, double depth, const ContactScene& scene, double h);
   void rub(Contact& contact, double stiffness, double damping_s, const Eigen::Vector3d& creep,
            double normal_force, double h);
-  static Eigen::Vector3d slide(const Contact& contact, const ContactScene& scene);
-  void apply(const Contact& contact, const Eigen::Vector3d& slide, double h);
+  static Eigen::Vector3d slide(const Contact& contact, const ContactVelocity& velocity,
+                               const Eigen::Vector3d& hand_spin);
+  void apply(const Contact& contact, const Eigen::Vector3d& velocity, double h);
 
   ContactParameters parameters_;
   std::vector<Contact> contacts_;

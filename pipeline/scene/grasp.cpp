@@ -59,7 +59,7 @@ Performance::Performance(const SceneOptions& options, const std::string& name, d
               .make({find_object(options.object), RandomStream(options.seed, name + " motion")})),
       glove_(1, glove_clock(options), options.seed),
       start_s_(start_s),
-      step_s_(step_s),
+      step_s_(step_s > 0.0 ? step_s : find_activity(options.activity).step_s),
       tick_(-ticks(grasp_s)) {
   RandomStream random(options.seed, name + " grasp");
   weight_error_ = weight_error * random.normal();

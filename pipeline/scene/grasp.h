@@ -14,7 +14,7 @@ class Performance {
   /// `name` names the random streams; `step_s` is the physics' step, on which no random number
   /// depends.
   Performance(const SceneOptions& options, const std::string& name, double start_s,
-              double step_s = 0.001);
+              double step_s = 0.0);
 
   /// From putting the object on the palm to time 0; false if it fell.
   bool grasp();

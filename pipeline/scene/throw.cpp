@@ -50,7 +50,7 @@ MotionState at_rest(const Vector3d& position) {
 Throw::Throw(ActivityStart start)
     : random_(start.random),
       base_m_(random_.uniform(-0.28, -0.08), random_.uniform(-0.52, -0.42),
-              random_.uniform(0.95, 1.10)),
+              random_.uniform(0.90, 1.15)),
       roll_(random_.normal(0.0, 0.03)),
       pitch_(random_.normal(-0.03, 0.03)),
       yaw_(random_.uniform(-0.4, 0.4)),
@@ -113,7 +113,7 @@ void Throw::meet(double time_s, const SceneSample& seen) {
   const Vector3d& p = seen.object.position_m;
   const Vector3d& v = seen.object.velocity_m_per_s;
   const double height_m =
-      plan_.at(time_s).position_m.z() + in_palm_m_.z() + random_.uniform(-0.05, 0.0);
+      plan_.at(time_s).position_m.z() + in_palm_m_.z() + random_.uniform(-0.07, 0.0);
   const double above = p.z() - height_m;
   const double fall_s =
       (v.z() + std::sqrt(std::max(0.0, v.z() * v.z() + 2 * gravity_m_per_s2 * above))) /

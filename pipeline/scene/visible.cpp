@@ -33,9 +33,9 @@ void add_palm(std::vector<Solid>& solids, const Isometry3d& world_from_hand) {
   palm.body_from_shape.translation().z() = -0.012;
   palm.body_from_shape = world_from_hand * palm.body_from_shape;
   solids.push_back(palm);
-  constexpr double x = 0.038, y = 0.036, z = -0.005, radius = 0.010;
-  const std::array<Vector3d, 4> corners{Vector3d(x, -y, z), Vector3d(x, y, z), Vector3d(-x, y, z),
-                                        Vector3d(-x, -y, z)};
+  constexpr double x = 0.038, y = 0.036, front = -0.001, heel = 0.008, radius = 0.010;
+  const std::array<Vector3d, 4> corners{Vector3d(x, -y, front), Vector3d(x, y, front),
+                                        Vector3d(-x, y, heel), Vector3d(-x, -y, heel)};
   for (int i = 0; i < 4; ++i)
     solids.push_back(capsule_between(world_from_hand * corners[i],
                                      world_from_hand * corners[(i + 1) % 4], radius, glove_color));

@@ -12,6 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double finger_inertia_kg_m2 = 5e-5, finger_damping_nm_s_per_rad = 0.02;
 constexpr double impact_speed_m_per_s = 0.3;
+constexpr int most_tries = 4;  // at finding which contacts part
 
 Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3d& rotation) {
   const double angle = rotation.norm();
@@ -75,14 +76,21 @@ void World::add_fingers(const Drive& drive, System& system, Velocity& momentum, 
 
 void World::step(const Drive& drive, double h) {
   const Vector3d& hand_spin = drive.angular_velocity_rad_per_s;
-  contact_.find({object_spec_, hand, object, hand_spin, flexion_rad, flexion_rate_rad_per_s}, h);
-  System system = System::Zero();
-  Velocity momentum;
-  add_masses(system, momentum, h);
-  add_fingers(drive, system, momentum, h);
-  add_arm(drive, system, momentum, h);
-  contact_.add_to(system, momentum, h);
-  const Velocity next = system.llt().solve(momentum);
+  const Velocity present = velocities();
+  contact_.find({object_spec_, hand, object, hand_spin, flexion_rad, present}, h);
+  System masses = System::Zero();
+  Velocity impulse;
+  add_masses(masses, impulse, h);
+  add_fingers(drive, masses, impulse, h);
+  add_arm(drive, masses, impulse, h);
+  Velocity next;
+  int tries = 0;
+  do {
+    System system = masses;
+    next = impulse;
+    contact_.add_to(system, next, h);
+    system.llt().solveInPlace(next);
+  } while (contact_.part(next, hand_spin) && ++tries < most_tries);
   contact_.settle(next, hand_spin, h);
   move(next, drive, h);
 }

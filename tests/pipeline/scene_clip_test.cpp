@@ -1,0 +1,153 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "engine/base/error.h"
+#include "pipeline/scene/grasp.h"
+#include "pipeline/scene/solids.h"
+#include "pipeline/scene/statistics.h"
+
+namespace touchtrace::scene {
+namespace {
+
+using Eigen::Vector3d;
+
+SceneOptions options_of(const std::string& activity, const std::string& object,
+                        double clip_s = 10.0) {
+  SceneOptions options;
+  options.activity = activity;
+  options.object = object;
+  options.clip_s = clip_s;
+  return options;
+}
+
+std::vector<ClipMotion> perform(const SceneOptions& options, int clips) {
+  std::vector<ClipMotion> result;
+  for (int clip = 0; clip < clips; ++clip)
+    result.push_back(simulate_clip(options, clip, clip * (options.clip_s + options.pause_s)));
+  return result;
+}
+
+TEST(SceneClip, UnknownNamesAreRefusedWithTheKnownOnes) {
+  EXPECT_THROW(simulate_clip(options_of("juggle", "ball"), 0, 0.0), Error);
+  EXPECT_THROW(find_object("bal"), Error);
+  try {
+    find_object("bal");
+  } catch (const Error& error) {
+    EXPECT_NE(error.remedy().find("ball"), std::string::npos);
+  }
+}
+
+TEST(SceneClip, TheSameBitsOnAnyThreadAndInAnyOrder) {
+  const SceneOptions options = options_of("throw", "ball", 2.0);
+  const ClipMotion first = simulate_clip(options, 3, 12.0);
+  ClipMotion second;
+  std::thread([&] {
+    simulate_clip(options, 1, 5.0);
+    second = simulate_clip(options, 3, 12.0);
+  }).join();
+  EXPECT_EQ(first.glove.counts, second.glove.counts);
+  EXPECT_EQ(first.glove.host_time_s, second.glove.host_time_s);
+  ASSERT_EQ(first.samples.size(), second.samples.size());
+  for (std::size_t i = 0; i < first.samples.size(); ++i)
+    ASSERT_EQ(first.samples[i].object.position_m, second.samples[i].object.position_m);
+}
+
+TEST(SceneClip, EachClipIsAnotherGrasp) {
+  const auto clips = perform(options_of("wave", "box", 0.1), 2);
+  EXPECT_GT((clips[0].samples[0].hand.position_m - clips[1].samples[0].hand.position_m).norm(),
+            0.01);
+}
+
+TEST(SceneClip, SamplesAreUniformAndFinite) {
+  const ClipMotion clip = simulate_clip(options_of("wave", "can", 1.0), 0, 100.0);
+  ASSERT_EQ(clip.samples.size(), 500u);
+  for (std::size_t i = 0; i < clip.samples.size(); ++i) {
+    EXPECT_NEAR(clip.samples[i].time_s, 100.0 + static_cast<double>(i) / sample_rate_hz, 1e-9);
+    ASSERT_TRUE(clip.samples[i].object.position_m.allFinite());
+    ASSERT_TRUE(clip.samples[i].contact_force_n.allFinite());
+  }
+}
+
+TEST(SceneClip, HeldObjectsAreGrippedAsByAPerson) {
+  for (const std::string& object : object_names()) {
+    const ClipStatistics s =
+        statistics(perform(options_of("wave", object), 4), find_object(object));
+    EXPECT_LE(s.drop_share, 0.25) << object;  // of 4 clips; `verify scene` measures the share
+    EXPECT_GT(s.grip_p01_n, 1.0) << object;
+    EXPECT_LT(s.grip_p99_n, 60.0) << object;
+    EXPECT_LT(s.force_residual, 0.05) << object;
+    EXPECT_LT(s.saturated_share, 0.01) << object;
+    EXPECT_GE(s.lowest_object_m, -0.25) << object;
+  }
+}
+
+TEST(SceneClip, TossesGoAsHighAsMeantAndAreCaught) {
+  const ClipStatistics s = statistics(perform(options_of("throw", "ball"), 6), find_object("ball"));
+  EXPECT_EQ(s.drop_share, 0.0);
+  EXPECT_GT(s.apex_m.size(), 12u);
+  for (double apex_m : s.apex_m) {
+    EXPECT_GT(apex_m, 0.05);
+    EXPECT_LT(apex_m, 0.45);
+  }
+  EXPECT_GE(s.lowest_object_m, -0.25);
+}
+
+TEST(SceneClip, OneFrameDoesNotTellThePlace) {
+  for (const std::string activity : {"wave", "throw"}) {
+    const SceneOptions options = options_of(activity, "ball", 3.0);  // many grasps: places are few
+    const Vector3d r2 = position_probe_r2(perform(options, 48), glove_clock(options));
+    EXPECT_LE(r2.maxCoeff(), 0.1) << activity;
+  }
+}
+
+TEST(SceneClip, NoRandomNumberDependsOnTheStep) {
+  const SceneOptions options = options_of("wave", "ball");
+  Performance coarse(options, "steps", 0.0, 0.002), fine(options, "steps", 0.0, 0.0005);
+  ASSERT_TRUE(coarse.grasp());
+  ASSERT_TRUE(fine.grasp());
+  double apart_m = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    coarse.advance();
+    fine.advance();
+    apart_m = std::max(
+        apart_m, (coarse.sample().object.position_m - fine.sample().object.position_m).norm());
+  }
+  EXPECT_LT(apart_m, 0.003);  // other draws would part them by centimetres
+}
+
+TEST(SceneClip, AHeldObjectConvergesAtFirstOrder) {
+  const SceneOptions options = options_of("wave", "can");
+  const auto end = [&](double step_s) {
+    Performance performance(options, "order", 0.0, step_s);
+    performance.grasp();
+    for (int i = 0; i < 250; ++i) performance.advance();
+    return performance.sample().object.position_m;
+  };
+  const Vector3d reference = end(0.00005);
+  const double at_2_ms = (end(0.002) - reference).norm(),
+               at_half_ms = (end(0.0005) - reference).norm();
+  EXPECT_LT(at_2_ms, 0.003);
+  EXPECT_LT(at_half_ms, 0.5 * at_2_ms);  // a quarter, and what the friction's clip adds
+}
+
+TEST(SceneClip, WhatIsSeenIsWhatTouches) {
+  SceneSample sample;
+  sample.flexion_rad = {0.1, 0.4, 0.9, 1.4, 0.6};
+  const auto solids = hand_solids(sample);
+  for (const Taxel& taxel : hand_model().taxels) {
+    Vector3d point = taxel.position_m;
+    if (taxel.finger >= 0) {
+      const FingerPose pose =
+          pose_finger(hand_model().fingers[taxel.finger], sample.flexion_rad[taxel.finger]);
+      point = pose.joint_m[taxel.link] + pose.hand_from_link[taxel.link] * point;
+    }
+    double nearest = 1.0;
+    for (const Solid& solid : solids) nearest = std::min(nearest, distance(solid, point).value_m);
+    EXPECT_LT(std::abs(nearest), 0.010) << taxel.row << ' ' << taxel.col;
+  }
+}
+
+}  // namespace
+}  // namespace touchtrace::scene

@@ -1,0 +1,182 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/scene/laboratory.h"
+#include "pipeline/scene/solids.h"
+
+namespace touchtrace::scene {
+namespace {
+
+using Eigen::Vector3d;
+
+double energy_j(const World& world) {
+  const ObjectSpec& spec = world.spec();
+  const Eigen::Matrix3d rotation = world.object.orientation.toRotationMatrix();
+  const Vector3d spin = rotation.transpose() * world.object.angular_velocity_rad_per_s;
+  return spec.mass_kg * (0.5 * world.object.velocity_m_per_s.squaredNorm() +
+                         gravity_m_per_s2 * world.object.position_m.z()) +
+         0.5 * spin.dot(spec.inertia_kg_m2 * spin);
+}
+
+bool finite(const World& world) {
+  return world.object.position_m.allFinite() && world.object.velocity_m_per_s.allFinite() &&
+         world.object.angular_velocity_rad_per_s.allFinite() && world.hand.position_m.allFinite() &&
+         world.contact().force_on_object_n().allFinite();
+}
+
+/// Speed after over speed before contact of a ball that hits the middle of a palm that stands
+/// upright, so that gravity does no work on the bounce.
+double restitution(const ContactParameters& contact, double speed, double h) {
+  World world(sphere(0.02, 0.0, 0.0286), stand(), contact);
+  world.hand.orientation = Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3d::UnitY());
+  put_above(world, Vector3d::Zero(), 1e-6);
+  const Vector3d away = world.hand.orientation * Vector3d::UnitZ();
+  world.object.velocity_m_per_s = -speed * away;
+  const Drive drive = keep_still(world);
+  for (bool touched = false; !touched || world.contact().touching();) {
+    world.step(drive, h);
+    touched |= world.contact().touching();
+  }
+  return world.object.velocity_m_per_s.dot(away) / speed;
+}
+
+/// With f = g(d) (1 + c d') for any g, the work of g is the same on both ways: the rebound u solves
+/// v / c - ln(1 + c v) / c^2 = -u / c - ln(1 - c u) / c^2 (Hunt and Crossley 1975).
+double closed_form_restitution(double c, double v) {
+  const double loaded = v / c - std::log1p(c * v) / (c * c);
+  double low = 0.0, high = std::min(v, 1.0 / c);
+  for (int i = 0; i < 200; ++i) {
+    const double u = 0.5 * (low + high);
+    (-u / c - std::log1p(-c * u) / (c * c) < loaded ? low : high) = u;
+  }
+  return low / v;
+}
+
+TEST(SceneSolids, DistancesAreExactOnBothSides) {
+  const Solid can{ShapeKind::cylinder, {0.03, 0.05, 0.0}};
+  EXPECT_NEAR(distance(can, {0.04, 0.0, 0.0}).value_m, 0.01, 1e-15);
+  EXPECT_NEAR(distance(can, {0.0, 0.02, 0.045}).value_m, -0.005, 1e-15);
+  EXPECT_NEAR(distance(can, {0.033, 0.0, 0.054}).value_m, 0.005, 1e-15);
+  const Solid box{ShapeKind::box, {0.01, 0.02, 0.03}};
+  EXPECT_NEAR(distance(box, {0.013, 0.024, 0.0}).value_m, 0.005, 1e-15);
+  EXPECT_EQ(distance(box, {-0.009, 0.0, 0.0}).normal, Vector3d(-1, 0, 0));
+  const Solid capsule{ShapeKind::capsule, {0.02, 0.05, 0.0}};
+  EXPECT_NEAR(distance(capsule, {0.0, 0.0, 0.08}).value_m, 0.01, 1e-15);
+}
+
+TEST(SceneSolids, NormalsAreGradients) {
+  const double eps = 1e-6;
+  for (ShapeKind kind :
+       {ShapeKind::sphere, ShapeKind::box, ShapeKind::capsule, ShapeKind::cylinder}) {
+    ObjectSpec object;
+    object.solids = {Solid{kind, {0.02, 0.03, 0.04}}};
+    object.solids[0].body_from_shape = Eigen::Translation3d(0.01, 0.0, -0.01) *
+                                       Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
+    for (const Vector3d& p : {Vector3d(0.05, 0.02, 0.03), Vector3d(0.012, 0.004, 0.001)}) {
+      Vector3d slope;
+      for (int axis = 0; axis < 3; ++axis)
+        slope[axis] = (distance_m(object, p + eps * Vector3d::Unit(axis)) -
+                       distance_m(object, p - eps * Vector3d::Unit(axis))) /
+                      (2 * eps);
+      EXPECT_NEAR((slope - distance(object, p).normal).norm(), 0.0, 1e-6) << static_cast<int>(kind);
+      EXPECT_DOUBLE_EQ(distance(object, p).value_m, distance_m(object, p));
+    }
+  }
+}
+
+TEST(ScenePhysics, FreeFlightIsAParabolaAtAnyStep) {
+  for (double h : {0.0001, 0.002, 0.01}) EXPECT_LT(free_flight_error_m(h), 1e-10) << h;
+}
+
+TEST(ScenePhysics, ARestingBlockPressesWithItsWeight) {
+  for (double mass_kg : {0.005, 0.05, 0.5, 10.0})
+    for (double h : {0.0005, 0.002, 0.01})
+      EXPECT_NEAR(resting_force_ratio(mass_kg, h, 3.0), 1.0, 1e-3)
+          << mass_kg << " kg, " << h << " s";
+}
+
+TEST(ScenePhysics, ABlockStaysBelowTheFrictionAngleAndSlidesBeyondIt) {
+  const double friction = 0.5, h = 0.0005;
+  for (double slope : {0.3, 0.8}) {
+    World world(block(0.2, friction, {0.06, 0.06, 0.02}), stand());
+    world.hand.orientation = Eigen::AngleAxisd(std::atan(slope), Vector3d::UnitX());
+    put_above(world, {0.05, 0.0, 0.0}, 0.0002);
+    const Drive drive = keep_still(world);
+    const double settling_s = slope < friction ? 3.0 : 0.08;  // the sliding block leaves the palm
+    for (double t = 0.0; t < settling_s; t += h) world.step(drive, h);
+    const Vector3d before = world.object.velocity_m_per_s;
+    for (int i = 0; i < 40; ++i) world.step(drive, h);
+    const Vector3d acceleration = (world.object.velocity_m_per_s - before) / (40 * h);
+    const Vector3d normal = world.object.orientation * Vector3d::UnitZ();
+    const Vector3d along =
+        -(Vector3d::UnitZ() - normal * normal.z());  // downhill, its length the sine
+    const double expected = gravity_m_per_s2 * std::max(0.0, along.norm() - friction * normal.z());
+    EXPECT_NEAR(acceleration.dot(along.normalized()), slope < friction ? 0.0 : expected,
+                0.03 * gravity_m_per_s2)
+        << slope;
+    if (slope < friction) {
+      EXPECT_LT(world.object.velocity_m_per_s.norm(), 1e-4);
+    }
+  }
+}
+
+TEST(ScenePhysics, ADampedBounceIsTheClosedForm) {
+  for (double speed : {0.2, 0.5, 1.0})
+    EXPECT_NEAR(restitution({}, speed, 1e-5), closed_form_restitution(3.0, speed), 0.03) << speed;
+}
+
+TEST(ScenePhysics, AnElasticBounceGainsNoEnergyAndConvergesWithTheStep) {
+  ContactParameters elastic;
+  elastic.dissipation_s_per_m = 0.0;
+  double last_loss = 1.0;
+  for (double h : {0.0002, 0.0001, 0.00005, 0.000025}) {
+    const double loss = 1.0 - restitution(elastic, 0.3, h);
+    EXPECT_GT(loss, -1e-3) << h;
+    EXPECT_LT(loss, 0.65 * last_loss) << h;  // first order: a half
+    last_loss = loss;
+  }
+  EXPECT_LT(last_loss, 0.03);
+}
+
+TEST(ScenePhysics, ExtremesStayFiniteAndGainNoEnergy) {
+  for (double mass_kg : {0.005, 0.2, 10.0})
+    for (double stiffer : {0.01, 1.0, 100.0})
+      for (double friction : {0.0, 2.0})
+        for (double h : {0.0001, 0.001, 0.01}) {
+          ContactParameters contact;
+          contact.stiffness_n_per_m3 *= stiffer;
+          World world(sphere(mass_kg, friction, 0.03), stand(), contact);
+          put_above(world, {0.0, 0.005, 0.0}, 0.001);
+          world.object.velocity_m_per_s = {0.5, 0.0, -10.0};
+          const Drive drive = keep_still(world);
+          const double before = energy_j(world);
+          for (double t = 0.0; t < 0.1; t += h) world.step(drive, h);
+          ASSERT_TRUE(finite(world)) << mass_kg << ' ' << stiffer << ' ' << friction << ' ' << h;
+          EXPECT_LE(energy_j(world), before + 1e-3 * std::abs(before))
+              << mass_kg << ' ' << stiffer << ' ' << friction << ' ' << h;
+        }
+}
+
+TEST(ScenePhysics, DepthBeyondTheLawIsCounted) {
+  World world(sphere(10.0, 0.5, 0.03), stand());
+  put_above(world, Vector3d::Zero(), 0.0);
+  world.object.velocity_m_per_s.z() = -5.0;
+  const Drive drive = keep_still(world);
+  for (int i = 0; i < 20; ++i) world.step(drive, 0.001);
+  EXPECT_GT(world.contact().clamp_hits(), 0);
+}
+
+TEST(ScenePhysics, TheArmGivesWayUnderItsBound) {
+  World world(sphere(0.1, 0.5, 0.03));
+  world.object.position_m.z() = 50.0;
+  Drive drive = keep_still(world);
+  drive.position_m.x() = 10.0;  // asks for 3 kN
+  world.step(drive, 0.001);
+  const ArmParameters arm;
+  EXPECT_NEAR(world.hand.velocity_m_per_s.x(), 0.001 * arm.force_bound_n / arm.mass_kg, 1e-12);
+}
+
+}  // namespace
+}  // namespace touchtrace::scene

@@ -11,6 +11,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/verify_recording.h"
 #include "pipeline/report/figures_page.h"
+#include "pipeline/scene/verify_scene.h"
 #include "pipeline/study/verify_labels.h"
 
 namespace touchtrace::cli {
@@ -27,6 +28,7 @@ const std::map<std::string, Verification>& areas() {
       {"engine", verify_engine()},
       {"labels", study::verify_labels()},
       {"recording", verify_recording()},
+      {"scene", scene::verify_scene()},
   };
   return table;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace touchtrace::scene {
@@ -47,37 +48,57 @@ void add_apexes(const ClipMotion& clip, std::vector<double>& apex_m) {
   }
 }
 
-/// Frames and the hand's positions at their scans, of the clips for which `chosen` holds.
-struct Probe {
+constexpr int folds = 4;
+
+/// Tactile frames less the baseline, with a one at the end, and the hand's positions at their
+/// scans, of every fourth clip.
+struct Fold {
   MatrixXd frames, positions;
 };
 
-Probe collect(const std::vector<ClipMotion>& clips, const GloveClock& clock, bool held_out) {
-  Index rows = 0;
-  const auto chosen = [&](std::size_t i) { return (i % 4 == 3) == held_out; };
-  for (std::size_t i = 0; i < clips.size(); ++i)
-    if (chosen(i)) rows += static_cast<Index>(clips[i].glove.frames());
-  Probe probe{MatrixXd(rows, clips.front().glove.info.taxels()), MatrixXd(rows, 3)};
-  Index row = 0;
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    if (!chosen(i)) continue;
-    const GloveStream& glove = clips[i].glove;
-    const auto cells = static_cast<std::size_t>(glove.info.taxels());
-    for (std::size_t frame = 0; frame < glove.frames(); ++frame, ++row) {
-      for (std::size_t cell = 0; cell < cells; ++cell)
-        probe.frames(row, static_cast<Index>(cell)) =
-            glove.counts[frame * cells + cell] - glove.info.baseline_counts[cell];
-      const double time_s = clock.first_frame_s +
-                            static_cast<double>(glove.sequence[frame]) / clock.rate_hz +
-                            0.5 * glove.info.scan_s;
-      const auto& samples = clips[i].samples;
-      const double at = std::round((time_s - samples.front().time_s) * sample_rate_hz);
-      const auto index =
-          static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(samples.size() - 1)));
-      probe.positions.row(row) = samples[index].hand.position_m.transpose();
+Vector3d hand_at(const ClipMotion& clip, double time_s) {
+  const double at = std::round((time_s - clip.samples.front().time_s) * sample_rate_hz);
+  const double last = static_cast<double>(clip.samples.size() - 1);
+  return clip.samples[static_cast<std::size_t>(std::clamp(at, 0.0, last))].hand.position_m;
+}
+
+void add_clip(const ClipMotion& clip, const GloveClock& clock, Index row, Fold& fold) {
+  const GloveStream& glove = clip.glove;
+  const Index cells = glove.info.taxels();
+  for (std::size_t frame = 0; frame < glove.frames(); ++frame, ++row) {
+    for (Index cell = 0; cell < cells; ++cell) {
+      const auto c = static_cast<std::size_t>(cell);
+      fold.frames(row, cell) =
+          glove.counts[frame * glove.info.mask.size() + c] - glove.info.baseline_counts[c];
     }
+    fold.frames(row, cells) = 1.0;
+    const double scan_start_s =
+        clock.first_frame_s + static_cast<double>(glove.sequence[frame]) / clock.rate_hz;
+    fold.positions.row(row) = hand_at(clip, scan_start_s + 0.5 * glove.info.scan_s).transpose();
   }
-  return probe;
+}
+
+Fold collect(const std::vector<ClipMotion>& clips, const GloveClock& clock, std::size_t first) {
+  Index rows = 0;
+  for (std::size_t i = first; i < clips.size(); i += folds)
+    rows += static_cast<Index>(clips[i].glove.frames());
+  Fold fold{MatrixXd(rows, clips.front().glove.info.taxels() + 1), MatrixXd(rows, 3)};
+  Index row = 0;
+  for (std::size_t i = first; i < clips.size(); i += folds) {
+    add_clip(clips[i], clock, row, fold);
+    row += static_cast<Index>(clips[i].glove.frames());
+  }
+  return fold;
+}
+
+/// Squared errors at each axis on one fold of a ridge regression on the others; `frames` are
+/// theirs.
+Eigen::Array3d held_out_error(const MatrixXd& normal, const MatrixXd& wanted, const Fold& fold,
+                              double ridge) {
+  MatrixXd damped = normal;
+  damped.diagonal().head(normal.rows() - 1).array() += ridge;
+  const MatrixXd weights = damped.selfadjointView<Eigen::Lower>().llt().solve(wanted);
+  return (fold.frames * weights - fold.positions).colwise().squaredNorm().transpose().array();
 }
 
 }  // namespace
@@ -105,27 +126,32 @@ ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec
 }
 
 Vector3d position_probe_r2(const std::vector<ClipMotion>& clips, const GloveClock& clock) {
-  const Probe fit = collect(clips, clock, false), test = collect(clips, clock, true);
-  const Eigen::RowVectorXd mean = fit.frames.colwise().mean();
-  const Eigen::RowVector3d place = fit.positions.colwise().mean();
-  const MatrixXd centred = fit.frames.rowwise() - mean;
-  const MatrixXd wanted = centred.transpose() * (fit.positions.rowwise() - place);
-  const Eigen::RowVector3d middle = test.positions.colwise().mean();
-  const Eigen::Array3d spread =
-      (test.positions.rowwise() - middle).colwise().squaredNorm().transpose().array();
-  Eigen::Array3d best = Eigen::Array3d::Constant(-1e9);
-  for (double deviation_counts : {1.5, 15.0, 150.0}) {
-    MatrixXd normal = MatrixXd::Zero(centred.cols(), centred.cols());
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(centred.transpose());
-    normal.diagonal().array() +=
-        deviation_counts * deviation_counts * static_cast<double>(centred.rows());
-    const MatrixXd weights = normal.selfadjointView<Eigen::Lower>().llt().solve(wanted);
-    const MatrixXd guess = ((test.frames.rowwise() - mean) * weights).rowwise() + place;
-    const Eigen::Array3d error =
-        (guess - test.positions).colwise().squaredNorm().transpose().array();
-    best = best.max(1.0 - error / spread);
+  constexpr std::array<double, 3> ridge_counts{1.5, 15.0, 150.0};  // a frame
+  std::array<Fold, folds> parts;
+  std::array<MatrixXd, folds> normal, wanted;
+  Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
+  double frames = 0.0;
+  for (int i = 0; i < folds; ++i) {
+    parts[i] = collect(clips, clock, static_cast<std::size_t>(i));
+    normal[i] = parts[i].frames.transpose() * parts[i].frames;
+    wanted[i] = parts[i].frames.transpose() * parts[i].positions;
+    middle += parts[i].positions.colwise().sum();
+    frames += static_cast<double>(parts[i].frames.rows());
   }
-  return best;
+  middle /= frames;
+  Eigen::Array<double, 3, ridge_counts.size()> error = decltype(error)::Zero();
+  Eigen::Array3d spread = Eigen::Array3d::Zero();
+  for (int held_out = 0; held_out < folds; ++held_out) {
+    MatrixXd rest = MatrixXd::Zero(normal[0].rows(), normal[0].cols()), goal = 0.0 * wanted[0];
+    for (int i = 0; i < folds; ++i)
+      if (i != held_out) rest += normal[i], goal += wanted[i];
+    const Fold& part = parts[held_out];
+    for (std::size_t r = 0; r < ridge_counts.size(); ++r)
+      error.col(static_cast<Index>(r)) +=
+          held_out_error(rest, goal, part, frames * ridge_counts[r] * ridge_counts[r]);
+    spread += (part.positions.rowwise() - middle).colwise().squaredNorm().transpose().array();
+  }
+  return 1.0 - error.rowwise().minCoeff() / spread;
 }
 
 }  // namespace touchtrace::scene

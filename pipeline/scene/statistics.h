@@ -15,10 +15,9 @@ struct ClipStatistics {
 };
 ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec& object);
 
-/// R^2 of a ridge regression from one tactile frame to the hand's position [x, y, z], fitted on all
-/// clips but every fourth, and measured on those: no better than 0 if touch does not tell the
-/// place. The best of three ridges for each axis, so that the probe does not fail by fitting too
-/// closely.
+/// R^2 of a ridge regression from one tactile frame to the hand's position [x, y, z]: every fourth
+/// clip is held out in turn. About 0 or less if touch does not tell the place. The best of three
+/// ridges for each axis, so that the probe does not fail by fitting too closely.
 Eigen::Vector3d position_probe_r2(const std::vector<ClipMotion>& clips, const GloveClock& clock);
 
 }  // namespace touchtrace::scene

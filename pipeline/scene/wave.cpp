@@ -39,7 +39,7 @@ class Wave : public Activity {
 Wave::Wave(ActivityStart start)
     : object_(start.object),
       random_(start.random),
-      base_m_(random_.uniform(-0.30, -0.05), random_.uniform(-0.55, -0.42),
+      base_m_(random_.uniform(-0.32, 0.02), random_.uniform(-0.55, -0.42),
               random_.uniform(0.98, 1.22)),
       centre_m_(base_m_),
       roll_(random_.uniform(-0.6, 0.6)),

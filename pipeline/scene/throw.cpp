@@ -49,8 +49,8 @@ MotionState at_rest(const Vector3d& position) {
 
 Throw::Throw(ActivityStart start)
     : random_(start.random),
-      base_m_(random_.uniform(-0.30, -0.04), random_.uniform(-0.52, -0.42),
-              random_.uniform(0.90, 1.15)),
+      base_m_(random_.uniform(-0.30, -0.04), random_.uniform(-0.46, -0.36),
+              random_.uniform(1.02, 1.12)),
       roll_(random_.normal(0.0, 0.03)),
       pitch_(random_.normal(-0.03, 0.03)),
       yaw_(random_.uniform(-0.4, 0.4)),
@@ -77,8 +77,8 @@ double Throw::posture_rad(double time_s) const {
 }
 
 void Throw::hold(double time_s) {
-  const Vector3d wander(0.02 * random_.normal(), 0.02 * random_.normal(), 0.05 * random_.normal());
-  begin(Phase::hold, at_rest(base_m_ + wander.cwiseMax(-0.08).cwiseMin(0.08)), time_s,
+  const Vector3d wander(random_.normal(), random_.normal(), random_.normal());
+  begin(Phase::hold, at_rest(base_m_ + 0.02 * wander.cwiseMax(-2.0).cwiseMin(2.0)), time_s,
         random_.uniform(0.5, 1.1));
 }
 

@@ -59,8 +59,11 @@ void verify_clips(const std::string& activity, const std::string& object, const 
   emit(at_most(what + "99th percentile of grip", s.grip_p99_n, "N", 60.0));
   emit(at_most(what + "saturated readings", s.saturated_share, "", 0.01));
   const Run grasps = perform(activity, object, 64, 3.0);
-  emit(at_most(what + "position by a linear probe, R^2",
-               position_probe_r2(grasps.clips, grasps.clock).maxCoeff(), "", 0.1));
+  const Eigen::Vector3d probe = position_probe_r2(grasps.clips, grasps.clock);
+  emit(at_most(what + "place by a linear probe, R^2", probe.head<2>().maxCoeff(), "", 0.1));
+  // A tossed object's phase, which touch is there to tell, goes with the height of the hand.
+  const std::string height = what + "height by a linear probe, R^2";
+  emit(activity == "throw" ? reported(height, probe.z(), "") : at_most(height, probe.z(), "", 0.1));
   if (activity != "throw") return;
   const auto [low, high] = std::ranges::minmax(s.apex_m);
   emit(within(what + "lowest toss", low, "m", 0.07, 0.42));

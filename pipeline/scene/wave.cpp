@@ -39,8 +39,8 @@ class Wave : public Activity {
 Wave::Wave(ActivityStart start)
     : object_(start.object),
       random_(start.random),
-      base_m_(random_.uniform(-0.32, 0.02), random_.uniform(-0.55, -0.42),
-              random_.uniform(0.98, 1.22)),
+      base_m_(random_.uniform(-0.30, 0.02), random_.uniform(-0.55, -0.42),
+              random_.uniform(1.08, 1.30)),
       centre_m_(base_m_),
       roll_(random_.uniform(-0.6, 0.6)),
       pitch_(random_.uniform(-0.3, 0.3)),

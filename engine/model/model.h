@@ -26,6 +26,8 @@ class Model {
   enum class Use { prediction, training };
 
   Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use);
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
 
   const ModelSpec& spec() const { return spec_; }
   int sequences() const { return sequences_; }

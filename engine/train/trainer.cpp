@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 
@@ -34,6 +35,18 @@ Buffer<float> decays(Runtime& runtime, const ParameterTable& table, double weigh
 double learning_rate(const TrainOptions& options, int update) {
   const double done = std::min(1.0, static_cast<double>(update) / options.updates);
   return 0.5 * options.learning_rate * (1.0 + std::cos(std::numbers::pi * done));
+}
+
+/// Negative if the file is no checkpoint.
+int updates_of(const TensorFile& file) {
+  const auto format = file.metadata.find("format"), updates = file.metadata.find("updates");
+  if (format == file.metadata.end() || format->second != checkpoint_format ||
+      updates == file.metadata.end())
+    return -1;
+  int count = -1;
+  const auto& text = updates->second;
+  const auto end = text.data() + text.size();
+  return std::from_chars(text.data(), end, count).ptr == end ? count : -1;
 }
 
 }  // namespace
@@ -133,8 +146,7 @@ void Trainer::save_checkpoint(const std::filesystem::path& path) const {
 void Trainer::load_checkpoint(const std::filesystem::path& path) {
   const auto file = read_safetensors(path);
   const auto& model = plan_->model;
-  const auto found = file.metadata.find("updates");
-  const int updates = found == file.metadata.end() ? -1 : std::atoi(found->second.c_str());
+  const int updates = updates_of(file);
   if (updates < 0)
     throw data_error(path.string() + " is not a checkpoint",
                      "name one that touchtrace train wrote");

@@ -12,14 +12,15 @@
 
 namespace touchtrace {
 
-/// S sequences of T roll-out steps. Step k sees the window that ends at frame first_frame[s] + k and
-/// predicts the state of frame first_frame[s] + k + 1 (equation 1). All states are scaled.
+/// S sequences of T roll-out steps. Step k sees the window that ends at frame first_frame[s] + k
+/// and predicts the state of frame first_frame[s] + k + 1 (equation 1). All states are scaled.
 struct RolloutBatch {
   int sequences = 0, steps = 0;
-  std::vector<std::int32_t> first_frame;  ///< [S], into the tactile stream; at least window_frames - 1
-  std::vector<float> initial_state;       ///< [S, state]
-  std::vector<float> target;              ///< [S, T, state]; empty for prediction
-  std::vector<float> weight;              ///< [S, T], 0 where a label is not to be trusted; empty: all 1
+  std::vector<std::int32_t>
+      first_frame;                   ///< [S], into the tactile stream; at least window_frames - 1
+  std::vector<float> initial_state;  ///< [S, state]
+  std::vector<float> target;         ///< [S, T, state]; empty for prediction
+  std::vector<float> weight;         ///< [S, T], 0 where a label is not to be trusted; empty: all 1
 };
 
 /// Predicted states and the distance to their 10 % and 90 % quantiles, both [S, T, state], scaled.
@@ -29,19 +30,20 @@ struct Rollout {
 
 struct TrainOptions {
   int updates = 3000;
-  double learning_rate = 2e-3;   ///< at the start; falls to 0 by a half cosine
-  double weight_decay = 0.1;     ///< decoupled (AdamW)
-  double clip_norm = 1.0;        ///< of the whole gradient
-  double taxel_dropout = 0.2;    ///< share of taxels blanked in an update
+  double learning_rate = 2e-3;  ///< at the start; falls to 0 by a half cosine
+  double weight_decay = 0.1;    ///< decoupled (AdamW)
+  double clip_norm = 1.0;       ///< of the whole gradient
+  double taxel_dropout = 0.2;   ///< share of taxels blanked in an update
   std::uint64_t seed = 1;
 };
 
-/// The weights of a model on one device, its gradient, its optimiser and one fixed plan of launches.
+/// The weights of a model on one device, its gradient, its optimiser and one fixed plan of
+/// launches.
 class Trainer {
  public:
   /// `tactile`: [frames, rows, cols], uploaded once; may be empty for a spec without touch.
-  Trainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options, int sequences, int steps,
-          std::span<const float> tactile);
+  Trainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options, int sequences,
+          int steps, std::span<const float> tactile);
   ~Trainer();
 
   /// One update of L1 + pinball(0.1) + pinball(0.9) (equation 4) by back-propagation through time.
@@ -51,7 +53,8 @@ class Trainer {
   int updates() const;
 
   /// Weights in safetensors; `metadata` holds the spec, the scaling and the provenance.
-  void save(const std::filesystem::path& path, const nlohmann::json& metadata, bool overwrite) const;
+  void save(const std::filesystem::path& path, const nlohmann::json& metadata,
+            bool overwrite) const;
   /// Weights, optimiser state and position, to go on exactly where it stopped.
   void save_checkpoint(const std::filesystem::path& path) const;
   void load_checkpoint(const std::filesystem::path& path);

@@ -13,5 +13,7 @@ Verification verify_engine();
 void verify_operations(const std::function<void(Figure)>& emit);
 /// The tactile encoder: seconds of a step, and shares of the multiply-add peak.
 void verify_encoder(const std::function<void(Figure)>& emit);
+/// The whole model: gradient against double, seconds to the first step, and of a step.
+void verify_training(const std::function<void(Figure)>& emit);
 
 }  // namespace touchtrace

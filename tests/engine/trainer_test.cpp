@@ -11,14 +11,13 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/train/noise_batch.h"
 #include "engine/train/safetensors.h"
-#include "tests/engine/rollout_problem.h"
+#include "tests/engine/small_spec.h"
 
 namespace touchtrace {
 namespace {
 
-using testing::noise_batch;
-using testing::noise_stream;
 using testing::small_spec;
 
 class TrainerTest : public ::testing::Test {

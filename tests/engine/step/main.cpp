@@ -1,13 +1,16 @@
-// One training step for peers and tests that stand outside the process: reads weights and a batch from a
-// safetensors file, so that PyTorch can compute the same, and writes gradients or weights as another.
+// One training step for peers and tests that stand outside the process: reads weights and a batch
+// from a safetensors file, so that PyTorch can compute the same, and writes gradients or weights as
+// another.
 //
 //   engine_step PROBLEM gradient OUT   loss and gradient of the batch, no taxel blanked
-//   engine_step PROBLEM train N OUT    weights after N updates on the batch, from the trainer's own start
-//   engine_step PROBLEM time           for each number read from stdin: that many updates, and a line of
+//   engine_step PROBLEM train N OUT    weights after N updates on the batch, from the trainer's own
+//   start engine_step PROBLEM time           for each number read from stdin: that many updates,
+//   and a line of
 //                                      "WALL CPU", milliseconds an update
 //
-// PROBLEM holds the metadata "spec" (JSON), "sequences", "steps" and the tensors first_frame [S], stream
-// [frames, rows, cols], initial_state [S, state], target [S, T, state], and for `gradient` the weights.
+// PROBLEM holds the metadata "spec" (JSON), "sequences", "steps" and the tensors first_frame [S],
+// stream [frames, rows, cols], initial_state [S, state], target [S, T, state], and for `gradient`
+// the weights.
 #include <fmt/core.h>
 
 #include <iostream>

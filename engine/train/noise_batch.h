@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/base/random.h"
+#include "engine/train/trainer.h"
+
+namespace touchtrace {
+
+// Streams and batches of noise, for figures and tests.
+
+std::vector<float> normal_floats(std::size_t size, RandomStream& random);
+
+/// [frames, rows, cols]
+std::vector<float> noise_stream(const ModelSpec& spec, int frames, RandomStream& random);
+
+/// Roll-outs with noise for states, targets and weights, from any frame of a stream of `frames`.
+RolloutBatch noise_batch(const ModelSpec& spec, int sequences, int steps, int frames,
+                         RandomStream& random);
+
+}  // namespace touchtrace

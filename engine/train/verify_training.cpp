@@ -1,0 +1,73 @@
+#include <fmt/core.h>
+
+#include <random>
+
+#include "engine/train/model_comparison.h"
+#include "engine/train/noise_batch.h"
+#include "engine/train/verify_engine.h"
+
+namespace touchtrace {
+namespace {
+
+using Emit = std::function<void(Figure)>;
+
+void verify_gradient(Runtime& runtime, const Emit& emit) {
+  const auto seed = std::random_device{}();
+  const ModelSpec spec{.window_frames = 4, .rows = 12, .cols = 12, .hidden = 64};
+  const auto result = compare_model(runtime, spec, 5, 20, {0.2, seed}, seed);
+  emit(at_most(fmt::format("whole model, 20 steps, loss against double, seed {}", seed),
+               result.loss_error(), "relative", 1e-5));
+  emit(at_most("whole model, 20 steps, gradient against double", result.gradient_error(),
+               "relative", 1e-5));
+}
+
+/// Updates of the default model on noise.
+class Training {
+ public:
+  Training(Runtime& runtime, bool touch, int sequences)
+      : spec_{.touch = touch},
+        random_(1, "verify training"),
+        trainer_(runtime, spec_, {}, sequences, 20, noise_stream(spec_, frames, random_)),
+        batch_(noise_batch(spec_, sequences, 20, frames, random_)) {}
+
+  /// CPU milliseconds of an update, the mean of `count`.
+  double update_ms(int count) {
+    const Stopwatch stopwatch;
+    for (int i = 0; i < count; ++i) trainer_.update(batch_);
+    return 1e3 * stopwatch.cpu_seconds() / count;
+  }
+
+ private:
+  static constexpr int frames = 200;
+
+  ModelSpec spec_;
+  RandomStream random_;
+  Trainer trainer_;
+  RolloutBatch batch_;
+};
+
+void verify_step(Runtime& runtime, const char* name, bool touch, int sequences, const Emit& emit) {
+  Training training(runtime, touch, sequences);
+  training.update_ms(3);
+  emit(reported(fmt::format("training step, {} sequences x 20 steps, {}", sequences, name),
+                training.update_ms(160 / sequences), "CPU-ms"));
+}
+
+}  // namespace
+
+void verify_training(const Emit& emit) {
+  {
+    const Stopwatch stopwatch;
+    Runtime runtime(choose_device(""));
+    Training(runtime, true, 8).update_ms(1);
+    emit(at_most("start to first training step, programs as cached", stopwatch.wall_seconds(), "s",
+                 5.0));
+  }
+  Runtime runtime(choose_device(""));
+  verify_gradient(runtime, emit);
+  verify_step(runtime, "touch", true, 8, emit);
+  verify_step(runtime, "touch", true, 32, emit);
+  verify_step(runtime, "no touch", false, 8, emit);
+}
+
+}  // namespace touchtrace

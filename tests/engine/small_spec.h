@@ -1,0 +1,18 @@
+#pragma once
+
+#include "engine/model/model_spec.h"
+
+namespace touchtrace::testing {
+
+/// A model small enough for plain loops, with odd sizes where they are allowed.
+inline ModelSpec small_spec(bool touch) {
+  return {.touch = touch,
+          .window_frames = 3,
+          .rows = 9,
+          .cols = 6,
+          .embedding = 16,
+          .hidden = 64,
+          .state = 5};
+}
+
+}  // namespace touchtrace::testing

@@ -36,7 +36,7 @@ std::vector<ClipFrames> usable_clips(const Recording& recording, const Timeline&
     if (recording.clips[i].dropped) clips[i].count = 0;
     if (clips[i].count > 0 && (clips[i].hand_box.empty() || clips[i].object_box.empty()))
       throw data_error(fmt::format("clip {} has no boxes on hand and object", i),
-                       "mark them in the clip's first frame, or use --boxes proposed");
+                       "mark both in the clip's first camera frame (hand_box and object_box)");
   }
   return clips;
 }
@@ -133,7 +133,6 @@ nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
 
 void describe(OptionSet& set, LabelOptions& o) {
   set.choice("tracker", o.tracker, "how targets are followed", {"csrt", "component"});
-  set.choice("boxes", o.boxes, "where targets are in a clip's first frame", {"given", "proposed"});
   set.integer("threads", o.threads, "clips worked on at a time; 0: one a core", 0, 1024);
 }
 

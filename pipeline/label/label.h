@@ -10,9 +10,8 @@ namespace touchtrace::label {
 
 struct LabelOptions {
   std::string tracker =
-      "csrt";  ///< "csrt": as in the paper; "component": colour and depth alone, much faster
-  std::string boxes = "given";  ///< "given": the recording's; "proposed": found by touchtrace
-  int threads = 0;              ///< 0: one a core
+      "csrt";       ///< "csrt": as in the paper; "component": colour and depth alone, much faster
+  int threads = 0;  ///< 0: one a core
 };
 
 void describe(OptionSet& set, LabelOptions& options);

@@ -16,7 +16,7 @@ struct FrameSource {
   std::size_t background_frames = 0;
 };
 
-/// A clip's camera frames, [first, first + count), and its boxes, given or proposed.
+/// A clip's camera frames, [first, first + count), and its boxes.
 struct ClipFrames {
   std::size_t first = 0, count = 0;
   PixelBox hand_box, object_box;

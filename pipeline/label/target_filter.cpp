@@ -44,10 +44,6 @@ Eigen::Vector3d TargetFilter::position_m() const {
   return {axes_[0].mean[0], axes_[1].mean[0], axes_[2].mean[0]};
 }
 
-Eigen::Vector3d TargetFilter::velocity_m_per_s() const {
-  return {axes_[0].mean[1], axes_[1].mean[1], axes_[2].mean[1]};
-}
-
 double TargetFilter::gate_m() const {
   const double largest =
       std::max({axes_[0].covariance(0, 0), axes_[1].covariance(0, 0), axes_[2].covariance(0, 0)});

@@ -12,7 +12,6 @@ class TargetFilter {
   void measure(const Eigen::Vector3d& position_m, double sigma_m);
 
   Eigen::Vector3d position_m() const;
-  Eigen::Vector3d velocity_m_per_s() const;
   /// Radius around the prediction in which the target must be.
   double gate_m() const;
 

@@ -67,7 +67,7 @@ struct PixelBox {
 };
 
 /// A stretch with one grasp, from `start_s` to `end_s` of the host's clock. The boxes are where a user
-/// marked hand and object in the clip's first camera frame; empty: to be proposed.
+/// marked hand and object in the clip's first camera frame; empty: not marked.
 struct Clip {
   double start_s = 0.0, end_s = 0.0;
   std::string object;

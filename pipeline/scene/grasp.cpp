@@ -146,7 +146,7 @@ SceneSample Performance::sample() const {
   for (double flexion : world_.flexion_rad)
     sample.finger_closure += flexion / (max_flexion_rad * finger_count);
   for (double force : world_.contact().force_n()) sample.grip_force_n += force;
-  sample.contact_force_n = world_.contact().force_on_object_n();
+  sample.contact_force_n = world_.mean_force_n();
   return sample;
 }
 

@@ -49,7 +49,8 @@ struct SceneSample {
   RigidState hand, object;
   double finger_closure = 0.0;  ///< 0 open .. 1 a fist: the mean of the fingers
   std::array<double, finger_count> flexion_rad{};  ///< of the first joint; poses each finger
-  Eigen::Vector3d contact_force_n = Eigen::Vector3d::Zero();  ///< of the hand on the object, world
+  /// Of the hand on the object, world; mean since the last sample.
+  Eigen::Vector3d contact_force_n = Eigen::Vector3d::Zero();
   double grip_force_n = 0.0;  ///< normal forces of all taxels added up
 };
 

@@ -55,7 +55,7 @@ void verify_clips(const std::string& activity, const std::string& object, const 
   const std::string what = activity + " " + object + ": ";
   emit(at_least(what + "real time on one core", run.real_time_factor, "x", 60.0));
   emit(at_most(what + "clips dropped", s.drop_share, "", 0.05));
-  emit(at_most(what + "force against m (a - g), relative rms", s.force_residual, "", 0.20));
+  emit(at_most(what + "force against m (a - g), relative rms", s.force_residual, "", 1e-3));
   emit(at_most(what + "99th percentile of grip", s.grip_p99_n, "N", 60.0));
   emit(at_most(what + "saturated readings", s.saturated_share, "", 0.01));
   const Run grasps = perform(activity, object, 64, 3.0);

@@ -124,9 +124,11 @@ double World::next_step(double step_s) const {
 void World::advance(const Drive& drive, double interval_s, double step_s) {
   Drive now = drive;
   double left = interval_s;
+  mean_force_n_.setZero();
   while (left > 1e-9) {
     const double h = std::min(next_step(step_s), left);
     step(now, h);
+    mean_force_n_ += h / interval_s * contact_.force_on_object_n();
     now.position_m += h * now.velocity_m_per_s + 0.5 * h * h * now.acceleration_m_per_s2;
     now.velocity_m_per_s += h * now.acceleration_m_per_s2;
     left -= h;

@@ -47,6 +47,8 @@ class World {
   RigidState hand, object;
   std::array<double, finger_count> flexion_rad{}, flexion_rate_rad_per_s{};
 
+  /// Of the hand on the object, mean over the last advance().
+  const Eigen::Vector3d& mean_force_n() const { return mean_force_n_; }
   const ObjectSpec& spec() const { return object_spec_; }
   const ContactPatch& contact() const { return contact_; }
 
@@ -64,6 +66,7 @@ class World {
   ObjectSpec object_spec_;
   ArmParameters arm_;
   ContactPatch contact_;
+  Eigen::Vector3d mean_force_n_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace touchtrace::scene

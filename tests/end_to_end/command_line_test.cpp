@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tests/support/program.h"
+#include "tests/support/scratch.h"
 
 namespace {
 
@@ -60,14 +61,14 @@ TEST(CommandLine, UnknownNamesAreErrorsThatSuggest) {
 }
 
 TEST(CommandLine, ConfigurationFileIsChecked) {
-  const auto path = std::filesystem::temp_directory_path() / "touchtrace_configuration_test.toml";
+  const auto path = touchtrace::testing::scratch_folder().string() + ".toml";
   const auto write = [&](const char* text) { std::ofstream(path) << text; };
   write("[simulate]\nactvity = \"wave\"\n");
-  expect_failure("simulate out.h5 --config " + path.string(), 2, "has no key 'actvity'");
+  expect_failure("simulate out.h5 --config " + path, 2, "has no key 'actvity'");
   write("[simulate]\nminutes = \"three\"\n");
-  expect_failure("simulate out.h5 --config " + path.string(), 2, "wrong type");
+  expect_failure("simulate out.h5 --config " + path, 2, "wrong type");
   write("[simulate\n");
-  expect_failure("simulate out.h5 --config " + path.string(), 2, path.string() + ":1");
+  expect_failure("simulate out.h5 --config " + path, 2, path + ":1");
   std::filesystem::remove(path);
 }
 

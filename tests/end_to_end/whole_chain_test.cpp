@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/scratch.h"
 
 namespace {
 
@@ -16,7 +17,7 @@ using touchtrace::testing::run_program;
 class WholeChain : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / (std::string("touchtrace_chain_") + GetParam());
+    folder_ = touchtrace::testing::scratch_folder();
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

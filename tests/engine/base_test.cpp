@@ -14,6 +14,7 @@
 #include "engine/base/provenance.h"
 #include "engine/base/random.h"
 #include "engine/base/text.h"
+#include "tests/support/scratch.h"
 
 namespace touchtrace {
 namespace {
@@ -121,7 +122,7 @@ TEST(Figures, NaNNeverHolds) {
 
 class Files : public ::testing::Test {
  protected:
-  Files() : folder_(fs::temp_directory_path() / "touchtrace_files_test") {
+  Files() : folder_(testing::scratch_folder()) {
     fs::remove_all(folder_);
   }
   ~Files() override { fs::remove_all(folder_); }

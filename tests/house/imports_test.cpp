@@ -36,7 +36,7 @@ const std::map<std::string, std::set<std::string>>& allowed() {
       {"pipeline/recording", {"engine/base"}},
       {"pipeline/dataset", {"engine/base", "pipeline/recording"}},
       {"pipeline/scene", with(shared, {"engine/cl", "calib/camera"})},
-      {"pipeline/acquire", with(shared, {"calib/board", "calib/camera"})},
+      {"pipeline/acquire", with(shared, {"calib/board", "calib/camera", "calib/rgbd"})},
       {"pipeline/label", with(shared, {"calib/camera", "calib/rgbd", "calib/smooth"})},
       {"pipeline/report", shared},
   };

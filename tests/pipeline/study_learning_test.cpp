@@ -12,6 +12,7 @@
 #include "pipeline/study/evaluation.h"
 #include "pipeline/study/synthetic.h"
 #include "pipeline/study/training.h"
+#include "tests/support/scratch.h"
 
 namespace {
 
@@ -25,7 +26,7 @@ class Learning : public ::testing::Test {
   static void TearDownTestSuite() { runtime_.reset(); }
 
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / "touchtrace_learning_test";
+    folder_ = touchtrace::testing::scratch_folder();
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }

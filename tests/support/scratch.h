@@ -1,0 +1,19 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+namespace touchtrace::testing {
+
+/// A folder for the running test alone: tests of one executable run at once, in processes of their own.
+inline std::filesystem::path scratch_folder() {
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  std::string name = std::string("touchtrace_") + test->test_suite_name() + "_" + test->name();
+  std::ranges::replace(name, '/', '_');
+  return std::filesystem::temp_directory_path() / name;
+}
+
+}  // namespace touchtrace::testing

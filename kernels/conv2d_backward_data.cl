@@ -9,10 +9,8 @@
 // Weights are packed with input channels as lanes, summed over output channels. A work-item computes
 // `tiles` tiles of QUADS quads, counted through all images, times 32 input channels.
 //
-// -D QUADS=3: 8 accumulators each.
-#ifndef QUADS
+// -D BLOCKS=2. QUADS: 8 accumulators each.
 #define QUADS 3
-#endif
 
 static void store_masked(real16 value, __global const real* in, __global real* grad_in) {
   vstore16(select((real16)(0), value, vload16(0, in) > (real16)(0)), 0, grad_in);
@@ -30,8 +28,6 @@ static void data_tile(__global const real* restrict grad_out, __global const rea
   for (int block = 0; block < OUT_CHANNELS / 16; ++block)
     for (int lane = 0; lane < 16; ++lane) {
       const int channel_at = block * OUT_BLOCK + lane;
-// One tap for all quads: the parity class that it feeds, its place in the kernel, and the row and
-// column of the output pixel that it reads.
 #define ADD(class, q)                                 \
   {                                                   \
     const real16 g = (real16)(out##q[at]);            \
@@ -42,6 +38,8 @@ static void data_tile(__global const real* restrict grad_out, __global const rea
 #define ADD_eo(q) ADD(eo, q)
 #define ADD_oe(q) ADD(oe, q)
 #define ADD_oo(q) ADD(oo, q)
+// One tap for all quads: the parity that it feeds, its place in the weight, and which output pixel it
+// reads, relative to (a, b).
 #define TAP(class, i, j, a, b)                                     \
   {                                                                \
     const int at = channel_at + a * OUT_PITCH + b * OUT_STEP;      \

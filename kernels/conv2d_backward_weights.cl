@@ -16,6 +16,7 @@
 #define GROUP 4
 #endif
 #define PAIRS (OUT_CHANNELS / 32)
+#define CHANNEL_SIZE (9 * 32)
 
 static void weights_of_channel(__global const real* in, __global const real* grad_out,
                                __global real* partial, int images, bool start) {

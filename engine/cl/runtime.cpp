@@ -47,7 +47,7 @@ cl::Kernel Runtime::kernel(const std::vector<std::string>& files, const std::str
   const std::string key = comma_separated(files) + " " + options;
   auto found = programs_.find(key);
   if (found == programs_.end()) found = programs_.emplace(key, build(files, options)).first;
-  return guarded("creating the kernel " + name,
+  return guarded(fmt::format("creating the kernel {}", name),
                  [&] { return cl::Kernel(found->second, name.c_str()); });
 }
 
@@ -73,7 +73,7 @@ void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global,
     queue_.enqueueNDRangeKernel(kernel, cl::NullRange, global, local);
   } catch (const cl::Error& error) {
     const auto name = kernel.getInfo<CL_KERNEL_FUNCTION_NAME>();
-    throw opencl_error(error, "the kernel " + name, device_.info.name);
+    throw opencl_error(error, fmt::format("the kernel {}", name), device_.info.name);
   }
 }
 

@@ -5,60 +5,92 @@
 namespace touchtrace {
 namespace {
 
-// Tiles as the kernels define them, and how much work an item should do at least, since a
-// work-group of one item costs a CPU runtime about as much as 200 vector operations.
-constexpr int pixels_a_tile = 12, quads_a_tile = 3, images_a_group = 4;
+// How much work an item should do at least, since a work-group of one item costs a CPU runtime
+// about as much as 200 vector operations; and how many items there should be at least.
 constexpr int wanted_vector_operations = 20000;
 constexpr int wanted_items = 32;
+// What stays in a first-level cache.
+constexpr int cache_bytes = 40 * 1024;
 
 int ceil_div(int a, int b) { return (a + b - 1) / b; }
 
-cl::Kernel conv2d_kernel(Runtime& runtime, const Conv2dShape& shape, const char* name) {
+Defines shape_defines(const Conv2dShape& shape) {
   Defines defines{{"IN_CHANNELS", std::to_string(shape.in_channels)},
                   {"OUT_CHANNELS", std::to_string(shape.out_channels)},
                   {"IN_ROWS", std::to_string(shape.rows)},
-                  {"IN_COLS", std::to_string(shape.cols)},
-                  {"PIXELS", std::to_string(pixels_a_tile)},
-                  {"QUADS", std::to_string(quads_a_tile)},
-                  {"GROUP", std::to_string(images_a_group)}};
+                  {"IN_COLS", std::to_string(shape.cols)}};
   if (shape.in_planes) defines["IN_PLANES"] = "1";
-  return runtime.kernel({"common.clh", "conv2d.clh", "conv2d_forward.cl", "conv2d_backward_data.cl",
-                         "conv2d_backward_weights.cl"},
-                        name, defines);
+  return defines;
 }
 
 int pixels(const Conv2dShape& shape) { return shape.images * shape.out_rows() * shape.out_cols(); }
 
 int in_blocks(const Conv2dShape& shape) { return shape.in_planes ? 1 : shape.in_channels / 16; }
 
-/// As many chunks as give every core work, and no more than there are groups of images.
+/// Images whose block of input channels and pair of output blocks a first-level cache holds.
+int group_images(const Conv2dShape& shape) {
+  const std::size_t in = shape.in_size() / shape.images / in_blocks(shape);
+  const std::size_t out = shape.out_size() / shape.images / (shape.out_channels / 32);
+  return std::max(1, static_cast<int>(cache_bytes / (4 * (in + out))));
+}
+
+cl::Kernel weights_kernel(Runtime& runtime, const Conv2dShape& shape, const char* name) {
+  auto defines = shape_defines(shape);
+  defines["GROUP"] = std::to_string(group_images(shape));
+  return runtime.kernel({"common.clh", "conv2d.clh", "conv2d_backward_weights.cl"}, name, defines);
+}
+
+/// As many chunks as give every core work.
 Conv2dChunks chunks_of(const Conv2dShape& shape) {
   const int wanted = ceil_div(wanted_items, shape.out_channels / 32 * in_blocks(shape));
-  const int images = ceil_div(ceil_div(shape.images, wanted), images_a_group) * images_a_group;
+  const int images = ceil_div(shape.images, std::min(wanted, shape.images));
   return {ceil_div(shape.images, images), images};
 }
 
-/// A launch over `tiles` tiles for each of `pairs` pairs of blocks; the last argument of the kernel
-/// is how many tiles an item does.
-template <class... Arguments>
-Launch tiled_launch(Runtime& runtime, const Conv2dShape& shape, const char* name, int tiles,
-                    int pairs, int operations_a_tile, const Arguments&... arguments) {
-  const bool cpu = runtime.device().type == "cpu";
-  const int run = cpu ? ceil_div(wanted_vector_operations, operations_a_tile) : 1;
-  return Launch(conv2d_kernel(runtime, shape, name), range(ceil_div(tiles, run), pairs),
-                arguments..., run);
+/// One of the two passes that multiply tiles of 24 accumulators: the forward pass, with output
+/// channels as lanes, or the gradient towards the input, the other way round.
+struct TiledPass {
+  const char* file;
+  int lanes, channels, lane_stride, channel_stride;
+  int blocks;       ///< of 16 lanes in a tile
+  int tile_pixels;  ///< output pixels in a tile
+
+  int groups() const { return lanes / 16 / blocks; }
+};
+
+TiledPass forward_pass(const Conv2dShape& s) {
+  const int blocks = s.out_channels % 64 == 0 ? 4 : 2;
+  return {"conv2d_forward.cl", s.out_channels, s.in_channels, s.in_channels * 9, 9, blocks,
+          24 / blocks};
 }
 
-/// Packs the weights with output (input) channels as lanes; argument 0, the parameters, is set when
-/// queued.
-Launch pack_launch(Runtime& runtime, const Conv2dShape& shape, int weight_at,
-                   bool lanes_are_outputs, const Buffer<float>& packed) {
-  const int out_stride = shape.in_channels * 9, in_stride = 9;
-  const int lanes = lanes_are_outputs ? shape.out_channels : shape.in_channels;
-  const int channels = lanes_are_outputs ? shape.in_channels : shape.out_channels;
-  return Launch(conv2d_kernel(runtime, shape, "conv2d_pack"), range(channels, lanes / 32), packed,
-                weight_at, lanes_are_outputs ? out_stride : in_stride,
-                lanes_are_outputs ? in_stride : out_stride, packed);
+TiledPass data_pass(const Conv2dShape& s) {
+  return {"conv2d_backward_data.cl", s.in_channels, s.out_channels, 9, s.in_channels * 9, 2, 3};
+}
+
+cl::Kernel tiled_kernel(Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass,
+                        const std::string& name) {
+  auto defines = shape_defines(shape);
+  defines["BLOCKS"] = std::to_string(pass.blocks);
+  return runtime.kernel({"common.clh", "conv2d.clh", "conv2d_pack.cl", pass.file}, name, defines);
+}
+
+/// Tiles that a work-item does one after the other.
+int tiles_an_item(const Runtime& runtime, const TiledPass& pass) {
+  const int operations = pass.channels * 9 * pass.tile_pixels * pass.blocks;
+  return runtime.device().type == "cpu" ? ceil_div(wanted_vector_operations, operations) : 1;
+}
+
+int items(const Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass) {
+  return ceil_div(ceil_div(pixels(shape), pass.tile_pixels), tiles_an_item(runtime, pass));
+}
+
+/// Argument 0, the parameters, is set when queued.
+Launch pack_launch(Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass, int weight_at,
+                   const Buffer<float>& packed) {
+  return Launch(tiled_kernel(runtime, shape, pass, "conv2d_pack"),
+                range(pass.channels, pass.groups()), packed, weight_at, pass.lane_stride,
+                pass.channel_stride, packed);
 }
 
 std::size_t weight_size(const Conv2dShape& shape) {
@@ -82,11 +114,11 @@ double Conv2dShape::flops() const {
 Conv2dForward::Conv2dForward(Runtime& runtime, const Conv2dShape& shape, Conv2dPlaces places,
                              const Buffer<float>& in, const Buffer<float>& out)
     : packed_(runtime.allocate<float>(weight_size(shape))),
-      pack_(pack_launch(runtime, shape, places.weight_at, true, packed_)),
-      convolve_(tiled_launch(runtime, shape, "conv2d_forward",
-                             ceil_div(pixels(shape), pixels_a_tile), shape.out_channels / 32,
-                             shape.in_channels * 9 * pixels_a_tile * 2, in, packed_, packed_,
-                             places.bias_at, out, shape.images)) {}
+      pack_(pack_launch(runtime, shape, forward_pass(shape), places.weight_at, packed_)),
+      convolve_(tiled_kernel(runtime, shape, forward_pass(shape), "conv2d_forward"),
+                range(items(runtime, shape, forward_pass(shape)), forward_pass(shape).groups()), in,
+                packed_, packed_, places.bias_at, out, shape.images,
+                tiles_an_item(runtime, forward_pass(shape))) {}
 
 void Conv2dForward::enqueue(Runtime& runtime, const Buffer<float>& parameters) {
   pack_.set(0, parameters);
@@ -99,11 +131,10 @@ Conv2dBackwardData::Conv2dBackwardData(Runtime& runtime, const Conv2dShape& shap
                                        Conv2dPlaces places, const Buffer<float>& in,
                                        const Buffer<float>& grad_out, const Buffer<float>& grad_in)
     : packed_(runtime.allocate<float>(weight_size(shape))),
-      pack_(pack_launch(runtime, shape, places.weight_at, false, packed_)),
-      gather_(tiled_launch(runtime, shape, "conv2d_backward_data",
-                           ceil_div(pixels(shape), quads_a_tile), shape.in_channels / 32,
-                           shape.out_channels * 9 * quads_a_tile * 2, grad_out, packed_, in,
-                           grad_in, shape.images)) {}
+      pack_(pack_launch(runtime, shape, data_pass(shape), places.weight_at, packed_)),
+      gather_(tiled_kernel(runtime, shape, data_pass(shape), "conv2d_backward_data"),
+              range(items(runtime, shape, data_pass(shape)), data_pass(shape).groups()), grad_out,
+              packed_, in, grad_in, shape.images, tiles_an_item(runtime, data_pass(shape))) {}
 
 void Conv2dBackwardData::enqueue(Runtime& runtime, const Buffer<float>& parameters) {
   pack_.set(0, parameters);
@@ -118,10 +149,10 @@ Conv2dBackwardWeights::Conv2dBackwardWeights(Runtime& runtime, const Conv2dShape
       partial_(runtime.allocate<float>(chunks_.count * weight_size(shape))),
       partial_bias_(
           runtime.allocate<float>(static_cast<std::size_t>(chunks_.count) * shape.out_channels)),
-      sum_(conv2d_kernel(runtime, shape, "conv2d_backward_weights"),
+      sum_(weights_kernel(runtime, shape, "conv2d_backward_weights"),
            range(shape.out_channels / 32, in_blocks(shape), chunks_.count), in, grad_out, partial_,
            partial_bias_, shape.images, chunks_.images),
-      reduce_(conv2d_kernel(runtime, shape, "conv2d_reduce"),
+      reduce_(weights_kernel(runtime, shape, "conv2d_reduce"),
               range(shape.in_channels, shape.out_channels / 32), partial_, partial_bias_,
               chunks_.count, partial_, places.weight_at, places.bias_at) {}
 

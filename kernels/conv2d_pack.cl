@@ -1,0 +1,20 @@
+// Weights of conv2d.clh in the order in which the kernels that multiply tiles read them:
+//
+//   packed[group of BLOCKS blocks][channel summed over][tap][TAP_SIZE lanes]
+//
+// Lanes are output channels for the forward pass, input channels for the gradient towards the input.
+//
+// -D BLOCKS: blocks of 16 lanes in a tile, without default.
+#define TAP_SIZE (16 * BLOCKS)
+#define CHANNEL_SIZE (9 * TAP_SIZE)
+
+// A work-item packs a (channel, group). The weight of lane l and channel c
+// stands at parameters[at + l * lane_stride + c * channel_stride].
+__kernel void conv2d_pack(__global const real* restrict parameters, int at, int lane_stride,
+                          int channel_stride, __global real* restrict packed) {
+  const int channel = get_global_id(0), group = get_global_id(1);
+  __global const real* from = parameters + at + channel * channel_stride + group * TAP_SIZE * lane_stride;
+  __global real* to = packed + (group * (int)get_global_size(0) + channel) * CHANNEL_SIZE;
+  for (int lane = 0; lane < TAP_SIZE; ++lane)
+    for (int tap = 0; tap < 9; ++tap) to[tap * TAP_SIZE + lane] = from[lane * lane_stride + tap];
+}

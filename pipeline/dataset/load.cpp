@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
@@ -83,6 +84,7 @@ class Addition {
   int number_;
   RecordingReader reader_;
   Labels labels_;
+  std::optional<AreaAverage> average_;
 };
 
 void Addition::check_labels() const {
@@ -118,6 +120,7 @@ void Addition::check_kind(int resolution) {
         fmt::format("{} is of another activity, rate or glove than the recordings before it",
                     source_.recording.string()),
         "train and evaluate on recordings of one kind at a time");
+  average_.emplace(info.rows, info.cols, dataset_.rows, dataset_.cols);
 }
 
 void Addition::add_image(std::int64_t glove_frame) {
@@ -136,7 +139,7 @@ void Addition::add_image(std::int64_t glove_frame) {
       info,
       std::span(glove().counts).subspan(static_cast<std::size_t>(glove_frame) * taxels, taxels),
       pressure);
-  AreaAverage(info.rows, info.cols, dataset_.rows, dataset_.cols).apply(pressure, image);
+  average_->apply(pressure, image);
 }
 
 void Addition::add_clip(int clip, std::size_t first, std::size_t last) {

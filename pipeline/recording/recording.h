@@ -86,7 +86,7 @@ struct Recording {
   std::string activity;  ///< "wave", "throw", ...
   double epoch_unix_s = 0.0;
   std::vector<Clip> clips;
-  std::vector<GloveStream> gloves;  ///< one or two
+  std::vector<GloveStream> gloves;  ///< two at most; none where only the camera was recorded
   CameraInfo camera;
   CameraTimes camera_times;
   BoardInfo board;

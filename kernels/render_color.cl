@@ -1,9 +1,10 @@
 // A colour image of solids: Lambert shading, surface patterns, motion blur, sensor noise.
 //
 // One work-item renders a tile of LANES x TILE_ROWS pixels. A pixel is the mean over
-// samples_per_axis^2 rays spread evenly over its area and, in the same order, over the sub-frames of
-// the exposure; one ray where the tile holds a single solid. The camera encodes light by its square
-// root, which turns shot noise into noise of the same size at every brightness (Anscombe 1948).
+// samples_per_axis^2 rays spread evenly over its area and, in the same order, over the sub-frames
+// of the exposure; one ray where the tile holds a single solid. The camera encodes light by its
+// square root, which turns shot noise into noise of the same size at every brightness (Anscombe
+// 1948).
 //
 // rays_x, rays_y [height, width]: x', y' of each pixel's centre; pitch: their step between pixels.
 // tiles [height / TILE_ROWS, width / LANES]: x' low, high, y' low, high of a tile's rays.
@@ -21,12 +22,12 @@
 enum { PLAIN, CLOTH, CHESSBOARD };
 
 // A smooth wave of period 1 between 0 and 1.
-inline lanes wave(lanes x) {
+ALWAYS_INLINE lanes wave(lanes x) {
   const lanes u = x - floor(x);
   return 4.0f * u * (1.0f - u);
 }
 
-inline lanes cloth(__global const float* s, lanes3 p) {
+ALWAYS_INLINE lanes cloth(__global const float* s, lanes3 p) {
   const float f = s[PATTERN + 2];
   const lanes coarse =
       wave(f * p.x + 0.31f * f * p.z) + wave(f * p.y) + wave(f * p.z - 0.27f * f * p.x);
@@ -35,7 +36,7 @@ inline lanes cloth(__global const float* s, lanes3 p) {
 
 // A board in the shape's x-y plane: squares of alternating colour around the origin, white around
 // them.
-inline lanes chessboard(__global const float* s, lanes3 p) {
+ALWAYS_INLINE lanes chessboard(__global const float* s, lanes3 p) {
   const float square = s[PATTERN + 1], columns = s[PATTERN + 2], rows = s[PATTERN + 3];
   const lanes u = p.x / square + 0.5f * columns, v = p.y / square + 0.5f * rows;
   const lanes parity = floor(u) + floor(v);
@@ -44,7 +45,7 @@ inline lanes chessboard(__global const float* s, lanes3 p) {
   return (dark && inside) ? (lanes)0.06f : (lanes)1.0f;
 }
 
-inline lanes pattern_at(__global const float* s, lanes3 p) {
+ALWAYS_INLINE lanes pattern_at(__global const float* s, lanes3 p) {
   switch ((int)s[PATTERN]) {
     case CLOTH:
       return cloth(s, p);
@@ -55,7 +56,7 @@ inline lanes pattern_at(__global const float* s, lanes3 p) {
   }
 }
 
-inline lanes3 box_normal(__global const float* s, lanes3 p) {
+ALWAYS_INLINE lanes3 box_normal(__global const float* s, lanes3 p) {
   const lanes x = fabs(p.x) / s[SIZE], y = fabs(p.y) / s[SIZE + 1], z = fabs(p.z) / s[SIZE + 2];
   const lane_mask is_x = x >= y && x >= z, is_y = y > x && y >= z;
   lanes3 n;
@@ -65,7 +66,7 @@ inline lanes3 box_normal(__global const float* s, lanes3 p) {
   return n;
 }
 
-inline lanes3 round_normal(__global const float* s, lanes3 p) {
+ALWAYS_INLINE lanes3 round_normal(__global const float* s, lanes3 p) {
   const int kind = (int)s[KIND];
   const float half_length = kind == SPHERE ? 0.0f : s[SIZE + 1], scale = 1.0f / s[SIZE];
   const lane_mask cap = (kind == CYLINDER) && fabs(p.z) > half_length - 1e-5f;
@@ -79,14 +80,14 @@ inline lanes3 round_normal(__global const float* s, lanes3 p) {
 }
 
 // Light reflected: ambient and one lamp, whose direction in the camera's frame is `lamp`.
-inline lanes brightness(__global const float* s, lanes3 p, float3 lamp) {
+ALWAYS_INLINE lanes brightness(__global const float* s, lanes3 p, float3 lamp) {
   const lanes3 n = (int)s[KIND] == BOX ? box_normal(s, p) : round_normal(s, p);
   const float3 l = {dot(vload3(0, s), lamp), dot(vload3(1, s), lamp), dot(vload3(2, s), lamp)};
-  return (0.45f + 0.55f * fmax(n.x * l.x + n.y * l.y + n.z * l.z, 0.0f)) * pattern_at(s, p);
+  return (0.45f + 0.55f * max(n.x * l.x + n.y * l.y + n.z * l.z, 0.0f)) * pattern_at(s, p);
 }
 
-inline lanes3 trace(__global const float* solids, const int* visible, int count, lanes x, lanes y,
-                    float3 lamp) {
+ALWAYS_INLINE lanes3 trace(__global const float* solids, const int* visible, int count, lanes x,
+                           lanes y, float3 lamp) {
   lanes nearest = FAR;
   lanes3 color = {0.0f, 0.0f, 0.0f};
   for (int i = 0; i < count; ++i) {
@@ -96,7 +97,7 @@ inline lanes3 trace(__global const float* solids, const int* visible, int count,
     const lane_mask nearer = t < nearest;
     if (!any(nearer)) continue;
     const lanes light = brightness(s, point_on_ray(s, d, t), lamp);
-    nearest = fmin(t, nearest);
+    nearest = min(t, nearest);
     color.x = nearer ? light * s[COLOR] : color.x;
     color.y = nearer ? light * s[COLOR + 1] : color.y;
     color.z = nearer ? light * s[COLOR + 2] : color.z;
@@ -104,12 +105,13 @@ inline lanes3 trace(__global const float* solids, const int* visible, int count,
   return color;
 }
 
-inline uchar16 encode(lanes light, float scale, lanes noise) {
-  return convert_uchar16(clamp(rint(255.0f * sqrt(fmax(light * scale, 0.0f)) + noise), 0.0f, 255.0f));
+ALWAYS_INLINE uchar16 encode(lanes light, float scale, lanes noise) {
+  return convert_uchar16(
+      clamp(rint(255.0f * sqrt(max(light * scale, 0.0f)) + noise), 0.0f, 255.0f));
 }
 
 // Sixteen pixels, colours side by side.
-inline void store_pixels(__global uchar* color, uchar16 r, uchar16 g, uchar16 b) {
+ALWAYS_INLINE void store_pixels(__global uchar* color, uchar16 r, uchar16 g, uchar16 b) {
   vstore16((uchar16)(r.s0, g.s0, b.s0, r.s1, g.s1, b.s1, r.s2, g.s2, b.s2, r.s3, g.s3, b.s3, r.s4,
                      g.s4, b.s4, r.s5),
            0, color);
@@ -133,7 +135,7 @@ __kernel void render_color(__global const float* rays_x, __global const float* r
   const int axis = seen > 1 ? samples_per_axis : 1, samples = axis * axis;
   for (int row = first_row; row < min(first_row + TILE_ROWS, height); ++row) {
     const int pixel = row * width + column;
-    const lanes x = vload16(0, rays_x + pixel), y = vload16(0, rays_y + pixel);
+    const lanes x = load_lanes(rays_x + pixel), y = load_lanes(rays_y + pixel);
     lanes3 sum = {0.0f, 0.0f, 0.0f};
     for (int i = 0; i < samples; ++i) {
       const float u = (i % axis + 0.5f) / axis - 0.5f, v = (i / axis + 0.5f) / axis - 0.5f;

@@ -21,10 +21,12 @@
 #define HALO 128
 #endif
 
-inline int padded(int row, int column, int width) {
+ALWAYS_INLINE int padded(int row, int column, int width) {
   return (row + HALO) * (width + 2 * HALO) + column + HALO;
 }
-inline int padded_size(int width, int height) { return (width + 2 * HALO) * (height + 2 * HALO); }
+ALWAYS_INLINE int padded_size(int width, int height) {
+  return (width + 2 * HALO) * (height + 2 * HALO);
+}
 
 // Launched over the image and one tile more on each side.
 __kernel void depth_noise(uint2 key, int width, int height, __global float* fields) {
@@ -41,11 +43,11 @@ __kernel void depth_noise(uint2 key, int width, int height, __global float* fiel
   }
 }
 
-inline lanes row_sum(__global const float* field) {
-  return vload16(0, field - 1) + vload16(0, field) + vload16(0, field + 1);
+ALWAYS_INLINE lanes row_sum(__global const float* field) {
+  return load_lanes(field - 1) + load_lanes(field) + load_lanes(field + 1);
 }
 
-inline lanes correlated(__global const float* field, int stride) {
+ALWAYS_INLINE lanes correlated(__global const float* field, int stride) {
   return (row_sum(field - stride) + row_sum(field) + row_sum(field + stride)) * (1.0f / 3.0f);
 }
 
@@ -65,37 +67,55 @@ __kernel void render_depth(__global const float* rays_x, __global const float* r
   for (int row = first_row; row < min(first_row + TILE_ROWS, height); ++row) {
     const int pixel = padded(row, column, width);
     const lanes x =
-        vload16(0, rays_x + row * width + column) + shift.x * correlated(fields + pixel, stride);
-    const lanes y = vload16(0, rays_y + row * width + column) +
+        load_lanes(rays_x + row * width + column) + shift.x * correlated(fields + pixel, stride);
+    const lanes y = load_lanes(rays_y + row * width + column) +
                     shift.y * correlated(fields + size + pixel, stride);
     lanes nearest = FAR;
     for (int i = 0; i < seen; ++i) {
       __global const float* s = solids + visible[i] * SOLID_FLOATS;
-      nearest = fmin(nearest, hit_solid(s, direction_in_shape(s, x, y)));
+      nearest = min(nearest, hit_solid(s, direction_in_shape(s, x, y)));
     }
     vstore16(focal_baseline / nearest, 0, disparity + pixel);
   }
 }
 
+ALWAYS_INLINE float largest(lanes v) {
+  const float8 a = max(v.lo, v.hi);
+  const float4 b = max(a.lo, a.hi);
+  return max(max(b.x, b.y), max(b.z, b.w));
+}
+
+// No step of a pixel or more from one row above to one below, nor in the widest shadow to the
+// right: most of an image, which then needs no search for holes.
+ALWAYS_INLINE bool is_smooth(__global const float* disparity, int stride, int widest_shadow) {
+  lanes low = FAR, high = 0.0f;
+  for (int row = -stride; row <= stride; row += stride)
+    for (int k = -1; k < widest_shadow + LANES - 1; k += LANES) {
+      const lanes d = load_lanes(disparity + row + k);
+      low = min(low, d), high = max(high, d);
+    }
+  return largest(high) + largest(-low) < 1.0f;
+}
+
 // Seen by the first imager only: a point to the right lands on the same pixel of the second one.
-inline lane_mask occluded(__global const float* disparity, lanes own, int widest_shadow) {
+ALWAYS_INLINE lane_mask occluded(__global const float* disparity, lanes own, int widest_shadow) {
   lane_mask hidden = 0;
-  for (int k = 1; k <= widest_shadow; ++k) hidden |= vload16(0, disparity + k) - own > (float)k;
+  for (int k = 1; k <= widest_shadow; ++k) hidden |= load_lanes(disparity + k) - own > (float)k;
   return hidden;
 }
 
-inline lane_mask at_edge(__global const float* disparity, int stride, lanes own) {
+ALWAYS_INLINE lane_mask at_edge(__global const float* disparity, int stride, lanes own) {
   lane_mask edge = 0;
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx)
-      edge |= fabs(vload16(0, disparity + dy * stride + dx) - own) > 1.0f;
+      edge |= fabs(load_lanes(disparity + dy * stride + dx) - own) > 1.0f;
   return edge;
 }
 
-// sensor: sigma and step of disparity in pixels of the sensor, nearest and farthest depth in metres.
-// sensor_px: pixels of the sensor to one of the image.
-// error: offset and 1 / (scale unit) of counts = (z - offset) / (scale unit).
-// widest_shadow: of occlusions in pixels of the image, less than HALO; 0: no holes at all.
+// sensor: sigma and step of disparity in pixels of the sensor, nearest and farthest depth in
+// metres. sensor_px: pixels of the sensor to one of the image. error: offset and 1 / (scale unit)
+// of counts = (z - offset) / (scale unit). widest_shadow: of occlusions in pixels of the image,
+// less than HALO; 0: no holes at all.
 __kernel void measure_depth(__global const float* disparity, __global const float* fields,
                             float4 sensor, float focal_baseline, float sensor_px, float2 error,
                             int widest_shadow, int width, int height, __global ushort* counts) {
@@ -103,12 +123,12 @@ __kernel void measure_depth(__global const float* disparity, __global const floa
   const int stride = width + 2 * HALO, size = padded_size(width, height);
   for (int row = first_row; row < min(first_row + TILE_ROWS, height); ++row) {
     const int pixel = padded(row, column, width);
-    const lanes own = vload16(0, disparity + pixel);
+    const lanes own = load_lanes(disparity + pixel);
     lanes measured = own * sensor_px + sensor.x * correlated(fields + 2 * size + pixel, stride);
     if (sensor.y > 0.0f) measured = rint(measured / sensor.y) * sensor.y;
     const lanes metres = focal_baseline * sensor_px / measured;
     lane_mask valid = metres > sensor.z && metres < sensor.w;
-    if (widest_shadow > 0) {
+    if (widest_shadow > 0 && !is_smooth(disparity + pixel, stride, widest_shadow)) {
       const lane_mask ragged = correlated(fields + 3 * size + pixel, stride) > 0.0f;
       valid &= !occluded(disparity + pixel, own, widest_shadow);
       valid &= !(ragged && at_edge(disparity + pixel, stride, own));

@@ -41,15 +41,6 @@ std::string fault_of(const ChosenDevice& device) {
   return {};
 }
 
-DeviceInfo pocl_device(const std::string& refused) {
-  const auto devices = list_devices();
-  const auto pocl = std::ranges::find(devices, true, &DeviceInfo::is_pocl);
-  if (pocl == devices.end())
-    throw device_error(
-        refused, "install PoCL, which runs on any processor: apt-get install pocl-opencl-icd");
-  return *pocl;
-}
-
 }  // namespace
 
 bool OperationResult::holds() const {
@@ -63,15 +54,22 @@ std::vector<OperationResult> self_test(Runtime& runtime) {
   return results;
 }
 
+ChosenDevice pocl_instead_of(const ChosenDevice& refused, const std::string& fault) {
+  const auto reason = fmt::format("{} is refused: {}", refused.info.name, fault);
+  const auto devices = list_devices();
+  const auto pocl = std::ranges::find(devices, true, &DeviceInfo::is_pocl);
+  if (pocl == devices.end())
+    throw device_error(
+        reason, "install PoCL, which runs on any processor: apt-get install pocl-opencl-icd");
+  fmt::print(stderr, "warning: {}; {} computes instead\n", reason, pocl->name);
+  return {*pocl, reason};
+}
+
 ChosenDevice usable_device(const std::string& wish) {
   const auto chosen = choose_device(wish);
   if (chosen.info.is_pocl) return chosen;
   const auto fault = fault_of(chosen);
-  if (fault.empty()) return chosen;
-  const auto refused = fmt::format("{} is refused: {}", chosen.info.name, fault);
-  const auto pocl = pocl_device(refused);
-  fmt::print(stderr, "warning: {}; {} computes instead\n", refused, pocl.name);
-  return {pocl, refused};
+  return fault.empty() ? chosen : pocl_instead_of(chosen, fault);
 }
 
 }  // namespace touchtrace

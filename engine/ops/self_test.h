@@ -22,6 +22,10 @@ struct OperationResult {
 /// throws for what the device does wrong: that is in the results.
 std::vector<OperationResult> self_test(Runtime& runtime);
 
+/// PoCL in the place of a device that `fault` speaks against, with a warning on stderr. Throws
+/// device_error if there is no PoCL.
+ChosenDevice pocl_instead_of(const ChosenDevice& refused, const std::string& fault);
+
 /// choose_device(wish), tested first unless it is PoCL. A device that fails the test is refused
 /// with a warning on stderr, and PoCL is used instead. Throws device_error if there is no PoCL
 /// either.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/base/files.h"
+#include "engine/ops/self_test.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/evaluation.h"
 #include "pipeline/study/sessions.h"
@@ -39,7 +40,7 @@ void print_table(const json& document) {
 ExitCode run(const study::EvaluationOptions& options, const Invocation& invocation) {
   const Stopwatch watch;
   if (!options.output.empty()) OutputFile(options.output, invocation.overwrite);
-  Runtime runtime(choose_device(invocation.device));
+  Runtime runtime(usable_device(invocation.device));
   Provenance provenance = start_provenance("touchtrace/metrics/1", "evaluate");
   provenance.options = invocation.options;
   provenance.seed = options.seed;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "engine/base/text.h"
+#include "engine/ops/self_test.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/scene/simulate.h"
 
@@ -51,7 +52,7 @@ ExitCode run(const SimulateOptions& options, const Invocation& invocation) {
   provenance.seed = options.scene.seed;
   std::optional<Runtime> runtime;
   if (!options.no_images) {
-    runtime.emplace(choose_device(invocation.device));
+    runtime.emplace(usable_device(invocation.device));
     provenance.device = runtime->device().name;
   }
   const auto summary =

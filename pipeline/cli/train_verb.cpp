@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "engine/ops/self_test.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/sessions.h"
 #include "pipeline/study/training.h"
@@ -10,7 +11,7 @@ namespace touchtrace::cli {
 namespace {
 
 ExitCode run(const study::TrainingOptions& options, const Invocation& invocation) {
-  Runtime runtime(choose_device(invocation.device));
+  Runtime runtime(usable_device(invocation.device));
   Provenance provenance = start_provenance("touchtrace/model/1", "train");
   provenance.options = invocation.options;
   const auto files = study::paired(options.recordings, options.labels);

@@ -1,0 +1,114 @@
+#include "engine/cl/device.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "engine/base/error.h"
+#include "engine/ops/operation_check.h"
+#include "engine/ops/self_test.h"
+
+namespace touchtrace {
+namespace {
+
+/// The error that `call` throws; fails the test if it throws none.
+template <class Call>
+Error error_of(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return failure("", "");
+}
+
+bool mentions(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(Device, IsChosenByNumberTypeOrPartOfItsName) {
+  const auto devices = list_devices();
+  ASSERT_FALSE(devices.empty());
+  const auto& last = devices.back();
+  EXPECT_EQ(choose_device(std::to_string(last.number)).info.name, last.name);
+  EXPECT_EQ(choose_device(last.type).info.type, last.type);
+  EXPECT_EQ(choose_device(last.name.substr(1, 6)).info.name, last.name);
+}
+
+TEST(Device, ThatDoesNotExistIsAnErrorWithAList) {
+  const auto error = error_of([] { choose_device("abacus"); });
+  EXPECT_EQ(error.code(), ExitCode::no_device);
+  EXPECT_TRUE(mentions(error.remedy(), list_devices().front().name)) << error.remedy();
+}
+
+TEST(Device, ThatIsRefusedIsReplacedByPoclWithAReason) {
+  auto refused = choose_device("");
+  refused.info.name = "liar 3000";
+  const auto chosen = pocl_instead_of(refused, "conv2d computes wrong values");
+  EXPECT_TRUE(chosen.info.is_pocl);
+  EXPECT_EQ(chosen.reason, "liar 3000 is refused: conv2d computes wrong values");
+}
+
+TEST(SelfTest, TakesNoWrongValueNoNanAndNoFault) {
+  OperationResult result;
+  EXPECT_TRUE(result.holds());
+  result.output_error = 1.01 * output_error_bound;
+  EXPECT_FALSE(result.holds());
+  result.output_error = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(result.holds());
+  result.output_error = 0.0, result.fault = "it burns";
+  EXPECT_FALSE(result.holds());
+}
+
+/// An operation y = x whose kernel errs by `error` in one value.
+OperationCase identity_off_by(double error) {
+  OperationCase c;
+  c.shape = "identity";
+  c.input_sizes = {5};
+  c.terms = 1;
+  c.reference = [](const Arrays& in) { return in; };
+  c.forward = [error](Runtime&, Arrays in) {
+    in[0][3] += error;
+    return in;
+  };
+  return c;
+}
+
+TEST(OperationCheck, FindsOneWrongValue) {
+  Runtime runtime(choose_device(""));
+  const auto inputs = draw_inputs(identity_off_by(0), 1);
+  EXPECT_EQ(output_error(runtime, identity_off_by(0), inputs), 0.0);
+  EXPECT_GT(output_error(runtime, identity_off_by(1e-5), inputs), output_error_bound);
+  EXPECT_TRUE(std::isinf(output_error(runtime, identity_off_by(NAN), inputs)));
+}
+
+TEST(Runtime, SaysHowMuchMemoryWasWantedAndWhatLowersIt) {
+  Runtime runtime(choose_device(""));
+  const auto error = error_of([&] { runtime.allocate<float>(std::size_t{1} << 46); });
+  EXPECT_EQ(error.code(), ExitCode::no_device);
+  EXPECT_TRUE(mentions(error.what(), "268435456 MiB")) << error.what();
+  EXPECT_TRUE(mentions(error.remedy(), "fewer sequences")) << error.remedy();
+}
+
+TEST(Runtime, ShowsDeviceOptionsAndLogOfAKernelThatDoesNotBuild) {
+  Runtime runtime(choose_device(""));
+  const auto error = error_of([&] {
+    runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak", {{"REAL", "nonsense"}});
+  });
+  for (const auto* part : {"fma_peak.cl", "-D REAL=nonsense", "unknown type name", "nonsense16"})
+    EXPECT_TRUE(mentions(error.what(), part)) << error.what();
+  EXPECT_TRUE(mentions(error.what(), runtime.device().name)) << error.what();
+}
+
+TEST(Runtime, SaysWhichKernelADeviceRefuses) {
+  Runtime runtime(choose_device(""));
+  auto kernel = runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak");
+  const auto error = error_of([&] { runtime.launch(kernel, cl::NDRange(16), cl::NDRange(1)); });
+  EXPECT_TRUE(mentions(error.what(), "fma_peak")) << error.what();
+  EXPECT_TRUE(mentions(error.what(), "CL_INVALID_KERNEL_ARGS")) << error.what();
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -1,7 +1,8 @@
 #include <gtest/gtest.h>
 
-#include <bit>
-#include <cstring>
+#include <algorithm>
+#include <atomic>
+#include <span>
 #include <thread>
 
 #include "engine/base/error.h"
@@ -18,7 +19,7 @@ using testing::TemporaryFolder;
 /// Equal bit by bit, so that NaN equals itself.
 template <class T>
 ::testing::AssertionResult same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  if (a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0)
+  if (std::ranges::equal(std::as_bytes(std::span(a)), std::as_bytes(std::span(b))))
     return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure() << a.size() << " and " << b.size() << " values differ";
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 
 #include "engine/ops/conv2d_reference.h"
@@ -36,6 +37,7 @@ struct Flat {
 struct EncoderTrace {
   std::array<Conv2dShape, 3> shapes;
   std::array<Values, 4> layers;  ///< the windows, then the layers' outputs
+  std::array<Values, 3> sums;    ///< before the ReLUs
   Values dense, embedding;
 
   DenseShape dense_shape() const {
@@ -56,8 +58,9 @@ EncoderTrace encode(const ModelSpec& spec, const Flat& p, const ModelProblem& pr
   for (int i = 0; i < 3; ++i) {
     shape.out_channels = channels[i];
     trace.shapes[i] = shape;
-    trace.layers[i + 1] = conv2d_reference(shape, trace.layers[i], p[conv(i + 1) + ".weight"],
-                                           p[conv(i + 1) + ".bias"]);
+    trace.sums[i] = conv2d_sum_reference(shape, trace.layers[i], p[conv(i + 1) + ".weight"],
+                                         p[conv(i + 1) + ".bias"]);
+    for (double sum : trace.sums[i]) trace.layers[i + 1].push_back(std::max(sum, 0.0));
     shape = {windows, channels[i], shape.out_rows(), shape.out_cols(), 0, false};
   }
   trace.dense.resize(std::size_t(windows) * spec.embedding);
@@ -110,6 +113,20 @@ double state_loss(const ModelProblem& problem, int state, const RolloutTrace& tr
   return loss;
 }
 
+double kink_distance(const ModelProblem& problem, const EncoderTrace& encoded,
+                     const RolloutTrace& trace) {
+  double distance = std::abs(trace.sum1.front());
+  for (const auto* sums :
+       {&encoded.sums[0], &encoded.sums[1], &encoded.sums[2], &trace.sum1, &trace.sum2})
+    for (double sum : *sums) distance = std::min(distance, std::abs(sum));
+  for (std::size_t i = 0; i < problem.target.size(); ++i) {
+    const double error = problem.target[i] - trace.states[problem.initial.size() + i];
+    for (double quantile : {-trace.spread[i], 0.0, trace.spread[i]})
+      distance = std::min(distance, std::abs(error - quantile));
+  }
+  return distance;
+}
+
 /// Layer 1's weight is [state | embedding]; the roll-out knows the first part, a dense layer the
 /// other.
 struct FirstLayer {
@@ -154,17 +171,18 @@ LossAndGradient model_reference(const ModelSpec& spec, const ParameterTable& tab
   Values grad_state, grad_spread;
   const double loss = state_loss(problem, spec.state, trace, grad_state, grad_spread);
   const auto grad = rollout_backward_reference(shape, trace, weights, grad_state, grad_spread);
+  const double distance = kink_distance(problem, encoded, trace);
   set_rollout_gradients(grad, p);
   if (!spec.touch) {
     p.set("dynamics.0.weight", grad.weights.w1), p.set("dynamics.0.bias", grad.first);
-    return {loss, p.gradient};
+    return {loss, p.gradient, distance};
   }
   const auto hoisted = dense_backward_reference(layer.hoisted(rows), encoded.embedding,
                                                 layer.embedding_part(w1), grad.first);
   p.set("dynamics.0.weight", layer.joined(grad.weights.w1, hoisted.weight));
   p.set("dynamics.0.bias", hoisted.bias);
   encode_backward(encoded, hoisted.in, p);
-  return {loss, p.gradient};
+  return {loss, p.gradient, distance};
 }
 
 }  // namespace touchtrace

@@ -60,7 +60,7 @@ ModelComparison compare_model(Runtime& runtime, const ModelSpec& spec, int seque
 
   ModelComparison result{model.table(), {}, {}, as_double(parameters), {}};
   result.device = {runtime.download(model.loss())[0],
-                   as_double(runtime.download(model.weights().gradient))};
+                   as_double(runtime.download(model.weights().gradient)), 0.0};
   result.problem = {.sequences = sequences,
                     .steps = steps,
                     .stream = as_double(stream),

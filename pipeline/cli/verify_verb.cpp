@@ -13,6 +13,7 @@
 #include "pipeline/report/figures_page.h"
 #include "pipeline/scene/verify_scene.h"
 #include "pipeline/study/verify_labels.h"
+#include "pipeline/study/verify_study.h"
 
 namespace touchtrace::cli {
 namespace {
@@ -29,6 +30,7 @@ const std::map<std::string, Verification>& areas() {
       {"labels", study::verify_labels()},
       {"recording", verify_recording()},
       {"scene", scene::verify_scene()},
+      {"study", study::verify_study()},
   };
   return table;
 }

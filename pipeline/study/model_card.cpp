@@ -49,6 +49,7 @@ void to_json(nlohmann::json& json, const ModelCard& card) {
           {"activity", card.activity},
           {"objects", card.objects},
           {"rate_hz", card.rate_hz},
+          {"update", card.update},
           {"band_scale", card.band_scale},
           {"log", card.log},
           {"provenance", card.provenance}};
@@ -61,6 +62,7 @@ void from_json(const nlohmann::json& json, ModelCard& card) {
   card.activity = json.at("activity");
   card.objects = json.at("objects").get<std::vector<std::string>>();
   card.rate_hz = json.at("rate_hz");
+  card.update = json.at("update");
   card.band_scale = json.at("band_scale").get<BandScale>();
   card.log = json.at("log").get<std::vector<TrainingLogEntry>>();
   card.provenance = json.at("provenance");

@@ -26,6 +26,7 @@ struct ModelCard {
   std::string activity;
   std::vector<std::string> objects;  ///< seen in training
   double rate_hz = 15.0;             ///< of the tactile frames
+  int update = 0;                    ///< after which the weights did best on validation clips
   BandScale band_scale;              ///< fitted on validation clips; empty without any
   std::vector<TrainingLogEntry> log;
   Provenance provenance;

@@ -10,6 +10,7 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
+#include "engine/train/safetensors.h"
 #include "pipeline/study/plan.h"
 #include "pipeline/study/sampler.h"
 #include "pipeline/study/training_files.h"
@@ -44,6 +45,11 @@ class ScratchWeights {
  private:
   std::filesystem::path path_;
 };
+
+/// The first of the entries with the smallest error over 50 steps.
+const TrainingLogEntry& best_of(const std::vector<TrainingLogEntry>& log) {
+  return *std::ranges::min_element(log, {}, &TrainingLogEntry::validation_l1_at_50);
+}
 
 /// What must be the same for a run to go on from a checkpoint.
 nlohmann::json identity(const Provenance& provenance) {
@@ -114,7 +120,7 @@ class TrainingRun {
     Progress progress("training", static_cast<std::uint64_t>(updates() - trainer_.updates()));
     while (trainer_.updates() < updates()) {
       const double loss = update();
-      look_if_due();
+      if (look_is_due()) look();
       if (seconds_since(saved_) > checkpoint_period_s) save_checkpoint();
       progress.advance(1, fmt::format("loss {:.3f}", loss));
     }
@@ -129,15 +135,21 @@ class TrainingRun {
     return loss;
   }
 
-  void look_if_due() {
+  bool look_is_due() const {
     const int period = std::max(1, updates() / looks_in_a_run);
-    if (validation_.empty() ||
-        (trainer_.updates() % period != 0 && trainer_.updates() != updates()))
-      return;
+    return !validation_.empty() &&
+           (trainer_.updates() % period == 0 || trainer_.updates() == updates());
+  }
+
+  /// Looks at the validation clips, and keeps the weights if they are the best so far.
+  void look() {
     TrainingLogEntry entry{trainer_.updates(), position_.seconds,
                            position_.loss_sum / position_.loss_count};
-    validation_.look(scratch_.save(trainer_, card_), entry);
+    const auto& weights = scratch_.save(trainer_, card_);
+    validation_.look(weights, entry);
     position_.log.push_back(entry);
+    if (best_of(position_.log).update == entry.update)
+      std::filesystem::rename(weights, checkpoint_.best());
     position_.loss_sum = 0.0;
     position_.loss_count = 0;
   }
@@ -148,10 +160,15 @@ class TrainingRun {
   }
 
   ModelCard finish(bool overwrite) {
+    const auto weights =
+        position_.log.empty() ? scratch_.save(trainer_, card_) : checkpoint_.best();
     card_.log = position_.log;
-    card_.band_scale = validation_.band_scale(scratch_.save(trainer_, card_));
+    card_.update = position_.log.empty() ? updates() : best_of(position_.log).update;
+    card_.band_scale = validation_.band_scale(weights);
     watch_.stop(card_.provenance);
-    trainer_.save(options_.output, card_, overwrite);
+    TensorFile file = read_safetensors(weights);
+    file.metadata["metadata"] = nlohmann::json(card_).dump();
+    write_safetensors(options_.output, file, overwrite);
     checkpoint_.remove();
     return card_;
   }

@@ -24,7 +24,8 @@ struct TrainingOptions {
 
 void describe(OptionSet& set, TrainingOptions& options);
 
-/// Trains on the training clips of `data`, looking at its validation clips now and then, and writes
+/// Trains on the training clips of `data`, looking at its validation clips 20 times, and writes the
+/// weights that did best on them (L1@50; the last ones without validation clips) to
 /// `options.output`. A checkpoint lies beside it meanwhile; with `options.resume` training goes on
 /// from there, to the same bits as without the break. Ctrl-C saves a checkpoint and throws.
 /// `provenance` is finished and put into the model's card. Throws data_error if no training clip is

@@ -21,7 +21,9 @@ nlohmann::json to_json(const TrainingPosition& position, const nlohmann::json& i
 }  // namespace
 
 Checkpoint::Checkpoint(const std::filesystem::path& output)
-    : weights_(output.string() + ".checkpoint"), position_(output.string() + ".checkpoint.json") {}
+    : weights_(output.string() + ".checkpoint"),
+      position_(output.string() + ".checkpoint.json"),
+      best_(output.string() + ".checkpoint.best") {}
 
 bool Checkpoint::exists() const { return std::filesystem::exists(weights_); }
 
@@ -54,8 +56,7 @@ TrainingPosition Checkpoint::load(Trainer& trainer, const nlohmann::json& identi
 
 void Checkpoint::remove() const noexcept {
   std::error_code ignored;
-  std::filesystem::remove(weights_, ignored);
-  std::filesystem::remove(position_, ignored);
+  for (const auto& path : {weights_, position_, best_}) std::filesystem::remove(path, ignored);
 }
 
 }  // namespace touchtrace::study

@@ -17,7 +17,7 @@ struct TrainingPosition {
 };
 
 /// The checkpoint of an unfinished run: weights and optimiser in one file, the position in another,
-/// both beside the output and each whole at any moment.
+/// the best weights so far in a third, all beside the output and each whole at any moment.
 class Checkpoint {
  public:
   explicit Checkpoint(const std::filesystem::path& output);
@@ -28,10 +28,12 @@ class Checkpoint {
             const nlohmann::json& identity) const;
   /// Throws data_error if there is none or it is of a run with another identity.
   TrainingPosition load(Trainer& trainer, const nlohmann::json& identity) const;
+  /// Where the weights lie that did best on the validation clips.
+  const std::filesystem::path& best() const { return best_; }
   void remove() const noexcept;
 
  private:
-  std::filesystem::path weights_, position_;
+  std::filesystem::path weights_, position_, best_;
 };
 
 }  // namespace touchtrace::study

@@ -73,6 +73,11 @@ TEST_F(Learning, FullIsBetterThanWithoutTouchIsBetterThanRandom) {
   train(data, full);
   const ModelCard card = train(data, without);
   EXPECT_EQ(card.name(), "without_touch");
+  for (const auto& entry : card.log)
+    if (entry.update == card.update) {
+      for (const auto& other : card.log)
+        EXPECT_LE(entry.validation_l1_at_50, other.validation_l1_at_50) << other.update;
+    }
   EXPECT_EQ(card.objects, std::vector<std::string>{"ball"});
 
   std::vector<Session> sessions{{"synthetic", data, {}, {}}};

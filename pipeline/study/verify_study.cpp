@@ -57,7 +57,7 @@ double coverage(const Contest& contest, bool scaled) {
 void measure(const std::function<void(Figure)>& emit) {
   const ScratchFolder folder;
   Runtime runtime(choose_device(""));
-  const Session session{"synthetic", synthetic_dataset(), {}, {}};
+  const Session session{"synthetic", synthetic_dataset({40}), {}, {}};
   LoadedModel full = train(runtime, session.data, folder.path() / "full", true);
   LoadedModel without = train(runtime, session.data, folder.path() / "without_touch", false);
   const Contest contest = hold_contest({&session}, {&full, &without}, Reference::truth, 5, 1);

@@ -67,7 +67,7 @@ class Learning : public ::testing::Test {
 std::unique_ptr<Runtime> Learning::runtime_;
 
 TEST_F(Learning, FullIsBetterThanWithoutTouchIsBetterThanRandom) {
-  const Dataset data = synthetic_dataset();
+  const Dataset data = synthetic_dataset({40});
   auto full = options("full", 400), without = options("without", 400);
   without.without_touch = true;
   train(data, full);

@@ -40,15 +40,24 @@ function provenanceSection(artefacts) {
       element("pre", {}, JSON.stringify(provenance, null, 2)))));
 }
 
+// One part that cannot be drawn must not take the others with it.
+function draw(part, ...data) {
+  try {
+    part(...data);
+  } catch (error) {
+    document.getElementById("main").append(element("p", {}, `A part of this report could not be drawn: ${error.message}`));
+  }
+}
+
 function build() {
-  const data = JSON.parse(document.getElementById("data").textContent);
-  document.getElementById("subtitle").textContent = `${data.title} · touchtrace ${data.version} · ${data.created}` + (data.metrics && data.metrics.device ? ` · ${data.metrics.device}` : "");
-  if (data.metrics) { resultSection(data.metrics); exampleSection(data.metrics); horizonSection(data.metrics); }
-  runTimeSection(data);
-  if (data.metrics) labelErrorSection(data.metrics);
-  smoothingSection(data.smoothing);
-  calibrationSection(data.calibrations);
-  provenanceSection(data.artefacts);
+  const data = JSON.parse(document.getElementById("data").textContent), metrics = data.metrics;
+  document.getElementById("subtitle").textContent = [data.title, `touchtrace ${data.version}`, data.created, metrics && metrics.device].filter(Boolean).join(" · ");
+  if (metrics) for (const part of [resultSection, exampleSection, horizonSection]) draw(part, metrics);
+  draw(runTimeSection, data);
+  if (metrics) draw(labelErrorSection, metrics);
+  draw(smoothingSection, data.smoothing);
+  draw(calibrationSection, data.calibrations);
+  draw(provenanceSection, data.artefacts);
 }
 
 build();

@@ -58,8 +58,13 @@ function drawPath(context, path, { project, scale }) {
   context.setLineDash([]);
   if (path.radii) {
     context.fillStyle = stroke;
-    context.globalAlpha = 0.05;
-    points.forEach(([u, v], i) => { context.beginPath(); context.arc(u, v, Math.max(1, path.radii[i] * scale), 0, 7); context.fill(); });
+    context.globalAlpha = 0.13;
+    context.beginPath();  // one path: where circles overlap, the band is no darker
+    points.forEach(([u, v], i) => {
+      context.moveTo(u + path.radii[i] * scale, v);
+      context.arc(u, v, path.radii[i] * scale, 0, 2 * Math.PI);
+    });
+    context.fill();
     context.globalAlpha = 1;
   }
   context.strokeStyle = context.fillStyle = stroke;

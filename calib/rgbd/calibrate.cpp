@@ -29,6 +29,23 @@ void require_views(const BoardObservations& o, std::ptrdiff_t views, const char*
         "check --columns and --rows");
 }
 
+/// Seen from behind or in a mirror the corners turn the other way, and no pose explains them.
+bool is_mirrored(const BoardView& view, const Chessboard& board) {
+  const auto& corners = view.corners_px;
+  const Eigen::Vector2d along_row =
+      corners[static_cast<std::size_t>(board.columns - 1)] - corners.front();
+  const Eigen::Vector2d along_column =
+      corners[static_cast<std::size_t>(board.corners() - board.columns)] - corners.front();
+  return along_row.x() * along_column.y() - along_row.y() * along_column.x() < 0.0;
+}
+
+void refuse_mirrored_views(const BoardObservations& o) {
+  for (const auto& view : o.views)
+    if (is_mirrored(view, o.board))
+      throw data_error(fmt::format("{} shows the board from behind or in a mirror", view.name),
+                       "leave this view out, or turn mirroring off in the camera's driver");
+}
+
 Error no_convergence() {
   return data_error(
       "the calibration did not converge",
@@ -102,6 +119,7 @@ RgbdCalibration calibration_of(const BoardProblem& problem, const RgbdParameters
 RgbdCalibration calibrate(const BoardObservations& observations,
                           const CalibrateSettings& settings) {
   require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "found");
+  refuse_mirrored_views(observations);
   BoardProblem problem{observations, {}, {}, color_prior(observations)};
   const auto radial = settings.radial_coefficients < 0 ? std::vector{0, 2, 3}
                                                        : std::vector{settings.radial_coefficients};

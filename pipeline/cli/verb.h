@@ -34,7 +34,7 @@ Verb make_verb(std::string name, std::string summary, std::vector<std::string> e
                ExitCode (*run)(const Options&, const Invocation&)) {
   auto options = std::make_shared<Options>();
   return {std::move(name), std::move(summary), std::move(examples),
-          [options](OptionSet& set) { describe(set, *options); },
+          [options](OptionSet& set) { describe(set, *options = Options{}); },
           [options, run](const Invocation& invocation) { return run(*options, invocation); }};
 }
 

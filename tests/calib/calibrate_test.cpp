@@ -143,6 +143,18 @@ TEST(Calibrate, RefusesTooFewViews) {
   }
 }
 
+TEST(Calibrate, NamesAViewFromBehind) {
+  BoardObservations observed = simulated_boards(6, false).clean;
+  for (auto& corner : observed.views[3].corners_px) corner.x() = observed.width - 1 - corner.x();
+  try {
+    calibrate(observed);
+    FAIL() << "accepted a mirrored view";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::data);
+    EXPECT_NE(std::string(error.what()).find("view 3"), std::string::npos);
+  }
+}
+
 TEST(Calibrate, DoesNotDependOnTheUnitOfLength) {
   SimulatedBoards boards = simulated_boards(12, false);
   RandomStream random(9, "noise");

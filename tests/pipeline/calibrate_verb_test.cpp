@@ -62,6 +62,8 @@ TEST(CalibrateVerb, SaysWhatIsWrongWithTheImages) {
   for (const char* name : {"boardless/1.pgm", "boardless/2.pgm", "boardless/3.pgm"})
     write_grey(folder / name, 64, 48);
   EXPECT_EQ(calibrate_folder("boardless"), 3);
+  write_grey(folder / "tiny/1.pgm", 1, 1);
+  EXPECT_EQ(calibrate_folder("tiny"), 3);
   write_grey(folder / "mixed/1.pgm", 64, 48);
   write_grey(folder / "mixed/2.pgm", 64, 32);
   EXPECT_EQ(calibrate_folder("mixed"), 3);
@@ -70,6 +72,20 @@ TEST(CalibrateVerb, SaysWhatIsWrongWithTheImages) {
   write_file(folder / "nothing/1.jpg", "", false);
   EXPECT_EQ(calibrate_folder("nothing"), 3);
   EXPECT_FALSE(fs::exists(folder / "out/calibration.json"));
+}
+
+TEST(CalibrateVerb, SaysWhatIsWrongWithTheRecording) {
+  const TemporaryFolder folder;
+  const auto calibrate_recording = [&](const std::string& name) {
+    return run({(folder / name).string(), "-o", (folder / "out").string()});
+  };
+  EXPECT_EQ(calibrate_recording("missing.h5"), 3);
+  auto sample = testing::sample_recording();
+  testing::write(sample, folder / "no_board_seen.h5");
+  EXPECT_EQ(calibrate_recording("no_board_seen.h5"), 3);
+  sample.board.clear();
+  testing::write(sample, folder / "no_views.h5");
+  EXPECT_EQ(calibrate_recording("no_views.h5"), 3);
 }
 
 TEST(CalibrateVerb, WantsEitherARecordingOrImages) {

@@ -17,7 +17,8 @@ struct MonteCarlo {
   double solve_seconds = 0.0;      ///< processor time of one calibration, mean
 };
 
-/// Run i draws from the stream `i`; the result does not depend on the number of threads.
+/// Run i draws noise, tangential distortion and the factory's error from the stream `i`; the result
+/// does not depend on the number of threads.
 MonteCarlo monte_carlo(const SimulatedBoards& boards, int runs);
 
 }  // namespace touchtrace

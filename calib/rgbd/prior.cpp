@@ -8,7 +8,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double centre_sigma = 0.1;  // of the width
-constexpr double tangential_sigma = 2e-3;
 constexpr double guessed_sigma =
     0.1;  // relative, of the colour camera's intrinsics for the depth camera
 constexpr double pose_sigma_rad = 0.1, pose_sigma_m = 0.1;

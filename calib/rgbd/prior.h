@@ -5,6 +5,7 @@
 namespace touchtrace {
 
 inline constexpr double factory_relative_sigma = 0.005;
+inline constexpr double tangential_sigma = 2e-3;
 
 /// The colour camera's principal point is near the image's centre and its lens nearly centred;
 /// nothing else is known of it.

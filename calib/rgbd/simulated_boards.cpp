@@ -1,8 +1,7 @@
 #include "calib/rgbd/simulated_boards.h"
 
-#include <ceres/rotation.h>
-
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "calib/rgbd/depth_fit.h"
@@ -92,6 +91,14 @@ SimulatedBoards simulated_boards(int views, bool with_depth) {
     if (with_depth) boards.clean.views.back().depth_m = clean_depth(boards.truth, view);
   }
   boards.clean.depth_intrinsics = boards.truth.depth;
+  return boards;
+}
+
+SimulatedBoards with_distortion(SimulatedBoards boards, const std::array<double, 5>& distortion) {
+  std::ranges::copy(distortion, boards.truth.color.begin() + 4);
+  for (std::size_t view = 0; view < boards.clean.views.size(); ++view)
+    boards.clean.views[view].corners_px =
+        projected(boards.clean.board, boards.truth.color, boards.truth.camera_from_board[view]);
   return boards;
 }
 

@@ -18,6 +18,9 @@ struct SimulatedBoards {
 /// A 320x240 camera with f = 305 px and `views` poses of a 9x6 board of 25 mm from 0.35 to 0.9 m.
 SimulatedBoards simulated_boards(int views, bool with_depth);
 
+/// The same views through a lens with k1 k2 p1 p2 k3.
+SimulatedBoards with_distortion(SimulatedBoards boards, const std::array<double, 5>& distortion);
+
 /// One noisy realisation; also the factory's depth intrinsics get their error of 0.5 %.
 BoardObservations observe(const SimulatedBoards& boards, RandomStream& random);
 

@@ -144,7 +144,7 @@ bool solve(const BoardProblem& problem, RgbdParameters& parameters) {
   const auto ceres_problem = make_problem(problem, trial);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.max_num_iterations = 100;
+  options.max_num_iterations = 500;  // Huber's kinks make narrow valleys long
   options.function_tolerance = 1e-10;
   options.parameter_tolerance = 1e-10;
   options.logging_type = ceres::SILENT;

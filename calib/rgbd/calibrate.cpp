@@ -18,7 +18,7 @@ namespace {
 
 constexpr double first_extent = 0.5, final_extent = 1.0;  ///< of the board that depth is taken from
 constexpr int joint_rounds = 4;
-constexpr std::size_t fewest_samples = 100;
+constexpr std::size_t fewest_depth_samples = 100;
 
 void require_views(const BoardObservations& o, std::ptrdiff_t views, const char* what) {
   if (views < fewest_views)
@@ -58,7 +58,7 @@ bool place_depth_camera(BoardProblem& problem, RgbdParameters& p) {
   problem.depth_only = true;
   for (double extent : {first_extent, final_extent}) {
     problem.samples = depth_samples(problem.observations, problem.used, p, extent);
-    if (problem.samples.size() < fewest_samples || !solve(problem, p))
+    if (problem.samples.size() < fewest_depth_samples || !solve(problem, p))
       return problem.samples.clear(), false;
   }
   problem.samples = depth_samples(problem.observations, problem.used, p, final_extent);

@@ -11,7 +11,7 @@ namespace touchtrace {
 namespace {
 
 constexpr int tiles_per_side = 4;
-constexpr Eigen::Index fewest_samples = 3 * tiles_per_side * tiles_per_side;
+constexpr Eigen::Index fewest_tiled_samples = 3 * tiles_per_side * tiles_per_side;
 
 struct ViewResiduals {
   std::vector<Eigen::Vector2d> pixels;
@@ -71,7 +71,7 @@ DesignEffect design_effect(const std::vector<DepthSample>& samples,
   ChiSquare planes, tiles;
   for (const auto& [index, view] : views) {
     const auto count = static_cast<Eigen::Index>(view.values.size());
-    if (count < fewest_samples) continue;
+    if (count < fewest_tiled_samples) continue;
     const Eigen::VectorXd plane = plane_part(view);
     planes += {plane.squaredNorm(), 3.0};
     tiles += tile_sums(view, Eigen::Map<const Eigen::VectorXd>(view.values.data(), count) - plane);

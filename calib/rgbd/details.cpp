@@ -32,7 +32,7 @@ void add_depth_residuals(const CalibrationResult& r, std::size_t view, json& ent
   entry["depth_bias_m"] = sum / count;
 }
 
-json views(const CalibrationResult& r) {
+json view_details(const CalibrationResult& r) {
   json list = json::array();
   const auto& observations = r.problem.observations;
   for (std::size_t view = 0; view < observations.views.size(); ++view) {
@@ -116,7 +116,7 @@ json calibration_details(const CalibrationResult& r) {
           {"corner_sigma_px", r.problem.corner_sigma_px},
           {"sigmas", sigmas(r.calibration)},
           {"not_told", not_told(r)},
-          {"views", views(r)},
+          {"views", view_details(r)},
           {"outlier_views", outlier_views(r)},
           {"views_without_board", r.problem.observations.views_without_board},
           {"depth", depth(r)}};

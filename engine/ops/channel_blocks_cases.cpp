@@ -11,13 +11,13 @@
 namespace touchtrace {
 namespace {
 
-Arrays reference(const Arrays& inputs) {
+Arrays rectified(const Arrays& inputs) {
   auto out = inputs[0];
   for (auto& value : out) value = std::max(value, 0.0);
   return {out};
 }
 
-Arrays reference_backward(const Arrays& inputs, const Arrays& grads) {
+Arrays rectified_backward(const Arrays& inputs, const Arrays& grads) {
   auto grad = grads[0];
   for (std::size_t i = 0; i < grad.size(); ++i)
     if (!(inputs[0][i] > 0)) grad[i] = 0;
@@ -27,7 +27,7 @@ Arrays reference_backward(const Arrays& inputs, const Arrays& grads) {
 /// The plain image after its ReLU, moved from blocks on the device.
 Buffer<float> unblocked(Runtime& runtime, const ChannelBlocksShape& s, const Arrays& inputs) {
   const auto plain = runtime.allocate<float>(s.plain_size());
-  const auto blocked = upload(runtime, with_halo(reference(inputs)[0], s.rows, s.cols, 16));
+  const auto blocked = upload(runtime, with_halo(rectified(inputs)[0], s.rows, s.cols, 16));
   unblock(runtime, s, blocked, plain).enqueue(runtime);
   return plain;
 }
@@ -45,11 +45,11 @@ OperationCase channel_blocks_case(const ChannelBlocksShape& s) {
   c.shape = fmt::format("{} images {}x{}x{}", s.images, s.channels, s.rows, s.cols);
   c.input_sizes = {s.plain_size()};
   c.terms = 1;
-  c.reference = reference;
+  c.reference = rectified;
   c.forward = [s](Runtime& runtime, const Arrays& in) {
     return Arrays{download(runtime, unblocked(runtime, s, in))};
   };
-  c.reference_backward = reference_backward;
+  c.reference_backward = rectified_backward;
   c.backward = [s](Runtime& runtime, const Arrays& in, const Arrays& g) {
     return backward(runtime, s, in, g);
   };

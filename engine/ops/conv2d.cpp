@@ -19,7 +19,7 @@ Defines shape_defines(const Conv2dShape& shape) {
                   {"OUT_CHANNELS", std::to_string(shape.out_channels)},
                   {"IN_ROWS", std::to_string(shape.rows)},
                   {"IN_COLS", std::to_string(shape.cols)}};
-  if (shape.in_planes) defines["IN_PLANES"] = "1";
+  if (shape.in_planes) defines.emplace("IN_PLANES", "1");
   return defines;
 }
 

@@ -10,9 +10,9 @@
 namespace touchtrace {
 namespace {
 
-constexpr int lanes = 16;
+constexpr int vector_lanes = 16;
 
-int padded(int columns) { return (columns + lanes - 1) / lanes * lanes; }
+int padded(int columns) { return (columns + vector_lanes - 1) / vector_lanes * vector_lanes; }
 
 /// A matrix on the device, its rows padded to whole vectors.
 MatrixView upload_padded(Runtime& runtime, const std::vector<double>& values, int rows,

@@ -14,8 +14,6 @@
 namespace touchtrace {
 namespace {
 
-constexpr int lanes = 16;
-
 struct Shape {
   int sequences, steps, state;
 
@@ -25,9 +23,9 @@ struct Shape {
 /// Rows of 16 with `lead` rows of NaN before them, which must not matter; so must not the padding.
 Buffer<float> upload_rows(Runtime& runtime, const std::vector<double>& values, int state,
                           int lead) {
-  std::vector<double> rows((values.size() / state + lead) * lanes, std::nan(""));
+  std::vector<double> rows((values.size() / state + lead) * state_lanes, std::nan(""));
   for (std::size_t i = 0; i < values.size(); ++i)
-    rows[(i / state + lead) * lanes + i % state] = values[i];
+    rows[(i / state + lead) * state_lanes + i % state] = values[i];
   return upload(runtime, rows);
 }
 
@@ -35,7 +33,7 @@ std::vector<double> download_rows(Runtime& runtime, const Buffer<float>& buffer,
   std::vector<double> values;
   const auto rows = download(runtime, buffer);
   for (std::size_t i = 0; i < rows.size(); ++i)
-    if (i % lanes < std::size_t(state)) values.push_back(rows[i]);
+    if (i % state_lanes < std::size_t(state)) values.push_back(rows[i]);
   return values;
 }
 
@@ -49,8 +47,8 @@ StateLossArrays computed(Runtime& runtime, const Shape& s, const Arrays& in) {
                     .weight = upload(runtime, in[3]),
                     .row_loss = runtime.allocate<float>(s.rows()),
                     .total = runtime.allocate<float>(1),
-                    .grad_state = runtime.allocate<float>(s.rows() * lanes),
-                    .grad_spread = runtime.allocate<float>(s.rows() * lanes)};
+                    .grad_state = runtime.allocate<float>(s.rows() * state_lanes),
+                    .grad_spread = runtime.allocate<float>(s.rows() * state_lanes)};
   enqueue(runtime, state_loss(runtime, a));
   return a;
 }
@@ -66,7 +64,7 @@ Arrays backward(Runtime& runtime, const Shape& s, const Arrays& in, const Arrays
   return {state, spread, {}, {}};
 }
 
-Arrays reference(const Shape& s, const Arrays& in) {
+Arrays loss_of(const Shape& s, const Arrays& in) {
   std::vector<double> rows(s.rows(), 0.0);
   for (std::size_t i = 0; i < in[0].size(); ++i)
     rows[i / s.state] +=
@@ -85,7 +83,7 @@ Arrays reference_backward(const Shape& s, const Arrays& in, const Arrays& grads)
   return result;
 }
 
-double kink_distance(const Arrays& in) {
+double loss_kink_distance(const Arrays& in) {
   double distance = 1.0;
   for (std::size_t i = 0; i < in[0].size(); ++i) {
     const double d = in[2][i] - in[0][i];
@@ -100,7 +98,7 @@ OperationCase state_loss_case(const Shape& s) {
   const auto values = s.rows() * s.state;
   c.input_sizes = {values, values, values, s.rows()};
   c.terms = s.state;
-  c.reference = [s](const Arrays& in) { return reference(s, in); };
+  c.reference = [s](const Arrays& in) { return loss_of(s, in); };
   c.forward = [s](Runtime& runtime, const Arrays& in) {
     return Arrays{download(runtime, computed(runtime, s, in).row_loss)};
   };
@@ -110,7 +108,7 @@ OperationCase state_loss_case(const Shape& s) {
   c.backward = [s](Runtime& runtime, const Arrays& in, const Arrays& g) {
     return backward(runtime, s, in, g);
   };
-  c.kink_distance = kink_distance;
+  c.kink_distance = loss_kink_distance;
   c.prepare = [](Arrays& in) {
     for (std::size_t input : {1, 3})
       for (double& value : in[input]) value = std::abs(value);

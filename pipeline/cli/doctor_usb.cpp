@@ -42,7 +42,7 @@ Finding check_open(libusb_device* device, const std::string& name) {
           "sudo usermod -aG dialout,plugdev $USER, then log in again"};
 }
 
-std::vector<Finding> check_devices(libusb_context* context) {
+std::vector<Finding> check_gloves(libusb_context* context) {
   std::vector<Finding> findings;
   libusb_device** list = nullptr;
   const auto count = libusb_get_device_list(context, &list);
@@ -76,7 +76,7 @@ std::vector<Finding> check_usb() {
                         "needed only for a glove on USB; check that /dev/bus/usb exists"});
   else {
     const std::unique_ptr<libusb_context, decltype(&libusb_exit)> owner(context, &libusb_exit);
-    findings = check_devices(context);
+    findings = check_gloves(context);
   }
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator("/dev", ignored)) {

@@ -18,6 +18,20 @@ struct ElementType {
 
 template <class T>
 ElementType element_type();
+template <>
+ElementType element_type<double>();
+template <>
+ElementType element_type<float>();
+template <>
+ElementType element_type<std::uint8_t>();
+template <>
+ElementType element_type<std::uint16_t>();
+template <>
+ElementType element_type<std::int32_t>();
+template <>
+ElementType element_type<std::int64_t>();
+template <>
+ElementType element_type<std::uint64_t>();
 /// Text of at most `bytes` bytes, padded with zeros, UTF-8.
 ElementType text_type(std::size_t bytes);
 

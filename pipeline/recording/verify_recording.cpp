@@ -2,7 +2,6 @@
 
 #include <signal.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/random.h"
+#include "engine/base/scratch_folder.h"
 #include "pipeline/recording/recording_file.h"
 
 namespace touchtrace {
@@ -21,24 +21,6 @@ using Emit = std::function<void(Figure)>;
 
 constexpr int timed_frames = 200;
 constexpr int flips = 200, kills = 20;
-
-class ScratchFolder {
- public:
-  ScratchFolder()
-      : path_(fs::temp_directory_path() / ("touchtrace-verify-" + std::to_string(getpid()))) {
-    fs::create_directories(path_);
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
 
 CameraInfo camera_of(int width, int height) {
   CameraInfo camera;
@@ -87,7 +69,7 @@ void measure_speed(const ScratchFolder& folder, const Emit& emit) {
   const CameraInfo camera = camera_of(320, 240);
   std::vector<RgbdFrame> images;
   for (std::uint64_t seed = 0; seed < 8; ++seed) images.push_back(noisy_image(camera, seed));
-  const fs::path path = folder / "speed.h5";
+  const fs::path path = folder.path() / "speed.h5";
   const Stopwatch writing;
   write(path, camera, images, timed_frames);
   emit(at_most("recording: write 320x240 colour and depth",
@@ -118,7 +100,7 @@ void measure_bit_flips(const ScratchFolder& folder, const Emit& emit) {
   const CameraInfo camera = camera_of(16, 12);
   const std::vector<RgbdFrame> images{noisy_image(camera, 1)};
   constexpr int frames = 8;
-  const fs::path path = folder / "flips.h5";
+  const fs::path path = folder.path() / "flips.h5";
   write(path, camera, images, frames);
   std::string bytes = read_file(path);
   RandomStream random(1, "bit flips");
@@ -153,7 +135,7 @@ void measure_kills(const ScratchFolder& folder, const Emit& emit) {
   const CameraInfo camera = camera_of(64, 48);
   const std::vector<RgbdFrame> images{noisy_image(camera, 1)};
   constexpr int frames = 10;
-  const fs::path path = folder / "kills.h5";
+  const fs::path path = folder.path() / "kills.h5";
   write(path, camera, images, frames);
   RandomStream random(1, "kills");
   int damaged = 0;

@@ -12,7 +12,7 @@
 namespace touchtrace::scene {
 namespace {
 
-constexpr int cells = glove_rows * glove_cols;
+constexpr int glove_cells = glove_rows * glove_cols;
 constexpr double loading_lag_s = 0.008, unloading_lag_s = 0.030;
 constexpr double creep_share = 0.12, creep_s = 2.0;
 constexpr double gain_deviation = 0.25, dead_share = 0.02, drift_share = 0.03;
@@ -32,7 +32,7 @@ GloveTraits make_traits(int number) {
         static_cast<float>(2 * std::numbers::pi / random.uniform(200.0, 600.0)));
     traits.drift_phase_rad.push_back(static_cast<float>(random.uniform(0.0, 2 * std::numbers::pi)));
   }
-  for (int i = 0; i < cells; ++i)
+  for (int i = 0; i < glove_cells; ++i)
     traits.baseline_counts.push_back(static_cast<float>(std::max(8.0, random.normal(40.0, 6.0))));
   return traits;
 }
@@ -62,8 +62,8 @@ GloveInfo glove_info(int number) {
   info.cols = glove_cols;
   info.scan_s = scan_s;
   info.baseline_counts = glove_traits(number).baseline_counts;
-  info.mask.assign(cells, 0);
-  info.taxel_position_m.assign(3 * cells, std::numeric_limits<float>::quiet_NaN());
+  info.mask.assign(glove_cells, 0);
+  info.taxel_position_m.assign(3 * glove_cells, std::numeric_limits<float>::quiet_NaN());
   for (const Taxel& taxel : hand_model().taxels) {
     info.mask[taxel.cell()] = 1;
     const Eigen::Vector3d p = open_position(taxel);
@@ -81,10 +81,10 @@ Glove::Glove(int number, const GloveClock& clock, std::uint64_t seed)
       pressed_n_(traits_.gain.size(), 0.0),
       crept_n_(traits_.gain.size(), 0.0),
       is_active_(traits_.gain.size(), 0),
-      signal_(cells, 0.0),
+      signal_(glove_cells, 0.0),
       row_sum_(glove_rows, 0.0),
       col_sum_(glove_cols, 0.0),
-      frame_(cells, 0) {
+      frame_(glove_cells, 0) {
   stream_.info = glove_info(number);
   active_.reserve(traits_.gain.size());
 }
@@ -147,7 +147,7 @@ void Glove::read_row(int row, double time_s) {
     const double read =
         stream_.info.mask[cell] ? (own + leaked) / (1 + cross_talk * row_sum_[row]) : 0.0;
     const double counts = traits_.baseline_counts[cell] + full_scale_counts * read +
-                          noise_counts * noise_.normal_at(number_ * cells + cell);
+                          noise_counts * noise_.normal_at(number_ * glove_cells + cell);
     frame_[cell] = static_cast<std::uint16_t>(std::lround(std::clamp(counts, 0.0, largest_count)));
   }
 }

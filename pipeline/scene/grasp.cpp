@@ -16,7 +16,7 @@ constexpr double adaptation_s = 1.5, weight_error = 0.25, weight_lag_s = 0.05;
 constexpr double lever_lag_s = 0.02, shortest_lever_m = 0.01, longest_lever_m = 0.08;
 constexpr double grip_stiffness_nm_per_rad = 1.0, grip_relaxation_s = 0.3,
                  posture_stiffness_nm_per_rad = 3.0;
-constexpr std::array<double, finger_count> share{0.30, 0.30, 0.25, 0.15, 0.80};
+constexpr std::array<double, finger_count> finger_share{0.30, 0.30, 0.25, 0.15, 0.80};
 
 long ticks(double time_s) { return std::lround(time_s / control_interval_s); }
 
@@ -101,7 +101,7 @@ FingerDrive Performance::finger_drive(const Command& command, int finger) {
         control_interval_s / lever_lag_s;
   rest_rad_[finger] +=
       (world_.flexion_rad[finger] - rest_rad_[finger]) * control_interval_s / grip_relaxation_s;
-  return {share[finger] * command.grip_force_n * lever_m_[finger], grip_stiffness_nm_per_rad,
+  return {finger_share[finger] * command.grip_force_n * lever_m_[finger], grip_stiffness_nm_per_rad,
           rest_rad_[finger]};
 }
 

@@ -7,6 +7,14 @@
 #include "pipeline/scene/ray_map.h"
 
 namespace touchtrace::scene {
+
+/// The rays of one camera on the device.
+struct RayBuffers {
+  Buffer<float> x, y, tiles;
+  cl::NDRange grid;
+  cl_float2 pitch;
+};
+
 namespace {
 
 constexpr int noise_fields = 4, halo_px = 128;
@@ -18,13 +26,7 @@ constexpr double largest_normal = 6.0;
 /// Direction to the lamp: above and left of the camera, behind it.
 const Eigen::Vector3d lamp_world = Eigen::Vector3d(-0.45, -0.75, 0.55).normalized();
 
-struct Rays {
-  Buffer<float> x, y, tiles;
-  cl::NDRange grid;
-  cl_float2 pitch;
-};
-
-Rays upload_rays(Runtime& runtime, const PinholeCamera& camera, double margin_px) {
+RayBuffers upload_rays(Runtime& runtime, const PinholeCamera& camera, double margin_px) {
   const RayMap map = make_ray_map(camera, margin_px);
   const auto upload = [&](const std::vector<float>& v) { return runtime.upload(std::span(v)); };
   return {upload(map.x),
@@ -68,7 +70,7 @@ int widest_shadow_px(const RgbdCamera& camera) {
 
 struct Renderer::Device {
   Runtime& runtime;
-  Rays color_rays, depth_rays;
+  RayBuffers color_rays, depth_rays;
   Buffer<float> solids, depth_solids, fields, disparity;
   Buffer<std::uint8_t> color;
   Buffer<std::uint16_t> counts;

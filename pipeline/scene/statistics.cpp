@@ -56,7 +56,7 @@ struct Fold {
   MatrixXd frames, positions;
 };
 
-Vector3d hand_at(const ClipMotion& clip, double time_s) {
+Vector3d hand_position_at(const ClipMotion& clip, double time_s) {
   const double at = std::round((time_s - clip.samples.front().time_s) * sample_rate_hz);
   const double last = static_cast<double>(clip.samples.size() - 1);
   return clip.samples[static_cast<std::size_t>(std::clamp(at, 0.0, last))].hand.position_m;
@@ -74,7 +74,8 @@ void add_clip(const ClipMotion& clip, const GloveClock& clock, Index row, Fold& 
     fold.frames(row, cells) = 1.0;
     const double scan_start_s =
         clock.first_frame_s + static_cast<double>(glove.sequence[frame]) / clock.rate_hz;
-    fold.positions.row(row) = hand_at(clip, scan_start_s + 0.5 * glove.info.scan_s).transpose();
+    fold.positions.row(row) =
+        hand_position_at(clip, scan_start_s + 0.5 * glove.info.scan_s).transpose();
   }
 }
 

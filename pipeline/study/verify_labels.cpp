@@ -1,11 +1,10 @@
 #include "pipeline/study/verify_labels.h"
 
-#include <unistd.h>
-
 #include <filesystem>
 
 #include "calib/rgbd/calibrate.h"
 #include "calib/smooth/smoothing_figures.h"
+#include "engine/base/scratch_folder.h"
 #include "engine/cl/runtime.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/label/label.h"
@@ -17,26 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Emit = std::function<void(Figure)>;
-
-/// A folder of its own, gone with its contents at the end.
-class ScratchFolder {
- public:
-  ScratchFolder()
-      : path_(fs::temp_directory_path() / ("touchtrace-verify-" + std::to_string(getpid()))) {
-    fs::create_directories(path_);
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 void emit_object(const std::string& name, const BodyError& error, const Emit& emit) {
   emit(at_most(name + ": object lost or wrong",

@@ -1,10 +1,10 @@
 #include "pipeline/study/verify_study.h"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <filesystem>
 
+#include "engine/base/scratch_folder.h"
 #include "pipeline/study/evaluation.h"
 #include "pipeline/study/synthetic.h"
 #include "pipeline/study/training.h"
@@ -15,22 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int updates = 400, window_frames = 4;
-
-class ScratchFolder {
- public:
-  ScratchFolder()
-      : path_(fs::temp_directory_path() / fmt::format("touchtrace_verify_{}", getpid())) {
-    fs::create_directories(path_);
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 LoadedModel train(Runtime& runtime, const Dataset& data, const fs::path& output, bool touch) {
   TrainingOptions options;

@@ -81,6 +81,6 @@ TEST_P(WholeChain, EndsInMetricsAndAReport) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Activities, WholeChain, ::testing::Values("wave", "throw"),
-                         [](const auto& info) { return std::string(info.param) + "Scene"; });
+                         [](const auto& instance) { return std::string(instance.param) + "Scene"; });
 
 }  // namespace

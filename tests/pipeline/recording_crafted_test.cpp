@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
               "file['camera/color'].resize(file['camera/color'].shape[0] - 1, axis=0)"},
         Craft{"NotFiniteAttribute", "file.attrs['epoch_unix_s'] = np.float64('nan')"},
         Craft{"ClipNumberType", "file['glove0'].attrs['rows'] = np.int64(1 << 40)"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& instance) { return std::string(instance.param.name); });
 
 TEST(RecordingReading, AnyRowWiseChunksAndFiltersOfOursAreRead) {
   const TemporaryFolder folder;

@@ -21,6 +21,7 @@ using Emit = std::function<void(Figure)>;
 
 constexpr int timed_frames = 200;
 constexpr int flips = 200, kills = 20;
+constexpr int frames_of_an_hour = 72000;
 
 CameraInfo camera_of(int width, int height) {
   CameraInfo camera;
@@ -81,6 +82,16 @@ void measure_speed(const ScratchFolder& folder, const Emit& emit) {
   for (std::size_t i = 0; i < timed_frames; ++i) reader.read_camera_frame(i);
   emit(at_most("recording: read such a frame", 1e3 * reading.cpu_seconds() / timed_frames, "CPU-ms",
                2.0));
+}
+
+/// An hour at 20 Hz must open at once: every verb opens its recordings.
+void measure_opening(const ScratchFolder& folder, const Emit& emit) {
+  const CameraInfo camera = camera_of(16, 12);
+  const fs::path path = folder.path() / "hour.h5";
+  write(path, camera, {noisy_image(camera, 1)}, frames_of_an_hour);
+  const Stopwatch opening;
+  const RecordingReader reader(path);
+  emit(at_most("recording: open an hour", opening.cpu_seconds(), "CPU-s", 2.0));
 }
 
 /// Whether the small recording of `frames` frames still reads as `images` say.
@@ -156,6 +167,7 @@ Verification verify_recording() {
   return [](const Emit& emit) {
     const ScratchFolder folder;
     measure_speed(folder, emit);
+    measure_opening(folder, emit);
     measure_bit_flips(folder, emit);
     measure_kills(folder, emit);
   };

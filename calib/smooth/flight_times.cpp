@@ -65,11 +65,8 @@ class FlightCost {
     for (const auto& event : before_) events.push_back({T(event.time), event.release});
     events.insert(events.end(), own.begin(), own.end());
     for (const auto& event : after_) events.push_back({T(event.time), event.release});
-    const MotionNoise<T> noise{
-        T(noise_.jerk_density),          T(noise_.measurement_scale),
-        noise_.flight_jerk_density,      noise_.flight_acceleration_m_per_s2,
-        noise_.landing_velocity_m_per_s, noise_.landing_acceleration_m_per_s2};
-    return innovation_cost(track_, MotionPrior<T>(noise, std::move(events)), gravity_, initial_);
+    return innovation_cost(track_, MotionPrior<T>(noise_.cast<T>(), std::move(events)), gravity_,
+                           initial_);
   }
 
   MotionUnits units_;

@@ -14,11 +14,16 @@ struct WeightedTrack {
   std::vector<Flight> flights;
 };
 
-/// Jerk density and measurement scale that maximise the likelihood of all innovations, by Ceres. A
-/// weak prior (a factor of 10 around 1) holds the scale where the data do not tell it from motion.
-/// Nothing if there are fewer than 6 points or the search fails.
+/// What is assumed of a motion in touch.
+enum class TouchedMotion { white_jerk, swinging };
+
+/// Jerk density and measurement scale, and of a swinging motion frequency and damping, that
+/// maximise the likelihood of all innovations, by Ceres. Weak priors (a factor of 10 around 1 for
+/// the scale and around a swing of half a radian a frame with a damping of a half) hold what the
+/// data do not tell. Nothing if there are fewer than 6 points or the search fails.
 std::optional<MotionNoise<double>> most_likely_noise(const std::vector<WeightedTrack>& tracks,
-                                                     const SmoothOptions& options);
+                                                     const SmoothOptions& options,
+                                                     TouchedMotion motion);
 
 /// The track's flights with the times that maximise the likelihood (a grid of +-60 ms, then Ceres),
 /// less those that explain the data worse than no flight does, by the Bayesian information

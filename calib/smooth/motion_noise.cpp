@@ -11,14 +11,20 @@ namespace touchtrace {
 namespace {
 
 constexpr std::size_t fewest_points = 6;
-constexpr double log_scale_deviation = 2.3;  // a factor of 10
+constexpr double log_deviation = 2.3;  // a factor of 10
+constexpr double usual_swing = 0.5, usual_damping = 0.5;
 
-/// -log likelihood as a function of log jerk density and log measurement scale.
+/// Jerk density, measurement scale and, of a swinging motion, frequency and damping, as logarithms
+/// of multiples of what is usual.
+constexpr int most_parameters = 4;
+
+/// -log likelihood as a function of these logarithms.
 class NoiseCost {
  public:
   NoiseCost(const std::vector<WeightedTrack>& tracks, const SmoothOptions& options,
-            const MotionUnits& units)
+            const MotionUnits& units, TouchedMotion motion)
       : noise_(units.scaled(options.noise)),
+        motion_(motion),
         gravity_(options.gravity_m_per_s2 / units.acceleration()),
         initial_(scaled(options.initial, units)) {
     for (const auto& track : tracks) {
@@ -29,15 +35,10 @@ class NoiseCost {
 
   template <class T>
   bool operator()(const T* log_noise, T* cost) const {
-    using std::exp;
-    MotionNoise<T> noise{exp(log_noise[0]),
-                         exp(log_noise[1]),
-                         noise_.flight_jerk_density,
-                         noise_.flight_acceleration_m_per_s2,
-                         noise_.landing_velocity_m_per_s,
-                         noise_.landing_acceleration_m_per_s2};
-    const T unlikely = log_noise[1] / log_scale_deviation;
-    *cost = 0.5 * unlikely * unlikely;
+    *cost = T(0);
+    for (int i = 1; i < parameters(); ++i)
+      *cost += 0.5 * log_noise[i] * log_noise[i] / (log_deviation * log_deviation);
+    const auto noise = this->noise(log_noise);
     for (std::size_t i = 0; i < tracks_.size(); ++i) {
       std::vector<ContactEvent<T>> events;
       for (const auto& event : events_[i]) events.push_back({T(event.time), event.release});
@@ -47,8 +48,23 @@ class NoiseCost {
     return true;
   }
 
+  int parameters() const { return motion_ == TouchedMotion::swinging ? most_parameters : 2; }
+
+  template <class T>
+  MotionNoise<T> noise(const T* log_noise) const {
+    using std::exp;
+    auto noise = noise_.template cast<T>();
+    noise.jerk_density = exp(log_noise[0]);
+    noise.measurement_scale = exp(log_noise[1]);
+    if (motion_ == TouchedMotion::white_jerk) return noise;
+    noise.swing_rad_per_s = usual_swing * exp(log_noise[2]);
+    noise.swing_damping = usual_damping * exp(log_noise[3]);
+    return noise;
+  }
+
  private:
   MotionNoise<double> noise_;
+  TouchedMotion motion_;
   Eigen::Vector3d gravity_;
   InitialMotion initial_;
   std::vector<ScaledTrack> tracks_;
@@ -59,7 +75,7 @@ class NoiseCost {
 double best_log_density(const NoiseCost& cost) {
   double best = 0.0, lowest = std::numeric_limits<double>::infinity();
   for (int decade = -12; decade <= 24; ++decade) {
-    const double at[] = {decade * std::log(10.0), 0.0};
+    const double at[most_parameters] = {decade * std::log(10.0)};
     double value;
     cost(at, &value);
     if (value < lowest) lowest = value, best = at[0];
@@ -70,16 +86,18 @@ double best_log_density(const NoiseCost& cost) {
 }  // namespace
 
 std::optional<MotionNoise<double>> most_likely_noise(const std::vector<WeightedTrack>& tracks,
-                                                     const SmoothOptions& options) {
+                                                     const SmoothOptions& options,
+                                                     TouchedMotion motion) {
   std::vector<Track> points;
   std::size_t count = 0;
   for (const auto& track : tracks) points.push_back(track.points), count += track.points.size();
   if (count < fewest_points) return std::nullopt;
 
   const auto units = MotionUnits::of(points);
-  auto* cost = new NoiseCost(tracks, options, units);
-  double log_noise[] = {best_log_density(*cost), 0.0};
-  const ceres::GradientProblem problem(new ceres::AutoDiffFirstOrderFunction<NoiseCost, 2>(cost));
+  auto* cost = new NoiseCost(tracks, options, units, motion);
+  double log_noise[most_parameters] = {best_log_density(*cost)};
+  const ceres::GradientProblem problem(
+      new ceres::AutoDiffFirstOrderFunction<NoiseCost, most_parameters>(cost));
   ceres::GradientProblemSolver::Options solver;
   solver.logging_type = ceres::SILENT;
   solver.line_search_direction_type = ceres::BFGS;
@@ -87,10 +105,7 @@ std::optional<MotionNoise<double>> most_likely_noise(const std::vector<WeightedT
   ceres::Solve(solver, problem, log_noise, &summary);
   if (!summary.IsSolutionUsable()) return std::nullopt;
 
-  auto noise = units.scaled(options.noise);
-  noise.jerk_density = std::exp(log_noise[0]);
-  noise.measurement_scale = std::exp(log_noise[1]);
-  return units.unscaled(noise);
+  return units.unscaled(cost->noise(log_noise));
 }
 
 }  // namespace touchtrace

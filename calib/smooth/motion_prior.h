@@ -40,13 +40,46 @@ Transition<T> white_jerk(const T& h, const T& density) {
 /// How freely a body moves. Units of Track: metres and seconds.
 template <class T>
 struct MotionNoise {
-  T jerk_density{1.0};                ///< while held or touched [m^2/s^5]
-  T measurement_scale{1.0};           ///< the deviations of measurements are multiplied by it
-  double flight_jerk_density = 0.01;  ///< in free flight [m^2/s^5]
+  T jerk_density{1.0};       ///< while held or touched [m^2/s^5]
+  T measurement_scale{1.0};  ///< the deviations of measurements are multiplied by it
+  /// Velocity swings around zero with this frequency and damping ratio: a hand stays in reach. At 0
+  /// it is free, and the prior is white noise on jerk alone.
+  T swing_rad_per_s{0.0}, swing_damping{1.0};
+  double flight_jerk_density = 0.01;            ///< in free flight [m^2/s^5]
   double flight_acceleration_m_per_s2 = 0.1;    ///< deviation from gravity in flight: drag, tilt
   double landing_velocity_m_per_s = 1.5;        ///< deviation of the jump at a landing
   double landing_acceleration_m_per_s2 = 15.0;  ///< likewise
+
+  template <class U>
+  MotionNoise<U> cast() const {
+    return {U(jerk_density),          U(measurement_scale),         U(swing_rad_per_s),
+            U(swing_damping),         flight_jerk_density,          flight_acceleration_m_per_s2,
+            landing_velocity_m_per_s, landing_acceleration_m_per_s2};
+  }
 };
+
+/// jerk = -w^2 v - 2 z w a + white noise for `h` seconds: the series of exp(A h) and of its noise
+/// over a part of h that is short for w, doubled until it is h.
+template <class T>
+Transition<T> swinging(const T& h, const MotionNoise<T>& noise) {
+  constexpr int terms = 12;
+  const T &w = noise.swing_rad_per_s, &z = noise.swing_damping;
+  Matrix3<T> a = Matrix3<T>::Zero(), f = Matrix3<T>::Identity(), q = Matrix3<T>::Zero();
+  a(0, 1) = a(1, 2) = T(1), a(2, 1) = -w * w, a(2, 2) = -2.0 * z * w;
+  int doublings = 0;
+  T part = h;
+  for (; w * (1.0 + 2.0 * z) * part > T(0.5); ++doublings) part /= 2.0;
+  q(2, 2) = noise.jerk_density * part;
+  Transition<T> step;
+  step.Q = q;
+  for (int k = 1; k < terms; ++k) {
+    f = (a * f * (part / double(k))).eval();
+    q = ((a * q + q * a.transpose()) * (part / double(k + 1))).eval();
+    step.F += f, step.Q += q;
+  }
+  for (; doublings > 0; --doublings) step = step.then(step);
+  return step;
+}
 
 /// Contact ends (the acceleration becomes gravity) or begins (velocity and acceleration jump).
 template <class T>
@@ -55,8 +88,8 @@ struct ContactEvent {
   bool release;
 };
 
-/// The prior of a motion with flights: white jerk while touched, gravity between release and
-/// landing.
+/// The prior of a motion with flights: swinging or white jerk while touched, gravity between
+/// release and landing.
 template <class T>
 class MotionPrior {
  public:
@@ -80,11 +113,16 @@ class MotionPrior {
     return total.then(touched_or_not(flying, T(to) - now));
   }
 
+  /// For `h` seconds in touch.
+  Transition<T> touched(const T& h) const {
+    return noise_.swing_rad_per_s > T(0) ? swinging(h, noise_) : white_jerk(h, noise_.jerk_density);
+  }
+
   const MotionNoise<T>& noise() const { return noise_; }
 
  private:
   Transition<T> touched_or_not(bool flying, const T& h) const {
-    return white_jerk(h, flying ? T(noise_.flight_jerk_density) : noise_.jerk_density);
+    return flying ? white_jerk(h, T(noise_.flight_jerk_density)) : touched(h);
   }
 
   Transition<T> jump(bool release) const {

@@ -113,7 +113,8 @@ std::vector<WeightedTrack> usable(const std::vector<WeightedTrack>& tracks) {
 MotionNoise<double> find_noise(std::vector<WeightedTrack>& tracks, const SmoothOptions& options) {
   auto noise = options.noise;
   for (int round = 0; round < 2; ++round) {
-    if (options.fit_noise) noise = most_likely_noise(usable(tracks), options).value_or(noise);
+    if (options.fit_noise)
+      noise = most_likely_noise(usable(tracks), options, TouchedMotion::white_jerk).value_or(noise);
     for (auto& track : tracks) {
       if (check(track.points) != SmoothStatus::converged) continue;
       track.flights = most_likely_flights(track, noise, options);
@@ -123,16 +124,15 @@ MotionNoise<double> find_noise(std::vector<WeightedTrack>& tracks, const SmoothO
   return noise;
 }
 
-/// As find_noise, of filters that know of no flights.
+/// As find_noise, of filters that know of no flights. They extrapolate, and the acceleration that
+/// white noise on jerk lets grow without bounds would throw them off: theirs swings.
 MotionNoise<double> find_causal_noise(const std::vector<WeightedTrack>& tracks,
                                       const MotionNoise<double>& noise,
                                       const SmoothOptions& options) {
-  if (!options.fit_noise ||
-      std::ranges::all_of(tracks, [](const auto& t) { return t.flights.empty(); }))
-    return noise;
+  if (!options.fit_noise) return noise;
   auto without_flights = usable(tracks);
   for (auto& track : without_flights) track.flights.clear();
-  return most_likely_noise(without_flights, options).value_or(noise);
+  return most_likely_noise(without_flights, options, TouchedMotion::swinging).value_or(noise);
 }
 
 }  // namespace

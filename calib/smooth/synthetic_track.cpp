@@ -8,7 +8,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr double gravity = 9.81;
+constexpr double standard_gravity = 9.81;
 
 /// Writes a motion piece by piece.
 class MotionWriter {
@@ -46,9 +46,9 @@ class MotionWriter {
     }
   }
 
-  /// Under gravity, then a landing that leaves `kept` of the velocity.
+  /// Under standard_gravity, then a landing that leaves `kept` of the velocity.
   void fly(double seconds, double kept) {
-    const Eigen::Vector3d start = position(), from = velocity(), g(0.0, gravity, 0.0);
+    const Eigen::Vector3d start = position(), from = velocity(), g(0.0, standard_gravity, 0.0);
     const double release = now_s();
     for (int i = 1, steps = step_count(seconds); i <= steps; ++i) {
       const double t = i * SyntheticMotion::step_s;
@@ -107,11 +107,12 @@ SyntheticMotion synthetic_throw(double seconds, std::uint64_t seed) {
   RandomStream random(seed, "synthetic throw");
   MotionWriter writer;
   while (writer.shorter_than(seconds)) {
-    const double speed = std::sqrt(2.0 * gravity * random.uniform(0.10, 0.42));
+    const double speed = std::sqrt(2.0 * standard_gravity * random.uniform(0.10, 0.42));
     const Eigen::Vector3d aside(random.uniform(-0.1, 0.1), 0.0, random.uniform(-0.1, 0.1));
     writer.reach(Eigen::Vector3d(0.0, random.uniform(0.05, 0.12), 0.0), random.uniform(0.25, 0.4));
     writer.accelerate(aside - speed * Eigen::Vector3d::UnitY(), random.uniform(0.12, 0.2));
-    writer.fly(2.0 * speed / gravity * random.uniform(0.9, 1.1), random.uniform(0.35, 0.6));
+    writer.fly(2.0 * speed / standard_gravity * random.uniform(0.9, 1.1),
+               random.uniform(0.35, 0.6));
     writer.accelerate(Eigen::Vector3d::Zero(), random.uniform(0.1, 0.2));
     writer.reach(Eigen::Vector3d::Zero(), random.uniform(0.4, 0.8));
   }

@@ -1,6 +1,7 @@
 #include "calib/smooth/trajectory.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -43,6 +44,7 @@ MotionNoise<double> scaled_by(const MotionNoise<double>& noise, double length, d
   MotionNoise<double> result = noise;
   const double jerk = std::pow(time, 5) / (length * length), acceleration = time * time / length;
   result.jerk_density *= jerk;
+  result.swing_rad_per_s *= time;
   result.flight_jerk_density *= jerk;
   result.flight_acceleration_m_per_s2 *= acceleration;
   result.landing_velocity_m_per_s *= time / length;
@@ -155,11 +157,11 @@ Trajectory::Axes Trajectory::filtered_at(std::size_t knot, double time) const {
 Trajectory::Axes Trajectory::smoothed_at(double time) const {
   if (time < times_.front()) {  // x(t) = F^-1 (x0 - w)
     const double h = times_.front() - time;
-    const Eigen::Matrix3d back = white_jerk(-h, 0.0).F,
-                          noise = white_jerk(h, prior_.noise().jerk_density).Q;
+    const auto step = prior_.touched(h);
+    const Eigen::Matrix3d back = step.F.inverse();
     Axes result = smoothed_.front();
     for (auto& axis : result)
-      axis = {back * axis.mean, back * (axis.covariance + noise) * back.transpose()};
+      axis = {back * axis.mean, back * (axis.covariance + step.Q) * back.transpose()};
     return result;
   }
   const auto knot = knot_before(time);

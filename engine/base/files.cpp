@@ -41,18 +41,20 @@ fs::path folder_of(const fs::path& path) {
 OutputFile::OutputFile(fs::path path, bool overwrite) : path_(std::move(path)) {
   if (!overwrite && fs::exists(path_))
     throw usage_error(fmt::format("{} exists", path_.string()),
-                      "choose another --output, or pass --overwrite to replace it");
+                      "choose another output, or pass --overwrite to replace it");
   std::error_code error;
-  fs::create_directories(folder_of(path_), error);
+  made_folder_ = fs::create_directories(folder_of(path_), error);
   if (error)
     throw failure(fmt::format("cannot make the folder of {}: {}", path_.string(), error.message()),
-                  "choose an --output in a folder that can be written");
+                  "choose an output in a folder that can be written");
   temporary_ = folder_of(path_) / fmt::format(".{}.{}.tmp", path_.filename().string(), getpid());
 }
 
 OutputFile::~OutputFile() {
+  if (committed_) return;
   std::error_code ignored;
-  if (!committed_) fs::remove(temporary_, ignored);
+  fs::remove(temporary_, ignored);
+  if (made_folder_) fs::remove(folder_of(path_), ignored);  // fails where something is in it
 }
 
 void OutputFile::commit() {

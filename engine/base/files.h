@@ -10,7 +10,8 @@ namespace touchtrace {
 ///
 /// The constructor refuses a path that exists unless `overwrite`; the caller writes `temporary()`, in
 /// the same folder, and `commit()` does fsync, rename, fsync of the folder. Without a commit the
-/// destructor removes the temporary file, so neither an error nor Ctrl-C leaves a half-written output.
+/// destructor removes the temporary file, and the folder if it was made for it and is empty, so
+/// neither an error nor Ctrl-C leaves a half-written output.
 class OutputFile {
  public:
   OutputFile(std::filesystem::path path, bool overwrite);
@@ -24,7 +25,7 @@ class OutputFile {
 
  private:
   std::filesystem::path path_, temporary_;
-  bool committed_ = false;
+  bool made_folder_ = false, committed_ = false;
 };
 
 /// Writes `bytes` as an OutputFile.

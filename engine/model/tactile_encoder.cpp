@@ -55,17 +55,17 @@ std::array<Conv2dPlaces, 3> add_layers(ParameterTable& table, const Shapes& shap
           add_layer(table, shapes[2], 3)};
 }
 
-/// What only the backward pass needs: the gradients of the layers' outputs, and its launches.
-struct Backward {
-  Buffer<float> grad1, grad2, grad3;
-  BlockGradient block;
-  Conv2dBackwardData data3, data2;
-  Conv2dBackwardWeights weights3, weights2, weights1;
-};
-
 }  // namespace
 
 struct TactileEncoder::Plan {
+  /// What only the backward pass needs: the gradients of the layers' outputs, and its launches.
+  struct Backward {
+    Buffer<float> grad1, grad2, grad3;
+    BlockGradient block;
+    Conv2dBackwardData data3, data2;
+    Conv2dBackwardWeights weights3, weights2, weights1;
+  };
+
   Plan(Runtime& device, const ModelSpec& spec, int windows, bool training, ParameterTable& table);
 
   Runtime& runtime;

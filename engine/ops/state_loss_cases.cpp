@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engine/ops/host_arrays.h"
+#include "engine/ops/rollout.h"
 #include "engine/ops/rows.h"
 #include "engine/ops/state_loss.h"
 #include "engine/ops/state_loss_reference.h"

@@ -25,14 +25,15 @@ Arrays normal_like(const Arrays& shapes, RandomStream& random) {
   return arrays;
 }
 
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+/// Summed in long double: differences of such sums over steps of 1e-6 would show how doubles round.
+long double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0L);
 }
 
 double dot(const Arrays& a, const Arrays& b) {
-  double sum = 0.0;
+  long double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += dot(a[i], b[i]);
-  return sum;
+  return static_cast<double>(sum);
 }
 
 double size(const Arrays& arrays) {

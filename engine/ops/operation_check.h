@@ -29,7 +29,7 @@ double gradient_error(Runtime& runtime, const OperationCase& operation, const Ar
 /// How far the reference's gradient is from its central differences along random directions,
 /// relative to the gradient's expected component along one. `step`: of the differences.
 double reference_gradient_error(const OperationCase& operation, const Arrays& inputs,
-                                std::uint64_t seed, double step = 1e-6);
+                                std::uint64_t seed, double step = 1e-5);
 
 /// Where inputs stand far enough from every kink for the two gradients to be compared.
 inline constexpr double gradient_kink_margin = 2e-5;

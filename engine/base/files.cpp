@@ -9,7 +9,10 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <tuple>
 #include <utility>
 
 #include "engine/base/error.h"
@@ -30,6 +33,22 @@ void sync_to_disk(const fs::path& path, int flags) {
   const int result = fsync(descriptor);
   close(descriptor);
   if (result != 0) throw io_failure("cannot flush", path);
+}
+
+std::string computed_sha256(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw data_error(fmt::format("cannot read {}", path.string()), "check the path");
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(),
+                                                                        &EVP_MD_CTX_free);
+  EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
+  std::array<char, 1 << 16> buffer;
+  while (stream.read(buffer.data(), buffer.size()) || stream.gcount() > 0)
+    EVP_DigestUpdate(context.get(), buffer.data(), static_cast<std::size_t>(stream.gcount()));
+  std::array<unsigned char, 32> digest;
+  EVP_DigestFinal_ex(context.get(), digest.data(), nullptr);
+  std::string text;
+  for (unsigned char byte : digest) text += fmt::format("{:02x}", byte);
+  return text;
 }
 
 fs::path folder_of(const fs::path& path) {
@@ -59,7 +78,8 @@ OutputFile::~OutputFile() {
 
 void OutputFile::commit() {
   sync_to_disk(temporary_, O_RDWR);
-  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) throw io_failure("cannot rename to", path_);
+  if (std::rename(temporary_.c_str(), path_.c_str()) != 0)
+    throw io_failure("cannot rename to", path_);
   committed_ = true;
   sync_to_disk(folder_of(path_), O_RDONLY | O_DIRECTORY);
 }
@@ -80,8 +100,9 @@ std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
     throw data_error(fmt::format("cannot read {}: {}", path.string(), error.message()),
                      "check the path");
   if (size > max_bytes)
-    throw data_error(fmt::format("{} has {} bytes; at most {} are read", path.string(), size, max_bytes),
-                     "check that this is the file that was meant");
+    throw data_error(
+        fmt::format("{} has {} bytes; at most {} are read", path.string(), size, max_bytes),
+        "check that this is the file that was meant");
   std::string bytes(size, '\0');
   std::ifstream stream(path, std::ios::binary);
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(size)))
@@ -90,19 +111,15 @@ std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
 }
 
 std::string sha256_of_file(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw data_error(fmt::format("cannot read {}", path.string()), "check the path");
-  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(),
-                                                                        &EVP_MD_CTX_free);
-  EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
-  std::array<char, 1 << 16> buffer;
-  while (stream.read(buffer.data(), buffer.size()) || stream.gcount() > 0)
-    EVP_DigestUpdate(context.get(), buffer.data(), static_cast<std::size_t>(stream.gcount()));
-  std::array<unsigned char, 32> digest;
-  EVP_DigestFinal_ex(context.get(), digest.data(), nullptr);
-  std::string text;
-  for (unsigned char byte : digest) text += fmt::format("{:02x}", byte);
-  return text;
+  static std::mutex mutex;
+  static std::map<std::tuple<std::string, std::uintmax_t, fs::file_time_type>, std::string> known;
+  std::error_code missing;  // is said below
+  const auto key = std::tuple(fs::absolute(path).string(), fs::file_size(path, missing),
+                              fs::last_write_time(path, missing));
+  const std::lock_guard lock(mutex);
+  auto& hash = known[key];
+  if (hash.empty()) hash = computed_sha256(path);
+  return hash;
 }
 
 }  // namespace touchtrace

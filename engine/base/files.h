@@ -8,8 +8,8 @@ namespace touchtrace {
 
 /// An output file that appears whole or not at all.
 ///
-/// The constructor refuses a path that exists unless `overwrite`; the caller writes `temporary()`, in
-/// the same folder, and `commit()` does fsync, rename, fsync of the folder. Without a commit the
+/// The constructor refuses a path that exists unless `overwrite`; the caller writes `temporary()`,
+/// in the same folder, and `commit()` does fsync, rename, fsync of the folder. Without a commit the
 /// destructor removes the temporary file, and the folder if it was made for it and is empty, so
 /// neither an error nor Ctrl-C leaves a half-written output.
 class OutputFile {
@@ -34,7 +34,8 @@ void write_file(const std::filesystem::path& path, std::string_view bytes, bool 
 /// The whole file. Throws data_error if it is missing, unreadable or larger than `max_bytes`.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t max_bytes = 1u << 30);
 
-/// SHA-256 of a file, as sha256sum prints it.
+/// SHA-256 of a file, as sha256sum prints it. Computed once while size and time of change stay:
+/// recordings have gigabytes, and more than one part of a verb asks.
 std::string sha256_of_file(const std::filesystem::path& path);
 
 }  // namespace touchtrace

@@ -19,6 +19,8 @@ std::vector<Finding> check_devices();
 /// Room on the disk of the working folder and of PoCL's cache, and whether the cache can be
 /// written.
 std::vector<Finding> check_disk();
+/// Whether Debian's packages that touchtrace is built from and run with are there.
+std::vector<Finding> check_packages();
 /// USB: whether devices can be listed, and whether this user may open serial and USB gloves.
 std::vector<Finding> check_usb();
 

@@ -39,7 +39,7 @@ nlohmann::json to_json(const std::vector<Finding>& findings) {
 
 ExitCode run(const DoctorOptions&, const Invocation& invocation) {
   std::vector<Finding> findings;
-  for (const auto& check : {check_devices, check_disk, check_usb})
+  for (const auto& check : {check_devices, check_packages, check_disk, check_usb})
     for (auto& finding : check()) {
       if (!invocation.json) print(finding);
       findings.push_back(std::move(finding));
@@ -54,7 +54,8 @@ ExitCode run(const DoctorOptions&, const Invocation& invocation) {
 
 Verb doctor_verb() {
   return make_verb<DoctorOptions>(
-      "doctor", "check devices and kernels, disk and USB, and say how to mend what is wrong",
+      "doctor",
+      "check devices and kernels, packages, disk and USB, and say how to mend what is wrong",
       {"touchtrace doctor", "touchtrace doctor --json"}, run);
 }
 

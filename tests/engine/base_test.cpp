@@ -122,9 +122,7 @@ TEST(Figures, NaNNeverHolds) {
 
 class Files : public ::testing::Test {
  protected:
-  Files() : folder_(testing::scratch_folder()) {
-    fs::remove_all(folder_);
-  }
+  Files() : folder_(testing::scratch_folder()) { fs::remove_all(folder_); }
   ~Files() override { fs::remove_all(folder_); }
   std::size_t entries() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {}));

@@ -1,0 +1,102 @@
+#include <cmath>
+
+#include "engine/base/error.h"
+#include "engine/train/safetensors.h"
+#include "tests/engine/trainer_fixture.h"
+
+namespace touchtrace {
+namespace {
+
+using testing::NoiseRun;
+using testing::small_spec;
+
+class PredictorTest : public testing::TrainerTest {
+ protected:
+  std::filesystem::path model(bool touch) {
+    NoiseRun run(runtime_, touch);
+    run.go_on_to(3);
+    run.trainer.save(folder_ / "model", {}, true);
+    return folder_ / "model";
+  }
+};
+
+void expect_finite(const Rollout& rollout) {
+  for (float value : rollout.state) ASSERT_TRUE(std::isfinite(value));
+  for (float value : rollout.spread) {
+    ASSERT_TRUE(std::isfinite(value));
+    ASSERT_GE(value, 0.0f);
+  }
+}
+
+TEST_F(PredictorTest, TakesAnyNumberOfSequencesAndSteps) {
+  const auto spec = small_spec(true);
+  RandomStream random(3, "stream");
+  const auto stream = noise_stream(spec, 520, random);
+  Predictor predictor(runtime_, model(true));
+  for (const auto& [sequences, steps] : {std::pair{1, 1}, {1, 500}, {3, 21}, {70, 45}, {32, 20}}) {
+    const auto batch = noise_batch(spec, sequences, steps, 520, random);
+    const auto rollout = predictor.predict(batch, stream);
+    EXPECT_EQ(rollout.state.size(), std::size_t(sequences) * steps * spec.state);
+    expect_finite(rollout);
+  }
+  EXPECT_TRUE(predictor.predict({}, stream).state.empty());
+}
+
+TEST_F(PredictorTest, BlocksDoNotShow) {
+  const auto spec = small_spec(true);
+  RandomStream random(3, "stream");
+  const auto stream = noise_stream(spec, 200, random);
+  Predictor predictor(runtime_, model(true));
+  const int steps = 47;
+  const auto batch = noise_batch(spec, 70, steps, 200, random);
+  const auto together = predictor.predict(batch, stream);
+  for (int s : {0, 31, 32, 69}) {
+    RolloutBatch alone;
+    alone.sequences = 1, alone.steps = steps, alone.first_frame = {batch.first_frame[s]};
+    const auto* initial = &batch.initial_state[std::size_t(s) * spec.state];
+    alone.initial_state.assign(initial, initial + spec.state);
+    const auto rollout = predictor.predict(alone, stream);
+    const auto at = std::ptrdiff_t(s) * steps * spec.state;
+    EXPECT_TRUE(
+        std::equal(rollout.state.begin(), rollout.state.end(), together.state.begin() + at));
+    EXPECT_TRUE(
+        std::equal(rollout.spread.begin(), rollout.spread.end(), together.spread.begin() + at));
+  }
+}
+
+TEST_F(PredictorTest, NeedsNoStreamWithoutTouch) {
+  RandomStream random(3, "batch");
+  auto batch = noise_batch(small_spec(false), 4, 30, 100, random);
+  batch.first_frame.clear();
+  expect_finite(Predictor(runtime_, model(false)).predict(batch, {}));
+}
+
+TEST_F(PredictorTest, RefusesWindowsOutsideTheStream) {
+  const auto spec = small_spec(true);
+  RandomStream random(3, "stream");
+  const auto stream = noise_stream(spec, 30, random);
+  Predictor predictor(runtime_, model(true));
+  auto batch = noise_batch(spec, 2, 10, 30, random);
+  batch.first_frame[1] = 21;
+  EXPECT_THROW(predictor.predict(batch, stream), Error);
+  EXPECT_THROW(predictor.predict(batch, {}), Error);
+}
+
+TEST_F(PredictorTest, RefusesFilesThatAreNoModel) {
+  write_safetensors(folder_ / "empty", {}, false);
+  EXPECT_THROW(Predictor(runtime_, folder_ / "empty"), Error);
+  auto file = read_safetensors(model(true));
+  const auto spec = file.metadata["spec"];
+  for (const std::string bad : {"", "7", "{", "{}", R"({"touch":3})"}) {
+    file.metadata["spec"] = bad;
+    write_safetensors(folder_ / "bad", file, true);
+    EXPECT_THROW(Predictor(runtime_, folder_ / "bad"), Error) << bad;
+  }
+  file.metadata["spec"] = spec;
+  file.tensors.pop_back();
+  write_safetensors(folder_ / "bad", file, true);
+  EXPECT_THROW(Predictor(runtime_, folder_ / "bad"), Error);
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "engine/base/files.h"
+#include "engine/train/noise_batch.h"
+#include "engine/train/trainer.h"
+#include "tests/engine/small_spec.h"
+#include "tests/support/scratch.h"
+
+namespace touchtrace::testing {
+
+/// Tests with a folder of their own, on the fastest device.
+class TrainerTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path folder_ = scratch_folder();
+  Runtime runtime_{choose_device("")};
+};
+
+/// A trainer on noise, with everything that a resumed run must restore in play.
+struct NoiseRun {
+  static constexpr int sequences = 3, steps = 4, frames = 40;
+
+  NoiseRun(Runtime& runtime, bool touch)
+      : spec(small_spec(touch)),
+        trainer(runtime, spec, options(), sequences, steps, stream(spec)) {}
+
+  static TrainOptions options() {
+    TrainOptions o;
+    o.updates = 12;
+    return o;
+  }
+  static std::vector<float> stream(const ModelSpec& spec) {
+    RandomStream random(1, "stream");
+    return noise_stream(spec, frames, random);
+  }
+  void go_on_to(int update) {
+    while (trainer.updates() < update) {
+      RandomStream random(trainer.updates(), "batch");
+      trainer.update(noise_batch(spec, sequences, steps, frames, random));
+    }
+  }
+  std::string weights(const std::filesystem::path& path) {
+    trainer.save(path, {}, true);
+    return read_file(path);
+  }
+
+  ModelSpec spec;
+  Trainer trainer;
+};
+
+}  // namespace touchtrace::testing

@@ -14,10 +14,9 @@ struct ProgramResult {
   std::string output;  ///< stdout and stderr together unless the arguments redirect one
 };
 
-/// Runs `touchtrace ARGUMENTS` through the shell, as a user would.
-inline ProgramResult run_program(const std::string& arguments) {
-  const std::string command =
-      std::string(TOUCHTRACE_PROGRAM) + " " + arguments + " 2>&1 </dev/null";
+/// Runs `touchtrace ARGUMENTS` through the shell, as a user would; `under` is put before it.
+inline ProgramResult run_program(const std::string& arguments, const std::string& under = "") {
+  const std::string command = under + TOUCHTRACE_PROGRAM + " " + arguments + " 2>&1 </dev/null";
   FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return {-1, "popen failed"};
   ProgramResult result{-1, {}};

@@ -46,7 +46,7 @@ class MotionWriter {
     }
   }
 
-  /// Under standard_gravity, then a landing that leaves `kept` of the velocity.
+  /// Under gravity, then a landing that leaves `kept` of the velocity.
   void fly(double seconds, double kept) {
     const Eigen::Vector3d start = position(), from = velocity(), g(0.0, standard_gravity, 0.0);
     const double release = now_s();

@@ -25,7 +25,7 @@ Arrays normal_like(const Arrays& shapes, RandomStream& random) {
   return arrays;
 }
 
-/// Summed in long double: differences of such sums over steps of 1e-6 would show how doubles round.
+/// Summed in long double: differences of such sums over small steps would show how doubles round.
 long double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0L);
 }

@@ -25,7 +25,8 @@ Finding check_room(const fs::path& folder) {
   const double free_gib = static_cast<double>(space.available) / bytes_per_gib;
   const std::string what = fmt::format("{:.1f} GiB free in {}", free_gib, folder.string());
   if (free_gib < least_gib)
-    return {Finding::State::broken, what, fmt::format("free some room; the demo needs {:.0f} GiB", least_gib)};
+    return {Finding::State::broken, what,
+            fmt::format("free some room; the demo needs {:.0f} GiB", least_gib)};
   if (free_gib < wanted_gib)
     return {Finding::State::advice, what,
             fmt::format("an hour of video needs about {:.0f} GiB", wanted_gib)};

@@ -10,8 +10,9 @@ namespace {
 
 constexpr int smallest_crop = 96, smallest_box = 8;
 
-/// CSRT tuned for speed. Depth has masked the background and tells the scale, so a small template, few
-/// scales and no colour names cost no accuracy that labels would show, and halve the time.
+/// CSRT tuned for speed. Depth has masked the background and tells the scale, so a small template,
+/// few scales and no colour names cost no accuracy that labels would show, and save a third of the
+/// time.
 cv::Ptr<cv::TrackerCSRT> fast_csrt() {
   cv::TrackerCSRT::Params params;
   params.template_size = 48;

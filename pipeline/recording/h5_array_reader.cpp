@@ -98,7 +98,7 @@ void ArrayReader::check_chunks(hsize_t file_bytes) const {
     check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), name_);
     if (bytes == 0) throw H5Error(fmt::format("{}: the chunk of row {} is missing", name_, row));
     if (bytes > file_bytes)
-      throw H5Error(fmt::format("{}: the chunk of row {} lies outside the file", name_, row));
+      throw H5Error(fmt::format("{}: the chunk of row {} is larger than the file", name_, row));
   }
 }
 

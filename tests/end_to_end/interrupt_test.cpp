@@ -1,4 +1,4 @@
-// Ctrl-C in the midst of a verb: exit code 130, and nothing but what a later run goes on from.
+// Ctrl-C in the midst of a verb: exit code 130, and no file that was not there before.
 #include <gtest/gtest.h>
 
 #include <filesystem>

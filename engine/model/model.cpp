@@ -12,7 +12,9 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   const bool training = use == Use::training;
   const int rows = sequences * steps;
   if (spec.touch) {
-    encoder_ = std::make_unique<TactileEncoder>(runtime, spec, rows, training, table_);
+    encoder_ = std::make_unique<TactileEncoder>(
+        runtime, "tactile", TactileWindowShape{rows, spec.window_frames, spec.rows, spec.cols},
+        training, table_);
     TouchEmbedding::declare(spec, encoder_->feature_size(), table_);
     input_.last_frame = runtime.allocate<std::int32_t>(rows);
   }

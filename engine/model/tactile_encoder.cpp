@@ -16,21 +16,21 @@ namespace {
 constexpr std::array channels{32, 64, 128};
 using Shapes = std::array<Conv2dShape, 3>;
 
-void check(const ModelSpec& spec) {
+void check(const TactileWindowShape& window) {
   const auto fits = [](int size) { return size >= 6 && size <= 64; };
-  if (!fits(spec.rows) || !fits(spec.cols) || spec.window_frames < 1 || spec.window_frames > 32)
-    throw usage_error(fmt::format("the tactile encoder cannot take windows of {} frames of {} x {}",
-                                  spec.window_frames, spec.rows, spec.cols),
+  if (!fits(window.rows) || !fits(window.cols) || window.frames < 1 || window.frames > 32)
+    throw usage_error(fmt::format("an encoder of touch cannot take windows of {} frames of {} x {}",
+                                  window.frames, window.rows, window.cols),
                       "frames have 6 to 64 rows and columns, windows 1 to 32 frames");
 }
 
-Shapes shapes_of(const ModelSpec& spec, int windows) {
-  check(spec);
+Shapes shapes_of(const TactileWindowShape& window) {
+  check(window);
   Shapes shapes{};
-  shapes[0] = {windows, spec.window_frames, spec.rows, spec.cols, channels[0], true};
+  shapes[0] = {window.windows, window.frames, window.rows, window.cols, channels[0], true};
   for (int i = 1; i < 3; ++i) {
     const auto& below = shapes[i - 1];
-    shapes[i] = {windows,          below.out_channels, below.out_rows(),
+    shapes[i] = {window.windows,   below.out_channels, below.out_rows(),
                  below.out_cols(), channels[i],        false};
   }
   return shapes;
@@ -40,19 +40,20 @@ ChannelBlocksShape features_shape(const Conv2dShape& last) {
   return {last.images, last.out_channels, last.out_rows(), last.out_cols()};
 }
 
-/// Weight and bias of layer `number`, started as PyTorch's Conv2d.
-Conv2dPlaces add_layer(ParameterTable& table, const Conv2dShape& shape, int number) {
+/// Weight and bias of a layer, started as PyTorch's Conv2d.
+Conv2dPlaces add_layer(ParameterTable& table, const Conv2dShape& shape, const std::string& name) {
   const Initial initial{0.0, 1.0 / std::sqrt(9.0 * shape.in_channels)};
-  const auto name = fmt::format("tactile.conv{}", number);
   const auto weight =
       table.add(name + ".weight", {shape.out_channels, shape.in_channels, 3, 3}, initial);
   const auto bias = table.add(name + ".bias", {shape.out_channels}, initial);
   return {static_cast<int>(weight.offset), static_cast<int>(bias.offset)};
 }
 
-std::array<Conv2dPlaces, 3> add_layers(ParameterTable& table, const Shapes& shapes) {
-  return {add_layer(table, shapes[0], 1), add_layer(table, shapes[1], 2),
-          add_layer(table, shapes[2], 3)};
+std::array<Conv2dPlaces, 3> add_layers(ParameterTable& table, const Shapes& shapes,
+                                       const std::string& name) {
+  return {add_layer(table, shapes[0], name + ".conv1"),
+          add_layer(table, shapes[1], name + ".conv2"),
+          add_layer(table, shapes[2], name + ".conv3")};
 }
 
 }  // namespace
@@ -66,7 +67,8 @@ struct TactileEncoder::Plan {
     Conv2dBackwardWeights weights3, weights2, weights1;
   };
 
-  Plan(Runtime& device, const ModelSpec& spec, int windows, bool training, ParameterTable& table);
+  Plan(Runtime& device, const std::string& name, const TactileWindowShape& windows, bool training,
+       ParameterTable& table);
 
   Runtime& runtime;
   Shapes shapes;
@@ -79,17 +81,17 @@ struct TactileEncoder::Plan {
   std::optional<Backward> backward;
 };
 
-TactileEncoder::Plan::Plan(Runtime& device, const ModelSpec& spec, int windows, bool training,
-                           ParameterTable& table)
+TactileEncoder::Plan::Plan(Runtime& device, const std::string& name,
+                           const TactileWindowShape& windows, bool training, ParameterTable& table)
     : runtime(device),
-      shapes(shapes_of(spec, windows)),
-      places(add_layers(table, shapes)),
+      shapes(shapes_of(windows)),
+      places(add_layers(table, shapes, name)),
       input(device.allocate_zeros<float>(shapes[0].in_size())),
       out1(device.allocate_zeros<float>(shapes[0].out_size())),
       out2(device.allocate_zeros<float>(shapes[1].out_size())),
       out3(device.allocate_zeros<float>(shapes[2].out_size())),
       features(device.allocate<float>(features_shape(shapes[2]).plain_size())),
-      window(device, {windows, spec.window_frames, spec.rows, spec.cols}, input),
+      window(device, windows, input),
       conv1(device, shapes[0], places[0], input, out1),
       conv2(device, shapes[1], places[1], out1, out2),
       conv3(device, shapes[2], places[2], out2, out3),
@@ -109,9 +111,10 @@ TactileEncoder::Plan::Plan(Runtime& device, const ModelSpec& spec, int windows, 
                       Conv2dBackwardWeights(device, shapes[0], places[0], input, grad1)};
 }
 
-TactileEncoder::TactileEncoder(Runtime& runtime, const ModelSpec& spec, int windows, bool training,
+TactileEncoder::TactileEncoder(Runtime& runtime, const std::string& name,
+                               const TactileWindowShape& windows, bool training,
                                ParameterTable& table)
-    : plan_(std::make_unique<Plan>(runtime, spec, windows, training, table)) {}
+    : plan_(std::make_unique<Plan>(runtime, name, windows, training, table)) {}
 
 TactileEncoder::~TactileEncoder() = default;
 

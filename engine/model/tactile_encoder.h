@@ -2,28 +2,28 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "engine/cl/runtime.h"
-#include "engine/model/model_spec.h"
 #include "engine/model/parameters.h"
 #include "engine/ops/tactile_window.h"
 
 namespace touchtrace {
 
-/// The convolutional half of the tactile encoder (section III-B): three 3x3 convolutions of stride
-/// 2 and padding 1 with 32, 64 and 128 channels, each with bias and ReLU, over the window of M
-/// frames in the difference basis of tactile_window.h.
+/// The convolutional half of the tactile and of the object encoder (section III-B): three 3x3
+/// convolutions of stride 2 and padding 1 with 32, 64 and 128 channels, each with bias and ReLU,
+/// over the window of M frames in the difference basis of tactile_window.h.
 ///
 /// Windows are never copied by the host: they are places in the stream of frames. All work is
 /// queued; nothing blocks. Weights are read from the flat parameter buffer on every forward pass.
 class TactileEncoder {
  public:
-  /// Adds "tactile.conv1.weight" [32, M, 3, 3], "tactile.conv1.bias" [32], ... to `table`, started
-  /// as PyTorch starts convolutions (uniform within 1/sqrt(fan in)). `training` false: no buffers
-  /// and no kernels of the backward pass. Throws usage_error for frames outside 6..64 or M
-  /// outside 1..32.
-  TactileEncoder(Runtime& runtime, const ModelSpec& spec, int windows, bool training,
-                 ParameterTable& table);
+  /// Adds "NAME.conv1.weight" [32, M, 3, 3], "NAME.conv1.bias" [32], ... to `table`, started as
+  /// PyTorch starts convolutions (uniform within 1/sqrt(fan in)). `training` false: no buffers and
+  /// no kernels of the backward pass. Throws usage_error for frames outside 6..64 or M outside
+  /// 1..32.
+  TactileEncoder(Runtime& runtime, const std::string& name, const TactileWindowShape& windows,
+                 bool training, ParameterTable& table);
   ~TactileEncoder();
 
   int windows() const;

@@ -4,6 +4,7 @@
 
 #include "engine/base/random.h"
 #include "engine/cl/timing.h"
+#include "engine/model/model_spec.h"
 #include "engine/model/tactile_encoder.h"
 #include "engine/ops/conv2d.h"
 #include "engine/train/verify_engine.h"
@@ -22,7 +23,8 @@ Buffer<float> normal_buffer(Runtime& runtime, std::size_t size) {
 double step_ms(Runtime& runtime, int windows) {
   const ModelSpec spec;
   ParameterTable table;
-  TactileEncoder encoder(runtime, spec, windows, true, table);
+  TactileEncoder encoder(runtime, "tactile", {windows, spec.window_frames, spec.rows, spec.cols},
+                         true, table);
   const auto parameters = runtime.upload<float>(table.initial_values(1));
   const auto gradient = runtime.allocate_zeros<float>(table.size());
   std::vector<int> last(static_cast<std::size_t>(windows));

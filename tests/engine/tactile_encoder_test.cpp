@@ -32,13 +32,12 @@ double norm_of_difference(const std::vector<double>& a, const std::vector<double
 /// The encoder in plain loops.
 class Reference {
  public:
-  Reference(const ModelSpec& spec, const ParameterTable& table,
+  Reference(const TactileWindowShape& window, const ParameterTable& table,
             const std::vector<double>& parameters, const std::vector<double>& stream,
             const std::vector<int>& last_frame, const TaxelDropout& dropout)
       : table_(table), parameters_(parameters) {
-    activations_.push_back(tactile_window_reference(
-        {windows, spec.window_frames, spec.rows, spec.cols}, stream, last_frame, dropout));
-    Conv2dShape shape{windows, spec.window_frames, spec.rows, spec.cols, 32, true};
+    activations_.push_back(tactile_window_reference(window, stream, last_frame, dropout));
+    Conv2dShape shape{window.windows, window.frames, window.rows, window.cols, 32, true};
     for (int layer = 1; layer <= 3; ++layer) {
       shapes_.push_back(shape);
       activations_.push_back(
@@ -66,7 +65,7 @@ class Reference {
 
  private:
   const Parameter& row(int layer, const std::string& what) const {
-    return table_.at("tactile.conv" + std::to_string(layer) + "." + what);
+    return table_.at("object.conv" + std::to_string(layer) + "." + what);
   }
   std::vector<double> slice(const Parameter& p) const {
     return {parameters_.begin() + p.offset, parameters_.begin() + p.offset + p.size};
@@ -88,19 +87,18 @@ class EncoderOfSize : public ::testing::TestWithParam<Size> {};
 
 TEST_P(EncoderOfSize, AgreesWithPlainLoops) {
   const auto [frames, rows, cols] = GetParam();
-  ModelSpec spec;
-  spec.window_frames = frames, spec.rows = rows, spec.cols = cols;
+  const TactileWindowShape window{windows, frames, rows, cols};
   Runtime runtime(choose_device(""));
   ParameterTable table;
   table.add("something before", {7}, {});
-  TactileEncoder encoder(runtime, spec, windows, true, table);
+  TactileEncoder encoder(runtime, "object", window, true, table);
 
   const auto initial = table.initial_values(3);
   const std::vector<double> parameters(initial.begin(), initial.end());
   const auto stream = normal_floats(std::size_t(stream_frames) * rows * cols, "stream");
   const std::vector<int> last_frame{frames - 1, stream_frames - 1, 33};
   const TaxelDropout dropout{0.2, 99};
-  const Reference reference(spec, table, parameters, stream, last_frame, dropout);
+  const Reference reference(window, table, parameters, stream, last_frame, dropout);
 
   encoder.forward(upload(runtime, stream), runtime.upload<int>(last_frame),
                   upload(runtime, parameters), dropout);
@@ -129,11 +127,10 @@ INSTANTIATE_TEST_SUITE_P(Sizes, EncoderOfSize,
                          });
 
 TEST(TactileEncoder, GivesTheSameBitsTwice) {
-  ModelSpec spec;
   const auto run = [&] {
     Runtime runtime(choose_device(""));
     ParameterTable table;
-    TactileEncoder encoder(runtime, spec, 45, true, table);
+    TactileEncoder encoder(runtime, "tactile", {45, 10, 32, 32}, true, table);
     const auto parameters = runtime.upload<float>(table.initial_values(1));
     std::vector<int> last_frame(45);
     std::iota(last_frame.begin(), last_frame.end(), 9);
@@ -149,10 +146,9 @@ TEST(TactileEncoder, GivesTheSameBitsTwice) {
 TEST(TactileEncoder, RefusesSizesItCannotTake) {
   Runtime runtime(choose_device(""));
   for (const Size size : {Size{10, 5, 32}, {10, 32, 65}, {0, 32, 32}, {33, 32, 32}}) {
-    ModelSpec spec;
-    spec.window_frames = size.frames, spec.rows = size.rows, spec.cols = size.cols;
+    const TactileWindowShape window{1, size.frames, size.rows, size.cols};
     ParameterTable table;
-    EXPECT_THROW(TactileEncoder(runtime, spec, 1, false, table), Error);
+    EXPECT_THROW(TactileEncoder(runtime, "tactile", window, false, table), Error);
   }
 }
 

@@ -31,4 +31,9 @@ struct ChosenDevice {
 /// name. Throws device_error, listing what there is, if nothing fits.
 ChosenDevice choose_device(const std::string& wish);
 
+/// The device that answers a single small step soonest: PoCL's "basic", which runs kernels in the
+/// thread that asks for them, where other devices have to wake another thread first; the fastest
+/// device where PoCL is missing. PoCL offers it only if this is the process's first use of OpenCL.
+ChosenDevice choose_device_for_small_steps();
+
 }  // namespace touchtrace

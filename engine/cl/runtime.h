@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "engine/cl/device.h"
@@ -80,6 +81,24 @@ class Runtime {
     guarded("writing to the device", [&] {
       return queue_.enqueueWriteBuffer(buffer.handle(), CL_TRUE, offset * sizeof(T),
                                        values.size_bytes(), values.data());
+    });
+  }
+  /// Only queues the writing: the values must last until the queue has come past it.
+  template <class T>
+  void queue_write(const Buffer<T>& buffer, std::span<const std::type_identity_t<T>> values,
+                   std::size_t offset = 0) {
+    guarded("writing to the device", [&] {
+      return queue_.enqueueWriteBuffer(buffer.handle(), CL_FALSE, offset * sizeof(T),
+                                       values.size_bytes(), values.data());
+    });
+  }
+  /// Only queues the reading: the values are there once the queue has come past it.
+  template <class T>
+  void queue_read(const Buffer<T>& buffer, std::span<std::type_identity_t<T>> values,
+                  std::size_t offset = 0) {
+    guarded("reading from the device", [&] {
+      return queue_.enqueueReadBuffer(buffer.handle(), CL_FALSE, offset * sizeof(T),
+                                      values.size_bytes(), values.data());
     });
   }
   template <class T>

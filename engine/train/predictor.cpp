@@ -1,12 +1,8 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 
-#include "engine/base/error.h"
-#include "engine/model/model.h"
 #include "engine/train/batch_rows.h"
+#include "engine/train/model_file.h"
 #include "engine/train/trainer.h"
-#include "engine/train/weight_file.h"
 
 namespace touchtrace {
 namespace {
@@ -14,48 +10,21 @@ namespace {
 // Roll-outs go through the device in blocks of this size at most, so that memory stays bounded.
 constexpr int block_sequences = 32, block_steps = 20;
 
-nlohmann::json parse_metadata(const TensorFile& file, const char* key) {
-  const auto found = file.metadata.find(key);
-  auto json =
-      nlohmann::json::parse(found == file.metadata.end() ? "" : found->second, nullptr, false);
-  if (json.is_discarded())
-    throw data_error(fmt::format("the model has no valid '{}' among its metadata", key),
-                     "use a model that touchtrace train wrote");
-  return json;
-}
-
-ModelSpec spec_of(const TensorFile& file) {
-  try {
-    return parse_metadata(file, "spec").get<ModelSpec>();
-  } catch (const nlohmann::json::exception&) {
-    throw data_error("the model's specification is not one",
-                     "use a model that touchtrace train wrote");
-  }
-}
-
 }  // namespace
 
 struct Predictor::Plan {
   Runtime& runtime;
-  TensorFile file;
-  ModelSpec spec;
-  nlohmann::json metadata;
+  ModelFile file;
   std::unique_ptr<Model> model;
 
-  Plan(Runtime& on, const std::filesystem::path& path)
-      : runtime(on),
-        file(read_safetensors(path)),
-        spec(spec_of(file)),
-        metadata(parse_metadata(file, "metadata")) {
+  Plan(Runtime& on, const std::filesystem::path& path) : runtime(on), file(read_model_file(path)) {
     fit(1, 1);  // so that a file without all weights is refused at once
   }
 
   /// A model of this size, kept from call to call.
   void fit(int sequences, int steps) {
     if (model && model->sequences() == sequences && model->steps() == steps) return;
-    model = std::make_unique<Model>(runtime, spec, sequences, steps, Model::Use::prediction);
-    runtime.write<float>(model->weights().values, values_of(model->table(), file));
-    model->prepare();
+    model = file.make(runtime, sequences, steps);
   }
 
   /// Rolls the block's sequences out to the end and writes them to `rollout`.
@@ -69,9 +38,9 @@ struct Predictor::Plan {
       collect(block, rollout);
       const int last = std::min(block.first_step + model->steps(), block.batch.steps) - 1;
       for (int s = 0; s < block.batch.sequences; ++s)
-        std::copy_n(
-            rollout.state.begin() + (std::ptrdiff_t(s) * block.batch.steps + last) * spec.state,
-            spec.state, state.begin() + std::ptrdiff_t(s) * spec.state);
+        std::copy_n(rollout.state.begin() +
+                        (std::ptrdiff_t(s) * block.batch.steps + last) * file.spec.state,
+                    file.spec.state, state.begin() + std::ptrdiff_t(s) * file.spec.state);
     }
   }
 
@@ -86,10 +55,11 @@ struct Predictor::Plan {
         const std::ptrdiff_t row = std::ptrdiff_t(t) * model->sequences() + s;
         const std::ptrdiff_t to =
             (std::ptrdiff_t(block.first_sequence + s) * block.batch.steps + block.first_step + t) *
-            spec.state;
-        std::copy_n(states.begin() + (row + model->sequences()) * state_lanes, spec.state,
+            file.spec.state;
+        std::copy_n(states.begin() + (row + model->sequences()) * state_lanes, file.spec.state,
                     rollout.state.begin() + to);
-        std::copy_n(spread.begin() + row * state_lanes, spec.state, rollout.spread.begin() + to);
+        std::copy_n(spread.begin() + row * state_lanes, file.spec.state,
+                    rollout.spread.begin() + to);
       }
   }
 };
@@ -99,11 +69,11 @@ Predictor::Predictor(Runtime& runtime, const std::filesystem::path& model)
 
 Predictor::~Predictor() = default;
 
-const ModelSpec& Predictor::spec() const { return plan_->spec; }
-const nlohmann::json& Predictor::metadata() const { return plan_->metadata; }
+const ModelSpec& Predictor::spec() const { return plan_->file.spec; }
+const nlohmann::json& Predictor::metadata() const { return plan_->file.metadata; }
 
 Rollout Predictor::predict(const RolloutBatch& batch, std::span<const float> tactile) {
-  const auto& spec = plan_->spec;
+  const auto& spec = plan_->file.spec;
   const std::size_t frames = tactile.size() / (std::size_t(spec.rows) * spec.cols);
   check(batch, spec, frames);
   const auto values = std::size_t(batch.sequences) * batch.steps * spec.state;

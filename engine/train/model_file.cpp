@@ -1,0 +1,46 @@
+#include "engine/train/model_file.h"
+
+#include <fmt/core.h>
+
+#include "engine/base/error.h"
+#include "engine/train/weight_file.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr const char* remedy = "use a model that touchtrace train wrote";
+
+nlohmann::json parse_metadata(const TensorFile& file, const char* key) {
+  const auto found = file.metadata.find(key);
+  auto json =
+      nlohmann::json::parse(found == file.metadata.end() ? "" : found->second, nullptr, false);
+  if (json.is_discarded())
+    throw data_error(fmt::format("the model has no valid '{}' among its metadata", key), remedy);
+  return json;
+}
+
+ModelSpec spec_of(const TensorFile& file) {
+  try {
+    return parse_metadata(file, "spec").get<ModelSpec>();
+  } catch (const nlohmann::json::exception&) {
+    throw data_error("the model's specification is not one", remedy);
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Model> ModelFile::make(Runtime& runtime, int sequences, int steps) const {
+  auto model = std::make_unique<Model>(runtime, spec, sequences, steps, Model::Use::prediction);
+  runtime.write<float>(model->weights().values, values_of(model->table(), file));
+  model->prepare();
+  return model;
+}
+
+ModelFile read_model_file(const std::filesystem::path& path) {
+  auto file = read_safetensors(path);
+  auto spec = spec_of(file);
+  auto metadata = parse_metadata(file, "metadata");
+  return {std::move(file), spec, std::move(metadata)};
+}
+
+}  // namespace touchtrace

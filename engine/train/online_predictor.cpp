@@ -1,0 +1,82 @@
+#include "engine/train/online_predictor.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+
+#include "engine/base/error.h"
+#include "engine/train/model_file.h"
+
+namespace touchtrace {
+
+struct OnlinePredictor::Plan {
+  Runtime& runtime;
+  ModelFile file;
+  std::unique_ptr<Model> model;
+  /// [2 M, rows, cols]: a frame lies at its slot and again M slots on, so that every window is one
+  /// piece. Empty without touch.
+  Buffer<float> stream;
+  std::int32_t slot = 0, last_frame = 0;  ///< of the last frame given, and its second place
+  std::array<float, state_lanes> state{}, spread{};
+
+  Plan(Runtime& on, const std::filesystem::path& path)
+      : runtime(on), file(read_model_file(path)), model(file.make(on, 1, 1)) {
+    if (file.spec.touch)
+      stream = on.allocate_zeros<float>(2 * file.spec.window_frames * frame_size());
+  }
+
+  std::size_t frame_size() const {
+    return file.spec.touch ? std::size_t(file.spec.rows) * file.spec.cols : 0;
+  }
+
+  void check(const char* what, std::size_t size, std::size_t expected) const {
+    if (size != expected)
+      throw failure(fmt::format("a {} of {} values was given instead of {}", what, size, expected),
+                    "report this as a bug");
+  }
+
+  void queue_frame(std::span<const float> frame) {
+    check("frame", frame.size(), frame_size());
+    if (!file.spec.touch) return;
+    slot = (slot + 1) % file.spec.window_frames;
+    for (const int place : {slot, slot + file.spec.window_frames})
+      runtime.queue_write(stream, frame, place * frame_size());
+  }
+
+  void step() {
+    const std::int32_t last_frame = slot + file.spec.window_frames;
+    if (file.spec.touch) runtime.queue_write(model->input().last_frame, std::span(&last_frame, 1));
+    runtime.queue_write(model->states(), state);
+    model->forward(stream);
+    runtime.queue_read(model->spread(), spread);
+    runtime.read(model->states(), std::span<float>(state), state_lanes);
+  }
+};
+
+OnlinePredictor::OnlinePredictor(Runtime& runtime, const std::filesystem::path& model)
+    : plan_(std::make_unique<Plan>(runtime, model)) {}
+
+OnlinePredictor::~OnlinePredictor() = default;
+
+const ModelSpec& OnlinePredictor::spec() const { return plan_->file.spec; }
+const nlohmann::json& OnlinePredictor::metadata() const { return plan_->file.metadata; }
+
+void OnlinePredictor::set_state(std::span<const float> state) {
+  plan_->check("state", state.size(), std::size_t(spec().state));
+  std::ranges::copy(state, plan_->state.begin());
+}
+
+void OnlinePredictor::push(std::span<const float> frame) {
+  plan_->queue_frame(frame);
+  plan_->runtime.finish();
+}
+
+OnlinePredictor::Step OnlinePredictor::step(std::span<const float> frame) {
+  plan_->queue_frame(frame);
+  plan_->step();
+  const auto size = std::size_t(spec().state);
+  return {std::span(plan_->state).first(size), std::span(plan_->spread).first(size)};
+}
+
+}  // namespace touchtrace

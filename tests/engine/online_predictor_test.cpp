@@ -1,0 +1,90 @@
+#include "engine/train/online_predictor.h"
+
+#include "engine/base/error.h"
+#include "tests/engine/trainer_fixture.h"
+
+namespace touchtrace {
+namespace {
+
+using testing::NoiseRun;
+using testing::small_spec;
+
+/// A model trained a little, and a roll-out that begins at frame `first` of a stream.
+class OnlinePredictorTest : public testing::TrainerTest {
+ protected:
+  static constexpr int first = 5, steps = 23;
+
+  void prepare(bool touch) {
+    NoiseRun run(runtime_, touch);
+    run.go_on_to(3);
+    run.trainer.save(model_, {{"made", "here"}}, true);
+    batch_.sequences = 1, batch_.steps = steps, batch_.first_frame = {first};
+    RandomStream random(3, "roll-out");
+    batch_.initial_state = normal_floats(run.spec.state, random);
+    stream_ = noise_stream(run.spec, first + steps, random);
+    if (!touch) stream_.clear();
+  }
+
+  std::span<const float> frame(int f) const {
+    const std::size_t size = stream_.size() / (first + steps);
+    return std::span(stream_).subspan(f * size, size);
+  }
+
+  /// Asks for the roll-out one step at a time.
+  Rollout follow(OnlinePredictor& online) const {
+    Rollout rollout;
+    for (int f = 0; f < first; ++f) online.push(frame(f));
+    online.set_state(batch_.initial_state);
+    for (int f = first; f < first + steps; ++f) {
+      const auto [state, spread] = online.step(frame(f));
+      rollout.state.insert(rollout.state.end(), state.begin(), state.end());
+      rollout.spread.insert(rollout.spread.end(), spread.begin(), spread.end());
+    }
+    return rollout;
+  }
+
+  std::filesystem::path model_ = folder_ / "model";
+  RolloutBatch batch_;
+  std::vector<float> stream_;
+};
+
+TEST_F(OnlinePredictorTest, StepsAreARolloutToTheBit) {
+  for (bool touch : {true, false}) {
+    prepare(touch);
+    const auto expected = Predictor(runtime_, model_).predict(batch_, stream_);
+    OnlinePredictor online(runtime_, model_);
+    EXPECT_EQ(online.metadata(), (nlohmann::json{{"made", "here"}}));
+    for (int turn = 0; turn < 2; ++turn) {
+      const auto rollout = follow(online);
+      EXPECT_EQ(rollout.state, expected.state);
+      EXPECT_EQ(rollout.spread, expected.spread);
+    }
+  }
+}
+
+TEST_F(OnlinePredictorTest, FramesBeforeTheFirstAreZeros) {
+  prepare(true);
+  const auto spec = small_spec(true);
+  const std::size_t size = frame(0).size();
+  const auto windows_first = spec.window_frames - 1;
+  std::vector<float> padded(windows_first * size, 0.0f);
+  padded.insert(padded.end(), frame(0).begin(), frame(0).end());
+  batch_.steps = 1, batch_.first_frame = {windows_first};
+  const auto expected = Predictor(runtime_, model_).predict(batch_, padded);
+  OnlinePredictor online(runtime_, model_);
+  online.set_state(batch_.initial_state);
+  const auto [state, spread] = online.step(frame(0));
+  EXPECT_TRUE(std::ranges::equal(state, expected.state));
+  EXPECT_TRUE(std::ranges::equal(spread, expected.spread));
+}
+
+TEST_F(OnlinePredictorTest, RefusesOtherSizes) {
+  prepare(true);
+  OnlinePredictor online(runtime_, model_);
+  EXPECT_THROW(online.set_state(std::vector<float>(4)), Error);
+  EXPECT_THROW(online.push({}), Error);
+  EXPECT_THROW(online.step(std::vector<float>(frame(0).size() + 1)), Error);
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -41,7 +41,15 @@ class Launch {
     set(index, buffer.handle());
   }
 
-  void enqueue(Runtime& runtime) const { runtime.launch(kernel_, global_); }
+  void enqueue(Runtime& runtime) const {
+    runtime.launch(kernel_, global_);
+    if (runtime.watcher()) runtime.watcher()(*this);
+  }
+
+  /// The kernel's.
+  std::string name() const { return kernel_.getInfo<CL_KERNEL_FUNCTION_NAME>(); }
+  /// The arguments that are arrays, by their index.
+  const std::map<cl_uint, cl::Buffer>& buffers() const { return buffers_; }
 
  private:
   cl::Kernel kernel_;

@@ -49,9 +49,8 @@ Error opencl_error(const cl::Error& error, std::string_view doing, const std::st
       fmt::format("{} failed on {}: {} from {}", doing, device, opencl_error_name(error.err()),
                   error.what()),
       out_of_memory(error.err())
-          ? "train on fewer sequences or steps at once, on a shorter window or a lower resolution, "
-            "or "
-            "choose a device with more memory with --device"
+          ? "take fewer sequences or steps at once (--sequences, --steps), a shorter --window, a "
+            "lower --resolution, or a --device with more memory"
           : "choose another device with --device; `touchtrace doctor` says which ones work");
 }
 

@@ -27,6 +27,24 @@ std::string build_log(const cl::Program& program, const cl::Device& device) {
   }
 }
 
+using ByteCount = std::shared_ptr<std::atomic<std::size_t>>;
+
+/// Adds `bytes` to `count` for as long as the buffer lives.
+void count_until_released(cl::Buffer& buffer, std::size_t bytes, const ByteCount& count) {
+  struct Release {
+    std::size_t bytes;
+    ByteCount count;
+  };
+  auto release = std::make_unique<Release>(Release{bytes, count});
+  const auto on_release = [](cl_mem, void* data) {
+    const std::unique_ptr<Release> owned(static_cast<Release*>(data));
+    *owned->count -= owned->bytes;
+  };
+  buffer.setDestructorCallback(on_release, release.get());
+  release.release();
+  *count += bytes;
+}
+
 /// Memory in whole MiB, rounded up.
 std::uint64_t mebibytes(std::uint64_t bytes) { return (bytes + (1u << 20) - 1) >> 20; }
 
@@ -46,12 +64,13 @@ cl::Kernel Runtime::kernel(const std::vector<std::string>& files, const std::str
   const std::string options = option_text(defines, accuracy_);
   const std::string key = comma_separated(files) + " " + options;
   auto found = programs_.find(key);
-  if (found == programs_.end()) found = programs_.emplace(key, build(files, options)).first;
+  if (found == programs_.end()) found = programs_.emplace(key, build(files, options, name)).first;
   return guarded(fmt::format("creating the kernel {}", name),
                  [&] { return cl::Kernel(found->second, name.c_str()); });
 }
 
-cl::Program Runtime::build(const std::vector<std::string>& files, const std::string& options) {
+cl::Program Runtime::build(const std::vector<std::string>& files, const std::string& options,
+                           const std::string& kernel) {
   std::string source;
   for (const auto& file : files) source += kernel_sources().at(file);
   cl::Program program(context_, source);
@@ -59,9 +78,9 @@ cl::Program Runtime::build(const std::vector<std::string>& files, const std::str
     program.build({device_.info.handle}, options.c_str());
   } catch (const cl::Error& error) {
     throw device_error(
-        fmt::format("{} does not build for {} with {} ({}):\n{}", comma_separated(files),
-                    device_.info.name, options, opencl_error_name(error.err()),
-                    build_log(program, device_.info.handle)),
+        fmt::format("the kernel {} of {} does not build for {} with {} ({}):\n{}", kernel,
+                    comma_separated(files), device_.info.name, options,
+                    opencl_error_name(error.err()), build_log(program, device_.info.handle)),
         "choose another device with --device, and report this log");
   }
   return program;
@@ -89,13 +108,17 @@ void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global) {
 
 cl::Buffer Runtime::allocate_bytes(std::size_t bytes) {
   const auto doing = fmt::format("allocating {} MiB, with {} MiB in use already and {} MiB in all,",
-                                 mebibytes(bytes), mebibytes(allocated_bytes_),
+                                 mebibytes(bytes), mebibytes(*allocated_bytes_),
                                  mebibytes(device_.info.memory_bytes));
-  auto buffer = guarded(doing, [&] {
-    return cl::Buffer(context_, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 1));
+  return guarded(doing, [&] {
+    // Some drivers promise more than there is, and the process is killed when it is written to.
+    if (bytes > device_.info.memory_bytes -
+                    std::min<std::uint64_t>(*allocated_bytes_, device_.info.memory_bytes))
+      throw cl::Error(CL_MEM_OBJECT_ALLOCATION_FAILURE, "the device's memory");
+    cl::Buffer buffer(context_, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 1));
+    count_until_released(buffer, bytes, allocated_bytes_);
+    return buffer;
   });
-  allocated_bytes_ += bytes;
-  return buffer;
 }
 
 }  // namespace touchtrace

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <functional>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +37,10 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
+class Launch;
+/// Called with each Launch right after it was queued.
+using LaunchWatcher = std::function<void(const Launch&)>;
+
 /// One device with its context, one in-order queue, and the programs built for it.
 class Runtime {
  public:
@@ -46,8 +53,8 @@ class Runtime {
   const cl::Context& context() const { return context_; }
 
   /// A kernel of the program made of `files` of kernels/, in that order. Programs are built once a
-  /// runtime and set of defines. Throws device_error with device, options and log on a build
-  /// failure.
+  /// runtime and set of defines. Throws device_error with device, options, log and the kernel's
+  /// name on a build failure.
   cl::Kernel kernel(const std::vector<std::string>& files, const std::string& name,
                     const Defines& defines = {});
 
@@ -124,6 +131,10 @@ class Runtime {
   /// Waits until everything queued is done.
   void finish();
 
+  /// From now on `watcher` sees every launch; an empty one ends that.
+  void watch(LaunchWatcher watcher) { watcher_ = std::move(watcher); }
+  const LaunchWatcher& watcher() const { return watcher_; }
+
  private:
   /// The result of an OpenCL call; its errors become device_errors that say what was being done.
   template <class Call>
@@ -135,14 +146,18 @@ class Runtime {
     }
   }
   cl::Buffer allocate_bytes(std::size_t bytes);
-  cl::Program build(const std::vector<std::string>& files, const std::string& options);
+  cl::Program build(const std::vector<std::string>& files, const std::string& options,
+                    const std::string& kernel);
 
   ChosenDevice device_;
   Accuracy accuracy_;
   cl::Context context_;
   cl::CommandQueue queue_;
-  std::size_t allocated_bytes_ = 0;
+  /// In use now; shared with the buffers, which may live longer than the runtime.
+  std::shared_ptr<std::atomic<std::size_t>> allocated_bytes_ =
+      std::make_shared<std::atomic<std::size_t>>(0);
   std::map<std::string, cl::Program> programs_;
+  LaunchWatcher watcher_;
 };
 
 }  // namespace touchtrace

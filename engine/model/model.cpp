@@ -1,12 +1,26 @@
 #include "engine/model/model.h"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
+#include <fmt/core.h>
+
+#include "engine/base/error.h"
 
 namespace touchtrace {
+namespace {
 
-Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use)
+/// The same error, saying what the device was to hold.
+Error while_making(const ModelSpec& spec, int sequences, int steps, const Error& error) {
+  const auto windows = spec.touch ? fmt::format(" with windows of {} x {} x {}", spec.window_frames,
+                                                spec.rows, spec.cols)
+                                  : "";
+  return Error(error.code(),
+               fmt::format("a model for {} sequences of {} steps{}: {}", sequences, steps, windows,
+                           error.what()),
+               error.remedy());
+}
+
+}  // namespace
+
+Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use) try
     : runtime_(runtime), spec_(spec), sequences_(sequences), steps_(steps) {
   validate(spec);
   const bool training = use == Use::training;
@@ -27,6 +41,9 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   dynamics_ = std::make_unique<DynamicsMlp>(
       runtime, spec, *weights_, touch_ ? touch_->embedding() : Buffer<float>(), sequences, steps);
   if (training) plan_loss();
+} catch (const Error& error) {
+  if (error.code() != ExitCode::no_device) throw;
+  throw while_making(spec, sequences, steps, error);
 }
 
 void Model::plan_loss() {
@@ -69,30 +86,6 @@ void Model::backward() {
   if (!touch_) return;
   enqueue(runtime_, touch_->backward());
   encoder_->backward(touch_->grad_features(), gradient);
-}
-
-std::string Model::first_not_finite() {
-  std::vector<std::pair<std::string, Buffer<float>>> results{{"the weights", weights_->values}};
-  if (touch_) {
-    results.emplace_back("the tactile encoder's features", encoder_->features());
-    results.emplace_back("the tactile embedding", touch_->embedding());
-  }
-  results.emplace_back("the roll-out's states", states());
-  results.emplace_back("the roll-out's spread", spread());
-  results.emplace_back("the loss", loss_);
-  results.emplace_back("the gradient towards layer 2 of the dynamics MLP",
-                       dynamics_->gradients().d_h2);
-  results.emplace_back("the gradient towards layer 1 of the dynamics MLP",
-                       dynamics_->gradients().d_h1);
-  if (touch_) {
-    results.emplace_back("the gradient towards the tactile embedding", touch_->grad_embedding());
-    results.emplace_back("the gradient towards the tactile features", touch_->grad_features());
-  }
-  results.emplace_back("the gradient of the weights", weights_->gradient);
-  for (const auto& [name, buffer] : results)
-    if (!std::ranges::all_of(runtime_.download(buffer), [](float v) { return std::isfinite(v); }))
-      return name;
-  return {};
 }
 
 }  // namespace touchtrace

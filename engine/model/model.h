@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "engine/model/dynamics_mlp.h"
@@ -47,10 +46,6 @@ class Model {
   const Buffer<float>& states() const { return dynamics_->arrays().states; }  ///< [T + 1, S, 16]
   const Buffer<float>& spread() const { return dynamics_->arrays().spread; }  ///< [T, S, 16]
   const Buffer<float>& loss() const { return loss_; }                         ///< [1]
-
-  /// The first result of the last passes, in the order of computing, that holds a NaN or an
-  /// infinity; empty if all are finite.
-  std::string first_not_finite();
 
  private:
   void plan_loss();

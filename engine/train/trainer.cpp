@@ -3,21 +3,21 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 
 #include "engine/base/error.h"
 #include "engine/base/random.h"
+#include "engine/cl/watch.h"
 #include "engine/model/model.h"
 #include "engine/ops/adam.h"
 #include "engine/train/batch_rows.h"
+#include "engine/train/checkpoint_metadata.h"
 #include "engine/train/weight_file.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr const char* checkpoint_format = "touchtrace/checkpoint/1";
 constexpr const char* first_moment_name = "adam.first_moment";
 constexpr const char* second_moment_name = "adam.second_moment";
 
@@ -37,16 +37,20 @@ double learning_rate(const TrainOptions& options, int update) {
   return 0.5 * options.learning_rate * (1.0 + std::cos(std::numbers::pi * done));
 }
 
-/// Negative if the file is no checkpoint.
-int updates_of(const TensorFile& file) {
-  const auto format = file.metadata.find("format"), updates = file.metadata.find("updates");
-  if (format == file.metadata.end() || format->second != checkpoint_format ||
-      updates == file.metadata.end())
-    return -1;
-  int count = -1;
-  const auto& text = updates->second;
-  const auto end = text.data() + text.size();
-  return std::from_chars(text.data(), end, count).ptr == end ? count : -1;
+bool all_finite(std::span<const float> values) {
+  return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
+}
+
+/// The first part of a batch that is not finite; empty if all is. Labels of weight 0 do not count.
+std::string not_finite_part(const RolloutBatch& batch) {
+  if (!all_finite(batch.initial_state)) return "the initial states";
+  if (!all_finite(batch.weight)) return "the labels' weights";
+  const auto size = batch.target.size() / (std::size_t(batch.sequences) * batch.steps);
+  for (std::size_t i = 0; i * size < batch.target.size(); ++i)
+    if ((batch.weight.empty() || batch.weight[i] != 0.0f) &&
+        !all_finite(std::span(batch.target).subspan(i * size, size)))
+      return "the labels";
+  return {};
 }
 
 }  // namespace
@@ -59,7 +63,7 @@ struct Trainer::Plan {
   std::size_t frames;
   Buffer<float> stream;
   RandomStream dropout_keys;
-  int updates = 0;
+  UpdateCounts counts;
 
   Plan(Runtime& on, const ModelSpec& spec, const TrainOptions& wanted, int sequences, int steps,
        std::span<const float> tactile)
@@ -86,20 +90,43 @@ struct Trainer::Plan {
     write_targets(runtime, model, batch);
   }
 
-  double step() {
-    const std::uint32_t key = dropout_keys.block(static_cast<std::uint64_t>(updates))[0];
+  void pass() {
+    const auto number = static_cast<std::uint64_t>(counts.tried);
     model.prepare();
-    model.forward(stream, {options.taxel_dropout, key});
+    model.forward(stream, {options.taxel_dropout, dropout_keys.block(number)[0]});
     model.backward();
-    adam.enqueue({updates + 1, learning_rate(options, updates), options.clip_norm});
+  }
+
+  double step(const RolloutBatch& batch) {
+    pass();
+    adam.enqueue({counts.tried - counts.left_out + 1, learning_rate(options, counts.tried),
+                  options.clip_norm});
     const float loss = runtime.download(model.loss())[0], norm = runtime.download(adam.norm())[0];
-    if (!std::isfinite(loss) || !std::isfinite(norm))
-      throw failure(fmt::format("update {}: {} hold a value that is not finite", updates + 1,
-                                model.first_not_finite()),
-                    "lower the learning rate, or look for extreme values in the labels and the "
-                    "tactile frames; the weights are those before this update");
-    ++updates;
+    if (!std::isfinite(loss) || !std::isfinite(norm)) return leave_out(batch);
+    ++counts.tried;
+    counts.left_out_in_a_row = 0;
     return loss;
+  }
+
+  /// After an update that changed nothing, since it was not finite.
+  double leave_out(const RolloutBatch& batch) {
+    const auto problem = fmt::format("update {}: {} not finite", counts.tried + 1, culprit(batch));
+    if (counts.left_out_in_a_row >= options.skips_in_a_row)
+      throw failure(problem,
+                    "lower --learning-rate, look for extreme values in labels and tactile frames, "
+                    "or leave such updates out with --skip-not-finite; the weights are those "
+                    "before this update");
+    fmt::print(stderr, "warning: {}; it is left out\n", problem);
+    ++counts.tried, ++counts.left_out, ++counts.left_out_in_a_row;
+    return std::nan("");
+  }
+
+  std::string culprit(const RolloutBatch& batch) {
+    if (const auto part = not_finite_part(batch); !part.empty()) return part + " are";
+    if (!all_finite(runtime.download(model.weights().values))) return "the weights are";
+    if (stream.size() > 0 && !all_finite(runtime.download(stream))) return "the tactile frames are";
+    const auto name = first_not_finite(runtime, [&] { pass(); });
+    return name.empty() ? "the gradient's norm is" : fmt::format("what {} computes is", name);
   }
 };
 
@@ -111,10 +138,10 @@ Trainer::~Trainer() = default;
 
 double Trainer::update(const RolloutBatch& batch) {
   plan_->upload(batch);
-  return plan_->step();
+  return plan_->step(batch);
 }
 
-int Trainer::updates() const { return plan_->updates; }
+int Trainer::updates() const { return plan_->counts.tried; }
 
 void Trainer::save(const std::filesystem::path& path, const nlohmann::json& metadata,
                    bool overwrite) const {
@@ -128,36 +155,32 @@ void Trainer::save(const std::filesystem::path& path, const nlohmann::json& meta
                     overwrite);
 }
 
-void Trainer::save_checkpoint(const std::filesystem::path& path) const {
+void Trainer::save_checkpoint(const std::filesystem::path& path,
+                              const nlohmann::json& notes) const {
   const auto& model = plan_->model;
   const auto read = [&](const Buffer<float>& buffer) { return plan_->runtime.download(buffer); };
   auto tensors = tensors_of(model.table(), read(model.weights().values));
   for (const auto& [name, moment] : {std::pair{first_moment_name, plan_->adam.first_moment()},
                                      std::pair{second_moment_name, plan_->adam.second_moment()}})
     tensors.push_back({name, {moment.size()}, read(moment)});
-  write_safetensors(path,
-                    {{{"format", checkpoint_format},
-                      {"spec", nlohmann::json(model.spec()).dump()},
-                      {"updates", std::to_string(plan_->updates)}},
-                     std::move(tensors)},
+  write_safetensors(path, {to_metadata(model.spec(), {plan_->counts, notes}), std::move(tensors)},
                     true);
 }
 
 void Trainer::load_checkpoint(const std::filesystem::path& path) {
   const auto file = read_safetensors(path);
-  const auto& model = plan_->model;
-  const int updates = updates_of(file);
-  if (updates < 0)
-    throw data_error(path.string() + " is not a checkpoint",
-                     "name one that touchtrace train wrote");
-  const auto values = values_of(model.table(), file);
-  const auto write = [&](const char* name, const Buffer<float>& moment) {
-    plan_->runtime.write<float>(moment, file.at(name, moment.size()).values);
-  };
-  write(first_moment_name, plan_->adam.first_moment());
-  write(second_moment_name, plan_->adam.second_moment());
-  plan_->runtime.write<float>(model.weights().values, values);
-  plan_->updates = updates;
+  const auto counts = checkpoint_metadata(file, path).counts;
+  const auto values = values_of(plan_->model.table(), file);
+  const auto& first = file.at(first_moment_name, values.size()).values;
+  const auto& second = file.at(second_moment_name, values.size()).values;
+  plan_->runtime.write<float>(plan_->adam.first_moment(), first);
+  plan_->runtime.write<float>(plan_->adam.second_moment(), second);
+  plan_->runtime.write<float>(plan_->model.weights().values, values);
+  plan_->counts = counts;
+}
+
+nlohmann::json Trainer::checkpoint_notes(const std::filesystem::path& path) {
+  return checkpoint_metadata(read_safetensors(path), path).notes;
 }
 
 }  // namespace touchtrace

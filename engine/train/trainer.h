@@ -34,6 +34,7 @@ struct TrainOptions {
   double weight_decay = 0.1;    ///< decoupled (AdamW)
   double clip_norm = 1.0;       ///< of the whole gradient
   double taxel_dropout = 0.2;   ///< share of taxels blanked in an update
+  int skips_in_a_row = 0;       ///< updates left out before a loss that is not finite is an error
   std::uint64_t seed = 1;
 };
 
@@ -47,17 +48,24 @@ class Trainer {
   ~Trainer();
 
   /// One update of L1 + pinball(0.1) + pinball(0.9) (equation 4) by back-propagation through time.
-  /// Returns the mean loss before the update. Throws Error(failed) if it is not finite.
+  /// Returns the mean loss before the update. Where loss or gradient is not finite the weights
+  /// stay: the update is left out, with a warning and NaN for the loss, or throws Error(failed)
+  /// after `skips_in_a_row` of them. Both name the first operation that made such a value.
   double update(const RolloutBatch& batch);
-  /// Updates done so far.
+  /// Updates done so far, those left out included. The random streams and the place in the data
+  /// follow from this number alone.
   int updates() const;
 
   /// Weights in safetensors; `metadata` holds the spec, the scaling and the provenance.
   void save(const std::filesystem::path& path, const nlohmann::json& metadata,
             bool overwrite) const;
-  /// Weights, optimiser state and position, to go on exactly where it stopped.
-  void save_checkpoint(const std::filesystem::path& path) const;
+  /// Weights, optimiser state and position, to go on exactly where it stopped, in one file; `notes`
+  /// are the caller's.
+  void save_checkpoint(const std::filesystem::path& path, const nlohmann::json& notes = {}) const;
+  /// Throws data_error, and changes nothing, if it is another model's or damaged.
   void load_checkpoint(const std::filesystem::path& path);
+  /// The notes of a checkpoint alone. Throws data_error if it is none.
+  static nlohmann::json checkpoint_notes(const std::filesystem::path& path);
 
  private:
   struct Plan;

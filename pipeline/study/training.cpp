@@ -20,7 +20,6 @@ namespace touchtrace::study {
 namespace {
 
 constexpr int looks_in_a_run = 20;
-constexpr double checkpoint_period_s = 30.0;
 
 using Clock = std::chrono::steady_clock;
 
@@ -54,7 +53,7 @@ const TrainingLogEntry& best_of(const std::vector<TrainingLogEntry>& log) {
 /// What must be the same for a run to go on from a checkpoint.
 nlohmann::json identity(const Provenance& provenance) {
   nlohmann::json same{{"options", provenance.options}, {"inputs", nlohmann::json::array()}};
-  same["options"].erase("resume");
+  for (const char* harmless : {"resume", "checkpoint_seconds"}) same["options"].erase(harmless);
   for (const auto& input : provenance.inputs) same["inputs"].push_back(input.sha256);
   return same;
 }
@@ -94,17 +93,26 @@ class TrainingRun {
     try {
       train();
     } catch (const Error& error) {
-      if (error.code() != ExitCode::interrupted) throw;
-      save_checkpoint();
-      throw Error(ExitCode::interrupted,
-                  fmt::format("interrupted after {} updates", trainer_.updates()),
-                  "run the same command with --resume to go on");
+      if (error.code() == ExitCode::interrupted) stop_interrupted();
+      if (error.code() == ExitCode::no_device && checkpoint_.exists())
+        throw Error(error.code(), error.what(),
+                    fmt::format("{}; the checkpoint {} is whole: the same command with --resume "
+                                "goes on from it",
+                                error.remedy(), checkpoint_.path().string()));
+      throw;
     }
     return finish(overwrite);
   }
 
  private:
   int updates() const { return options_.optimizer.updates; }
+
+  [[noreturn]] void stop_interrupted() {
+    save_checkpoint();
+    throw Error(ExitCode::interrupted,
+                fmt::format("interrupted after {} updates", trainer_.updates()),
+                "run the same command with --resume to go on");
+  }
 
   void prepare(bool overwrite) {
     OutputFile(options_.output, overwrite);  // refuses now rather than after the training
@@ -121,7 +129,7 @@ class TrainingRun {
     while (trainer_.updates() < updates()) {
       const double loss = update();
       if (look_is_due()) look();
-      if (seconds_since(saved_) > checkpoint_period_s) save_checkpoint();
+      if (seconds_since(saved_) >= options_.checkpoint_s) save_checkpoint();
       progress.advance(1, fmt::format("loss {:.3f}", loss));
     }
   }
@@ -130,6 +138,7 @@ class TrainingRun {
     const auto start = Clock::now();
     const double loss = trainer_.update(sampler_.batch(trainer_.updates()));
     position_.seconds += seconds_since(start);
+    if (!std::isfinite(loss)) return loss;  // left out
     position_.loss_sum += loss;
     ++position_.loss_count;
     return loss;
@@ -144,12 +153,12 @@ class TrainingRun {
   /// Looks at the validation clips, and keeps the weights if they are the best so far.
   void look() {
     TrainingLogEntry entry{trainer_.updates(), position_.seconds,
-                           position_.loss_sum / position_.loss_count};
+                           position_.loss_sum / std::max(position_.loss_count, 1)};
     const auto& weights = scratch_.save(trainer_, card_);
     validation_.look(weights, entry);
     position_.log.push_back(entry);
     if (best_of(position_.log).update == entry.update)
-      std::filesystem::rename(weights, checkpoint_.best());
+      write_file(checkpoint_.best(), read_file(weights), true);
     position_.loss_sum = 0.0;
     position_.loss_count = 0;
   }

@@ -19,6 +19,7 @@ struct TrainingOptions {
   bool without_touch = false, resume = false;
   int window = 10, resolution = 32;
   int sequences = 8, steps = 20;
+  double checkpoint_s = 30.0;  ///< between checkpoints
   TrainOptions optimizer;
 };
 

@@ -16,8 +16,8 @@ struct TrainingPosition {
   int loss_count = 0;
 };
 
-/// The checkpoint of an unfinished run: weights and optimiser in one file, the position in another,
-/// the best weights so far in a third, all beside the output and each whole at any moment.
+/// The checkpoint of an unfinished run, one file beside the output that is whole at any moment, and
+/// the best weights so far in another.
 class Checkpoint {
  public:
   explicit Checkpoint(const std::filesystem::path& output);
@@ -28,12 +28,14 @@ class Checkpoint {
             const nlohmann::json& identity) const;
   /// Throws data_error if there is none or it is of a run with another identity.
   TrainingPosition load(Trainer& trainer, const nlohmann::json& identity) const;
-  /// Where the weights lie that did best on the validation clips.
+  const std::filesystem::path& path() const { return weights_; }
+  /// Where the weights lie that did best on the validation clips. Those of a run that was killed
+  /// may come from after its last checkpoint: going on makes them again before they are asked for.
   const std::filesystem::path& best() const { return best_; }
   void remove() const noexcept;
 
  private:
-  std::filesystem::path weights_, position_, best_;
+  std::filesystem::path weights_, best_;
 };
 
 }  // namespace touchtrace::study

@@ -21,6 +21,12 @@ void describe(OptionSet& set, TrainingOptions& o) {
   set.number("clip-norm", o.optimizer.clip_norm, "largest norm of a gradient", 1e-6, 1e6);
   set.number("taxel-dropout", o.optimizer.taxel_dropout, "share of taxels blanked in an update",
              0.0, 0.9);
+  set.integer(
+      "skip-not-finite", o.optimizer.skips_in_a_row,
+      "updates in a row that may be left out since loss or gradient are not finite; 0: stop "
+      "at the first",
+      0, 1000);
+  set.number("checkpoint-seconds", o.checkpoint_s, "between checkpoints, in s", 0.0, 1e6);
   set.seed("seed", o.optimizer.seed, "of the weights, the batches and the drop-out");
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/base/error.h"
+#include "engine/model/model.h"
 #include "engine/ops/operation_check.h"
 #include "engine/ops/self_test.h"
 
@@ -89,7 +90,24 @@ TEST(Runtime, SaysHowMuchMemoryWasWantedAndWhatLowersIt) {
   const auto error = error_of([&] { runtime.allocate<float>(std::size_t{1} << 46); });
   EXPECT_EQ(error.code(), ExitCode::no_device);
   EXPECT_TRUE(mentions(error.what(), "268435456 MiB")) << error.what();
-  EXPECT_TRUE(mentions(error.remedy(), "fewer sequences")) << error.remedy();
+  EXPECT_TRUE(mentions(error.remedy(), "--sequences")) << error.remedy();
+}
+
+TEST(Runtime, SaysWhatTheMemoryWasWantedFor) {
+  Runtime runtime(choose_device(""));
+  const auto error =
+      error_of([&] { Model(runtime, ModelSpec{}, 4096, 200, Model::Use::training); });
+  EXPECT_EQ(error.code(), ExitCode::no_device);
+  EXPECT_TRUE(mentions(error.what(), "4096 sequences of 200 steps with windows of 10 x 32 x 32"))
+      << error.what();
+}
+
+TEST(Runtime, CountsMemoryUntilItIsFree) {
+  Runtime runtime(choose_device(""));
+  const auto third = static_cast<std::size_t>(runtime.device().memory_bytes / 3);
+  for (int i = 0; i < 5; ++i) EXPECT_NO_THROW(runtime.allocate<char>(third)) << i;
+  const auto first = runtime.allocate<char>(third), second = runtime.allocate<char>(third);
+  EXPECT_THROW(runtime.allocate<char>(third + (1 << 20)), Error);
 }
 
 TEST(Runtime, ShowsDeviceOptionsAndLogOfAKernelThatDoesNotBuild) {
@@ -97,7 +115,8 @@ TEST(Runtime, ShowsDeviceOptionsAndLogOfAKernelThatDoesNotBuild) {
   const auto error = error_of([&] {
     runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak", {{"REAL", "nonsense"}});
   });
-  for (const auto* part : {"fma_peak.cl", "-D REAL=nonsense", "unknown type name", "nonsense16"})
+  for (const auto* part : {"the kernel fma_peak of", "fma_peak.cl", "-D REAL=nonsense",
+                           "unknown type name", "nonsense16"})
     EXPECT_TRUE(mentions(error.what(), part)) << error.what();
   EXPECT_TRUE(mentions(error.what(), runtime.device().name)) << error.what();
 }

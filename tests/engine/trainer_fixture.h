@@ -31,9 +31,8 @@ class TrainerTest : public ::testing::Test {
 struct NoiseRun {
   static constexpr int sequences = 3, steps = 4, frames = 40;
 
-  NoiseRun(Runtime& runtime, bool touch)
-      : spec(small_spec(touch)),
-        trainer(runtime, spec, options(), sequences, steps, stream(spec)) {}
+  NoiseRun(Runtime& runtime, bool touch, const TrainOptions& how = options())
+      : spec(small_spec(touch)), trainer(runtime, spec, how, sequences, steps, stream(spec)) {}
 
   static TrainOptions options() {
     TrainOptions o;
@@ -44,11 +43,13 @@ struct NoiseRun {
     RandomStream random(1, "stream");
     return noise_stream(spec, frames, random);
   }
+  /// That of the next update.
+  RolloutBatch batch() const {
+    RandomStream random(trainer.updates(), "batch");
+    return noise_batch(spec, sequences, steps, frames, random);
+  }
   void go_on_to(int update) {
-    while (trainer.updates() < update) {
-      RandomStream random(trainer.updates(), "batch");
-      trainer.update(noise_batch(spec, sequences, steps, frames, random));
-    }
+    while (trainer.updates() < update) trainer.update(batch());
   }
   std::string weights(const std::filesystem::path& path) {
     trainer.save(path, {}, true);

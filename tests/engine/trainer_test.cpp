@@ -1,5 +1,6 @@
 #include "engine/train/trainer.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 
@@ -21,7 +22,8 @@ TEST_F(TrainerTest, ResumesBitIdentically) {
     for (int stop : {1, 7}) {
       NoiseRun killed(runtime_, touch);
       killed.go_on_to(stop);
-      killed.trainer.save_checkpoint(folder_ / "checkpoint");
+      killed.trainer.save_checkpoint(folder_ / "checkpoint", {{"clips", 7}});
+      EXPECT_EQ(Trainer::checkpoint_notes(folder_ / "checkpoint").at("clips"), 7);
       NoiseRun resumed(runtime_, touch);
       resumed.go_on_to(3);
       resumed.trainer.load_checkpoint(folder_ / "checkpoint");
@@ -43,23 +45,63 @@ TEST_F(TrainerTest, RefusesAForeignCheckpoint) {
   EXPECT_EQ(run.weights(folder_ / "after"), before);
 }
 
-TEST_F(TrainerTest, StopsAtAValueThatIsNotFinite) {
-  NoiseRun run(runtime_, false);
-  run.go_on_to(2);
-  const auto before = run.weights(folder_ / "before");
-  RandomStream random(9, "batch");
-  auto batch = noise_batch(run.spec, run.sequences, run.steps, run.frames, random);
-  batch.initial_state[3] = std::numeric_limits<float>::infinity();
+bool says(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// What an update on `batch` says is not finite.
+std::string refusal(NoiseRun& run, const RolloutBatch& batch) {
   try {
     run.trainer.update(batch);
-    FAIL() << "trained on an infinite state";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::failed);
-    EXPECT_NE(std::string(error.what()).find("the roll-out's states"), std::string::npos)
-        << error.what();
+    return error.what();
   }
+  ADD_FAILURE() << "trained on what is not finite";
+  return {};
+}
+
+TEST_F(TrainerTest, StopsAtAValueThatIsNotFiniteAndNamesWhatMadeIt) {
+  NoiseRun run(runtime_, true);
+  run.go_on_to(2);
+  const auto before = run.weights(folder_ / "before");
+  const auto good = run.batch();
+  auto batch = good;
+  batch.initial_state[3] = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE(says(refusal(run, batch), "the initial states are not finite"));
+  batch = good, batch.target[7] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_TRUE(says(refusal(run, batch), "the labels are not finite"));
+  batch = good, batch.initial_state.assign(batch.initial_state.size(), 3e38f);
+  EXPECT_TRUE(says(refusal(run, batch), "what rollout computes is not finite"));
+  batch = good, batch.target[7] = 3e38f;
+  EXPECT_TRUE(says(refusal(run, batch), "what state_loss computes is not finite"));
   EXPECT_EQ(run.weights(folder_ / "after"), before);
   EXPECT_EQ(run.trainer.updates(), 2);
+  EXPECT_TRUE(std::isfinite(run.trainer.update(good)));
+}
+
+TEST_F(TrainerTest, LeavesOutSomeUpdatesInARowIfAskedTo) {
+  auto options = NoiseRun::options();
+  options.skips_in_a_row = 2;
+  NoiseRun run(runtime_, true, options), other(runtime_, true, options);
+  const auto good = run.batch();
+  auto bad = good;
+  bad.initial_state[3] = 3e38f;
+  run.trainer.update(good);
+  const auto before = run.weights(folder_ / "before");
+  EXPECT_TRUE(std::isnan(run.trainer.update(bad)));
+  EXPECT_TRUE(std::isnan(run.trainer.update(bad)));
+  EXPECT_EQ(run.weights(folder_ / "after"), before);
+  EXPECT_EQ(run.trainer.updates(), 3);
+  run.trainer.save_checkpoint(folder_ / "checkpoint");
+  refusal(run, bad);
+  run.trainer.update(good);
+  EXPECT_TRUE(std::isnan(run.trainer.update(bad))) << "a good update does not start the count anew";
+
+  other.trainer.load_checkpoint(folder_ / "checkpoint");
+  refusal(other, bad);
+  other.trainer.update(good);
+  EXPECT_EQ(other.weights(folder_ / "resumed"), run.weights(folder_ / "whole"));
 }
 
 TEST_F(TrainerTest, LabelsOfWeightZeroCountNothing) {

@@ -10,6 +10,7 @@ const std::vector<Operation>& operations() {
       channel_blocks_operation(),
       dense_operation(),
       layer_norm_operation(),
+      info_nce_operation(),
       rollout_operation(),
       state_loss_operation(),
       adam_operation(),

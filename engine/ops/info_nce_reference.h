@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+namespace touchtrace {
+
+struct InfoNceProblem {
+  int columns;
+  float temperature;  ///< 0: dot products
+  std::vector<double> embedding;
+  std::vector<int> object;
+  std::vector<double> weight;
+};
+
+struct InfoNceResult {
+  std::vector<double> row_loss, grad_embedding;  ///< the gradient of row_loss's sum
+};
+
+/// info_nce.h in plain loops.
+InfoNceResult info_nce_reference(const InfoNceProblem& problem);
+
+}  // namespace touchtrace

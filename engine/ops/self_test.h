@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/cl/runtime.h"
+#include "engine/ops/operation.h"
 
 namespace touchtrace {
 
@@ -18,17 +18,11 @@ struct OperationResult {
   bool holds() const;
 };
 
-/// Runs every row of the table of operations on a device against the references in double. Never
-/// throws for what the device does wrong: that is in the results.
+/// Runs an operation on a device against its reference in double. Never throws for what the device
+/// does wrong: that is in the result.
+OperationResult self_test(Runtime& runtime, const Operation& operation);
+
+/// The same for every row of the table of operations.
 std::vector<OperationResult> self_test(Runtime& runtime);
-
-/// PoCL in the place of a device that `fault` speaks against, with a warning on stderr. Throws
-/// device_error if there is no PoCL.
-ChosenDevice pocl_instead_of(const ChosenDevice& refused, const std::string& fault);
-
-/// choose_device(wish), tested first unless it is PoCL. A device that fails the test is refused
-/// with a warning on stderr, and PoCL is used instead. Throws device_error if there is no PoCL
-/// either.
-ChosenDevice usable_device(const std::string& wish);
 
 }  // namespace touchtrace

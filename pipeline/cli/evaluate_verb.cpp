@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/base/files.h"
-#include "engine/ops/self_test.h"
+#include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/evaluation.h"
 #include "pipeline/study/sessions.h"

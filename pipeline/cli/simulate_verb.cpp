@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/base/text.h"
-#include "engine/ops/self_test.h"
+#include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/scene/simulate.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/ops/self_test.h"
+#include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/study/sessions.h"
 #include "pipeline/study/training.h"

@@ -13,6 +13,7 @@ Verb evaluate_verb();
 Verb label_verb();
 Verb plan_verb();
 Verb report_verb();
+Verb self_test_verb();
 Verb simulate_verb();
 Verb train_verb();
 Verb verify_verb();

@@ -9,6 +9,7 @@
 #include "engine/train/verify_engine.h"
 #include "pipeline/acquire/verify_images.h"
 #include "pipeline/cli/verbs.h"
+#include "pipeline/cli/verify_processes.h"
 #include "pipeline/recording/verify_recording.h"
 #include "pipeline/report/figures_page.h"
 #include "pipeline/scene/verify_scene.h"
@@ -22,15 +23,24 @@ struct VerifyOptions {
   std::string area, report;
 };
 
+Verification engine_verification() {
+  return [](const std::function<void(Figure)>& emit) {
+    verify_processes(emit);
+    verify_engine()(emit);
+  };
+}
+
 /// One row an area: what a room promises, measured by the room itself.
 const std::map<std::string, Verification>& areas() {
   static const std::map<std::string, Verification> table{
       {"calibration", calibration_verification()},
-      {"engine", verify_engine()},
+      {"engine", engine_verification()},
+      {"first-step", verify_first_step()},
       {"labels", study::verify_labels()},
       {"recording", verify_recording()},
       {"scene", scene::verify_scene()},
       {"study", study::verify_study()},
+      {"weights", verify_weights()},
   };
   return table;
 }

@@ -44,14 +44,6 @@ TEST(Device, ThatDoesNotExistIsAnErrorWithAList) {
   EXPECT_TRUE(mentions(error.remedy(), list_devices().front().name)) << error.remedy();
 }
 
-TEST(Device, ThatIsRefusedIsReplacedByPoclWithAReason) {
-  auto refused = choose_device("");
-  refused.info.name = "liar 3000";
-  const auto chosen = pocl_instead_of(refused, "conv2d computes wrong values");
-  EXPECT_TRUE(chosen.info.is_pocl);
-  EXPECT_EQ(chosen.reason, "liar 3000 is refused: conv2d computes wrong values");
-}
-
 TEST(SelfTest, TakesNoWrongValueNoNanAndNoFault) {
   OperationResult result;
   EXPECT_TRUE(result.holds());

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace touchtrace {
+
+struct ChildResult {
+  int exit_code = -1;   ///< -1 where a signal ended it
+  int signal = 0;       ///< that ended it
+  bool silent = false;  ///< killed after it had printed nothing for too long
+  std::string output;   ///< stdout
+  double wall_seconds = 0.0, cpu_seconds = 0.0;
+
+  bool succeeded() const { return exit_code == 0; }
+  /// "ended by signal 11 (Segmentation fault)"
+  std::string ending() const;
+};
+
+/// Runs this very program again, with `arguments` and with `environment` put over its own, and
+/// waits for its end. It is killed once it has printed nothing for `silence_s`, or when the user
+/// asks to stop. stderr is shared. Throws failure if it cannot be started.
+ChildResult run_self(const std::vector<std::string>& arguments,
+                     const std::map<std::string, std::string>& environment, double silence_s);
+
+}  // namespace touchtrace

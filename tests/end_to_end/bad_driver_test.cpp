@@ -1,0 +1,58 @@
+// OpenCL drivers that fail, beside PoCL or in front of it: see tests/support/icd.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/program.h"
+#include "tests/support/scratch.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using touchtrace::testing::ProgramResult;
+using touchtrace::testing::run_program;
+
+class BadDriver : public ::testing::TestWithParam<std::pair<const char*, const char*>> {
+ protected:
+  void SetUp() override {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "vendors");
+    std::ofstream(folder_ / "vendors/faulty.icd") << FAULTY_ICD << "\n";
+    std::ofstream(folder_ / "vendors/pocl.icd") << "libpocl.so.2\n";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  ProgramResult run_beside_pocl(const char* way, const std::string& arguments) const {
+    return run_program(arguments, "OCL_ICD_VENDORS=" + at("vendors") + " FAULTY_ICD=" + way + " ");
+  }
+
+  fs::path folder_ = touchtrace::testing::scratch_folder();
+};
+
+TEST_P(BadDriver, IsRefusedLoudlyAndPoclIsUsed) {
+  const auto [way, complaint] = GetParam();
+  const auto result = run_beside_pocl(way, "simulate --minutes 0.01 " + at("scene.h5"));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("is refused"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find(complaint), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("computes instead"), std::string::npos) << result.output;
+  EXPECT_TRUE(fs::exists(at("scene.h5")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, BadDriver,
+                         ::testing::Values(std::pair("lies", "computes wrong values"),
+                                           std::pair("crashes", "signal 6"),
+                                           std::pair("hangs", "its test hangs"),
+                                           std::pair("unlisted", "signal 6")),
+                         [](const auto& way) { return std::string(way.param.first); });
+
+TEST_F(BadDriver, AloneIsAnError) {
+  const auto result =
+      run_program("self-test", std::string("FAULTY_ICD=lies OCL_ICD_VENDORS=") + FAULTY_ICD + " ");
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_NE(result.output.find("Faulty 3000"), std::string::npos) << result.output;
+}
+
+}  // namespace

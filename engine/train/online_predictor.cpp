@@ -45,7 +45,7 @@ struct OnlinePredictor::Plan {
   }
 
   void step() {
-    const std::int32_t last_frame = slot + file.spec.window_frames;
+    last_frame = slot + file.spec.window_frames;
     if (file.spec.touch) runtime.queue_write(model->input().last_frame, std::span(&last_frame, 1));
     runtime.queue_write(model->states(), state);
     model->forward(stream);

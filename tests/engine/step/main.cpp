@@ -1,61 +1,37 @@
-// One training step for peers and tests that stand outside the process: reads weights and a batch
-// from a safetensors file, so that PyTorch can compute the same, and writes gradients or weights as
-// another.
+// What peers and tests outside the process ask of the engine: reads weights and batches from a
+// safetensors file, so that PyTorch can compute the same.
 //
-//   engine_step PROBLEM gradient OUT   loss and gradient of the batch, no taxel blanked
-//   engine_step PROBLEM train N OUT    weights after N updates on the batch, from the trainer's own
-//   start engine_step PROBLEM time           for each number read from stdin: that many updates,
-//   and a line of
-//                                      "WALL CPU", milliseconds an update
-//
-// PROBLEM holds the metadata "spec" (JSON), "sequences", "steps" and the tensors first_frame [S],
-// stream [frames, rows, cols], initial_state [S, state], target [S, T, state], and for `gradient`
-// the weights.
+//   engine_step PROBLEM gradient OUT   loss and gradient of the first batch, no taxel blanked
+//   engine_step PROBLEM train N OUT    weights after N updates, from the trainer's own start
+//   engine_step PROBLEM time [OUT]     for each number N read: N updates, and a line "WALL CPU" of
+//                                      milliseconds an update; OUT gets the weights each time
+//   engine_step PROBLEM online         for each number N read: N steps of OnlinePredictor, a line
+//                                      of each one's microseconds, and the last state and spread;
+//                                      each starts from the first initial state, and the last one's
+//                                      frame is the first of first_frame
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <iostream>
 
 #include "engine/base/error.h"
 #include "engine/train/batch_rows.h"
+#include "engine/train/online_predictor.h"
 #include "engine/train/weight_file.h"
+#include "tests/engine/step/problem.h"
 
 using namespace touchtrace;
+using testing::Problem;
 
 namespace {
 
-struct Problem {
-  TensorFile file;
-  ModelSpec spec;
-  RolloutBatch batch;
-  std::vector<float> stream;
-
-  std::size_t frames() const { return stream.size() / (std::size_t(spec.rows) * spec.cols); }
-};
-
-std::vector<float> values(const TensorFile& file, const std::string& name) {
-  for (const auto& tensor : file.tensors)
-    if (tensor.name == name) return tensor.values;
-  return {};
-}
-
-Problem read_problem(const std::string& path) {
-  Problem p{read_safetensors(path), {}, {}, {}};
-  p.spec = nlohmann::json::parse(p.file.metadata.at("spec")).get<ModelSpec>();
-  p.batch.sequences = std::stoi(p.file.metadata.at("sequences"));
-  p.batch.steps = std::stoi(p.file.metadata.at("steps"));
-  for (float frame : values(p.file, "first_frame")) p.batch.first_frame.push_back(int(frame));
-  p.batch.initial_state = values(p.file, "initial_state");
-  p.batch.target = values(p.file, "target");
-  p.stream = values(p.file, "stream");
-  return p;
-}
-
 void write_gradient(Runtime& runtime, const Problem& p, const std::string& out) {
-  Model model(runtime, p.spec, p.batch.sequences, p.batch.steps, Model::Use::training);
+  const auto& batch = p.batches.at(0);
+  Model model(runtime, p.spec, batch.sequences, batch.steps, Model::Use::training);
   runtime.write<float>(model.weights().values, values_of(model.table(), p.file));
-  write_windows(runtime, model, {p.batch}, p.frames());
-  write_initial_states(runtime, model, {p.batch}, p.batch.initial_state);
-  write_targets(runtime, model, p.batch);
+  write_windows(runtime, model, {batch}, p.frames());
+  write_initial_states(runtime, model, {batch}, batch.initial_state);
+  write_targets(runtime, model, batch);
   model.prepare();
   model.forward(runtime.upload<float>(p.stream));
   model.backward();
@@ -64,41 +40,86 @@ void write_gradient(Runtime& runtime, const Problem& p, const std::string& out) 
   write_safetensors(out, {{}, std::move(tensors)}, true);
 }
 
-Trainer make_trainer(Runtime& runtime, const Problem& p) {
-  return Trainer(runtime, p.spec, {}, p.batch.sequences, p.batch.steps, p.stream);
-}
+/// Updates on the problem's batches, one after the other and again from the first.
+class Training {
+ public:
+  Training(Runtime& runtime, const Problem& p)
+      : problem_(p),
+        trainer_(runtime, p.spec, p.options, p.batches.at(0).sequences, p.batches.at(0).steps,
+                 p.stream) {}
+
+  void go_on(int updates) {
+    for (int i = 0; i < updates; ++i)
+      trainer_.update(problem_.batches[std::size_t(trainer_.updates()) % problem_.batches.size()]);
+  }
+  void save(const std::string& out) const { trainer_.save(out, {}, true); }
+
+ private:
+  const Problem& problem_;
+  Trainer trainer_;
+};
 
 void train(Runtime& runtime, const Problem& p, int updates, const std::string& out) {
-  auto trainer = make_trainer(runtime, p);
-  while (trainer.updates() < updates) trainer.update(p.batch);
-  trainer.save(out, {}, true);
+  Training training(runtime, p);
+  training.go_on(updates);
+  training.save(out);
 }
 
-void time_updates(Runtime& runtime, const Problem& p) {
-  auto trainer = make_trainer(runtime, p);
+void time_updates(Runtime& runtime, const Problem& p, const std::string& out) {
+  Training training(runtime, p);
   for (int updates; std::cin >> updates;) {
     const Stopwatch stopwatch;
-    for (int i = 0; i < updates; ++i) trainer.update(p.batch);
-    std::cout << 1e3 * stopwatch.wall_seconds() / updates << ' '
-              << 1e3 * stopwatch.cpu_seconds() / updates << std::endl;
+    training.go_on(updates);
+    const double wall = stopwatch.wall_seconds(), cpu = stopwatch.cpu_seconds();
+    if (!out.empty()) training.save(out);
+    std::cout << 1e3 * wall / updates << ' ' << 1e3 * cpu / updates << std::endl;
   }
 }
 
-int run(const std::vector<std::string>& arguments) {
-  const auto problem = read_problem(arguments.at(0));
-  Runtime runtime(choose_device(""));
+std::span<const float> frame(const Problem& p, int number) {
+  const auto size = p.stream.size() / p.frames();
+  return std::span(p.stream).subspan(std::size_t(number) * size, size);
+}
+
+void time_online(const std::string& path, const Problem& p) {
+  Runtime runtime(choose_device_for_small_steps());
+  OnlinePredictor predictor(runtime, path);
+  const auto initial = std::span(p.batches.at(0).initial_state).first(std::size_t(p.spec.state));
+  const int frames = int(p.frames()), last = p.batches.at(0).first_frame.at(0);
+  for (int steps; std::cin >> steps;) {
+    std::vector<double> microseconds;
+    OnlinePredictor::Step result;
+    for (int i = 1; i <= steps; ++i) {
+      predictor.set_state(initial);
+      const auto now = frame(p, (last + steps / frames * frames + frames - steps + i) % frames);
+      const Stopwatch stopwatch;
+      result = predictor.step(now);
+      microseconds.push_back(1e6 * stopwatch.wall_seconds());
+    }
+    fmt::print("{:.1f}\n{} {}\n", fmt::join(microseconds, " "), fmt::join(result.state, " "),
+               fmt::join(result.spread, " "));
+    std::fflush(stdout);
+  }
+}
+
+void run(const std::vector<std::string>& arguments) {
+  const auto& path = arguments.at(0);
+  const auto problem = testing::read_problem(path);
   const auto& mode = arguments.at(1);
+  if (mode == "online") return time_online(path, problem);
+  Runtime runtime(choose_device(""));
   if (mode == "gradient") write_gradient(runtime, problem, arguments.at(2));
   if (mode == "train") train(runtime, problem, std::stoi(arguments.at(2)), arguments.at(3));
-  if (mode == "time") time_updates(runtime, problem);
-  return 0;
+  if (mode == "time")
+    time_updates(runtime, problem, arguments.size() > 2 ? arguments[2] : std::string());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   try {
-    return run({argv + 1, argv + argc});
+    run({argv + 1, argv + argc});
+    return 0;
   } catch (const Error& error) {
     fmt::print(stderr, "engine_step: {}\n{}\n", error.what(), error.remedy());
     return static_cast<int>(error.code());

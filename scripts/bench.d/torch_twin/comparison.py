@@ -1,0 +1,56 @@
+"""Figure 1: loss and gradient of a 20-step roll-out against PyTorch in double."""
+import os
+import subprocess
+
+import torch
+from safetensors.numpy import load_file
+
+from .model import Model, loss_of, windows_of
+from .problem import noise_problem, weights_of
+
+# How near to a kink of ReLU, L1 or pinball float may take the other side, which changes the gradient by far
+# more than rounding does: sums of the MLP and the loss after 20 steps, and sums of the convolutions.
+MLP_MARGIN, CONVOLUTION_MARGIN = 5e-6, 5e-7
+
+
+def loss_in_double(problem, model):
+    """The loss, and the distance of the nearest kink in units of its margin."""
+    distances, hooks = [], []
+
+    def watch(module, margin):
+        hooks.append(module.register_forward_hook(
+            lambda _, inputs, out: distances.append((out.abs().min() / margin).item())))
+
+    for i in (1, 2, 3):
+        watch(model.tactile[f"conv{i}"], CONVOLUTION_MARGIN)
+    watch(model.dynamics[2], MLP_MARGIN)
+    hooks.append(model.dynamics[1].register_forward_pre_hook(
+        lambda _, inputs: distances.append((inputs[0].abs().min() / MLP_MARGIN).item())))
+    last, initial, target, weight = problem.batch(0, torch.float64)
+    states, spread = model(windows_of(problem.frames(torch.float64), last), initial, problem.steps)
+    for hook in hooks:
+        hook.remove()
+    for side in (-1, 0, 1):
+        distances.append(((target - states + side * spread).abs().min() / MLP_MARGIN).item())
+    return loss_of(states, spread, target, weight), min(distances)
+
+
+def compare(engine_step, folder, seed):
+    """Relative error of loss and of the whole gradient against double, for one roll-out away from kinks."""
+    distance = 0.0
+    while not distance > 1.0:
+        torch.manual_seed(seed)
+        problem, model = noise_problem(1, seed), Model()
+        path, out = os.path.join(folder, "problem"), os.path.join(folder, "gradient")
+        problem.save(path, weights_of(model))
+        loss, distance = loss_in_double(problem, model.double())
+        seed += 1
+    loss.backward()
+    subprocess.run([engine_step, path, "gradient", out], check=True)
+    engine = load_file(out)
+    off = total = 0.0
+    for name, parameter in model.named_parameters():
+        grad = parameter.grad.numpy()
+        off += ((engine[name] - grad) ** 2).sum()
+        total += (grad ** 2).sum()
+    return abs(engine["loss"].item() - loss.item()) / loss.item(), (off / total) ** 0.5

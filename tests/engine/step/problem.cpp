@@ -1,0 +1,69 @@
+#include "tests/engine/step/problem.h"
+
+#include <nlohmann/json.hpp>
+
+namespace touchtrace::testing {
+namespace {
+
+/// One of the file's tensors, cut into parts of the same size; empty parts if there is none.
+class Parts {
+ public:
+  Parts(const TensorFile& file, const std::string& name, std::size_t parts) : parts_(parts) {
+    for (const auto& tensor : file.tensors)
+      if (tensor.name == name) values_ = tensor.values;
+  }
+  template <class T = float>
+  std::vector<T> part(std::size_t number) const {
+    const auto size = static_cast<std::ptrdiff_t>(values_.size() / parts_);
+    const auto begin = values_.begin() + static_cast<std::ptrdiff_t>(number) * size;
+    return {begin, begin + size};
+  }
+  std::size_t size() const { return values_.size(); }
+
+ private:
+  std::size_t parts_;
+  std::vector<float> values_;
+};
+
+TrainOptions options_of(const TensorFile& file) {
+  TrainOptions options;
+  const auto found = file.metadata.find("options");
+  if (found == file.metadata.end()) return options;
+  const auto json = nlohmann::json::parse(found->second);
+  options.updates = json.value("updates", options.updates);
+  options.learning_rate = json.value("learning_rate", options.learning_rate);
+  options.weight_decay = json.value("weight_decay", options.weight_decay);
+  options.seed = json.value("seed", options.seed);
+  return options;
+}
+
+std::vector<RolloutBatch> batches_of(const TensorFile& file, int state) {
+  const int sequences = std::stoi(file.metadata.at("sequences")),
+            steps = std::stoi(file.metadata.at("steps"));
+  const std::size_t count =
+      Parts(file, "initial_state", 1).size() / (std::size_t(sequences) * state);
+  const Parts first_frame(file, "first_frame", count), initial(file, "initial_state", count),
+      target(file, "target", count), weight(file, "weight", count);
+  std::vector<RolloutBatch> batches;
+  for (std::size_t i = 0; i < count; ++i)
+    batches.push_back({.sequences = sequences,
+                       .steps = steps,
+                       .first_frame = first_frame.part<std::int32_t>(i),
+                       .initial_state = initial.part(i),
+                       .target = target.part(i),
+                       .weight = weight.part(i)});
+  return batches;
+}
+
+}  // namespace
+
+Problem read_problem(const std::string& path) {
+  Problem p{read_safetensors(path), {}, {}, {}, {}};
+  p.spec = nlohmann::json::parse(p.file.metadata.at("spec")).get<ModelSpec>();
+  p.options = options_of(p.file);
+  p.batches = batches_of(p.file, p.spec.state);
+  p.stream = Parts(p.file, "stream", 1).part(0);
+  return p;
+}
+
+}  // namespace touchtrace::testing

@@ -61,12 +61,29 @@ Runtime::Runtime(ChosenDevice device, Accuracy accuracy) try
 
 cl::Kernel Runtime::kernel(const std::vector<std::string>& files, const std::string& name,
                            const Defines& defines) {
-  const std::string options = option_text(defines, accuracy_);
-  const std::string key = comma_separated(files) + " " + options;
+  const Recipe recipe = recipe_of(files, defines);
+  const std::string options = option_text(recipe.defines, accuracy_);
+  const std::string key = comma_separated(recipe.files) + " " + options;
   auto found = programs_.find(key);
-  if (found == programs_.end()) found = programs_.emplace(key, build(files, options, name)).first;
+  if (found == programs_.end())
+    found = programs_.emplace(key, build(recipe.files, options, name)).first;
   return guarded(fmt::format("creating the kernel {}", name),
                  [&] { return cl::Kernel(found->second, name.c_str()); });
+}
+
+void Runtime::bundle(std::vector<std::string> files, Defines defines) {
+  bundles_.push_back({std::move(files), std::move(defines)});
+}
+
+Runtime::Recipe Runtime::recipe_of(const std::vector<std::string>& files,
+                                   const Defines& defines) const {
+  const auto holds = [&](const Recipe& bundle) {
+    return std::ranges::all_of(
+               files, [&](const auto& f) { return std::ranges::count(bundle.files, f) > 0; }) &&
+           std::ranges::includes(bundle.defines, defines);
+  };
+  const auto found = std::ranges::find_if(bundles_, holds);
+  return found == bundles_.end() ? Recipe{files, defines} : *found;
 }
 
 cl::Program Runtime::build(const std::vector<std::string>& files, const std::string& options,

@@ -57,6 +57,9 @@ class Runtime {
   /// name on a build failure.
   cl::Kernel kernel(const std::vector<std::string>& files, const std::string& name,
                     const Defines& defines = {});
+  /// From now on kernels of some of these files with some of these defines come from one program of
+  /// them all: a program costs far more to build than a kernel.
+  void bundle(std::vector<std::string> files, Defines defines);
 
   template <class T>
   Buffer<T> allocate(std::size_t size) {
@@ -146,6 +149,14 @@ class Runtime {
     }
   }
   cl::Buffer allocate_bytes(std::size_t bytes);
+  /// What a program is made of.
+  struct Recipe {
+    std::vector<std::string> files;
+    Defines defines;
+  };
+
+  /// The bundle that holds these, or they alone.
+  Recipe recipe_of(const std::vector<std::string>& files, const Defines& defines) const;
   cl::Program build(const std::vector<std::string>& files, const std::string& options,
                     const std::string& kernel);
 
@@ -156,6 +167,7 @@ class Runtime {
   /// In use now; shared with the buffers, which may live longer than the runtime.
   std::shared_ptr<std::atomic<std::size_t>> allocated_bytes_ =
       std::make_shared<std::atomic<std::size_t>>(0);
+  std::vector<Recipe> bundles_;
   std::map<std::string, cl::Program> programs_;
   LaunchWatcher watcher_;
 };

@@ -18,11 +18,25 @@ Error while_making(const ModelSpec& spec, int sequences, int steps, const Error&
                error.remedy());
 }
 
+/// Puts the operations that are small, and needed by every model, into one program.
+void bundle_programs(Runtime& runtime, const ModelSpec& spec, Model::Use use) {
+  std::vector<std::string> files{"common.clh",   "tile.clh",   "dense.cl",
+                                 "dynamics.clh", "rollout.cl", "rollout_backward.cl"};
+  Defines defines{{"HIDDEN", std::to_string(spec.hidden)}, {"STATE", std::to_string(spec.state)}};
+  if (use == Model::Use::training) files.insert(files.end(), {"state_loss.cl", "adam.cl"});
+  if (spec.touch) {
+    files.push_back("layer_norm.cl");
+    defines["COLUMNS"] = std::to_string(spec.embedding);
+  }
+  runtime.bundle(std::move(files), std::move(defines));
+}
+
 }  // namespace
 
 Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use) try
     : runtime_(runtime), spec_(spec), sequences_(sequences), steps_(steps) {
   validate(spec);
+  bundle_programs(runtime, spec, use);
   const bool training = use == Use::training;
   const int rows = sequences * steps;
   if (spec.touch) {

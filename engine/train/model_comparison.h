@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "engine/model/model_reference.h"
 #include "engine/train/trainer.h"
@@ -18,8 +19,16 @@ struct ModelComparison {
   double gradient_error() const;  ///< relative, in norm; NaN if the device gives one
 };
 
+/// `frame_value` changes the values of the noise that the tactile frames hold; empty: none.
 ModelComparison compare_model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
-                              const TaxelDropout& dropout, std::uint64_t seed);
+                              const TaxelDropout& dropout, std::uint64_t seed,
+                              const std::function<float(float)>& frame_value = {});
+
+/// The first comparison from `seed` on, which moves there, in which float and double pass every
+/// kink of the dynamics MLP and the loss on the same side.
+ModelComparison compare_away_from_kinks(Runtime& runtime, const ModelSpec& spec, int sequences,
+                                        int steps, std::uint32_t& seed,
+                                        const std::function<float(float)>& frame_value = {});
 
 /// ||actual - reference|| / ||reference||
 double relative_distance(const std::vector<double>& actual, const std::vector<double>& reference);

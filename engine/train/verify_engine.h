@@ -17,6 +17,8 @@ void verify_contrast(const std::function<void(Figure)>& emit);
 void verify_encoder(const std::function<void(Figure)>& emit);
 /// The whole model: gradient against double, and seconds of a step.
 void verify_training(const std::function<void(Figure)>& emit);
+/// Inputs and sizes at which something could go wrong; what subnormal numbers cost.
+void verify_extremes(const std::function<void(Figure)>& emit);
 /// The same bits from the same seed, and when stopped and resumed.
 void verify_bits(const std::function<void(Figure)>& emit);
 

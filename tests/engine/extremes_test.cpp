@@ -1,0 +1,16 @@
+#include <gtest/gtest.h>
+
+#include "engine/train/verify_engine.h"
+
+namespace touchtrace {
+namespace {
+
+TEST(Extremes, EveryFigureHolds) {
+  verify_extremes([](const Figure& figure) {
+    EXPECT_TRUE(figure.holds()) << figure.name << ": " << figure.value << ", goal "
+                                << figure.goal_text();
+  });
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -1,10 +1,10 @@
 // Dense layers and their gradients as one GEMM; lanes run over the columns of C.
 //
-//   gemm:        C[m][n] = bias[n] + sum_k A(m, k) B[k][n],  A(m, k) = a[a_at + m * a_row + k * a_step]
+//   gemm:        C[m][n] = bias[m % bias_rows][n] + sum_k A(m, k) B[k][n],  A(m, k) = a[a_at + m * a_row + k * a_step]
 //   pack:        to[i][j] = from[from_at + i * from_row + j * from_step], 0 where j >= columns
 //   column_sums: sums[n] = sum_m a[m][n]
 //
-// Rows of B and of A in column_sums must be readable up to the next multiple of 16 columns.
+// Rows of B, of bias and of A in column_sums must be readable up to the next multiple of 16 columns.
 
 static void store_wide(wide_tile t, int row, int rows, __global real* c, int ld) {
 #define STORE(r)                                            \
@@ -24,22 +24,33 @@ static void store_narrow(narrow_tile t, int columns, int row, int rows, __global
 #undef STORE
 }
 
-// One work-item computes 4 x 64 of C. `biased` 0: `bias` is not read.
+// The rows that row `first` and the next three start from: those of `matrix` again and again.
+static row_pointers repeated_rows_of(__global const real* matrix, int ld, int first, int rows) {
+  row_pointers p;
+#define POINT(r) p.x##r = matrix + (size_t)((first + r) % rows) * ld;
+  ROWS(POINT)
+#undef POINT
+  return p;
+}
+
+// One work-item computes 4 x 64 of C. `bias_rows` 0: `bias` is not read.
 __kernel void gemm(__global const real* a, int a_at, int a_row, int a_step, __global const real* b,
-                   int b_at, int b_ld, __global const real* bias, int bias_at, int biased,
-                   __global real* c, int c_at, int c_ld, int rows, int columns, int count) {
+                   int b_at, int b_ld, __global const real* bias, int bias_at, int bias_ld,
+                   int bias_rows, __global real* c, int c_at, int c_ld, int rows, int columns,
+                   int count) {
   const int row = get_global_id(0) * 4;
   int n = get_global_id(1) * 64;
   const row_pointers x = rows_of(a + a_at, a_row, row, rows);
-  b += b_at, bias += bias_at, c += c_at;
+  const row_pointers start = repeated_rows_of(bias + bias_at, bias_ld, row, max(bias_rows, 1));
+  b += b_at, c += c_at;
   if (columns - n >= 64) {
-    wide_tile t = biased ? load_wide(rows_of(bias + n, 0, 0, 1)) : zero_wide();
+    wide_tile t = bias_rows ? load_wide(shifted(start, n)) : zero_wide();
     t = multiply_wide(t, x, a_step, b + n, b_ld, count);
     store_wide(t, row, rows, c + n, c_ld);
     return;
   }
   for (; n < columns; n += 16) {
-    narrow_tile t = fill_narrow(biased ? vload16(0, bias + n) : (real16)(0));
+    narrow_tile t = bias_rows ? load_narrow(shifted(start, n)) : fill_narrow((real16)(0));
     t = multiply_narrow(t, x, a_step, b + n, b_ld, count);
     store_narrow(t, columns - n, row, rows, c + n, c_ld);
   }

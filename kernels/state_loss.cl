@@ -31,10 +31,3 @@ __kernel void state_loss(__global const real* states, __global const real* sprea
   vstore16(-scale * (sign(d) + slope_low + slope_high), row, grad_state);
   vstore16(scale * (slope_low - slope_high), row, grad_spread);
 }
-
-// total[0] = the sum of n values, in their order.
-__kernel void sum(__global const real* values, int n, __global real* total) {
-  real result = 0;
-  for (int i = 0; i < n; ++i) result += values[i];
-  total[0] = result;
-}

@@ -30,16 +30,17 @@ RolloutArrays allocate(Runtime& runtime, const ModelSpec& spec, int sequences, i
 }  // namespace
 
 void DynamicsMlp::declare(const ModelSpec& spec, ParameterTable& table) {
-  add_layer(table, "dynamics.0", spec.hidden, spec.state + (spec.touch ? spec.embedding : 0));
+  const int embeddings = (spec.touch ? 1 : 0) + (spec.object != ObjectEncoder::none ? 1 : 0);
+  add_layer(table, "dynamics.0", spec.hidden, spec.state + embeddings * spec.embedding);
   add_layer(table, "dynamics.2", spec.hidden, spec.hidden);
   add_layer(table, "dynamics.4", 2 * spec.state, spec.hidden);
 }
 
 DynamicsMlp::DynamicsMlp(Runtime& runtime, const ModelSpec& spec, const Weights& weights,
-                         const Buffer<float>& embedding, int sequences, int steps)
+                         const Embeddings& embeddings, int sequences, int steps)
     : spec_(spec),
       weights_(weights),
-      embedding_(embedding),
+      embeddings_(embeddings),
       arrays_(allocate(runtime, spec, sequences, steps)) {
   arrays_.parameters = weights.values;
   arrays_.b2_at = weights.value("dynamics.2.bias").at;
@@ -47,7 +48,12 @@ DynamicsMlp::DynamicsMlp(Runtime& runtime, const ModelSpec& spec, const Weights&
   arrays_.w3_at = weights.value("dynamics.4.weight").at;
   arrays_.first = weights.value("dynamics.0.bias");
   plan_prepare(runtime);
-  if (spec.touch) plan_hoisted(runtime);
+  if (has_object())
+    arrays_.first =
+        plan_hoisted(runtime, embeddings.object, object_column(), arrays_.first, sequences, 1);
+  if (spec.touch)
+    arrays_.first = plan_hoisted(runtime, embeddings.touch, touch_column(), arrays_.first,
+                                 sequences * steps, has_object() ? sequences : 1);
   forward_.push_back(rollout(runtime, arrays_));
 }
 
@@ -66,21 +72,21 @@ void DynamicsMlp::plan_prepare(Runtime& runtime) {
   }
 }
 
-void DynamicsMlp::plan_hoisted(Runtime& runtime) {
-  const int rows = arrays_.sequences * arrays_.steps, hidden = spec_.hidden;
-  const MatrixView by_input{runtime.allocate<float>(std::size_t(spec_.embedding) * hidden), 0,
-                            hidden};
-  const auto weight = weights_.value("dynamics.0.weight").from_column(spec_.state);
-  prepare_.push_back(pack(runtime, weight.transposed(), by_input, spec_.embedding, hidden, hidden));
-  arrays_.first = {runtime.allocate<float>(std::size_t(rows) * hidden), 0, hidden};
-  forward_ = {gemm(runtime, {embedding_, 0, spec_.embedding}, by_input,
-                   weights_.value("dynamics.0.bias"), arrays_.first, rows, hidden,
-                   spec_.embedding)};
+MatrixView DynamicsMlp::plan_hoisted(Runtime& runtime, const Buffer<float>& inputs, int column,
+                                     const MatrixView& start, int rows, int start_rows) {
+  const int hidden = spec_.hidden, size = spec_.embedding;
+  const MatrixView by_input{runtime.allocate<float>(std::size_t(size) * hidden), 0, hidden};
+  const auto weight = weights_.value("dynamics.0.weight").from_column(column);
+  prepare_.push_back(pack(runtime, weight.transposed(), by_input, size, hidden, hidden));
+  const MatrixView sums{runtime.allocate<float>(std::size_t(rows) * hidden), 0, hidden};
+  forward_.push_back(
+      gemm(runtime, {inputs, 0, size}, by_input, start, sums, rows, hidden, size, start_rows));
+  return sums;
 }
 
-void DynamicsMlp::plan_backward(Runtime& runtime, const Buffer<float>& grad_embedding) {
+void DynamicsMlp::plan_backward(Runtime& runtime, const Embeddings& grad) {
   const auto rows = std::size_t(arrays_.sequences) * arrays_.steps;
-  const int state = spec_.state, hidden = spec_.hidden, size = spec_.embedding;
+  const int state = spec_.state, hidden = spec_.hidden;
   gradients_ = {.grad_state = runtime.allocate<float>(rows * state_lanes),
                 .grad_spread = runtime.allocate<float>(rows * state_lanes),
                 .w1 = runtime.allocate<float>(std::size_t(hidden) * state_lanes),
@@ -93,8 +99,29 @@ void DynamicsMlp::plan_backward(Runtime& runtime, const Buffer<float>& grad_embe
   backward_ = {rollout_backward(runtime, arrays_, gradients_)};
   plan_weight_gradients(runtime);
   if (spec_.touch)
-    backward_.push_back(gemm(runtime, {gradients_.d_h1, 0, hidden}, w1.from_column(state), {},
-                             {grad_embedding, 0, size}, int(rows), size, hidden));
+    plan_embedding_gradients(runtime, {gradients_.d_h1, 0, hidden}, int(rows), touch_column(),
+                             embeddings_.touch, grad.touch);
+  if (!has_object()) return;
+  // One row a sequence: the sum over the steps, whose rows lie side by side.
+  const MatrixView sums{runtime.allocate<float>(std::size_t(arrays_.sequences) * hidden), 0,
+                        hidden};
+  const int row = arrays_.sequences * hidden;
+  backward_.push_back(column_sums(runtime, {gradients_.d_h1, 0, row}, sums, arrays_.steps, row));
+  plan_embedding_gradients(runtime, sums, arrays_.sequences, object_column(), embeddings_.object,
+                           grad.object);
+}
+
+void DynamicsMlp::plan_embedding_gradients(Runtime& runtime, const MatrixView& grad_sums, int rows,
+                                           int column, const Buffer<float>& inputs,
+                                           const Buffer<float>& grad_inputs) {
+  const int hidden = spec_.hidden, size = spec_.embedding;
+  backward_.push_back(gemm(runtime, grad_sums.transposed(), {inputs, 0, size}, {},
+                           weights_.grad("dynamics.0.weight").from_column(column), hidden, size,
+                           rows));
+  if (grad_inputs.size() > 0)
+    backward_.push_back(gemm(runtime, grad_sums,
+                             weights_.value("dynamics.0.weight").from_column(column), {},
+                             {grad_inputs, 0, size}, rows, size, hidden));
 }
 
 void DynamicsMlp::plan_weight_gradients(Runtime& runtime) {
@@ -118,8 +145,6 @@ void DynamicsMlp::plan_weight_gradients(Runtime& runtime) {
   add_bias(d_h2, weights_.grad("dynamics.2.bias"), hidden);
   add(d_h1, {arrays_.states, 0, state_lanes}, w1, hidden, state);
   add_bias(d_h1, weights_.grad("dynamics.0.bias"), hidden);
-  if (spec_.touch)
-    add(d_h1, {embedding_, 0, spec_.embedding}, w1.from_column(state), hidden, spec_.embedding);
 }
 
 }  // namespace touchtrace

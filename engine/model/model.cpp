@@ -3,6 +3,9 @@
 #include <fmt/core.h>
 
 #include "engine/base/error.h"
+#include "engine/ops/info_nce.h"
+#include "engine/ops/state_loss.h"
+#include "engine/ops/sum.h"
 
 namespace touchtrace {
 namespace {
@@ -23,10 +26,15 @@ void bundle_programs(Runtime& runtime, const ModelSpec& spec, Model::Use use) {
   std::vector<std::string> files{"common.clh",   "tile.clh",   "dense.cl",
                                  "dynamics.clh", "rollout.cl", "rollout_backward.cl"};
   Defines defines{{"HIDDEN", std::to_string(spec.hidden)}, {"STATE", std::to_string(spec.state)}};
-  if (use == Model::Use::training) files.insert(files.end(), {"state_loss.cl", "adam.cl"});
+  if (use == Model::Use::training)
+    files.insert(files.end(), {"state_loss.cl", "sum.cl", "adam.cl"});
   if (spec.touch) {
     files.push_back("layer_norm.cl");
     defines["COLUMNS"] = std::to_string(spec.embedding);
+  }
+  if (spec.object == ObjectEncoder::joint && use == Model::Use::training) {
+    files.push_back("info_nce.cl");  // last: it turns contraction off
+    defines["NORMALISED"] = spec.contrast_temperature > 0 ? "1" : "0";
   }
   runtime.bundle(std::move(files), std::move(defines));
 }
@@ -37,69 +45,97 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
     : runtime_(runtime), spec_(spec), sequences_(sequences), steps_(steps) {
   validate(spec);
   bundle_programs(runtime, spec, use);
-  const bool training = use == Use::training;
-  const int rows = sequences * steps;
-  if (spec.touch) {
-    encoder_ = std::make_unique<TactileEncoder>(
-        runtime, "tactile", TactileWindowShape{rows, spec.window_frames, spec.rows, spec.cols},
-        training, table_);
-    TouchEmbedding::declare(spec, encoder_->feature_size(), table_);
-    input_.last_frame = runtime.allocate<std::int32_t>(rows);
-  }
-  DynamicsMlp::declare(spec, table_);
+  declare(use);
+  const auto gradient = use == Use::training ? table_.size() : 0;
   weights_ = std::make_unique<Weights>(
-      Weights{table_, runtime.allocate<float>(table_.size()),
-              training ? runtime.allocate<float>(table_.size()) : Buffer<float>()});
-  if (spec.touch)
-    touch_ = std::make_unique<TouchEmbedding>(runtime, spec, *weights_, encoder_->features(), rows);
-  dynamics_ = std::make_unique<DynamicsMlp>(
-      runtime, spec, *weights_, touch_ ? touch_->embedding() : Buffer<float>(), sequences, steps);
-  if (training) plan_loss();
+      Weights{table_, runtime.allocate<float>(table_.size()), runtime.allocate<float>(gradient)});
+  for (const auto& encoder : {tactile_.get(), object_.get()})
+    if (encoder) encoder->plan(*weights_);
+  dynamics_ =
+      std::make_unique<DynamicsMlp>(runtime, spec, *weights_, embeddings(), sequences, steps);
+  if (use == Use::training) plan_loss();
 } catch (const Error& error) {
   if (error.code() != ExitCode::no_device) throw;
   throw while_making(spec, sequences, steps, error);
 }
 
+void Model::declare(Use use) {
+  const bool training = use == Use::training;
+  if (spec_.touch) {
+    tactile_ =
+        std::make_unique<TouchEncoder>(runtime_, "tactile", windows_of(spec_, sequences_ * steps_),
+                                       spec_.embedding, training, table_);
+    input_.last_frame = tactile_->last_frame();
+  }
+  if (spec_.object == ObjectEncoder::joint && training) {
+    object_ = std::make_unique<TouchEncoder>(runtime_, "object", segments_of(spec_, sequences_),
+                                             spec_.embedding, training, table_);
+    input_.segment_last_frame = object_->last_frame();
+    input_.object = runtime_.allocate<std::int32_t>(std::size_t(sequences_));
+    input_.contrast_weight = runtime_.allocate<float>(std::size_t(sequences_));
+  } else if (spec_.object != ObjectEncoder::none) {
+    input_.object_embedding = runtime_.allocate<float>(std::size_t(sequences_) * spec_.embedding);
+  }
+  DynamicsMlp::declare(spec_, table_);
+}
+
+Embeddings Model::embeddings() const {
+  return {tactile_ ? tactile_->embedding() : Buffer<float>(),
+          object_ ? object_->embedding() : input_.object_embedding};
+}
+
 void Model::plan_loss() {
   const auto rows = static_cast<std::size_t>(sequences_) * steps_;
-  dynamics_->plan_backward(runtime_, touch_ ? touch_->grad_embedding() : Buffer<float>());
+  dynamics_->plan_backward(runtime_, {tactile_ ? tactile_->grad_embedding() : Buffer<float>(),
+                                      object_ ? object_->grad_embedding() : Buffer<float>()});
   input_.target = runtime_.allocate<float>(rows * state_lanes);
   input_.weight = runtime_.allocate<float>(rows);
   loss_ = runtime_.allocate<float>(1);
-  loss_launches_ = state_loss(runtime_, {.sequences = sequences_,
-                                         .steps = steps_,
-                                         .state = spec_.state,
-                                         .states = states(),
-                                         .spread = spread(),
-                                         .target = input_.target,
-                                         .weight = input_.weight,
-                                         .row_loss = runtime_.allocate<float>(rows),
-                                         .total = loss_,
-                                         .grad_state = dynamics_->gradients().grad_state,
-                                         .grad_spread = dynamics_->gradients().grad_spread});
+  const auto row_loss = runtime_.allocate<float>(rows + (object_ ? sequences_ : 0));
+  state_loss_ = {state_loss(runtime_, {.sequences = sequences_,
+                                       .steps = steps_,
+                                       .state = spec_.state,
+                                       .states = states(),
+                                       .spread = spread(),
+                                       .target = input_.target,
+                                       .weight = input_.weight,
+                                       .row_loss = row_loss,
+                                       .grad_state = dynamics_->gradients().grad_state,
+                                       .grad_spread = dynamics_->gradients().grad_spread})};
+  if (object_)
+    total_loss_ = info_nce(runtime_, {.count = sequences_,
+                                      .columns = spec_.embedding,
+                                      .temperature = spec_.contrast_temperature,
+                                      .embedding = object_->embedding(),
+                                      .object = input_.object,
+                                      .weight = input_.contrast_weight,
+                                      .row_loss = row_loss,
+                                      .row_loss_at = static_cast<int>(rows),
+                                      .grad_embedding = object_->grad_embedding()});
+  total_loss_.push_back(sum(runtime_, row_loss, loss_));
 }
 
 void Model::prepare() {
-  if (touch_) enqueue(runtime_, touch_->prepare());
+  for (const auto& encoder : {tactile_.get(), object_.get()})
+    if (encoder) encoder->prepare();
   enqueue(runtime_, dynamics_->prepare());
 }
 
-void Model::forward(const Buffer<float>& stream, const TaxelDropout& dropout) {
-  if (touch_) {
-    encoder_->forward(stream, input_.last_frame, weights_->values, dropout);
-    enqueue(runtime_, touch_->forward());
-  }
+void Model::forward(const Buffer<float>& stream, const TaxelDropout& dropout,
+                    const TaxelDropout& segment_dropout) {
+  if (tactile_) tactile_->forward(stream, dropout);
+  if (object_) object_->forward(stream, segment_dropout);
   enqueue(runtime_, dynamics_->forward());
 }
 
 void Model::backward() {
-  const auto& gradient = weights_->gradient;
-  runtime_.fill(gradient, 0.0f);
-  enqueue(runtime_, loss_launches_);
+  runtime_.fill(weights_->gradient, 0.0f);
+  enqueue(runtime_, state_loss_);
   enqueue(runtime_, dynamics_->backward());
-  if (!touch_) return;
-  enqueue(runtime_, touch_->backward());
-  encoder_->backward(touch_->grad_features(), gradient);
+  enqueue(runtime_,
+          total_loss_);  // the contrastive part adds to what the MLP gives to the object embedding
+  for (const auto& encoder : {tactile_.get(), object_.get()})
+    if (encoder) encoder->backward();
 }
 
 }  // namespace touchtrace

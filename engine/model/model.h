@@ -5,21 +5,30 @@
 #include <vector>
 
 #include "engine/model/dynamics_mlp.h"
-#include "engine/model/tactile_encoder.h"
-#include "engine/model/touch_embedding.h"
-#include "engine/ops/state_loss.h"
+#include "engine/model/touch_encoder.h"
 
 namespace touchtrace {
 
-/// What the device reads of S sequences and T steps; rows in the order [T][S].
+/// What the device reads of S sequences and T steps; rows in the order [T][S]. Without touch there
+/// is nothing but targets, without an object encoder nothing below them.
 struct ModelInput {
-  Buffer<std::int32_t> last_frame;  ///< [T * S], of each step's window; unused without touch
+  Buffer<std::int32_t> last_frame;  ///< [T * S], of each step's window
   Buffer<float> target, weight;     ///< [T, S, 16] and [T, S], the weights' divisor included
+
+  /// [S, embedding]: e_i of each sequence, unless the object encoder is trained along.
+  Buffer<float> object_embedding;
+  // Where it is: the last frame of each sequence's segment, the object in hand, and how much each
+  // pair of a sequence with another one of its object weighs in the contrastive loss. All [S].
+  Buffer<std::int32_t> segment_last_frame, object;
+  Buffer<float> contrast_weight;
 };
 
-/// The whole model on one device, for S sequences and T steps: tactile encoder, embedding, dynamics
-/// MLP, and in training loss and gradient. Everything is allocated and built by the constructor;
-/// the passes only queue a fixed list of launches.
+/// The whole model on one device, for S sequences and T steps: encoders, dynamics MLP, and in
+/// training loss and gradient. Everything is allocated and built by the constructor; the passes
+/// only queue a fixed list of launches.
+///
+/// An object encoder is part of the model only where it is trained along (ObjectEncoder::joint and
+/// Use::training); else e_i is an input, which object_encoder.h makes.
 class Model {
  public:
   enum class Use { prediction, training };
@@ -39,8 +48,11 @@ class Model {
   void prepare();
   /// `stream`: [frames, rows, cols], which input().last_frame points into; unused without touch.
   /// The first S rows of states() are the initial states.
-  void forward(const Buffer<float>& stream, const TaxelDropout& dropout = {});
-  /// The loss of the last forward pass, and its gradient into weights().gradient.
+  /// `segment_dropout`: of the windows that the object is known from.
+  void forward(const Buffer<float>& stream, const TaxelDropout& dropout = {},
+               const TaxelDropout& segment_dropout = {});
+  /// The loss of the last forward pass, L_state plus the weighted contrastive loss where the object
+  /// encoder is trained along, and its gradient into weights().gradient.
   void backward();
 
   const Buffer<float>& states() const { return dynamics_->arrays().states; }  ///< [T + 1, S, 16]
@@ -48,19 +60,20 @@ class Model {
   const Buffer<float>& loss() const { return loss_; }                         ///< [1]
 
  private:
+  void declare(Use use);
   void plan_loss();
+  Embeddings embeddings() const;
 
   Runtime& runtime_;
   ModelSpec spec_;
   int sequences_, steps_;
   ParameterTable table_;
-  std::unique_ptr<TactileEncoder> encoder_;
+  std::unique_ptr<TouchEncoder> tactile_, object_;
   std::unique_ptr<Weights> weights_;
-  std::unique_ptr<TouchEmbedding> touch_;
   std::unique_ptr<DynamicsMlp> dynamics_;
   ModelInput input_;
   Buffer<float> loss_;
-  Launches loss_launches_;
+  Launches state_loss_, total_loss_;  ///< before and after the MLP's backward pass
 };
 
 }  // namespace touchtrace

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 
+#include "engine/model/touch_encoder.h"
 #include "engine/ops/conv2d_reference.h"
 #include "engine/ops/dense_reference.h"
+#include "engine/ops/info_nce_reference.h"
 #include "engine/ops/layer_norm_reference.h"
 #include "engine/ops/rollout_reference.h"
 #include "engine/ops/state_loss_reference.h"
@@ -33,8 +36,9 @@ struct Flat {
   }
 };
 
-/// The tactile encoder with what its gradient needs.
+/// An encoder of touch with what its gradient needs.
 struct EncoderTrace {
+  std::string name;
   std::array<Conv2dShape, 3> shapes;
   std::array<Values, 4> layers;  ///< the windows, then the layers' outputs
   std::array<Values, 3> sums;    ///< before the ReLUs
@@ -44,47 +48,48 @@ struct EncoderTrace {
     const int windows = shapes[0].images;
     return {windows, int(layers[3].size()) / windows, int(dense.size()) / windows};
   }
+  std::string conv(int layer) const { return name + ".conv" + std::to_string(layer); }
 };
 
-std::string conv(int layer) { return "tactile.conv" + std::to_string(layer); }
-
-EncoderTrace encode(const ModelSpec& spec, const Flat& p, const ModelProblem& problem) {
+EncoderTrace encode(const std::string& name, const TactileWindowShape& window, int embedding,
+                    const Flat& p, Values windows) {
   constexpr std::array channels{32, 64, 128};
-  const int windows = problem.sequences * problem.steps;
-  EncoderTrace trace;
-  trace.layers[0] = tactile_window_reference({windows, spec.window_frames, spec.rows, spec.cols},
-                                             problem.stream, problem.last_frame, problem.dropout);
-  Conv2dShape shape{windows, spec.window_frames, spec.rows, spec.cols, channels[0], true};
+  EncoderTrace trace{
+      .name = name, .shapes = {}, .layers = {}, .sums = {}, .dense = {}, .embedding = {}};
+  trace.layers[0] = std::move(windows);
+  Conv2dShape shape{window.windows, window.frames, window.rows, window.cols, channels[0], true};
   for (int i = 0; i < 3; ++i) {
     shape.out_channels = channels[i];
     trace.shapes[i] = shape;
-    trace.sums[i] = conv2d_sum_reference(shape, trace.layers[i], p[conv(i + 1) + ".weight"],
-                                         p[conv(i + 1) + ".bias"]);
+    const auto layer = trace.conv(i + 1);
+    trace.sums[i] =
+        conv2d_sum_reference(shape, trace.layers[i], p[layer + ".weight"], p[layer + ".bias"]);
     for (double sum : trace.sums[i]) trace.layers[i + 1].push_back(std::max(sum, 0.0));
-    shape = {windows, channels[i], shape.out_rows(), shape.out_cols(), 0, false};
+    shape = {window.windows, channels[i], shape.out_rows(), shape.out_cols(), 0, false};
   }
-  trace.dense.resize(std::size_t(windows) * spec.embedding);
-  trace.dense = dense_reference(trace.dense_shape(), trace.layers[3], p["tactile.dense.weight"],
-                                p["tactile.dense.bias"]);
+  trace.dense.resize(std::size_t(window.windows) * embedding);
+  trace.dense = dense_reference(trace.dense_shape(), trace.layers[3], p[name + ".dense.weight"],
+                                p[name + ".dense.bias"]);
   trace.embedding =
-      layer_norm_reference(trace.dense, p["tactile.norm.weight"], p["tactile.norm.bias"]);
+      layer_norm_reference(trace.dense, p[name + ".norm.weight"], p[name + ".norm.bias"]);
   return trace;
 }
 
 void encode_backward(const EncoderTrace& trace, const Values& grad_embedding, Flat& p) {
+  const auto& name = trace.name;
   const auto norm =
-      layer_norm_backward_reference(trace.dense, p["tactile.norm.weight"], grad_embedding);
-  p.set("tactile.norm.weight", norm.gain), p.set("tactile.norm.bias", norm.bias);
+      layer_norm_backward_reference(trace.dense, p[name + ".norm.weight"], grad_embedding);
+  p.set(name + ".norm.weight", norm.gain), p.set(name + ".norm.bias", norm.bias);
   const auto dense = dense_backward_reference(trace.dense_shape(), trace.layers[3],
-                                              p["tactile.dense.weight"], norm.x);
-  p.set("tactile.dense.weight", dense.weight), p.set("tactile.dense.bias", dense.bias);
+                                              p[name + ".dense.weight"], norm.x);
+  p.set(name + ".dense.weight", dense.weight), p.set(name + ".dense.bias", dense.bias);
   Values grad = dense.in;
   for (int i = 3; i >= 1; --i) {
     for (std::size_t j = 0; j < grad.size(); ++j)
       if (!(trace.layers[i][j] > 0)) grad[j] = 0.0;
     auto below = conv2d_backward_reference(trace.shapes[i - 1], trace.layers[i - 1],
-                                           p[conv(i) + ".weight"], grad);
-    p.set(conv(i) + ".weight", below.weight), p.set(conv(i) + ".bias", below.bias);
+                                           p[trace.conv(i) + ".weight"], grad);
+    p.set(trace.conv(i) + ".weight", below.weight), p.set(trace.conv(i) + ".bias", below.bias);
     grad = std::move(below.in);
   }
 }
@@ -113,12 +118,15 @@ double state_loss(const ModelProblem& problem, int state, const RolloutTrace& tr
   return loss;
 }
 
-double kink_distance(const ModelProblem& problem, const EncoderTrace& encoded,
+double kink_distance(const ModelProblem& problem, const std::vector<EncoderTrace>& encoders,
                      const RolloutTrace& trace) {
   double distance = std::abs(trace.sum1.front());
-  for (const auto* sums :
-       {&encoded.sums[0], &encoded.sums[1], &encoded.sums[2], &trace.sum1, &trace.sum2})
-    for (double sum : *sums) distance = std::min(distance, std::abs(sum));
+  const auto add = [&](const Values& sums) {
+    for (double sum : sums) distance = std::min(distance, std::abs(sum));
+  };
+  for (const auto& encoder : encoders)
+    for (const auto& sums : encoder.sums) add(sums);
+  add(trace.sum1), add(trace.sum2);
   for (std::size_t i = 0; i < problem.target.size(); ++i) {
     const double error = problem.target[i] - trace.states[problem.initial.size() + i];
     for (double quantile : {-trace.spread[i], 0.0, trace.spread[i]})
@@ -127,7 +135,28 @@ double kink_distance(const ModelProblem& problem, const EncoderTrace& encoded,
   return distance;
 }
 
-/// Layer 1's weight is [state | embedding]; the roll-out knows the first part, a dense layer the
+/// What layer 1 sees beside the state: for each row of [T][S] the embeddings that there are.
+Values joined_embeddings(const std::vector<EncoderTrace>& encoders, std::size_t rows, int size) {
+  Values joined;
+  for (std::size_t row = 0; row < rows; ++row)
+    for (const auto& encoder : encoders) {
+      const auto own_rows = encoder.embedding.size() / size;  // T S of touch, S of objects
+      const auto begin = encoder.embedding.begin() + std::ptrdiff_t(row % own_rows) * size;
+      joined.insert(joined.end(), begin, begin + size);
+    }
+  return joined;
+}
+
+/// The gradient towards encoder number `which`'s embedding, from that towards joined_embeddings.
+Values embedding_gradient(const Values& joined, const EncoderTrace& encoder, int columns, int size,
+                          int which) {
+  const auto part = columns_of(joined, columns, which * size, (which + 1) * size);
+  Values grad(encoder.embedding.size(), 0.0);
+  for (std::size_t i = 0; i < part.size(); ++i) grad[i % grad.size()] += part[i];
+  return grad;
+}
+
+/// Layer 1's weight is [state | embeddings]; the roll-out knows the first part, a dense layer the
 /// other.
 struct FirstLayer {
   int state, embedding, hidden;
@@ -152,36 +181,72 @@ void set_rollout_gradients(const RolloutReferenceGradients& grad, Flat& p) {
   p.set("dynamics.4.weight", grad.weights.w3), p.set("dynamics.4.bias", grad.weights.b3);
 }
 
+std::vector<EncoderTrace> encode_all(const ModelSpec& spec, const Flat& p,
+                                     const ModelProblem& problem) {
+  std::vector<EncoderTrace> encoders;
+  const auto add = [&](const char* name, const TactileWindowShape& window,
+                       const std::vector<int>& last_frame, const TaxelDropout& dropout) {
+    encoders.push_back(
+        encode(name, window, spec.embedding, p,
+               tactile_window_reference(window, problem.stream, last_frame, dropout)));
+  };
+  if (spec.touch)
+    add("tactile", windows_of(spec, problem.sequences * problem.steps), problem.last_frame,
+        problem.dropout);
+  if (spec.object == ObjectEncoder::joint)
+    add("object", segments_of(spec, problem.sequences), problem.segment_last_frame,
+        problem.segment_dropout);
+  return encoders;
+}
+
+/// The contrastive loss of the object embeddings; its gradient is added to theirs.
+double contrast(const ModelSpec& spec, const ModelProblem& problem, const EncoderTrace& encoder,
+                Values& grad_embedding) {
+  const auto result =
+      info_nce_reference({spec.embedding, spec.contrast_temperature, encoder.embedding,
+                          problem.object, problem.contrast_weight});
+  for (std::size_t i = 0; i < grad_embedding.size(); ++i)
+    grad_embedding[i] += result.grad_embedding[i];
+  return std::accumulate(result.row_loss.begin(), result.row_loss.end(), 0.0);
+}
+
 }  // namespace
 
 LossAndGradient model_reference(const ModelSpec& spec, const ParameterTable& table,
                                 const Values& parameters, const ModelProblem& problem) {
   Flat p{table, parameters, Values(table.size(), 0.0)};
   const int rows = problem.sequences * problem.steps;
-  const FirstLayer layer{spec.state, spec.touch ? spec.embedding : 0, spec.hidden};
-  const RolloutShape shape{problem.sequences, problem.steps, spec.state, spec.hidden, !spec.touch};
+  const auto encoders = encode_all(spec, p, problem);
+  const FirstLayer layer{spec.state, int(encoders.size()) * spec.embedding, spec.hidden};
+  const RolloutShape shape{problem.sequences, problem.steps, spec.state, spec.hidden,
+                           encoders.empty()};
   const auto w1 = p["dynamics.0.weight"];
   const RolloutWeights weights{layer.state_part(w1), p["dynamics.2.weight"], p["dynamics.2.bias"],
                                p["dynamics.4.weight"], p["dynamics.4.bias"]};
-  const auto encoded = spec.touch ? encode(spec, p, problem) : EncoderTrace{};
-  const auto first = spec.touch ? dense_reference(layer.hoisted(rows), encoded.embedding,
-                                                  layer.embedding_part(w1), p["dynamics.0.bias"])
-                                : p["dynamics.0.bias"];
+  const auto embeddings = joined_embeddings(encoders, rows, spec.embedding);
+  const auto first = encoders.empty()
+                         ? p["dynamics.0.bias"]
+                         : dense_reference(layer.hoisted(rows), embeddings,
+                                           layer.embedding_part(w1), p["dynamics.0.bias"]);
   const auto trace = rollout_reference(shape, problem.initial, first, weights);
   Values grad_state, grad_spread;
-  const double loss = state_loss(problem, spec.state, trace, grad_state, grad_spread);
+  double loss = state_loss(problem, spec.state, trace, grad_state, grad_spread);
   const auto grad = rollout_backward_reference(shape, trace, weights, grad_state, grad_spread);
-  const double distance = kink_distance(problem, encoded, trace);
+  const double distance = kink_distance(problem, encoders, trace);
   set_rollout_gradients(grad, p);
-  if (!spec.touch) {
+  if (encoders.empty()) {
     p.set("dynamics.0.weight", grad.weights.w1), p.set("dynamics.0.bias", grad.first);
     return {loss, p.gradient, distance};
   }
-  const auto hoisted = dense_backward_reference(layer.hoisted(rows), encoded.embedding,
+  const auto hoisted = dense_backward_reference(layer.hoisted(rows), embeddings,
                                                 layer.embedding_part(w1), grad.first);
   p.set("dynamics.0.weight", layer.joined(grad.weights.w1, hoisted.weight));
   p.set("dynamics.0.bias", hoisted.bias);
-  encode_backward(encoded, hoisted.in, p);
+  for (int i = 0; i < int(encoders.size()); ++i) {
+    auto towards = embedding_gradient(hoisted.in, encoders[i], layer.embedding, spec.embedding, i);
+    if (encoders[i].name == "object") loss += contrast(spec, problem, encoders[i], towards);
+    encode_backward(encoders[i], towards, p);
+  }
   return {loss, p.gradient, distance};
 }
 

@@ -16,6 +16,10 @@ struct ModelProblem {
   std::vector<double> initial;         ///< [S, state]
   std::vector<double> target, weight;  ///< [T, S, state] and [T, S], the weights' divisor included
   TaxelDropout dropout;
+  // With an object encoder trained along, all [S], as in model.h.
+  std::vector<int> segment_last_frame, object;
+  std::vector<double> contrast_weight;
+  TaxelDropout segment_dropout;
 };
 
 struct LossAndGradient {
@@ -26,7 +30,8 @@ struct LossAndGradient {
   double kink_distance = 0.0;
 };
 
-/// model.h in plain loops: the composition of the operations' references.
+/// model.h in plain loops: the composition of the operations' references. Frozen embeddings are not
+/// covered.
 LossAndGradient model_reference(const ModelSpec& spec, const ParameterTable& table,
                                 const std::vector<double>& parameters, const ModelProblem& problem);
 

@@ -14,11 +14,19 @@ void require(bool holds, const char* what) {
 
 }  // namespace
 
+NLOHMANN_JSON_SERIALIZE_ENUM(ObjectEncoder, {{ObjectEncoder::none, "none"},
+                                             {ObjectEncoder::frozen, "frozen"},
+                                             {ObjectEncoder::joint, "joint"}})
+
 void to_json(nlohmann::json& json, const ModelSpec& spec) {
   json = {{"touch", spec.touch},   {"window_frames", spec.window_frames},
           {"rows", spec.rows},     {"cols", spec.cols},
           {"hidden", spec.hidden}, {"embedding", spec.embedding},
           {"state", spec.state}};
+  if (spec.object == ObjectEncoder::none) return;
+  json.update({{"object", spec.object},
+               {"segment_frames", spec.segment_frames},
+               {"contrast_temperature", spec.contrast_temperature}});
 }
 
 void from_json(const nlohmann::json& json, ModelSpec& spec) {
@@ -29,15 +37,23 @@ void from_json(const nlohmann::json& json, ModelSpec& spec) {
   json.at("embedding").get_to(spec.embedding);
   json.at("hidden").get_to(spec.hidden);
   json.at("state").get_to(spec.state);
+  if (!json.contains("object")) return;
+  json.at("object").get_to(spec.object);
+  json.at("segment_frames").get_to(spec.segment_frames);
+  json.at("contrast_temperature").get_to(spec.contrast_temperature);
 }
 
 void validate(const ModelSpec& spec) {
   require(spec.hidden >= 64 && spec.hidden <= 1024 && spec.hidden % 64 == 0,
           "hidden layers are a multiple of 64 wide, 1024 at most");
   require(spec.state >= 1 && spec.state <= 16, "state has 1 to 16 values");
+  require(spec.touch || spec.object == ObjectEncoder::none,
+          "object encoder needs touch, from which it knows the object");
   if (!spec.touch) return;
   require(spec.embedding >= 16 && spec.embedding <= 1024 && spec.embedding % 16 == 0,
-          "tactile embedding has a multiple of 16 values, 1024 at most");
+          "embeddings have a multiple of 16 values, 1024 at most");
+  require(spec.contrast_temperature >= 0 && spec.contrast_temperature <= 100,
+          "contrastive loss has a temperature from 0 (dot products) to 100");
 }
 
 }  // namespace touchtrace

@@ -4,6 +4,13 @@
 
 namespace touchtrace {
 
+/// What tells the dynamics MLP which object is in hand (section III-C).
+enum class ObjectEncoder {
+  none,    ///< nothing; all there is to do for one object
+  frozen,  ///< an embedding e_i of each object, made by an encoder trained before and then fixed
+  joint,   ///< the embedding of a segment of each sequence, its encoder trained along
+};
+
 /// What the model consists of. Parts that a spec leaves out do not exist: no kernel, no buffer.
 struct ModelSpec {
   bool touch = true;         ///< false: the baseline "w/o Touch", no tactile encoder
@@ -12,6 +19,9 @@ struct ModelSpec {
   int embedding = 64;        ///< size of the tactile embedding g_t, after LayerNorm; of 16s
   int hidden = 256;          ///< width of the two hidden layers of the dynamics MLP; of 64s
   int state = 12;            ///< size of s_t, at most 16
+  ObjectEncoder object = ObjectEncoder::none;  ///< its embedding e_i has the size of g_t
+  int segment_frames = 20;                     ///< of touch that an object is known from
+  float contrast_temperature = 0.0f;  ///< of normalised embeddings; 0: dot products (equation 5)
 };
 
 void to_json(nlohmann::json& json, const ModelSpec& spec);

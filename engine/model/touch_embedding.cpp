@@ -4,18 +4,19 @@
 
 namespace touchtrace {
 
-void TouchEmbedding::declare(const ModelSpec& spec, int feature_size, ParameterTable& table) {
+void TouchEmbedding::declare(const std::string& name, int size, int feature_size,
+                             ParameterTable& table) {
   const Initial dense{0.0, 1.0 / std::sqrt(feature_size)};
-  table.add("tactile.dense.weight", {spec.embedding, feature_size}, dense);
-  table.add("tactile.dense.bias", {spec.embedding}, dense);
-  table.add("tactile.norm.weight", {spec.embedding}, {1.0, 0.0});
-  table.add("tactile.norm.bias", {spec.embedding}, {0.0, 0.0});
+  table.add(name + ".dense.weight", {size, feature_size}, dense);
+  table.add(name + ".dense.bias", {size}, dense);
+  table.add(name + ".norm.weight", {size}, {1.0, 0.0});
+  table.add(name + ".norm.bias", {size}, {0.0, 0.0});
 }
 
-TouchEmbedding::TouchEmbedding(Runtime& runtime, const ModelSpec& spec, const Weights& weights,
+TouchEmbedding::TouchEmbedding(Runtime& runtime, const std::string& name, const Weights& weights,
                                const Buffer<float>& features, int rows) {
-  const int size = spec.embedding;
-  const auto weight = weights.value("tactile.dense.weight");
+  const int size = weights.table.at(name + ".dense.bias").shape.front();
+  const auto weight = weights.value(name + ".dense.weight");
   const int feature_size = weight.row;
   const MatrixView by_input{runtime.allocate<float>(std::size_t(size) * feature_size), 0, size};
   const MatrixView input{features, 0, feature_size};
@@ -23,20 +24,20 @@ TouchEmbedding::TouchEmbedding(Runtime& runtime, const ModelSpec& spec, const We
   norm_ = {.rows = rows,
            .columns = size,
            .parameters = weights.values,
-           .gain_at = weights.value("tactile.norm.weight").at,
-           .bias_at = weights.value("tactile.norm.bias").at,
+           .gain_at = weights.value(name + ".norm.weight").at,
+           .bias_at = weights.value(name + ".norm.bias").at,
            .x = runtime.allocate<float>(values),
            .y = runtime.allocate<float>(values),
            .statistics = runtime.allocate<float>(2 * std::size_t(rows))};
   prepare_ = {pack(runtime, weight.transposed(), by_input, feature_size, size, size)};
-  forward_ = {gemm(runtime, input, by_input, weights.value("tactile.dense.bias"),
+  forward_ = {gemm(runtime, input, by_input, weights.value(name + ".dense.bias"),
                    {norm_.x, 0, size}, rows, size, feature_size),
               layer_norm(runtime, norm_)};
-  if (weights.gradient.size() > 0) plan_backward(runtime, weights, input);
+  if (weights.gradient.size() > 0) plan_backward(runtime, name, weights, input);
 }
 
-void TouchEmbedding::plan_backward(Runtime& runtime, const Weights& weights,
-                                   const MatrixView& features) {
+void TouchEmbedding::plan_backward(Runtime& runtime, const std::string& name,
+                                   const Weights& weights, const MatrixView& features) {
   const int rows = norm_.rows, size = norm_.columns, feature_size = features.row;
   grad_embedding_ = runtime.allocate<float>(norm_.y.size());
   grad_features_ = runtime.allocate<float>(features.buffer.size());
@@ -44,10 +45,10 @@ void TouchEmbedding::plan_backward(Runtime& runtime, const Weights& weights,
   backward_ = {
       layer_norm_backward(runtime, norm_, grad_embedding_, grad.buffer),
       layer_norm_weights(runtime, norm_, grad_embedding_, weights.gradient),
-      gemm(runtime, grad.transposed(), features, {}, weights.grad("tactile.dense.weight"), size,
+      gemm(runtime, grad.transposed(), features, {}, weights.grad(name + ".dense.weight"), size,
            feature_size, rows),
-      column_sums(runtime, grad, weights.grad("tactile.dense.bias"), rows, size),
-      gemm(runtime, grad, weights.value("tactile.dense.weight"), {},
+      column_sums(runtime, grad, weights.grad(name + ".dense.bias"), rows, size),
+      gemm(runtime, grad, weights.value(name + ".dense.weight"), {},
            {grad_features_, 0, feature_size}, rows, feature_size, size),
   };
 }

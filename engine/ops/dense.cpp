@@ -13,11 +13,11 @@ int tiles(int size, int tile) { return (size + tile - 1) / tile; }
 
 Launch gemm(Runtime& runtime, const MatrixView& a, const MatrixView& b,
             const std::optional<MatrixView>& bias, const MatrixView& c, int rows, int columns,
-            int count) {
+            int count, int bias_rows) {
   const MatrixView start = bias.value_or(b);
   return Launch(dense_kernel(runtime, "gemm"), range(tiles(rows, 4), tiles(columns, 64)), a.buffer,
-                a.at, a.row, a.step, b.buffer, b.at, b.row, start.buffer, start.at, bias ? 1 : 0,
-                c.buffer, c.at, c.row, rows, columns, count);
+                a.at, a.row, a.step, b.buffer, b.at, b.row, start.buffer, start.at, start.row,
+                bias ? bias_rows : 0, c.buffer, c.at, c.row, rows, columns, count);
 }
 
 Launch pack(Runtime& runtime, const MatrixView& from, const MatrixView& to, int rows, int columns,

@@ -17,11 +17,11 @@ struct MatrixView {
   MatrixView from_column(int j) const { return {buffer, at + j * step, row, step}; }
 };
 
-/// C[rows, columns] = A[rows, count] B[count, columns] (+ bias[columns]). B and C have step 1; rows
-/// of B must be readable up to the next multiple of 16 columns.
+/// C[rows, columns] = A[rows, count] B[count, columns] (+ row m % bias_rows of bias to row m). B, C
+/// and bias have step 1; rows of B and bias must be readable up to the next multiple of 16 columns.
 Launch gemm(Runtime& runtime, const MatrixView& a, const MatrixView& b,
             const std::optional<MatrixView>& bias, const MatrixView& c, int rows, int columns,
-            int count);
+            int count, int bias_rows = 1);
 
 /// to[rows, to_columns] = from[rows, columns], zeros beyond `columns`.
 Launch pack(Runtime& runtime, const MatrixView& from, const MatrixView& to, int rows, int columns,

@@ -13,6 +13,7 @@ const std::vector<Operation>& operations() {
       info_nce_operation(),
       rollout_operation(),
       state_loss_operation(),
+      sum_operation(),
       adam_operation(),
   };
   return table;

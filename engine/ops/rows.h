@@ -13,6 +13,7 @@ Operation info_nce_operation();
 Operation layer_norm_operation();
 Operation rollout_operation();
 Operation state_loss_operation();
+Operation sum_operation();
 Operation tactile_window_operation();
 
 }  // namespace touchtrace

@@ -11,10 +11,9 @@ struct StateLossArrays {
   Buffer<float> spread, target;           ///< [T, S, 16]
   Buffer<float> weight;                   ///< [T, S], the mean's divisor included
   Buffer<float> row_loss;                 ///< [T, S], weighted
-  Buffer<float> total;                    ///< [1], the sum of row_loss
   Buffer<float> grad_state, grad_spread;  ///< [T, S, 16]
 };
 
-Launches state_loss(Runtime& runtime, const StateLossArrays& arrays);
+Launch state_loss(Runtime& runtime, const StateLossArrays& arrays);
 
 }  // namespace touchtrace

@@ -47,10 +47,9 @@ StateLossArrays computed(Runtime& runtime, const Shape& s, const Arrays& in) {
                     .target = upload_rows(runtime, in[2], s.state, 0),
                     .weight = upload(runtime, in[3]),
                     .row_loss = runtime.allocate<float>(s.rows()),
-                    .total = runtime.allocate<float>(1),
                     .grad_state = runtime.allocate<float>(s.rows() * state_lanes),
                     .grad_spread = runtime.allocate<float>(s.rows() * state_lanes)};
-  enqueue(runtime, state_loss(runtime, a));
+  state_loss(runtime, a).enqueue(runtime);
   return a;
 }
 

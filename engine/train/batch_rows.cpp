@@ -16,6 +16,31 @@ void check_size(const char* what, std::size_t size, std::size_t expected) {
                   "report this as a bug");
 }
 
+void check_segments(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames) {
+  if (spec.object == ObjectEncoder::none) return;
+  check_size("segment_frame", batch.segment_frame.size(), std::size_t(batch.sequences));
+  if (!batch.target.empty())
+    check_size("object", batch.object.size(), std::size_t(batch.sequences));
+  for (const auto first : batch.segment_frame)
+    if (first < 0 || std::size_t(first) + spec.segment_frames > frames)
+      throw data_error(fmt::format("an object's segment of {} frames from frame {} does not lie in "
+                                   "the tactile stream of {}",
+                                   spec.segment_frames, first, frames),
+                       "use a longer recording or shorter segments");
+}
+
+/// For each sequence `weight` over the number of its positives and of all sequences that have both
+/// a positive and a negative; 0 for the others.
+std::vector<float> contrast_weights(std::span<const std::int32_t> object, double weight) {
+  const auto same = [&](auto i) { return std::ranges::count(object, i) - 1; };
+  const auto counts = [&](auto i) { return same(i) > 0 && same(i) + 1 < std::ssize(object); };
+  const auto anchors = std::ranges::count_if(object, counts);
+  std::vector<float> weights;
+  for (const auto i : object)
+    weights.push_back(counts(i) ? static_cast<float>(weight / double(anchors * same(i))) : 0.0f);
+  return weights;
+}
+
 }  // namespace
 
 void check(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames) {
@@ -26,6 +51,7 @@ void check(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames)
   if (!batch.weight.empty()) check_size("weight", batch.weight.size(), rows);
   if (!spec.touch) return;
   check_size("first_frame", batch.first_frame.size(), sequences);
+  check_segments(batch, spec, frames);
   for (const auto first : batch.first_frame)
     if (first < spec.window_frames - 1 || std::size_t(first) + batch.steps > frames)
       throw data_error(
@@ -78,6 +104,17 @@ void write_targets(Runtime& runtime, const Model& model, const RolloutBatch& bat
   for (float& w : weight) w = static_cast<float>(w / (total * state));
   runtime.write<float>(model.input().target, target);
   runtime.write<float>(model.input().weight, weight);
+}
+
+void write_segments(Runtime& runtime, const Model& model, const RolloutBatch& batch,
+                    double object_loss) {
+  if (model.input().segment_last_frame.size() == 0) return;
+  std::vector<std::int32_t> last_frame;
+  for (const auto first : batch.segment_frame)
+    last_frame.push_back(first + model.spec().segment_frames - 1);
+  runtime.write<std::int32_t>(model.input().segment_last_frame, last_frame);
+  runtime.write<std::int32_t>(model.input().object, batch.object);
+  runtime.write<float>(model.input().contrast_weight, contrast_weights(batch.object, object_loss));
 }
 
 }  // namespace touchtrace

@@ -25,4 +25,10 @@ void write_initial_states(Runtime& runtime, const Model& model, const BatchBlock
 /// Throws data_error if no step has a weight.
 void write_targets(Runtime& runtime, const Model& model, const RolloutBatch& batch);
 
+/// The objects of the sequences, their segments, and their weights in the contrastive loss, of
+/// which `object_loss` times the mean over anchors and over an anchor's positives is taken. For a
+/// model that trains its object encoder.
+void write_segments(Runtime& runtime, const Model& model, const RolloutBatch& batch,
+                    double object_loss);
+
 }  // namespace touchtrace

@@ -11,6 +11,7 @@ namespace {
 
 // What float's rounding moves a sum by over 20 steps, with room.
 constexpr double kink_margin = 2e-6;
+constexpr double object_loss = 0.3;  ///< lambda_obj, so that both parts of the loss show
 
 std::vector<double> as_double(const std::vector<float>& values) {
   return {values.begin(), values.end()};
@@ -60,8 +61,10 @@ ModelComparison compare_model(Runtime& runtime, const ModelSpec& spec, int seque
   write_windows(runtime, model, {batch}, frames);
   write_initial_states(runtime, model, {batch}, batch.initial_state);
   write_targets(runtime, model, batch);
+  write_segments(runtime, model, batch, object_loss);
   model.prepare();
-  model.forward(runtime.upload<float>(stream), dropout);
+  const TaxelDropout segment_dropout{dropout.share, dropout.key + 1};
+  model.forward(runtime.upload<float>(stream), dropout, segment_dropout);
   model.backward();
 
   ModelComparison result{model.table(), {}, {}, as_double(parameters), {}};
@@ -74,7 +77,11 @@ ModelComparison compare_model(Runtime& runtime, const ModelSpec& spec, int seque
                     .initial = as_double(batch.initial_state),
                     .target = by_step(batch.target, sequences, steps, spec.state),
                     .weight = as_double(runtime.download(model.input().weight)),
-                    .dropout = dropout};
+                    .dropout = dropout,
+                    .segment_last_frame = runtime.download(model.input().segment_last_frame),
+                    .object = runtime.download(model.input().object),
+                    .contrast_weight = as_double(runtime.download(model.input().contrast_weight)),
+                    .segment_dropout = segment_dropout};
   result.reference = model_reference(spec, result.table, result.parameters, result.problem);
   return result;
 }

@@ -23,6 +23,11 @@ RolloutBatch noise_batch(const ModelSpec& spec, int sequences, int steps, int fr
   batch.initial_state = normal_floats(std::size_t(sequences) * spec.state, random);
   batch.target = normal_floats(rows * spec.state, random);
   for (std::size_t i = 0; i < rows; ++i) batch.weight.push_back(float(random.uniform(0.0, 2.0)));
+  if (spec.object == ObjectEncoder::none) return batch;
+  for (int s = 0; s < sequences; ++s) {
+    batch.object.push_back(s % 3);
+    batch.segment_frame.push_back(int(random.below(frames - spec.segment_frames + 1)));
+  }
   return batch;
 }
 

@@ -14,7 +14,8 @@ std::vector<float> normal_floats(std::size_t size, RandomStream& random);
 /// [frames, rows, cols]
 std::vector<float> noise_stream(const ModelSpec& spec, int frames, RandomStream& random);
 
-/// Roll-outs with noise for states, targets and weights, from any frame of a stream of `frames`.
+/// Roll-outs with noise for states, targets and weights, from any frame of a stream of `frames`;
+/// with an object encoder of three objects, each with a segment from any frame.
 RolloutBatch noise_batch(const ModelSpec& spec, int sequences, int steps, int frames,
                          RandomStream& random);
 

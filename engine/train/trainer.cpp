@@ -88,12 +88,14 @@ struct Trainer::Plan {
     write_windows(runtime, model, {batch}, frames);
     write_initial_states(runtime, model, {batch}, batch.initial_state);
     write_targets(runtime, model, batch);
+    write_segments(runtime, model, batch, options.object_loss);
   }
 
   void pass() {
     const auto number = static_cast<std::uint64_t>(counts.tried);
     model.prepare();
-    model.forward(stream, {options.taxel_dropout, dropout_keys.block(number)[0]});
+    const auto keys = dropout_keys.block(number);
+    model.forward(stream, {options.taxel_dropout, keys[0]}, {options.taxel_dropout, keys[1]});
     model.backward();
   }
 

@@ -21,6 +21,11 @@ struct RolloutBatch {
   std::vector<float> initial_state;  ///< [S, state]
   std::vector<float> target;         ///< [S, T, state]; empty for prediction
   std::vector<float> weight;         ///< [S, T], 0 where a label is not to be trusted; empty: all 1
+
+  // For a model with an object encoder, else empty.
+  std::vector<std::int32_t> object;         ///< [S], a number for the object in hand
+  std::vector<std::int32_t> segment_frame;  ///< [S]: e_i is made from segment_frames frames of the
+                                            ///< sequence's own clip, from this one on
 };
 
 /// Predicted states and the distance to their 10 % and 90 % quantiles, both [S, T, state], scaled.
@@ -34,6 +39,7 @@ struct TrainOptions {
   double weight_decay = 0.1;    ///< decoupled (AdamW)
   double clip_norm = 1.0;       ///< of the whole gradient
   double taxel_dropout = 0.2;   ///< share of taxels blanked in an update
+  double object_loss = 0.1;     ///< lambda_obj: weight of the contrastive loss (equation 6)
   int skips_in_a_row = 0;       ///< updates left out before a loss that is not finite is an error
   std::uint64_t seed = 1;
 };
@@ -47,10 +53,14 @@ class Trainer {
           int steps, std::span<const float> tactile);
   ~Trainer();
 
-  /// One update of L1 + pinball(0.1) + pinball(0.9) (equation 4) by back-propagation through time.
-  /// Returns the mean loss before the update. Where loss or gradient is not finite the weights
-  /// stay: the update is left out, with a warning and NaN for the loss, or throws Error(failed)
-  /// after `skips_in_a_row` of them. Both name the first operation that made such a value.
+  /// One update of L1 + pinball(0.1) + pinball(0.9) (equation 4) by back-propagation through time;
+  /// where the object encoder is trained along, of this plus lambda_obj times the contrastive loss
+  /// of the sequences' segments (equation 6): the other sequences of the batch with the same object
+  /// are a sequence's positives, those with another object its negatives. A sequence without either
+  /// is left out of that mean. Returns the loss before the update. Where loss or gradient is not
+  /// finite the weights stay: the update is left out, with a warning and NaN for the loss, or
+  /// throws Error(failed) after `skips_in_a_row` of them. Both name the first operation that made
+  /// such a value.
   double update(const RolloutBatch& batch);
   /// Updates done so far, those left out included. The random streams and the place in the data
   /// follow from this number alone.

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -21,9 +22,9 @@ std::vector<double> part(const std::vector<double>& flat, const Parameter& row) 
   return {begin, begin + std::ptrdiff_t(row.size)};
 }
 
-void expect_agreement(bool touch, const TaxelDropout& dropout) {
+void expect_agreement(const ModelSpec& spec, const TaxelDropout& dropout) {
   Runtime runtime(choose_device(""));
-  const auto result = compare_model(runtime, small_spec(touch), 5, 20, dropout, 3);
+  const auto result = compare_model(runtime, spec, 5, 20, dropout, 3);
   EXPECT_LE(result.loss_error(), 1e-5);
   EXPECT_LE(result.gradient_error(), 1e-5);
   for (const auto& row : result.table.rows())
@@ -33,15 +34,27 @@ void expect_agreement(bool touch, const TaxelDropout& dropout) {
         << row.name;
 }
 
-TEST(Model, LossAndGradientOfARolloutAgreeWithDouble) { expect_agreement(true, {}); }
+TEST(Model, LossAndGradientOfARolloutAgreeWithDouble) { expect_agreement(small_spec(true), {}); }
 
-TEST(Model, LossAndGradientAgreeWithTaxelsBlanked) { expect_agreement(true, {0.3, 77}); }
+TEST(Model, LossAndGradientAgreeWithTaxelsBlanked) {
+  expect_agreement(small_spec(true), {0.3, 77});
+}
 
-TEST(Model, LossAndGradientAgreeWithoutTouch) { expect_agreement(false, {}); }
+TEST(Model, LossAndGradientAgreeWithoutTouch) { expect_agreement(small_spec(false), {}); }
 
-TEST(Model, ReferenceGradientAgreesWithCentralDifferences) {
+TEST(Model, LossAndGradientAgreeWithAnObjectEncoderTrainedAlong) {
+  expect_agreement(small_spec(ObjectEncoder::joint), {0.3, 77});
+}
+
+TEST(Model, LossAndGradientAgreeWithNormalisedObjectEmbeddings) {
+  expect_agreement(small_spec(ObjectEncoder::joint, 0.1f), {});
+}
+
+class ReferenceGradient : public ::testing::TestWithParam<ModelSpec> {};
+
+TEST_P(ReferenceGradient, AgreesWithCentralDifferences) {
   Runtime runtime(choose_device(""));
-  const auto spec = small_spec(true);
+  const auto spec = GetParam();
   const auto result = compare_model(runtime, spec, 5, 20, {}, 3);
   RandomStream random(1, "direction");
   const auto direction = normal_floats(result.parameters.size(), random);
@@ -60,6 +73,10 @@ TEST(Model, ReferenceGradientAgreesWithCentralDifferences) {
   EXPECT_NEAR((loss_at(step) - loss_at(-step)) / (2 * step), expected, 1e-6 * std::sqrt(norm));
 }
 
+INSTANTIATE_TEST_SUITE_P(Model, ReferenceGradient,
+                         ::testing::Values(small_spec(true), small_spec(ObjectEncoder::joint),
+                                           small_spec(ObjectEncoder::joint, 0.1f)));
+
 TEST(Model, WithoutTouchHasNoTactileParameters) {
   Runtime runtime(choose_device(""));
   const Model model(runtime, small_spec(false), 2, 3, Model::Use::training);
@@ -67,11 +84,32 @@ TEST(Model, WithoutTouchHasNoTactileParameters) {
   EXPECT_EQ(model.table().at("dynamics.0.weight").shape, (std::vector<int>{64, 5}));
 }
 
+TEST(Model, HasAnObjectEncoderOnlyWhereItIsTrainedAlong) {
+  Runtime runtime(choose_device(""));
+  const auto has_encoder = [&](ObjectEncoder object, Model::Use use) {
+    const Model model(runtime, small_spec(object), 2, 3, use);
+    EXPECT_EQ(model.table().at("dynamics.0.weight").shape.back(),
+              object == ObjectEncoder::none ? 5 + 16 : 5 + 16 + 16);
+    return std::ranges::any_of(model.table().rows(),
+                               [](const auto& row) { return row.name.starts_with("object."); });
+  };
+  for (const auto use : {Model::Use::prediction, Model::Use::training}) {
+    EXPECT_FALSE(has_encoder(ObjectEncoder::none, use));
+    EXPECT_FALSE(has_encoder(ObjectEncoder::frozen, use));
+  }
+  EXPECT_TRUE(has_encoder(ObjectEncoder::joint, Model::Use::training));
+  EXPECT_FALSE(has_encoder(ObjectEncoder::joint, Model::Use::prediction));
+}
+
 TEST(Model, RefusesSizesThatTheKernelsDoNotTake) {
   Runtime runtime(choose_device(""));
   const std::vector<std::function<void(ModelSpec&)>> changes{
-      [](ModelSpec& s) { s.hidden = 100; }, [](ModelSpec& s) { s.state = 17; },
-      [](ModelSpec& s) { s.embedding = 20; }, [](ModelSpec& s) { s.rows = 5; }};
+      [](ModelSpec& s) { s.hidden = 100; },
+      [](ModelSpec& s) { s.state = 17; },
+      [](ModelSpec& s) { s.embedding = 20; },
+      [](ModelSpec& s) { s.rows = 5; },
+      [](ModelSpec& s) { s.object = ObjectEncoder::joint, s.touch = false; },
+      [](ModelSpec& s) { s.object = ObjectEncoder::joint, s.segment_frames = 33; }};
   for (const auto& change : changes) {
     auto spec = small_spec(true);
     change(spec);

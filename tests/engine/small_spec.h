@@ -15,4 +15,13 @@ inline ModelSpec small_spec(bool touch) {
           .state = 5};
 }
 
+/// The same with an object encoder.
+inline ModelSpec small_spec(ObjectEncoder object, float contrast_temperature = 0.0f) {
+  auto spec = small_spec(true);
+  spec.object = object;
+  spec.segment_frames = 4;
+  spec.contrast_temperature = contrast_temperature;
+  return spec;
+}
+
 }  // namespace touchtrace::testing

@@ -32,7 +32,9 @@ struct NoiseRun {
   static constexpr int sequences = 3, steps = 4, frames = 40;
 
   NoiseRun(Runtime& runtime, bool touch, const TrainOptions& how = options())
-      : spec(small_spec(touch)), trainer(runtime, spec, how, sequences, steps, stream(spec)) {}
+      : NoiseRun(runtime, small_spec(touch), how) {}
+  NoiseRun(Runtime& runtime, const ModelSpec& model, const TrainOptions& how = options())
+      : spec(model), trainer(runtime, spec, how, sequences, steps, stream(spec)) {}
 
   static TrainOptions options() {
     TrainOptions o;

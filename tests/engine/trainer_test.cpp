@@ -16,15 +16,15 @@ using testing::small_spec;
 using testing::TrainerTest;
 
 TEST_F(TrainerTest, ResumesBitIdentically) {
-  for (bool touch : {false, true}) {
-    NoiseRun whole(runtime_, touch);
+  for (const auto& spec : {small_spec(false), small_spec(true), small_spec(ObjectEncoder::joint)}) {
+    NoiseRun whole(runtime_, spec);
     whole.go_on_to(10);
     for (int stop : {1, 7}) {
-      NoiseRun killed(runtime_, touch);
+      NoiseRun killed(runtime_, spec);
       killed.go_on_to(stop);
       killed.trainer.save_checkpoint(folder_ / "checkpoint", {{"clips", 7}});
       EXPECT_EQ(Trainer::checkpoint_notes(folder_ / "checkpoint").at("clips"), 7);
-      NoiseRun resumed(runtime_, touch);
+      NoiseRun resumed(runtime_, spec);
       resumed.go_on_to(3);
       resumed.trainer.load_checkpoint(folder_ / "checkpoint");
       EXPECT_EQ(resumed.trainer.updates(), stop);
@@ -116,6 +116,22 @@ TEST_F(TrainerTest, LabelsOfWeightZeroCountNothing) {
   EXPECT_EQ(one.weights(folder_ / "one"), other.weights(folder_ / "other"));
   batch.weight.assign(batch.weight.size(), 0.0f);
   EXPECT_THROW(one.trainer.update(batch), Error);
+}
+
+TEST_F(TrainerTest, RefusesSegmentsThatDoNotFit) {
+  NoiseRun run(runtime_, small_spec(ObjectEncoder::joint));
+  RandomStream random(9, "batch");
+  const auto good = noise_batch(run.spec, run.sequences, run.steps, run.frames, random);
+  const auto refused = [&](auto change) {
+    auto batch = good;
+    change(batch);
+    EXPECT_THROW(run.trainer.update(batch), Error);
+  };
+  refused([](RolloutBatch& b) { b.object.clear(); });
+  refused([](RolloutBatch& b) { b.segment_frame.pop_back(); });
+  refused([](RolloutBatch& b) { b.segment_frame[1] = -1; });
+  refused([&](RolloutBatch& b) { b.segment_frame[1] = run.frames - run.spec.segment_frames + 1; });
+  EXPECT_NO_THROW(run.trainer.update(good));
 }
 
 TEST_F(TrainerTest, RefusesBatchesThatDoNotFit) {

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "engine/model/model_spec.h"
+#include "engine/model/tactile_encoder.h"
+#include "engine/model/touch_embedding.h"
+
+namespace touchtrace {
+
+/// The windows of touch that g_t and e_i are made from.
+inline TactileWindowShape windows_of(const ModelSpec& spec, int count) {
+  return {count, spec.window_frames, spec.rows, spec.cols};
+}
+inline TactileWindowShape segments_of(const ModelSpec& spec, int count) {
+  return {count, spec.segment_frames, spec.rows, spec.cols};
+}
+
+/// From windows of touch to embeddings: three convolutions, a dense layer, LayerNorm. "tactile"
+/// makes g_t from the M frames before a step, "object" makes e_i from a segment of some twenty
+/// frames with object i in hand (section III-C).
+class TouchEncoder {
+ public:
+  /// Adds the parameters "NAME.conv1.weight" ... "NAME.norm.bias" to `table`.
+  TouchEncoder(Runtime& runtime, const std::string& name, const TactileWindowShape& windows,
+               int embedding, bool training, ParameterTable& table);
+
+  /// To be called once, when `table` is complete. There is a backward pass if `weights` has a
+  /// gradient.
+  void plan(const Weights& weights);
+
+  /// To be called whenever the weights changed.
+  void prepare() { enqueue(runtime_, embedding_->prepare()); }
+  void forward(const Buffer<float>& stream, const TaxelDropout& dropout);
+  /// From grad_embedding(): adds to the weights' gradient of the convolutions, writes the others.
+  void backward();
+
+  /// [windows], the last frame of each in the stream; for the caller to write.
+  const Buffer<int>& last_frame() const { return last_frame_; }
+  const Buffer<float>& embedding() const { return embedding_->embedding(); }  ///< [windows, size]
+  const Buffer<float>& grad_embedding() const { return embedding_->grad_embedding(); }
+
+ private:
+  Runtime& runtime_;
+  std::string name_;
+  TactileEncoder convolutions_;
+  Buffer<int> last_frame_;
+  Buffer<float> values_, gradient_;
+  std::unique_ptr<TouchEmbedding> embedding_;
+};
+
+}  // namespace touchtrace

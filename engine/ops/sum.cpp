@@ -1,0 +1,10 @@
+#include "engine/ops/sum.h"
+
+namespace touchtrace {
+
+Launch sum(Runtime& runtime, const Buffer<float>& values, const Buffer<float>& total) {
+  return Launch(runtime.kernel({"common.clh", "sum.cl"}, "sum"), range(1), values,
+                static_cast<int>(values.size()), total);
+}
+
+}  // namespace touchtrace

@@ -22,10 +22,9 @@ struct RolloutBatch {
   std::vector<float> target;         ///< [S, T, state]; empty for prediction
   std::vector<float> weight;         ///< [S, T], 0 where a label is not to be trusted; empty: all 1
 
-  // For a model with an object encoder, else empty.
-  std::vector<std::int32_t> object;         ///< [S], a number for the object in hand
-  std::vector<std::int32_t> segment_frame;  ///< [S]: e_i is made from segment_frames frames of the
-                                            ///< sequence's own clip, from this one on
+  /// For a model with an object encoder, else empty, [S]: a number for the object in hand, and the
+  /// first of the segment_frames frames, of the same clip, that e_i is made from.
+  std::vector<std::int32_t> object{}, segment_frame{};
 };
 
 /// Predicted states and the distance to their 10 % and 90 % quantiles, both [S, T, state], scaled.

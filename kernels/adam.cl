@@ -3,15 +3,17 @@
 //
 //   m = b1 m + (1 - b1) g,  v = b2 v + (1 - b2) g^2,  g clipped to norm `clip_norm`
 //   p = p - rate (decay p + m / (1 - b1^t) / (sqrt(v / (1 - b2^t)) + 1e-8))
+//
+// With -D EXACT=1 `lost` [n] keeps the part of p's steps that is too small for its last place.
 #define CHUNK 1024
 
 __kernel void squares(__global const real* gradient, int n, __global real* partial) {
   const int chunk = get_global_id(0), end = min(n, (chunk + 1) * CHUNK);
   int i = chunk * CHUNK;
-  real16 lanes = 0;
+  real16 lanes = 0, lost = 0;
   for (; i + 16 <= end; i += 16) {
     const real16 g = vload16(0, gradient + i);
-    lanes = fma(g, g, lanes);
+    ADD_TO(real16, lanes, lost, g * g)
   }
   const real8 a = lanes.lo + lanes.hi;
   const real4 b = a.lo + a.hi;
@@ -22,8 +24,8 @@ __kernel void squares(__global const real* gradient, int n, __global real* parti
 
 // norm[0] = the gradient's norm, from its squares
 __kernel void norm(__global const real* partial, int chunks, __global real* norm) {
-  real sum = 0;
-  for (int i = 0; i < chunks; ++i) sum += partial[i];
+  real sum = 0, lost = 0;
+  for (int i = 0; i < chunks; ++i) ADD_TO(real, sum, lost, partial[i])
   norm[0] = sqrt(sum);
 }
 
@@ -31,7 +33,7 @@ __kernel void norm(__global const real* partial, int chunks, __global real* norm
 __kernel void adam(__global real* parameters, __global const real* gradient, __global real* first,
                    __global real* second, __global const real* decay, int n,
                    __global const real* norm, __global const real* loss, real clip_norm, real rate,
-                   real first_correction, real second_correction) {
+                   real first_correction, real second_correction, __global real* lost) {
   if (!isfinite(norm[0]) || !isfinite(loss[0])) return;
   const real clip = fmin((real)1, clip_norm / (norm[0] + (real)1e-6));
   const int chunk = get_global_id(0), end = min(n, (chunk + 1) * CHUNK);
@@ -40,6 +42,6 @@ __kernel void adam(__global real* parameters, __global const real* gradient, __g
     const real m = first[i] = fma((real)0.1, g - first[i], first[i]);
     const real v = second[i] = fma((real)0.001, g * g - second[i], second[i]);
     const real step = m * first_correction / (sqrt(v * second_correction) + (real)1e-8);
-    parameters[i] -= rate * fma(decay[i], parameters[i], step);
+    ADD_TO(real, parameters[i], lost[i], -rate * fma(decay[i], parameters[i], step))
   }
 }

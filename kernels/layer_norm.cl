@@ -55,12 +55,13 @@ __kernel void layer_norm_weights(__global const real* dy, __global const real* x
                                  __global const real* statistics, int rows, __global real* gradient,
                                  int gain_at, int bias_at) {
   const int n = get_global_id(0);
-  real16 gain = 0, bias = 0;
+  real16 gain = 0, bias = 0, lost_gain = 0, lost_bias = 0;
   for (int row = 0; row < rows; ++row) {
     const real16 d = vload16(n, dy + (size_t)row * COLUMNS);
     const real16 v = vload16(n, x + (size_t)row * COLUMNS);
-    gain = fma(d, (v - statistics[2 * row]) * statistics[2 * row + 1], gain);
-    bias += d;
+    const real16 normal = (v - statistics[2 * row]) * statistics[2 * row + 1];
+    ADD_TO(real16, gain, lost_gain, d * normal)
+    ADD_TO(real16, bias, lost_bias, d)
   }
   vstore16(gain, n, gradient + gain_at);
   vstore16(bias, n, gradient + bias_at);

@@ -19,8 +19,12 @@ namespace touchtrace {
 /// Values of the -D of a program, by name.
 using Defines = std::map<std::string, std::string>;
 
-/// `fast` flushes denormals; `exact` does not, and sums are compensated.
+/// `fast` flushes denormals; `exact` does not, and long sums are compensated.
 enum class Accuracy { fast, exact };
+/// Of "fast" or "exact".
+inline Accuracy accuracy_of(std::string_view name) {
+  return name == "exact" ? Accuracy::exact : Accuracy::fast;
+}
 
 /// An array of `T` in device memory.
 template <class T>

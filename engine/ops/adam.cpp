@@ -18,13 +18,22 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
   second_ = runtime.allocate_zeros<float>(parameters.size());
   partial_ = runtime.allocate<float>(static_cast<std::size_t>(chunks));
   norm_ = runtime.allocate<float>(1);
+  const bool exact = runtime.accuracy() == Accuracy::exact;
+  if (exact) lost_ = runtime.allocate_zeros<float>(parameters.size());
   const auto kernel = [&](const char* name) {
     return runtime.kernel({"common.clh", "adam.cl"}, name);
   };
   measure_ = {Launch(kernel("squares"), range(chunks), gradient, size, partial_),
               Launch(kernel("norm"), range(1), partial_, chunks, norm_)};
   update_ = {Launch(kernel("adam"), range(chunks), parameters, gradient, first_, second_, decay,
-                    size, norm_, loss, 0.0f, 0.0f, 0.0f, 0.0f)};
+                    size, norm_, loss, 0.0f, 0.0f, 0.0f, 0.0f, exact ? lost_ : norm_)};
+}
+
+std::vector<std::pair<std::string, Buffer<float>>> Adam::state() const {
+  std::vector<std::pair<std::string, Buffer<float>>> arrays{{"adam.first_moment", first_},
+                                                            {"adam.second_moment", second_}};
+  if (lost_.size() > 0) arrays.emplace_back("adam.lost_digits", lost_);
+  return arrays;
 }
 
 void Adam::enqueue(const AdamStep& step) {

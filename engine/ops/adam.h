@@ -14,7 +14,8 @@ struct AdamStep {
 class Adam {
  public:
   /// `decay`: weight decay of each parameter. The moments start at zero. An update with a gradient
-  /// or a `loss` [1] that is not finite changes nothing.
+  /// or a `loss` [1] that is not finite changes nothing. In Accuracy::exact steps below the last
+  /// place of a parameter add up instead of getting lost.
   Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float>& gradient,
        const Buffer<float>& decay, const Buffer<float>& loss);
 
@@ -22,12 +23,15 @@ class Adam {
 
   const Buffer<float>& first_moment() const { return first_; }
   const Buffer<float>& second_moment() const { return second_; }
+  /// Everything that the next update depends on beside its arguments, by names for a file.
+  std::vector<std::pair<std::string, Buffer<float>>> state() const;
   /// [1], of the whole gradient before clipping.
   const Buffer<float>& norm() const { return norm_; }
 
  private:
   Runtime& runtime_;
   Buffer<float> first_, second_, partial_, norm_;
+  Buffer<float> lost_;  ///< of parameters' last places; empty in Accuracy::fast
   Launches measure_;
   Launches update_;
 };

@@ -18,9 +18,6 @@
 namespace touchtrace {
 namespace {
 
-constexpr const char* first_moment_name = "adam.first_moment";
-constexpr const char* second_moment_name = "adam.second_moment";
-
 /// Weight decay of each parameter: of matrices and convolutions, not of biases and gains.
 Buffer<float> decays(Runtime& runtime, const ParameterTable& table, double weight_decay) {
   std::vector<float> decay(table.size(), 0.0f);
@@ -162,9 +159,8 @@ void Trainer::save_checkpoint(const std::filesystem::path& path,
   const auto& model = plan_->model;
   const auto read = [&](const Buffer<float>& buffer) { return plan_->runtime.download(buffer); };
   auto tensors = tensors_of(model.table(), read(model.weights().values));
-  for (const auto& [name, moment] : {std::pair{first_moment_name, plan_->adam.first_moment()},
-                                     std::pair{second_moment_name, plan_->adam.second_moment()}})
-    tensors.push_back({name, {moment.size()}, read(moment)});
+  for (const auto& [name, array] : plan_->adam.state())
+    tensors.push_back({name, {array.size()}, read(array)});
   write_safetensors(path, {to_metadata(model.spec(), {plan_->counts, notes}), std::move(tensors)},
                     true);
 }
@@ -173,10 +169,11 @@ void Trainer::load_checkpoint(const std::filesystem::path& path) {
   const auto file = read_safetensors(path);
   const auto counts = checkpoint_metadata(file, path).counts;
   const auto values = values_of(plan_->model.table(), file);
-  const auto& first = file.at(first_moment_name, values.size()).values;
-  const auto& second = file.at(second_moment_name, values.size()).values;
-  plan_->runtime.write<float>(plan_->adam.first_moment(), first);
-  plan_->runtime.write<float>(plan_->adam.second_moment(), second);
+  const auto state = plan_->adam.state();
+  for (const auto& [name, array] : state)
+    file.at(name, array.size());  // throws before any is written
+  for (const auto& [name, array] : state)
+    plan_->runtime.write<float>(array, file.at(name, array.size()).values);
   plan_->runtime.write<float>(plan_->model.weights().values, values);
   plan_->counts = counts;
 }

@@ -40,7 +40,7 @@ void print_table(const json& document) {
 ExitCode run(const study::EvaluationOptions& options, const Invocation& invocation) {
   const Stopwatch watch;
   if (!options.output.empty()) OutputFile(options.output, invocation.overwrite);
-  Runtime runtime(usable_device(invocation.device));
+  Runtime runtime(usable_device(invocation.device), accuracy_of(options.accuracy));
   Provenance provenance = start_provenance("touchtrace/metrics/1", "evaluate");
   provenance.options = invocation.options;
   provenance.seed = options.seed;

@@ -11,7 +11,7 @@ namespace touchtrace::cli {
 namespace {
 
 ExitCode run(const study::TrainingOptions& options, const Invocation& invocation) {
-  Runtime runtime(usable_device(invocation.device));
+  Runtime runtime(usable_device(invocation.device), accuracy_of(options.accuracy));
   Provenance provenance = start_provenance("touchtrace/model/1", "train");
   provenance.options = invocation.options;
   const auto files = study::paired(options.recordings, options.labels);

@@ -65,6 +65,9 @@ void describe(OptionSet& set, EvaluationOptions& o) {
   set.paths("model", o.models,
             "models to compare; each is matched with the recordings of its activity");
   set.text("output", o.output, "metrics file to write (JSON), for touchtrace report");
+  set.choice("accuracy", o.accuracy,
+             "fast flushes denormals; exact does not, and compensates long sums",
+             {"fast", "exact"});
   set.choice("against", o.against,
              "what predictions are held against; auto: truth where there is one",
              {"auto", "truth", "labels"});

@@ -13,7 +13,7 @@ namespace touchtrace::study {
 struct EvaluationOptions {
   std::vector<std::string> recordings, labels;  ///< pairs, in the same order
   std::vector<std::string> models;
-  std::string output;
+  std::string output, accuracy = "fast";
   std::string against = "auto";  ///< "truth", "labels", or truth where there is one
   int stride = 5;                ///< frames from one start to the next
   std::uint64_t seed = 1;

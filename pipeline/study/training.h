@@ -15,7 +15,7 @@ namespace touchtrace::study {
 /// Options of `touchtrace train`. The defaults are the recipe under which touch counts.
 struct TrainingOptions {
   std::vector<std::string> recordings, labels;  ///< pairs, in the same order
-  std::string output;
+  std::string output, accuracy = "fast";
   bool without_touch = false, resume = false;
   int window = 10, resolution = 32;
   int sequences = 8, steps = 20;

@@ -26,6 +26,9 @@ void describe(OptionSet& set, TrainingOptions& o) {
       "updates in a row that may be left out since loss or gradient are not finite; 0: stop "
       "at the first",
       0, 1000);
+  set.choice("accuracy", o.accuracy,
+             "fast flushes denormals; exact does not, and compensates long sums",
+             {"fast", "exact"});
   set.number("checkpoint-seconds", o.checkpoint_s, "between checkpoints, in s", 0.0, 1e6);
   set.seed("seed", o.optimizer.seed, "of the weights, the batches and the drop-out");
 }

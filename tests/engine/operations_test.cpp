@@ -52,6 +52,17 @@ TEST_P(EveryOperation, AgreesWithTheReference) {
   });
 }
 
+TEST_P(EveryOperation, AgreesWithTheReferenceInExactModeToo) {
+  for (const auto& device : list_devices()) {
+    Runtime runtime({device, "test"}, Accuracy::exact);
+    const auto& operation = GetParam().cases.front();
+    const auto inputs = draw_inputs(operation, test_seed(), gradient_kink_margin);
+    EXPECT_LE(output_error(runtime, operation, inputs), output_error_bound);
+    if (!operation.backward) continue;
+    EXPECT_LE(gradient_error(runtime, operation, inputs, test_seed()), gradient_error_bound);
+  }
+}
+
 TEST_P(EveryOperation, GradientAgreesWithTheReference) {
   on_every_device([](Runtime& runtime, const OperationCase& operation) {
     if (!operation.backward) return;

@@ -16,22 +16,25 @@ using testing::small_spec;
 using testing::TrainerTest;
 
 TEST_F(TrainerTest, ResumesBitIdentically) {
-  for (const auto& spec : {small_spec(false), small_spec(true), small_spec(ObjectEncoder::joint)}) {
-    NoiseRun whole(runtime_, spec);
-    whole.go_on_to(10);
-    for (int stop : {1, 7}) {
-      NoiseRun killed(runtime_, spec);
-      killed.go_on_to(stop);
-      killed.trainer.save_checkpoint(folder_ / "checkpoint", {{"clips", 7}});
-      EXPECT_EQ(Trainer::checkpoint_notes(folder_ / "checkpoint").at("clips"), 7);
-      NoiseRun resumed(runtime_, spec);
-      resumed.go_on_to(3);
-      resumed.trainer.load_checkpoint(folder_ / "checkpoint");
-      EXPECT_EQ(resumed.trainer.updates(), stop);
-      resumed.go_on_to(10);
-      EXPECT_EQ(resumed.weights(folder_ / "a"), whole.weights(folder_ / "b"));
+  Runtime exact(choose_device(""), Accuracy::exact);
+  for (auto* runtime : {&runtime_, &exact})
+    for (const auto& spec :
+         {small_spec(false), small_spec(true), small_spec(ObjectEncoder::joint)}) {
+      NoiseRun whole(*runtime, spec);
+      whole.go_on_to(10);
+      for (int stop : {1, 7}) {
+        NoiseRun killed(*runtime, spec);
+        killed.go_on_to(stop);
+        killed.trainer.save_checkpoint(folder_ / "checkpoint", {{"clips", 7}});
+        EXPECT_EQ(Trainer::checkpoint_notes(folder_ / "checkpoint").at("clips"), 7);
+        NoiseRun resumed(*runtime, spec);
+        resumed.go_on_to(3);
+        resumed.trainer.load_checkpoint(folder_ / "checkpoint");
+        EXPECT_EQ(resumed.trainer.updates(), stop);
+        resumed.go_on_to(10);
+        EXPECT_EQ(resumed.weights(folder_ / "a"), whole.weights(folder_ / "b"));
+      }
     }
-  }
 }
 
 TEST_F(TrainerTest, RefusesAForeignCheckpoint) {

@@ -42,7 +42,8 @@ Figure at_least(std::string name, double value, std::string unit, double low);
 Figure within(std::string name, double value, std::string unit, double low, double high);
 Figure reported(std::string name, double value, std::string unit);
 
-/// {"figures":[{"name","value","unit","goal","holds","seconds"}...]}
+/// {"figures":[{"name","value","unit","goal","holds","seconds","picture"}...]}; a picture only
+/// where there is one, with the names that Picture has.
 nlohmann::json to_json(const std::vector<Figure>& figures);
 
 /// Measures a room's figures, calling `emit` for each as soon as it is known.

@@ -9,7 +9,7 @@ namespace {
 
 struct ReportOptions {
   std::string folder, output;
-  std::vector<std::string> metrics, labels, calibration, recording;
+  std::vector<std::string> metrics, labels, calibration, recording, figures;
 };
 
 void describe(OptionSet& set, ReportOptions& o) {
@@ -19,6 +19,7 @@ void describe(OptionSet& set, ReportOptions& o) {
   set.texts("labels", o.labels, "labels files");
   set.texts("calibration", o.calibration, "calibration.json files");
   set.texts("recording", o.recording, "recordings, for their provenance");
+  set.texts("figures", o.figures, "what touchtrace verify --json and scripts/bench --json print");
 }
 
 void append(std::vector<std::filesystem::path>& paths, const std::vector<std::string>& more) {
@@ -40,6 +41,7 @@ ExitCode run(const ReportOptions& options, const Invocation& invocation) {
   append(inputs.labels, options.labels);
   append(inputs.calibrations, options.calibration);
   append(inputs.recordings, options.recording);
+  append(inputs.figures, options.figures);
   if (inputs.empty())
     throw usage_error("there is nothing to report on",
                       "give a --folder with artefacts, or --metrics, --labels, ...");

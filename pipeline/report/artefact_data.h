@@ -13,6 +13,10 @@ namespace touchtrace::report {
 /// pixels}, and its provenance. Throws data_error if the file is something else.
 nlohmann::json calibration_data(const std::filesystem::path& path);
 
+/// Figures as `touchtrace verify --json` prints them: {name, figures [{name, value, unit, goal,
+/// holds, seconds, picture?}]}. Throws data_error if the file holds something else.
+nlohmann::json figures_data(const std::filesystem::path& path);
+
 /// Tracked points and smoothed positions of the first clip: {name, time_s, object, hand,
 /// raw_time_s, raw_object, raw_hand}, seconds from its first label, metres. Needs at least one
 /// label.

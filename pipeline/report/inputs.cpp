@@ -28,6 +28,8 @@ void place(ReportInputs& inputs, const fs::path& file) {
   if (name.starts_with('.')) return;
   if (name.ends_with("metrics.json"))
     inputs.metrics.push_back(file);
+  else if (name.ends_with("figures.json"))
+    inputs.figures.push_back(file);
   else if (name == "calibration.json")
     inputs.calibrations.push_back(file);
   else if (name.ends_with("labels.h5"))
@@ -39,7 +41,8 @@ void place(ReportInputs& inputs, const fs::path& file) {
 }  // namespace
 
 bool ReportInputs::empty() const {
-  return metrics.empty() && labels.empty() && calibrations.empty() && recordings.empty();
+  return metrics.empty() && labels.empty() && calibrations.empty() && recordings.empty() &&
+         figures.empty();
 }
 
 ReportInputs find_inputs(const fs::path& folder) {

@@ -98,13 +98,14 @@ json report_data(const ReportInputs& inputs) {
   json data{
       {"title", "from touch to trajectories"}, {"version", now.version}, {"created", now.created}};
   data["metrics"] = nullptr;
-  for (const char* key : {"calibrations", "smoothing", "stages", "artefacts"})
+  for (const char* key : {"calibrations", "smoothing", "figures", "stages", "artefacts"})
     data[key] = json::array();
   for (const auto& path : inputs.recordings)
     add_artefact(data, path, RecordingReader(path).recording().provenance);
   for (const auto& path : inputs.calibrations) add_calibration(data, path);
   for (const auto& path : inputs.labels) add_labels(data, path);
   for (const auto& path : inputs.metrics) add_metrics(data, path);
+  for (const auto& path : inputs.figures) data["figures"].push_back(figures_data(path));
   round_numbers(data);
   return data;
 }

@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "engine/base/error.h"
+#include "engine/base/figure.h"
 #include "engine/base/files.h"
 #include "pipeline/report/report.h"
 
@@ -82,8 +83,8 @@ TEST_F(ReportPage, EveryPartIsEmbedded) {
   for (const char* token :
        {"function resultSection", "function exampleSection", "function horizonSection",
         "function runTimeSection", "function labelErrorSection", "function smoothingSection",
-        "function calibrationSection", "function provenanceSection", "build();",
-        "prefers-color-scheme"})
+        "function calibrationSection", "function figuresSection", "function provenanceSection",
+        "build();", "prefers-color-scheme"})
     EXPECT_NE(page.find(token), std::string::npos) << token;
 }
 
@@ -107,10 +108,37 @@ TEST_F(ReportPage, SeveralMetricsFilesBecomeOne) {
   EXPECT_EQ(whole.at("metrics").at("results").size(), 1u) << "a plain metrics.json stands for all";
 }
 
+TEST_F(ReportPage, FiguresAreShownWithTheirPictures) {
+  Figure figure = at_least("engine against a peer", 2.25, "x", 2.0);
+  figure.picture = Picture{"s", "error", false, false, {{"engine", {0, 1}, {1.0, 0.123456789}}}};
+  write("engine.figures.json", to_json({figure, reported("other", 1, "")}).dump());
+  const json data = report::report_data(report::find_inputs(folder_));
+  ASSERT_EQ(data.at("figures").size(), 1u);
+  const json& rows = data.at("figures")[0].at("figures");
+  EXPECT_EQ(data.at("figures")[0].at("name"), "engine.figures.json");
+  EXPECT_EQ(rows[0].at("goal"), ">= 2");
+  EXPECT_EQ(rows[0].at("picture").at("curves")[0].at("y")[1], 0.12346);
+  EXPECT_FALSE(rows[1].contains("picture"));
+}
+
+TEST_F(ReportPage, BadFiguresAreDataErrors) {
+  const std::string row = R"({"name":"a","value":1,"unit":"s","goal":"","holds":true)";
+  for (
+      const std::string text :
+      {std::string("["), std::string("{}"), std::string(R"({"figures":[{"name":"a"}]})"),
+       R"({"figures":[)" + row + R"(,"picture":{}}]})",
+       R"({"figures":[)" + row +
+           R"(,"picture":{"x_label":"","y_label":"","curves":[{"name":"c","x":[1],"y":[]}]}}]})"}) {
+    report::ReportInputs inputs;
+    inputs.figures = {write("bad.figures.json", text)};
+    EXPECT_THROW(report::report_data(inputs), Error) << text;
+  }
+}
+
 TEST_F(ReportPage, WhatIsMissingIsLeftOut) {
   const json data = report::report_data({});
   EXPECT_TRUE(data.at("metrics").is_null());
-  for (const char* key : {"calibrations", "smoothing", "stages", "artefacts"})
+  for (const char* key : {"calibrations", "smoothing", "figures", "stages", "artefacts"})
     EXPECT_TRUE(data.at(key).empty()) << key;
   EXPECT_TRUE(report::find_inputs(folder_).empty());
 }

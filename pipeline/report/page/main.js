@@ -57,6 +57,7 @@ function build() {
   if (metrics) draw(labelErrorSection, metrics);
   draw(smoothingSection, data.smoothing);
   draw(calibrationSection, data.calibrations);
+  draw(figuresSection, data.figures);
   draw(provenanceSection, data.artefacts);
 }
 

@@ -4,6 +4,7 @@ import subprocess
 
 import torch
 from safetensors.numpy import load_file
+from torch import nn
 
 from .model import Model, loss_of, windows_of
 from .problem import noise_problem, weights_of
@@ -21,26 +22,31 @@ def loss_in_double(problem, model):
         hooks.append(module.register_forward_hook(
             lambda _, inputs, out: distances.append((out.abs().min() / margin).item())))
 
-    for i in (1, 2, 3):
-        watch(model.tactile[f"conv{i}"], CONVOLUTION_MARGIN)
+    for name, module in model.named_modules():
+        if isinstance(module, nn.Conv2d):
+            watch(module, CONVOLUTION_MARGIN)
     watch(model.dynamics[2], MLP_MARGIN)
     hooks.append(model.dynamics[1].register_forward_pre_hook(
         lambda _, inputs: distances.append((inputs[0].abs().min() / MLP_MARGIN).item())))
-    last, initial, target, weight = problem.batch(0, torch.float64)
-    states, spread = model(windows_of(problem.frames(torch.float64), last), initial, problem.steps)
+    batch, frames, spec = problem.batch(0, torch.float64), problem.frames(torch.float64), problem.spec
+    segments = None
+    if "object" in spec:
+        segments = windows_of(frames, batch.segment_last_frame, spec["segment_frames"])
+    predicted = model(windows_of(frames, batch.last_frame, spec["window_frames"]), segments, batch.initial_state,
+                      problem.steps)
     for hook in hooks:
         hook.remove()
     for side in (-1, 0, 1):
-        distances.append(((target - states + side * spread).abs().min() / MLP_MARGIN).item())
-    return loss_of(states, spread, target, weight), min(distances)
+        distances.append(((batch.target - predicted[0] + side * predicted[1]).abs().min() / MLP_MARGIN).item())
+    return loss_of(predicted, batch), min(distances)
 
 
-def compare(engine_step, folder, seed):
-    """Relative error of loss and of the whole gradient against double, for one roll-out away from kinks."""
+def compare(engine_step, folder, spec, sequences, seed):
+    """Relative error of loss and of the whole gradient against double, for roll-outs away from kinks."""
     distance = 0.0
     while not distance > 1.0:
         torch.manual_seed(seed)
-        problem, model = noise_problem(1, seed), Model()
+        problem, model = noise_problem(spec, sequences, seed), Model(spec)
         path, out = os.path.join(folder, "problem"), os.path.join(folder, "gradient")
         problem.save(path, weights_of(model))
         loss, distance = loss_in_double(problem, model.double())

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from safetensors.numpy import load_file
 
-from .model import SPEC, Model, windows_of
+from .model import ONE_ENCODER, Model, windows_of
 from .problem import Problem
 from .training import EngineTrainer, TorchTrainer
 
@@ -35,15 +35,16 @@ class Validation:
         self.frames = frames
         cases = {name.removeprefix("validation."): array for name, array in arrays.items()
                  if name.startswith("validation.")}
-        self.problem = Problem(cases, len(cases["first_frame"]), HORIZON)
+        self.problem = Problem(ONE_ENCODER, cases, len(cases["first_frame"]), HORIZON)
 
     def __call__(self, model):
-        last, initial, target, weight = self.problem.batch(0)
-        last, total = last.view(HORIZON, -1), 0.0
+        batch = self.problem.batch(0)
+        last, total = batch.last_frame.view(HORIZON, -1), 0.0
         with torch.inference_mode():
-            for some in torch.arange(len(initial)).split(AT_ONCE):
-                states, _ = model(windows_of(self.frames, last[:, some].flatten()), initial[some], HORIZON)
-                total += ((states - target[:, some]).abs() * weight[:, some, None]).sum().item()
+            for some in torch.arange(self.problem.sequences).split(AT_ONCE):
+                windows = windows_of(self.frames, last[:, some].flatten(), ONE_ENCODER["window_frames"])
+                states, _, _ = model(windows, None, batch.initial_state[some], HORIZON)
+                total += ((states - batch.target[:, some]).abs() * batch.weight[:, some, None]).sum().item()
         return total
 
 
@@ -77,8 +78,8 @@ class Course:
         subprocess.run([options.study_course, *wave, str(options.updates), str(seed), path], check=True)
         arrays = load_file(path)
         batches = {name: array for name, array in arrays.items() if not name.startswith("validation.")}
-        batches["stream"] = batches["stream"].reshape(-1, SPEC["rows"], SPEC["cols"])
-        problem = Problem(batches, 8, options=dict(updates=options.updates, seed=seed, **OPTIONS))
+        batches["stream"] = batches["stream"].reshape(-1, ONE_ENCODER["rows"], ONE_ENCODER["cols"])
+        problem = Problem(ONE_ENCODER, batches, 8, options=dict(updates=options.updates, seed=seed, **OPTIONS))
         problem.save(path, {})
         self.validation, self.weights = Validation(arrays, problem.frames()), self.folder / "weights"
         subprocess.run([options.engine_step, path, "train", "0", self.weights], check=True)
@@ -104,6 +105,6 @@ class Course:
         return self.validation(self.peer.model)
 
     def engine_error(self):
-        model = Model()
+        model = Model(ONE_ENCODER)
         model.load_state_dict({name: torch.tensor(value) for name, value in load_file(self.weights).items()})
         return self.validation(model)

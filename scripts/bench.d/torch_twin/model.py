@@ -3,56 +3,81 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
-SPEC = dict(touch=True, window_frames=10, rows=32, cols=32, embedding=64, hidden=256, state=12)
+ONE_ENCODER = dict(touch=True, window_frames=10, rows=32, cols=32, embedding=64, hidden=256, state=12)
+BOTH_ENCODERS = dict(**ONE_ENCODER, object="joint", segment_frames=20, contrast_temperature=0.0)
+
+
+class Encoder(nn.Module):
+    def __init__(self, spec, frames):
+        super().__init__()
+        size = [-(-n // 8) for n in (spec["rows"], spec["cols"])]
+        self.conv1 = nn.Conv2d(frames, 32, 3, 2, 1)
+        self.conv2 = nn.Conv2d(32, 64, 3, 2, 1)
+        self.conv3 = nn.Conv2d(64, 128, 3, 2, 1)
+        self.dense = nn.Linear(128 * size[0] * size[1], spec["embedding"])
+        self.norm = nn.LayerNorm(spec["embedding"])
+
+    def forward(self, x):
+        for conv in (self.conv1, self.conv2, self.conv3):
+            x = F.relu(conv(x))
+        return self.norm(self.dense(x.flatten(1)))
 
 
 class Model(nn.Module):
-    def __init__(self, spec=SPEC):
+    def __init__(self, spec):
         super().__init__()
-        self.spec = spec
-        size = [-(-n // 8) for n in (spec["rows"], spec["cols"])]
-        self.tactile = nn.ModuleDict(dict(
-            conv1=nn.Conv2d(spec["window_frames"], 32, 3, 2, 1),
-            conv2=nn.Conv2d(32, 64, 3, 2, 1),
-            conv3=nn.Conv2d(64, 128, 3, 2, 1),
-            dense=nn.Linear(128 * size[0] * size[1], spec["embedding"]),
-            norm=nn.LayerNorm(spec["embedding"])))
+        self.spec, embeddings = spec, 1
+        self.tactile = Encoder(spec, spec["window_frames"])
+        if "object" in spec:
+            self.object, embeddings = Encoder(spec, spec["segment_frames"]), 2
         self.dynamics = nn.Sequential(
-            nn.Linear(spec["state"] + spec["embedding"], spec["hidden"]), nn.ReLU(),
+            nn.Linear(spec["state"] + embeddings * spec["embedding"], spec["hidden"]), nn.ReLU(),
             nn.Linear(spec["hidden"], spec["hidden"]), nn.ReLU(),
             nn.Linear(spec["hidden"], 2 * spec["state"]))
 
-    def embed(self, windows):
-        x = windows
-        for conv in ("conv1", "conv2", "conv3"):
-            x = F.relu(self.tactile[conv](x))
-        return self.tactile["norm"](self.tactile["dense"](x.flatten(1)))
+    def hoisted(self, windows, objects, steps):
+        """What the embeddings give to the first layer, [T, S, hidden]: it needs no loop."""
+        first, n, m = self.dynamics[0], self.spec["state"], self.spec["state"] + self.spec["embedding"]
+        touch = F.linear(self.tactile(windows), first.weight[:, n:m], first.bias).unflatten(0, (steps, -1))
+        return touch if objects is None else touch + F.linear(objects, first.weight[:, m:])
 
-    def forward(self, windows, state, steps):
-        """windows [T * S, M, rows, cols], state [S, state] -> states and spreads [T, S, state]
-
-        The embeddings' part of the first layer is hoisted out of the loop."""
+    def forward(self, windows, segments, state, steps):
+        """windows [T * S, M, rows, cols], segments [S, frames, rows, cols] or None, state [S, state]
+        -> states and spreads [T, S, state], embeddings of the objects [S, embedding] or None"""
         n = self.spec["state"]
+        objects = None if segments is None else self.object(segments)
         first, rest = self.dynamics[0], self.dynamics[1:]
-        hoisted = F.linear(self.embed(windows), first.weight[:, n:], first.bias).unflatten(0, (steps, -1))
         w_state, states, bands = first.weight[:, :n], [], []
-        for t in range(steps):
-            out = rest(F.linear(state, w_state) + hoisted[t])
+        for hoisted in self.hoisted(windows, objects, steps):
+            out = rest(F.linear(state, w_state) + hoisted)
             state = state + out[:, :n]
             states.append(state)
             bands.append(out[:, n:])
-        return torch.stack(states), F.softplus(torch.stack(bands))
+        return torch.stack(states), F.softplus(torch.stack(bands)), objects
 
 
 def pinball(p, tau):
     return torch.maximum(tau * p, (tau - 1) * p)
 
 
-def loss_of(states, spread, target, weight):
+def state_loss(states, spread, batch):
     """Equation 4, all [T, S, state]; weight [T, S] sums to 1 / state."""
-    loss = (target - states).abs()
-    loss = loss + pinball(target - states + spread, 0.1) + pinball(target - states - spread, 0.9)
-    return (loss * weight[:, :, None]).sum()
+    error = batch.target - states
+    loss = error.abs() + pinball(error + spread, 0.1) + pinball(error - spread, 0.9)
+    return (loss * batch.weight[:, :, None]).sum()
+
+
+def contrastive_loss(objects, batch):
+    """Equation 5 with its sign turned, over all pairs of segments with the same object."""
+    logits = objects @ objects.T
+    negatives = logits.masked_fill(~batch.negative, -torch.inf).logsumexp(1)
+    return (F.softplus(negatives[:, None] - logits) * batch.positive_weight).sum()
+
+
+def loss_of(predicted, batch):
+    states, spread, objects = predicted
+    loss = state_loss(states, spread, batch)
+    return loss if objects is None else loss + contrastive_loss(objects, batch)
 
 
 def with_differences(stream):
@@ -61,9 +86,8 @@ def with_differences(stream):
     return torch.cat([torch.zeros_like(stream[:1]), 5 * (stream[1:] - stream[:-1]), stream])
 
 
-def windows_of(frames, last_frame, spec=SPEC):
-    """frames as with_differences gives them, last_frame [W] -> [W, M, rows, cols]"""
-    m = spec["window_frames"]
-    places = last_frame[:, None] + torch.arange(2 - m, 2)
+def windows_of(frames, last_frame, length):
+    """frames as with_differences gives them, last_frame [W] -> [W, length, rows, cols]"""
+    places = last_frame[:, None] + torch.arange(2 - length, 2)
     places[:, -1] += len(frames) // 2 - 1
-    return frames.index_select(0, places.flatten()).unflatten(0, (-1, m))
+    return frames.index_select(0, places.flatten()).unflatten(0, (-1, length))

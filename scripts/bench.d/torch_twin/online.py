@@ -10,9 +10,8 @@ import numpy as np
 import torch
 from torch import nn
 
-from .model import SPEC, Model, windows_of
-from .problem import noise_problem, weights_of
-from .training import all_settings, best_peers
+from .model import windows_of
+from .training import all_settings
 
 WARM_UP = 200
 
@@ -23,7 +22,7 @@ class Step(nn.Module):
         self.model = model
 
     def forward(self, window, state):
-        states, spreads = self.model(window, state, 1)
+        states, spreads, _ = self.model(window, None, state, 1)
         return states[0], spreads[0]
 
 
@@ -33,8 +32,9 @@ class TorchOnline:
     def __init__(self, problem, model, setting, frozen):
         self.setting, self.name = setting, f"frozen TorchScript, {setting}" if frozen else str(setting)
         self.step = Step(model).eval().to(memory_format=setting.format)
-        last, self.state, _, _ = problem.batch(0)
-        self.window = windows_of(problem.frames(), last[:1]).contiguous(memory_format=setting.format)
+        batch = problem.batch(0)
+        window = windows_of(problem.frames(), batch.last_frame[:1], problem.spec["window_frames"])
+        self.window, self.state = window.contiguous(memory_format=setting.format), batch.initial_state
         with torch.no_grad():
             if frozen:
                 self.step = torch.jit.freeze(torch.jit.trace(self.step, (self.window, self.state)))

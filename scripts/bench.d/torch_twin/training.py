@@ -10,11 +10,9 @@ import time
 import torch
 from torch import nn
 
-from .model import SPEC, Model, loss_of, windows_of
+from .model import Model, loss_of, windows_of
 
 DROPOUT, CLIP_NORM = 0.2, 1.0
-# What Trainer takes where a problem's options say nothing (engine/train/trainer.h).
-DEFAULTS = dict(updates=3000, learning_rate=2e-3, weight_decay=0.1)
 
 
 class Setting(collections.namedtuple("Setting", "compiled channels_last threads")):
@@ -43,10 +41,9 @@ class TorchTrainer:
     """Updates as the engine's: drop-out of taxels, clipped gradient, AdamW, a half cosine."""
 
     def __init__(self, problem, setting):
-        self.problem, self.setting = problem, setting
-        self.options = {**DEFAULTS, **problem.options}
+        self.problem, self.setting, self.options = problem, setting, problem.options
         self.frames, self.batches = problem.frames(), [problem.batch(i) for i in range(problem.batches)]
-        self.model = Model().to(memory_format=setting.format)
+        self.model = Model(problem.spec).to(memory_format=setting.format)
         self.start()
         self.loss = setting.applied_to(self.loss_of_batch)
 
@@ -61,17 +58,25 @@ class TorchTrainer:
             lr=self.options["learning_rate"], fused=True)
         self.updates = 0
 
-    def loss_of_batch(self, frames, last, initial, target, weight):
-        keep = (torch.rand(len(last), 1, SPEC["rows"], SPEC["cols"]) >= DROPOUT) / (1 - DROPOUT)
-        windows = windows_of(frames, last).mul_(keep).contiguous(memory_format=self.setting.format)
-        return loss_of(*self.model(windows, initial, self.problem.steps), target, weight)
+    def blanked(self, frames, last_frame, length):
+        """Windows of which a share of the taxels is left out, one choice a window."""
+        rows, cols = frames.shape[1:]
+        keep = (torch.rand(len(last_frame), 1, rows, cols) >= DROPOUT) / (1 - DROPOUT)
+        return windows_of(frames, last_frame, length).mul_(keep).contiguous(memory_format=self.setting.format)
+
+    def loss_of_batch(self, frames, batch):
+        spec, segments = self.problem.spec, None
+        windows = self.blanked(frames, batch.last_frame, spec["window_frames"])
+        if "object" in spec:
+            segments = self.blanked(frames, batch.segment_last_frame, spec["segment_frames"])
+        return loss_of(self.model(windows, segments, batch.initial_state, self.problem.steps), batch)
 
     def update(self):
         rate = 0.5 * self.options["learning_rate"] * (1 + math.cos(math.pi * self.updates / self.options["updates"]))
         for group in self.optimizer.param_groups:
             group["lr"] = rate
         self.optimizer.zero_grad()
-        loss = self.loss(self.frames, *self.batches[self.updates % len(self.batches)])
+        loss = self.loss(self.frames, self.batches[self.updates % len(self.batches)])
         loss.backward()
         nn.utils.clip_grad_norm_(self.model.parameters(), CLIP_NORM, foreach=True)
         self.optimizer.step()
@@ -104,25 +109,40 @@ class EngineTrainer:
         self.process.wait()
 
 
-def best_peers(make, settings, count):
-    """make(setting) -> something that times `count` turns. The fastest by wall and by CPU time."""
-    seen = []
+HOPELESS, CONTENDER = 4.0, 1.3  # times slower than the best: not timed further, and tried again elsewhere
+
+
+def try_settings(make, settings, count):
+    """make(setting) -> something that times `count` turns. Pairs of wall and CPU milliseconds and of it."""
+    tried = []
     for setting in settings:
         try:
             peer = make(setting)
-            peer(2)
+            peer(1)
+            times = peer(1)
         except Exception as error:  # a setting that PyTorch cannot compile here is no peer
             print(f"PyTorch {setting}: {type(error).__name__}: {error}", file=sys.stderr)
             continue
-        times = [statistics.median(run) for run in zip(*(peer(count) for _ in range(3)))]
+        if not tried or times[0] < HOPELESS * min(wall for (wall, _), _ in tried):
+            times = [statistics.median(run) for run in zip(*(peer(count) for _ in range(3)))]
         print(f"PyTorch {setting}: {times[0]:.3g} ms, {times[1]:.3g} CPU-ms", file=sys.stderr)
-        seen.append((times, peer))
-    return [min(seen, key=lambda entry: entry[0][kind])[1] for kind in (0, 1)]
+        tried.append((times, peer))
+    return tried
 
 
-def race(engine_step, problem, folder, settings, rounds, count):
-    """For wall and CPU time: the peer's setting, and pairs of its and the engine's milliseconds an update."""
-    peers = best_peers(lambda setting: TorchTrainer(problem, setting), settings, max(2, count // 4))
+def best_of(tried):
+    """By wall and by CPU time."""
+    return [min(tried, key=lambda entry: entry[0][kind])[1] for kind in (0, 1)]
+
+
+def contenders(tried):
+    """Settings that may be the best of a similar problem."""
+    return [peer.setting for times, peer in tried
+            if any(times[kind] < CONTENDER * min(entry[0][kind] for entry in tried) for kind in (0, 1))]
+
+
+def race(engine_step, problem, folder, peers, rounds, count):
+    """For wall and CPU time, each with its peer: pairs of the peer's and the engine's milliseconds an update."""
     path = os.path.join(folder, f"problem{problem.sequences}")
     problem.save(path, {})
     engine = EngineTrainer(engine_step, path)
@@ -132,4 +152,4 @@ def race(engine_step, problem, folder, settings, rounds, count):
         for kind, peer in enumerate(peers):
             times[kind].append((peer(count)[kind], engine(count)[kind]))
     engine.close()
-    return [(kind, peer.setting, pairs) for kind, peer, pairs in zip(("wall", "CPU"), peers, times)]
+    return times

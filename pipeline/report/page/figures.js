@@ -1,0 +1,22 @@
+// What was promised and measured, as `touchtrace verify` and the benchmarks against peers print it.
+
+const curveStrokes = ["full", "without_touch", "hand", "truth", "random"];
+
+function figurePicture({ name, picture }) {
+  const curves = picture.curves.map((curve, i) => ({ ...curve, stroke: curveStrokes[i % curveStrokes.length] }));
+  const scaled = (values, logarithmic) => (logarithmic ? values.map((v) => (v > 0 ? Math.log10(v) : null)) : values);
+  const label = (text, logarithmic) => (logarithmic ? `log10 of ${text}` : text);
+  return element("figure", {},
+    lineChart(curves.map((c) => ({ x: scaled(c.x, picture.log_x), y: scaled(c.y, picture.log_y), stroke: c.stroke })),
+      { xLabel: label(picture.x_label, picture.log_x), yLabel: label(picture.y_label, picture.log_y) }),
+    legend(curves), element("figcaption", {}, name));
+}
+
+function figuresSection(files) {
+  if (!files.length) return;
+  section("figures", "Figures", "What touchtrace promises, as measured on the machine that wrote these files.",
+    files.map(({ name, figures }) => [element("h3", {}, name),
+      element("div", { class: "figures" }, figures.filter((figure) => figure.picture).map(figurePicture)),
+      table(["figure", number("value"), "unit", "goal", ""], figures.map((f) => ({
+        cells: [f.name, number(known(f.value) ? f.value.toPrecision(4) : "–"), f.unit, f.goal, f.holds ? "holds" : "falls short"] })))]));
+}

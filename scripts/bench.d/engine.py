@@ -49,7 +49,7 @@ def ratio(name, peer, ratios, goal, **rest):
 
 
 def comparison_figures(options, folder):
-    for name, spec, sequences in (("one encoder", ONE_ENCODER, 1),):
+    for name, spec, sequences in (("one encoder", ONE_ENCODER, 1), ("both encoders", BOTH_ENCODERS, 3)):
         start = time.time()
         loss, gradient = compare(options.engine_step, folder, spec, sequences, options.seed)
         yield at_most(f"whole model, {name}, loss against PyTorch in double", loss, "relative", 1e-5,

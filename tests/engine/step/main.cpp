@@ -32,6 +32,7 @@ void write_gradient(Runtime& runtime, const Problem& p, const std::string& out) 
   write_windows(runtime, model, {batch}, p.frames());
   write_initial_states(runtime, model, {batch}, batch.initial_state);
   write_targets(runtime, model, batch);
+  write_segments(runtime, model, batch, p.options.object_loss);
   model.prepare();
   model.forward(runtime.upload<float>(p.stream));
   model.backward();

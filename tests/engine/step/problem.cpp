@@ -33,6 +33,7 @@ TrainOptions options_of(const TensorFile& file) {
   options.updates = json.value("updates", options.updates);
   options.learning_rate = json.value("learning_rate", options.learning_rate);
   options.weight_decay = json.value("weight_decay", options.weight_decay);
+  options.object_loss = json.value("object_loss", options.object_loss);
   options.seed = json.value("seed", options.seed);
   return options;
 }
@@ -43,7 +44,8 @@ std::vector<RolloutBatch> batches_of(const TensorFile& file, int state) {
   const std::size_t count =
       Parts(file, "initial_state", 1).size() / (std::size_t(sequences) * state);
   const Parts first_frame(file, "first_frame", count), initial(file, "initial_state", count),
-      target(file, "target", count), weight(file, "weight", count);
+      target(file, "target", count), weight(file, "weight", count), object(file, "object", count),
+      segment_frame(file, "segment_frame", count);
   std::vector<RolloutBatch> batches;
   for (std::size_t i = 0; i < count; ++i)
     batches.push_back({.sequences = sequences,
@@ -51,7 +53,9 @@ std::vector<RolloutBatch> batches_of(const TensorFile& file, int state) {
                        .first_frame = first_frame.part<std::int32_t>(i),
                        .initial_state = initial.part(i),
                        .target = target.part(i),
-                       .weight = weight.part(i)});
+                       .weight = weight.part(i),
+                       .object = object.part<std::int32_t>(i),
+                       .segment_frame = segment_frame.part<std::int32_t>(i)});
   return batches;
 }
 

@@ -9,9 +9,10 @@
 namespace touchtrace::testing {
 
 /// What a peer computes too: the metadata "spec" (JSON), "sequences", "steps", perhaps "options"
-/// (JSON: updates, learning_rate, weight_decay, seed), and the tensors stream [frames, rows, cols]
-/// and, one batch after the other, first_frame [S], initial_state [S, state], target [S, T, state]
-/// and perhaps weight [S, T]; perhaps weights of the model, too.
+/// (JSON: updates, learning_rate, weight_decay, object_loss, seed), and the tensors stream [frames,
+/// rows, cols] and, one batch after the other, first_frame [S], initial_state [S, state], target
+/// [S, T, state] and perhaps weight [S, T], for an object encoder object [S] and segment_frame [S];
+/// perhaps weights of the model, too.
 struct Problem {
   TensorFile file;
   ModelSpec spec;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,12 @@ inline cl::NDRange range(int x, int y, int z) {
   return cl::NDRange(static_cast<std::size_t>(x), static_cast<std::size_t>(y),
                      static_cast<std::size_t>(z));
 }
+
+/// What one turn of a launch costs.
+struct LaunchCost {
+  double flops = 0.0;  ///< floating-point operations; 0 where only data are moved
+  double bytes = 0.0;  ///< of arrays read and written, each once
+};
 
 /// A kernel with its arguments, to be queued again and again: what a plan is made of. Kernels
 /// compute one tile a work-item without barriers.
@@ -46,14 +54,32 @@ class Launch {
     if (runtime.watcher()) runtime.watcher()(*this);
   }
 
+  /// The same launch, which says what it costs.
+  Launch costing(double flops, double bytes) && {
+    cost_ = {flops, bytes};
+    return std::move(*this);
+  }
+  /// As said by costing(); else the bytes of all its arrays.
+  LaunchCost cost() const { return cost_ ? *cost_ : LaunchCost{0.0, bytes_of_arrays()}; }
+
   /// The kernel's.
   std::string name() const { return kernel_.getInfo<CL_KERNEL_FUNCTION_NAME>(); }
   /// The arguments that are arrays, by their index.
   const std::map<cl_uint, cl::Buffer>& buffers() const { return buffers_; }
 
  private:
+  double bytes_of_arrays() const {
+    std::map<cl_mem, double> bytes;
+    for (const auto& [index, buffer] : buffers_)
+      bytes[buffer()] = static_cast<double>(buffer.getInfo<CL_MEM_SIZE>());
+    double sum = 0.0;
+    for (const auto& [handle, size] : bytes) sum += size;
+    return sum;
+  }
+
   cl::Kernel kernel_;
   cl::NDRange global_;
+  std::optional<LaunchCost> cost_;
   std::map<cl_uint, cl::Buffer> buffers_;  ///< kept alive: OpenCL's kernel arguments do not
 };
 

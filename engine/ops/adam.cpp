@@ -23,10 +23,13 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
   const auto kernel = [&](const char* name) {
     return runtime.kernel({"common.clh", "adam.cl"}, name);
   };
-  measure_ = {Launch(kernel("squares"), range(chunks), gradient, size, partial_),
-              Launch(kernel("norm"), range(1), partial_, chunks, norm_)};
+  measure_ = {
+      Launch(kernel("squares"), range(chunks), gradient, size, partial_)
+          .costing(2.0 * size, 4.0 * size),
+      Launch(kernel("norm"), range(1), partial_, chunks, norm_).costing(chunks, 4.0 * chunks)};
   update_ = {Launch(kernel("adam"), range(chunks), parameters, gradient, first_, second_, decay,
-                    size, norm_, loss, 0.0f, 0.0f, 0.0f, 0.0f, exact ? lost_ : norm_)};
+                    size, norm_, loss, 0.0f, 0.0f, 0.0f, 0.0f, exact ? lost_ : norm_)
+                 .costing(17.0 * size, 4.0 * size * (exact ? 10.0 : 8.0))};
 }
 
 std::vector<std::pair<std::string, Buffer<float>>> Adam::state() const {

@@ -17,19 +17,23 @@ Launch gemm(Runtime& runtime, const MatrixView& a, const MatrixView& b,
   const MatrixView start = bias.value_or(b);
   return Launch(dense_kernel(runtime, "gemm"), range(tiles(rows, 4), tiles(columns, 64)), a.buffer,
                 a.at, a.row, a.step, b.buffer, b.at, b.row, start.buffer, start.at, start.row,
-                bias ? bias_rows : 0, c.buffer, c.at, c.row, rows, columns, count);
+                bias ? bias_rows : 0, c.buffer, c.at, c.row, rows, columns, count)
+      .costing(2.0 * rows * columns * count,
+               4.0 * (1.0 * rows * count + 1.0 * count * columns + 1.0 * rows * columns));
 }
 
 Launch pack(Runtime& runtime, const MatrixView& from, const MatrixView& to, int rows, int columns,
             int to_columns) {
   return Launch(dense_kernel(runtime, "pack"), range(rows), from.buffer, from.at, from.row,
-                from.step, columns, to.buffer, to.at, to.row, to_columns);
+                from.step, columns, to.buffer, to.at, to.row, to_columns)
+      .costing(0.0, 8.0 * rows * to_columns);
 }
 
 Launch column_sums(Runtime& runtime, const MatrixView& a, const MatrixView& sums, int rows,
                    int columns) {
   return Launch(dense_kernel(runtime, "column_sums"), range(tiles(columns, 16)), a.buffer, a.at,
-                a.row, sums.buffer, sums.at, rows, columns);
+                a.row, sums.buffer, sums.at, rows, columns)
+      .costing(1.0 * rows * columns, 4.0 * rows * columns);
 }
 
 }  // namespace touchtrace

@@ -1,7 +1,10 @@
 #include <fmt/core.h>
 
+#include <map>
 #include <set>
 
+#include "engine/train/update_plan.h"
+#include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/scene.h"
@@ -14,7 +17,7 @@ struct PlanOptions {
   std::string recording, activity = "wave";
   std::vector<std::string> objects;
   bool without_touch = false;
-  int window = 10, resolution = 32;
+  int window = 10, resolution = 32, sequences = 8, steps = 20;
 };
 
 void describe(OptionSet& set, PlanOptions& o) {
@@ -25,6 +28,8 @@ void describe(OptionSet& set, PlanOptions& o) {
   set.flag("without-touch", o.without_touch, "only the baseline that sees no tactile frame");
   set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
   set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);
+  set.integer("sequences", o.sequences, "roll-outs in a batch", 1, 4096);
+  set.integer("steps", o.steps, "steps of a roll-out in training", 1, 200);
 }
 
 void read_recording(const std::string& path, study::PlanWishes& wishes) {
@@ -48,16 +53,56 @@ study::PlanWishes wishes_of(const PlanOptions& options) {
   return wishes;
 }
 
+std::vector<PlannedLaunch> launches_of(const PlanOptions& options, const ModelSpec& model,
+                                       const std::string& device) {
+  Runtime runtime(usable_device(device));
+  return launches_of_update(runtime, model, options.sequences, options.steps);
+}
+
+void print_row(const std::string& kernel, std::size_t launches, const LaunchCost& cost) {
+  fmt::print("  {:<28} {:>9} {:>10} {:>9.1f}\n", kernel, launches,
+             cost.flops > 0.0 ? fmt::format("{:.2f}", 1e-6 * cost.flops) : "-",
+             cost.bytes / (1 << 20));
+}
+
+/// One row a kernel, in the order in which they are first queued.
+void print_launches(const std::vector<PlannedLaunch>& launches) {
+  std::vector<std::string> order;
+  std::map<std::string, std::pair<std::size_t, LaunchCost>> rows;
+  LaunchCost total;
+  for (const auto& [kernel, cost] : launches) {
+    if (!rows.contains(kernel)) order.push_back(kernel);
+    auto& [count, sum] = rows[kernel];
+    for (LaunchCost* to : {&sum, &total}) to->flops += cost.flops, to->bytes += cost.bytes;
+    ++count;
+  }
+  fmt::print("  {:<28} {:>9} {:>10} {:>9}\n", "kernel", "launches", "MFLOP", "MiB");
+  for (const auto& kernel : order) print_row(kernel, rows[kernel].first, rows[kernel].second);
+  print_row("all", launches.size(), total);
+}
+
+nlohmann::json launches_json(const std::vector<PlannedLaunch>& launches) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& [kernel, cost] : launches)
+    rows.push_back({{"kernel", kernel}, {"flops", cost.flops}, {"bytes", cost.bytes}});
+  return rows;
+}
+
 ExitCode run(const PlanOptions& options, const Invocation& invocation) {
   const study::PlanWishes wishes = wishes_of(options);
   const study::Plan plan = study::make_plan(wishes);
+  const auto launches = launches_of(options, plan.model, invocation.device);
   if (invocation.json) {
-    fmt::print("{}\n", study::plan_json(wishes, plan).dump(2));
+    auto document = study::plan_json(wishes, plan);
+    document["launches"] = launches_json(launches);
+    fmt::print("{}\n", document.dump(2));
     return ExitCode::done;
   }
   for (const auto& item : plan.items)
     fmt::print("{} {:<10} {:<34} {}\n", item.included ? "+" : "-", item.stage, item.part, item.why);
-  fmt::print("+ is built and run, - is left out\n");
+  fmt::print("+ is built and run, - is left out\n\nan update of {} sequences of {} steps:\n",
+             options.sequences, options.steps);
+  print_launches(launches);
   return ExitCode::done;
 }
 

@@ -79,6 +79,8 @@ class Planner {
     add("train", "object encoder", false, wishes_.touch ? objects : no_touch);
     add("train", "contrastive loss", false, wishes_.touch ? objects : no_touch);
     add("train", "dynamics MLP with band", true, "predicts state, 10 % and 90 % quantile");
+    add("train", "gradient towards tactile frames", false, "nothing learns from it");
+    add("train", "gradient towards initial states", false, "nothing learns from it");
   }
 
   void plan_evaluation() {

@@ -1,0 +1,25 @@
+#include "engine/train/update_plan.h"
+
+#include <algorithm>
+
+#include "engine/cl/watch.h"
+#include "engine/train/noise_batch.h"
+
+namespace touchtrace {
+
+std::vector<PlannedLaunch> launches_of_update(Runtime& runtime, const ModelSpec& spec,
+                                              int sequences, int steps) {
+  RandomStream random(1, "plan of an update");
+  const int frames = std::max(spec.window_frames, spec.segment_frames) + steps;
+  Trainer trainer(runtime, spec, {}, sequences, steps, noise_stream(spec, frames, random));
+  const auto batch = noise_batch(spec, sequences, steps, frames, random);
+  std::vector<PlannedLaunch> launches;
+  visit_launches(
+      runtime, [&] { trainer.update(batch); },
+      [&](const Launch& launch) {
+        launches.push_back({launch.name(), launch.cost()});
+      });
+  return launches;
+}
+
+}  // namespace touchtrace

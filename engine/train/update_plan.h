@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/cl/launch.h"
+#include "engine/model/model_spec.h"
+
+namespace touchtrace {
+
+/// One launch of an update.
+struct PlannedLaunch {
+  std::string kernel;
+  LaunchCost cost;
+};
+
+/// The launches of an update in their order. They are those of a real one, on noise, which the
+/// device does meanwhile.
+std::vector<PlannedLaunch> launches_of_update(Runtime& runtime, const ModelSpec& spec,
+                                              int sequences, int steps);
+
+}  // namespace touchtrace

@@ -102,7 +102,7 @@ def course_figures(options, folder):
     for kind, name in enumerate(("wall", "CPU")):
         times = [[time_until(curve, kind, settled(curves)) for curve in curves] for curves in runs]
         yield ratio(f"training to the same validation error, {name} time", setting, [b / a for a, b in times], 2.0,
-                    seconds=time.time() - start, picture=picture_of(runs[0], f"{PEER}, {setting}"))
+                    seconds=time.time() - start, picture=picture_of(runs[0], kind, f"{PEER}, {setting}"))
         yield row(f"training to the same validation error, {name} time, engine", statistics.median(a for a, _ in times), "s")
     for side, name in enumerate(("engine", "PyTorch")):
         yield row(f"best validation error, {name}", statistics.median(c[side][:, 2].min() for c in runs), "deviation")

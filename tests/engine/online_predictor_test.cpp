@@ -1,6 +1,10 @@
 #include "engine/train/online_predictor.h"
 
+#include <cstdlib>
+#include <sstream>
+
 #include "engine/base/error.h"
+#include "engine/train/safetensors.h"
 #include "tests/engine/trainer_fixture.h"
 
 namespace touchtrace {
@@ -76,6 +80,30 @@ TEST_F(OnlinePredictorTest, FramesBeforeTheFirstAreZeros) {
   const auto [state, spread] = online.step(frame(0));
   EXPECT_TRUE(std::ranges::equal(state, expected.state));
   EXPECT_TRUE(std::ranges::equal(spread, expected.spread));
+}
+
+// In a process of its own, since only the first use of OpenCL decides what PoCL offers.
+TEST_F(OnlinePredictorTest, TheDeviceForSmallStepsGivesTheSameBits) {
+  prepare(true);
+  batch_.steps = 1;
+  const auto expected = Predictor(runtime_, model_).predict(batch_, stream_);
+  auto problem = read_safetensors(model_);
+  problem.metadata.insert({{"sequences", "1"}, {"steps", "1"}});
+  problem.tensors.push_back({"stream", {stream_.size()}, stream_});
+  problem.tensors.push_back({"first_frame", {1}, {float(first)}});
+  problem.tensors.push_back({"initial_state", {batch_.initial_state.size()}, batch_.initial_state});
+  write_safetensors(folder_ / "problem", problem, false);
+  const auto out = (folder_ / "out").string();
+  const auto command =
+      "echo 9 | " ENGINE_STEP " " + (folder_ / "problem").string() + " online | tail -n 1 >" + out;
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  std::istringstream line(read_file(out));
+  for (const auto* values : {&expected.state, &expected.spread})
+    for (const float value : *values) {
+      std::string word;
+      line >> word;
+      EXPECT_EQ(std::strtof(word.c_str(), nullptr), value) << word;
+    }
 }
 
 TEST_F(OnlinePredictorTest, RefusesOtherSizes) {

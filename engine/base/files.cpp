@@ -7,6 +7,8 @@
 
 #include <array>
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -55,6 +57,32 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
+std::string host_name() {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+/// Of temporary files for `path` by any process of this machine; then the process, then ".tmp".
+std::string temporary_prefix(const fs::path& path) {
+  return fmt::format(".{}.{}-", path.filename().string(), host_name());
+}
+
+/// Removes what processes that were killed left of earlier tries at `path`.
+void remove_abandoned(const fs::path& path) {
+  const auto prefix = temporary_prefix(path);
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder_of(path), ignored)) {
+    const auto name = entry.path().filename().string();
+    pid_t process = 0;
+    if (!name.starts_with(prefix) || !name.ends_with(".tmp") ||
+        std::from_chars(name.data() + prefix.size(), name.data() + name.size(), process).ec !=
+            std::errc())
+      continue;
+    if (kill(process, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), ignored);
+  }
+}
+
 }  // namespace
 
 OutputFile::OutputFile(fs::path path, bool overwrite) : path_(std::move(path)) {
@@ -66,7 +94,8 @@ OutputFile::OutputFile(fs::path path, bool overwrite) : path_(std::move(path)) {
   if (error)
     throw failure(fmt::format("cannot make the folder of {}: {}", path_.string(), error.message()),
                   "choose an output in a folder that can be written");
-  temporary_ = folder_of(path_) / fmt::format(".{}.{}.tmp", path_.filename().string(), getpid());
+  remove_abandoned(path_);
+  temporary_ = folder_of(path_) / fmt::format("{}{}.tmp", temporary_prefix(path_), getpid());
 }
 
 OutputFile::~OutputFile() {

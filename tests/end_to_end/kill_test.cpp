@@ -91,6 +91,8 @@ TEST_F(BrokenTraining, GoesOnToTheSameBits) {
   run(train("whole"));
   survive_kills();
   EXPECT_EQ(tensors(at("killed")), tensors(at("whole")));
+  for (const auto& entry : fs::directory_iterator(folder_))
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
   lose_the_device();
   EXPECT_EQ(tensors(at("left")), tensors(at("whole")));
 }

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -139,6 +142,23 @@ TEST_F(Files, OutputAppearsWholeOrNotAtAll) {
   write_file(folder_ / "a", "whole", false);
   EXPECT_EQ(read_file(folder_ / "a"), "whole");
   EXPECT_EQ(entries(), 1u);
+}
+
+TEST_F(Files, WhatAKilledProcessLeftIsRemovedByTheNext) {
+  write_file(folder_ / "a", "first", false);
+  const pid_t child = fork();
+  if (child == 0) {
+    OutputFile output(folder_ / "a", true);
+    std::ofstream(output.temporary()) << "half";
+    kill(getpid(), SIGKILL);
+  }
+  waitpid(child, nullptr, 0);
+  EXPECT_EQ(entries(), 2u);
+  EXPECT_EQ(read_file(folder_ / "a"), "first");
+  OutputFile other(folder_ / "a", true);
+  std::ofstream(other.temporary()) << "another's, which is alive";
+  write_file(folder_ / "b", "whole", false);
+  EXPECT_EQ(entries(), 3u) << "a, b and the file that is being written";
 }
 
 TEST_F(Files, ExistingOutputIsKeptUnlessAskedFor) {

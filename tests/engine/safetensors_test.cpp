@@ -81,6 +81,18 @@ TEST_F(Safetensors, IsReadByPlainPython) {
   EXPECT_EQ(std::system(("/usr/bin/python3 -c \"" + script + "\" " + path().string()).c_str()), 0);
 }
 
+TEST_F(Safetensors, IsReadByThePythonPackageWhereThereIsOne) {
+  if (std::system("python3 -c 'import safetensors, numpy' 2>/dev/null") != 0)
+    GTEST_SKIP() << "python3 has no package safetensors";
+  write_safetensors(path(), {{{"note", "x"}}, {{"w", {2, 2}, {1, 2, 3, 4.5f}}, {"v", {1}, {7}}}},
+                    false);
+  const std::string script =
+      "import sys;from safetensors import safe_open;f=safe_open(sys.argv[1],'numpy');"
+      "assert f.metadata()=={'note':'x'};assert f.get_tensor('w').tolist()==[[1,2],[3,4.5]];"
+      "assert f.get_tensor('v').tolist()==[7]";
+  EXPECT_EQ(std::system(("python3 -c \"" + script + "\" " + path().string()).c_str()), 0);
+}
+
 TEST_F(Safetensors, TakesPaddedHeadersAndAnyOrder) {
   const auto file = read_back(R"({"b":{"dtype":"F32","shape":[1],"data_offsets":[4,8]},)"
                               R"("a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]}}   )",

@@ -1,59 +1,71 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
+#include "engine/base/child_process.h"
 #include "engine/base/error.h"
-#include "engine/ops/self_test.h"
 #include "pipeline/cli/doctor.h"
 
+// Drivers crash and hang: they are only ever loaded by other processes of this program.
 namespace touchtrace::cli {
 namespace {
 
-Finding describe_fault(const DeviceInfo& device, const OperationResult& result) {
-  const auto what = result.fault.empty()
-                        ? fmt::format("is wrong by {:.3g} eps, its gradient by {:.3g}",
-                                      result.output_error, result.gradient_error)
-                        : "fails: " + result.fault;
-  return {Finding::State::broken, fmt::format("{}: {} {}", device.name, result.operation, what),
-          "update its driver, or pass --device with another number of `touchtrace devices`"};
-}
+using nlohmann::json;
 
-std::vector<Finding> check_kernels(const DeviceInfo& device) {
-  Runtime runtime({device, "looked at by doctor"});
-  const auto results = self_test(runtime);
+// All kernels are built at once by a driver that may never have seen them.
+constexpr double self_test_limit_s = 300.0;
+
+const char* const other_device =
+    "update its driver, or pass --device with another number of `touchtrace devices`";
+
+std::vector<Finding> findings_of(const std::string& device, const json& operations) {
   std::vector<Finding> findings;
   double worst = 0.0;
-  for (const auto& result : results) {
-    if (!result.holds()) findings.push_back(describe_fault(device, result));
-    worst = std::max(worst, result.output_error);
+  for (const auto& row : operations) {
+    const std::string operation = row.at("operation"), fault = row.at("fault");
+    if (!row.at("holds"))
+      findings.push_back({Finding::State::broken,
+                          fmt::format("{}: {} {}", device, operation,
+                                      fault.empty() ? "computes wrong values" : "fails: " + fault),
+                          other_device});
+    else
+      worst = std::max(worst, row.at("output_error_eps").get<double>());
   }
   if (findings.empty())
     findings.push_back(
         {Finding::State::good,
-         fmt::format("{}: {} operations agree with their references (worst {:.2g} eps)",
-                     device.name, results.size(), worst),
+         fmt::format("{}: {} operations agree with their references (worst {:.2g} eps)", device,
+                     operations.size(), worst),
          ""});
   return findings;
 }
 
-std::vector<Finding> check_device(const DeviceInfo& device) {
-  try {
-    return check_kernels(device);
-  } catch (const Error& error) {
-    return {{Finding::State::broken, error.what(), error.remedy()}};
-  }
+std::vector<Finding> check_device(int number, const std::string& name) {
+  const auto test =
+      run_self({"self-test", "--json", "--device", std::to_string(number)}, {}, self_test_limit_s);
+  const auto document = json::parse(test.output, nullptr, false);
+  if (document.is_discarded())
+    return {{Finding::State::broken, fmt::format("{}: its test {}", name, test.ending()),
+             other_device}};
+  return findings_of(name, document.at("operations"));
 }
 
 }  // namespace
 
 std::vector<Finding> check_devices() {
-  const auto devices = list_devices();
-  if (devices.empty())
+  const auto listing = run_self({"devices", "--json"}, {}, self_test_limit_s);
+  if (listing.exit_code == static_cast<int>(ExitCode::no_device))
     return {{Finding::State::broken, "no OpenCL device",
              "install PoCL, which runs on any processor: apt-get install pocl-opencl-icd"}};
+  const auto document = json::parse(listing.output, nullptr, false);
+  if (document.is_discarded())
+    return {{Finding::State::broken, fmt::format("listing the OpenCL devices {}", listing.ending()),
+             "remove the driver's .icd file from /etc/OpenCL/vendors until it is mended"}};
   std::vector<Finding> findings;
-  for (const auto& device : devices)
-    std::ranges::move(check_device(device), std::back_inserter(findings));
+  for (const auto& device : document.at("devices"))
+    std::ranges::move(check_device(device.at("number"), device.at("name")),
+                      std::back_inserter(findings));
   return findings;
 }
 

@@ -48,6 +48,16 @@ INSTANTIATE_TEST_SUITE_P(Ways, BadDriver,
                                            std::pair("unlisted", "signal 6")),
                          [](const auto& way) { return std::string(way.param.first); });
 
+TEST_F(BadDriver, IsFoundByTheDoctor) {
+  for (const auto& [way, complaint] :
+       {std::pair("lies", "Faulty 3000: tactile_window computes wrong values"),
+        std::pair("crashes", "Faulty 3000: its test ended by signal 6"),
+        std::pair("unlisted", "listing the OpenCL devices ended by signal 6")}) {
+    const auto result = run_beside_pocl(way, "doctor");
+    EXPECT_NE(result.output.find(complaint), std::string::npos) << result.output;
+  }
+}
+
 TEST_F(BadDriver, AloneIsAnError) {
   const auto result =
       run_program("self-test", std::string("FAULTY_ICD=lies OCL_ICD_VENDORS=") + FAULTY_ICD + " ");

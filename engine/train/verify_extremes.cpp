@@ -122,29 +122,33 @@ double slowdown_by_subnormals(Runtime& runtime) {
   return ratio;
 }
 
-/// Trains a small model without touch to follow points that swing, and rolls it out.
-double not_finite_in_long_rollouts(Runtime& runtime) {
-  constexpr int sequences = 8, count = 300;
-  const ModelSpec spec{.touch = false, .hidden = 64, .state = 2};
-  const ScratchFolder folder;
-  Trainer trainer(runtime, spec, {.updates = count}, sequences, 10, {});
-  RandomStream random(1, "swinging points");
+/// Points that swing: sine and cosine of random phase and size.
+RolloutBatch swinging_points(int sequences, int steps, RandomStream& random) {
   RolloutBatch batch;
-  for (int update = 0; update < count; ++update) {
-    batch = {sequences, 10, {}, {}, {}, {}};
-    for (int s = 0; s < sequences; ++s) {
-      const double phase = random.uniform(0.0, 6.28), size = random.uniform(0.1, 2.0);
-      const auto add = [&](std::vector<float>& to, int step) {
-        for (double lag : {0.0, 1.57})
-          to.push_back(float(size * std::sin(phase + lag + 0.3 * step)));
-      };
-      add(batch.initial_state, 0);
-      for (int step = 1; step <= 10; ++step) add(batch.target, step);
-    }
-    trainer.update(batch);
+  batch.sequences = sequences, batch.steps = steps;
+  for (int s = 0; s < sequences; ++s) {
+    const double phase = random.uniform(0.0, 6.28), size = random.uniform(0.1, 2.0);
+    const auto add = [&](std::vector<float>& to, int step) {
+      for (double lag : {0.0, 1.57}) to.push_back(float(size * std::sin(phase + lag + 0.3 * step)));
+    };
+    add(batch.initial_state, 0);
+    for (int step = 1; step <= steps; ++step) add(batch.target, step);
   }
+  return batch;
+}
+
+/// Trains a small model without touch to follow such points, and rolls it out from thrice as far.
+double not_finite_in_long_rollouts(Runtime& runtime) {
+  constexpr int sequences = 8, steps = 10, count = 300;
+  const ScratchFolder folder;
+  Trainer trainer(runtime, {.touch = false, .hidden = 64, .state = 2}, {.updates = count},
+                  sequences, steps, {});
+  RandomStream random(1, "swinging points");
+  while (trainer.updates() < count) trainer.update(swinging_points(sequences, steps, random));
   trainer.save(folder.path() / "model", {}, false);
-  batch.steps = 500, batch.target.clear();
+
+  auto batch = swinging_points(sequences, 500, random);
+  batch.target.clear();
   for (float& value : batch.initial_state) value *= 3.0f;
   const auto rollout = Predictor(runtime, folder.path() / "model").predict(batch, {});
   const auto bad = [](float v) { return !std::isfinite(v); };

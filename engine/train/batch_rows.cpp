@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "engine/base/error.h"
+#include "engine/train/segment_rows.h"
 
 namespace touchtrace {
 namespace {
@@ -14,31 +15,6 @@ void check_size(const char* what, std::size_t size, std::size_t expected) {
   if (size != expected)
     throw failure(fmt::format("a batch has {} values of {} instead of {}", size, what, expected),
                   "report this as a bug");
-}
-
-void check_segments(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames) {
-  if (spec.object == ObjectEncoder::none) return;
-  check_size("segment_frame", batch.segment_frame.size(), std::size_t(batch.sequences));
-  if (!batch.target.empty())
-    check_size("object", batch.object.size(), std::size_t(batch.sequences));
-  for (const auto first : batch.segment_frame)
-    if (first < 0 || std::size_t(first) + spec.segment_frames > frames)
-      throw data_error(fmt::format("an object's segment of {} frames from frame {} does not lie in "
-                                   "the tactile stream of {}",
-                                   spec.segment_frames, first, frames),
-                       "use a longer recording or shorter segments");
-}
-
-/// For each sequence `weight` over the number of its positives and of all sequences that have both
-/// a positive and a negative; 0 for the others.
-std::vector<float> contrast_weights(std::span<const std::int32_t> object, double weight) {
-  const auto same = [&](auto i) { return std::ranges::count(object, i) - 1; };
-  const auto counts = [&](auto i) { return same(i) > 0 && same(i) + 1 < std::ssize(object); };
-  const auto anchors = std::ranges::count_if(object, counts);
-  std::vector<float> weights;
-  for (const auto i : object)
-    weights.push_back(counts(i) ? static_cast<float>(weight / double(anchors * same(i))) : 0.0f);
-  return weights;
 }
 
 }  // namespace
@@ -51,7 +27,6 @@ void check(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames)
   if (!batch.weight.empty()) check_size("weight", batch.weight.size(), rows);
   if (!spec.touch) return;
   check_size("first_frame", batch.first_frame.size(), sequences);
-  check_segments(batch, spec, frames);
   for (const auto first : batch.first_frame)
     if (first < spec.window_frames - 1 || std::size_t(first) + batch.steps > frames)
       throw data_error(
@@ -59,6 +34,16 @@ void check(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames)
                       "stream of {} does not have",
                       batch.steps, first, frames),
           "use a longer recording or fewer steps");
+}
+
+void check_objects(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames,
+                   Model::Use use) {
+  if (spec.object == ObjectEncoder::none) return;
+  const bool training = use == Model::Use::training;
+  if (training) check_size("object", batch.object.size(), std::size_t(batch.sequences));
+  if (training && spec.object == ObjectEncoder::frozen) return;
+  check_size("segment_frame", batch.segment_frame.size(), std::size_t(batch.sequences));
+  check_segments(spec, batch.segment_frame, frames);
 }
 
 void write_windows(Runtime& runtime, const Model& model, const BatchBlock& block,
@@ -108,13 +93,24 @@ void write_targets(Runtime& runtime, const Model& model, const RolloutBatch& bat
 
 void write_segments(Runtime& runtime, const Model& model, const RolloutBatch& batch,
                     double object_loss) {
-  if (model.input().segment_last_frame.size() == 0) return;
-  std::vector<std::int32_t> last_frame;
-  for (const auto first : batch.segment_frame)
-    last_frame.push_back(first + model.spec().segment_frames - 1);
-  runtime.write<std::int32_t>(model.input().segment_last_frame, last_frame);
-  runtime.write<std::int32_t>(model.input().object, batch.object);
-  runtime.write<float>(model.input().contrast_weight, contrast_weights(batch.object, object_loss));
+  const auto& input = model.input();
+  if (input.segment_last_frame.size() == 0) return;
+  runtime.write<std::int32_t>(input.segment_last_frame,
+                              segment_last_frames(model.spec(), batch.segment_frame));
+  runtime.write<std::int32_t>(input.object, batch.object);
+  runtime.write<float>(input.contrast_weight, contrast_weights(batch.object, object_loss));
+}
+
+void write_object_embeddings(Runtime& runtime, const Model& model,
+                             std::span<const std::int32_t> row, std::span<const float> embedding) {
+  const auto size = std::size_t(model.spec().embedding);
+  std::vector<float> rows;
+  for (const auto i : row) {
+    if (i < 0 || (std::size_t(i) + 1) * size > embedding.size())
+      throw failure(fmt::format("there is no embedding of object {}", i), "report this as a bug");
+    std::ranges::copy(embedding.subspan(i * size, size), std::back_inserter(rows));
+  }
+  runtime.write<float>(model.input().object_embedding, rows);
 }
 
 }  // namespace touchtrace

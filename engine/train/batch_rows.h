@@ -9,6 +9,10 @@ namespace touchtrace {
 /// if a window reaches outside a stream of `frames` frames.
 void check(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames);
 
+/// The same for what the batch says of its objects.
+void check_objects(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames,
+                   Model::Use use);
+
 /// A block of a batch as a model takes it: as many sequences and steps as the model has, from the
 /// given ones on. Where the batch ends, its last sequence and the stream's last frame repeat.
 struct BatchBlock {
@@ -25,10 +29,13 @@ void write_initial_states(Runtime& runtime, const Model& model, const BatchBlock
 /// Throws data_error if no step has a weight.
 void write_targets(Runtime& runtime, const Model& model, const RolloutBatch& batch);
 
-/// The objects of the sequences, their segments, and their weights in the contrastive loss, of
-/// which `object_loss` times the mean over anchors and over an anchor's positives is taken. For a
-/// model that trains its object encoder.
+/// Where the model trains its object encoder: the sequences' objects and segments, and the weights
+/// of the contrastive loss, which counts `object_loss` times.
 void write_segments(Runtime& runtime, const Model& model, const RolloutBatch& batch,
                     double object_loss);
+/// Elsewhere: row `row`[s] of `embedding` [rows, embedding] for each sequence s of the model.
+/// Throws failure if there is no such row.
+void write_object_embeddings(Runtime& runtime, const Model& model,
+                             std::span<const std::int32_t> row, std::span<const float> embedding);
 
 }  // namespace touchtrace

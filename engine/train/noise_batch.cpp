@@ -12,6 +12,12 @@ std::vector<float> noise_stream(const ModelSpec& spec, int frames, RandomStream&
   return normal_floats(std::size_t(frames) * spec.rows * spec.cols, random);
 }
 
+constexpr int noise_object_count = 3;
+
+FrozenObjects noise_objects(const ModelSpec& spec, RandomStream& random) {
+  return {{}, normal_floats(std::size_t(noise_object_count) * spec.embedding, random)};
+}
+
 RolloutBatch noise_batch(const ModelSpec& spec, int sequences, int steps, int frames,
                          RandomStream& random) {
   RolloutBatch batch;
@@ -25,7 +31,7 @@ RolloutBatch noise_batch(const ModelSpec& spec, int sequences, int steps, int fr
   for (std::size_t i = 0; i < rows; ++i) batch.weight.push_back(float(random.uniform(0.0, 2.0)));
   if (spec.object == ObjectEncoder::none) return batch;
   for (int s = 0; s < sequences; ++s) {
-    batch.object.push_back(s % 3);
+    batch.object.push_back(s % noise_object_count);
     batch.segment_frame.push_back(int(random.below(frames - spec.segment_frames + 1)));
   }
   return batch;

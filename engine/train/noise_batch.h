@@ -19,4 +19,7 @@ std::vector<float> noise_stream(const ModelSpec& spec, int frames, RandomStream&
 RolloutBatch noise_batch(const ModelSpec& spec, int sequences, int steps, int frames,
                          RandomStream& random);
 
+/// Embeddings of the objects of noise_batch, with no encoder behind them.
+FrozenObjects noise_objects(const ModelSpec& spec, RandomStream& random);
+
 }  // namespace touchtrace

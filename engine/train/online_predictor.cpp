@@ -6,7 +6,9 @@
 #include <array>
 
 #include "engine/base/error.h"
+#include "engine/train/batch_rows.h"
 #include "engine/train/model_file.h"
+#include "engine/train/object_embedder.h"
 
 namespace touchtrace {
 
@@ -19,6 +21,7 @@ struct OnlinePredictor::Plan {
   Buffer<float> stream;
   std::int32_t slot = 0, last_frame = 0;  ///< of the last frame given, and its second place
   std::array<float, state_lanes> state{}, spread{};
+  bool knows_object = false;
 
   Plan(Runtime& on, const std::filesystem::path& path)
       : runtime(on), file(read_model_file(path)), model(file.make(on, 1, 1)) {
@@ -44,7 +47,19 @@ struct OnlinePredictor::Plan {
       runtime.queue_write(stream, frame, place * frame_size());
   }
 
+  void set_object(std::span<const float> segment) {
+    const std::int32_t first = 0;
+    ObjectEmbedder embedder(runtime, file.spec, file.file);
+    write_object_embeddings(runtime, *model, std::span(&first, 1),
+                            embedder.embed(runtime.upload(segment), std::span(&first, 1)));
+    knows_object = true;
+  }
+
   void step() {
+    if (file.spec.object != ObjectEncoder::none && !knows_object)
+      throw failure(
+          "a model with an object encoder was asked for a step before it was shown an object",
+          "call set_object first");
     last_frame = slot + file.spec.window_frames;
     if (file.spec.touch) runtime.queue_write(model->input().last_frame, std::span(&last_frame, 1));
     runtime.queue_write(model->states(), state);
@@ -65,6 +80,12 @@ const nlohmann::json& OnlinePredictor::metadata() const { return plan_->file.met
 void OnlinePredictor::set_state(std::span<const float> state) {
   plan_->check("state", state.size(), std::size_t(spec().state));
   std::ranges::copy(state, plan_->state.begin());
+}
+
+void OnlinePredictor::set_object(std::span<const float> segment) {
+  const auto size = spec().segment_frames * plan_->frame_size();
+  plan_->check("segment", segment.size(), size);
+  plan_->set_object(segment);
 }
 
 void OnlinePredictor::push(std::span<const float> frame) {

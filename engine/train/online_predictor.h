@@ -22,6 +22,9 @@ class OnlinePredictor {
 
   /// The state that the next step starts from, scaled: [state]. Zeros at first.
   void set_state(std::span<const float> state);
+  /// Touch of the object in hand, [segment_frames, rows, cols], such as its first frames; needed
+  /// before the first step of a model with an object encoder.
+  void set_object(std::span<const float> segment);
   /// Takes in a frame after which no state is asked for, such as the first M - 1 of a stream:
   /// [rows, cols], empty without touch. Frames before the first one count as zeros.
   void push(std::span<const float> frame);

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <optional>
 
 #include "engine/train/batch_rows.h"
 #include "engine/train/model_file.h"
+#include "engine/train/object_embedder.h"
 #include "engine/train/trainer.h"
 
 namespace touchtrace {
@@ -16,9 +18,11 @@ struct Predictor::Plan {
   Runtime& runtime;
   ModelFile file;
   std::unique_ptr<Model> model;
+  std::optional<ObjectEmbedder> embedder;
 
   Plan(Runtime& on, const std::filesystem::path& path) : runtime(on), file(read_model_file(path)) {
     fit(1, 1);  // so that a file without all weights is refused at once
+    if (file.spec.object != ObjectEncoder::none) embedder.emplace(on, file.spec, file.file);
   }
 
   /// A model of this size, kept from call to call.
@@ -27,10 +31,23 @@ struct Predictor::Plan {
     model = file.make(runtime, sequences, steps);
   }
 
+  /// The embeddings of the block's objects, each known from its own segment.
+  void embed(const BatchBlock& block, const Buffer<float>& stream) {
+    if (!embedder) return;
+    const auto last = block.batch.sequences - 1;
+    std::vector<std::int32_t> segment, row;
+    for (int s = 0; s < model->sequences(); ++s) {
+      segment.push_back(block.batch.segment_frame[std::min(block.first_sequence + s, last)]);
+      row.push_back(s);
+    }
+    write_object_embeddings(runtime, *model, row, embedder->embed(stream, segment));
+  }
+
   /// Rolls the block's sequences out to the end and writes them to `rollout`.
   void predict(BatchBlock block, const Buffer<float>& stream, std::size_t frames,
                Rollout& rollout) {
     std::vector<float> state = block.batch.initial_state;
+    embed(block, stream);
     for (; block.first_step < block.batch.steps; block.first_step += model->steps()) {
       write_windows(runtime, *model, block, frames);
       write_initial_states(runtime, *model, block, state);
@@ -76,6 +93,7 @@ Rollout Predictor::predict(const RolloutBatch& batch, std::span<const float> tac
   const auto& spec = plan_->file.spec;
   const std::size_t frames = tactile.size() / (std::size_t(spec.rows) * spec.cols);
   check(batch, spec, frames);
+  check_objects(batch, spec, frames, Model::Use::prediction);
   const auto values = std::size_t(batch.sequences) * batch.steps * spec.state;
   Rollout rollout{std::vector<float>(values), std::vector<float>(values)};
   if (values == 0) return rollout;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <iterator>
 
 #include "engine/base/error.h"
 #include "engine/base/random.h"
@@ -13,26 +13,11 @@
 #include "engine/ops/adam.h"
 #include "engine/train/batch_rows.h"
 #include "engine/train/checkpoint_metadata.h"
+#include "engine/train/schedule.h"
 #include "engine/train/weight_file.h"
 
 namespace touchtrace {
 namespace {
-
-/// Weight decay of each parameter: of matrices and convolutions, not of biases and gains.
-Buffer<float> decays(Runtime& runtime, const ParameterTable& table, double weight_decay) {
-  std::vector<float> decay(table.size(), 0.0f);
-  for (const auto& row : table.rows())
-    if (row.shape.size() >= 2)
-      std::fill_n(decay.begin() + static_cast<std::ptrdiff_t>(row.offset), row.size,
-                  static_cast<float>(weight_decay));
-  return runtime.upload<float>(decay);
-}
-
-/// From `options.learning_rate` to 0 by a half cosine.
-double learning_rate(const TrainOptions& options, int update) {
-  const double done = std::min(1.0, static_cast<double>(update) / options.updates);
-  return 0.5 * options.learning_rate * (1.0 + std::cos(std::numbers::pi * done));
-}
 
 bool all_finite(std::span<const float> values) {
   return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
@@ -60,6 +45,7 @@ struct Trainer::Plan {
   std::size_t frames;
   Buffer<float> stream;
   RandomStream dropout_keys;
+  FrozenObjects objects;
   UpdateCounts counts;
 
   Plan(Runtime& on, const ModelSpec& spec, const TrainOptions& wanted, int sequences, int steps,
@@ -82,10 +68,13 @@ struct Trainer::Plan {
                                 batch.sequences, batch.steps, model.sequences(), model.steps()),
                     "report this as a bug");
     check(batch, model.spec(), frames);
+    check_objects(batch, model.spec(), frames, Model::Use::training);
     write_windows(runtime, model, {batch}, frames);
     write_initial_states(runtime, model, {batch}, batch.initial_state);
     write_targets(runtime, model, batch);
     write_segments(runtime, model, batch, options.object_loss);
+    if (model.spec().object == ObjectEncoder::frozen)
+      write_object_embeddings(runtime, model, batch.object, objects.embedding);
   }
 
   void pass() {
@@ -140,17 +129,20 @@ double Trainer::update(const RolloutBatch& batch) {
   return plan_->step(batch);
 }
 
+void Trainer::freeze_objects(FrozenObjects objects) { plan_->objects = std::move(objects); }
+
 int Trainer::updates() const { return plan_->counts.tried; }
 
 void Trainer::save(const std::filesystem::path& path, const nlohmann::json& metadata,
                    bool overwrite) const {
   const auto& model = plan_->model;
-  const auto values = plan_->runtime.download(model.weights().values);
+  auto tensors = tensors_of(model.table(), plan_->runtime.download(model.weights().values));
+  std::ranges::copy(plan_->objects.encoder, std::back_inserter(tensors));
   write_safetensors(path,
                     {{{"format", "touchtrace/model/1"},
                       {"spec", nlohmann::json(model.spec()).dump()},
                       {"metadata", metadata.dump()}},
-                     tensors_of(model.table(), values)},
+                     std::move(tensors)},
                     overwrite);
 }
 
@@ -161,6 +153,7 @@ void Trainer::save_checkpoint(const std::filesystem::path& path,
   auto tensors = tensors_of(model.table(), read(model.weights().values));
   for (const auto& [name, array] : plan_->adam.state())
     tensors.push_back({name, {array.size()}, read(array)});
+  std::ranges::copy(plan_->objects.encoder, std::back_inserter(tensors));
   write_safetensors(path, {to_metadata(model.spec(), {plan_->counts, notes}), std::move(tensors)},
                     true);
 }

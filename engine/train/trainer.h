@@ -9,6 +9,7 @@
 #include "engine/base/provenance.h"
 #include "engine/cl/runtime.h"
 #include "engine/model/model_spec.h"
+#include "engine/train/safetensors.h"
 
 namespace touchtrace {
 
@@ -23,7 +24,8 @@ struct RolloutBatch {
   std::vector<float> weight;         ///< [S, T], 0 where a label is not to be trusted; empty: all 1
 
   /// For a model with an object encoder, else empty, [S]: a number for the object in hand, and the
-  /// first of the segment_frames frames, of the same clip, that e_i is made from.
+  /// first of the segment_frames frames, of the same clip, that e_i is made from. Training with
+  /// ObjectEncoder::frozen needs the first alone, prediction the second alone.
   std::vector<std::int32_t> object{}, segment_frame{};
 };
 
@@ -43,6 +45,12 @@ struct TrainOptions {
   std::uint64_t seed = 1;
 };
 
+/// An object encoder that is trained no further, and what it says of the objects of the batches.
+struct FrozenObjects {
+  std::vector<Tensor> encoder;   ///< "object.conv1.weight" and so on
+  std::vector<float> embedding;  ///< [objects, embedding]: RolloutBatch::object numbers its rows
+};
+
 /// The weights of a model on one device, its gradient, its optimiser and one fixed plan of
 /// launches.
 class Trainer {
@@ -51,6 +59,10 @@ class Trainer {
   Trainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options, int sequences,
           int steps, std::span<const float> tactile);
   ~Trainer();
+
+  /// To be called before the first update of a model with ObjectEncoder::frozen. The encoder's
+  /// weights are saved with the model's and in checkpoints.
+  void freeze_objects(FrozenObjects objects);
 
   /// One update of L1 + pinball(0.1) + pinball(0.9) (equation 4) by back-propagation through time;
   /// where the object encoder is trained along, of this plus lambda_obj times the contrastive loss

@@ -12,6 +12,7 @@ std::vector<PlannedLaunch> launches_of_update(Runtime& runtime, const ModelSpec&
   RandomStream random(1, "plan of an update");
   const int frames = std::max(spec.window_frames, spec.segment_frames) + steps;
   Trainer trainer(runtime, spec, {}, sequences, steps, noise_stream(spec, frames, random));
+  if (spec.object == ObjectEncoder::frozen) trainer.freeze_objects(noise_objects(spec, random));
   const auto batch = noise_batch(spec, sequences, steps, frames, random);
   std::vector<PlannedLaunch> launches;
   visit_launches(

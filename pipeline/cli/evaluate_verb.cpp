@@ -31,8 +31,8 @@ void print_table(const json& document) {
   fmt::print("held against {}; L1 and Hausdorff in units of the training labels' deviation\n",
              document.at("against") == "truth" ? "the truth" : "the labels");
   for (const auto& row : document.at("differences"))
-    fmt::print("{} {}: full - without_touch, {}: {} ({} to {})\n",
-               row.at("activity").get<std::string>(), row.at("object").get<std::string>(),
+    fmt::print("{} {}: full - {}, {}: {} ({} to {})\n", row.at("activity").get<std::string>(),
+               row.at("object").get<std::string>(), row.at("other").get<std::string>(),
                row.at("metric").get<std::string>(), number(row.at("mean")), number(row.at("low")),
                number(row.at("high")));
 }

@@ -17,6 +17,7 @@ struct PlanOptions {
   std::string recording, activity = "wave";
   std::vector<std::string> objects;
   bool without_touch = false;
+  std::string object_encoder = "auto";
   int window = 10, resolution = 32, sequences = 8, steps = 20;
 };
 
@@ -26,6 +27,10 @@ void describe(OptionSet& set, PlanOptions& o) {
   set.text("activity", o.activity, "activity to simulate where no recording is given");
   set.texts("object", o.objects, "objects to simulate where no recording is given (default: ball)");
   set.flag("without-touch", o.without_touch, "only the baseline that sees no tactile frame");
+  set.choice("object-encoder", o.object_encoder,
+             "what tells the model which object is in hand; auto: nothing for one object, frozen "
+             "embeddings for several",
+             {"auto", "none", "frozen", "joint"});
   set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
   set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);
   set.integer("sequences", o.sequences, "roll-outs in a batch", 1, 4096);
@@ -47,6 +52,7 @@ study::PlanWishes wishes_of(const PlanOptions& options) {
   wishes.activity = options.activity;
   if (!options.objects.empty()) wishes.objects = options.objects;
   wishes.touch = !options.without_touch;
+  wishes.object_encoder = options.object_encoder;
   wishes.window_frames = options.window;
   wishes.rows = wishes.cols = options.resolution;
   if (!options.recording.empty()) read_recording(options.recording, wishes);

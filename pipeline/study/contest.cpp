@@ -89,7 +89,7 @@ Contest hold_contest(const std::vector<const Session*>& sessions,
   contest.reference = reference;
   contest.scaling = models.front()->card.scaling;
   for (const LoadedModel* model : models)
-    contest.history = std::max(contest.history, model->card.spec.window_frames);
+    contest.history = std::max(contest.history, history_of(model->card.spec));
   pool_cases(contest, stride);
   if (contest.cases.count() < 2)
     throw data_error(fmt::format("the evaluation clips of {} do not hold two roll-outs of {} steps",

@@ -39,8 +39,8 @@ struct Contender {
 struct Contest {
   std::vector<const Session*> sessions;
   Reference reference = Reference::labels;
-  Normalization scaling;            ///< of the first model: its training labels' deviation
-  int history = 1;                  ///< frames of the longest window
+  Normalization scaling;  ///< of the first model: its training labels' deviation
+  int history = 1;        ///< frames of touch before a start, of the model that needs most
   RolloutCases cases, label_cases;  ///< the same starts; `sequence` numbers clips over all sessions
   std::vector<int> session;         ///< [cases]
   std::vector<std::string> object;  ///< [cases]

@@ -25,6 +25,11 @@ double value_or_nan(const nlohmann::json& value) {
 
 }  // namespace
 
+std::string ModelCard::name() const {
+  if (!spec.touch) return "without_touch";
+  return objects.size() > 1 && spec.object == ObjectEncoder::none ? "without_embedding" : "full";
+}
+
 void to_json(nlohmann::json& json, const TrainingLogEntry& entry) {
   json = {{"update", entry.update},
           {"seconds", entry.seconds},

@@ -31,8 +31,9 @@ struct ModelCard {
   std::vector<TrainingLogEntry> log;
   Provenance provenance;
 
-  /// "full" or "without_touch"
-  std::string name() const { return spec.touch ? "full" : "without_touch"; }
+  /// "full", "without_touch", or "without_embedding": with touch, but of several objects that
+  /// nothing tells apart.
+  std::string name() const;
 };
 
 void to_json(nlohmann::json& json, const TrainingLogEntry& entry);

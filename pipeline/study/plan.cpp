@@ -29,6 +29,7 @@ class Planner {
     plan_.model.window_frames = wishes.window_frames;
     plan_.model.rows = wishes.rows;
     plan_.model.cols = wishes.cols;
+    plan_.model.object = object_encoder();
   }
 
   Plan make() {
@@ -69,15 +70,16 @@ class Planner {
 
   void plan_model() {
     const std::string no_touch = "touch is not wanted";
-    const bool many = wishes_.objects.size() > 1;
-    const std::string objects = many ? "not part of this version; the model is trained without it"
-                                     : "one object: nothing to tell apart";
+    const auto object = plan_.model.object;
     add("train", "tactile encoder", wishes_.touch,
         wishes_.touch
             ? fmt::format("{} frames of {} x {}", wishes_.window_frames, wishes_.rows, wishes_.cols)
             : no_touch);
-    add("train", "object encoder", false, wishes_.touch ? objects : no_touch);
-    add("train", "contrastive loss", false, wishes_.touch ? objects : no_touch);
+    add("train", "object encoder", object != ObjectEncoder::none, why_object_encoder());
+    add("train", "contrastive loss", object != ObjectEncoder::none,
+        object == ObjectEncoder::joint    ? "added to the loss of the states (equation 6)"
+        : object == ObjectEncoder::frozen ? "trains the object encoder, before all else"
+                                          : why_object_encoder());
     add("train", "dynamics MLP with band", true, "predicts state, 10 % and 90 % quantile");
     add("train", "gradient towards tactile frames", false, "nothing learns from it");
     add("train", "gradient towards initial states", false, "nothing learns from it");
@@ -86,8 +88,28 @@ class Planner {
   void plan_evaluation() {
     add("evaluate", "random", true, "another trajectory of the data set: the floor");
     add("evaluate", "without touch", true, "what the state alone can predict");
+    add("evaluate", "without embedding", plan_.model.object != ObjectEncoder::none,
+        plan_.model.object != ObjectEncoder::none ? "what knowing the object adds"
+                                                  : why_object_encoder());
     add("evaluate", "full", wishes_.touch,
         wishes_.touch ? "what touch adds" : "touch is not wanted");
+  }
+
+  /// With one object there is nothing to tell apart, and objects are known by touch.
+  bool can_tell_objects() const { return wishes_.touch && wishes_.objects.size() > 1; }
+
+  ObjectEncoder object_encoder() const {
+    if (!can_tell_objects() || wishes_.object_encoder == "none") return ObjectEncoder::none;
+    return wishes_.object_encoder == "joint" ? ObjectEncoder::joint : ObjectEncoder::frozen;
+  }
+
+  std::string why_object_encoder() const {
+    if (!wishes_.touch) return "touch is not wanted";
+    if (!can_tell_objects()) return "one object: nothing to tell apart";
+    if (wishes_.object_encoder == "none") return "not wanted";
+    return fmt::format(
+        "{} objects, known from {} frames; {}", wishes_.objects.size(), plan_.model.segment_frames,
+        plan_.model.object == ObjectEncoder::joint ? "trained along" : "embeddings computed once");
   }
 
   PlanWishes wishes_;

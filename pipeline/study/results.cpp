@@ -53,15 +53,21 @@ std::vector<double> values_of(const Contender& contender, double CaseScore::*mem
   return values;
 }
 
-json difference(const Contest& contest, const std::string& object, const std::vector<int>& which,
-                const char* metric, double CaseScore::*member, std::uint64_t seed) {
+/// full - `other`
+json difference(const Contest& contest, const std::string& other, const std::string& object,
+                const std::vector<int>& which, const char* metric, double CaseScore::*member,
+                std::uint64_t seed) {
   std::vector<int> clips;
   for (int i : which) clips.push_back(contest.cases.sequence[i]);
   const Difference found =
       bootstrap_difference(values_of(*contest.find("full"), member, which),
-                           values_of(*contest.find("without_touch"), member, which), clips, seed);
+                           values_of(*contest.find(other), member, which), clips, seed);
   json row = key_of(contest, object);
-  row.update({{"metric", metric}, {"mean", found.mean}, {"low", found.low}, {"high", found.high}});
+  row.update({{"other", other},
+              {"metric", metric},
+              {"mean", found.mean},
+              {"low", found.low},
+              {"high", found.high}});
   return row;
 }
 
@@ -73,11 +79,17 @@ void append_results(json& document, const Contest& contest, std::uint64_t seed) 
       document["results"].push_back(result(contest, contender, object, which));
       document["curves"].push_back(curve(contest, contender, object, which));
     }
-    if (!contest.find("full") || !contest.find("without_touch")) continue;
-    auto& rows = document["differences"];
-    rows.push_back(difference(contest, object, which, "l1_at_20", &CaseScore::l1_at_20, seed));
-    rows.push_back(difference(contest, object, which, "l1_at_50", &CaseScore::l1_at_50, seed));
-    rows.push_back(difference(contest, object, which, "hausdorff", &CaseScore::hausdorff, seed));
+    for (const char* other : {"without_touch", "without_embedding"}) {
+      if (!contest.find("full") || !contest.find(other)) continue;
+      const auto add = [&, &cases = which, &name = object](const char* metric,
+                                                           double CaseScore::*member) {
+        document["differences"].push_back(
+            difference(contest, other, name, cases, metric, member, seed));
+      };
+      add("l1_at_20", &CaseScore::l1_at_20);
+      add("l1_at_50", &CaseScore::l1_at_50);
+      add("hausdorff", &CaseScore::hausdorff);
+    }
   }
 }
 

@@ -22,6 +22,11 @@ std::vector<int> others(const RolloutCases& cases, int i) {
 
 }  // namespace
 
+int history_of(const ModelSpec& spec) {
+  return spec.object == ObjectEncoder::none ? spec.window_frames
+                                            : std::max(spec.window_frames, spec.segment_frames);
+}
+
 std::vector<Start> starts_of(const Dataset& data, const RolloutGrid& grid) {
   std::vector<Start> starts;
   for (int s = 0; s < static_cast<int>(data.sequences.size()); ++s) {
@@ -54,6 +59,7 @@ RolloutCases make_cases(const Dataset& data, const RolloutGrid& grid, const Norm
   cases.batch.steps = grid.steps;
   for (const auto& [sequence, frame] : starts_of(data, grid)) {
     append_rollout(cases.batch, data, scaling, reference, frame);
+    cases.batch.segment_frame.push_back(data.sequences[sequence].first_frame);
     cases.sequence.push_back(sequence);
   }
   return cases;

@@ -26,6 +26,10 @@ struct RolloutGrid {
   int history = 10;             ///< frames that must lie before a start, itself included
 };
 
+/// Frames of touch that a model must have seen when a roll-out starts: its window, and the segment
+/// that the object is known from.
+int history_of(const ModelSpec& spec);
+
 /// Every `stride`-th start in the clips of a split, with its sequence. A roll-out lies within its
 /// clip, its first window included; starts whose label is a guess are left out.
 struct Start {
@@ -39,6 +43,7 @@ std::vector<Start> starts_of(const Dataset& data, const RolloutGrid& grid);
 void append_rollout(RolloutBatch& batch, const Dataset& data, const Normalization& scaling,
                     Reference reference, int start);
 
+/// The object of each roll-out is to be known from the beginning of its clip (section IV-B).
 RolloutCases make_cases(const Dataset& data, const RolloutGrid& grid, const Normalization& scaling,
                         Reference reference);
 

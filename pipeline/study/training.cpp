@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
@@ -59,14 +58,18 @@ nlohmann::json identity(const Provenance& provenance) {
 }
 
 ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provenance provenance) {
-  std::set<std::string> objects;
-  for (const auto& sequence : data.sequences)
-    if (sequence.split == Split::train) objects.insert(sequence.object);
   ModelCard card;
-  card.objects.assign(objects.begin(), objects.end());
-  card.spec = make_plan({data.activity, card.objects, false, !options.without_touch, options.window,
-                         data.rows, data.cols})
+  card.objects = training_objects(data);
+  card.spec = make_plan({.activity = data.activity,
+                         .objects = card.objects,
+                         .simulated = false,
+                         .touch = !options.without_touch,
+                         .object_encoder = options.object_encoder,
+                         .window_frames = options.window,
+                         .rows = data.rows,
+                         .cols = data.cols})
                   .model;
+  card.spec.contrast_temperature = static_cast<float>(options.contrast_temperature);
   card.scaling = fit_normalization(data);
   card.activity = data.activity;
   card.rate_hz = data.rate_hz;
@@ -77,9 +80,11 @@ ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provena
 class TrainingRun {
  public:
   TrainingRun(Runtime& runtime, const Dataset& data, const TrainingOptions& options, ModelCard card)
-      : options_(options),
+      : runtime_(runtime),
+        data_(data),
+        options_(options),
         card_(std::move(card)),
-        sampler_(data, card_.scaling, options.sequences, options.steps, options.window,
+        sampler_(data, card_.scaling, card_.spec, options.sequences, options.steps,
                  options.optimizer.seed),
         validation_(runtime, data, card_),
         trainer_(runtime, card_.spec, options.optimizer, options.sequences, options.steps,
@@ -90,6 +95,8 @@ class TrainingRun {
 
   ModelCard run(bool overwrite) {
     prepare(overwrite);
+    if (card_.spec.object == ObjectEncoder::frozen)
+      trainer_.freeze_objects(freeze_objects(runtime_, data_, card_.spec, object_encoder()));
     try {
       train();
     } catch (const Error& error) {
@@ -122,6 +129,11 @@ class TrainingRun {
       throw usage_error(
           fmt::format("{} has the checkpoint of an unfinished run beside it", options_.output),
           "pass --resume to go on from it, or --overwrite to start anew");
+  }
+
+  std::vector<Tensor> object_encoder() const {
+    if (options_.resume) return read_safetensors(checkpoint_.path()).tensors;
+    return train_object_encoder(runtime_, data_, card_.spec, options_.optimizer, options_.objects);
   }
 
   void train() {
@@ -182,6 +194,8 @@ class TrainingRun {
     return card_;
   }
 
+  Runtime& runtime_;
+  const Dataset& data_;
   TrainingOptions options_;
   ModelCard card_;
   Stopwatch watch_;

@@ -9,6 +9,7 @@
 #include "engine/train/trainer.h"
 #include "pipeline/dataset/dataset.h"
 #include "pipeline/study/model_card.h"
+#include "pipeline/study/objects.h"
 
 namespace touchtrace::study {
 
@@ -19,13 +20,17 @@ struct TrainingOptions {
   bool without_touch = false, resume = false;
   int window = 10, resolution = 32;
   int sequences = 8, steps = 20;
+  std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": what plan.h chooses
+  double contrast_temperature = 0.0;
+  ObjectTraining objects;
   double checkpoint_s = 30.0;  ///< between checkpoints
   TrainOptions optimizer;
 };
 
 void describe(OptionSet& set, TrainingOptions& options);
 
-/// Trains on the training clips of `data`, looking at its validation clips 20 times, and writes the
+/// Trains on the training clips of `data` (before that an object encoder, whose embeddings then
+/// stay, if the plan says so), looking at its validation clips 20 times, and writes the
 /// weights that did best on them (L1@50; the last ones without validation clips) to
 /// `options.output`. A checkpoint lies beside it meanwhile; with `options.resume` training goes on
 /// from there, to the same bits as without the break. Ctrl-C saves a checkpoint and throws.

@@ -10,6 +10,19 @@ void describe(OptionSet& set, TrainingOptions& o) {
   set.path("output", o.output, "model file to write (safetensors)");
   set.flag("without-touch", o.without_touch, "train the baseline that sees no tactile frame");
   set.flag("resume", o.resume, "go on from the checkpoint beside the output");
+  set.choice("object-encoder", o.object_encoder,
+             "what tells the model which object is in hand; auto: nothing for one object, frozen "
+             "embeddings for several",
+             {"auto", "none", "frozen", "joint"});
+  set.integer("object-updates", o.objects.updates,
+              "updates of the object encoder before its embeddings are frozen", 1, 1'000'000);
+  set.integer("object-segments", o.objects.segments, "touch segments in a batch of these updates",
+              2, 1024);
+  set.number("object-loss", o.optimizer.object_loss,
+             "weight of the contrastive loss where the object encoder is trained along", 0.0, 1e3);
+  set.number("contrast-temperature", o.contrast_temperature,
+             "of the contrastive loss between normalised embeddings; 0: between dot products", 0.0,
+             100.0);
   set.integer("updates", o.optimizer.updates, "updates of the weights", 1, 10'000'000);
   set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
   set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);

@@ -13,7 +13,7 @@ Validation::Validation(Runtime& runtime, const Dataset& data, const ModelCard& c
     : runtime_(runtime),
       data_(data),
       cases_(make_cases(data,
-                        {Split::validation, horizon_steps, stride_frames, card.spec.window_frames},
+                        {Split::validation, horizon_steps, stride_frames, history_of(card.spec)},
                         card.scaling, Reference::labels)) {}
 
 Rollout Validation::predict(const std::filesystem::path& weights) const {

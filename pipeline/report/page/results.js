@@ -29,9 +29,12 @@ function resultTable(results, rowOf) {
   return table(["", "model", ...resultColumns.map(([, label]) => number(label))], rows);
 }
 
+const modelLegend = (rows) => legend(["random", "without_touch", "without_embedding", "full"].filter((model) => rows.some((row) => row.model === model))
+  .map((model) => ({ name: modelLabel(model), stroke: model })));
+
 function differenceTable(differences) {
-  return table(["Full minus w/o Touch", "", number("mean"), number("95 % interval")], differences.map((d, i) => ({
-    cells: [groupOf(d), ({ l1_at_20: "L1@20", l1_at_50: "L1@50", hausdorff: "Hausdorff" })[d.metric], number(fixed(d.mean, 3)), number(`${fixed(d.low, 3)} … ${fixed(d.high, 3)}`)],
+  return table(["", "Full minus", "", number("mean"), number("95 % interval")], differences.map((d, i) => ({
+    cells: [groupOf(d), modelLabel(d.other), ({ l1_at_20: "L1@20", l1_at_50: "L1@50", hausdorff: "Hausdorff" })[d.metric], number(fixed(d.mean, 3)), number(`${fixed(d.low, 3)} … ${fixed(d.high, 3)}`)],
   })));
 }
 
@@ -41,7 +44,7 @@ function resultSection(metrics) {
     `Roll-outs of 50 steps on clips that no model was trained or tuned on, held against ${truth ? "what really happened in the simulation" : "the labels of the vision pipeline"}. ` +
     "L1 and Hausdorff are in units of the training labels' deviation per state dimension; errors in metres are the mean distance over the 50 steps.",
     resultTable(metrics.results, (row) => row),
-    metrics.differences.length ? [element("p", {}, "Negative means that touch helps. The interval is a bootstrap over whole clips."), differenceTable(metrics.differences)] : null,
+    metrics.differences.length ? [element("p", {}, "Negative means that what Full has helps. The interval is a bootstrap over whole clips."), differenceTable(metrics.differences)] : null,
     truth ? element("details", {}, element("summary", {}, "The same against the labels"), resultTable(metrics.results, (row) => row.against_labels)) : null);
 }
 
@@ -62,7 +65,7 @@ function horizonCharts(metrics) {
 function horizonSection(metrics) {
   if (!metrics.curves.length) return;
   section("horizon", "Against the horizon", "Mean error of each step, and the share of states inside the band: as predicted (dashed) and after scaling on validation clips (solid); 0.8 is nominal.",
-    legend(["random", "without_touch", "full"].map((model) => ({ name: modelLabel(model), stroke: model }))),
+    modelLegend(metrics.curves),
     element("div", { class: "figures" }, horizonCharts(metrics)));
 }
 
@@ -76,7 +79,7 @@ function runTimeSection(data) {
   const activities = [...new Set(models.map((model) => model.activity))];
   if (!data.stages.length && !models.length) return;
   section("run-time", "Error against run time", "Error on validation clips while training, and the seconds that each stage took.",
-    models.length ? legend(["without_touch", "full"].map((model) => ({ name: modelLabel(model), stroke: model }))) : null,
+    models.length ? modelLegend(models) : null,
     element("div", { class: "figures" }, activities.map((activity) => element("figure", {}, trainingChart(activity, models.filter((m) => m.activity === activity))))),
     table(["stage", "artefact", number("seconds"), number("processor seconds"), "device"],
       data.stages.map((s) => ({ cells: [s.verb, s.artefact, number(fixed(s.wall_seconds, 1)), number(fixed(s.cpu_seconds, 1)), s.device || "–"] }))));

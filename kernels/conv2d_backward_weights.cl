@@ -5,7 +5,8 @@
 //
 // Images are cut into chunks. A work-item sums one chunk for one pair of output blocks and one block of
 // input channels: for GROUP images, which stay in the first-level cache, and for each channel it keeps
-// 9 taps x 32 output channels in registers. conv2d_reduce then adds the chunks in their order, so the
+// 9 taps x 32 output channels in registers. With `start` sums begin with zero, otherwise with what an earlier
+// call left for the chunk. conv2d_reduce then adds the chunks in their order, so the
 // result depends on the number of chunks only, never on threads.
 //
 //   partial       [chunk][pair][input channel][tap][32]
@@ -47,8 +48,9 @@ static void weights_of_channel(__global const real* in, __global const real* gra
 #undef STORE
 }
 
-static void bias_of_pair(__global const real* grad_out, __global real* partial, int images) {
-  real16 low = 0, high = 0;
+static void bias_of_pair(__global const real* grad_out, __global real* partial, int images, int start) {
+  real16 low = start ? (real16)(0) : vload16(0, partial);
+  real16 high = start ? (real16)(0) : vload16(1, partial);
   for (int image = 0; image < images; ++image)
     for (int y = 0; y < OUT_ROWS; ++y)
       for (int x = 0; x < OUT_COLS; ++x) {
@@ -62,7 +64,8 @@ static void bias_of_pair(__global const real* grad_out, __global real* partial, 
 __kernel void conv2d_backward_weights(__global const real* restrict in,
                                       __global const real* restrict grad_out,
                                       __global real* restrict partial,
-                                      __global real* restrict partial_bias, int images, int chunk_images) {
+                                      __global real* restrict partial_bias, int images, int chunk_images,
+                                      int start) {
   const int pair = get_global_id(0), block = get_global_id(1), chunk = get_global_id(2);
   const int begin = chunk * chunk_images, end = min(begin + chunk_images, images);
   __global const real* g = grad_out + pair * 2 * OUT_BLOCK + OUT_CORNER;
@@ -71,9 +74,9 @@ __kernel void conv2d_backward_weights(__global const real* restrict in,
     for (int lane = 0; lane < IN_LANES; ++lane)
       weights_of_channel(in + (size_t)first * IN_IMAGE + block * IN_BLOCK + lane * IN_LANE,
                          g + (size_t)first * OUT_IMAGE, to + lane * CHANNEL_SIZE,
-                         min(GROUP, end - first), first == begin);
+                         min(GROUP, end - first), start && first == begin);
   if (block == 0)
-    bias_of_pair(g + (size_t)begin * OUT_IMAGE, partial_bias + (chunk * PAIRS + pair) * 32, end - begin);
+    bias_of_pair(g + (size_t)begin * OUT_IMAGE, partial_bias + (chunk * PAIRS + pair) * 32, end - begin, start);
 }
 
 static real16 sum_of_chunks(__global const real* from, int chunks, int stride) {

@@ -6,17 +6,6 @@
 //
 // Rows of B, of bias and of A in column_sums must be readable up to the next multiple of 16 columns.
 
-static void store_wide(wide_tile t, int row, int rows, __global real* c, int ld) {
-#define STORE(r)                                            \
-  if (row + r < rows) {                                     \
-    __global real* to = c + (size_t)(row + r) * ld;         \
-    vstore16(t.a##r##0, 0, to), vstore16(t.a##r##1, 1, to); \
-    vstore16(t.a##r##2, 2, to), vstore16(t.a##r##3, 3, to); \
-  }
-  ROWS(STORE)
-#undef STORE
-}
-
 static void store_narrow(narrow_tile t, int columns, int row, int rows, __global real* c, int ld) {
 #define STORE(r) \
   if (row + r < rows) store_lanes(t.a##r, columns, c + (size_t)(row + r) * ld);

@@ -5,7 +5,7 @@
 //
 // keep[w] is 0 for blanked taxels and 1 / (1 - share) for the others; a taxel is blanked if
 // hash(key, w ROWS COLS + taxel) < threshold. `frames` is [frame][row][column], `out` is in planes
-// (conv2d.clh). A work-item writes one row of one window.
+// (conv2d.clh), of the windows from `first` on. A work-item writes one row of one window.
 //
 // -D WINDOW (M), ROWS, COLS: without defaults. -D LANES: 1, 4, 8 or 16, at most COLS.
 #if LANES == 1
@@ -38,10 +38,10 @@ static realv keep_of(uint key, uint threshold, real scale, uint first) {
 }
 
 __kernel void tactile_window(__global const real* restrict frames, __global const int* restrict last_frame,
-                             __global real* restrict out, uint key, uint threshold, real scale) {
-  const int row = get_global_id(0), window = get_global_id(1);
+                             __global real* restrict out, uint key, uint threshold, real scale, int first) {
+  const int row = get_global_id(0), window = first + get_global_id(1);
   const int plane = (ROWS + 2) * (COLS + 2);
-  __global real* to = out + (size_t)window * WINDOW * plane + (row + 1) * (COLS + 2) + 1;
+  __global real* to = out + get_global_id(1) * WINDOW * plane + (row + 1) * (COLS + 2) + 1;
   __global const real* oldest = frames + ((size_t)last_frame[window] - WINDOW + 1) * ROWS * COLS + row * COLS;
   for (int step = 0; step < COLS; step += LANES) {
     const int column = min(step, COLS - LANES);  // the last step may overlap the one before

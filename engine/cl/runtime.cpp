@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/base/text.h"
+#include "engine/cl/host_memory.h"
 #include "engine/cl/kernel_sources.h"
 
 namespace touchtrace {
@@ -123,16 +124,23 @@ void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global) {
          device_.info.type == "cpu" ? ones[global.dimensions() - 1] : cl::NullRange);
 }
 
-cl::Buffer Runtime::allocate_bytes(std::size_t bytes) {
+void Runtime::check_memory(std::size_t bytes) {
   const auto doing = fmt::format("allocating {} MiB, with {} MiB in use already and {} MiB in all,",
                                  mebibytes(bytes), mebibytes(*allocated_bytes_),
                                  mebibytes(device_.info.memory_bytes));
-  return guarded(doing, [&] {
-    // Some drivers promise more than there is, and the process is killed when it is written to.
-    if (bytes > device_.info.memory_bytes -
-                    std::min<std::uint64_t>(*allocated_bytes_, device_.info.memory_bytes))
-      throw cl::Error(CL_MEM_OBJECT_ALLOCATION_FAILURE, "the device's memory");
-    cl::Buffer buffer(context_, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 1));
+  // Some drivers promise more than there is, and the process is killed when it is written to.
+  const auto used = std::min<std::uint64_t>(*allocated_bytes_, device_.info.memory_bytes);
+  if (bytes > device_.info.memory_bytes - used)
+    throw opencl_error(cl::Error(CL_MEM_OBJECT_ALLOCATION_FAILURE, "the device's memory"), doing,
+                       device_.info.name);
+}
+
+cl::Buffer Runtime::allocate_bytes(std::size_t bytes) {
+  check_memory(bytes);
+  return guarded(fmt::format("allocating {} MiB", mebibytes(bytes)), [&] {
+    const std::size_t size = std::max<std::size_t>(bytes, 1);
+    auto buffer = device_.info.type == "cpu" ? huge_page_buffer(context_, size)
+                                             : cl::Buffer(context_, CL_MEM_READ_WRITE, size);
     count_until_released(buffer, bytes, allocated_bytes_);
     return buffer;
   });

@@ -65,6 +65,9 @@ class Runtime {
   /// them all: a program costs far more to build than a kernel.
   void bundle(std::vector<std::string> files, Defines defines);
 
+  /// Throws device_error if the device has not this much memory left: asked before many buffers are
+  /// made, so that a model that is far too large fails at once.
+  void check_memory(std::size_t bytes);
   template <class T>
   Buffer<T> allocate(std::size_t size) {
     return {allocate_bytes(size * sizeof(T)), size};

@@ -45,12 +45,18 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
     : runtime_(runtime), spec_(spec), sequences_(sequences), steps_(steps) {
   validate(spec);
   bundle_programs(runtime, spec, use);
-  declare(use);
+  const bool own_object_encoder = spec.object == ObjectEncoder::joint && use == Use::training;
+  if (spec.touch) TouchEncoder::declare("tactile", windows_of(spec, 1), spec.embedding, table_);
+  if (own_object_encoder)
+    TouchEncoder::declare("object", segments_of(spec, 1), spec.embedding, table_);
+  DynamicsMlp::declare(spec, table_);
   const auto gradient = use == Use::training ? table_.size() : 0;
   weights_ = std::make_unique<Weights>(
       Weights{table_, runtime.allocate<float>(table_.size()), runtime.allocate<float>(gradient)});
-  for (const auto& encoder : {tactile_.get(), object_.get()})
-    if (encoder) encoder->plan(*weights_);
+  if (spec.touch) plan_tactile_encoder();
+  if (own_object_encoder) plan_object_encoder();
+  else if (spec.object != ObjectEncoder::none)
+    input_.object_embedding = runtime.allocate<float>(std::size_t(sequences) * spec.embedding);
   dynamics_ =
       std::make_unique<DynamicsMlp>(runtime, spec, *weights_, embeddings(), sequences, steps);
   if (use == Use::training) plan_loss();
@@ -59,24 +65,18 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   throw while_making(spec, sequences, steps, error);
 }
 
-void Model::declare(Use use) {
-  const bool training = use == Use::training;
-  if (spec_.touch) {
-    tactile_ =
-        std::make_unique<TouchEncoder>(runtime_, "tactile", windows_of(spec_, sequences_ * steps_),
-                                       spec_.embedding, training, table_);
-    input_.last_frame = tactile_->last_frame();
-  }
-  if (spec_.object == ObjectEncoder::joint && training) {
-    object_ = std::make_unique<TouchEncoder>(runtime_, "object", segments_of(spec_, sequences_),
-                                             spec_.embedding, training, table_);
-    input_.segment_last_frame = object_->last_frame();
-    input_.object = runtime_.allocate<std::int32_t>(std::size_t(sequences_));
-    input_.contrast_weight = runtime_.allocate<float>(std::size_t(sequences_));
-  } else if (spec_.object != ObjectEncoder::none) {
-    input_.object_embedding = runtime_.allocate<float>(std::size_t(sequences_) * spec_.embedding);
-  }
-  DynamicsMlp::declare(spec_, table_);
+void Model::plan_tactile_encoder() {
+  tactile_ = std::make_unique<TouchEncoder>(runtime_, "tactile",
+                                            windows_of(spec_, sequences_ * steps_), *weights_);
+  input_.last_frame = tactile_->last_frame();
+}
+
+void Model::plan_object_encoder() {
+  object_ = std::make_unique<TouchEncoder>(runtime_, "object", segments_of(spec_, sequences_),
+                                           *weights_);
+  input_.segment_last_frame = object_->last_frame();
+  input_.object = runtime_.allocate<std::int32_t>(std::size_t(sequences_));
+  input_.contrast_weight = runtime_.allocate<float>(std::size_t(sequences_));
 }
 
 Embeddings Model::embeddings() const {

@@ -60,7 +60,8 @@ class Model {
   const Buffer<float>& loss() const { return loss_; }                         ///< [1]
 
  private:
-  void declare(Use use);
+  void plan_tactile_encoder();
+  void plan_object_encoder();
   void plan_loss();
   Embeddings embeddings() const;
 

@@ -2,9 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <ranges>
 
 #include "engine/base/error.h"
 #include "engine/ops/channel_blocks.h"
@@ -24,129 +25,168 @@ void check(const TactileWindowShape& window) {
                       "frames have 6 to 64 rows and columns, windows 1 to 32 frames");
 }
 
-Shapes shapes_of(const TactileWindowShape& window) {
+/// Of the layers, over `images` windows.
+Shapes shapes_of(const TactileWindowShape& window, int images) {
   check(window);
   Shapes shapes{};
-  shapes[0] = {window.windows, window.frames, window.rows, window.cols, channels[0], true};
+  shapes[0] = {images, window.frames, window.rows, window.cols, channels[0], true};
   for (int i = 1; i < 3; ++i) {
     const auto& below = shapes[i - 1];
-    shapes[i] = {window.windows,   below.out_channels, below.out_rows(),
+    shapes[i] = {images,           below.out_channels, below.out_rows(),
                  below.out_cols(), channels[i],        false};
   }
   return shapes;
 }
 
-ChannelBlocksShape features_shape(const Conv2dShape& last) {
-  return {last.images, last.out_channels, last.out_rows(), last.out_cols()};
+ChannelBlocksShape features_shape(const Conv2dShape& last, int images) {
+  return {images, last.out_channels, last.out_rows(), last.out_cols()};
 }
 
-/// Weight and bias of a layer, started as PyTorch's Conv2d.
-Conv2dPlaces add_layer(ParameterTable& table, const Conv2dShape& shape, const std::string& name) {
-  const Initial initial{0.0, 1.0 / std::sqrt(9.0 * shape.in_channels)};
-  const auto weight =
-      table.add(name + ".weight", {shape.out_channels, shape.in_channels, 3, 3}, initial);
-  const auto bias = table.add(name + ".bias", {shape.out_channels}, initial);
-  return {static_cast<int>(weight.offset), static_cast<int>(bias.offset)};
+std::string layer_name(const std::string& encoder, int layer) {
+  return fmt::format("{}.conv{}", encoder, layer + 1);
 }
 
-std::array<Conv2dPlaces, 3> add_layers(ParameterTable& table, const Shapes& shapes,
-                                       const std::string& name) {
-  return {add_layer(table, shapes[0], name + ".conv1"),
-          add_layer(table, shapes[1], name + ".conv2"),
-          add_layer(table, shapes[2], name + ".conv3")};
+Conv2dParameters parameters_of(const Weights& weights, const std::string& layer) {
+  return {weights.values, weights.gradient, weights.value(layer + ".weight").at,
+          weights.value(layer + ".bias").at};
+}
+
+/// Windows that go through all layers together, so that what one layer writes is still in the cache
+/// when the next one reads it.
+constexpr int part_windows = 40;
+
+/// The input of the layers, and their outputs.
+using Images = std::array<Buffer<float>, 4>;
+
+std::size_t size_of_images(const Shapes& shapes) {
+  return shapes[0].in_size() + shapes[0].out_size() + shapes[1].out_size() + shapes[2].out_size();
+}
+
+Images allocate_images(Runtime& runtime, const Shapes& shapes) {
+  return {runtime.allocate_zeros<float>(shapes[0].in_size()),
+          runtime.allocate_zeros<float>(shapes[0].out_size()),
+          runtime.allocate_zeros<float>(shapes[1].out_size()),
+          runtime.allocate_zeros<float>(shapes[2].out_size())};
+}
+
+void append(Launches& launches, const Launches& more) {
+  launches.insert(launches.end(), more.begin(), more.end());
 }
 
 }  // namespace
 
 struct TactileEncoder::Plan {
-  /// What only the backward pass needs: the gradients of the layers' outputs, and its launches.
-  struct Backward {
-    Buffer<float> grad1, grad2, grad3;
-    BlockGradient block;
-    Conv2dBackwardData data3, data2;
-    Conv2dBackwardWeights weights3, weights2, weights1;
+  struct Part {
+    TactileWindow window;
+    Launches forward;
+    BlockGradient features_gradient;
+    Launches backward;
   };
 
-  Plan(Runtime& device, const std::string& name, const TactileWindowShape& windows, bool training,
-       ParameterTable& table);
+  Plan(Runtime& device, const std::string& name, const TactileWindowShape& all,
+       const Weights& weights);
+  void add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape);
+  void add_part(int first, int size, const Images& images, const Images& gradients);
 
   Runtime& runtime;
-  Shapes shapes;
-  std::array<Conv2dPlaces, 3> places;
-  Buffer<float> input, out1, out2, out3, features;  ///< out1 .. out3 in blocks
-  TactileWindow window;
-  Conv2dForward conv1, conv2, conv3;
-  Launch unblock_features;
-  Buffer<float> parameters;  ///< of the last forward pass
-  std::optional<Backward> backward;
+  TactileWindowShape windows;
+  bool training;
+  Shapes shapes;  ///< of the largest part
+  Buffer<float> features;
+  std::vector<std::unique_ptr<Conv2d>> layers;
+  std::vector<Part> parts;
+  Launches prepare, finish;
 };
 
-TactileEncoder::Plan::Plan(Runtime& device, const std::string& name,
-                           const TactileWindowShape& windows, bool training, ParameterTable& table)
+TactileEncoder::Plan::Plan(Runtime& device, const std::string& name, const TactileWindowShape& all,
+                           const Weights& weights)
     : runtime(device),
-      shapes(shapes_of(windows)),
-      places(add_layers(table, shapes, name)),
-      input(device.allocate_zeros<float>(shapes[0].in_size())),
-      out1(device.allocate_zeros<float>(shapes[0].out_size())),
-      out2(device.allocate_zeros<float>(shapes[1].out_size())),
-      out3(device.allocate_zeros<float>(shapes[2].out_size())),
-      features(device.allocate<float>(features_shape(shapes[2]).plain_size())),
-      window(device, windows, input),
-      conv1(device, shapes[0], places[0], input, out1),
-      conv2(device, shapes[1], places[1], out1, out2),
-      conv3(device, shapes[2], places[2], out2, out3),
-      unblock_features(unblock(device, features_shape(shapes[2]), out3, features)) {
-  if (!training) return;
-  const auto grad1 = device.allocate_zeros<float>(out1.size());
-  const auto grad2 = device.allocate_zeros<float>(out2.size());
-  const auto grad3 = device.allocate_zeros<float>(out3.size());
-  backward = Backward{grad1,
-                      grad2,
-                      grad3,
-                      BlockGradient(device, features_shape(shapes[2]), features, grad3),
-                      Conv2dBackwardData(device, shapes[2], places[2], out2, grad3, grad2),
-                      Conv2dBackwardData(device, shapes[1], places[1], out1, grad2, grad1),
-                      Conv2dBackwardWeights(device, shapes[2], places[2], out2, grad3),
-                      Conv2dBackwardWeights(device, shapes[1], places[1], out1, grad2),
-                      Conv2dBackwardWeights(device, shapes[0], places[0], input, grad1)};
+      windows(all),
+      training(weights.gradient.size() > 0),
+      shapes(shapes_of(all, std::min(all.windows, part_windows))),
+      features(device.allocate<float>(std::size_t(all.windows) * feature_size(all))) {
+  for (int i = 0; i < 3; ++i) add_layer(parameters_of(weights, layer_name(name, i)), shapes[i]);
+  const auto parts_of_their_own = training ? (all.windows + part_windows - 1) / part_windows : 1;
+  device.check_memory(sizeof(float) * size_of_images(shapes) * std::size_t(parts_of_their_own));
+  Images images, gradients;
+  if (training) gradients = allocate_images(device, shapes);
+  gradients[0] = {};  // nothing learnable stands before the first layer
+  // Only the first part may be smaller: the backward pass starts with the last.
+  int size = (all.windows - 1) % part_windows + 1;
+  for (int first = 0; first < all.windows; first += size, size = part_windows) {
+    if (training || first == 0) images = allocate_images(device, shapes);
+    add_part(first, size, images, gradients);
+  }
 }
 
-TactileEncoder::TactileEncoder(Runtime& runtime, const std::string& name,
-                               const TactileWindowShape& windows, bool training,
-                               ParameterTable& table)
-    : plan_(std::make_unique<Plan>(runtime, name, windows, training, table)) {}
+void TactileEncoder::Plan::add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape) {
+  layers.push_back(make_conv2d(runtime, shape, parameters, best_method(shape)));
+  append(prepare, layers.back()->prepare());
+  if (training) append(finish, layers.back()->finish());
+}
 
-TactileEncoder::~TactileEncoder() = default;
+void TactileEncoder::Plan::add_part(int first, int size, const Images& images,
+                                    const Images& gradients) {
+  auto window = windows;
+  window.windows = size;
+  const auto last = features_shape(shapes[2], size);
+  Part part{TactileWindow(runtime, window, images[0], first),
+            {},
+            BlockGradient(runtime, last, features, gradients[3], first),
+            {}};
+  const bool last_part = first + size == windows.windows;
+  const auto of_layer = [&](int i) {
+    return Conv2dImages{size, images[i], images[i + 1], gradients[i + 1], gradients[i]};
+  };
+  for (int i = 0; i < 3; ++i) append(part.forward, layers[i]->forward(of_layer(i)));
+  part.forward.push_back(unblock(runtime, last, images[3], features, first));
+  for (int i = 2; training && i >= 0; --i)
+    append(part.backward, layers[i]->backward(of_layer(i), last_part));
+  parts.push_back(std::move(part));
+}
 
-int TactileEncoder::windows() const { return plan_->shapes[0].images; }
+void TactileEncoder::declare(const std::string& name, const TactileWindowShape& windows,
+                             ParameterTable& table) {
+  const auto shapes = shapes_of(windows, 1);
+  for (int i = 0; i < 3; ++i) {
+    const auto& shape = shapes[i];
+    const Initial initial{0.0, 1.0 / std::sqrt(9.0 * shape.in_channels)};
+    const auto layer = layer_name(name, i);
+    table.add(layer + ".weight", {shape.out_channels, shape.in_channels, 3, 3}, initial);
+    table.add(layer + ".bias", {shape.out_channels}, initial);
+  }
+}
 
-int TactileEncoder::feature_size() const {
-  const auto& last = plan_->shapes[2];
+int TactileEncoder::feature_size(const TactileWindowShape& windows) {
+  const auto last = shapes_of(windows, 1)[2];
   return last.out_channels * last.out_rows() * last.out_cols();
 }
 
+TactileEncoder::TactileEncoder(Runtime& runtime, const std::string& name,
+                               const TactileWindowShape& windows, const Weights& weights)
+    : plan_(std::make_unique<Plan>(runtime, name, windows, weights)) {}
+
+TactileEncoder::~TactileEncoder() = default;
+
 const Buffer<float>& TactileEncoder::features() const { return plan_->features; }
 
+void TactileEncoder::prepare() { enqueue(plan_->runtime, plan_->prepare); }
+
 void TactileEncoder::forward(const Buffer<float>& stream, const Buffer<int>& last_frame,
-                             const Buffer<float>& parameters, const TaxelDropout& dropout) {
-  auto& p = *plan_;
-  p.window.enqueue(p.runtime, stream, last_frame, dropout);
-  p.conv1.enqueue(p.runtime, parameters);
-  p.conv2.enqueue(p.runtime, parameters);
-  p.conv3.enqueue(p.runtime, parameters);
-  p.unblock_features.enqueue(p.runtime);
-  p.parameters = parameters;
+                             const TaxelDropout& dropout) {
+  for (auto& part : plan_->parts) {
+    part.window.enqueue(plan_->runtime, stream, last_frame, dropout);
+    enqueue(plan_->runtime, part.forward);
+  }
 }
 
-void TactileEncoder::backward(const Buffer<float>& grad_features, const Buffer<float>& gradient) {
-  auto& p = *plan_;
-  auto& b = p.backward.value();
-  b.block.enqueue(p.runtime, grad_features);
-  b.weights3.enqueue(p.runtime, gradient);
-  b.data3.enqueue(p.runtime, p.parameters);
-  b.weights2.enqueue(p.runtime, gradient);
-  b.data2.enqueue(p.runtime, p.parameters);
-  b.weights1.enqueue(p.runtime, gradient);
+void TactileEncoder::backward(const Buffer<float>& grad_features) {
+  // The last part's images are those that the cache may still hold.
+  for (auto& part : plan_->parts | std::views::reverse) {
+    part.features_gradient.enqueue(plan_->runtime, grad_features);
+    enqueue(plan_->runtime, part.backward);
+  }
+  enqueue(plan_->runtime, plan_->finish);
 }
 
 }  // namespace touchtrace

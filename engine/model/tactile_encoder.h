@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/cl/runtime.h"
-#include "engine/model/parameters.h"
+#include "engine/model/weights.h"
 #include "engine/ops/tactile_window.h"
 
 namespace touchtrace {
@@ -15,30 +15,33 @@ namespace touchtrace {
 /// over the window of M frames in the difference basis of tactile_window.h.
 ///
 /// Windows are never copied by the host: they are places in the stream of frames. All work is
-/// queued; nothing blocks. Weights are read from the flat parameter buffer on every forward pass.
+/// queued; nothing blocks.
 class TactileEncoder {
  public:
   /// Adds "NAME.conv1.weight" [32, M, 3, 3], "NAME.conv1.bias" [32], ... to `table`, started as
-  /// PyTorch starts convolutions (uniform within 1/sqrt(fan in)). `training` false: no buffers and
-  /// no kernels of the backward pass. Throws usage_error for frames outside 6..64 or M outside
-  /// 1..32.
+  /// PyTorch starts convolutions (uniform within 1/sqrt(fan in)). Throws usage_error for frames
+  /// outside 6..64 or M outside 1..32.
+  static void declare(const std::string& name, const TactileWindowShape& windows,
+                      ParameterTable& table);
+  /// Floats of one window's features: 128 * rows / 8 * cols / 8, each division rounded up.
+  static int feature_size(const TactileWindowShape& windows);
+
+  /// There is a backward pass if `weights` has a gradient.
   TactileEncoder(Runtime& runtime, const std::string& name, const TactileWindowShape& windows,
-                 bool training, ParameterTable& table);
+                 const Weights& weights);
   ~TactileEncoder();
 
-  int windows() const;
-  /// Floats of one window's features: 128 * rows / 8 * cols / 8, each division rounded up.
-  int feature_size() const;
   /// [windows, feature_size()], C order (channel, row, column); valid after forward().
   const Buffer<float>& features() const;
 
+  void prepare();  ///< once after the weights changed
   /// `stream`: [frames, rows, cols]. `last_frame`: [windows]; window w holds the frames
-  /// last_frame[w] - M + 1 .. last_frame[w], which must lie in the stream. `parameters`: flat.
+  /// last_frame[w] - M + 1 .. last_frame[w], which must lie in the stream.
   void forward(const Buffer<float>& stream, const Buffer<int>& last_frame,
-               const Buffer<float>& parameters, const TaxelDropout& dropout = {});
-  /// Adds the gradients of the last forward pass's weights and biases to `gradient` (flat, zeroed
-  /// by the caller); sums have one fixed order. `grad_features`: as features().
-  void backward(const Buffer<float>& grad_features, const Buffer<float>& gradient);
+               const TaxelDropout& dropout = {});
+  /// Adds the gradients of the last forward pass's weights and biases to the weights' gradient,
+  /// zeroed by the caller; sums have one fixed order. `grad_features`: as features().
+  void backward(const Buffer<float>& grad_features);
 
  private:
   struct Plan;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <string>
 
 #include "engine/model/model_spec.h"
@@ -23,31 +22,28 @@ inline TactileWindowShape segments_of(const ModelSpec& spec, int count) {
 class TouchEncoder {
  public:
   /// Adds the parameters "NAME.conv1.weight" ... "NAME.norm.bias" to `table`.
+  static void declare(const std::string& name, const TactileWindowShape& windows, int embedding,
+                      ParameterTable& table);
+  /// There is a backward pass if `weights` has a gradient.
   TouchEncoder(Runtime& runtime, const std::string& name, const TactileWindowShape& windows,
-               int embedding, bool training, ParameterTable& table);
-
-  /// To be called once, when `table` is complete. There is a backward pass if `weights` has a
-  /// gradient.
-  void plan(const Weights& weights);
+               const Weights& weights);
 
   /// To be called whenever the weights changed.
-  void prepare() { enqueue(runtime_, embedding_->prepare()); }
+  void prepare();
   void forward(const Buffer<float>& stream, const TaxelDropout& dropout);
   /// From grad_embedding(): adds to the weights' gradient of the convolutions, writes the others.
   void backward();
 
   /// [windows], the last frame of each in the stream; for the caller to write.
   const Buffer<int>& last_frame() const { return last_frame_; }
-  const Buffer<float>& embedding() const { return embedding_->embedding(); }  ///< [windows, size]
-  const Buffer<float>& grad_embedding() const { return embedding_->grad_embedding(); }
+  const Buffer<float>& embedding() const { return embedding_.embedding(); }  ///< [windows, size]
+  const Buffer<float>& grad_embedding() const { return embedding_.grad_embedding(); }
 
  private:
   Runtime& runtime_;
-  std::string name_;
   TactileEncoder convolutions_;
   Buffer<int> last_frame_;
-  Buffer<float> values_, gradient_;
-  std::unique_ptr<TouchEmbedding> embedding_;
+  TouchEmbedding embedding_;
 };
 
 }  // namespace touchtrace

@@ -25,14 +25,15 @@ std::size_t ChannelBlocksShape::plain_size() const {
 }
 
 Launch unblock(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& blocked,
-               const Buffer<float>& plain) {
-  return Launch(channel_blocks_kernel(runtime, shape, "unblock"), blocks(shape), blocked, plain);
+               const Buffer<float>& plain, int first) {
+  return Launch(channel_blocks_kernel(runtime, shape, "unblock"), blocks(shape), blocked, plain,
+                first * shape.channels / 16);
 }
 
 BlockGradient::BlockGradient(Runtime& runtime, const ChannelBlocksShape& shape,
-                             const Buffer<float>& plain, const Buffer<float>& blocked)
+                             const Buffer<float>& plain, const Buffer<float>& blocked, int first)
     : block_(channel_blocks_kernel(runtime, shape, "block_gradient"), blocks(shape), plain, plain,
-             blocked) {}
+             blocked, first * shape.channels / 16) {}
 
 void BlockGradient::enqueue(Runtime& runtime, const Buffer<float>& plain_gradient) {
   block_.set(1, plain_gradient);

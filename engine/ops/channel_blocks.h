@@ -13,15 +13,15 @@ struct ChannelBlocksShape {
   std::size_t plain_size() const;
 };
 
-/// plain = blocked
+/// plain = blocked; in the plain array the images stand from `first` on.
 Launch unblock(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& blocked,
-               const Buffer<float>& plain);
+               const Buffer<float>& plain, int first = 0);
 
 /// blocked = plain_gradient where plain > 0: what the ReLU that made `plain` lets through.
 class BlockGradient {
  public:
   BlockGradient(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& plain,
-                const Buffer<float>& blocked);
+                const Buffer<float>& blocked, int first = 0);
   void enqueue(Runtime& runtime, const Buffer<float>& plain_gradient);
 
  private:

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "engine/cl/launch.h"
 
 namespace touchtrace {
 
-/// A convolution 3x3 of stride 2 and padding 1 with bias and ReLU over `images` images:
+/// A convolution 3x3 of stride 2 and padding 1 with bias and ReLU over images:
 ///
 ///     out[k][y][x] = max(0, bias[k] + sum_{c, i, j} weight[k][c][i][j] in[c][2y + i - 1][2x + j -
 ///     1])
@@ -23,57 +24,51 @@ struct Conv2dShape {
   int out_cols() const { return (cols + 1) / 2; }
   std::size_t in_size() const;   ///< floats of the input with its halo
   std::size_t out_size() const;  ///< floats of the output with its halo
-  /// Of one forward pass or of one of the two backward passes, taps in the halo included.
+  std::size_t weight_size() const { return std::size_t(out_channels) * in_channels * 9; }
+  /// Of one forward pass or of one of the two backward passes, taps in the halo included, whatever
+  /// the method.
   double flops() const;
 };
 
-/// Where a layer's weight [out, in, 3, 3] and bias [out] start in the flat buffer of parameters.
-struct Conv2dPlaces {
+/// The flat buffers of all parameters and of their gradient (empty: no backward pass), and where a
+/// layer's weight [out, in, 3, 3] and bias [out] start in them.
+struct Conv2dParameters {
+  Buffer<float> values, gradient;
   int weight_at, bias_at;
 };
 
-/// Each pass holds its launches, bound to fixed arrays; `parameters` and `gradient` are flat.
-class Conv2dForward {
+/// The arrays of some of a layer's images. Gradients are without what the ReLU of their array
+/// blocks: `in` gives that of grad_in. Empty `grad_in`: no gradient towards the input.
+struct Conv2dImages {
+  int images;
+  Buffer<float> in, out, grad_out, grad_in;
+};
+
+/// A layer, planned once; its passes may be cut into parts of the images, so that what a part
+/// writes is still in the cache when it is read. `shape.images` is the largest part's. A part's
+/// launches are bound to the layer, which must outlive them, and share its scratch memory.
+class Conv2d {
  public:
-  Conv2dForward(Runtime& runtime, const Conv2dShape& shape, Conv2dPlaces places,
-                const Buffer<float>& in, const Buffer<float>& out);
-  void enqueue(Runtime& runtime, const Buffer<float>& parameters);
+  virtual ~Conv2d() = default;
 
- private:
-  Buffer<float> packed_;
-  Launch pack_, convolve_;
+  virtual Launches prepare() = 0;  ///< once after the weights changed
+  virtual Launches forward(const Conv2dImages& part) = 0;
+  /// The gradient towards the input, and the weights' into the layer's sums: the `first` part
+  /// starts these, others add to them.
+  virtual Launches backward(const Conv2dImages& part, bool first) = 0;
+  /// After the last part: adds the gradients of weight and bias. Every sum has one fixed order.
+  virtual Launches finish() = 0;
 };
 
-/// grad_in from grad_out, both without what the ReLU of their array blocks; `in` gives that of
-/// grad_in.
-class Conv2dBackwardData {
- public:
-  Conv2dBackwardData(Runtime& runtime, const Conv2dShape& shape, Conv2dPlaces places,
-                     const Buffer<float>& in, const Buffer<float>& grad_out,
-                     const Buffer<float>& grad_in);
-  void enqueue(Runtime& runtime, const Buffer<float>& parameters);
+/// `winograd`: 81 multiplications instead of 144 in the forward pass and the gradient towards the
+/// input (kernels/winograd.clh), if the input is in blocks and the device's local memory holds what
+/// one image needs; otherwise `direct`.
+enum class Conv2dMethod { direct, winograd };
 
- private:
-  Buffer<float> packed_;
-  Launch pack_, gather_;
-};
+/// The method that needs fewer multiplications, those beyond the image's edge counted too.
+Conv2dMethod best_method(const Conv2dShape& shape);
 
-/// How the weight gradient's sum over images is cut, which decides its rounding.
-struct Conv2dChunks {
-  int count, images;  ///< images in a chunk; the last may hold fewer
-};
-
-/// Adds the gradients of weight and bias, summed in an order that depends on the shape only.
-class Conv2dBackwardWeights {
- public:
-  Conv2dBackwardWeights(Runtime& runtime, const Conv2dShape& shape, Conv2dPlaces places,
-                        const Buffer<float>& in, const Buffer<float>& grad_out);
-  void enqueue(Runtime& runtime, const Buffer<float>& gradient);
-
- private:
-  Conv2dChunks chunks_;
-  Buffer<float> partial_, partial_bias_;
-  Launch sum_, reduce_;
-};
+std::unique_ptr<Conv2d> make_conv2d(Runtime& runtime, const Conv2dShape& shape,
+                                    const Conv2dParameters& parameters, Conv2dMethod method);
 
 }  // namespace touchtrace

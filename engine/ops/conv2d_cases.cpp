@@ -53,52 +53,52 @@ double kink_distance(const Conv2dShape& s, const Arrays& inputs) {
 
 /// A layer on the device with its forward pass done.
 struct Layer {
-  Layer(Runtime& runtime, const Conv2dShape& shape, const Arrays& inputs);
+  Layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method, const Arrays& inputs);
 
   Conv2dShape s;
-  Conv2dPlaces places;
-  Buffer<float> parameters, in, out, plain_out;
+  Conv2dParameters parameters;
+  Conv2dImages images;
+  Buffer<float> plain_out;
+  std::unique_ptr<Conv2d> conv;
 };
 
-Layer::Layer(Runtime& runtime, const Conv2dShape& shape, const Arrays& inputs)
-    : s(shape),
-      places{0, static_cast<int>(inputs[1].size())},
-      parameters(upload(runtime, joined(inputs[1], inputs[2]))),
-      in(upload(runtime,
-                with_halo(activation(s, inputs[0]), s.rows, s.cols, s.in_planes ? 1 : 16))),
-      out(runtime.allocate_zeros<float>(s.out_size())),
-      plain_out(runtime.allocate<float>(s.images * s.out_channels * s.out_rows() * s.out_cols())) {
-  Conv2dForward(runtime, s, places, in, out).enqueue(runtime, parameters);
-  unblock(runtime, {s.images, s.out_channels, s.out_rows(), s.out_cols()}, out, plain_out)
-      .enqueue(runtime);
+ChannelBlocksShape out_shape(const Conv2dShape& s) {
+  return {s.images, s.out_channels, s.out_rows(), s.out_cols()};
 }
 
-Arrays forward(Runtime& runtime, const Conv2dShape& s, const Arrays& inputs) {
-  return {download(runtime, Layer(runtime, s, inputs).plain_out)};
+Layer::Layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method, const Arrays& inputs)
+    : s(shape), plain_out(runtime.allocate<float>(out_shape(s).plain_size())) {
+  const auto values = joined(inputs[1], inputs[2]);
+  parameters = {upload(runtime, values), runtime.allocate_zeros<float>(values.size()), 0,
+                static_cast<int>(inputs[1].size())};
+  images = {
+      s.images,
+      upload(runtime, with_halo(activation(s, inputs[0]), s.rows, s.cols, s.in_planes ? 1 : 16)),
+      runtime.allocate_zeros<float>(s.out_size()), runtime.allocate_zeros<float>(s.out_size()),
+      s.in_planes ? Buffer<float>() : runtime.allocate_zeros<float>(s.in_size())};
+  conv = make_conv2d(runtime, s, parameters, method);
+  enqueue(runtime, conv->prepare());
+  enqueue(runtime, conv->forward(images));
+  unblock(runtime, out_shape(s), images.out, plain_out).enqueue(runtime);
 }
 
-std::vector<double> grad_in(Runtime& runtime, const Layer& layer, const Buffer<float>& grad_out) {
-  const auto& s = layer.s;
-  const auto grad = runtime.allocate_zeros<float>(s.in_size());
-  Conv2dBackwardData(runtime, s, layer.places, layer.in, grad_out, grad)
-      .enqueue(runtime, layer.parameters);
-  return without_halo(download(runtime, grad), s.rows, s.cols, 16);
+Arrays forward(Runtime& runtime, const Conv2dShape& s, Conv2dMethod method, const Arrays& inputs) {
+  return {download(runtime, Layer(runtime, s, method, inputs).plain_out)};
 }
 
-Arrays backward(Runtime& runtime, const Conv2dShape& s, const Arrays& inputs, const Arrays& grads) {
-  const Layer layer(runtime, s, inputs);
-  const auto grad_out = runtime.allocate_zeros<float>(s.out_size());
-  BlockGradient(runtime, {s.images, s.out_channels, s.out_rows(), s.out_cols()}, layer.plain_out,
-                grad_out)
+Arrays backward(Runtime& runtime, const Conv2dShape& s, Conv2dMethod method, const Arrays& inputs,
+                const Arrays& grads) {
+  const Layer layer(runtime, s, method, inputs);
+  BlockGradient(runtime, out_shape(s), layer.plain_out, layer.images.grad_out)
       .enqueue(runtime, upload(runtime, grads[0]));
-  const auto gradient = runtime.allocate_zeros<float>(layer.parameters.size());
-  Conv2dBackwardWeights(runtime, s, layer.places, layer.in, grad_out).enqueue(runtime, gradient);
-  const auto [weight, bias] = split(download(runtime, gradient), inputs[1].size());
+  enqueue(runtime, layer.conv->backward(layer.images, true));
+  enqueue(runtime, layer.conv->finish());
+  const auto [weight, bias] = split(download(runtime, layer.parameters.gradient), inputs[1].size());
   if (s.in_planes) return {{}, weight, bias};
-  return {grad_in(runtime, layer, grad_out), weight, bias};
+  return {without_halo(download(runtime, layer.images.grad_in), s.rows, s.cols, 16), weight, bias};
 }
 
-OperationCase conv2d_case(const Conv2dShape& s) {
+OperationCase conv2d_case(const Conv2dShape& s, Conv2dMethod method) {
   OperationCase c;
   c.shape = fmt::format("{} images {}x{}x{} in {} to {} channels", s.images, s.in_channels, s.rows,
                         s.cols, s.in_planes ? "planes" : "blocks", s.out_channels);
@@ -106,12 +106,14 @@ OperationCase conv2d_case(const Conv2dShape& s) {
                    std::size_t(s.out_channels)};
   c.terms = 9.0 * s.in_channels;
   c.reference = [s](const Arrays& in) { return reference(s, in); };
-  c.forward = [s](Runtime& runtime, const Arrays& in) { return forward(runtime, s, in); };
+  c.forward = [s, method](Runtime& runtime, const Arrays& in) {
+    return forward(runtime, s, method, in);
+  };
   c.reference_backward = [s](const Arrays& in, const Arrays& g) {
     return reference_backward(s, in, g);
   };
-  c.backward = [s](Runtime& runtime, const Arrays& in, const Arrays& g) {
-    return backward(runtime, s, in, g);
+  c.backward = [s, method](Runtime& runtime, const Arrays& in, const Arrays& g) {
+    return backward(runtime, s, method, in, g);
   };
   c.kink_distance = [s](const Arrays& in) { return kink_distance(s, in); };
   return c;
@@ -125,7 +127,19 @@ Operation conv2d_operation() {
       {2, 3, 5, 6, 32, true},    {1, 32, 3, 4, 32, false},   {1, 1, 6, 6, 32, true},
       {3, 10, 32, 32, 32, true}, {2, 32, 16, 16, 64, false}, {1, 32, 7, 13, 64, false},
       {5, 64, 8, 8, 128, false}, {9, 32, 2, 1, 64, false},   {1, 32, 64, 9, 32, true}};
-  for (const auto& shape : shapes) operation.cases.push_back(conv2d_case(shape));
+  for (const auto& shape : shapes)
+    operation.cases.push_back(conv2d_case(shape, Conv2dMethod::direct));
+  return operation;
+}
+
+Operation winograd_operation() {
+  Operation operation{"winograd", {}};
+  const Conv2dShape shapes[] = {{1, 32, 3, 4, 64, false},   {2, 32, 16, 16, 64, false},
+                                {1, 32, 7, 13, 64, false},  {5, 64, 8, 8, 128, false},
+                                {9, 32, 2, 1, 64, false},   {1, 96, 17, 9, 64, false},
+                                {3, 32, 12, 24, 192, false}};
+  for (const auto& shape : shapes)
+    operation.cases.push_back(conv2d_case(shape, Conv2dMethod::winograd));
   return operation;
 }
 

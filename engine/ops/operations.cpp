@@ -7,6 +7,7 @@ const std::vector<Operation>& operations() {
   static const std::vector<Operation> table{
       tactile_window_operation(),
       conv2d_operation(),
+      winograd_operation(),
       channel_blocks_operation(),
       dense_operation(),
       layer_norm_operation(),

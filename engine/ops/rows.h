@@ -15,5 +15,6 @@ Operation rollout_operation();
 Operation state_loss_operation();
 Operation sum_operation();
 Operation tactile_window_operation();
+Operation winograd_operation();
 
 }  // namespace touchtrace

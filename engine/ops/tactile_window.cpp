@@ -27,9 +27,9 @@ std::uint32_t TaxelDropout::threshold() const {
 }
 
 TactileWindow::TactileWindow(Runtime& runtime, const TactileWindowShape& shape,
-                             const Buffer<float>& out)
+                             const Buffer<float>& out, int first)
     : gather_(tactile_window_kernel(runtime, shape), range(shape.rows, shape.windows), out, out,
-              out, cl_uint{0}, cl_uint{0}, 1.0f) {}
+              out, cl_uint{0}, cl_uint{0}, 1.0f, first) {}
 
 void TactileWindow::enqueue(Runtime& runtime, const Buffer<float>& stream,
                             const Buffer<int>& last_frame, const TaxelDropout& dropout) {

@@ -29,8 +29,11 @@ struct TactileWindowShape {
 ///     last_frame[w]
 class TactileWindow {
  public:
-  TactileWindow(Runtime& runtime, const TactileWindowShape& shape, const Buffer<float>& out);
-  /// Frames last_frame[w] - M + 1 .. last_frame[w] must lie in `stream`.
+  /// Of the windows first .. first + shape.windows - 1.
+  TactileWindow(Runtime& runtime, const TactileWindowShape& shape, const Buffer<float>& out,
+                int first = 0);
+  /// `last_frame`: of all windows. Frames last_frame[w] - M + 1 .. last_frame[w] must lie in
+  /// `stream`.
   void enqueue(Runtime& runtime, const Buffer<float>& stream, const Buffer<int>& last_frame,
                const TaxelDropout& dropout);
 

@@ -23,10 +23,11 @@ Buffer<float> normal_buffer(Runtime& runtime, std::size_t size) {
 double step_ms(Runtime& runtime, int windows) {
   const ModelSpec spec;
   ParameterTable table;
-  TactileEncoder encoder(runtime, "tactile", {windows, spec.window_frames, spec.rows, spec.cols},
-                         true, table);
-  const auto parameters = runtime.upload<float>(table.initial_values(1));
-  const auto gradient = runtime.allocate_zeros<float>(table.size());
+  const TactileWindowShape shape{windows, spec.window_frames, spec.rows, spec.cols};
+  TactileEncoder::declare("tactile", shape, table);
+  const Weights weights{table, runtime.upload<float>(table.initial_values(1)),
+                        runtime.allocate_zeros<float>(table.size())};
+  TactileEncoder encoder(runtime, "tactile", shape, weights);
   std::vector<int> last(static_cast<std::size_t>(windows));
   std::iota(last.begin(), last.end(), spec.window_frames - 1);
   const auto last_frame = runtime.upload<int>(last);
@@ -34,61 +35,79 @@ double step_ms(Runtime& runtime, int windows) {
   const auto stream = normal_buffer(runtime, frames * spec.rows * spec.cols);
   const auto grad_features = normal_buffer(runtime, encoder.features().size());
   return 1e3 * median_seconds(runtime, [&] {
-           encoder.forward(stream, last_frame, parameters, {0.2, 1});
-           encoder.backward(grad_features, gradient);
+           encoder.prepare();
+           encoder.forward(stream, last_frame, {0.2, 1});
+           encoder.backward(grad_features);
          });
 }
 
 /// Operations and seconds of one pass, summed over layers.
 struct Cost {
   double flops = 0.0, seconds = 0.0;
-
-  void add(const Conv2dShape& shape, double more) { flops += shape.flops(), seconds += more; }
 };
 
 struct LayerCosts {
   Cost forward, data, weights;
 };
 
-void measure_layer(Runtime& runtime, const Conv2dShape& shape, LayerCosts& costs) {
-  const int weight_size = shape.out_channels * shape.in_channels * 9;
-  const Conv2dPlaces places{0, weight_size};
-  const auto in = normal_buffer(runtime, shape.in_size()),
-             out = normal_buffer(runtime, shape.out_size());
-  const auto parameters =
-      normal_buffer(runtime, static_cast<std::size_t>(weight_size) + shape.out_channels);
-  Conv2dForward forward(runtime, shape, places, in, out);
-  Conv2dBackwardWeights weights(runtime, shape, places, in, out);
-  costs.forward.add(shape, median_seconds(runtime, [&] { forward.enqueue(runtime, parameters); }));
-  costs.weights.add(shape, median_seconds(runtime, [&] { weights.enqueue(runtime, parameters); }));
-  if (shape.in_planes) return;
-  const auto grad_in = runtime.allocate_zeros<float>(shape.in_size());
-  Conv2dBackwardData data(runtime, shape, places, in, out, grad_in);
-  costs.data.add(shape, median_seconds(runtime, [&] { data.enqueue(runtime, parameters); }));
+void measure(Runtime& runtime, const Launches& launches, double flops, Cost& cost) {
+  cost.flops += flops;
+  cost.seconds += median_seconds(runtime, [&] { enqueue(runtime, launches); });
 }
 
-LayerCosts measure_layers(Runtime& runtime, int windows) {
+/// A layer over all its windows, the preparation of its weights included.
+void measure_layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method,
+                   LayerCosts& costs) {
+  const auto values = normal_buffer(runtime, shape.weight_size() + shape.out_channels);
+  const auto conv = make_conv2d(runtime, shape,
+                                {values, values, 0, static_cast<int>(shape.weight_size())}, method);
+  Conv2dImages images{shape.images,
+                      normal_buffer(runtime, shape.in_size()),
+                      normal_buffer(runtime, shape.out_size()),
+                      normal_buffer(runtime, shape.out_size()),
+                      {}};
+  measure(runtime, conv->prepare(), 0.0, costs.forward);
+  measure(runtime, conv->forward(images), shape.flops(), costs.forward);
+  measure(runtime, conv->backward(images, true), shape.flops(), costs.weights);
+  measure(runtime, conv->finish(), 0.0, costs.weights);
+  if (shape.in_planes) return;
+  images.grad_in = runtime.allocate_zeros<float>(shape.in_size());
+  measure(runtime, {conv->backward(images, true).back()}, shape.flops(), costs.data);
+}
+
+LayerCosts measure_layers(Runtime& runtime, int windows,
+                          const std::function<Conv2dMethod(const Conv2dShape&)>& method) {
   LayerCosts costs;
   const ModelSpec spec;
   Conv2dShape shape{windows, spec.window_frames, spec.rows, spec.cols, 32, true};
   for (int layer = 0; layer < 3; ++layer) {
-    measure_layer(runtime, shape, costs);
+    measure_layer(runtime, shape, method(shape), costs);
     shape = {windows,          shape.out_channels,     shape.out_rows(),
              shape.out_cols(), 2 * shape.out_channels, false};
   }
   return costs;
 }
 
-void verify_shares(Runtime& runtime, int windows, const std::function<void(Figure)>& emit) {
-  const auto costs = measure_layers(runtime, windows);
-  const double peak = peak_flops(runtime);
+void emit_shares(const std::string& what, const LayerCosts& costs, double peak,
+                 const std::function<void(Figure)>& emit) {
   const auto share = [&](const char* pass, const Cost& cost, double goal) {
-    emit(at_least(fmt::format("convolution {}, {} windows, share of peak", pass, windows),
+    emit(at_least(fmt::format("convolution {}, {}, of peak", pass, what),
                   cost.flops / cost.seconds / peak, "", goal));
   };
   share("forward", costs.forward, 0.80);
   share("backward-data", costs.data, 0.75);
   share("backward-weights", costs.weights, 0.70);
+}
+
+/// The share of the peak that the direct method reaches, and what the methods in use reach, in
+/// multiplications of the direct method: the Winograd method needs fewer.
+void verify_shares(Runtime& runtime, int windows, const std::function<void(Figure)>& emit) {
+  const double peak = peak_flops(runtime);
+  const auto direct = [](const Conv2dShape&) { return Conv2dMethod::direct; };
+  emit_shares(fmt::format("direct, {} windows", windows), measure_layers(runtime, windows, direct),
+              peak, emit);
+  emit_shares(fmt::format("as used, {} windows", windows),
+              measure_layers(runtime, windows, best_method), peak, emit);
 }
 
 }  // namespace

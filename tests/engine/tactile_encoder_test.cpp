@@ -1,5 +1,6 @@
 #include "engine/model/tactile_encoder.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -13,7 +14,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr int windows = 3, stream_frames = 40;
+constexpr int stream_frames = 40;
 
 std::vector<double> normal_floats(std::size_t size, const char* name) {
   RandomStream random(20, name);
@@ -42,7 +43,7 @@ class Reference {
       shapes_.push_back(shape);
       activations_.push_back(
           conv2d_reference(shape, activations_.back(), weight(layer), bias(layer)));
-      shape = {windows,          shape.out_channels,     shape.out_rows(),
+      shape = {window.windows,   shape.out_channels,     shape.out_rows(),
                shape.out_cols(), 2 * shape.out_channels, false};
     }
   }
@@ -79,76 +80,80 @@ class Reference {
   std::vector<Conv2dShape> shapes_;
 };
 
-struct Size {
-  int frames, rows, cols;
-};
-
-class EncoderOfSize : public ::testing::TestWithParam<Size> {};
+class EncoderOfSize : public ::testing::TestWithParam<TactileWindowShape> {};
 
 TEST_P(EncoderOfSize, AgreesWithPlainLoops) {
-  const auto [frames, rows, cols] = GetParam();
-  const TactileWindowShape window{windows, frames, rows, cols};
+  const auto window = GetParam();
+  const auto [windows, frames, rows, cols] = window;
   Runtime runtime(choose_device(""));
   ParameterTable table;
   table.add("something before", {7}, {});
-  TactileEncoder encoder(runtime, "object", window, true, table);
-
+  TactileEncoder::declare("object", window, table);
   const auto initial = table.initial_values(3);
   const std::vector<double> parameters(initial.begin(), initial.end());
   const auto stream = normal_floats(std::size_t(stream_frames) * rows * cols, "stream");
-  const std::vector<int> last_frame{frames - 1, stream_frames - 1, 33};
+  std::vector<int> last_frame;
+  for (int w = 0; w < windows; ++w)
+    last_frame.push_back(stream_frames - 1 - w % (stream_frames - frames + 1));
   const TaxelDropout dropout{0.2, 99};
   const Reference reference(window, table, parameters, stream, last_frame, dropout);
 
-  encoder.forward(upload(runtime, stream), runtime.upload<int>(last_frame),
-                  upload(runtime, parameters), dropout);
-  ASSERT_EQ(std::size_t(windows) * encoder.feature_size(), reference.features().size());
+  const Weights weights{table, upload(runtime, parameters),
+                        runtime.allocate_zeros<float>(table.size())};
+  TactileEncoder encoder(runtime, "object", window, weights);
+  encoder.prepare();
+  encoder.forward(upload(runtime, stream), runtime.upload<int>(last_frame), dropout);
+  ASSERT_EQ(std::size_t(windows) * TactileEncoder::feature_size(window),
+            reference.features().size());
   EXPECT_LE(norm_of_difference(download(runtime, encoder.features()), reference.features()), 2e-6);
 
   const auto grad_features = normal_floats(reference.features().size(), "gradient");
-  const auto gradient = runtime.allocate_zeros<float>(table.size());
-  encoder.backward(upload(runtime, grad_features), gradient);
+  encoder.backward(upload(runtime, grad_features));
   const auto expected = reference.gradient(grad_features);
-  EXPECT_LE(norm_of_difference(download(runtime, gradient), expected), 5e-5);
+  EXPECT_LE(norm_of_difference(download(runtime, weights.gradient), expected), 5e-5);
 
-  encoder.backward(upload(runtime, grad_features), gradient);  // adds
+  encoder.backward(upload(runtime, grad_features));  // adds
   auto twice = expected;
   for (auto& value : twice) value *= 2;
-  EXPECT_LE(norm_of_difference(download(runtime, gradient), twice), 5e-5);
+  EXPECT_LE(norm_of_difference(download(runtime, weights.gradient), twice), 5e-5);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, EncoderOfSize,
-                         ::testing::Values(Size{10, 32, 32}, Size{1, 6, 6}, Size{32, 8, 12},
-                                           Size{3, 7, 13}),
+                         ::testing::Values(TactileWindowShape{3, 10, 32, 32},
+                                           TactileWindowShape{3, 1, 6, 6},
+                                           TactileWindowShape{3, 32, 8, 12},
+                                           TactileWindowShape{3, 3, 7, 13},
+                                           TactileWindowShape{201, 2, 16, 16}),
                          [](const auto& size) {
-                           return "M" + std::to_string(size.param.frames) + "_" +
-                                  std::to_string(size.param.rows) + "x" +
-                                  std::to_string(size.param.cols);
+                           const auto& w = size.param;
+                           return fmt::format("{}x{}x{}x{}", w.windows, w.frames, w.rows, w.cols);
                          });
 
 TEST(TactileEncoder, GivesTheSameBitsTwice) {
   const auto run = [&] {
     Runtime runtime(choose_device(""));
     ParameterTable table;
-    TactileEncoder encoder(runtime, "tactile", {45, 10, 32, 32}, true, table);
-    const auto parameters = runtime.upload<float>(table.initial_values(1));
+    const TactileWindowShape window{45, 10, 32, 32};
+    TactileEncoder::declare("tactile", window, table);
+    const Weights weights{table, runtime.upload<float>(table.initial_values(1)),
+                          runtime.allocate_zeros<float>(table.size())};
+    TactileEncoder encoder(runtime, "tactile", window, weights);
     std::vector<int> last_frame(45);
     std::iota(last_frame.begin(), last_frame.end(), 9);
+    encoder.prepare();
     encoder.forward(upload(runtime, normal_floats(54 * 32 * 32, "stream")),
-                    runtime.upload<int>(last_frame), parameters, {0.2, 5});
-    const auto gradient = runtime.allocate_zeros<float>(table.size());
-    encoder.backward(encoder.features(), gradient);
-    return runtime.download(gradient);
+                    runtime.upload<int>(last_frame), {0.2, 5});
+    encoder.backward(encoder.features());
+    return runtime.download(weights.gradient);
   };
   EXPECT_EQ(run(), run());
 }
 
 TEST(TactileEncoder, RefusesSizesItCannotTake) {
-  Runtime runtime(choose_device(""));
-  for (const Size size : {Size{10, 5, 32}, {10, 32, 65}, {0, 32, 32}, {33, 32, 32}}) {
-    const TactileWindowShape window{1, size.frames, size.rows, size.cols};
+  for (const TactileWindowShape& window :
+       {TactileWindowShape{1, 10, 5, 32}, {1, 10, 32, 65}, {1, 0, 32, 32}, {1, 33, 32, 32}}) {
     ParameterTable table;
-    EXPECT_THROW(TactileEncoder(runtime, "tactile", window, false, table), Error);
+    EXPECT_THROW(TactileEncoder::declare("tactile", window, table), Error);
   }
 }
 

@@ -1,0 +1,108 @@
+#include "engine/ops/conv2d_methods.h"
+
+namespace touchtrace {
+namespace {
+
+// How much work an item should do at least, since a work-group of one item costs a CPU runtime
+// about as much as 200 vector operations.
+constexpr int wanted_vector_operations = 20000;
+int ceil_div(int a, int b) { return (a + b - 1) / b; }
+
+/// One of the two passes that multiply tiles of 24 accumulators: the forward pass, with output
+/// channels as lanes, or the gradient towards the input, the other way round.
+struct TiledPass {
+  const char* file;
+  int lanes, channels, lane_stride, channel_stride;
+  int blocks;       ///< of 16 lanes in a tile
+  int tile_pixels;  ///< output pixels in a tile
+
+  int groups() const { return lanes / 16 / blocks; }
+};
+
+TiledPass forward_pass(const Conv2dShape& s) {
+  const int blocks = s.out_channels % 64 == 0 ? 4 : 2;
+  return {"conv2d_forward.cl", s.out_channels, s.in_channels, s.in_channels * 9, 9, blocks,
+          24 / blocks};
+}
+
+TiledPass data_pass(const Conv2dShape& s) {
+  return {"conv2d_backward_data.cl", s.in_channels, s.out_channels, 9, s.in_channels * 9, 2, 3};
+}
+
+cl::Kernel tiled_kernel(Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass,
+                        const std::string& name) {
+  auto defines = conv2d_defines(shape);
+  defines["BLOCKS"] = std::to_string(pass.blocks);
+  return runtime.kernel({"common.clh", "conv2d.clh", "conv2d_pack.cl", pass.file}, name, defines);
+}
+
+/// Tiles that a work-item does one after the other.
+int tiles_an_item(const Runtime& runtime, const TiledPass& pass) {
+  const int operations = pass.channels * 9 * pass.tile_pixels * pass.blocks;
+  return runtime.device().type == "cpu" ? ceil_div(wanted_vector_operations, operations) : 1;
+}
+
+class DirectConv2d final : public Conv2d {
+ public:
+  DirectConv2d(Runtime& runtime, const Conv2dShape& shape, const Conv2dParameters& parameters)
+      : runtime_(runtime),
+        shape_(shape),
+        parameters_(parameters),
+        packed_(runtime.allocate<float>(shape.weight_size())),
+        weights_gradient_(runtime, shape, parameters) {
+    if (parameters.gradient.size() > 0 && !shape.in_planes)
+      packed_turned_ = runtime.allocate<float>(shape.weight_size());
+  }
+
+  Launches prepare() override {
+    Launches launches{pack(forward_pass(shape_), packed_)};
+    if (packed_turned_.size() > 0) launches.push_back(pack(data_pass(shape_), packed_turned_));
+    return launches;
+  }
+
+  Launches forward(const Conv2dImages& part) override {
+    const auto pass = forward_pass(shape_);
+    return {Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_forward"),
+                   range(items(pass, part), pass.groups()), part.in, packed_, parameters_.values,
+                   parameters_.bias_at, part.out, part.images, tiles_an_item(runtime_, pass))};
+  }
+
+  Launches backward(const Conv2dImages& part, bool first) override {
+    Launches launches{weights_gradient_.sum(part, first)};
+    if (part.grad_in.size() == 0) return launches;
+    const auto pass = data_pass(shape_);
+    launches.push_back(Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_backward_data"),
+                              range(items(pass, part), pass.groups()), part.grad_out,
+                              packed_turned_, part.in, part.grad_in, part.images,
+                              tiles_an_item(runtime_, pass)));
+    return launches;
+  }
+
+  Launches finish() override { return {weights_gradient_.finish()}; }
+
+ private:
+  int items(const TiledPass& pass, const Conv2dImages& part) const {
+    const int pixels = part.images * shape_.out_rows() * shape_.out_cols();
+    return ceil_div(ceil_div(pixels, pass.tile_pixels), tiles_an_item(runtime_, pass));
+  }
+  Launch pack(const TiledPass& pass, const Buffer<float>& packed) {
+    return Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_pack"),
+                  range(pass.channels, pass.groups()), parameters_.values, parameters_.weight_at,
+                  pass.lane_stride, pass.channel_stride, packed);
+  }
+
+  Runtime& runtime_;
+  Conv2dShape shape_;
+  Conv2dParameters parameters_;
+  Buffer<float> packed_, packed_turned_;
+  Conv2dWeightsGradient weights_gradient_;
+};
+
+}  // namespace
+
+std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& shape,
+                                           const Conv2dParameters& parameters) {
+  return std::make_unique<DirectConv2d>(runtime, shape, parameters);
+}
+
+}  // namespace touchtrace

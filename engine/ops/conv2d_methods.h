@@ -1,0 +1,36 @@
+#pragma once
+
+#include "engine/ops/conv2d.h"
+
+namespace touchtrace {
+
+/// The -D that kernels/conv2d.clh wants.
+Defines conv2d_defines(const Conv2dShape& shape);
+
+std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& shape,
+                                           const Conv2dParameters& parameters);
+std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,
+                                             const Conv2dParameters& parameters);
+
+/// Images whose points the device's local memory holds; 0: not one.
+int winograd_group(const Runtime& runtime, const Conv2dShape& shape);
+
+/// The gradient of weight and bias, which the methods share (kernels/conv2d_backward_weights.cl).
+class Conv2dWeightsGradient {
+ public:
+  /// Allocates nothing if there is no gradient.
+  Conv2dWeightsGradient(Runtime& runtime, const Conv2dShape& shape,
+                        const Conv2dParameters& parameters);
+
+  Launch sum(const Conv2dImages& part, bool first);
+  Launch finish();
+
+ private:
+  Runtime& runtime_;
+  Conv2dShape shape_;
+  Conv2dParameters parameters_;
+  int chunks_;
+  Buffer<float> partial_, partial_bias_;
+};
+
+}  // namespace touchtrace

@@ -1,0 +1,97 @@
+#include <algorithm>
+
+#include "engine/ops/conv2d_methods.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr int points = 81, weight_sets = 36;
+// Of local memory, so that the weights find place in a second-level cache beside it.
+constexpr std::size_t largest_group_bytes = 640 * 1024;
+
+int tiles_of(const Conv2dShape& shape) {
+  return ((shape.out_rows() + 3) / 4) * ((shape.out_cols() + 3) / 4);
+}
+
+class WinogradConv2d final : public Conv2d {
+ public:
+  WinogradConv2d(Runtime& runtime, const Conv2dShape& shape, const Conv2dParameters& parameters)
+      : runtime_(runtime),
+        shape_(shape),
+        parameters_(parameters),
+        group_(winograd_group(runtime, shape)),
+        weights_(runtime.allocate<float>(sets_size())),
+        weights_gradient_(runtime, shape, parameters) {
+    if (parameters.gradient.size() > 0) weights_turned_ = runtime.allocate<float>(sets_size());
+  }
+
+  Launches prepare() override {
+    const int in = shape_.in_channels, out = shape_.out_channels;
+    Launches launches{transform(in, 9, out, 9 * in, weights_)};
+    if (weights_turned_.size() > 0)
+      launches.push_back(transform(out, 9 * in, in, 9, weights_turned_));
+    return launches;
+  }
+
+  Launches forward(const Conv2dImages& part) override {
+    return {Launch(kernel("forward"), groups(part), part.in, weights_, parameters_.values,
+                   parameters_.bias_at, part.out, part.images)};
+  }
+
+  Launches backward(const Conv2dImages& part, bool first) override {
+    Launches launches{weights_gradient_.sum(part, first)};
+    if (part.grad_in.size() > 0)
+      launches.push_back(Launch(kernel("backward_data"), groups(part), part.grad_out,
+                                weights_turned_, part.in, part.grad_in, part.images));
+    return launches;
+  }
+
+  Launches finish() override { return {weights_gradient_.finish()}; }
+
+ private:
+  std::size_t sets_size() const {
+    return std::size_t(weight_sets) * shape_.in_channels * shape_.out_channels;
+  }
+  cl::NDRange groups(const Conv2dImages& part) const {
+    return range((part.images + group_ - 1) / group_);
+  }
+  cl::Kernel kernel(const std::string& pass) {
+    auto defines = conv2d_defines(shape_);
+    defines["GROUP"] = std::to_string(group_);
+    defines["TILE_MEMORY"] = "__local";
+    return runtime_.kernel({"common.clh", "tile.clh", "conv2d.clh", "winograd.clh",
+                            "winograd_weights.cl", "winograd_transform.clh", "winograd_passes.cl"},
+                           "winograd_" + pass, defines);
+  }
+  /// Sets [rows][lanes] of the parameters, in which a row's and a lane's weights stand `step`s
+  /// apart.
+  Launch transform(int rows, int row_step, int lanes, int lane_step, const Buffer<float>& to) {
+    return Launch(kernel("weights"), range(lanes / 16, rows), parameters_.values,
+                  parameters_.weight_at, row_step, lane_step, to);
+  }
+
+  Runtime& runtime_;
+  Conv2dShape shape_;
+  Conv2dParameters parameters_;
+  int group_;
+  Buffer<float> weights_, weights_turned_;
+  Conv2dWeightsGradient weights_gradient_;
+};
+
+}  // namespace
+
+int winograd_group(const Runtime& runtime, const Conv2dShape& shape) {
+  const std::size_t memory = std::min<std::size_t>(
+      largest_group_bytes, runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>());
+  const std::size_t channels = shape.in_channels + shape.out_channels;
+  const std::size_t image = sizeof(float) * points * tiles_of(shape) * channels;
+  const std::size_t padding = sizeof(float) * points * 2 * 16;
+  return memory < padding ? 0 : std::min<int>(shape.images, (memory - padding) / image);
+}
+
+std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,
+                                             const Conv2dParameters& parameters) {
+  return std::make_unique<WinogradConv2d>(runtime, shape, parameters);
+}
+
+}  // namespace touchtrace

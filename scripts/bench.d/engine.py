@@ -72,7 +72,7 @@ def step_figures(options, folder):
                 yield ratio(f"{name}, {kind} time", peer.setting, [theirs / ours for theirs, ours in pairs], goal,
                             seconds=time.time() - start)
                 yield row(f"{name}, {kind} time, engine", statistics.median(ours for _, ours in pairs), "ms")
-    options.settings = settings
+    options.contenders = settings
 
 
 def online_figures(options, folder):
@@ -80,9 +80,11 @@ def online_figures(options, folder):
     problem, model = noise_problem(ONE_ENCODER, 1, options.seed), Model(ONE_ENCODER)
     path = os.path.join(folder, "online")
     problem.save(path, weights_of(model))
-    peer, engine = best_online(problem, model, options.online_count), EngineOnline(options.engine_step, path)
+    peer = best_online(problem, model, options.settings, options.online_count)
+    engine = EngineOnline(options.engine_step, path)
     engine(options.online_count)
-    medians = [[statistics.median(side(options.online_count)) for side in (peer, engine)] for _ in range(options.rounds)]
+    medians = [[statistics.median(side(options.online_count)) for side in (peer, engine)]
+               for _ in range(options.rounds)]
     yield ratio("online step, median", peer.name, [theirs / ours for theirs, ours in medians], 3.0,
                 seconds=time.time() - start)
     yield row("online step, median, engine", statistics.median(ours for _, ours in medians), "us")
@@ -97,13 +99,14 @@ def online_figures(options, folder):
 def course_figures(options, folder):
     start = time.time()
     problem = noise_problem(ONE_ENCODER, 8, options.seed)
-    setting = best_of(try_settings(lambda s: TorchTrainer(problem, s), options.settings, 5))[0].setting
+    setting = best_of(try_settings(lambda s: TorchTrainer(problem, s), options.contenders, 5))[0].setting
     runs = [Course(options, folder, setting, options.seed + i).run(options.updates) for i in range(options.courses)]
     for kind, name in enumerate(("wall", "CPU")):
         times = [[time_until(curve, kind, settled(curves)) for curve in curves] for curves in runs]
         yield ratio(f"training to the same validation error, {name} time", setting, [b / a for a, b in times], 2.0,
                     seconds=time.time() - start, picture=picture_of(runs[0], kind, f"{PEER}, {setting}"))
-        yield row(f"training to the same validation error, {name} time, engine", statistics.median(a for a, _ in times), "s")
+        yield row(f"training to the same validation error, {name} time, engine",
+                  statistics.median(ours for ours, _ in times), "s")
     for side, name in enumerate(("engine", "PyTorch")):
         yield row(f"best validation error, {name}", statistics.median(c[side][:, 2].min() for c in runs), "deviation")
 
@@ -128,8 +131,12 @@ def parse_arguments():
     parser.add_argument("--eager", action="store_true", help="do not try torch.compile")
     parser.add_argument("--json", action="store_true", help="print all rows as one JSON object")
     options = parser.parse_args()
+    for program in (options.engine_step, options.study_course, options.touchtrace):
+        if not os.access(program, os.X_OK):
+            parser.error(f"{program} is missing: run cmake --preset release && cmake --build --preset release")
     options.cache.mkdir(parents=True, exist_ok=True)
     options.settings = [setting for setting in all_settings() if not (options.eager and setting.compiled)]
+    options.contenders = options.settings
     return options
 
 

@@ -50,9 +50,8 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   if (own_object_encoder)
     TouchEncoder::declare("object", segments_of(spec, 1), spec.embedding, table_);
   DynamicsMlp::declare(spec, table_);
-  const auto gradient = use == Use::training ? table_.size() : 0;
   weights_ = std::make_unique<Weights>(
-      Weights{table_, runtime.allocate<float>(table_.size()), runtime.allocate<float>(gradient)});
+      allocate_weights(runtime, table_, use == Use::training));
   if (spec.touch) plan_tactile_encoder();
   if (own_object_encoder) plan_object_encoder();
   else if (spec.object != ObjectEncoder::none)

@@ -5,15 +5,22 @@
 
 namespace touchtrace {
 
+namespace {
+
+ParameterTable object_parameters(const ModelSpec& spec) {
+  ParameterTable table;
+  TouchEncoder::declare("object", segments_of(spec, 1), spec.embedding, table);
+  return table;
+}
+
+}  // namespace
+
 ObjectModel::ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments, Use use)
     : runtime_(runtime),
       segments_(segments),
-      encoder_(runtime, "object", segments_of(spec, segments), spec.embedding, use == Use::training,
-               table_) {
-  const auto gradient = use == Use::training ? table_.size() : 0;
-  weights_ = std::make_unique<Weights>(
-      Weights{table_, runtime.allocate<float>(table_.size()), runtime.allocate<float>(gradient)});
-  encoder_.plan(*weights_);
+      table_(object_parameters(spec)),
+      weights_(allocate_weights(runtime, table_, use == Use::training)),
+      encoder_(runtime, "object", segments_of(spec, segments), weights_) {
   if (use == Use::training) plan_loss(spec);
 }
 
@@ -36,7 +43,7 @@ void ObjectModel::plan_loss(const ModelSpec& spec) {
 }
 
 void ObjectModel::backward() {
-  runtime_.fill(weights_->gradient, 0.0f);
+  runtime_.fill(weights_.gradient, 0.0f);
   runtime_.fill(encoder_.grad_embedding(), 0.0f);
   enqueue(runtime_, loss_launches_);
   encoder_.backward();

@@ -17,7 +17,7 @@ class ObjectModel {
 
   int segments() const { return segments_; }
   const ParameterTable& table() const { return table_; }
-  const Weights& weights() const { return *weights_; }
+  const Weights& weights() const { return weights_; }
 
   /// [N], for the caller to write: the last frame of each segment in the stream; and in training
   /// the object of each and the weight of its pairs in the loss, as info_nce.h takes them.
@@ -43,8 +43,8 @@ class ObjectModel {
   Runtime& runtime_;
   int segments_;
   ParameterTable table_;
+  Weights weights_;
   TouchEncoder encoder_;
-  std::unique_ptr<Weights> weights_;
   Buffer<int> object_;
   Buffer<float> weight_, loss_;
   Launches loss_launches_;

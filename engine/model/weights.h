@@ -23,4 +23,10 @@ struct Weights {
   }
 };
 
+/// Room for the weights of a complete table and, for training, for their gradient.
+inline Weights allocate_weights(Runtime& runtime, const ParameterTable& table, bool training) {
+  return {table, runtime.allocate<float>(table.size()),
+          runtime.allocate<float>(training ? table.size() : 0)};
+}
+
 }  // namespace touchtrace

@@ -51,11 +51,13 @@ static void weights_of_channel(__global const real* in, __global const real* gra
 static void bias_of_pair(__global const real* grad_out, __global real* partial, int images, int start) {
   real16 low = start ? (real16)(0) : vload16(0, partial);
   real16 high = start ? (real16)(0) : vload16(1, partial);
+  real16 lost_low = 0, lost_high = 0;
   for (int image = 0; image < images; ++image)
     for (int y = 0; y < OUT_ROWS; ++y)
       for (int x = 0; x < OUT_COLS; ++x) {
         __global const real* g = grad_out + image * OUT_IMAGE + y * OUT_PITCH + x * OUT_STEP;
-        low += vload16(0, g), high += vload16(0, g + OUT_BLOCK);
+        ADD_TO(real16, low, lost_low, vload16(0, g))
+        ADD_TO(real16, high, lost_high, vload16(0, g + OUT_BLOCK))
       }
   vstore16(low, 0, partial);
   vstore16(high, 1, partial);
@@ -80,8 +82,9 @@ __kernel void conv2d_backward_weights(__global const real* restrict in,
 }
 
 static real16 sum_of_chunks(__global const real* from, int chunks, int stride) {
-  real16 sum = vload16(0, from);
-  for (int chunk = 1; chunk < chunks; ++chunk) sum += vload16(0, from + (size_t)chunk * stride);
+  real16 sum = vload16(0, from), lost = 0;
+  for (int chunk = 1; chunk < chunks; ++chunk)
+    ADD_TO(real16, sum, lost, vload16(0, from + (size_t)chunk * stride))
   return sum;
 }
 

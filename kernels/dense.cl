@@ -59,7 +59,7 @@ __kernel void column_sums(__global const real* a, int a_at, int a_ld, __global r
                           int rows, int columns) {
   const int n = get_global_id(0) * 16;
   a += a_at + n;
-  real16 sum = 0;
-  for (int m = 0; m < rows; ++m) sum += vload16(0, a + (size_t)m * a_ld);
+  real16 sum = 0, lost = 0;
+  for (int m = 0; m < rows; ++m) ADD_TO(real16, sum, lost, vload16(0, a + (size_t)m * a_ld))
   store_lanes(sum, columns - n, sums + sums_at + n);
 }

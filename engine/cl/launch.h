@@ -22,7 +22,8 @@ inline cl::NDRange range(int x, int y, int z) {
 
 /// What one turn of a launch costs.
 struct LaunchCost {
-  double flops = 0.0;  ///< floating-point operations; 0 where only data are moved
+  double flops = 0.0;  ///< floating-point operations, of a convolution those of the direct method;
+                       ///< 0 where only data are moved
   double bytes = 0.0;  ///< of arrays read and written, each once
 };
 
@@ -55,9 +56,12 @@ class Launch {
   }
 
   /// The same launch, which says what it costs.
-  Launch costing(double flops, double bytes) && {
-    cost_ = {flops, bytes};
+  Launch costing(const LaunchCost& cost) && {
+    cost_ = cost;
     return std::move(*this);
+  }
+  Launch costing(double flops, double bytes) && {
+    return std::move(*this).costing(LaunchCost{flops, bytes});
   }
   /// As said by costing(); else the bytes of all its arrays.
   LaunchCost cost() const { return cost_ ? *cost_ : LaunchCost{0.0, bytes_of_arrays()}; }

@@ -25,6 +25,12 @@ Defines conv2d_defines(const Conv2dShape& shape) {
   return defines;
 }
 
+LaunchCost conv2d_cost(const Conv2dShape& shape, int images) {
+  const double share = static_cast<double>(images) / shape.images;
+  const double values = share * static_cast<double>(shape.in_size() + shape.out_size());
+  return {share * shape.flops(), 4.0 * (values + static_cast<double>(shape.weight_size()))};
+}
+
 Conv2dMethod best_method(const Conv2dShape& shape) {
   const int tiles = ((shape.out_rows() + 3) / 4) * ((shape.out_cols() + 3) / 4);
   return 81 * tiles < 9 * shape.out_rows() * shape.out_cols() ? Conv2dMethod::winograd

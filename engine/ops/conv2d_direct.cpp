@@ -64,7 +64,8 @@ class DirectConv2d final : public Conv2d {
     const auto pass = forward_pass(shape_);
     return {Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_forward"),
                    range(items(pass, part), pass.groups()), part.in, packed_, parameters_.values,
-                   parameters_.bias_at, part.out, part.images, tiles_an_item(runtime_, pass))};
+                   parameters_.bias_at, part.out, part.images, tiles_an_item(runtime_, pass))
+                .costing(conv2d_cost(shape_, part.images))};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {
@@ -74,7 +75,8 @@ class DirectConv2d final : public Conv2d {
     launches.push_back(Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_backward_data"),
                               range(items(pass, part), pass.groups()), part.grad_out,
                               packed_turned_, part.in, part.grad_in, part.images,
-                              tiles_an_item(runtime_, pass)));
+                              tiles_an_item(runtime_, pass))
+                           .costing(conv2d_cost(shape_, part.images)));
     return launches;
   }
 

@@ -6,6 +6,8 @@ namespace touchtrace {
 
 /// The -D that kernels/conv2d.clh wants.
 Defines conv2d_defines(const Conv2dShape& shape);
+/// Of one pass over some of the shape's images.
+LaunchCost conv2d_cost(const Conv2dShape& shape, int images);
 
 std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& shape,
                                            const Conv2dParameters& parameters);

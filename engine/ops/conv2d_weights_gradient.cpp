@@ -58,7 +58,8 @@ Launch Conv2dWeightsGradient::sum(const Conv2dImages& part, bool first) {
   const auto chunks = chunks_of(shape_, part.images);
   return Launch(weights_kernel(runtime_, shape_, "conv2d_backward_weights"),
                 range(shape_.out_channels / 32, blocks_of_input(shape_), chunks.count), part.in,
-                part.grad_out, partial_, partial_bias_, part.images, chunks.images, first ? 1 : 0);
+                part.grad_out, partial_, partial_bias_, part.images, chunks.images, first ? 1 : 0)
+      .costing(conv2d_cost(shape_, part.images));
 }
 
 Launch Conv2dWeightsGradient::finish() {

@@ -35,14 +35,16 @@ class WinogradConv2d final : public Conv2d {
 
   Launches forward(const Conv2dImages& part) override {
     return {Launch(kernel("forward"), groups(part), part.in, weights_, parameters_.values,
-                   parameters_.bias_at, part.out, part.images)};
+                   parameters_.bias_at, part.out, part.images)
+                .costing(conv2d_cost(shape_, part.images))};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {
     Launches launches{weights_gradient_.sum(part, first)};
     if (part.grad_in.size() > 0)
       launches.push_back(Launch(kernel("backward_data"), groups(part), part.grad_out,
-                                weights_turned_, part.in, part.grad_in, part.images));
+                                weights_turned_, part.in, part.grad_in, part.images)
+                             .costing(conv2d_cost(shape_, part.images)));
     return launches;
   }
 

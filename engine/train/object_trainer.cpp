@@ -6,6 +6,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/random.h"
+#include "engine/cl/watch.h"
 #include "engine/model/object_model.h"
 #include "engine/ops/adam.h"
 #include "engine/train/schedule.h"
@@ -51,15 +52,21 @@ struct ObjectTrainer::Plan {
     runtime.write<float>(model.weight(), contrast_weights(batch.object, 1.0));
   }
 
-  double step() {
+  void pass() {
     const auto number = static_cast<std::uint64_t>(updates);
     model.prepare();
     model.forward(stream, {options.taxel_dropout, dropout_keys.block(number)[0]});
     model.backward();
+  }
+
+  double step() {
+    pass();
     adam.enqueue({updates + 1, learning_rate(options, updates), options.clip_norm});
     const float loss = runtime.download(model.loss())[0], norm = runtime.download(adam.norm())[0];
     if (!std::isfinite(loss) || !std::isfinite(norm))
-      throw failure(fmt::format("update {} of the object encoder is not finite", updates + 1),
+      throw failure(fmt::format("update {} of the object encoder is not finite, first what {} "
+                                "computes",
+                                updates + 1, first_not_finite(runtime, [&] { pass(); })),
                     "lower --learning-rate, or look for extreme values in the tactile frames");
     ++updates;
     return loss;

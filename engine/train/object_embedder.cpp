@@ -40,6 +40,12 @@ std::vector<float> ObjectEmbedder::embed(const Buffer<float>& stream,
   return embeddings;
 }
 
+std::vector<Tensor> object_encoder_of(TensorFile file) {
+  std::erase_if(file.tensors,
+                [](const Tensor& tensor) { return !tensor.name.starts_with("object."); });
+  return std::move(file.tensors);
+}
+
 std::vector<float> mean_embeddings(std::span<const float> embeddings,
                                    std::span<const std::int32_t> object, int objects) {
   const auto size = embeddings.size() / object.size();

@@ -25,6 +25,9 @@ class ObjectEmbedder {
   ObjectModel model_;
 };
 
+/// The tensors "object.*" of a model or a checkpoint.
+std::vector<Tensor> object_encoder_of(TensorFile file);
+
 /// The mean of the rows of [N, size] that belong to each object 0 .. objects - 1: [objects, size].
 /// Every object has a row.
 std::vector<float> mean_embeddings(std::span<const float> embeddings,

@@ -1,5 +1,7 @@
 #include "pipeline/study/synthetic.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
 #include "engine/base/random.h"
@@ -24,24 +26,35 @@ State state_of(const Vector& position, const Vector& velocity) {
   return state;
 }
 
-void append_image(Dataset& data, const Vector& force, RandomStream& random) {
+/// How an object presses on the glove. The first one, and one alone, is a ball.
+struct Grip {
+  int number, objects;
+
+  std::string name() const { return number == 0 ? "ball" : fmt::format("object {}", number); }
+  double share_of_force() const { return 1.0 - 0.5 * number / objects; }
+  double pressure(int col) const { return number > 0 && col % objects == number ? 0.2 : 0.0; }
+};
+
+void append_image(Dataset& data, const Vector& force, const Grip& grip, RandomStream& random) {
   for (int row = 0; row < data.rows; ++row)
     for (int col = 0; col < data.cols; ++col) {
-      const double pressure =
-          0.5 + 0.15 * force[static_cast<std::size_t>(3 * row / data.rows)] / force_deviation;
+      const double pressure = 0.5 + grip.pressure(col) +
+                              0.15 * grip.share_of_force() *
+                                  force[static_cast<std::size_t>(3 * row / data.rows)] /
+                                  force_deviation;
       data.tactile.push_back(static_cast<float>(pressure + random.normal(0.0, 0.01)));
     }
 }
 
-void append_clip(Dataset& data, const SyntheticOptions& options, Split split,
+void append_clip(Dataset& data, const SyntheticOptions& options, Split split, const Grip& grip,
                  RandomStream& random) {
   const double fresh = std::sqrt(1.0 - force_memory * force_memory) * force_deviation;
-  data.sequences.push_back({data.frames(), options.frames, "ball", split});
+  data.sequences.push_back({data.frames(), options.frames, grip.name(), split});
   Vector position{}, velocity{}, force{};
   for (int frame = 0; frame < options.frames; ++frame) {
     for (double& component : force) component = force_memory * component + fresh * random.normal();
     data.label.push_back(state_of(position, velocity));
-    append_image(data, force, random);
+    append_image(data, force, grip, random);
     for (int axis = 0; axis < 3; ++axis) {
       velocity[axis] += step_s * (force[axis] - stiffness_per_s2 * position[axis] -
                                   damping_per_s * velocity[axis]);
@@ -64,7 +77,7 @@ Dataset synthetic_dataset(const SyntheticOptions& options) {
                 place < 0.6    ? Split::train
                 : place < 0.75 ? Split::validation
                                : Split::evaluation,
-                random);
+                {clip % options.objects, options.objects}, random);
   }
   data.causal_label = data.truth = data.label;
   data.trusted.assign(data.label.size(), 1);

@@ -9,6 +9,7 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
+#include "engine/train/object_embedder.h"
 #include "engine/train/safetensors.h"
 #include "pipeline/study/plan.h"
 #include "pipeline/study/sampler.h"
@@ -132,7 +133,7 @@ class TrainingRun {
   }
 
   std::vector<Tensor> object_encoder() const {
-    if (options_.resume) return read_safetensors(checkpoint_.path()).tensors;
+    if (options_.resume) return object_encoder_of(read_safetensors(checkpoint_.path()));
     return train_object_encoder(runtime_, data_, card_.spec, options_.optimizer, options_.objects);
   }
 

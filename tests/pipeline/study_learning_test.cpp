@@ -5,6 +5,7 @@
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <thread>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
@@ -58,6 +59,32 @@ class Learning : public ::testing::Test {
     std::vector<LoadedModel> models;
     for (const auto& path : paths) models.push_back(load_model(*runtime_, path));
     return models;
+  }
+
+  /// Stops a run by Ctrl-C once it has a checkpoint, goes on, and compares with a whole run.
+  void resumes_to_the_same_bits(const Dataset& data, TrainingOptions broken,
+                                const TrainingOptions& whole) {
+    EXPECT_EXIT(
+        {
+          catch_interrupts();
+          const std::jthread user([&] {
+            while (!fs::exists(broken.output + ".checkpoint")) std::this_thread::yield();
+            std::raise(SIGINT);
+          });
+          try {
+            train(data, broken);
+          } catch (const Error& error) {
+            std::_Exit(static_cast<int>(error.code()));
+          }
+        },
+        ::testing::ExitedWithCode(130), "");
+    EXPECT_FALSE(fs::exists(broken.output));
+    ASSERT_TRUE(fs::exists(broken.output + ".checkpoint"));
+    broken.resume = true;
+    train(data, broken);
+    train(data, whole);
+    EXPECT_EQ(weights(broken.output), weights(whole.output));
+    EXPECT_FALSE(fs::exists(broken.output + ".checkpoint"));
   }
 
   static std::unique_ptr<Runtime> runtime_;
@@ -121,31 +148,103 @@ TEST_F(Learning, EvaluationClipsDoNotReachTheWeights) {
   EXPECT_EQ(a.band_scale, b.band_scale);
 }
 
+SyntheticOptions three_objects() {
+  SyntheticOptions o;
+  o.clips = 30, o.objects = 3;
+  return o;
+}
+
+TEST_F(Learning, SeveralObjectsAreToldApartByAnEncoder) {
+  const Dataset data = synthetic_dataset(three_objects());
+  std::vector<std::string> files;
+  for (const char* encoder : {"auto", "joint", "none"}) {
+    auto o = options(encoder, 60);
+    o.object_encoder = encoder;
+    o.objects.updates = 30;
+    const ModelCard card = train(data, o);
+    EXPECT_EQ(card.objects.size(), 3u);
+    EXPECT_EQ(card.name(), o.object_encoder == "none" ? "without_embedding" : "full");
+    EXPECT_EQ(card.spec.object, o.object_encoder == "joint"  ? ObjectEncoder::joint
+                                : o.object_encoder == "none" ? ObjectEncoder::none
+                                                             : ObjectEncoder::frozen);
+    EXPECT_EQ(read_safetensors(o.output).tensors.size(), o.object_encoder == "none" ? 16u : 26u);
+    files.push_back(o.output);
+  }
+  for (const auto& full : {files[0], files[1]}) {
+    auto models = load({full, files[2]});
+    const std::vector<Session> sessions{{"synthetic", data, {}, {}}};
+    const auto document = evaluate_models(sessions, models, {});
+    std::map<std::string, int> rows, differences;
+    for (const auto& result : document.at("results")) ++rows[result.at("model")];
+    for (const auto& difference : document.at("differences")) ++differences[difference.at("other")];
+    EXPECT_EQ(rows,
+              (std::map<std::string, int>{{"random", 3}, {"full", 3}, {"without_embedding", 3}}));
+    EXPECT_EQ(differences, (std::map<std::string, int>{{"without_embedding", 9}}));
+  }
+}
+
+TEST_F(Learning, OneObjectHasNoEncoderWhateverIsAskedFor) {
+  const Dataset data = synthetic_dataset();
+  const auto plain = options("plain", 2);
+  train(data, plain);
+  for (const char* encoder : {"frozen", "joint"}) {
+    auto o = options(encoder, 2);
+    o.object_encoder = encoder;
+    EXPECT_EQ(train(data, o).spec.object, ObjectEncoder::none);
+    EXPECT_EQ(weights(o.output), weights(plain.output));
+  }
+}
+
+TEST(SegmentSampler, SegmentsLieInTrainingClipsOfTheirObject) {
+  const Dataset data = synthetic_dataset(three_objects());
+  const auto names = training_objects(data);
+  const SegmentSampler sampler(data, 20, 12, 1);
+  const auto clip_of = [&](int frame) {
+    return *std::ranges::find_if(data.sequences, [&](const Sequence& s) {
+      return frame >= s.first_frame && frame < s.first_frame + s.frames;
+    });
+  };
+  for (const auto& batch : {sampler.batch(0), sampler.batch(7), sampler.all(10)})
+    for (std::size_t i = 0; i < batch.object.size(); ++i) {
+      const Sequence clip = clip_of(batch.first_frame[i]);
+      EXPECT_EQ(clip.split, Split::train);
+      EXPECT_EQ(clip.object, names[static_cast<std::size_t>(batch.object[i])]);
+      EXPECT_LE(batch.first_frame[i] + 20, clip.first_frame + clip.frames);
+    }
+  EXPECT_EQ(sampler.batch(3).first_frame, sampler.batch(3).first_frame);
+  EXPECT_NE(sampler.batch(3).first_frame, sampler.batch(4).first_frame);
+  EXPECT_THROW(SegmentSampler(data, 121, 12, 1), Error);
+}
+
+TEST(RolloutCases, StartAfterTheSegmentThatTheObjectIsKnownFrom) {
+  const Dataset data = synthetic_dataset(three_objects());
+  ModelSpec spec;
+  EXPECT_EQ(history_of(spec), spec.window_frames);
+  spec.object = ObjectEncoder::frozen;
+  EXPECT_EQ(history_of(spec), spec.segment_frames);
+  const auto cases =
+      make_cases(data, {Split::evaluation, 50, 5, history_of(spec)}, {}, Reference::labels);
+  for (int i = 0; i < cases.count(); ++i) {
+    EXPECT_EQ(cases.batch.segment_frame[i], data.sequences[cases.sequence[i]].first_frame);
+    EXPECT_LT(cases.batch.segment_frame[i] + spec.segment_frames, cases.batch.first_frame[i] + 2);
+  }
+}
+
 using LearningDeathTest = Learning;
 
 TEST_F(LearningDeathTest, ResumingGivesTheSameBits) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  const Dataset data = synthetic_dataset();
-  auto broken = options("broken", 30);
-  EXPECT_EXIT(
-      {
-        catch_interrupts();
-        std::raise(SIGINT);
-        try {
-          train(data, broken);
-        } catch (const Error& error) {
-          std::_Exit(static_cast<int>(error.code()));
-        }
-      },
-      ::testing::ExitedWithCode(130), "");
-  EXPECT_FALSE(fs::exists(broken.output));
-  ASSERT_TRUE(fs::exists(broken.output + ".checkpoint"));
-  broken.resume = true;
-  train(data, broken);
-  const auto whole = options("whole", 30);
-  train(data, whole);
-  EXPECT_EQ(weights(broken.output), weights(whole.output));
-  EXPECT_FALSE(fs::exists(broken.output + ".checkpoint"));
+  auto broken = options("broken", 60);
+  broken.checkpoint_s = 0.0;
+  resumes_to_the_same_bits(synthetic_dataset(), broken, options("whole", 60));
+}
+
+TEST_F(LearningDeathTest, ResumingWithFrozenObjectsGivesTheSameBits) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  auto broken = options("broken", 60), whole = options("whole", 60);
+  broken.checkpoint_s = 0.0;
+  broken.objects.updates = whole.objects.updates = 4;
+  resumes_to_the_same_bits(synthetic_dataset(three_objects()), broken, whole);
 }
 
 TEST_F(Learning, AnExistingModelIsNotOverwritten) {

@@ -69,6 +69,13 @@ Images allocate_images(Runtime& runtime, const Shapes& shapes) {
           runtime.allocate_zeros<float>(shapes[2].out_size())};
 }
 
+/// Few windows are predicted at a time. Their time goes into reading weights, of which Winograd's
+/// method has 9 times as many: they should stay in a second-level cache.
+Conv2dMethod method_for_prediction(const Conv2dShape& shape) {
+  constexpr std::size_t cached_floats = 1u << 18;
+  return 9 * shape.weight_size() <= cached_floats ? best_method(shape) : Conv2dMethod::direct;
+}
+
 void append(Launches& launches, const Launches& more) {
   launches.insert(launches.end(), more.begin(), more.end());
 }
@@ -120,7 +127,8 @@ TactileEncoder::Plan::Plan(Runtime& device, const std::string& name, const Tacti
 }
 
 void TactileEncoder::Plan::add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape) {
-  layers.push_back(make_conv2d(runtime, shape, parameters, best_method(shape)));
+  const auto method = training ? best_method(shape) : method_for_prediction(shape);
+  layers.push_back(make_conv2d(runtime, shape, parameters, method));
   append(prepare, layers.back()->prepare());
   if (training) append(finish, layers.back()->finish());
 }

@@ -1,16 +1,14 @@
 #include "engine/model/model_reference.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <string>
 
+#include "engine/model/encoder_reference.h"
 #include "engine/model/touch_encoder.h"
-#include "engine/ops/conv2d_reference.h"
 #include "engine/ops/dense_reference.h"
 #include "engine/ops/info_nce_reference.h"
-#include "engine/ops/layer_norm_reference.h"
 #include "engine/ops/rollout_reference.h"
 #include "engine/ops/state_loss_reference.h"
 #include "engine/ops/tactile_window_reference.h"
@@ -19,80 +17,6 @@ namespace touchtrace {
 namespace {
 
 using Values = std::vector<double>;
-
-/// Parameters read by name, and their gradients written by name.
-struct Flat {
-  const ParameterTable& table;
-  const Values& values;
-  Values gradient;
-
-  Values operator[](const std::string& name) const {
-    const auto& row = table.at(name);
-    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(row.offset);
-    return {begin, begin + static_cast<std::ptrdiff_t>(row.size)};
-  }
-  void set(const std::string& name, const Values& grad) {
-    std::ranges::copy(grad, gradient.begin() + static_cast<std::ptrdiff_t>(table.at(name).offset));
-  }
-};
-
-/// An encoder of touch with what its gradient needs.
-struct EncoderTrace {
-  std::string name;
-  std::array<Conv2dShape, 3> shapes;
-  std::array<Values, 4> layers;  ///< the windows, then the layers' outputs
-  std::array<Values, 3> sums;    ///< before the ReLUs
-  Values dense, embedding;
-
-  DenseShape dense_shape() const {
-    const int windows = shapes[0].images;
-    return {windows, int(layers[3].size()) / windows, int(dense.size()) / windows};
-  }
-  std::string conv(int layer) const { return name + ".conv" + std::to_string(layer); }
-};
-
-EncoderTrace encode(const std::string& name, const TactileWindowShape& window, int embedding,
-                    const Flat& p, Values windows) {
-  constexpr std::array channels{32, 64, 128};
-  EncoderTrace trace{
-      .name = name, .shapes = {}, .layers = {}, .sums = {}, .dense = {}, .embedding = {}};
-  trace.layers[0] = std::move(windows);
-  Conv2dShape shape{window.windows, window.frames, window.rows, window.cols, channels[0], true};
-  for (int i = 0; i < 3; ++i) {
-    shape.out_channels = channels[i];
-    trace.shapes[i] = shape;
-    const auto layer = trace.conv(i + 1);
-    trace.sums[i] =
-        conv2d_sum_reference(shape, trace.layers[i], p[layer + ".weight"], p[layer + ".bias"]);
-    for (double sum : trace.sums[i]) trace.layers[i + 1].push_back(std::max(sum, 0.0));
-    shape = {window.windows, channels[i], shape.out_rows(), shape.out_cols(), 0, false};
-  }
-  trace.dense.resize(std::size_t(window.windows) * embedding);
-  trace.dense = dense_reference(trace.dense_shape(), trace.layers[3], p[name + ".dense.weight"],
-                                p[name + ".dense.bias"]);
-  trace.embedding =
-      layer_norm_reference(trace.dense, p[name + ".norm.weight"], p[name + ".norm.bias"]);
-  return trace;
-}
-
-void encode_backward(const EncoderTrace& trace, const Values& grad_embedding, Flat& p) {
-  const auto& name = trace.name;
-  const auto norm =
-      layer_norm_backward_reference(trace.dense, p[name + ".norm.weight"], grad_embedding);
-  p.set(name + ".norm.weight", norm.gain), p.set(name + ".norm.bias", norm.bias);
-  const auto dense = dense_backward_reference(trace.dense_shape(), trace.layers[3],
-                                              p[name + ".dense.weight"], norm.x);
-  p.set(name + ".dense.weight", dense.weight), p.set(name + ".dense.bias", dense.bias);
-  Values grad = dense.in;
-  for (int i = 3; i >= 1; --i) {
-    for (std::size_t j = 0; j < grad.size(); ++j)
-      if (!(trace.layers[i][j] > 0)) grad[j] = 0.0;
-    auto below = conv2d_backward_reference(trace.shapes[i - 1], trace.layers[i - 1],
-                                           p[trace.conv(i) + ".weight"], grad);
-    p.set(trace.conv(i) + ".weight", below.weight), p.set(trace.conv(i) + ".bias", below.bias);
-    grad = std::move(below.in);
-  }
-}
 
 /// Columns [begin, end) of a matrix of rows of `columns`.
 Values columns_of(const Values& matrix, int columns, int begin, int end) {
@@ -176,19 +100,19 @@ struct FirstLayer {
   }
 };
 
-void set_rollout_gradients(const RolloutReferenceGradients& grad, Flat& p) {
+void set_rollout_gradients(const RolloutReferenceGradients& grad, FlatParameters& p) {
   p.set("dynamics.2.weight", grad.weights.w2), p.set("dynamics.2.bias", grad.weights.b2);
   p.set("dynamics.4.weight", grad.weights.w3), p.set("dynamics.4.bias", grad.weights.b3);
 }
 
-std::vector<EncoderTrace> encode_all(const ModelSpec& spec, const Flat& p,
+std::vector<EncoderTrace> encode_all(const ModelSpec& spec, const FlatParameters& p,
                                      const ModelProblem& problem) {
   std::vector<EncoderTrace> encoders;
   const auto add = [&](const char* name, const TactileWindowShape& window,
                        const std::vector<int>& last_frame, const TaxelDropout& dropout) {
     encoders.push_back(
-        encode(name, window, spec.embedding, p,
-               tactile_window_reference(window, problem.stream, last_frame, dropout)));
+        encode_reference(name, window, spec.embedding, p,
+                         tactile_window_reference(window, problem.stream, last_frame, dropout)));
   };
   if (spec.touch)
     add("tactile", windows_of(spec, problem.sequences * problem.steps), problem.last_frame,
@@ -214,7 +138,7 @@ double contrast(const ModelSpec& spec, const ModelProblem& problem, const Encode
 
 LossAndGradient model_reference(const ModelSpec& spec, const ParameterTable& table,
                                 const Values& parameters, const ModelProblem& problem) {
-  Flat p{table, parameters, Values(table.size(), 0.0)};
+  FlatParameters p{table, parameters, Values(table.size(), 0.0)};
   const int rows = problem.sequences * problem.steps;
   const auto encoders = encode_all(spec, p, problem);
   const FirstLayer layer{spec.state, int(encoders.size()) * spec.embedding, spec.hidden};
@@ -245,7 +169,7 @@ LossAndGradient model_reference(const ModelSpec& spec, const ParameterTable& tab
   for (int i = 0; i < int(encoders.size()); ++i) {
     auto towards = embedding_gradient(hoisted.in, encoders[i], layer.embedding, spec.embedding, i);
     if (encoders[i].name == "object") loss += contrast(spec, problem, encoders[i], towards);
-    encode_backward(encoders[i], towards, p);
+    encode_backward_reference(encoders[i], towards, p);
   }
   return {loss, p.gradient, distance};
 }

@@ -11,21 +11,22 @@ namespace {
 
 using Emit = std::function<void(Figure)>;
 
-void verify_gradient(Runtime& runtime, const Emit& emit) {
+void verify_gradient(Runtime& runtime, const char* name, ObjectEncoder object, int sequences,
+                     const Emit& emit) {
   std::uint32_t seed = std::random_device{}();
-  const ModelSpec spec{.window_frames = 4, .rows = 12, .cols = 12, .hidden = 64};
-  const auto result = compare_away_from_kinks(runtime, spec, 2, 20, seed);
-  emit(at_most(fmt::format("whole model, 20 steps, loss against double, seed {}", seed),
+  const ModelSpec spec{.window_frames = 4, .rows = 12, .cols = 12, .hidden = 64, .object = object};
+  const auto result = compare_away_from_kinks(runtime, spec, sequences, 20, seed);
+  emit(at_most(fmt::format("{}, 20 steps, loss against double, seed {}", name, seed),
                result.loss_error(), "relative", 1e-5));
-  emit(at_most("whole model, 20 steps, gradient against double", result.gradient_error(),
+  emit(at_most(fmt::format("{}, 20 steps, gradient against double", name), result.gradient_error(),
                "relative", 1e-5));
 }
 
 /// Updates of the default model on noise.
 class Training {
  public:
-  Training(Runtime& runtime, bool touch, int sequences)
-      : spec_{.touch = touch},
+  Training(Runtime& runtime, const ModelSpec& spec, int sequences)
+      : spec_(spec),
         random_(1, "verify training"),
         trainer_(runtime, spec_, {}, sequences, 20, noise_stream(spec_, frames, random_)),
         batch_(noise_batch(spec_, sequences, 20, frames, random_)) {}
@@ -47,8 +48,9 @@ class Training {
   RolloutBatch batch_;
 };
 
-void verify_step(Runtime& runtime, const char* name, bool touch, int sequences, const Emit& emit) {
-  Training training(runtime, touch, sequences);
+void verify_step(Runtime& runtime, const char* name, const ModelSpec& spec, int sequences,
+                 const Emit& emit) {
+  Training training(runtime, spec, sequences);
   training.update_ms(3);
   emit(reported(fmt::format("training step, {} sequences x 20 steps, {}", sequences, name),
                 training.update_ms(160 / sequences), "CPU-ms"));
@@ -59,16 +61,19 @@ void verify_step(Runtime& runtime, const char* name, bool touch, int sequences, 
 Verification verify_first_step() {
   return [](const Emit& emit) {
     Runtime runtime(choose_device(""));
-    emit(reported("loss of the first update", Training(runtime, true, 8).update(), ""));
+    emit(reported("loss of the first update", Training(runtime, {}, 8).update(), ""));
   };
 }
 
 void verify_training(const Emit& emit) {
   Runtime runtime(choose_device(""));
-  verify_gradient(runtime, emit);
-  verify_step(runtime, "touch", true, 8, emit);
-  verify_step(runtime, "touch", true, 32, emit);
-  verify_step(runtime, "no touch", false, 8, emit);
+  verify_gradient(runtime, "whole model", ObjectEncoder::none, 2, emit);
+  verify_gradient(runtime, "whole model with both encoders", ObjectEncoder::joint, 4, emit);
+  for (int sequences : {8, 32}) {
+    verify_step(runtime, "touch", {}, sequences, emit);
+    verify_step(runtime, "both encoders", {.object = ObjectEncoder::joint}, sequences, emit);
+  }
+  verify_step(runtime, "no touch", {.touch = false}, 8, emit);
 }
 
 }  // namespace touchtrace

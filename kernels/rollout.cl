@@ -28,7 +28,13 @@ static void hidden_layer(row_pointers x, int count, __global const real* w, row_
   }
 }
 
-static real16 softplus(real16 x) { return fmax(x, (real16)(0)) + log1p(exp(-fabs(x))); }
+// log1p(u) as Kahan computes it: runtimes for CPUs have vectors of logarithms, but not of log1p.
+static real16 log_one_plus(real16 u) {
+  const real16 sum = 1 + u;
+  return select(log(sum) * (u / (sum - 1)), u, sum == (real16)(1));
+}
+
+static real16 softplus(real16 x) { return fmax(x, (real16)(0)) + log_one_plus(exp(-fabs(x))); }
 
 static void output_layer(row_pointers h2, __global const real* w3, __global const real* b3,
                          row_pointers now, __global real* next, __global real* spread, int s,

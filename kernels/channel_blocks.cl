@@ -1,32 +1,49 @@
-// Between images in blocks of 16 channels (conv2d.clh) and plain arrays [image][channel][row][column].
+// Between images in blocks of 16 channels with a halo (conv2d.clh) and the rows of a dense layer, which keep
+// the blocks and leave the halo out: [image][channel / 16][row][column][channel % 16].
 //
-//   unblock:          plain = blocked
-//   block_gradient:   blocked = [plain > 0] plain_gradient, the ReLU's mask applied on the way
+//   compact:          row = image
+//   block_gradient:   image = [row > 0] row_gradient, the ReLU's mask applied on the way
+//   to_blocks:        a row [channel][row][column] of the layer's parameters in the order of blocks
+//   from_blocks:      the way back
 //
-// -D ROWS, COLS: without defaults. A work-item moves one block of an image; plain arrays are taken from block
-// `first` on.
+// -D ROWS, COLS: without defaults. A work-item moves one block.
+#define AREA (ROWS * COLS)
 #define PITCH (16 * (COLS + 2))
 #define BLOCK (PITCH * (ROWS + 2))
-#define PLAIN_BLOCK (16 * ROWS * COLS)
 
-__kernel void unblock(__global const real* restrict blocked, __global real* restrict plain, int first) {
+// Images stand in rows from block `first` on.
+__kernel void compact(__global const real* restrict image, __global real* restrict row, int first) {
   const size_t block = get_global_id(0);
-  __global const real* from = blocked + block * BLOCK + PITCH + 16;
-  __global real* to = plain + (first + block) * PLAIN_BLOCK;
+  image += block * BLOCK + PITCH + 16;
+  row += (first + block) * AREA * 16;
   for (int y = 0; y < ROWS; ++y)
-    for (int x = 0; x < COLS; ++x)
-      for (int lane = 0; lane < 16; ++lane)
-        to[(lane * ROWS + y) * COLS + x] = from[y * PITCH + x * 16 + lane];
+    for (int x = 0; x < COLS; ++x) vstore16(vload16(x, image + y * PITCH), y * COLS + x, row);
 }
 
-__kernel void block_gradient(__global const real* restrict plain, __global const real* restrict gradient,
-                             __global real* restrict blocked, int first) {
+__kernel void block_gradient(__global const real* restrict row, __global const real* restrict row_gradient,
+                             __global real* restrict image, int first) {
   const size_t block = get_global_id(0);
-  __global real* to = blocked + block * BLOCK + PITCH + 16;
+  image += block * BLOCK + PITCH + 16;
+  row += (first + block) * AREA * 16;
+  row_gradient += (first + block) * AREA * 16;
   for (int y = 0; y < ROWS; ++y)
-    for (int x = 0; x < COLS; ++x)
-      for (int lane = 0; lane < 16; ++lane) {
-        const size_t at = (first + block) * PLAIN_BLOCK + (lane * ROWS + y) * COLS + x;
-        to[y * PITCH + x * 16 + lane] = plain[at] > 0 ? gradient[at] : 0;
-      }
+    for (int x = 0; x < COLS; ++x) {
+      const int pixel = y * COLS + x;
+      const real16 gradient = vload16(pixel, row_gradient);
+      vstore16(select((real16)(0), gradient, vload16(pixel, row) > (real16)(0)), x, image + y * PITCH);
+    }
+}
+
+__kernel void to_blocks(__global const real* restrict plain, int plain_at, __global real* restrict blocks) {
+  const size_t at = get_global_id(0) * AREA * 16;
+  for (int pixel = 0; pixel < AREA; ++pixel)
+    for (int lane = 0; lane < 16; ++lane)
+      blocks[at + pixel * 16 + lane] = plain[plain_at + at + lane * AREA + pixel];
+}
+
+__kernel void from_blocks(__global const real* restrict blocks, __global real* restrict plain, int plain_at) {
+  const size_t at = get_global_id(0) * AREA * 16;
+  for (int lane = 0; lane < 16; ++lane)
+    for (int pixel = 0; pixel < AREA; ++pixel)
+      plain[plain_at + at + lane * AREA + pixel] = blocks[at + pixel * 16 + lane];
 }

@@ -45,6 +45,17 @@ __kernel void gemm(__global const real* a, int a_at, int a_row, int a_step, __gl
   }
 }
 
+// pack where the rows of `to` stand side by side in `from` (from_row = 1), for multiples of 16 of them: one
+// work-item takes 16, since one alone would fetch a line of the cache for each of its values.
+__kernel void pack_turned(__global const real* from, int from_at, int from_step, __global real* to, int to_at,
+                          int to_row, int columns) {
+  const int i = get_global_id(0) * 16;
+  from += from_at + i;
+  to += to_at + (size_t)i * to_row;
+  for (int j = 0; j < columns; ++j)
+    for (int row = 0; row < 16; ++row) to[row * to_row + j] = from[(size_t)j * from_step + row];
+}
+
 // One work-item a row of `to`.
 __kernel void pack(__global const real* from, int from_at, int from_row, int from_step, int columns,
                    __global real* to, int to_at, int to_row, int to_columns) {

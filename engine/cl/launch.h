@@ -22,7 +22,7 @@ inline cl::NDRange range(int x, int y, int z) {
 
 /// What one turn of a launch costs.
 struct LaunchCost {
-  double flops = 0.0;  ///< floating-point operations, of a convolution those of the direct method;
+  double flops = 0.0;  ///< floating-point operations of sums and products;
                        ///< 0 where only data are moved
   double bytes = 0.0;  ///< of arrays read and written, each once
 };

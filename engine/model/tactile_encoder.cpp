@@ -38,7 +38,7 @@ Shapes shapes_of(const TactileWindowShape& window, int images) {
   return shapes;
 }
 
-ChannelBlocksShape features_shape(const Conv2dShape& last, int images) {
+ChannelBlocksShape outputs_of(const Conv2dShape& last, int images) {
   return {images, last.out_channels, last.out_rows(), last.out_cols()};
 }
 
@@ -70,10 +70,10 @@ Images allocate_images(Runtime& runtime, const Shapes& shapes) {
 }
 
 /// Few windows are predicted at a time. Their time goes into reading weights, of which Winograd's
-/// method has 9 times as many: they should stay in a second-level cache.
+/// method has 4 times as many: they should stay in a second-level cache.
 Conv2dMethod method_for_prediction(const Conv2dShape& shape) {
   constexpr std::size_t cached_floats = 1u << 18;
-  return 9 * shape.weight_size() <= cached_floats ? best_method(shape) : Conv2dMethod::direct;
+  return 4 * shape.weight_size() <= cached_floats ? best_method(shape) : Conv2dMethod::direct;
 }
 
 void append(Launches& launches, const Launches& more) {
@@ -85,9 +85,7 @@ void append(Launches& launches, const Launches& more) {
 struct TactileEncoder::Plan {
   struct Part {
     TactileWindow window;
-    Launches forward;
-    BlockGradient features_gradient;
-    Launches backward;
+    Launches forward, backward;
   };
 
   Plan(Runtime& device, const std::string& name, const TactileWindowShape& all,
@@ -99,7 +97,7 @@ struct TactileEncoder::Plan {
   TactileWindowShape windows;
   bool training;
   Shapes shapes;  ///< of the largest part
-  Buffer<float> features;
+  Buffer<float> features, grad_features;
   std::vector<std::unique_ptr<Conv2d>> layers;
   std::vector<Part> parts;
   Launches prepare, finish;
@@ -111,12 +109,15 @@ TactileEncoder::Plan::Plan(Runtime& device, const std::string& name, const Tacti
       windows(all),
       training(weights.gradient.size() > 0),
       shapes(shapes_of(all, std::min(all.windows, part_windows))),
-      features(device.allocate<float>(std::size_t(all.windows) * feature_size(all))) {
+      features(device.allocate<float>(TactileEncoder::features_shape(all).row_size())) {
   for (int i = 0; i < 3; ++i) add_layer(parameters_of(weights, layer_name(name, i)), shapes[i]);
   const auto parts_of_their_own = training ? (all.windows + part_windows - 1) / part_windows : 1;
   device.check_memory(sizeof(float) * size_of_images(shapes) * std::size_t(parts_of_their_own));
   Images images, gradients;
-  if (training) gradients = allocate_images(device, shapes);
+  if (training) {
+    grad_features = device.allocate<float>(features.size());
+    gradients = allocate_images(device, shapes);
+  }
   gradients[0] = {};  // nothing learnable stands before the first layer
   // Only the first part may be smaller: the backward pass starts with the last.
   int size = (all.windows - 1) % part_windows + 1;
@@ -137,17 +138,17 @@ void TactileEncoder::Plan::add_part(int first, int size, const Images& images,
                                     const Images& gradients) {
   auto window = windows;
   window.windows = size;
-  const auto last = features_shape(shapes[2], size);
-  Part part{TactileWindow(runtime, window, images[0], first),
-            {},
-            BlockGradient(runtime, last, features, gradients[3], first),
-            {}};
+  const auto last = outputs_of(shapes[2], size);
+  Part part{TactileWindow(runtime, window, images[0], first), {}, {}};
   const bool last_part = first + size == windows.windows;
   const auto of_layer = [&](int i) {
     return Conv2dImages{size, images[i], images[i + 1], gradients[i + 1], gradients[i]};
   };
   for (int i = 0; i < 3; ++i) append(part.forward, layers[i]->forward(of_layer(i)));
-  part.forward.push_back(unblock(runtime, last, images[3], features, first));
+  part.forward.push_back(compact(runtime, last, images[3], features, first));
+  if (training)
+    part.backward = {
+        block_gradient(runtime, last, features, grad_features, gradients[3], first)};
   for (int i = 2; training && i >= 0; --i)
     append(part.backward, layers[i]->backward(of_layer(i), last_part));
   parts.push_back(std::move(part));
@@ -165,9 +166,8 @@ void TactileEncoder::declare(const std::string& name, const TactileWindowShape& 
   }
 }
 
-int TactileEncoder::feature_size(const TactileWindowShape& windows) {
-  const auto last = shapes_of(windows, 1)[2];
-  return last.out_channels * last.out_rows() * last.out_cols();
+ChannelBlocksShape TactileEncoder::features_shape(const TactileWindowShape& windows) {
+  return outputs_of(shapes_of(windows, 1)[2], windows.windows);
 }
 
 TactileEncoder::TactileEncoder(Runtime& runtime, const std::string& name,
@@ -188,12 +188,12 @@ void TactileEncoder::forward(const Buffer<float>& stream, const Buffer<int>& las
   }
 }
 
-void TactileEncoder::backward(const Buffer<float>& grad_features) {
+const Buffer<float>& TactileEncoder::grad_features() const { return plan_->grad_features; }
+
+void TactileEncoder::backward() {
   // The last part's images are those that the cache may still hold.
-  for (auto& part : plan_->parts | std::views::reverse) {
-    part.features_gradient.enqueue(plan_->runtime, grad_features);
+  for (const auto& part : plan_->parts | std::views::reverse)
     enqueue(plan_->runtime, part.backward);
-  }
   enqueue(plan_->runtime, plan_->finish);
 }
 

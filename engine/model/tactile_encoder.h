@@ -6,6 +6,7 @@
 
 #include "engine/cl/runtime.h"
 #include "engine/model/weights.h"
+#include "engine/ops/channel_blocks.h"
 #include "engine/ops/tactile_window.h"
 
 namespace touchtrace {
@@ -23,16 +24,18 @@ class TactileEncoder {
   /// outside 6..64 or M outside 1..32.
   static void declare(const std::string& name, const TactileWindowShape& windows,
                       ParameterTable& table);
-  /// Floats of one window's features: 128 * rows / 8 * cols / 8, each division rounded up.
-  static int feature_size(const TactileWindowShape& windows);
+  /// Of all windows: 128 channels of rows / 8 x cols / 8, each division rounded up.
+  static ChannelBlocksShape features_shape(const TactileWindowShape& windows);
 
   /// There is a backward pass if `weights` has a gradient.
   TactileEncoder(Runtime& runtime, const std::string& name, const TactileWindowShape& windows,
                  const Weights& weights);
   ~TactileEncoder();
 
-  /// [windows, feature_size()], C order (channel, row, column); valid after forward().
+  /// In the rows of channel_blocks.h; valid after forward().
   const Buffer<float>& features() const;
+  /// The same of their gradient: given to backward().
+  const Buffer<float>& grad_features() const;
 
   void prepare();  ///< once after the weights changed
   /// `stream`: [frames, rows, cols]. `last_frame`: [windows]; window w holds the frames
@@ -40,8 +43,8 @@ class TactileEncoder {
   void forward(const Buffer<float>& stream, const Buffer<int>& last_frame,
                const TaxelDropout& dropout = {});
   /// Adds the gradients of the last forward pass's weights and biases to the weights' gradient,
-  /// zeroed by the caller; sums have one fixed order. `grad_features`: as features().
-  void backward(const Buffer<float>& grad_features);
+  /// zeroed by the caller; sums have one fixed order.
+  void backward();
 
  private:
   struct Plan;

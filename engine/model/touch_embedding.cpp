@@ -4,8 +4,9 @@
 
 namespace touchtrace {
 
-void TouchEmbedding::declare(const std::string& name, int size, int feature_size,
+void TouchEmbedding::declare(const std::string& name, int size, const ChannelBlocksShape& features,
                              ParameterTable& table) {
+  const int feature_size = features.channels * features.rows * features.cols;
   const Initial dense{0.0, 1.0 / std::sqrt(feature_size)};
   table.add(name + ".dense.weight", {size, feature_size}, dense);
   table.add(name + ".dense.bias", {size}, dense);
@@ -14,11 +15,14 @@ void TouchEmbedding::declare(const std::string& name, int size, int feature_size
 }
 
 TouchEmbedding::TouchEmbedding(Runtime& runtime, const std::string& name, const Weights& weights,
-                               const Buffer<float>& features, int rows) {
-  const int size = weights.table.at(name + ".dense.bias").shape.front();
+                               const ChannelBlocksShape& shape, const Buffer<float>& features,
+                               const Buffer<float>& grad_features) {
+  const int rows = shape.images, size = weights.table.at(name + ".dense.bias").shape.front();
   const auto weight = weights.value(name + ".dense.weight");
   const int feature_size = weight.row;
-  const MatrixView by_input{runtime.allocate<float>(std::size_t(size) * feature_size), 0, size};
+  weight_shape_ = {size, shape.channels, shape.rows, shape.cols};
+  weight_ = {runtime.allocate<float>(weight_shape_.row_size()), 0, feature_size};
+  const MatrixView by_input{runtime.allocate<float>(weight_shape_.row_size()), 0, size};
   const MatrixView input{features, 0, feature_size};
   const auto values = std::size_t(rows) * size;
   norm_ = {.rows = rows,
@@ -29,27 +33,30 @@ TouchEmbedding::TouchEmbedding(Runtime& runtime, const std::string& name, const 
            .x = runtime.allocate<float>(values),
            .y = runtime.allocate<float>(values),
            .statistics = runtime.allocate<float>(2 * std::size_t(rows))};
-  prepare_ = {pack(runtime, weight.transposed(), by_input, feature_size, size, size)};
+  prepare_ = {to_blocks(runtime, weight_shape_, weight, weight_.buffer),
+              pack(runtime, weight_.transposed(), by_input, feature_size, size, size)};
   forward_ = {gemm(runtime, input, by_input, weights.value(name + ".dense.bias"),
                    {norm_.x, 0, size}, rows, size, feature_size),
               layer_norm(runtime, norm_)};
-  if (weights.gradient.size() > 0) plan_backward(runtime, name, weights, input);
+  if (weights.gradient.size() > 0) 
+    plan_backward(runtime, name, weights, input, {grad_features, 0, feature_size});
 }
 
 void TouchEmbedding::plan_backward(Runtime& runtime, const std::string& name,
-                                   const Weights& weights, const MatrixView& features) {
+                                   const Weights& weights, const MatrixView& features,
+                                   const MatrixView& grad_features) {
   const int rows = norm_.rows, size = norm_.columns, feature_size = features.row;
   grad_embedding_ = runtime.allocate<float>(norm_.y.size());
-  grad_features_ = runtime.allocate<float>(features.buffer.size());
   const MatrixView grad{runtime.allocate<float>(norm_.x.size()), 0, size};
+  const MatrixView grad_weight{runtime.allocate<float>(weight_shape_.row_size()), 0, feature_size};
   backward_ = {
       layer_norm_backward(runtime, norm_, grad_embedding_, grad.buffer),
       layer_norm_weights(runtime, norm_, grad_embedding_, weights.gradient),
-      gemm(runtime, grad.transposed(), features, {}, weights.grad(name + ".dense.weight"), size,
-           feature_size, rows),
+      gemm(runtime, grad.transposed(), features, {}, grad_weight, size, feature_size, rows),
+      from_blocks(runtime, weight_shape_, grad_weight.buffer,
+                  weights.grad(name + ".dense.weight")),
       column_sums(runtime, grad, weights.grad(name + ".dense.bias"), rows, size),
-      gemm(runtime, grad, weights.value(name + ".dense.weight"), {},
-           {grad_features_, 0, feature_size}, rows, feature_size, size),
+      gemm(runtime, grad, weight_, {}, grad_features, rows, feature_size, size),
   };
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "engine/model/weights.h"
+#include "engine/ops/channel_blocks.h"
 #include "engine/ops/layer_norm.h"
 
 namespace touchtrace {
@@ -13,11 +14,14 @@ class TouchEmbedding {
  public:
   /// Adds "NAME.dense.weight" [size, F], "NAME.dense.bias", "NAME.norm.weight" and
   /// "NAME.norm.bias" [size]. F and size are multiples of 16.
-  static void declare(const std::string& name, int size, int feature_size, ParameterTable& table);
+  static void declare(const std::string& name, int size, const ChannelBlocksShape& features,
+                      ParameterTable& table);
 
-  /// `features`: [rows, F]. There is a backward pass if `weights` has a gradient.
+  /// `features` and, for a backward pass, `grad_features`, which it writes: in the rows of
+  /// channel_blocks.h.
   TouchEmbedding(Runtime& runtime, const std::string& name, const Weights& weights,
-                 const Buffer<float>& features, int rows);
+                 const ChannelBlocksShape& shape, const Buffer<float>& features,
+                 const Buffer<float>& grad_features);
 
   const Launches& prepare() const { return prepare_; }  ///< once after the weights changed
   const Launches& forward() const { return forward_; }
@@ -25,14 +29,15 @@ class TouchEmbedding {
 
   const Buffer<float>& embedding() const { return norm_.y; }               ///< [rows, size]
   const Buffer<float>& grad_embedding() const { return grad_embedding_; }  ///< given to backward()
-  const Buffer<float>& grad_features() const { return grad_features_; }    ///< [rows, F]
 
  private:
   void plan_backward(Runtime& runtime, const std::string& name, const Weights& weights,
-                     const MatrixView& features);
+                     const MatrixView& features, const MatrixView& grad_features);
 
+  ChannelBlocksShape weight_shape_;  ///< a row is that of one output
+  MatrixView weight_;                ///< [size, F] in the order of the features
   LayerNormArrays norm_;
-  Buffer<float> grad_embedding_, grad_features_;
+  Buffer<float> grad_embedding_;
   Launches prepare_, forward_, backward_;
 };
 

@@ -5,7 +5,7 @@ namespace touchtrace {
 void TouchEncoder::declare(const std::string& name, const TactileWindowShape& windows,
                            int embedding, ParameterTable& table) {
   TactileEncoder::declare(name, windows, table);
-  TouchEmbedding::declare(name, embedding, TactileEncoder::feature_size(windows), table);
+  TouchEmbedding::declare(name, embedding, TactileEncoder::features_shape(windows), table);
 }
 
 TouchEncoder::TouchEncoder(Runtime& runtime, const std::string& name,
@@ -13,7 +13,8 @@ TouchEncoder::TouchEncoder(Runtime& runtime, const std::string& name,
     : runtime_(runtime),
       convolutions_(runtime, name, windows, weights),
       last_frame_(runtime.allocate<int>(std::size_t(windows.windows))),
-      embedding_(runtime, name, weights, convolutions_.features(), windows.windows) {}
+      embedding_(runtime, name, weights, TactileEncoder::features_shape(windows),
+                 convolutions_.features(), convolutions_.grad_features()) {}
 
 void TouchEncoder::prepare() {
   convolutions_.prepare();
@@ -27,7 +28,7 @@ void TouchEncoder::forward(const Buffer<float>& stream, const TaxelDropout& drop
 
 void TouchEncoder::backward() {
   enqueue(runtime_, embedding_.backward());
-  convolutions_.backward(embedding_.grad_features());
+  convolutions_.backward();
 }
 
 }  // namespace touchtrace

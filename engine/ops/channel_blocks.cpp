@@ -10,34 +10,44 @@ cl::Kernel channel_blocks_kernel(Runtime& runtime, const ChannelBlocksShape& sha
       {{"ROWS", std::to_string(shape.rows)}, {"COLS", std::to_string(shape.cols)}});
 }
 
-cl::NDRange blocks(const ChannelBlocksShape& shape) {
-  return range(shape.images * shape.channels / 16);
-}
+int blocks_of(const ChannelBlocksShape& shape) { return shape.images * shape.channels / 16; }
 
 }  // namespace
 
-std::size_t ChannelBlocksShape::blocked_size() const {
+std::size_t ChannelBlocksShape::image_size() const {
   return static_cast<std::size_t>(images) * channels * (rows + 2) * (cols + 2);
 }
 
-std::size_t ChannelBlocksShape::plain_size() const {
+std::size_t ChannelBlocksShape::row_size() const {
   return static_cast<std::size_t>(images) * channels * rows * cols;
 }
 
-Launch unblock(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& blocked,
-               const Buffer<float>& plain, int first) {
-  return Launch(channel_blocks_kernel(runtime, shape, "unblock"), blocks(shape), blocked, plain,
-                first * shape.channels / 16);
+Launch compact(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& images,
+               const Buffer<float>& rows, int first) {
+  return Launch(channel_blocks_kernel(runtime, shape, "compact"), range(blocks_of(shape)), images,
+                rows, first * shape.channels / 16)
+      .costing(0.0, 8.0 * shape.row_size());
 }
 
-BlockGradient::BlockGradient(Runtime& runtime, const ChannelBlocksShape& shape,
-                             const Buffer<float>& plain, const Buffer<float>& blocked, int first)
-    : block_(channel_blocks_kernel(runtime, shape, "block_gradient"), blocks(shape), plain, plain,
-             blocked, first * shape.channels / 16) {}
+Launch block_gradient(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& rows,
+                      const Buffer<float>& row_gradient, const Buffer<float>& images, int first) {
+  return Launch(channel_blocks_kernel(runtime, shape, "block_gradient"), range(blocks_of(shape)),
+                rows, row_gradient, images, first * shape.channels / 16)
+      .costing(0.0, 12.0 * shape.row_size());
+}
 
-void BlockGradient::enqueue(Runtime& runtime, const Buffer<float>& plain_gradient) {
-  block_.set(1, plain_gradient);
-  block_.enqueue(runtime);
+Launch to_blocks(Runtime& runtime, const ChannelBlocksShape& shape, const MatrixView& plain,
+                 const Buffer<float>& blocks) {
+  return Launch(channel_blocks_kernel(runtime, shape, "to_blocks"), range(blocks_of(shape)),
+                plain.buffer, plain.at, blocks)
+      .costing(0.0, 8.0 * shape.row_size());
+}
+
+Launch from_blocks(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& blocks,
+                   const MatrixView& plain) {
+  return Launch(channel_blocks_kernel(runtime, shape, "from_blocks"), range(blocks_of(shape)),
+                blocks, plain.buffer, plain.at)
+      .costing(0.0, 8.0 * shape.row_size());
 }
 
 }  // namespace touchtrace

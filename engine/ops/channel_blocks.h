@@ -1,31 +1,35 @@
 #pragma once
 
 #include "engine/cl/launch.h"
+#include "engine/ops/dense.h"
 
 namespace touchtrace {
 
-/// Images between blocks of 16 channels with a halo (kernels/conv2d.clh) and plain arrays
-/// [image][channel][row][column]; `channels` is a multiple of 16.
+/// Images in blocks of 16 channels with a halo (kernels/conv2d.clh), and the rows of a dense layer
+/// behind them, which keep the blocks and leave the halo out:
+/// [image][channel / 16][row][column][channel % 16]. `channels` is a multiple of 16.
 struct ChannelBlocksShape {
   int images, channels, rows, cols;
 
-  std::size_t blocked_size() const;  ///< floats with the halo
-  std::size_t plain_size() const;
+  std::size_t image_size() const;  ///< floats of all images with their halo
+  std::size_t row_size() const;    ///< floats of all rows
 };
 
-/// plain = blocked; in the plain array the images stand from `first` on.
-Launch unblock(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& blocked,
-               const Buffer<float>& plain, int first = 0);
+/// Rows first .. of `rows` = images.
+Launch compact(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& images,
+               const Buffer<float>& rows, int first = 0);
 
-/// blocked = plain_gradient where plain > 0: what the ReLU that made `plain` lets through.
-class BlockGradient {
- public:
-  BlockGradient(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& plain,
-                const Buffer<float>& blocked, int first = 0);
-  void enqueue(Runtime& runtime, const Buffer<float>& plain_gradient);
+/// Images = gradient of rows first .. where the row is above zero: what the ReLU that made them
+/// lets through.
+Launch block_gradient(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& rows,
+                      const Buffer<float>& row_gradient, const Buffer<float>& images,
+                      int first = 0);
 
- private:
-  Launch block_;
-};
+/// Between the parameters of the dense layer, whose rows are [channel][row][column], and rows in
+/// blocks; `shape.images` is the number of rows.
+Launch to_blocks(Runtime& runtime, const ChannelBlocksShape& shape, const MatrixView& plain,
+                 const Buffer<float>& blocks);
+Launch from_blocks(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& blocks,
+                   const MatrixView& plain);
 
 }  // namespace touchtrace

@@ -1,5 +1,6 @@
-// The row of channel_blocks in the table of operations: the identity forwards, a ReLU backwards.
-// Its input is the plain image, moved into blocks by the host.
+// The rows of channel_blocks in the table of operations. `compact` is the identity forwards and a
+// ReLU backwards; its input is the plain image, moved into blocks by the host. `block_order` is the
+// order of a dense layer's weights, there and back.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,47 +12,60 @@
 namespace touchtrace {
 namespace {
 
-Arrays rectified(const Arrays& inputs) {
-  auto out = inputs[0];
-  for (auto& value : out) value = std::max(value, 0.0);
-  return {out};
+std::vector<double> rectified(std::vector<double> values) {
+  for (auto& value : values) value = std::max(value, 0.0);
+  return values;
 }
 
-Arrays rectified_backward(const Arrays& inputs, const Arrays& grads) {
-  auto grad = grads[0];
+std::vector<double> to_order(const ChannelBlocksShape& s, const std::vector<double>& values) {
+  return in_block_order(values, s.channels, s.rows * s.cols);
+}
+
+std::vector<double> from_order(const ChannelBlocksShape& s, const std::vector<double>& values) {
+  return in_plain_order(values, s.channels, s.rows * s.cols);
+}
+
+Buffer<float> rows_of_images(Runtime& runtime, const ChannelBlocksShape& s, const Arrays& inputs) {
+  const auto rows = runtime.allocate<float>(s.row_size());
+  const auto images = upload(runtime, with_halo(rectified(inputs[0]), s.rows, s.cols, 16));
+  compact(runtime, s, images, rows).enqueue(runtime);
+  return rows;
+}
+
+Arrays rectified_backward(const ChannelBlocksShape& s, const Arrays& inputs, const Arrays& grads) {
+  auto grad = from_order(s, grads[0]);
   for (std::size_t i = 0; i < grad.size(); ++i)
     if (!(inputs[0][i] > 0)) grad[i] = 0;
   return {grad};
 }
 
-/// The plain image after its ReLU, moved from blocks on the device.
-Buffer<float> unblocked(Runtime& runtime, const ChannelBlocksShape& s, const Arrays& inputs) {
-  const auto plain = runtime.allocate<float>(s.plain_size());
-  const auto blocked = upload(runtime, with_halo(rectified(inputs)[0], s.rows, s.cols, 16));
-  unblock(runtime, s, blocked, plain).enqueue(runtime);
-  return plain;
+Arrays compact_backward(Runtime& runtime, const ChannelBlocksShape& s, const Arrays& inputs,
+                        const Arrays& grads) {
+  const auto images = runtime.allocate_zeros<float>(s.image_size());
+  block_gradient(runtime, s, rows_of_images(runtime, s, inputs), upload(runtime, grads[0]), images)
+      .enqueue(runtime);
+  return {without_halo(download(runtime, images), s.rows, s.cols, 16)};
 }
 
-Arrays backward(Runtime& runtime, const ChannelBlocksShape& s, const Arrays& inputs,
-                const Arrays& grads) {
-  const auto blocked = runtime.allocate_zeros<float>(s.blocked_size());
-  BlockGradient(runtime, s, unblocked(runtime, s, inputs), blocked)
-      .enqueue(runtime, upload(runtime, grads[0]));
-  return {without_halo(download(runtime, blocked), s.rows, s.cols, 16)};
-}
-
-OperationCase channel_blocks_case(const ChannelBlocksShape& s) {
+OperationCase case_of(const ChannelBlocksShape& s) {
   OperationCase c;
   c.shape = fmt::format("{} images {}x{}x{}", s.images, s.channels, s.rows, s.cols);
-  c.input_sizes = {s.plain_size()};
+  c.input_sizes = {s.row_size()};
   c.terms = 1;
-  c.reference = rectified;
+  return c;
+}
+
+OperationCase compact_case(const ChannelBlocksShape& s) {
+  auto c = case_of(s);
+  c.reference = [s](const Arrays& in) { return Arrays{to_order(s, rectified(in[0]))}; };
   c.forward = [s](Runtime& runtime, const Arrays& in) {
-    return Arrays{download(runtime, unblocked(runtime, s, in))};
+    return Arrays{download(runtime, rows_of_images(runtime, s, in))};
   };
-  c.reference_backward = rectified_backward;
+  c.reference_backward = [s](const Arrays& in, const Arrays& g) {
+    return rectified_backward(s, in, g);
+  };
   c.backward = [s](Runtime& runtime, const Arrays& in, const Arrays& g) {
-    return backward(runtime, s, in, g);
+    return compact_backward(runtime, s, in, g);
   };
   c.kink_distance = [](const Arrays& in) {
     double distance = 1.0;
@@ -61,13 +75,34 @@ OperationCase channel_blocks_case(const ChannelBlocksShape& s) {
   return c;
 }
 
+OperationCase block_order_case(const ChannelBlocksShape& s) {
+  auto c = case_of(s);
+  c.reference = [s](const Arrays& in) { return Arrays{to_order(s, in[0])}; };
+  c.forward = [s](Runtime& runtime, const Arrays& in) {
+    const auto blocks = runtime.allocate<float>(s.row_size());
+    to_blocks(runtime, s, {upload(runtime, in[0])}, blocks).enqueue(runtime);
+    return Arrays{download(runtime, blocks)};
+  };
+  c.reference_backward = [s](const Arrays&, const Arrays& g) {
+    return Arrays{from_order(s, g[0])};
+  };
+  c.backward = [s](Runtime& runtime, const Arrays&, const Arrays& g) {
+    const auto plain = runtime.allocate<float>(s.row_size());
+    from_blocks(runtime, s, upload(runtime, g[0]), {plain}).enqueue(runtime);
+    return Arrays{download(runtime, plain)};
+  };
+  return c;
+}
+
 }  // namespace
 
 Operation channel_blocks_operation() {
   Operation operation{"channel_blocks", {}};
   for (const ChannelBlocksShape& shape :
-       {ChannelBlocksShape{2, 16, 2, 3}, {3, 128, 4, 4}, {1, 32, 1, 8}})
-    operation.cases.push_back(channel_blocks_case(shape));
+       {ChannelBlocksShape{2, 16, 2, 3}, {3, 128, 4, 4}, {1, 32, 1, 8}}) {
+    operation.cases.push_back(compact_case(shape));
+    operation.cases.push_back(block_order_case(shape));
+  }
   return operation;
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/ops/channel_blocks.h"
 #include "engine/ops/conv2d_reference.h"
 #include "engine/ops/host_arrays.h"
 #include "engine/ops/rows.h"
@@ -58,16 +57,11 @@ struct Layer {
   Conv2dShape s;
   Conv2dParameters parameters;
   Conv2dImages images;
-  Buffer<float> plain_out;
   std::unique_ptr<Conv2d> conv;
 };
 
-ChannelBlocksShape out_shape(const Conv2dShape& s) {
-  return {s.images, s.out_channels, s.out_rows(), s.out_cols()};
-}
-
 Layer::Layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method, const Arrays& inputs)
-    : s(shape), plain_out(runtime.allocate<float>(out_shape(s).plain_size())) {
+    : s(shape) {
   const auto values = joined(inputs[1], inputs[2]);
   parameters = {upload(runtime, values), runtime.allocate_zeros<float>(values.size()), 0,
                 static_cast<int>(inputs[1].size())};
@@ -79,18 +73,22 @@ Layer::Layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method, co
   conv = make_conv2d(runtime, s, parameters, method);
   enqueue(runtime, conv->prepare());
   enqueue(runtime, conv->forward(images));
-  unblock(runtime, out_shape(s), images.out, plain_out).enqueue(runtime);
+}
+
+std::vector<double> output(Runtime& runtime, const Layer& layer) {
+  const auto& s = layer.s;
+  return without_halo(download(runtime, layer.images.out), s.out_rows(), s.out_cols(), 16);
 }
 
 Arrays forward(Runtime& runtime, const Conv2dShape& s, Conv2dMethod method, const Arrays& inputs) {
-  return {download(runtime, Layer(runtime, s, method, inputs).plain_out)};
+  return {output(runtime, Layer(runtime, s, method, inputs))};
 }
 
 Arrays backward(Runtime& runtime, const Conv2dShape& s, Conv2dMethod method, const Arrays& inputs,
                 const Arrays& grads) {
-  const Layer layer(runtime, s, method, inputs);
-  BlockGradient(runtime, out_shape(s), layer.plain_out, layer.images.grad_out)
-      .enqueue(runtime, upload(runtime, grads[0]));
+  Layer layer(runtime, s, method, inputs);
+  const auto grad_sum = masked(grads[0], output(runtime, layer));
+  layer.images.grad_out = upload(runtime, with_halo(grad_sum, s.out_rows(), s.out_cols(), 16));
   enqueue(runtime, layer.conv->backward(layer.images, true));
   enqueue(runtime, layer.conv->finish());
   const auto [weight, bias] = split(download(runtime, layer.parameters.gradient), inputs[1].size());

@@ -36,7 +36,7 @@ class WinogradConv2d final : public Conv2d {
   Launches forward(const Conv2dImages& part) override {
     return {Launch(kernel("forward"), groups(part), part.in, weights_, parameters_.values,
                    parameters_.bias_at, part.out, part.images)
-                .costing(conv2d_cost(shape_, part.images))};
+                .costing(cost(part))};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {
@@ -44,7 +44,7 @@ class WinogradConv2d final : public Conv2d {
     if (part.grad_in.size() > 0)
       launches.push_back(Launch(kernel("backward_data"), groups(part), part.grad_out,
                                 weights_turned_, part.in, part.grad_in, part.images)
-                             .costing(conv2d_cost(shape_, part.images)));
+                             .costing(cost(part)));
     return launches;
   }
 
@@ -53,6 +53,12 @@ class WinogradConv2d final : public Conv2d {
  private:
   std::size_t sets_size() const {
     return std::size_t(weight_sets) * shape_.in_channels * shape_.out_channels;
+  }
+  /// Multiplications and additions of the matrix products; those of the transforms are not counted.
+  LaunchCost cost(const Conv2dImages& part) const {
+    return {2.0 * points * part.images * tiles_of(shape_) * shape_.in_channels *
+                shape_.out_channels,
+            conv2d_cost(shape_, part.images).bytes};
   }
   cl::NDRange groups(const Conv2dImages& part) const {
     return range((part.images + group_ - 1) / group_);

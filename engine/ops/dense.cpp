@@ -24,6 +24,10 @@ Launch gemm(Runtime& runtime, const MatrixView& a, const MatrixView& b,
 
 Launch pack(Runtime& runtime, const MatrixView& from, const MatrixView& to, int rows, int columns,
             int to_columns) {
+  if (from.row == 1 && rows % 16 == 0 && columns == to_columns)
+    return Launch(dense_kernel(runtime, "pack_turned"), range(rows / 16), from.buffer, from.at,
+                  from.step, to.buffer, to.at, to.row, columns)
+        .costing(0.0, 8.0 * rows * columns);
   return Launch(dense_kernel(runtime, "pack"), range(rows), from.buffer, from.at, from.row,
                 from.step, columns, to.buffer, to.at, to.row, to_columns)
       .costing(0.0, 8.0 * rows * to_columns);

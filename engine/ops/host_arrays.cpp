@@ -52,4 +52,28 @@ std::vector<double> without_halo(const std::vector<double>& haloed, int rows, in
   return plain;
 }
 
+namespace {
+
+/// Where value i of rows [channel][pixel] stands in block order.
+std::size_t block_place(std::size_t i, int channels, int pixels) {
+  const std::size_t channel = i / pixels % channels, row = i / pixels / channels;
+  return ((row * channels / 16 + channel / 16) * pixels + i % pixels) * 16 + channel % 16;
+}
+
+}  // namespace
+
+std::vector<double> in_block_order(const std::vector<double>& values, int channels, int pixels) {
+  std::vector<double> result(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    result[block_place(i, channels, pixels)] = values[i];
+  return result;
+}
+
+std::vector<double> in_plain_order(const std::vector<double>& values, int channels, int pixels) {
+  std::vector<double> result(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    result[i] = values[block_place(i, channels, pixels)];
+  return result;
+}
+
 }  // namespace touchtrace

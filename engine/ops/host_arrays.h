@@ -23,4 +23,8 @@ std::pair<std::vector<double>, std::vector<double>> split(const std::vector<doub
 std::vector<double> with_halo(const std::vector<double>& plain, int rows, int cols, int lanes);
 std::vector<double> without_halo(const std::vector<double>& haloed, int rows, int cols, int lanes);
 
+/// Rows [channel][pixel] as [channel / 16][pixel][channel % 16] (channel_blocks.h), and back.
+std::vector<double> in_block_order(const std::vector<double>& values, int channels, int pixels);
+std::vector<double> in_plain_order(const std::vector<double>& values, int channels, int pixels);
+
 }  // namespace touchtrace

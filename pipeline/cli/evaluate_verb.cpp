@@ -20,10 +20,10 @@ std::string number(const json& value) {
 }
 
 void print_table(const json& document) {
-  fmt::print("{:<10} {:<12} {:<7} {:<14} {:>8} {:>8} {:>10} {:>9}\n", "activity", "object", "split",
+  fmt::print("{:<10} {:<12} {:<7} {:<17} {:>8} {:>8} {:>10} {:>9}\n", "activity", "object", "split",
              "model", "L1@20", "L1@50", "Hausdorff", "coverage");
   for (const auto& row : document.at("results"))
-    fmt::print("{:<10} {:<12} {:<7} {:<14} {:>8} {:>8} {:>10} {:>9}\n",
+    fmt::print("{:<10} {:<12} {:<7} {:<17} {:>8} {:>8} {:>10} {:>9}\n",
                row.at("activity").get<std::string>(), row.at("object").get<std::string>(),
                row.at("split").get<std::string>(), row.at("model").get<std::string>(),
                number(row.at("l1_at_20")), number(row.at("l1_at_50")), number(row.at("hausdorff")),

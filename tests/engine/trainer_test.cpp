@@ -168,11 +168,15 @@ void write_problem(const std::filesystem::path& path, const ModelSpec& spec) {
   add("stream", stream);
   add("initial_state", batch.initial_state);
   add("target", batch.target);
+  if (spec.object == ObjectEncoder::joint) {
+    add("object", {batch.object.begin(), batch.object.end()});
+    add("segment_frame", {batch.segment_frame.begin(), batch.segment_frame.end()});
+  }
   write_safetensors(path, file, false);
 }
 
 TEST_F(TrainerTest, ThreadsDoNotChangeABit) {
-  write_problem(folder_ / "problem", small_spec(true));
+  write_problem(folder_ / "problem", small_spec(ObjectEncoder::joint));
   const auto trained = [&](const std::string& threads) {
     const auto out = folder_ / ("weights" + threads);
     const auto command = "POCL_MAX_PTHREAD_COUNT=" + threads + " " ENGINE_STEP " " +

@@ -109,6 +109,7 @@ class EngineTrainer:
         self.process.wait()
 
 
+WARM_UP = 3  # updates: what PyTorch compiles is not all ready after the first
 HOPELESS, CONTENDER = 4.0, 1.3  # times slower than the best: not timed further, and tried again elsewhere
 
 
@@ -118,7 +119,7 @@ def try_settings(make, settings, count):
     for setting in settings:
         try:
             peer = make(setting)
-            peer(1)
+            peer(WARM_UP)
             times = peer(1)
         except Exception as error:  # a setting that PyTorch cannot compile here is no peer
             print(f"PyTorch {setting}: {type(error).__name__}: {error}", file=sys.stderr)

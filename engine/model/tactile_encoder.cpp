@@ -51,10 +51,6 @@ Conv2dParameters parameters_of(const Weights& weights, const std::string& layer)
           weights.value(layer + ".bias").at};
 }
 
-/// Windows that go through all layers together, so that what one layer writes is still in the cache
-/// when the next one reads it.
-constexpr int part_windows = 40;
-
 /// The input of the layers, and their outputs.
 using Images = std::array<Buffer<float>, 4>;
 

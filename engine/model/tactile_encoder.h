@@ -19,6 +19,10 @@ namespace touchtrace {
 /// queued; nothing blocks.
 class TactileEncoder {
  public:
+  /// Windows that go through all layers together, so that what one layer writes is still in the
+  /// cache when the next one reads it.
+  static constexpr int part_windows = 32;
+
   /// Adds "NAME.conv1.weight" [32, M, 3, 3], "NAME.conv1.bias" [32], ... to `table`, started as
   /// PyTorch starts convolutions (uniform within 1/sqrt(fan in)). Throws usage_error for frames
   /// outside 6..64 or M outside 1..32.

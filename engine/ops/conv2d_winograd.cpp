@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <numeric>
 
 #include "engine/ops/conv2d_methods.h"
 
@@ -94,7 +95,10 @@ int winograd_group(const Runtime& runtime, const Conv2dShape& shape) {
   const std::size_t channels = shape.in_channels + shape.out_channels;
   const std::size_t image = sizeof(float) * points * tiles_of(shape) * channels;
   const std::size_t padding = sizeof(float) * points * 2 * 16;
-  return memory < padding ? 0 : std::min<int>(shape.images, (memory - padding) / image);
+  if (memory < padding) return 0;
+  const int images = std::min<int>(shape.images, (memory - padding) / image);
+  const int whole = 4 / std::gcd(4, tiles_of(shape));  // images that fill the products' tiles of 4 rows
+  return images < whole ? images : images / whole * whole;
 }
 
 std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,

@@ -1,12 +1,14 @@
 #include <fmt/core.h>
 
 #include <numeric>
+#include <utility>
 
 #include "engine/base/random.h"
 #include "engine/cl/timing.h"
 #include "engine/model/model_spec.h"
 #include "engine/model/tactile_encoder.h"
 #include "engine/ops/conv2d.h"
+#include "engine/ops/dense.h"
 #include "engine/train/verify_engine.h"
 
 namespace touchtrace {
@@ -54,37 +56,71 @@ void measure(Runtime& runtime, const Launches& launches, double flops, Cost& cos
   cost.seconds += median_seconds(runtime, [&] { enqueue(runtime, launches); });
 }
 
-/// A layer over all its windows, the preparation of its weights included.
-void measure_layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method,
-                   LayerCosts& costs) {
-  const auto values = normal_buffer(runtime, shape.weight_size() + shape.out_channels);
-  const auto conv = make_conv2d(runtime, shape,
-                                {values, values, 0, static_cast<int>(shape.weight_size())}, method);
-  Conv2dImages images{shape.images,
-                      normal_buffer(runtime, shape.in_size()),
-                      normal_buffer(runtime, shape.out_size()),
-                      normal_buffer(runtime, shape.out_size()),
-                      {}};
-  measure(runtime, conv->prepare(), 0.0, costs.forward);
-  measure(runtime, conv->forward(images), shape.flops(), costs.forward);
-  measure(runtime, conv->backward(images, true), shape.flops(), costs.weights);
-  measure(runtime, conv->finish(), 0.0, costs.weights);
-  if (shape.in_planes) return;
-  images.grad_in = runtime.allocate_zeros<float>(shape.in_size());
-  measure(runtime, {conv->backward(images, true).back()}, shape.flops(), costs.data);
+/// `windows` images in parts of `shape.images`, each with arrays of its own, as in the encoder.
+std::vector<Conv2dImages> parts_of(Runtime& runtime, const Conv2dShape& shape, int windows) {
+  std::vector<Conv2dImages> parts;
+  for (int first = 0; first < windows; first += shape.images)
+    parts.push_back({shape.images, normal_buffer(runtime, shape.in_size()),
+                     normal_buffer(runtime, shape.out_size()),
+                     normal_buffer(runtime, shape.out_size()),
+                     shape.in_planes ? Buffer<float>()
+                                     : runtime.allocate_zeros<float>(shape.in_size())});
+  return parts;
 }
 
-LayerCosts measure_layers(Runtime& runtime, int windows,
+/// A layer over all windows, the preparation of its weights included.
+void measure_layer(Runtime& runtime, const Conv2dShape& shape, int windows, Conv2dMethod method,
+                   LayerCosts& costs) {
+  const auto values = normal_buffer(runtime, shape.weight_size() + shape.out_channels);
+  const auto conv = make_conv2d(
+      runtime, shape, {values, values, 0, static_cast<int>(shape.weight_size())}, method);
+  const auto parts = parts_of(runtime, shape, windows);
+  Launches forward = conv->prepare(), weights, data;
+  for (const auto& part : parts) {
+    const auto backward = conv->backward(part, &part == &parts.front());
+    forward.push_back(conv->forward(part).front());
+    weights.push_back(backward.front());
+    if (!shape.in_planes) data.push_back(backward.back());
+  }
+  weights.push_back(conv->finish().front());
+  const double flops = shape.flops() * static_cast<double>(parts.size());
+  measure(runtime, forward, flops, costs.forward);
+  measure(runtime, weights, flops, costs.weights);
+  if (!shape.in_planes) measure(runtime, data, flops, costs.data);
+}
+
+LayerCosts measure_layers(Runtime& runtime, int windows, int part_windows,
                           const std::function<Conv2dMethod(const Conv2dShape&)>& method) {
   LayerCosts costs;
   const ModelSpec spec;
-  Conv2dShape shape{windows, spec.window_frames, spec.rows, spec.cols, 32, true};
+  Conv2dShape shape{part_windows, spec.window_frames, spec.rows, spec.cols, 32, true};
   for (int layer = 0; layer < 3; ++layer) {
-    measure_layer(runtime, shape, method(shape), costs);
-    shape = {windows,          shape.out_channels,     shape.out_rows(),
+    measure_layer(runtime, shape, windows, method(shape), costs);
+    shape = {part_windows,     shape.out_channels,     shape.out_rows(),
              shape.out_cols(), 2 * shape.out_channels, false};
   }
   return costs;
+}
+
+/// The dense layers of the default model over `rows` windows: forward, and both gradients.
+Cost measure_dense(Runtime& runtime, int rows) {
+  const ModelSpec spec;
+  const int features = 128 * (spec.rows / 8) * (spec.cols / 8);
+  Cost cost;
+  for (const auto& [inputs, outputs] :
+       {std::pair{features, spec.embedding}, {spec.embedding, spec.hidden}}) {
+    const auto matrix = [&](int n, int columns) {
+      return MatrixView{normal_buffer(runtime, std::size_t(n) * columns), 0, columns};
+    };
+    const auto in = matrix(rows, inputs), out = matrix(rows, outputs),
+               weight = matrix(outputs, inputs), by_input = matrix(inputs, outputs);
+    const double flops = 2.0 * rows * inputs * outputs;
+    measure(runtime, {gemm(runtime, in, by_input, {}, out, rows, outputs, inputs)}, flops, cost);
+    measure(runtime, {gemm(runtime, out, weight, {}, in, rows, inputs, outputs)}, flops, cost);
+    measure(runtime, {gemm(runtime, out.transposed(), in, {}, weight, outputs, inputs, rows)}, flops,
+            cost);
+  }
+  return cost;
 }
 
 void emit_shares(const std::string& what, const LayerCosts& costs, double peak,
@@ -102,11 +138,15 @@ void emit_shares(const std::string& what, const LayerCosts& costs, double peak,
 /// multiplications of the direct method: the Winograd method needs fewer.
 void verify_shares(Runtime& runtime, int windows, const std::function<void(Figure)>& emit) {
   const double peak = peak_flops(runtime);
+  const int part = TactileEncoder::part_windows;
   const auto direct = [](const Conv2dShape&) { return Conv2dMethod::direct; };
-  emit_shares(fmt::format("direct, {} windows", windows), measure_layers(runtime, windows, direct),
-              peak, emit);
+  emit_shares(fmt::format("direct, {} windows", windows),
+              measure_layers(runtime, windows, part, direct), peak, emit);
   emit_shares(fmt::format("as used, {} windows", windows),
-              measure_layers(runtime, windows, best_method), peak, emit);
+              measure_layers(runtime, windows, part, best_method), peak, emit);
+  const auto dense = measure_dense(runtime, windows);
+  emit(at_least(fmt::format("dense layers, {} windows, of peak", windows),
+                dense.flops / dense.seconds / peak, "", 0.70));
 }
 
 }  // namespace

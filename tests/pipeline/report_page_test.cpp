@@ -124,7 +124,7 @@ TEST_F(ReportPage, FiguresAreShownWithTheirPictures) {
 TEST_F(ReportPage, BadFiguresAreDataErrors) {
   const std::string row = R"({"name":"a","value":1,"unit":"s","goal":"","holds":true)";
   for (
-      const std::string text :
+      const std::string& text :
       {std::string("["), std::string("{}"), std::string(R"({"figures":[{"name":"a"}]})"),
        R"({"figures":[)" + row + R"(,"picture":{}}]})",
        R"({"figures":[)" + row +

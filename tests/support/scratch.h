@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -8,10 +9,12 @@
 
 namespace touchtrace::testing {
 
-/// A folder for the running test alone: tests of one executable run at once, in processes of their own.
+/// A folder for the running test alone: tests run at once, in processes of their own, and so do the
+/// tests of other checkouts.
 inline std::filesystem::path scratch_folder() {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  std::string name = std::string("touchtrace_") + test->test_suite_name() + "_" + test->name();
+  std::string name = std::string("touchtrace_") + test->test_suite_name() + "_" + test->name() +
+                     "_" + std::to_string(getpid());
   std::ranges::replace(name, '/', '_');
   return std::filesystem::temp_directory_path() / name;
 }

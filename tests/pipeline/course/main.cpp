@@ -55,8 +55,8 @@ void write_course(const std::vector<std::string>& arguments) {
   options.optimizer.seed = std::stoull(arguments.at(3));
   const auto data = load_dataset({{arguments.at(0), arguments.at(1)}}, options.resolution);
   const auto scaling = fit_normalization(data);
-  const study::Sampler sampler(data, scaling, options.sequences, options.steps, options.window,
-                               options.optimizer.seed);
+  const study::Sampler sampler(data, scaling, ModelSpec{.window_frames = options.window},
+                               options.sequences, options.steps, options.optimizer.seed);
   const auto validation = study::make_cases(data, {Split::validation, 50, 10, options.window},
                                             scaling, study::Reference::labels);
   std::vector<Tensor> tensors{tensor("stream", data.tactile)};

@@ -24,27 +24,59 @@ double seconds_of(Runtime& runtime, const std::function<void()>& enqueue, int tu
   return (now_s(runtime) - start) / turns;
 }
 
-}  // namespace
-
-double median_seconds(Runtime& runtime, const std::function<void()>& enqueue, int repeats) {
+/// How many calls fill the shortest time worth measuring.
+int calls_to_fill(Runtime& runtime, const std::function<void()>& enqueue) {
   seconds_of(runtime, enqueue, 1);
   const double once = std::max(seconds_of(runtime, enqueue, 1), 1e-6);
-  const int turns = std::max(1, static_cast<int>(std::ceil(shortest_s / once)));
-  std::vector<double> seconds;
-  for (int repeat = 0; repeat < repeats; ++repeat)
-    seconds.push_back(seconds_of(runtime, enqueue, turns));
-  std::ranges::nth_element(seconds, seconds.begin() + repeats / 2);
-  return seconds[static_cast<std::size_t>(repeats / 2)];
+  return std::max(1, static_cast<int>(std::ceil(shortest_s / once)));
 }
 
-double peak_flops(Runtime& runtime) {
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// Multiply-adds on registers alone.
+struct Peak {
+  Launch launch;
+  double flops;
+};
+
+Peak make_peak(Runtime& runtime) {
   constexpr int turns = 100000;
   const int items = 8 * runtime.device().compute_units;
   const auto out = runtime.allocate<float>(static_cast<std::size_t>(items) * 16);
-  const Launch launch(runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak"), range(items), out,
-                      0.5f, turns);
-  const double seconds = median_seconds(runtime, [&] { launch.enqueue(runtime); });
-  return 2.0 * 16 * 12 * turns * items / seconds;
+  return {Launch(runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak"), range(items), out, 0.5f,
+                 turns),
+          2.0 * 16 * 12 * turns * items};
+}
+
+}  // namespace
+
+double median_seconds(Runtime& runtime, const std::function<void()>& enqueue, int repeats) {
+  const int calls = calls_to_fill(runtime, enqueue);
+  std::vector<double> seconds;
+  for (int repeat = 0; repeat < repeats; ++repeat)
+    seconds.push_back(seconds_of(runtime, enqueue, calls));
+  return median(seconds);
+}
+
+double peak_flops(Runtime& runtime) {
+  const auto peak = make_peak(runtime);
+  return peak.flops / median_seconds(runtime, [&] { peak.launch.enqueue(runtime); });
+}
+
+double operations_at_peak(Runtime& runtime, const std::function<void()>& enqueue, int turns) {
+  const auto peak = make_peak(runtime);
+  const auto enqueue_peak = [&] { peak.launch.enqueue(runtime); };
+  const int calls = calls_to_fill(runtime, enqueue), peak_calls = calls_to_fill(runtime, enqueue_peak);
+  std::vector<double> operations;
+  for (int turn = 0; turn < turns; ++turn) {
+    const double seconds = seconds_of(runtime, enqueue, calls);
+    operations.push_back(peak.flops / seconds_of(runtime, enqueue_peak, peak_calls) * seconds);
+  }
+  return median(operations);
 }
 
 }  // namespace touchtrace

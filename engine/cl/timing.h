@@ -16,4 +16,9 @@ double median_seconds(Runtime& runtime, const std::function<void()>& enqueue, in
 /// multiply-adds; per processor second on a CPU. Of kernels/fma_peak.cl.
 double peak_flops(Runtime& runtime);
 
+/// Floating-point operations that the device could have done at its peak in the time of one call of
+/// `enqueue`. Call and peak are measured in turns, so that a clock or a neighbour that changes
+/// meanwhile does not show: the median of the turns.
+double operations_at_peak(Runtime& runtime, const std::function<void()>& enqueue, int turns = 9);
+
 }  // namespace touchtrace

@@ -65,11 +65,15 @@ Images allocate_images(Runtime& runtime, const Shapes& shapes) {
           runtime.allocate_zeros<float>(shapes[2].out_size())};
 }
 
-/// Few windows are predicted at a time. Their time goes into reading weights, of which Winograd's
-/// method has 4 times as many: they should stay in a second-level cache.
-Conv2dMethod method_for_prediction(const Conv2dShape& shape) {
-  constexpr std::size_t cached_floats = 1u << 18;
-  return 4 * shape.weight_size() <= cached_floats ? best_method(shape) : Conv2dMethod::direct;
+/// In training the weights of Winograd's method are made anew at every update, which pays from some
+/// thirty images on. In prediction few windows come at a time: their time goes into reading weights,
+/// which should stay in a second-level cache; and the number of windows must not change a bit.
+Conv2dMethod method_for(const Conv2dShape& shape, bool training) {
+  constexpr int worth_it = 32;
+  constexpr std::size_t cached_floats = 1u << 18, weight_sets_a_tap = 4;
+  const bool pays = training ? shape.images >= worth_it
+                             : weight_sets_a_tap * shape.weight_size() <= cached_floats;
+  return pays ? best_method(shape) : Conv2dMethod::direct;
 }
 
 void append(Launches& launches, const Launches& more) {
@@ -124,8 +128,7 @@ TactileEncoder::Plan::Plan(Runtime& device, const std::string& name, const Tacti
 }
 
 void TactileEncoder::Plan::add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape) {
-  const auto method = training ? best_method(shape) : method_for_prediction(shape);
-  layers.push_back(make_conv2d(runtime, shape, parameters, method));
+  layers.push_back(make_conv2d(runtime, shape, parameters, method_for(shape, training)));
   append(prepare, layers.back()->prepare());
   if (training) append(finish, layers.back()->finish());
 }

@@ -1,8 +1,10 @@
 #include "engine/cl/device.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 #include "engine/base/error.h"
@@ -100,6 +102,22 @@ TEST(Runtime, CountsMemoryUntilItIsFree) {
   for (int i = 0; i < 5; ++i) EXPECT_NO_THROW(runtime.allocate<char>(third)) << i;
   const auto first = runtime.allocate<char>(third), second = runtime.allocate<char>(third);
   EXPECT_THROW(runtime.allocate<char>(third + (1 << 20)), Error);
+}
+
+/// Pages of the address space of this process.
+long mapped_pages() {
+  long pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages;
+}
+
+TEST(Runtime, GivesMemoryBack) {
+  Runtime runtime(choose_device(""));
+  constexpr std::size_t floats = 16u << 20;  // 64 MiB
+  runtime.allocate<float>(floats);
+  const long before = mapped_pages();
+  for (int i = 0; i < 20; ++i) runtime.allocate<float>(floats);
+  EXPECT_LT((mapped_pages() - before) * sysconf(_SC_PAGESIZE), 3 * long(floats * sizeof(float)));
 }
 
 TEST(Runtime, ShowsDeviceOptionsAndLogOfAKernelThatDoesNotBuild) {

@@ -25,7 +25,7 @@ Rows rows_of(const InfoNceProblem& problem) {
 /// temperature.
 Rows factors_of(Rows rows, float temperature) {
   for (auto& row : rows) {
-    const double scale = temperature > 0 ? 1.0 / (length(row) * std::sqrt(temperature)) : 1.0;
+    const double scale = temperature > 0 ? 1.0 / (length(row) * std::sqrt(double{temperature})) : 1.0;
     for (double& value : row) value *= scale;
   }
   return rows;
@@ -84,7 +84,7 @@ InfoNceResult info_nce_reference(const InfoNceProblem& problem) {
     for (std::size_t d = 0; d < rows[i].size(); ++d)
       result.grad_embedding.push_back(problem.temperature > 0
                                           ? (grad[i][d] - rows[i][d] * along / (n * n)) /
-                                                (n * std::sqrt(problem.temperature))
+                                                (n * std::sqrt(double{problem.temperature}))
                                           : grad[i][d]);
   }
   return result;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "engine/ops/conv2d.h"
 #include "engine/ops/operation_check.h"
 
 namespace touchtrace {
@@ -101,6 +102,24 @@ TEST_P(EveryOperation, TakesSubnormalInputs) {
 
 INSTANTIATE_TEST_SUITE_P(Table, EveryOperation, ::testing::ValuesIn(operations()),
                          [](const auto& row) { return row.param.name; });
+
+// The row "winograd" would also pass with the direct method in its place.
+TEST(Conv2d, TakesWinogradsMethodWhereLocalMemoryHoldsTheImage) {
+  Runtime runtime(choose_device(""));
+  const Conv2dShape shape{2, 32, 16, 16, 64, false};
+  const auto weights = shape.weight_size();
+  const auto conv = make_conv2d(
+      runtime, shape, {runtime.allocate<float>(weights + 64), {}, 0, static_cast<int>(weights)},
+      Conv2dMethod::winograd);
+  const Conv2dImages images{2,
+                            runtime.allocate<float>(shape.in_size()),
+                            runtime.allocate<float>(shape.out_size()),
+                            {},
+                            {}};
+  const auto memory = runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
+  EXPECT_EQ(conv->forward(images).front().name(),
+            memory >= (256u << 10) ? "winograd_forward" : "conv2d_forward");
+}
 
 }  // namespace
 

@@ -70,7 +70,8 @@ double peak_flops(Runtime& runtime) {
 double operations_at_peak(Runtime& runtime, const std::function<void()>& enqueue, int turns) {
   const auto peak = make_peak(runtime);
   const auto enqueue_peak = [&] { peak.launch.enqueue(runtime); };
-  const int calls = calls_to_fill(runtime, enqueue), peak_calls = calls_to_fill(runtime, enqueue_peak);
+  const int calls = calls_to_fill(runtime, enqueue),
+            peak_calls = calls_to_fill(runtime, enqueue_peak);
   std::vector<double> operations;
   for (int turn = 0; turn < turns; ++turn) {
     const double seconds = seconds_of(runtime, enqueue, calls);

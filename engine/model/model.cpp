@@ -50,10 +50,10 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   if (own_object_encoder)
     TouchEncoder::declare("object", segments_of(spec, 1), spec.embedding, table_);
   DynamicsMlp::declare(spec, table_);
-  weights_ = std::make_unique<Weights>(
-      allocate_weights(runtime, table_, use == Use::training));
+  weights_ = std::make_unique<Weights>(allocate_weights(runtime, table_, use == Use::training));
   if (spec.touch) plan_tactile_encoder();
-  if (own_object_encoder) plan_object_encoder();
+  if (own_object_encoder)
+    plan_object_encoder();
   else if (spec.object != ObjectEncoder::none)
     input_.object_embedding = runtime.allocate<float>(std::size_t(sequences) * spec.embedding);
   dynamics_ =
@@ -71,8 +71,8 @@ void Model::plan_tactile_encoder() {
 }
 
 void Model::plan_object_encoder() {
-  object_ = std::make_unique<TouchEncoder>(runtime_, "object", segments_of(spec_, sequences_),
-                                           *weights_);
+  object_ =
+      std::make_unique<TouchEncoder>(runtime_, "object", segments_of(spec_, sequences_), *weights_);
   input_.segment_last_frame = object_->last_frame();
   input_.object = runtime_.allocate<std::int32_t>(std::size_t(sequences_));
   input_.contrast_weight = runtime_.allocate<float>(std::size_t(sequences_));

@@ -66,8 +66,9 @@ Images allocate_images(Runtime& runtime, const Shapes& shapes) {
 }
 
 /// In training the weights of Winograd's method are made anew at every update, which pays from some
-/// thirty images on. In prediction few windows come at a time: their time goes into reading weights,
-/// which should stay in a second-level cache; and the number of windows must not change a bit.
+/// thirty images on. In prediction few windows come at a time: their time goes into reading
+/// weights, which should stay in a second-level cache; and the number of windows must not change a
+/// bit.
 Conv2dMethod method_for(const Conv2dShape& shape, bool training) {
   constexpr int worth_it = 32;
   constexpr std::size_t cached_floats = 1u << 18, weight_sets_a_tap = 4;
@@ -146,8 +147,7 @@ void TactileEncoder::Plan::add_part(int first, int size, const Images& images,
   for (int i = 0; i < 3; ++i) append(part.forward, layers[i]->forward(of_layer(i)));
   part.forward.push_back(compact(runtime, last, images[3], features, first));
   if (training)
-    part.backward = {
-        block_gradient(runtime, last, features, grad_features, gradients[3], first)};
+    part.backward = {block_gradient(runtime, last, features, grad_features, gradients[3], first)};
   for (int i = 2; training && i >= 0; --i)
     append(part.backward, layers[i]->backward(of_layer(i), last_part));
   parts.push_back(std::move(part));

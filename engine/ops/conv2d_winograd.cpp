@@ -57,9 +57,9 @@ class WinogradConv2d final : public Conv2d {
   }
   /// Multiplications and additions of the matrix products; those of the transforms are not counted.
   LaunchCost cost(const Conv2dImages& part) const {
-    return {2.0 * points * part.images * tiles_of(shape_) * shape_.in_channels *
-                shape_.out_channels,
-            conv2d_cost(shape_, part.images).bytes};
+    return {
+        2.0 * points * part.images * tiles_of(shape_) * shape_.in_channels * shape_.out_channels,
+        conv2d_cost(shape_, part.images).bytes};
   }
   cl::NDRange groups(const Conv2dImages& part) const {
     return range((part.images + group_ - 1) / group_);
@@ -97,7 +97,8 @@ int winograd_group(const Runtime& runtime, const Conv2dShape& shape) {
   const std::size_t padding = sizeof(float) * points * 2 * 16;
   if (memory < padding) return 0;
   const int images = std::min<int>(shape.images, (memory - padding) / image);
-  const int whole = 4 / std::gcd(4, tiles_of(shape));  // images that fill the products' tiles of 4 rows
+  const int whole =
+      4 / std::gcd(4, tiles_of(shape));  // images that fill the products' tiles of 4 rows
   return images < whole ? images : images / whole * whole;
 }
 

@@ -62,11 +62,10 @@ void measure(Runtime& runtime, const Launches& launches, double flops, Cost& cos
 std::vector<Conv2dImages> parts_of(Runtime& runtime, const Conv2dShape& shape, int windows) {
   std::vector<Conv2dImages> parts;
   for (int first = 0; first < windows; first += shape.images)
-    parts.push_back({shape.images, normal_buffer(runtime, shape.in_size()),
-                     normal_buffer(runtime, shape.out_size()),
-                     normal_buffer(runtime, shape.out_size()),
-                     shape.in_planes ? Buffer<float>()
-                                     : runtime.allocate_zeros<float>(shape.in_size())});
+    parts.push_back(
+        {shape.images, normal_buffer(runtime, shape.in_size()),
+         normal_buffer(runtime, shape.out_size()), normal_buffer(runtime, shape.out_size()),
+         shape.in_planes ? Buffer<float>() : runtime.allocate_zeros<float>(shape.in_size())});
   return parts;
 }
 
@@ -74,8 +73,8 @@ std::vector<Conv2dImages> parts_of(Runtime& runtime, const Conv2dShape& shape, i
 void measure_layer(Runtime& runtime, const Conv2dShape& shape, int windows, Conv2dMethod method,
                    LayerCosts& costs) {
   const auto values = normal_buffer(runtime, shape.weight_size() + shape.out_channels);
-  const auto conv = make_conv2d(
-      runtime, shape, {values, values, 0, static_cast<int>(shape.weight_size())}, method);
+  const auto conv = make_conv2d(runtime, shape,
+                                {values, values, 0, static_cast<int>(shape.weight_size())}, method);
   const auto parts = parts_of(runtime, shape, windows);
   Launches forward = conv->prepare(), weights, data;
   for (const auto& part : parts) {
@@ -119,8 +118,8 @@ Cost measure_dense(Runtime& runtime, int rows) {
     const double flops = 2.0 * rows * inputs * outputs;
     measure(runtime, {gemm(runtime, in, by_input, {}, out, rows, outputs, inputs)}, flops, cost);
     measure(runtime, {gemm(runtime, out, weight, {}, in, rows, inputs, outputs)}, flops, cost);
-    measure(runtime, {gemm(runtime, out.transposed(), in, {}, weight, outputs, inputs, rows)}, flops,
-            cost);
+    measure(runtime, {gemm(runtime, out.transposed(), in, {}, weight, outputs, inputs, rows)},
+            flops, cost);
   }
   return cost;
 }
@@ -128,8 +127,7 @@ Cost measure_dense(Runtime& runtime, int rows) {
 void emit_shares(const std::string& what, const LayerCosts& costs,
                  const std::function<void(Figure)>& emit) {
   const auto share = [&](const char* pass, const Cost& cost, double goal) {
-    emit(at_least(fmt::format("convolution {}, {}, of peak", pass, what),
-                  cost.share(), "", goal));
+    emit(at_least(fmt::format("convolution {}, {}, of peak", pass, what), cost.share(), "", goal));
   };
   share("forward", costs.forward, 0.80);
   share("backward-data", costs.data, 0.75);
@@ -146,8 +144,8 @@ void verify_shares(Runtime& runtime, int windows, const std::function<void(Figur
   emit_shares(fmt::format("as used, {} windows", windows),
               measure_layers(runtime, windows, part, best_method), emit);
   const auto dense = measure_dense(runtime, windows);
-  emit(at_least(fmt::format("dense layers, {} windows, of peak", windows),
-                dense.share(), "", 0.70));
+  emit(
+      at_least(fmt::format("dense layers, {} windows, of peak", windows), dense.share(), "", 0.70));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Loss of predicted states and its gradient (equation 4): L1 + pinball(0.1) + pinball(0.9), where the
-// quantiles are state -+ spread (equation 3).
+// Loss of predicted states and its gradient (equation 4): L1 + pinball(Q) + pinball(1 - Q), where the
+// quantiles are state -+ spread (equation 3); `quantile` is Q, below a half.
 //
 //   pinball(tau) = max(tau p, (tau - 1) p);  its slope at p = 0 is the mean of both sides'
 //
@@ -11,15 +11,16 @@ static real16 pinball_slope(real16 p, real tau) { return (tau - (real)0.5) + (re
 
 __kernel void state_loss(__global const real* states, __global const real* spread,
                          __global const real* target, __global const real* weight, int sequences,
-                         __global real* loss, __global real* grad_state, __global real* grad_spread) {
+                         float quantile, __global real* loss, __global real* grad_state, __global real* grad_spread) {
   const size_t row = get_global_id(0);
   const real w = weight[row];
   real16 d = vload16(row, target) - vload16(row + sequences, states);
   real16 q = vload16(row, spread);
   if (w == 0) d = 0, q = 0;
   const real16 low = d + q, high = d - q;
-  const real16 value = fabs(d) + pinball(low, (real)0.1) + pinball(high, (real)0.9);
-  const real16 slope_low = pinball_slope(low, (real)0.1), slope_high = pinball_slope(high, (real)0.9);
+  const real tau_low = quantile, tau_high = 1 - tau_low;
+  const real16 value = fabs(d) + pinball(low, tau_low) + pinball(high, tau_high);
+  const real16 slope_low = pinball_slope(low, tau_low), slope_high = pinball_slope(high, tau_high);
 
   real lanes[16], sum = 0;
   vstore16(value, 0, lanes);

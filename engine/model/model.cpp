@@ -94,6 +94,7 @@ void Model::plan_loss() {
   state_loss_ = {state_loss(runtime_, {.sequences = sequences_,
                                        .steps = steps_,
                                        .state = spec_.state,
+                                       .band_quantile = static_cast<float>(spec_.band_quantile),
                                        .states = states(),
                                        .spread = spread(),
                                        .target = input_.target,

@@ -27,14 +27,14 @@ Values columns_of(const Values& matrix, int columns, int begin, int end) {
 }
 
 /// The loss, and its gradients towards the predicted states and the spread.
-double state_loss(const ModelProblem& problem, int state, const RolloutTrace& trace,
+double state_loss(const ModelProblem& problem, const ModelSpec& spec, const RolloutTrace& trace,
                   Values& grad_state, Values& grad_spread) {
   double loss = 0.0;
   const std::size_t first = problem.initial.size();
   for (std::size_t i = 0; i < problem.target.size(); ++i) {
-    const double weight = problem.weight[i / state];
-    const auto part =
-        state_loss_reference(trace.states[first + i], trace.spread[i], problem.target[i]);
+    const double weight = problem.weight[i / spec.state];
+    const auto part = state_loss_reference(trace.states[first + i], trace.spread[i],
+                                           problem.target[i], spec.band_quantile);
     loss += weight * part.value;
     grad_state.push_back(weight * part.grad_state);
     grad_spread.push_back(weight * part.grad_spread);
@@ -154,7 +154,7 @@ LossAndGradient model_reference(const ModelSpec& spec, const ParameterTable& tab
                                            layer.embedding_part(w1), p["dynamics.0.bias"]);
   const auto trace = rollout_reference(shape, problem.initial, first, weights);
   Values grad_state, grad_spread;
-  double loss = state_loss(problem, spec.state, trace, grad_state, grad_spread);
+  double loss = state_loss(problem, spec, trace, grad_state, grad_spread);
   const auto grad = rollout_backward_reference(shape, trace, weights, grad_state, grad_spread);
   const double distance = kink_distance(problem, encoders, trace);
   set_rollout_gradients(grad, p);

@@ -22,7 +22,7 @@ void to_json(nlohmann::json& json, const ModelSpec& spec) {
   json = {{"touch", spec.touch},   {"window_frames", spec.window_frames},
           {"rows", spec.rows},     {"cols", spec.cols},
           {"hidden", spec.hidden}, {"embedding", spec.embedding},
-          {"state", spec.state}};
+          {"state", spec.state},   {"band_quantile", spec.band_quantile}};
   if (spec.object == ObjectEncoder::none) return;
   json.update({{"object", spec.object},
                {"segment_frames", spec.segment_frames},
@@ -37,6 +37,7 @@ void from_json(const nlohmann::json& json, ModelSpec& spec) {
   json.at("embedding").get_to(spec.embedding);
   json.at("hidden").get_to(spec.hidden);
   json.at("state").get_to(spec.state);
+  spec.band_quantile = json.value("band_quantile", spec.band_quantile);
   if (!json.contains("object")) return;
   json.at("object").get_to(spec.object);
   json.at("segment_frames").get_to(spec.segment_frames);
@@ -47,6 +48,8 @@ void validate(const ModelSpec& spec) {
   require(spec.hidden >= 64 && spec.hidden <= 1024 && spec.hidden % 64 == 0,
           "hidden layers are a multiple of 64 wide, 1024 at most");
   require(spec.state >= 1 && spec.state <= 16, "state has 1 to 16 values");
+  require(spec.band_quantile > 0.0 && spec.band_quantile < 0.5,
+          "band lies between the quantiles Q and 1 - Q, 0 < Q < 0.5");
   require(spec.touch || spec.object == ObjectEncoder::none,
           "object encoder needs touch, from which it knows the object");
   if (!spec.touch) return;

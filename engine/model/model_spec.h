@@ -22,6 +22,8 @@ struct ModelSpec {
   ObjectEncoder object = ObjectEncoder::none;  ///< its embedding e_i has the size of g_t
   int segment_frames = 20;                     ///< of touch that an object is known from
   float contrast_temperature = 0.0f;  ///< of normalised embeddings; 0: dot products (equation 5)
+  /// Q: the band state -+ spread lies between the quantiles Q and 1 - Q (equation 3); below a half.
+  double band_quantile = 0.1;
 };
 
 void to_json(nlohmann::json& json, const ModelSpec& spec);

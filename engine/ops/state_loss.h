@@ -4,9 +4,11 @@
 
 namespace touchtrace {
 
-/// L1 + pinball(0.1) + pinball(0.9) of a roll-out (equation 4) and its gradient.
+/// L1 + pinball(Q) + pinball(1 - Q) of a roll-out (equation 4) and its gradient; Q is
+/// `band_quantile`.
 struct StateLossArrays {
   int sequences, steps, state;
+  float band_quantile;                    ///< between 0 and a half
   Buffer<float> states;                   ///< [T + 1, S, 16]; those from S on are compared
   Buffer<float> spread, target;           ///< [T, S, 16]
   Buffer<float> weight;                   ///< [T, S], the mean's divisor included

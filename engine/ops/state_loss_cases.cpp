@@ -17,6 +17,7 @@ namespace {
 
 struct Shape {
   int sequences, steps, state;
+  float band_quantile;
 
   std::size_t rows() const { return std::size_t(sequences) * steps; }
 };
@@ -42,6 +43,7 @@ StateLossArrays computed(Runtime& runtime, const Shape& s, const Arrays& in) {
   StateLossArrays a{.sequences = s.sequences,
                     .steps = s.steps,
                     .state = s.state,
+                    .band_quantile = s.band_quantile,
                     .states = upload_rows(runtime, in[0], s.state, s.sequences),
                     .spread = upload_rows(runtime, in[1], s.state, 0),
                     .target = upload_rows(runtime, in[2], s.state, 0),
@@ -64,18 +66,22 @@ Arrays backward(Runtime& runtime, const Shape& s, const Arrays& in, const Arrays
   return {state, spread, {}, {}};
 }
 
+/// Of value i of the inputs, unweighted.
+StateLoss loss_of_value(const Shape& s, const Arrays& in, std::size_t i) {
+  return state_loss_reference(in[0][i], in[1][i], in[2][i], s.band_quantile);
+}
+
 Arrays loss_of(const Shape& s, const Arrays& in) {
   std::vector<double> rows(s.rows(), 0.0);
   for (std::size_t i = 0; i < in[0].size(); ++i)
-    rows[i / s.state] +=
-        in[3][i / s.state] * state_loss_reference(in[0][i], in[1][i], in[2][i]).value;
+    rows[i / s.state] += in[3][i / s.state] * loss_of_value(s, in, i).value;
   return {rows};
 }
 
 Arrays reference_backward(const Shape& s, const Arrays& in, const Arrays& grads) {
   Arrays result(4);
   for (std::size_t i = 0; i < in[0].size(); ++i) {
-    const auto loss = state_loss_reference(in[0][i], in[1][i], in[2][i]);
+    const auto loss = loss_of_value(s, in, i);
     const double scale = grads[0][i / s.state] * in[3][i / s.state];
     result[0].push_back(scale * loss.grad_state);
     result[1].push_back(scale * loss.grad_spread);
@@ -94,7 +100,8 @@ double loss_kink_distance(const Arrays& in) {
 
 OperationCase state_loss_case(const Shape& s) {
   OperationCase c;
-  c.shape = fmt::format("{} sequences x {} steps, state {}", s.sequences, s.steps, s.state);
+  c.shape = fmt::format("{} sequences x {} steps, state {}, quantile {}", s.sequences, s.steps,
+                        s.state, s.band_quantile);
   const auto values = s.rows() * s.state;
   c.input_sizes = {values, values, values, s.rows()};
   c.terms = s.state;
@@ -120,8 +127,9 @@ OperationCase state_loss_case(const Shape& s) {
 
 Operation state_loss_operation() {
   return {"state_loss",
-          {state_loss_case({2, 2, 3}), state_loss_case({8, 20, 12}), state_loss_case({1, 1, 16}),
-           state_loss_case({32, 20, 12})}};
+          {state_loss_case({2, 2, 3, 0.1f}), state_loss_case({8, 20, 12, 0.25f}),
+           state_loss_case({1, 1, 16, 0.01f}), state_loss_case({32, 20, 12, 0.1f}),
+           state_loss_case({3, 5, 7, 0.49f})}};
 }
 
 }  // namespace touchtrace

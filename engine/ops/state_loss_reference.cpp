@@ -12,11 +12,12 @@ double pinball_slope(double p, double tau) { return p > 0 ? tau : p < 0 ? tau - 
 
 }  // namespace
 
-StateLoss state_loss_reference(double state, double spread, double target) {
+StateLoss state_loss_reference(double state, double spread, double target, double band_quantile) {
   const double error = target - state;
   const double low = target - (state - spread), high = target - (state + spread);
-  const double slope_low = pinball_slope(low, 0.1), slope_high = pinball_slope(high, 0.9);
-  return {std::abs(error) + pinball(low, 0.1) + pinball(high, 0.9),
+  const double tau_low = band_quantile, tau_high = 1 - band_quantile;
+  const double slope_low = pinball_slope(low, tau_low), slope_high = pinball_slope(high, tau_high);
+  return {std::abs(error) + pinball(low, tau_low) + pinball(high, tau_high),
           -sign(error) - slope_low - slope_high, slope_low - slope_high};
 }
 

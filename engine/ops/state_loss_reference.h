@@ -9,8 +9,8 @@ struct StateLoss {
   double value = 0.0, grad_state = 0.0, grad_spread = 0.0;
 };
 
-/// L1 + pinball(0.1) + pinball(0.9) (equations 3 and 4), its slopes the mean of both sides at a
-/// kink.
-StateLoss state_loss_reference(double state, double spread, double target);
+/// L1 + pinball(Q) + pinball(1 - Q) (equations 3 and 4) for Q = `band_quantile`, its slopes the
+/// mean of both sides at a kink.
+StateLoss state_loss_reference(double state, double spread, double target, double band_quantile);
 
 }  // namespace touchtrace

@@ -29,7 +29,8 @@ struct RolloutBatch {
   std::vector<std::int32_t> object{}, segment_frame{};
 };
 
-/// Predicted states and the distance to their 10 % and 90 % quantiles, both [S, T, state], scaled.
+/// Predicted states and the distance to their quantiles Q and 1 - Q, Q the spec's band_quantile;
+/// both [S, T, state], scaled.
 struct Rollout {
   std::vector<float> state, spread;
 };
@@ -64,7 +65,7 @@ class Trainer {
   /// weights are saved with the model's and in checkpoints.
   void freeze_objects(FrozenObjects objects);
 
-  /// One update of L1 + pinball(0.1) + pinball(0.9) (equation 4) by back-propagation through time;
+  /// One update of L1 + pinball(Q) + pinball(1 - Q) (equation 4) by back-propagation through time;
   /// where the object encoder is trained along, of this plus lambda_obj times the contrastive loss
   /// of the sequences' segments (equation 6): the other sequences of the batch with the same object
   /// are a sequence's positives, those with another object its negatives. A sequence without either

@@ -29,12 +29,12 @@ std::vector<double> ratios_of_step(const Rollout& rollout, const RolloutBatch& b
 
 }  // namespace
 
-BandScale fit_band_scale(const Rollout& rollout, const RolloutBatch& batch) {
+BandScale fit_band_scale(const Rollout& rollout, const RolloutBatch& batch, double coverage) {
   BandScale scale(static_cast<std::size_t>(batch.steps), 1.0);
   for (int step = 0; step < batch.steps; ++step) {
     auto ratios = ratios_of_step(rollout, batch, step);
     if (ratios.empty()) continue;
-    const double rank = std::ceil(nominal_coverage * (static_cast<double>(ratios.size()) + 1.0));
+    const double rank = std::ceil(coverage * (static_cast<double>(ratios.size()) + 1.0));
     const auto place = std::min(static_cast<std::size_t>(rank), ratios.size()) - 1;
     std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(place),
                      ratios.end());

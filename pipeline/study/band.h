@@ -11,14 +11,15 @@ namespace touchtrace::study {
 /// prediction (Papadopoulos 2002; Lei 2018), widens it to its nominal level.
 using BandScale = std::vector<double>;
 
-/// Between the 10 % and the 90 % quantile lies 80 % (equation 3).
-inline constexpr double nominal_coverage = 0.8;
+/// Between the quantiles Q and 1 - Q lies this share (equation 3).
+constexpr double nominal_coverage(double band_quantile) { return 1.0 - 2.0 * band_quantile; }
 /// Narrower bands count as this wide (scaled units): a band of no width has no scale.
 inline constexpr double narrowest_spread = 1e-6;
 
-/// factor[k] is the ceil(0.8 (n + 1))-th smallest |target - state| / spread among the n trusted
-/// values of step k + 1, all 12 dimensions and roll-outs together. Steps without a value keep 1.
-BandScale fit_band_scale(const Rollout& rollout, const RolloutBatch& batch);
+/// factor[k] is the ceil(coverage (n + 1))-th smallest |target - state| / spread among the n
+/// trusted values of step k + 1, all 12 dimensions and roll-outs together. Steps without a value
+/// keep 1.
+BandScale fit_band_scale(const Rollout& rollout, const RolloutBatch& batch, double coverage);
 
 /// Share of trusted targets inside state -/+ scale spread, per step: [steps]; NaN where none is
 /// trusted. An empty scale is 1; steps beyond its end use its last factor.

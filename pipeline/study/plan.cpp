@@ -80,7 +80,7 @@ class Planner {
         object == ObjectEncoder::joint    ? "added to the loss of the states (equation 6)"
         : object == ObjectEncoder::frozen ? "trains the object encoder, before all else"
                                           : why_object_encoder());
-    add("train", "dynamics MLP with band", true, "predicts state, 10 % and 90 % quantile");
+    add("train", "dynamics MLP with band", true, "predicts the state and two quantiles");
     add("train", "gradient towards tactile frames", false, "nothing learns from it");
     add("train", "gradient towards initial states", false, "nothing learns from it");
   }

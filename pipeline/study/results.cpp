@@ -40,6 +40,7 @@ json curve(const Contest& contest, const Contender& contender, const std::string
   row["model"] = contender.name;
   row["l1_by_step"] = mean_curve(contender.scores, which);
   if (contender.model) {
+    row["nominal_coverage"] = nominal_coverage(contender.model->card.spec.band_quantile);
     row["coverage_by_step"] = coverage_of(contender, contest.cases, which, true);
     row["coverage_raw_by_step"] = coverage_of(contender, contest.cases, which, false);
   }

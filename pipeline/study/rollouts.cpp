@@ -65,13 +65,14 @@ RolloutCases make_cases(const Dataset& data, const RolloutGrid& grid, const Norm
   return cases;
 }
 
-double mean_loss(const Rollout& rollout, const RolloutBatch& batch) {
+double mean_loss(const Rollout& rollout, const RolloutBatch& batch, double band_quantile) {
   double sum = 0.0, total = 0.0;
   for (std::size_t i = 0; i < batch.target.size(); ++i) {
     const double weight = batch.weight.empty() ? 1.0 : batch.weight[i / state_size];
     const double error = static_cast<double>(batch.target[i]) - rollout.state[i];
     const double spread = rollout.spread[i];
-    sum += weight * (std::abs(error) + pinball(0.1, error + spread) + pinball(0.9, error - spread));
+    sum += weight * (std::abs(error) + pinball(band_quantile, error + spread) +
+                     pinball(1.0 - band_quantile, error - spread));
     total += weight;
   }
   return total > 0.0 ? sum / total : 0.0;

@@ -48,7 +48,7 @@ RolloutCases make_cases(const Dataset& data, const RolloutGrid& grid, const Norm
                         Reference reference);
 
 /// The mean loss of equation 4 over states, steps and roll-outs: what training makes small.
-double mean_loss(const Rollout& rollout, const RolloutBatch& batch);
+double mean_loss(const Rollout& rollout, const RolloutBatch& batch, double band_quantile);
 
 /// States, or a roll-out, scaled in another way.
 std::vector<float> rescaled(const std::vector<float>& states, const Normalization& from,

@@ -71,6 +71,7 @@ ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provena
                          .cols = data.cols})
                   .model;
   card.spec.contrast_temperature = static_cast<float>(options.contrast_temperature);
+  card.spec.band_quantile = options.band_quantile;
   card.scaling = fit_normalization(data);
   card.activity = data.activity;
   card.rate_hz = data.rate_hz;

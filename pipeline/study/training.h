@@ -22,6 +22,7 @@ struct TrainingOptions {
   int sequences = 8, steps = 20;
   std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": what plan.h chooses
   double contrast_temperature = 0.0;
+  double band_quantile = 0.1;
   ObjectTraining objects;
   double checkpoint_s = 30.0;  ///< between checkpoints
   TrainOptions optimizer;

@@ -23,6 +23,8 @@ void describe(OptionSet& set, TrainingOptions& o) {
   set.number("contrast-temperature", o.contrast_temperature,
              "of the contrastive loss between normalised embeddings; 0: between dot products", 0.0,
              100.0);
+  set.number("band-quantile", o.band_quantile,
+             "Q of the predicted band, which holds a share 1 - 2 Q of the states", 0.001, 0.499);
   set.integer("updates", o.optimizer.updates, "updates of the weights", 1, 10'000'000);
   set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
   set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);

@@ -14,7 +14,8 @@ Validation::Validation(Runtime& runtime, const Dataset& data, const ModelCard& c
       data_(data),
       cases_(make_cases(data,
                         {Split::validation, horizon_steps, stride_frames, history_of(card.spec)},
-                        card.scaling, Reference::labels)) {}
+                        card.scaling, Reference::labels)),
+      band_quantile_(card.spec.band_quantile) {}
 
 Rollout Validation::predict(const std::filesystem::path& weights) const {
   return Predictor(runtime_, weights).predict(cases_.batch, data_.tactile);
@@ -31,13 +32,14 @@ void Validation::look(const std::filesystem::path& weights, TrainingLogEntry& en
     at_20.push_back(mean_until(errors, weight, short_horizon_steps));
     at_50.push_back(mean_until(errors, weight, horizon_steps));
   }
-  entry.validation_loss = mean_loss(rollout, cases_.batch);
+  entry.validation_loss = mean_loss(rollout, cases_.batch, band_quantile_);
   entry.validation_l1_at_20 = mean_known(at_20);
   entry.validation_l1_at_50 = mean_known(at_50);
 }
 
 BandScale Validation::band_scale(const std::filesystem::path& weights) const {
-  return empty() ? BandScale{} : fit_band_scale(predict(weights), cases_.batch);
+  if (empty()) return {};
+  return fit_band_scale(predict(weights), cases_.batch, nominal_coverage(band_quantile_));
 }
 
 }  // namespace touchtrace::study

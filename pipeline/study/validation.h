@@ -25,6 +25,7 @@ class Validation {
   Runtime& runtime_;
   const Dataset& data_;
   RolloutCases cases_;
+  double band_quantile_;
 };
 
 }  // namespace touchtrace::study

@@ -108,6 +108,9 @@ TEST(Model, RefusesSizesThatTheKernelsDoNotTake) {
       [](ModelSpec& s) { s.state = 17; },
       [](ModelSpec& s) { s.embedding = 20; },
       [](ModelSpec& s) { s.rows = 5; },
+      [](ModelSpec& s) { s.band_quantile = 0.0; },
+      [](ModelSpec& s) { s.band_quantile = 0.5; },
+      [](ModelSpec& s) { s.band_quantile = std::nan(""); },
       [](ModelSpec& s) { s.object = ObjectEncoder::joint, s.touch = false; },
       [](ModelSpec& s) { s.object = ObjectEncoder::joint, s.segment_frames = 33; }};
   for (const auto& change : changes) {

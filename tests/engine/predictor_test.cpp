@@ -82,6 +82,15 @@ TEST_F(PredictorTest, RefusesWindowsOutsideTheStream) {
   EXPECT_THROW(predictor.predict(batch, {}), Error);
 }
 
+TEST_F(PredictorTest, ModelsThatNameNoQuantileHaveThePapers) {
+  auto file = read_safetensors(model(true));
+  auto spec = nlohmann::json::parse(file.metadata["spec"]);
+  EXPECT_EQ(spec.erase("band_quantile"), 1u);
+  file.metadata["spec"] = spec.dump();
+  write_safetensors(folder_ / "old", file, true);
+  EXPECT_EQ(Predictor(runtime_, folder_ / "old").spec().band_quantile, 0.1);
+}
+
 TEST_F(PredictorTest, RefusesFilesThatAreNoModel) {
   write_safetensors(folder_ / "empty", {}, false);
   EXPECT_THROW(Predictor(runtime_, folder_ / "empty"), Error);

@@ -34,8 +34,8 @@ Residuals growing_residuals(int sequences, int steps, std::uint64_t seed) {
   return made;
 }
 
-/// Five standard errors of a share near 0.8 among n values.
-double five_sigma(int n) { return 5.0 * std::sqrt(0.8 * 0.2 / n); }
+/// Five standard errors of a share among n values, at most.
+double five_sigma(int n) { return 5.0 * std::sqrt(0.5 * 0.5 / n); }
 
 TEST(Band, CoverageOfAKnownBand) {
   const int sequences = 400, steps = 3;
@@ -46,19 +46,25 @@ TEST(Band, CoverageOfAKnownBand) {
                 five_sigma(sequences * state_size));
 }
 
-TEST(Band, ScalingReachesTheNominalLevelOnFreshResiduals) {
+class BandScaling : public ::testing::TestWithParam<double> {};
+
+TEST_P(BandScaling, ReachesTheNominalLevelOnFreshResiduals) {
   const int sequences = 400, steps = 10;
+  const double nominal = nominal_coverage(GetParam());
   const auto fitted = growing_residuals(sequences, steps, 1),
              fresh = growing_residuals(sequences, steps, 2);
-  const BandScale scale = fit_band_scale(fitted.rollout, fitted.batch);
+  const BandScale scale = fit_band_scale(fitted.rollout, fitted.batch, nominal);
   const auto coverage = coverage_by_step(fresh.rollout, fresh.batch, scale);
   for (int step = 0; step < steps; ++step) {
-    EXPECT_NEAR(scale[step], 1.0 + step, 0.1 * (1.0 + step));
+    // The share within factor x spread of a normal residual.
+    EXPECT_NEAR(std::erf(scale[step] * 1.2815516 / (1.0 + step) / std::sqrt(2.0)), nominal,
+                five_sigma(sequences * state_size));
     // Both the fit and the check have the error of a share.
-    EXPECT_NEAR(coverage[step], nominal_coverage,
-                std::sqrt(2.0) * five_sigma(sequences * state_size));
+    EXPECT_NEAR(coverage[step], nominal, std::sqrt(2.0) * five_sigma(sequences * state_size));
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Quantiles, BandScaling, ::testing::Values(0.1, 0.02, 0.25, 0.4));
 
 TEST(Band, StepsThatWeighNothingAreNotCounted) {
   auto made = growing_residuals(2, 2, 1);
@@ -66,7 +72,7 @@ TEST(Band, StepsThatWeighNothingAreNotCounted) {
   const auto coverage = coverage_by_step(made.rollout, made.batch, {});
   EXPECT_FALSE(std::isnan(coverage[0]));
   EXPECT_TRUE(std::isnan(coverage[1]));
-  EXPECT_EQ(fit_band_scale(made.rollout, made.batch)[1], 1.0);
+  EXPECT_EQ(fit_band_scale(made.rollout, made.batch, 0.8)[1], 1.0);
 }
 
 TEST(Band, OneFactorServesTheStepsBeyondItsEnd) {
@@ -82,7 +88,9 @@ TEST(Band, LossOfEquation4ByHand) {
   RolloutBatch batch{1, 1, {0}, {}, std::vector<float>(state_size, 1.0f), {}};
   const Rollout rollout{std::vector<float>(state_size, 0.0f), std::vector<float>(state_size, 0.5f)};
   // |1 - 0| + 0.1 (1 + 0.5) + 0.9 (1 - 0.5)
-  EXPECT_NEAR(mean_loss(rollout, batch), (1.0 + 0.15 + 0.45), 1e-6);
+  EXPECT_NEAR(mean_loss(rollout, batch, 0.1), (1.0 + 0.15 + 0.45), 1e-6);
+  // |1 - 0| + 0.25 (1 + 0.5) + 0.75 (1 - 0.5)
+  EXPECT_NEAR(mean_loss(rollout, batch, 0.25), (1.0 + 0.375 + 0.375), 1e-6);
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ function exampleChooser(activity, examples) {
 function exampleSection(metrics) {
   const activities = [...new Set(metrics.examples.map((example) => example.activity))];
   if (!activities.length) return;
-  section("roll-outs", "Predicted and true paths", "Evaluation roll-outs chosen by the full model's error: the median one, and the ones at its 10th and 90th percentile. The band is the 10–90 % interval after scaling; camera's frame.",
+  section("roll-outs", "Predicted and true paths", "Evaluation roll-outs chosen by the full model's error: the median one, and the ones at its 10th and 90th percentile. The band lies between the two predicted quantiles, after scaling; camera's frame.",
     legend([{ name: metrics.against === "truth" ? "truth" : "labels", stroke: "truth" }, { name: "Full, with its band", stroke: "full" }, { name: "w/o Touch", stroke: "without_touch", dash: true }]),
     activities.map((activity) => exampleChooser(activity, metrics.examples.filter((e) => e.activity === activity))));
 }

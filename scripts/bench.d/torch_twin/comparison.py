@@ -38,7 +38,7 @@ def loss_in_double(problem, model):
         hook.remove()
     for side in (-1, 0, 1):
         distances.append(((batch.target - predicted[0] + side * predicted[1]).abs().min() / MLP_MARGIN).item())
-    return loss_of(predicted, batch), min(distances)
+    return loss_of(predicted, batch, spec["band_quantile"]), min(distances)
 
 
 def compare(engine_step, folder, spec, sequences, seed):

@@ -3,7 +3,7 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
-ONE_ENCODER = dict(touch=True, window_frames=10, rows=32, cols=32, embedding=64, hidden=256, state=12)
+ONE_ENCODER = dict(touch=True, window_frames=10, rows=32, cols=32, embedding=64, hidden=256, state=12, band_quantile=0.1)
 BOTH_ENCODERS = dict(**ONE_ENCODER, object="joint", segment_frames=20, contrast_temperature=0.0)
 
 
@@ -60,10 +60,10 @@ def pinball(p, tau):
     return torch.maximum(tau * p, (tau - 1) * p)
 
 
-def state_loss(states, spread, batch):
-    """Equation 4, all [T, S, state]; weight [T, S] sums to 1 / state."""
+def state_loss(states, spread, batch, quantile):
+    """Equation 4, all [T, S, state]; weight [T, S] sums to 1 / state; the band lies between `quantile` and 1 - `quantile`."""
     error = batch.target - states
-    loss = error.abs() + pinball(error + spread, 0.1) + pinball(error - spread, 0.9)
+    loss = error.abs() + pinball(error + spread, quantile) + pinball(error - spread, 1 - quantile)
     return (loss * batch.weight[:, :, None]).sum()
 
 
@@ -74,9 +74,9 @@ def contrastive_loss(objects, batch):
     return (F.softplus(negatives[:, None] - logits) * batch.positive_weight).sum()
 
 
-def loss_of(predicted, batch):
+def loss_of(predicted, batch, quantile):
     states, spread, objects = predicted
-    loss = state_loss(states, spread, batch)
+    loss = state_loss(states, spread, batch, quantile)
     return loss if objects is None else loss + contrastive_loss(objects, batch)
 
 

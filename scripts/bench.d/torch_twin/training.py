@@ -69,7 +69,8 @@ class TorchTrainer:
         windows = self.blanked(frames, batch.last_frame, spec["window_frames"])
         if "object" in spec:
             segments = self.blanked(frames, batch.segment_last_frame, spec["segment_frames"])
-        return loss_of(self.model(windows, segments, batch.initial_state, self.problem.steps), batch)
+        return loss_of(self.model(windows, segments, batch.initial_state, self.problem.steps), batch,
+                       spec["band_quantile"])
 
     def update(self):
         rate = 0.5 * self.options["learning_rate"] * (1 + math.cos(math.pi * self.updates / self.options["updates"]))

@@ -7,8 +7,9 @@ namespace touchtrace {
 namespace {
 
 constexpr int points = 81, weight_sets = 36;
-// Of local memory, so that the weights find place in a second-level cache beside it.
-constexpr std::size_t largest_group_bytes = 640 * 1024;
+// Of local memory, so that the weights find place in a second-level cache beside it, and that a
+// part of 32 images becomes groups of equal size for the cores.
+constexpr std::size_t largest_group_bytes = 512 * 1024;
 
 int tiles_of(const Conv2dShape& shape) {
   return ((shape.out_rows() + 3) / 4) * ((shape.out_cols() + 3) / 4);

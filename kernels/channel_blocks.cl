@@ -6,15 +6,19 @@
 //   to_blocks:        a row [channel][row][column] of the layer's parameters in the order of blocks
 //   from_blocks:      the way back
 //
-// -D ROWS, COLS: without defaults. A work-item moves one block.
+// -D ROWS, COLS: without defaults. -D HALO=1, of the images. A work-item moves one block.
+#ifndef HALO
+#define HALO 1
+#endif
 #define AREA (ROWS * COLS)
-#define PITCH (16 * (COLS + 2))
-#define BLOCK (PITCH * (ROWS + 2))
+#define PITCH (16 * (COLS + 2 * HALO))
+#define BLOCK (PITCH * (ROWS + 2 * HALO))
+#define CORNER (HALO * (PITCH + 16))
 
 // Images stand in rows from block `first` on.
 __kernel void compact(__global const real* restrict image, __global real* restrict row, int first) {
   const size_t block = get_global_id(0);
-  image += block * BLOCK + PITCH + 16;
+  image += block * BLOCK + CORNER;
   row += (first + block) * AREA * 16;
   for (int y = 0; y < ROWS; ++y)
     for (int x = 0; x < COLS; ++x) vstore16(vload16(x, image + y * PITCH), y * COLS + x, row);
@@ -23,7 +27,7 @@ __kernel void compact(__global const real* restrict image, __global real* restri
 __kernel void block_gradient(__global const real* restrict row, __global const real* restrict row_gradient,
                              __global real* restrict image, int first) {
   const size_t block = get_global_id(0);
-  image += block * BLOCK + PITCH + 16;
+  image += block * BLOCK + CORNER;
   row += (first + block) * AREA * 16;
   row_gradient += (first + block) * AREA * 16;
   for (int y = 0; y < ROWS; ++y)

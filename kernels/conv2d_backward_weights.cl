@@ -1,13 +1,13 @@
 // Gradient of conv2d.clh towards weights and bias.
 //
-//   grad_weight[k][c][i][j] += sum_{images, y, x} grad_out[k][y][x] in[c][2y + i - 1][2x + j - 1]
+//   grad_weight[k][c][i][j] += sum_{images, y, x} grad_out[k][y][x] in[c][row][column]
 //   grad_bias[k]            += sum_{images, y, x} grad_out[k][y][x]
 //
 // Images are cut into chunks. A work-item sums one chunk for one pair of output blocks and one block of
 // input channels: for GROUP images, which stay in the first-level cache, and for each channel it keeps
-// 9 taps x 32 output channels in registers. With `start` sums begin with zero, otherwise with what an earlier
-// call left for the chunk. conv2d_reduce then adds the chunks in their order, so the
-// result depends on the number of chunks only, never on threads.
+// TAP_ROWS rows of taps x 32 output channels in registers. With `start` sums begin with zero, otherwise with
+// what an earlier call left for the chunk. conv2d_reduce then adds the chunks in their order, so the result
+// depends on the number of chunks only, never on threads.
 //
 //   partial       [chunk][pair][input channel][tap][32]
 //   partial_bias  [chunk][pair][32]
@@ -17,35 +17,50 @@
 #define GROUP 4
 #endif
 #define PAIRS (OUT_CHANNELS / 32)
-#define CHANNEL_SIZE (9 * 32)
+#define CHANNEL_SIZE (TAPS * 32)
 
-static void weights_of_channel(__global const real* in, __global const real* grad_out,
-                               __global real* partial, int images, bool start) {
+// As many rows of taps as registers hold, and the taps in them.
+#if KERNEL == 3
+#define TAP_ROWS 3
+#define ROW_TAPS 9
+#else
+#define TAP_ROWS 1
+#define ROW_TAPS 5
+#endif
+
+static void weights_of_taps(__global const real* in, __global const real* grad_out,
+                            __global real* partial, int images, bool start) {
 #define START(t)                                                          \
   real16 low##t = start ? (real16)(0) : vload16(2 * t, partial);          \
   real16 high##t = start ? (real16)(0) : vload16(2 * t + 1, partial);
-  REPEAT(9, START)
+  REPEAT(ROW_TAPS, START)
 #undef START
   for (int image = 0; image < images; ++image)
     for (int y = 0; y < OUT_ROWS; ++y)
       for (int x = 0; x < OUT_COLS; ++x) {
         __global const real* g = grad_out + image * OUT_IMAGE + y * OUT_PITCH + x * OUT_STEP;
-        __global const real* taps = in + image * IN_IMAGE + 2 * y * IN_PITCH + 2 * x * IN_STEP;
+        __global const real* taps = in + image * IN_IMAGE + STRIDE * (y * IN_PITCH + x * IN_STEP);
         const real16 g0 = vload16(0, g), g1 = vload16(0, g + OUT_BLOCK);
-#define ADD(t)                                                                     \
-  {                                                                                \
-    const real16 value = (real16)(taps[t / 3 * IN_PITCH + t % 3 * IN_STEP]);       \
-    low##t = fma(value, g0, low##t);                                               \
-    high##t = fma(value, g1, high##t);                                             \
+#define ADD(t)                                                                         \
+  {                                                                                    \
+    const real16 value = (real16)(taps[t / KERNEL * IN_PITCH + t % KERNEL * IN_STEP]); \
+    low##t = fma(value, g0, low##t);                                                   \
+    high##t = fma(value, g1, high##t);                                                 \
   }
-        REPEAT(9, ADD)
+        REPEAT(ROW_TAPS, ADD)
 #undef ADD
       }
 #define STORE(t)                    \
   vstore16(low##t, 2 * t, partial); \
   vstore16(high##t, 2 * t + 1, partial);
-  REPEAT(9, STORE)
+  REPEAT(ROW_TAPS, STORE)
 #undef STORE
+}
+
+static void weights_of_channel(__global const real* in, __global const real* grad_out,
+                               __global real* partial, int images, bool start) {
+  for (int row = 0; row < KERNEL; row += TAP_ROWS)
+    weights_of_taps(in + row * IN_PITCH, grad_out, partial + row * KERNEL * 32, images, start);
 }
 
 static void bias_of_pair(__global const real* grad_out, __global real* partial, int images, int start) {
@@ -94,12 +109,12 @@ __kernel void conv2d_reduce(__global const real* restrict partial,
                             __global real* restrict gradient, int weight_at, int bias_at) {
   const int channel = get_global_id(0), pair = get_global_id(1);
   __global const real* from = partial + (pair * IN_CHANNELS + channel) * CHANNEL_SIZE;
-  __global real* to = gradient + weight_at + (pair * 32 * IN_CHANNELS + channel) * 9;
-  for (int half_tap = 0; half_tap < 18; ++half_tap) {
+  __global real* to = gradient + weight_at + (pair * 32 * IN_CHANNELS + channel) * TAPS;
+  for (int half_tap = 0; half_tap < 2 * TAPS; ++half_tap) {
     real sums[16];
     vstore16(sum_of_chunks(from + half_tap * 16, chunks, PAIRS * IN_CHANNELS * CHANNEL_SIZE), 0, sums);
     for (int lane = 0; lane < 16; ++lane)
-      to[(half_tap % 2 * 16 + lane) * IN_CHANNELS * 9 + half_tap / 2] += sums[lane];
+      to[(half_tap % 2 * 16 + lane) * IN_CHANNELS * TAPS + half_tap / 2] += sums[lane];
   }
   if (channel == 0)
     for (int half_pair = 0; half_pair < 2; ++half_pair) {

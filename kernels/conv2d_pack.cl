@@ -6,7 +6,7 @@
 //
 // -D BLOCKS: blocks of 16 lanes in a tile, without default.
 #define TAP_SIZE (16 * BLOCKS)
-#define CHANNEL_SIZE (9 * TAP_SIZE)
+#define CHANNEL_SIZE (TAPS * TAP_SIZE)
 
 // A work-item packs a (channel, group). The weight of lane l and channel c
 // stands at parameters[at + l * lane_stride + c * channel_stride].
@@ -16,5 +16,5 @@ __kernel void conv2d_pack(__global const real* restrict parameters, int at, int 
   __global const real* from = parameters + at + channel * channel_stride + group * TAP_SIZE * lane_stride;
   __global real* to = packed + (group * (int)get_global_size(0) + channel) * CHANNEL_SIZE;
   for (int lane = 0; lane < TAP_SIZE; ++lane)
-    for (int tap = 0; tap < 9; ++tap) to[tap * TAP_SIZE + lane] = from[lane * lane_stride + tap];
+    for (int tap = 0; tap < TAPS; ++tap) to[tap * TAP_SIZE + lane] = from[lane * lane_stride + tap];
 }

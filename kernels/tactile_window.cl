@@ -7,7 +7,13 @@
 // hash(key, w ROWS COLS + taxel) < threshold. `frames` is [frame][row][column], `out` is in planes
 // (conv2d.clh), of the windows from `first` on. A work-item writes one row of one window.
 //
-// -D WINDOW (M), ROWS, COLS: without defaults. -D LANES: 1, 4, 8 or 16, at most COLS.
+// -D WINDOW (M), ROWS, COLS: without defaults. -D HALO=1, of `out`. -D LANES: 1, 4, 8 or 16, at most COLS.
+#ifndef HALO
+#define HALO 1
+#endif
+#define OUT_PITCH (COLS + 2 * HALO)
+#define OUT_PLANE (OUT_PITCH * (ROWS + 2 * HALO))
+
 #if LANES == 1
 #define realv real
 #define uintv uint
@@ -40,8 +46,7 @@ static realv keep_of(uint key, uint threshold, real scale, uint first) {
 __kernel void tactile_window(__global const real* restrict frames, __global const int* restrict last_frame,
                              __global real* restrict out, uint key, uint threshold, real scale, int first) {
   const int row = get_global_id(0), window = first + get_global_id(1);
-  const int plane = (ROWS + 2) * (COLS + 2);
-  __global real* to = out + get_global_id(1) * WINDOW * plane + (row + 1) * (COLS + 2) + 1;
+  __global real* to = out + get_global_id(1) * WINDOW * OUT_PLANE + (row + HALO) * OUT_PITCH + HALO;
   __global const real* oldest = frames + ((size_t)last_frame[window] - WINDOW + 1) * ROWS * COLS + row * COLS;
   for (int step = 0; step < COLS; step += LANES) {
     const int column = min(step, COLS - LANES);  // the last step may overlap the one before
@@ -49,9 +54,9 @@ __kernel void tactile_window(__global const real* restrict frames, __global cons
     realv frame = load_lanes(oldest + column);
     for (int c = 0; c < WINDOW - 1; ++c) {
       const realv next = load_lanes(oldest + (c + 1) * ROWS * COLS + column);
-      store_lanes_at(keep * ((real)5 * (next - frame)), to + c * plane + column);
+      store_lanes_at(keep * ((real)5 * (next - frame)), to + c * OUT_PLANE + column);
       frame = next;
     }
-    store_lanes_at(keep * frame, to + (WINDOW - 1) * plane + column);
+    store_lanes_at(keep * frame, to + (WINDOW - 1) * OUT_PLANE + column);
   }
 }

@@ -5,9 +5,10 @@ namespace {
 
 cl::Kernel channel_blocks_kernel(Runtime& runtime, const ChannelBlocksShape& shape,
                                  const char* name) {
-  return runtime.kernel(
-      {"common.clh", "channel_blocks.cl"}, name,
-      {{"ROWS", std::to_string(shape.rows)}, {"COLS", std::to_string(shape.cols)}});
+  return runtime.kernel({"common.clh", "channel_blocks.cl"}, name,
+                        {{"ROWS", std::to_string(shape.rows)},
+                         {"COLS", std::to_string(shape.cols)},
+                         {"HALO", std::to_string(shape.halo)}});
 }
 
 int blocks_of(const ChannelBlocksShape& shape) { return shape.images * shape.channels / 16; }
@@ -15,7 +16,7 @@ int blocks_of(const ChannelBlocksShape& shape) { return shape.images * shape.cha
 }  // namespace
 
 std::size_t ChannelBlocksShape::image_size() const {
-  return static_cast<std::size_t>(images) * channels * (rows + 2) * (cols + 2);
+  return static_cast<std::size_t>(images) * channels * (rows + 2 * halo) * (cols + 2 * halo);
 }
 
 std::size_t ChannelBlocksShape::row_size() const {

@@ -5,11 +5,12 @@
 
 namespace touchtrace {
 
-/// Images in blocks of 16 channels with a halo (kernels/conv2d.clh), and the rows of a dense layer
-/// behind them, which keep the blocks and leave the halo out:
-/// [image][channel / 16][row][column][channel % 16]. `channels` is a multiple of 16.
+/// Images in blocks of 16 channels with a halo of zero pixels (kernels/conv2d.clh), and the rows of
+/// a dense layer behind them, which keep the blocks and leave the halo out: [image][channel /
+/// 16][row][column][channel % 16]. `channels` is a multiple of 16.
 struct ChannelBlocksShape {
   int images, channels, rows, cols;
+  int halo = 1;
 
   std::size_t image_size() const;  ///< floats of all images with their halo
   std::size_t row_size() const;    ///< floats of all rows

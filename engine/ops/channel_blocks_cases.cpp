@@ -27,7 +27,8 @@ std::vector<double> from_order(const ChannelBlocksShape& s, const std::vector<do
 
 Buffer<float> rows_of_images(Runtime& runtime, const ChannelBlocksShape& s, const Arrays& inputs) {
   const auto rows = runtime.allocate<float>(s.row_size());
-  const auto images = upload(runtime, with_halo(rectified(inputs[0]), s.rows, s.cols, 16));
+  const auto images =
+      upload(runtime, with_halo(rectified(inputs[0]), {s.rows, s.cols, 16, s.halo}));
   compact(runtime, s, images, rows).enqueue(runtime);
   return rows;
 }
@@ -44,7 +45,7 @@ Arrays compact_backward(Runtime& runtime, const ChannelBlocksShape& s, const Arr
   const auto images = runtime.allocate_zeros<float>(s.image_size());
   block_gradient(runtime, s, rows_of_images(runtime, s, inputs), upload(runtime, grads[0]), images)
       .enqueue(runtime);
-  return {without_halo(download(runtime, images), s.rows, s.cols, 16)};
+  return {without_halo(download(runtime, images), {s.rows, s.cols, 16, s.halo})};
 }
 
 OperationCase case_of(const ChannelBlocksShape& s) {
@@ -99,7 +100,7 @@ OperationCase block_order_case(const ChannelBlocksShape& s) {
 Operation channel_blocks_operation() {
   Operation operation{"channel_blocks", {}};
   for (const ChannelBlocksShape& shape :
-       {ChannelBlocksShape{2, 16, 2, 3}, {3, 128, 4, 4}, {1, 32, 1, 8}}) {
+       {ChannelBlocksShape{2, 16, 2, 3}, {3, 128, 4, 4}, {1, 32, 1, 8, 2}}) {
     operation.cases.push_back(compact_case(shape));
     operation.cases.push_back(block_order_case(shape));
   }

@@ -7,31 +7,37 @@
 
 namespace touchtrace {
 
-/// A convolution 3x3 of stride 2 and padding 1 with bias and ReLU over images:
+/// A convolution with bias and ReLU over images, of kernel 3 or 5 and stride 1 or 2, padded by half
+/// the kernel:
 ///
-///     out[k][y][x] = max(0, bias[k] + sum_{c, i, j} weight[k][c][i][j] in[c][2y + i - 1][2x + j -
-///     1])
+///     out[k][y][x] = max(0, bias[k] + sum_{c, i, j} weight[k][c][i][j] in[c][stride y + i -
+///     padding]
+///                                                                        [stride x + j - padding])
 ///
-/// Device arrays have the layouts of kernels/conv2d.clh: blocks of 16 channels with a halo of one
-/// zero pixel; the halo is the caller's to zero, once, and kernels never write it. Input in blocks
+/// Device arrays have the layouts of kernels/conv2d.clh: blocks of 16 channels. Input and output
+/// have a halo of as many zero pixels as the padding, which is the caller's to zero, once, and
+/// which kernels never write; so layers that share an array have the same kernel. Input in blocks
 /// is the output of a ReLU with a multiple of 32 channels; input in planes has any number of
 /// channels and gets no gradient. `out_channels` is a multiple of 32.
 struct Conv2dShape {
   int images, in_channels, rows, cols, out_channels;
   bool in_planes;
+  int kernel = 3, stride = 2;
 
-  int out_rows() const { return (rows + 1) / 2; }
-  int out_cols() const { return (cols + 1) / 2; }
+  int taps() const { return kernel * kernel; }
+  int halo() const { return kernel / 2; }
+  int out_rows() const { return (rows + stride - 1) / stride; }
+  int out_cols() const { return (cols + stride - 1) / stride; }
   std::size_t in_size() const;   ///< floats of the input with its halo
   std::size_t out_size() const;  ///< floats of the output with its halo
-  std::size_t weight_size() const { return std::size_t(out_channels) * in_channels * 9; }
+  std::size_t weight_size() const { return std::size_t(out_channels) * in_channels * taps(); }
   /// Of one forward pass or of one of the two backward passes, taps in the halo included, whatever
   /// the method.
   double flops() const;
 };
 
 /// The flat buffers of all parameters and of their gradient (empty: no backward pass), and where a
-/// layer's weight [out, in, 3, 3] and bias [out] start in them.
+/// layer's weight [out, in, kernel, kernel] and bias [out] start in them.
 struct Conv2dParameters {
   Buffer<float> values, gradient;
   int weight_at, bias_at;
@@ -61,8 +67,8 @@ class Conv2d {
 };
 
 /// `winograd`: 81 multiplications instead of 144 in the forward pass and the gradient towards the
-/// input (kernels/winograd.clh), if the input is in blocks and the device's local memory holds what
-/// one image needs; otherwise `direct`.
+/// input (kernels/winograd.clh), if the kernel is 3 and the stride 2, the input is in blocks and
+/// the device's local memory holds what one image needs; otherwise `direct`.
 enum class Conv2dMethod { direct, winograd };
 
 /// The method that needs fewer multiplications, those beyond the image's edge counted too.

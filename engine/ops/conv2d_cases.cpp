@@ -17,6 +17,12 @@ std::size_t in_plain_size(const Conv2dShape& s) {
   return std::size_t(s.images) * s.in_channels * s.rows * s.cols;
 }
 
+HaloLayout in_layout(const Conv2dShape& s) {
+  return {s.rows, s.cols, s.in_planes ? 1 : 16, s.halo()};
+}
+
+HaloLayout out_layout(const Conv2dShape& s) { return {s.out_rows(), s.out_cols(), 16, s.halo()}; }
+
 std::vector<double> activation(const Conv2dShape& s, std::vector<double> below) {
   if (!s.in_planes)
     for (auto& value : below) value = std::max(value, 0.0);
@@ -65,11 +71,10 @@ Layer::Layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method, co
   const auto values = joined(inputs[1], inputs[2]);
   parameters = {upload(runtime, values), runtime.allocate_zeros<float>(values.size()), 0,
                 static_cast<int>(inputs[1].size())};
-  images = {
-      s.images,
-      upload(runtime, with_halo(activation(s, inputs[0]), s.rows, s.cols, s.in_planes ? 1 : 16)),
-      runtime.allocate_zeros<float>(s.out_size()), runtime.allocate_zeros<float>(s.out_size()),
-      s.in_planes ? Buffer<float>() : runtime.allocate_zeros<float>(s.in_size())};
+  images = {s.images, upload(runtime, with_halo(activation(s, inputs[0]), in_layout(s))),
+            runtime.allocate_zeros<float>(s.out_size()),
+            runtime.allocate_zeros<float>(s.out_size()),
+            s.in_planes ? Buffer<float>() : runtime.allocate_zeros<float>(s.in_size())};
   conv = make_conv2d(runtime, s, parameters, method);
   enqueue(runtime, conv->prepare());
   enqueue(runtime, conv->forward(images));
@@ -77,7 +82,7 @@ Layer::Layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method, co
 
 std::vector<double> output(Runtime& runtime, const Layer& layer) {
   const auto& s = layer.s;
-  return without_halo(download(runtime, layer.images.out), s.out_rows(), s.out_cols(), 16);
+  return without_halo(download(runtime, layer.images.out), out_layout(s));
 }
 
 Arrays forward(Runtime& runtime, const Conv2dShape& s, Conv2dMethod method, const Arrays& inputs) {
@@ -88,21 +93,21 @@ Arrays backward(Runtime& runtime, const Conv2dShape& s, Conv2dMethod method, con
                 const Arrays& grads) {
   Layer layer(runtime, s, method, inputs);
   const auto grad_sum = masked(grads[0], output(runtime, layer));
-  layer.images.grad_out = upload(runtime, with_halo(grad_sum, s.out_rows(), s.out_cols(), 16));
+  layer.images.grad_out = upload(runtime, with_halo(grad_sum, out_layout(s)));
   enqueue(runtime, layer.conv->backward(layer.images, true));
   enqueue(runtime, layer.conv->finish());
   const auto [weight, bias] = split(download(runtime, layer.parameters.gradient), inputs[1].size());
   if (s.in_planes) return {{}, weight, bias};
-  return {without_halo(download(runtime, layer.images.grad_in), s.rows, s.cols, 16), weight, bias};
+  return {without_halo(download(runtime, layer.images.grad_in), in_layout(s)), weight, bias};
 }
 
 OperationCase conv2d_case(const Conv2dShape& s, Conv2dMethod method) {
   OperationCase c;
-  c.shape = fmt::format("{} images {}x{}x{} in {} to {} channels", s.images, s.in_channels, s.rows,
-                        s.cols, s.in_planes ? "planes" : "blocks", s.out_channels);
-  c.input_sizes = {in_plain_size(s), std::size_t(s.out_channels) * s.in_channels * 9,
-                   std::size_t(s.out_channels)};
-  c.terms = 9.0 * s.in_channels;
+  c.shape = fmt::format("{} images {}x{}x{} in {} to {} channels by {}x{} of stride {}", s.images,
+                        s.in_channels, s.rows, s.cols, s.in_planes ? "planes" : "blocks",
+                        s.out_channels, s.kernel, s.kernel, s.stride);
+  c.input_sizes = {in_plain_size(s), s.weight_size(), std::size_t(s.out_channels)};
+  c.terms = double(s.taps()) * s.in_channels;
   c.reference = [s](const Arrays& in) { return reference(s, in); };
   c.forward = [s, method](Runtime& runtime, const Arrays& in) {
     return forward(runtime, s, method, in);
@@ -120,11 +125,17 @@ OperationCase conv2d_case(const Conv2dShape& s, Conv2dMethod method) {
 }  // namespace
 
 Operation conv2d_operation() {
-  Operation operation{"conv2d", {}};
-  const Conv2dShape shapes[] = {
-      {2, 3, 5, 6, 32, true},    {1, 32, 3, 4, 32, false},   {1, 1, 6, 6, 32, true},
-      {3, 10, 32, 32, 32, true}, {2, 32, 16, 16, 64, false}, {1, 32, 7, 13, 64, false},
-      {5, 64, 8, 8, 128, false}, {9, 32, 2, 1, 64, false},   {1, 32, 64, 9, 32, true}};
+  Operation operation{"conv2d", {}, 5};
+  const Conv2dShape shapes[] = {{1, 32, 3, 4, 32, false},        {2, 3, 5, 6, 32, true},
+                                {1, 32, 3, 4, 32, false, 5, 2},  {1, 32, 2, 3, 64, false, 5, 1},
+                                {1, 64, 2, 3, 32, false, 3, 1},  {1, 1, 6, 6, 32, true},
+                                {3, 10, 32, 32, 32, true},       {2, 32, 16, 16, 64, false},
+                                {1, 32, 7, 13, 64, false},       {5, 64, 8, 8, 128, false},
+                                {9, 32, 2, 1, 64, false},        {1, 32, 64, 9, 32, true},
+                                {2, 10, 6, 6, 32, true, 3, 1},   {3, 3, 7, 13, 32, true, 5, 1},
+                                {2, 10, 17, 8, 32, true, 5, 2},  {5, 64, 5, 7, 128, false, 3, 1},
+                                {2, 32, 16, 9, 64, false, 5, 2}, {3, 64, 4, 6, 96, false, 5, 1},
+                                {7, 32, 1, 2, 64, false, 5, 2}};
   for (const auto& shape : shapes)
     operation.cases.push_back(conv2d_case(shape, Conv2dMethod::direct));
   return operation;

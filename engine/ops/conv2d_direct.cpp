@@ -8,37 +8,44 @@ namespace {
 constexpr int wanted_vector_operations = 20000;
 int ceil_div(int a, int b) { return (a + b - 1) / b; }
 
-/// One of the two passes that multiply tiles of 24 accumulators: the forward pass, with output
-/// channels as lanes, or the gradient towards the input, the other way round.
+constexpr int accumulators = 24;
+
+/// One of the two passes that multiply tiles: the forward pass, with output channels as lanes, or
+/// the gradient towards the input, the other way round.
 struct TiledPass {
   const char* file;
   int lanes, channels, lane_stride, channel_stride;
-  int blocks;       ///< of 16 lanes in a tile
-  int tile_pixels;  ///< output pixels in a tile
+  int classes;  ///< tiles that one place of the output takes: of input pixels by parity
 
-  int groups() const { return lanes / 16 / blocks; }
+  /// Of 16 lanes in a tile.
+  int blocks() const { return classes == 1 && lanes % 64 == 0 ? 4 : 2; }
+  /// Output pixels in a tile.
+  int pixels() const { return accumulators / classes / blocks(); }
+  int groups() const { return lanes / 16 / blocks(); }
 };
 
 TiledPass forward_pass(const Conv2dShape& s) {
-  const int blocks = s.out_channels % 64 == 0 ? 4 : 2;
-  return {"conv2d_forward.cl", s.out_channels, s.in_channels, s.in_channels * 9, 9, blocks,
-          24 / blocks};
+  return {"conv2d_forward.cl",      s.out_channels, s.in_channels,
+          s.in_channels * s.taps(), s.taps(),       1};
 }
 
 TiledPass data_pass(const Conv2dShape& s) {
-  return {"conv2d_backward_data.cl", s.in_channels, s.out_channels, 9, s.in_channels * 9, 2, 3};
+  return {"conv2d_backward_data.cl", s.in_channels,      s.out_channels, s.taps(),
+          s.in_channels * s.taps(),  s.stride * s.stride};
 }
 
 cl::Kernel tiled_kernel(Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass,
                         const std::string& name) {
   auto defines = conv2d_defines(shape);
-  defines["BLOCKS"] = std::to_string(pass.blocks);
-  return runtime.kernel({"common.clh", "conv2d.clh", "conv2d_pack.cl", pass.file}, name, defines);
+  defines["BLOCKS"] = std::to_string(pass.blocks());
+  defines["PIXELS"] = std::to_string(pass.pixels());
+  return runtime.kernel(
+      {"common.clh", "conv2d.clh", "conv2d_pack.cl", "conv2d_tile.clh", pass.file}, name, defines);
 }
 
 /// Tiles that a work-item does one after the other.
-int tiles_an_item(const Runtime& runtime, const TiledPass& pass) {
-  const int operations = pass.channels * 9 * pass.tile_pixels * pass.blocks;
+int tiles_an_item(const Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass) {
+  const int operations = pass.channels * shape.taps() * pass.pixels() * pass.blocks();
   return runtime.device().type == "cpu" ? ceil_div(wanted_vector_operations, operations) : 1;
 }
 
@@ -64,7 +71,8 @@ class DirectConv2d final : public Conv2d {
     const auto pass = forward_pass(shape_);
     return {Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_forward"),
                    range(items(pass, part), pass.groups()), part.in, packed_, parameters_.values,
-                   parameters_.bias_at, part.out, part.images, tiles_an_item(runtime_, pass))
+                   parameters_.bias_at, part.out, part.images,
+                   tiles_an_item(runtime_, shape_, pass))
                 .costing(conv2d_cost(shape_, part.images))};
   }
 
@@ -75,7 +83,7 @@ class DirectConv2d final : public Conv2d {
     launches.push_back(Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_backward_data"),
                               range(items(pass, part), pass.groups()), part.grad_out,
                               packed_turned_, part.in, part.grad_in, part.images,
-                              tiles_an_item(runtime_, pass))
+                              tiles_an_item(runtime_, shape_, pass))
                            .costing(conv2d_cost(shape_, part.images)));
     return launches;
   }
@@ -85,7 +93,7 @@ class DirectConv2d final : public Conv2d {
  private:
   int items(const TiledPass& pass, const Conv2dImages& part) const {
     const int pixels = part.images * shape_.out_rows() * shape_.out_cols();
-    return ceil_div(ceil_div(pixels, pass.tile_pixels), tiles_an_item(runtime_, pass));
+    return ceil_div(ceil_div(pixels, pass.pixels()), tiles_an_item(runtime_, shape_, pass));
   }
   Launch pack(const TiledPass& pass, const Buffer<float>& packed) {
     return Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_pack"),

@@ -16,12 +16,12 @@ void visit_taps(const Conv2dShape& s, int image, int k, int y, int x, Visit visi
   const auto out =
       ((std::size_t(image) * s.out_channels + k) * s.out_rows() + y) * s.out_cols() + x;
   for (int c = 0; c < s.in_channels; ++c)
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const int row = 2 * y + i - 1, column = 2 * x + j - 1;
+    for (int i = 0; i < s.kernel; ++i)
+      for (int j = 0; j < s.kernel; ++j) {
+        const int row = s.stride * y + i - s.halo(), column = s.stride * x + j - s.halo();
         if (row < 0 || row >= s.rows || column < 0 || column >= s.cols) continue;
         const auto in = ((std::size_t(image) * s.in_channels + c) * s.rows + row) * s.cols + column;
-        const auto weight = ((std::size_t(k) * s.in_channels + c) * 3 + i) * 3 + j;
+        const auto weight = ((std::size_t(k) * s.in_channels + c) * s.kernel + i) * s.kernel + j;
         visit(Product{in, weight, out, std::size_t(k)});
       }
 }

@@ -12,7 +12,7 @@ struct Conv2dGradients {
 };
 
 /// conv2d.h in plain loops. Arrays in C order without halo: in [image, channel, row, column],
-/// weight [out, in, 3, 3], bias [out].
+/// weight [out, in, kernel, kernel], bias [out].
 std::vector<double> conv2d_reference(const Conv2dShape& shape, const std::vector<double>& in,
                                      const std::vector<double>& weight,
                                      const std::vector<double>& bias);

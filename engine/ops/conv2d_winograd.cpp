@@ -28,10 +28,10 @@ class WinogradConv2d final : public Conv2d {
   }
 
   Launches prepare() override {
-    const int in = shape_.in_channels, out = shape_.out_channels;
-    Launches launches{transform(in, 9, out, 9 * in, weights_)};
+    const int in = shape_.in_channels, out = shape_.out_channels, taps = shape_.taps();
+    Launches launches{transform(in, taps, out, taps * in, weights_)};
     if (weights_turned_.size() > 0)
-      launches.push_back(transform(out, 9 * in, in, 9, weights_turned_));
+      launches.push_back(transform(out, taps * in, in, taps, weights_turned_));
     return launches;
   }
 

@@ -5,14 +5,20 @@ namespace {
 
 /// Calls `visit(plain, haloed)` with the flat indices of the same value in both layouts.
 template <class Visit>
-void visit_values(std::size_t planes, int rows, int cols, int lanes, Visit visit) {
+void visit_values(std::size_t planes, const HaloLayout& layout, Visit visit) {
+  const auto [rows, cols, lanes, halo] = layout;
   for (std::size_t plane = 0; plane < planes; ++plane)
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < cols; ++column) {
-        const auto group = plane / lanes * (rows + 2) + row + 1;
+        const auto group = plane / lanes * (rows + 2 * halo) + row + halo;
         visit((plane * rows + row) * cols + column,
-              (group * (cols + 2) + column + 1) * lanes + plane % lanes);
+              (group * (cols + 2 * halo) + column + halo) * lanes + plane % lanes);
       }
+}
+
+/// Pixels of a plane with its halo.
+std::size_t haloed_area(const HaloLayout& layout) {
+  return std::size_t(layout.rows + 2 * layout.halo) * (layout.cols + 2 * layout.halo);
 }
 
 }  // namespace
@@ -38,17 +44,17 @@ std::pair<std::vector<double>, std::vector<double>> split(const std::vector<doub
   return {{values.begin(), middle}, {middle, values.end()}};
 }
 
-std::vector<double> with_halo(const std::vector<double>& plain, int rows, int cols, int lanes) {
-  const auto planes = plain.size() / (std::size_t(rows) * cols);
-  std::vector<double> haloed(planes * (rows + 2) * (cols + 2), 0.0);
-  visit_values(planes, rows, cols, lanes, [&](auto from, auto to) { haloed[to] = plain[from]; });
+std::vector<double> with_halo(const std::vector<double>& plain, const HaloLayout& layout) {
+  const auto planes = plain.size() / (std::size_t(layout.rows) * layout.cols);
+  std::vector<double> haloed(planes * haloed_area(layout), 0.0);
+  visit_values(planes, layout, [&](auto from, auto to) { haloed[to] = plain[from]; });
   return haloed;
 }
 
-std::vector<double> without_halo(const std::vector<double>& haloed, int rows, int cols, int lanes) {
-  const auto planes = haloed.size() / (std::size_t(rows + 2) * (cols + 2));
-  std::vector<double> plain(planes * rows * cols);
-  visit_values(planes, rows, cols, lanes, [&](auto to, auto from) { plain[to] = haloed[from]; });
+std::vector<double> without_halo(const std::vector<double>& haloed, const HaloLayout& layout) {
+  const auto planes = haloed.size() / haloed_area(layout);
+  std::vector<double> plain(planes * layout.rows * layout.cols);
+  visit_values(planes, layout, [&](auto to, auto from) { plain[to] = haloed[from]; });
   return plain;
 }
 

@@ -17,11 +17,15 @@ std::vector<double> joined(std::vector<double> first, const std::vector<double>&
 std::pair<std::vector<double>, std::vector<double>> split(const std::vector<double>& values,
                                                           std::size_t size);
 
-/// From plain [.., channel, row, column] to groups of `lanes` channels with a halo of one zero
-/// pixel,
-/// [.., channel / lanes, row + 1, column + 1, channel % lanes], and back.
-std::vector<double> with_halo(const std::vector<double>& plain, int rows, int cols, int lanes);
-std::vector<double> without_halo(const std::vector<double>& haloed, int rows, int cols, int lanes);
+/// Images in groups of `lanes` channels with a halo of zero pixels,
+/// [.., channel / lanes, row + halo, column + halo, channel % lanes].
+struct HaloLayout {
+  int rows, cols, lanes, halo;
+};
+
+/// From plain [.., channel, row, column] to such images, and back.
+std::vector<double> with_halo(const std::vector<double>& plain, const HaloLayout& layout);
+std::vector<double> without_halo(const std::vector<double>& haloed, const HaloLayout& layout);
 
 /// Rows [channel][pixel] as [channel / 16][pixel][channel % 16] (channel_blocks.h), and back.
 std::vector<double> in_block_order(const std::vector<double>& values, int channels, int pixels);

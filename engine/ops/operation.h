@@ -35,11 +35,12 @@ struct OperationCase {
   std::function<void(Arrays& inputs)> prepare;
 };
 
-/// One operation of the engine. The first case is small enough for oclgrind and for every start;
-/// the others hold odd sizes and the model's own shapes.
+/// One operation of the engine. The first case is small enough for every start and uses every
+/// kernel; the others hold odd sizes and the model's own shapes.
 struct Operation {
   std::string name;
   std::vector<OperationCase> cases;
+  std::size_t small_cases = 1;  ///< the first ones, small enough for oclgrind
 };
 
 /// The table of operations: one row each, in operations.cpp.

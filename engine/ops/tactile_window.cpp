@@ -13,13 +13,14 @@ cl::Kernel tactile_window_kernel(Runtime& runtime, const TactileWindowShape& sha
                         {{"WINDOW", std::to_string(shape.frames)},
                          {"ROWS", std::to_string(shape.rows)},
                          {"COLS", std::to_string(shape.cols)},
+                         {"HALO", std::to_string(shape.halo)},
                          {"LANES", std::to_string(lanes_of(shape.cols))}});
 }
 
 }  // namespace
 
 std::size_t TactileWindowShape::out_size() const {
-  return static_cast<std::size_t>(windows) * frames * (rows + 2) * (cols + 2);
+  return static_cast<std::size_t>(windows) * frames * (rows + 2 * halo) * (cols + 2 * halo);
 }
 
 std::uint32_t TaxelDropout::threshold() const {

@@ -18,12 +18,13 @@ struct TaxelDropout {
 
 struct TactileWindowShape {
   int windows, frames, rows, cols;  ///< `frames`: M, of a window
+  int halo = 1;                     ///< of the output
 
   std::size_t out_size() const;  ///< floats of the output with its halo
 };
 
 /// Windows of a stream of frames [frame][row][column] in the difference basis, in planes with a
-/// halo of one zero pixel (kernels/conv2d.clh; the halo is the caller's to zero):
+/// halo of zero pixels (kernels/conv2d.clh; the halo is the caller's to zero):
 ///
 ///     out[w] = keep[w] [5 (T_{t-M+2} - T_{t-M+1}), ..., 5 (T_t - T_{t-1}), T_t],  t =
 ///     last_frame[w]

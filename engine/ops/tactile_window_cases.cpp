@@ -23,7 +23,7 @@ Arrays forward(Runtime& runtime, const TactileWindowShape& s, const TaxelDropout
   const auto last = last_frames(inputs);
   TactileWindow(runtime, s, out)
       .enqueue(runtime, upload(runtime, inputs[0]), runtime.upload<int>(last), dropout);
-  return {without_halo(download(runtime, out), s.rows, s.cols, 1)};
+  return {without_halo(download(runtime, out), {s.rows, s.cols, 1, s.halo})};
 }
 
 /// Makes frame numbers of the second input.
@@ -54,7 +54,7 @@ Operation tactile_window_operation() {
       "tactile_window",
       {tactile_window_case({3, 2, 3, 5}, {0.5, 7}), tactile_window_case({4, 10, 32, 32}, {0.2, 1}),
        tactile_window_case({1, 1, 6, 6}, {0.0, 0}), tactile_window_case({2, 32, 9, 24}, {0.0, 5}),
-       tactile_window_case({7, 4, 8, 17}, {0.9, 0xFFFFFFFFu})}};
+       tactile_window_case({7, 4, 8, 17, 2}, {0.9, 0xFFFFFFFFu})}};
 }
 
 }  // namespace touchtrace

@@ -86,7 +86,7 @@ class EncoderOfSize : public ::testing::TestWithParam<TactileWindowShape> {};
 
 TEST_P(EncoderOfSize, AgreesWithPlainLoops) {
   const auto window = GetParam();
-  const auto [windows, frames, rows, cols] = window;
+  const int windows = window.windows, frames = window.frames, rows = window.rows, cols = window.cols;
   Runtime runtime(choose_device(""));
   ParameterTable table;
   table.add("something before", {7}, {});

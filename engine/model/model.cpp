@@ -46,12 +46,17 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   validate(spec);
   bundle_programs(runtime, spec, use);
   const bool own_object_encoder = spec.object == ObjectEncoder::joint && use == Use::training;
-  if (spec.touch) TouchEncoder::declare("tactile", windows_of(spec, 1), spec.embedding, table_);
+  if (spec.touch && use != Use::rollout)
+    TouchEncoder::declare("tactile", windows_of(spec, 1), spec.embedding, table_);
   if (own_object_encoder)
     TouchEncoder::declare("object", segments_of(spec, 1), spec.embedding, table_);
   DynamicsMlp::declare(spec, table_);
   weights_ = std::make_unique<Weights>(allocate_weights(runtime, table_, use == Use::training));
-  if (spec.touch) plan_tactile_encoder();
+  if (spec.touch && use == Use::rollout)
+    input_.tactile_embedding =
+        runtime.allocate<float>(std::size_t(sequences) * steps * spec.embedding);
+  else if (spec.touch)
+    plan_tactile_encoder();
   if (own_object_encoder)
     plan_object_encoder();
   else if (spec.object != ObjectEncoder::none)
@@ -79,7 +84,7 @@ void Model::plan_object_encoder() {
 }
 
 Embeddings Model::embeddings() const {
-  return {tactile_ ? tactile_->embedding() : Buffer<float>(),
+  return {tactile_ ? tactile_->embedding() : input_.tactile_embedding,
           object_ ? object_->embedding() : input_.object_embedding};
 }
 

@@ -15,6 +15,7 @@ struct ModelInput {
   Buffer<std::int32_t> last_frame;  ///< [T * S], of each step's window
   Buffer<float> target, weight;     ///< [T, S, 16] and [T, S], the weights' divisor included
 
+  Buffer<float> tactile_embedding;  ///< [T * S, embedding]: g_t, instead of windows (Use::rollout)
   /// [S, embedding]: e_i of each sequence, unless the object encoder is trained along.
   Buffer<float> object_embedding;
   // Where it is: the last frame of each sequence's segment, the object in hand, and how much each
@@ -31,7 +32,9 @@ struct ModelInput {
 /// Use::training); else e_i is an input, which object_encoder.h makes.
 class Model {
  public:
-  enum class Use { prediction, training };
+  /// `prediction` needs no gradient; `rollout` neither that nor the tactile encoder, since each g_t
+  /// is given.
+  enum class Use { prediction, rollout, training };
 
   Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use);
   Model(const Model&) = delete;

@@ -15,13 +15,13 @@ ParameterTable object_parameters(const ModelSpec& spec) {
 
 }  // namespace
 
-ObjectModel::ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments, Use use)
+ObjectModel::ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments)
     : runtime_(runtime),
       segments_(segments),
       table_(object_parameters(spec)),
-      weights_(allocate_weights(runtime, table_, use == Use::training)),
+      weights_(allocate_weights(runtime, table_, true)),
       encoder_(runtime, "object", segments_of(spec, segments), weights_) {
-  if (use == Use::training) plan_loss(spec);
+  plan_loss(spec);
 }
 
 void ObjectModel::plan_loss(const ModelSpec& spec) {

@@ -4,14 +4,12 @@
 
 namespace touchtrace {
 
-/// The object encoder alone, for N segments of touch (section III-C): their embeddings, and in
-/// training the contrastive loss between them. Everything is allocated and built by the
+/// The object encoder in training, alone, for N segments of touch (section III-C): their
+/// embeddings, and the contrastive loss between them. Everything is allocated and built by the
 /// constructor.
 class ObjectModel {
  public:
-  enum class Use { prediction, training };
-
-  ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments, Use use);
+  ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments);
   ObjectModel(const ObjectModel&) = delete;
   ObjectModel& operator=(const ObjectModel&) = delete;
 
@@ -19,8 +17,8 @@ class ObjectModel {
   const ParameterTable& table() const { return table_; }
   const Weights& weights() const { return weights_; }
 
-  /// [N], for the caller to write: the last frame of each segment in the stream; and in training
-  /// the object of each and the weight of its pairs in the loss, as info_nce.h takes them.
+  /// [N], for the caller to write: the last frame of each segment in the stream, the object of
+  /// each and the weight of its pairs in the loss, as info_nce.h takes them.
   const Buffer<int>& last_frame() const { return encoder_.last_frame(); }
   const Buffer<int>& object() const { return object_; }
   const Buffer<float>& weight() const { return weight_; }
@@ -28,7 +26,7 @@ class ObjectModel {
   /// To be called whenever the weights changed.
   void prepare() { encoder_.prepare(); }
   /// `stream`: [frames, rows, cols].
-  void forward(const Buffer<float>& stream, const TaxelDropout& dropout = {}) {
+  void forward(const Buffer<float>& stream, const TaxelDropout& dropout) {
     encoder_.forward(stream, dropout);
   }
   /// The loss of the last forward pass, and its gradient into weights().gradient.

@@ -17,6 +17,17 @@ void check_size(const char* what, std::size_t size, std::size_t expected) {
                   "report this as a bug");
 }
 
+void write_rows(Runtime& runtime, const Buffer<float>& to, std::span<const std::int32_t> row,
+                std::span<const float> from, int size) {
+  std::vector<float> rows;
+  for (const auto i : row) {
+    if (i < 0 || (std::size_t(i) + 1) * size > from.size())
+      throw failure(fmt::format("there is no embedding {}", i), "report this as a bug");
+    std::ranges::copy(from.subspan(std::size_t(i) * size, size), std::back_inserter(rows));
+  }
+  runtime.write<float>(to, rows);
+}
+
 }  // namespace
 
 void check(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames) {
@@ -46,16 +57,11 @@ void check_objects(const RolloutBatch& batch, const ModelSpec& spec, std::size_t
   check_segments(spec, batch.segment_frame, frames);
 }
 
-void write_windows(Runtime& runtime, const Model& model, const BatchBlock& block,
-                   std::size_t frames) {
+void write_windows(Runtime& runtime, const Model& model, const RolloutBatch& batch) {
   if (!model.spec().touch) return;
   std::vector<std::int32_t> last_frame;
-  for (int t = 0; t < model.steps(); ++t)
-    for (int s = 0; s < model.sequences(); ++s) {
-      const int sequence = std::min(block.first_sequence + s, block.batch.sequences - 1);
-      last_frame.push_back(std::min(block.batch.first_frame[sequence] + block.first_step + t,
-                                    static_cast<int>(frames) - 1));
-    }
+  for (int t = 0; t < batch.steps; ++t)
+    for (const auto first : batch.first_frame) last_frame.push_back(first + t);
   runtime.write<std::int32_t>(model.input().last_frame, last_frame);
 }
 
@@ -64,7 +70,7 @@ void write_initial_states(Runtime& runtime, const Model& model, const BatchBlock
   const int state = model.spec().state;
   std::vector<float> rows(std::size_t(model.sequences()) * state_lanes, 0.0f);
   for (int s = 0; s < model.sequences(); ++s) {
-    const int sequence = std::min(block.first_sequence + s, block.batch.sequences - 1);
+    const int sequence = block.sequence(s);
     std::copy_n(initial.begin() + sequence * state, state, rows.begin() + s * state_lanes);
   }
   runtime.write<float>(model.states(), rows);
@@ -103,14 +109,25 @@ void write_segments(Runtime& runtime, const Model& model, const RolloutBatch& ba
 
 void write_object_embeddings(Runtime& runtime, const Model& model,
                              std::span<const std::int32_t> row, std::span<const float> embedding) {
-  const auto size = std::size_t(model.spec().embedding);
-  std::vector<float> rows;
-  for (const auto i : row) {
-    if (i < 0 || (std::size_t(i) + 1) * size > embedding.size())
-      throw failure(fmt::format("there is no embedding of object {}", i), "report this as a bug");
-    std::ranges::copy(embedding.subspan(i * size, size), std::back_inserter(rows));
-  }
-  runtime.write<float>(model.input().object_embedding, rows);
+  write_rows(runtime, model.input().object_embedding, row, embedding, model.spec().embedding);
+}
+
+void write_object_embeddings(Runtime& runtime, const Model& model, const BatchBlock& block,
+                             const TouchEmbeddings& of_sequences) {
+  std::vector<std::int32_t> row;
+  for (int s = 0; s < model.sequences(); ++s) row.push_back(of_sequences.row[block.sequence(s)]);
+  write_object_embeddings(runtime, model, row, of_sequences.values);
+}
+
+void write_tactile_embeddings(Runtime& runtime, const Model& model, const BatchBlock& block,
+                              const TouchEmbeddings& of_steps) {
+  std::vector<std::int32_t> row;
+  for (int t = 0; t < model.steps(); ++t)
+    for (int s = 0; s < model.sequences(); ++s)
+      row.push_back(
+          of_steps.row[std::size_t(block.sequence(s)) * block.batch.steps + block.step(t)]);
+  write_rows(runtime, model.input().tactile_embedding, row, of_steps.values,
+             model.spec().embedding);
 }
 
 }  // namespace touchtrace

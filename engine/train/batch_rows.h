@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+
 #include "engine/model/model.h"
+#include "engine/train/touch_embedder.h"
 #include "engine/train/trainer.h"
 
 namespace touchtrace {
@@ -13,15 +16,20 @@ void check(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames)
 void check_objects(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames,
                    Model::Use use);
 
+/// The windows of a batch of the model's size.
+void write_windows(Runtime& runtime, const Model& model, const RolloutBatch& batch);
+
 /// A block of a batch as a model takes it: as many sequences and steps as the model has, from the
-/// given ones on. Where the batch ends, its last sequence and the stream's last frame repeat.
+/// given ones on. Where the batch ends, its last sequence and step repeat.
 struct BatchBlock {
   const RolloutBatch& batch;
   int first_sequence = 0, first_step = 0;
+
+  /// Of the batch, which the model takes as its sequence s or step t.
+  int sequence(int s) const { return std::min(first_sequence + s, batch.sequences - 1); }
+  int step(int t) const { return std::min(first_step + t, batch.steps - 1); }
 };
 
-void write_windows(Runtime& runtime, const Model& model, const BatchBlock& block,
-                   std::size_t frames);
 /// `initial`: [batch.sequences, state].
 void write_initial_states(Runtime& runtime, const Model& model, const BatchBlock& block,
                           std::span<const float> initial);
@@ -37,5 +45,11 @@ void write_segments(Runtime& runtime, const Model& model, const RolloutBatch& ba
 /// Throws failure if there is no such row.
 void write_object_embeddings(Runtime& runtime, const Model& model,
                              std::span<const std::int32_t> row, std::span<const float> embedding);
+/// e_i of the block's sequences, from those of all sequences of the batch.
+void write_object_embeddings(Runtime& runtime, const Model& model, const BatchBlock& block,
+                             const TouchEmbeddings& of_sequences);
+/// g_t of the block's steps, from those of all steps [sequence, step] of the batch.
+void write_tactile_embeddings(Runtime& runtime, const Model& model, const BatchBlock& block,
+                              const TouchEmbeddings& of_steps);
 
 }  // namespace touchtrace

@@ -58,7 +58,7 @@ ModelComparison compare_model(Runtime& runtime, const ModelSpec& spec, int seque
   const auto parameters = model.table().initial_values(seed);
   const auto batch = noise_batch(spec, sequences, steps, frames, random);
   runtime.write<float>(model.weights().values, parameters);
-  write_windows(runtime, model, {batch}, frames);
+  write_windows(runtime, model, batch);
   write_initial_states(runtime, model, {batch}, batch.initial_state);
   write_targets(runtime, model, batch);
   write_segments(runtime, model, batch, object_loss);

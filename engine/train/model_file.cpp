@@ -29,8 +29,9 @@ ModelSpec spec_of(const TensorFile& file) {
 
 }  // namespace
 
-std::unique_ptr<Model> ModelFile::make(Runtime& runtime, int sequences, int steps) const {
-  auto model = std::make_unique<Model>(runtime, spec, sequences, steps, Model::Use::prediction);
+std::unique_ptr<Model> ModelFile::make(Runtime& runtime, int sequences, int steps,
+                                       Model::Use use) const {
+  auto model = std::make_unique<Model>(runtime, spec, sequences, steps, use);
   runtime.write<float>(model->weights().values, values_of(model->table(), file));
   model->prepare();
   return model;

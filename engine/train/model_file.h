@@ -16,7 +16,7 @@ struct ModelFile {
 
   /// The model with the file's weights, ready for forward passes. Throws data_error if a weight is
   /// missing or has another size.
-  std::unique_ptr<Model> make(Runtime& runtime, int sequences, int steps) const;
+  std::unique_ptr<Model> make(Runtime& runtime, int sequences, int steps, Model::Use use) const;
 };
 
 /// Throws data_error for a file that is none of Trainer::save's.

@@ -4,8 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/model/object_model.h"
-#include "engine/train/safetensors.h"
+#include "engine/train/touch_embedder.h"
 
 namespace touchtrace {
 
@@ -20,9 +19,8 @@ class ObjectEmbedder {
   std::vector<float> embed(const Buffer<float>& stream, std::span<const std::int32_t> first_frame);
 
  private:
-  Runtime& runtime_;
   ModelSpec spec_;
-  ObjectModel model_;
+  TouchEmbedder embedder_;
 };
 
 /// The tensors "object.*" of a model or a checkpoint.

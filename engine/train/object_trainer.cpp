@@ -31,7 +31,7 @@ struct ObjectTrainer::Plan {
       : runtime(on),
         spec(wanted),
         options(how),
-        model(on, wanted, segments, ObjectModel::Use::training),
+        model(on, wanted, segments),
         adam(on, model.weights().values, model.weights().gradient,
              decays(on, model.table(), how.weight_decay), model.loss()),
         frames(tactile.size() / (std::size_t(wanted.rows) * wanted.cols)),

@@ -24,7 +24,9 @@ struct OnlinePredictor::Plan {
   bool knows_object = false;
 
   Plan(Runtime& on, const std::filesystem::path& path)
-      : runtime(on), file(read_model_file(path)), model(file.make(on, 1, 1)) {
+      : runtime(on),
+        file(read_model_file(path)),
+        model(file.make(on, 1, 1, Model::Use::prediction)) {
     if (file.spec.touch)
       stream = on.allocate_zeros<float>(2 * file.spec.window_frames * frame_size());
   }

@@ -3,7 +3,8 @@
 
 #include "engine/train/batch_rows.h"
 #include "engine/train/model_file.h"
-#include "engine/train/object_embedder.h"
+#include "engine/train/segment_rows.h"
+#include "engine/train/touch_embedder.h"
 #include "engine/train/trainer.h"
 
 namespace touchtrace {
@@ -18,40 +19,49 @@ struct Predictor::Plan {
   Runtime& runtime;
   ModelFile file;
   std::unique_ptr<Model> model;
-  std::optional<ObjectEmbedder> embedder;
+  std::optional<TouchEmbedder> touch, object;
 
   Plan(Runtime& on, const std::filesystem::path& path) : runtime(on), file(read_model_file(path)) {
     fit(1, 1);  // so that a file without all weights is refused at once
-    if (file.spec.object != ObjectEncoder::none) embedder.emplace(on, file.spec, file.file);
+    if (file.spec.touch) touch.emplace(on, "tactile", file.spec, file.file);
+    if (file.spec.object != ObjectEncoder::none) object.emplace(on, "object", file.spec, file.file);
   }
 
   /// A model of this size, kept from call to call.
   void fit(int sequences, int steps) {
     if (model && model->sequences() == sequences && model->steps() == steps) return;
-    model = file.make(runtime, sequences, steps);
+    model = file.make(runtime, sequences, steps, Model::Use::rollout);
   }
 
-  /// The embeddings of the block's objects, each known from its own segment.
-  void embed(const BatchBlock& block, const Buffer<float>& stream) {
-    if (!embedder) return;
-    const auto last = block.batch.sequences - 1;
-    std::vector<std::int32_t> segment, row;
-    for (int s = 0; s < model->sequences(); ++s) {
-      segment.push_back(block.batch.segment_frame[std::min(block.first_sequence + s, last)]);
-      row.push_back(s);
+  /// g_t of every step and e_i of every sequence of a batch.
+  struct Embedded {
+    TouchEmbeddings steps, objects;
+  };
+
+  Embedded embed(const RolloutBatch& batch, std::span<const float> tactile) {
+    Embedded embedded;
+    if (!touch && !object) return embedded;
+    const auto stream = runtime.upload(tactile);
+    if (touch) {
+      std::vector<std::int32_t> last_frame;
+      for (const auto first : batch.first_frame)
+        for (int t = 0; t < batch.steps; ++t) last_frame.push_back(first + t);
+      embedded.steps = touch->embed_distinct(tactile, stream, last_frame);
     }
-    write_object_embeddings(runtime, *model, row, embedder->embed(stream, segment));
+    if (object)
+      embedded.objects = object->embed_distinct(
+          tactile, stream, segment_last_frames(file.spec, batch.segment_frame));
+    return embedded;
   }
 
   /// Rolls the block's sequences out to the end and writes them to `rollout`.
-  void predict(BatchBlock block, const Buffer<float>& stream, std::size_t frames,
-               Rollout& rollout) {
+  void predict(BatchBlock block, const Embedded& embedded, Rollout& rollout) {
     std::vector<float> state = block.batch.initial_state;
-    embed(block, stream);
+    if (object) write_object_embeddings(runtime, *model, block, embedded.objects);
     for (; block.first_step < block.batch.steps; block.first_step += model->steps()) {
-      write_windows(runtime, *model, block, frames);
+      if (touch) write_tactile_embeddings(runtime, *model, block, embedded.steps);
       write_initial_states(runtime, *model, block, state);
-      model->forward(stream);
+      model->forward({});
       collect(block, rollout);
       const int last = std::min(block.first_step + model->steps(), block.batch.steps) - 1;
       for (int s = 0; s < block.batch.sequences; ++s)
@@ -98,9 +108,9 @@ Rollout Predictor::predict(const RolloutBatch& batch, std::span<const float> tac
   Rollout rollout{std::vector<float>(values), std::vector<float>(values)};
   if (values == 0) return rollout;
   plan_->fit(std::min(batch.sequences, block_sequences), std::min(batch.steps, block_steps));
-  const auto stream = spec.touch ? plan_->runtime.upload(tactile) : Buffer<float>();
+  const auto embedded = plan_->embed(batch, tactile);
   for (int s = 0; s < batch.sequences; s += plan_->model->sequences())
-    plan_->predict({batch, s, 0}, stream, frames, rollout);
+    plan_->predict({batch, s, 0}, embedded, rollout);
   return rollout;
 }
 

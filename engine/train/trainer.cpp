@@ -69,7 +69,7 @@ struct Trainer::Plan {
                     "report this as a bug");
     check(batch, model.spec(), frames);
     check_objects(batch, model.spec(), frames, Model::Use::training);
-    write_windows(runtime, model, {batch}, frames);
+    write_windows(runtime, model, batch);
     write_initial_states(runtime, model, {batch}, batch.initial_state);
     write_targets(runtime, model, batch);
     write_segments(runtime, model, batch, options.object_loss);

@@ -98,7 +98,7 @@ class Pass {
       for (float& value : *values) value *= scale;
     stream_ = runtime.upload<float>(stream);
     runtime.write<float>(model_.weights().values, weights);
-    write_windows(runtime, model_, {batch}, frames);
+    write_windows(runtime, model_, batch);
     write_initial_states(runtime, model_, {batch}, batch.initial_state);
     write_targets(runtime, model_, batch);
   }

@@ -29,7 +29,7 @@ void write_gradient(Runtime& runtime, const Problem& p, const std::string& out) 
   const auto& batch = p.batches.at(0);
   Model model(runtime, p.spec, batch.sequences, batch.steps, Model::Use::training);
   runtime.write<float>(model.weights().values, values_of(model.table(), p.file));
-  write_windows(runtime, model, {batch}, p.frames());
+  write_windows(runtime, model, batch);
   write_initial_states(runtime, model, {batch}, batch.initial_state);
   write_targets(runtime, model, batch);
   write_segments(runtime, model, batch, p.options.object_loss);

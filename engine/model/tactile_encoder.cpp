@@ -129,7 +129,7 @@ TactileEncoder::Plan::Plan(Runtime& device, const std::string& name, const Tacti
 }
 
 void TactileEncoder::Plan::add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape) {
-  layers.push_back(make_conv2d(runtime, shape, parameters, method_for(shape, training)));
+  layers.push_back(make_conv2d(runtime, shape, parameters, {method_for(shape, training)}));
   append(prepare, layers.back()->prepare());
   if (training) append(finish, layers.back()->finish());
 }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "engine/cl/launch.h"
+#include "engine/ops/conv2d_choice.h"
 
 namespace touchtrace {
 
@@ -66,15 +67,10 @@ class Conv2d {
   virtual Launches finish() = 0;
 };
 
-/// `winograd`: 81 multiplications instead of 144 in the forward pass and the gradient towards the
-/// input (kernels/winograd.clh), if the kernel is 3 and the stride 2, the input is in blocks and
-/// the device's local memory holds what one image needs; otherwise `direct`.
-enum class Conv2dMethod { direct, winograd };
-
 /// The method that needs fewer multiplications, those beyond the image's edge counted too.
 Conv2dMethod best_method(const Conv2dShape& shape);
 
 std::unique_ptr<Conv2d> make_conv2d(Runtime& runtime, const Conv2dShape& shape,
-                                    const Conv2dParameters& parameters, Conv2dMethod method);
+                                    const Conv2dParameters& parameters, const Conv2dChoice& choice);
 
 }  // namespace touchtrace

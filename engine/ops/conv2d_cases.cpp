@@ -75,7 +75,7 @@ Layer::Layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method, co
             runtime.allocate_zeros<float>(s.out_size()),
             runtime.allocate_zeros<float>(s.out_size()),
             s.in_planes ? Buffer<float>() : runtime.allocate_zeros<float>(s.in_size())};
-  conv = make_conv2d(runtime, s, parameters, method);
+  conv = make_conv2d(runtime, s, parameters, {method});
   enqueue(runtime, conv->prepare());
   enqueue(runtime, conv->forward(images));
 }

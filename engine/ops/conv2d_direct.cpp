@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "engine/ops/conv2d_methods.h"
 
 namespace touchtrace {
@@ -8,30 +10,38 @@ namespace {
 constexpr int wanted_vector_operations = 20000;
 int ceil_div(int a, int b) { return (a + b - 1) / b; }
 
-constexpr int accumulators = 24;
+// Of the 32 vector registers of AVX-512.
+constexpr int usual_accumulators = 24;
+constexpr int most_pixels = 12;  // of a tile, as conv2d_tile.clh names them
 
 /// One of the two passes that multiply tiles: the forward pass, with output channels as lanes, or
 /// the gradient towards the input, the other way round.
 struct TiledPass {
   const char* file;
   int lanes, channels, lane_stride, channel_stride;
-  int classes;  ///< tiles that one place of the output takes: of input pixels by parity
+  int classes;       ///< tiles that one place of the output takes: of input pixels by parity
+  int accumulators;  ///< vectors of 16 values in a tile
 
   /// Of 16 lanes in a tile.
   int blocks() const { return classes == 1 && lanes % 64 == 0 ? 4 : 2; }
   /// Output pixels in a tile.
-  int pixels() const { return accumulators / classes / blocks(); }
+  int pixels() const { return std::clamp(accumulators / classes / blocks(), 1, most_pixels); }
   int groups() const { return lanes / 16 / blocks(); }
 };
 
-TiledPass forward_pass(const Conv2dShape& s) {
-  return {"conv2d_forward.cl",      s.out_channels, s.in_channels,
-          s.in_channels * s.taps(), s.taps(),       1};
+int accumulators_of(const Conv2dChoice& choice) {
+  return choice.accumulators > 0 ? choice.accumulators : usual_accumulators;
 }
 
-TiledPass data_pass(const Conv2dShape& s) {
-  return {"conv2d_backward_data.cl", s.in_channels,      s.out_channels, s.taps(),
-          s.in_channels * s.taps(),  s.stride * s.stride};
+TiledPass forward_pass(const Conv2dShape& s, const Conv2dChoice& choice) {
+  return {"conv2d_forward.cl",      s.out_channels, s.in_channels,
+          s.in_channels * s.taps(), s.taps(),       1,
+          accumulators_of(choice)};
+}
+
+TiledPass data_pass(const Conv2dShape& s, const Conv2dChoice& choice) {
+  return {"conv2d_backward_data.cl", s.in_channels,       s.out_channels,         s.taps(),
+          s.in_channels * s.taps(),  s.stride * s.stride, accumulators_of(choice)};
 }
 
 cl::Kernel tiled_kernel(Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass,
@@ -44,46 +54,51 @@ cl::Kernel tiled_kernel(Runtime& runtime, const Conv2dShape& shape, const TiledP
 }
 
 /// Tiles that a work-item does one after the other.
-int tiles_an_item(const Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass) {
+int tiles_an_item(const Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass,
+                  const Conv2dChoice& choice) {
+  if (choice.item_tiles > 0) return choice.item_tiles;
   const int operations = pass.channels * shape.taps() * pass.pixels() * pass.blocks();
   return runtime.device().type == "cpu" ? ceil_div(wanted_vector_operations, operations) : 1;
 }
 
 class DirectConv2d final : public Conv2d {
  public:
-  DirectConv2d(Runtime& runtime, const Conv2dShape& shape, const Conv2dParameters& parameters)
+  DirectConv2d(Runtime& runtime, const Conv2dShape& shape, const Conv2dParameters& parameters,
+               const Conv2dChoice& choice)
       : runtime_(runtime),
         shape_(shape),
         parameters_(parameters),
+        choice_(choice),
         packed_(runtime.allocate<float>(shape.weight_size())),
-        weights_gradient_(runtime, shape, parameters) {
+        weights_gradient_(runtime, shape, parameters, choice) {
     if (parameters.gradient.size() > 0 && !shape.in_planes)
       packed_turned_ = runtime.allocate<float>(shape.weight_size());
   }
 
   Launches prepare() override {
-    Launches launches{pack(forward_pass(shape_), packed_)};
-    if (packed_turned_.size() > 0) launches.push_back(pack(data_pass(shape_), packed_turned_));
+    Launches launches{pack(forward_pass(shape_, choice_), packed_)};
+    if (packed_turned_.size() > 0)
+      launches.push_back(pack(data_pass(shape_, choice_), packed_turned_));
     return launches;
   }
 
   Launches forward(const Conv2dImages& part) override {
-    const auto pass = forward_pass(shape_);
+    const auto pass = forward_pass(shape_, choice_);
     return {Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_forward"),
                    range(items(pass, part), pass.groups()), part.in, packed_, parameters_.values,
                    parameters_.bias_at, part.out, part.images,
-                   tiles_an_item(runtime_, shape_, pass))
+                   tiles_an_item(runtime_, shape_, pass, choice_))
                 .costing(conv2d_cost(shape_, part.images))};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {
     Launches launches{weights_gradient_.sum(part, first)};
     if (part.grad_in.size() == 0) return launches;
-    const auto pass = data_pass(shape_);
+    const auto pass = data_pass(shape_, choice_);
     launches.push_back(Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_backward_data"),
                               range(items(pass, part), pass.groups()), part.grad_out,
                               packed_turned_, part.in, part.grad_in, part.images,
-                              tiles_an_item(runtime_, shape_, pass))
+                              tiles_an_item(runtime_, shape_, pass, choice_))
                            .costing(conv2d_cost(shape_, part.images)));
     return launches;
   }
@@ -93,7 +108,8 @@ class DirectConv2d final : public Conv2d {
  private:
   int items(const TiledPass& pass, const Conv2dImages& part) const {
     const int pixels = part.images * shape_.out_rows() * shape_.out_cols();
-    return ceil_div(ceil_div(pixels, pass.pixels()), tiles_an_item(runtime_, shape_, pass));
+    return ceil_div(ceil_div(pixels, pass.pixels()),
+                    tiles_an_item(runtime_, shape_, pass, choice_));
   }
   Launch pack(const TiledPass& pass, const Buffer<float>& packed) {
     return Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_pack"),
@@ -104,6 +120,7 @@ class DirectConv2d final : public Conv2d {
   Runtime& runtime_;
   Conv2dShape shape_;
   Conv2dParameters parameters_;
+  Conv2dChoice choice_;
   Buffer<float> packed_, packed_turned_;
   Conv2dWeightsGradient weights_gradient_;
 };
@@ -111,8 +128,9 @@ class DirectConv2d final : public Conv2d {
 }  // namespace
 
 std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& shape,
-                                           const Conv2dParameters& parameters) {
-  return std::make_unique<DirectConv2d>(runtime, shape, parameters);
+                                           const Conv2dParameters& parameters,
+                                           const Conv2dChoice& choice) {
+  return std::make_unique<DirectConv2d>(runtime, shape, parameters, choice);
 }
 
 }  // namespace touchtrace

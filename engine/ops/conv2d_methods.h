@@ -10,19 +10,21 @@ Defines conv2d_defines(const Conv2dShape& shape);
 LaunchCost conv2d_cost(const Conv2dShape& shape, int images);
 
 std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& shape,
-                                           const Conv2dParameters& parameters);
+                                           const Conv2dParameters& parameters,
+                                           const Conv2dChoice& choice);
 std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,
-                                             const Conv2dParameters& parameters);
+                                             const Conv2dParameters& parameters,
+                                             const Conv2dChoice& choice);
 
-/// Images whose points the device's local memory holds; 0: not one.
-int winograd_group(const Runtime& runtime, const Conv2dShape& shape);
+/// Images whose points stand in the device's local memory together; 0: not one does.
+int winograd_group(const Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice);
 
 /// The gradient of weight and bias, which the methods share (kernels/conv2d_backward_weights.cl).
 class Conv2dWeightsGradient {
  public:
   /// Allocates nothing if there is no gradient.
   Conv2dWeightsGradient(Runtime& runtime, const Conv2dShape& shape,
-                        const Conv2dParameters& parameters);
+                        const Conv2dParameters& parameters, const Conv2dChoice& choice);
 
   Launch sum(const Conv2dImages& part, bool first);
   Launch finish();
@@ -31,6 +33,7 @@ class Conv2dWeightsGradient {
   Runtime& runtime_;
   Conv2dShape shape_;
   Conv2dParameters parameters_;
+  Conv2dChoice choice_;
   int chunks_;
   Buffer<float> partial_, partial_bias_;
 };

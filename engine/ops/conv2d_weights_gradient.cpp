@@ -18,15 +18,17 @@ int blocks_of_input(const Conv2dShape& shape) {
 }
 
 /// Images whose block of input channels and pair of output blocks a first-level cache holds.
-int group_images(const Conv2dShape& shape) {
+int group_images(const Conv2dShape& shape, const Conv2dChoice& choice) {
+  if (choice.gradient_images > 0) return choice.gradient_images;
   const std::size_t in = shape.in_size() / shape.images / blocks_of_input(shape);
   const std::size_t out = shape.out_size() / shape.images / (shape.out_channels / 32);
   return std::max(1, static_cast<int>(cache_bytes / (4 * (in + out))));
 }
 
-cl::Kernel weights_kernel(Runtime& runtime, const Conv2dShape& shape, const char* name) {
+cl::Kernel weights_kernel(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice,
+                          const char* name) {
   auto defines = conv2d_defines(shape);
-  defines["GROUP"] = std::to_string(group_images(shape));
+  defines["GROUP"] = std::to_string(group_images(shape, choice));
   return runtime.kernel({"common.clh", "conv2d.clh", "conv2d_backward_weights.cl"}, name, defines);
 }
 
@@ -35,8 +37,10 @@ struct Chunks {
   int count, images;  ///< images in a chunk; the last may hold fewer
 };
 
-Chunks chunks_of(const Conv2dShape& shape, int images) {
-  const int wanted = rounded_up(wanted_items, shape.out_channels / 32 * blocks_of_input(shape));
+Chunks chunks_of(const Conv2dShape& shape, const Conv2dChoice& choice, int images) {
+  const int pairs = shape.out_channels / 32 * blocks_of_input(shape);
+  const int wanted =
+      choice.gradient_chunks > 0 ? choice.gradient_chunks : rounded_up(wanted_items, pairs);
   const int in_chunk = rounded_up(images, std::min(wanted, images));
   return {rounded_up(images, in_chunk), in_chunk};
 }
@@ -44,26 +48,28 @@ Chunks chunks_of(const Conv2dShape& shape, int images) {
 }  // namespace
 
 Conv2dWeightsGradient::Conv2dWeightsGradient(Runtime& runtime, const Conv2dShape& shape,
-                                             const Conv2dParameters& parameters)
+                                             const Conv2dParameters& parameters,
+                                             const Conv2dChoice& choice)
     : runtime_(runtime),
       shape_(shape),
       parameters_(parameters),
-      chunks_(chunks_of(shape, shape.images).count) {
+      choice_(choice),
+      chunks_(chunks_of(shape, choice, shape.images).count) {
   if (parameters.gradient.size() == 0) return;
   partial_ = runtime.allocate<float>(chunks_ * shape.weight_size());
   partial_bias_ = runtime.allocate<float>(std::size_t(chunks_) * shape.out_channels);
 }
 
 Launch Conv2dWeightsGradient::sum(const Conv2dImages& part, bool first) {
-  const auto chunks = chunks_of(shape_, part.images);
-  return Launch(weights_kernel(runtime_, shape_, "conv2d_backward_weights"),
+  const auto chunks = chunks_of(shape_, choice_, part.images);
+  return Launch(weights_kernel(runtime_, shape_, choice_, "conv2d_backward_weights"),
                 range(shape_.out_channels / 32, blocks_of_input(shape_), chunks.count), part.in,
                 part.grad_out, partial_, partial_bias_, part.images, chunks.images, first ? 1 : 0)
       .costing(conv2d_cost(shape_, part.images));
 }
 
 Launch Conv2dWeightsGradient::finish() {
-  return Launch(weights_kernel(runtime_, shape_, "conv2d_reduce"),
+  return Launch(weights_kernel(runtime_, shape_, choice_, "conv2d_reduce"),
                 range(shape_.in_channels, shape_.out_channels / 32), partial_, partial_bias_,
                 chunks_, parameters_.gradient, parameters_.weight_at, parameters_.bias_at);
 }

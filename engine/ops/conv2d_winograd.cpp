@@ -15,15 +15,25 @@ int tiles_of(const Conv2dShape& shape) {
   return ((shape.out_rows() + 3) / 4) * ((shape.out_cols() + 3) / 4);
 }
 
+/// Images whose points this much local memory holds.
+int images_in(std::size_t bytes, const Conv2dShape& shape) {
+  const std::size_t channels = shape.in_channels + shape.out_channels;
+  const std::size_t image = sizeof(float) * points * tiles_of(shape) * channels;
+  const std::size_t padding = sizeof(float) * points * 2 * 16;
+  if (bytes < padding) return 0;
+  return static_cast<int>(std::min<std::size_t>(shape.images, (bytes - padding) / image));
+}
+
 class WinogradConv2d final : public Conv2d {
  public:
-  WinogradConv2d(Runtime& runtime, const Conv2dShape& shape, const Conv2dParameters& parameters)
+  WinogradConv2d(Runtime& runtime, const Conv2dShape& shape, const Conv2dParameters& parameters,
+                 const Conv2dChoice& choice)
       : runtime_(runtime),
         shape_(shape),
         parameters_(parameters),
-        group_(winograd_group(runtime, shape)),
+        group_(winograd_group(runtime, shape, choice)),
         weights_(runtime.allocate<float>(sets_size())),
-        weights_gradient_(runtime, shape, parameters) {
+        weights_gradient_(runtime, shape, parameters, choice) {
     if (parameters.gradient.size() > 0) weights_turned_ = runtime.allocate<float>(sets_size());
   }
 
@@ -90,22 +100,19 @@ class WinogradConv2d final : public Conv2d {
 
 }  // namespace
 
-int winograd_group(const Runtime& runtime, const Conv2dShape& shape) {
-  const std::size_t memory = std::min<std::size_t>(
-      largest_group_bytes, runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>());
-  const std::size_t channels = shape.in_channels + shape.out_channels;
-  const std::size_t image = sizeof(float) * points * tiles_of(shape) * channels;
-  const std::size_t padding = sizeof(float) * points * 2 * 16;
-  if (memory < padding) return 0;
-  const int images = std::min<int>(shape.images, (memory - padding) / image);
+int winograd_group(const Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice) {
+  const std::size_t memory = runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
+  if (choice.group_images > 0) return std::min(choice.group_images, images_in(memory, shape));
+  const int images = images_in(std::min(memory, largest_group_bytes), shape);
   const int whole =
       4 / std::gcd(4, tiles_of(shape));  // images that fill the products' tiles of 4 rows
   return images < whole ? images : images / whole * whole;
 }
 
 std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,
-                                             const Conv2dParameters& parameters) {
-  return std::make_unique<WinogradConv2d>(runtime, shape, parameters);
+                                             const Conv2dParameters& parameters,
+                                             const Conv2dChoice& choice) {
+  return std::make_unique<WinogradConv2d>(runtime, shape, parameters, choice);
 }
 
 }  // namespace touchtrace

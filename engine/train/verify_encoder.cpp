@@ -73,8 +73,8 @@ std::vector<Conv2dImages> parts_of(Runtime& runtime, const Conv2dShape& shape, i
 void measure_layer(Runtime& runtime, const Conv2dShape& shape, int windows, Conv2dMethod method,
                    LayerCosts& costs) {
   const auto values = normal_buffer(runtime, shape.weight_size() + shape.out_channels);
-  const auto conv = make_conv2d(runtime, shape,
-                                {values, values, 0, static_cast<int>(shape.weight_size())}, method);
+  const auto conv = make_conv2d(
+      runtime, shape, {values, values, 0, static_cast<int>(shape.weight_size())}, {method});
   const auto parts = parts_of(runtime, shape, windows);
   Launches forward = conv->prepare(), weights, data;
   for (const auto& part : parts) {

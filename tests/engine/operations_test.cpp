@@ -110,7 +110,7 @@ TEST(Conv2d, TakesWinogradsMethodWhereLocalMemoryHoldsTheImage) {
   const auto weights = shape.weight_size();
   const auto conv = make_conv2d(
       runtime, shape, {runtime.allocate<float>(weights + 64), {}, 0, static_cast<int>(weights)},
-      Conv2dMethod::winograd);
+      {Conv2dMethod::winograd});
   const Conv2dImages images{2,
                             runtime.allocate<float>(shape.in_size()),
                             runtime.allocate<float>(shape.out_size()),

@@ -68,9 +68,9 @@ def step_figures(options, folder):
             tried = try_settings(lambda setting: TorchTrainer(problem, setting), settings, max(2, count // 4))
             settings, peers = contenders(tried), best_of(tried)
             times = race(options.engine_step, problem, folder, peers, options.rounds, count)
-            for kind, peer, pairs in zip(("wall", "CPU"), peers, times):
-                yield ratio(f"{name}, {kind} time", peer.setting, [theirs / ours for theirs, ours in pairs], goal,
-                            seconds=time.time() - start)
+            for kind, peer, (setting, pairs) in zip(("wall", "CPU"), peers, times):
+                yield ratio(f"{name}, {kind} time, engine with {setting}", peer.setting,
+                            [theirs / ours for theirs, ours in pairs], goal, seconds=time.time() - start)
                 yield row(f"{name}, {kind} time, engine", statistics.median(ours for _, ours in pairs), "ms")
     options.contenders = settings
 

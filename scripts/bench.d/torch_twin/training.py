@@ -95,10 +95,13 @@ class TorchTrainer:
 
 
 class EngineTrainer:
-    """The same of the engine; with `out`, weights are written there after every call."""
+    """The same of the engine, with all cores' threads or with one; with `out`, weights are written there after
+    every call."""
 
-    def __init__(self, engine_step, path, out=None):
+    def __init__(self, engine_step, path, out=None, one_thread=False):
+        self.setting = "1 thread" if one_thread else f"{os.cpu_count()} threads"
         self.process = subprocess.Popen([engine_step, path, "time", *([out] if out else [])], text=True,
+                                        env=os.environ | (dict(POCL_DEVICES="basic") if one_thread else {}),
                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def __call__(self, count):
@@ -144,14 +147,19 @@ def contenders(tried):
 
 
 def race(engine_step, problem, folder, peers, rounds, count):
-    """For wall and CPU time, each with its peer: pairs of the peer's and the engine's milliseconds an update."""
+    """For wall and CPU time, each with its peer: the engine's best setting too, and pairs of the peer's and the
+    engine's milliseconds an update."""
     path = os.path.join(folder, f"problem{problem.sequences}")
     problem.save(path, {})
-    engine = EngineTrainer(engine_step, path)
-    engine(3)
+    engines = [EngineTrainer(engine_step, path, one_thread=one_thread) for one_thread in (False, True)]
+    for engine in engines:
+        engine(WARM_UP)
+    best = best_of([([statistics.median(run) for run in zip(*(engine(count) for _ in range(3)))], engine)
+                    for engine in engines])
     times = [[], []]
     for _ in range(rounds):
-        for kind, peer in enumerate(peers):
+        for kind, (peer, engine) in enumerate(zip(peers, best)):
             times[kind].append((peer(count)[kind], engine(count)[kind]))
-    engine.close()
-    return times
+    for engine in engines:
+        engine.close()
+    return [(engine.setting, pairs) for engine, pairs in zip(best, times)]

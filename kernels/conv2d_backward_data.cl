@@ -1,20 +1,29 @@
-// Gradient of conv2d.clh towards its input, which must stand in blocks.
-//
-// A gather, so that nothing is added twice and there are no atomics. Input pixels (STRIDE a + r, STRIDE b + c)
-// of all a and b make the class (r, c): they get the same taps (i, j), those of which STRIDE divides r + HALO - i
-// and c + HALO - j, from the output pixels (a + (r + HALO - i) / STRIDE, b + (c + HALO - j) / STRIDE). With
-// stride 1 there is one class; with stride 2 there are four, which get 1, 2, 2 and 4 taps of 3 x 3. The mask of
-// the ReLU that made the input is applied at once:
+// Gradient of conv2d.clh towards its input, which must stand in blocks:
 //
 //   grad_in[c][y][x] = [in[c][y][x] > 0] sum_{k, taps} weight[k][c][i][j] grad_out[k][..][..]
 //
+// with the mask of the ReLU that made the input. A gather, so that nothing is added twice and there are no
+// atomics. Input pixels (STRIDE a + r, STRIDE b + c) of all a and b make the class (r, c): with stride 1 there
+// is one class, with stride 2 there are four, by parity. Output pixel (a + y, b + x) meets a class through the
+// tap (r + HALO - STRIDE y, c + HALO - STRIDE x), if there is such a tap.
+//
 // Weights are packed with input channels as lanes, summed over output channels. A work-item computes `tiles`
 // times a tile (conv2d_tile.clh) of each class, its pixels being places (a, b) of the output.
+
+// The largest and the smallest y and x.
+#define LAST ((HALO + STRIDE - 1) / STRIDE)
+#define FIRST (-(HALO / STRIDE))
+
+// One class meets every y and x. Of several, which meets which is known beforehand if all rows are unrolled.
 #if STRIDE == 1
 #define EACH_CLASS(F) F(0, 0)
+#define UNROLLED_ROWS 1
 #else
 #define EACH_CLASS(F) F(0, 0) F(0, 1) F(1, 0) F(1, 1)
+#define UNROLLED_ROWS (LAST - FIRST + 1)
 #endif
+
+static bool is_tap(int i) { return i >= 0 && i < KERNEL; }
 
 static places outputs_of(__global const real* grad_out, int first, int pixels) {
   places from;
@@ -22,17 +31,6 @@ static places outputs_of(__global const real* grad_out, int first, int pixels) {
   REPEAT(PIXELS, PLACE)
 #undef PLACE
   return from;
-}
-
-static tile add_class(tile t, places from, int at, __global const real* weights, int r, int c) {
-#pragma unroll
-  for (int i = (r + HALO) % STRIDE; i < KERNEL; i += STRIDE)
-#pragma unroll
-    for (int j = (c + HALO) % STRIDE; j < KERNEL; j += STRIDE) {
-      const int y = (r + HALO - i) / STRIDE, x = (c + HALO - j) / STRIDE;
-      t = add_tap(t, from, at + y * OUT_PITCH + x * OUT_STEP, weights + (KERNEL * i + j) * TAP_SIZE);
-    }
-  return t;
 }
 
 static void store_masked(real16 value, __global const real* in, __global real* grad_in) {
@@ -65,9 +63,20 @@ static void data_tiles(__global const real* restrict grad_out, __global const re
 #undef START
   for (int block = 0; block < OUT_CHANNELS / 16; ++block)
     for (int lane = 0; lane < 16; ++lane, weights += CHANNEL_SIZE) {
-#define ADD(r, c) sum##r##c = add_class(sum##r##c, from, block * OUT_BLOCK + lane, weights, r, c);
-      EACH_CLASS(ADD)
+#pragma unroll UNROLLED_ROWS
+      for (int y = LAST; y >= FIRST; --y)
+#pragma unroll
+        for (int x = LAST; x >= FIRST; --x) {
+          const int at = block * OUT_BLOCK + lane + y * OUT_PITCH + x * OUT_STEP;
+#define ADD(r, c)                                                                      \
+  {                                                                                    \
+    const int i = r + HALO - STRIDE * y, j = c + HALO - STRIDE * x;                    \
+    if (is_tap(i) && is_tap(j))                                                        \
+      sum##r##c = add_tap(sum##r##c, from, at, weights + (KERNEL * i + j) * TAP_SIZE); \
+  }
+          EACH_CLASS(ADD)
 #undef ADD
+        }
     }
 #define STORE(r, c) store_class(sum##r##c, in, grad_in, first, pixels, r, c);
   EACH_CLASS(STORE)

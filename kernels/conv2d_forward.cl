@@ -13,7 +13,6 @@ static tile convolve(tile t, places from, __global const real* weights) {
   for (int block = 0; block < IN_BLOCKS; ++block)
     for (int lane = 0; lane < IN_LANES; ++lane) {
       const int at = block * IN_BLOCK + lane * IN_LANE;
-#pragma unroll
       for (int i = 0; i < KERNEL; ++i)
 #pragma unroll
         for (int j = 0; j < KERNEL; ++j, weights += TAP_SIZE)

@@ -18,23 +18,22 @@ void FlatParameters::set(const std::string& name, const std::vector<double>& gra
   std::ranges::copy(grad, gradient.begin() + static_cast<std::ptrdiff_t>(table.at(name).offset));
 }
 
-EncoderTrace encode_reference(const std::string& name, const TactileWindowShape& window,
+EncoderTrace encode_reference(const std::string& name, const TactileEncoderShape& shape,
                               int embedding, const FlatParameters& p, std::vector<double> windows) {
-  constexpr std::array channels{32, 64, 128};
-  EncoderTrace trace{
-      .name = name, .shapes = {}, .layers = {}, .sums = {}, .dense = {}, .embedding = {}};
+  EncoderTrace trace{.name = name,
+                     .shapes = shape.layers(),
+                     .layers = {},
+                     .sums = {},
+                     .dense = {},
+                     .embedding = {}};
   trace.layers[0] = std::move(windows);
-  Conv2dShape shape{window.windows, window.frames, window.rows, window.cols, channels[0], true};
   for (int i = 0; i < 3; ++i) {
-    shape.out_channels = channels[i];
-    trace.shapes[i] = shape;
     const auto layer = trace.conv(i + 1);
-    trace.sums[i] =
-        conv2d_sum_reference(shape, trace.layers[i], p[layer + ".weight"], p[layer + ".bias"]);
+    trace.sums[i] = conv2d_sum_reference(trace.shapes[i], trace.layers[i], p[layer + ".weight"],
+                                         p[layer + ".bias"]);
     for (double sum : trace.sums[i]) trace.layers[i + 1].push_back(std::max(sum, 0.0));
-    shape = {window.windows, channels[i], shape.out_rows(), shape.out_cols(), 0, false};
   }
-  trace.dense.resize(std::size_t(window.windows) * embedding);
+  trace.dense.resize(std::size_t(shape.windows.windows) * embedding);
   trace.dense = dense_reference(trace.dense_shape(), trace.layers[3], p[name + ".dense.weight"],
                                 p[name + ".dense.bias"]);
   trace.embedding =

@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "engine/model/parameters.h"
-#include "engine/ops/conv2d.h"
+#include "engine/model/tactile_encoder.h"
 #include "engine/ops/dense_reference.h"
-#include "engine/ops/tactile_window.h"
 
 namespace touchtrace {
 
@@ -37,7 +36,7 @@ struct EncoderTrace {
 };
 
 /// touch_encoder.h in plain loops. `windows`: of tactile_window_reference.
-EncoderTrace encode_reference(const std::string& name, const TactileWindowShape& window,
+EncoderTrace encode_reference(const std::string& name, const TactileEncoderShape& shape,
                               int embedding, const FlatParameters& parameters,
                               std::vector<double> windows);
 

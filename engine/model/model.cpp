@@ -47,9 +47,9 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   bundle_programs(runtime, spec, use);
   const bool own_object_encoder = spec.object == ObjectEncoder::joint && use == Use::training;
   if (spec.touch && use != Use::rollout)
-    TouchEncoder::declare("tactile", windows_of(spec, 1), spec.embedding, table_);
+    TouchEncoder::declare("tactile", window_encoder(spec, 1), spec.embedding, table_);
   if (own_object_encoder)
-    TouchEncoder::declare("object", segments_of(spec, 1), spec.embedding, table_);
+    TouchEncoder::declare("object", segment_encoder(spec, 1), spec.embedding, table_);
   DynamicsMlp::declare(spec, table_);
   weights_ = std::make_unique<Weights>(allocate_weights(runtime, table_, use == Use::training));
   if (spec.touch && use == Use::rollout)
@@ -71,13 +71,13 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
 
 void Model::plan_tactile_encoder() {
   tactile_ = std::make_unique<TouchEncoder>(runtime_, "tactile",
-                                            windows_of(spec_, sequences_ * steps_), *weights_);
+                                            window_encoder(spec_, sequences_ * steps_), *weights_);
   input_.last_frame = tactile_->last_frame();
 }
 
 void Model::plan_object_encoder() {
-  object_ =
-      std::make_unique<TouchEncoder>(runtime_, "object", segments_of(spec_, sequences_), *weights_);
+  object_ = std::make_unique<TouchEncoder>(runtime_, "object", segment_encoder(spec_, sequences_),
+                                           *weights_);
   input_.segment_last_frame = object_->last_frame();
   input_.object = runtime_.allocate<std::int32_t>(std::size_t(sequences_));
   input_.contrast_weight = runtime_.allocate<float>(std::size_t(sequences_));

@@ -108,17 +108,17 @@ void set_rollout_gradients(const RolloutReferenceGradients& grad, FlatParameters
 std::vector<EncoderTrace> encode_all(const ModelSpec& spec, const FlatParameters& p,
                                      const ModelProblem& problem) {
   std::vector<EncoderTrace> encoders;
-  const auto add = [&](const char* name, const TactileWindowShape& window,
+  const auto add = [&](const char* name, const TactileEncoderShape& shape,
                        const std::vector<int>& last_frame, const TaxelDropout& dropout) {
-    encoders.push_back(
-        encode_reference(name, window, spec.embedding, p,
-                         tactile_window_reference(window, problem.stream, last_frame, dropout)));
+    encoders.push_back(encode_reference(
+        name, shape, spec.embedding, p,
+        tactile_window_reference(shape.windows, problem.stream, last_frame, dropout)));
   };
   if (spec.touch)
-    add("tactile", windows_of(spec, problem.sequences * problem.steps), problem.last_frame,
+    add("tactile", window_encoder(spec, problem.sequences * problem.steps), problem.last_frame,
         problem.dropout);
   if (spec.object == ObjectEncoder::joint)
-    add("object", segments_of(spec, problem.sequences), problem.segment_last_frame,
+    add("object", segment_encoder(spec, problem.sequences), problem.segment_last_frame,
         problem.segment_dropout);
   return encoders;
 }

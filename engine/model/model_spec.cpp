@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "engine/base/error.h"
 
 namespace touchtrace {
@@ -19,10 +21,16 @@ NLOHMANN_JSON_SERIALIZE_ENUM(ObjectEncoder, {{ObjectEncoder::none, "none"},
                                              {ObjectEncoder::joint, "joint"}})
 
 void to_json(nlohmann::json& json, const ModelSpec& spec) {
-  json = {{"touch", spec.touch},   {"window_frames", spec.window_frames},
-          {"rows", spec.rows},     {"cols", spec.cols},
-          {"hidden", spec.hidden}, {"embedding", spec.embedding},
-          {"state", spec.state},   {"band_quantile", spec.band_quantile}};
+  json = {{"touch", spec.touch},
+          {"window_frames", spec.window_frames},
+          {"rows", spec.rows},
+          {"cols", spec.cols},
+          {"tactile_kernel", spec.tactile_kernel},
+          {"tactile_strides", spec.tactile_strides},
+          {"hidden", spec.hidden},
+          {"embedding", spec.embedding},
+          {"state", spec.state},
+          {"band_quantile", spec.band_quantile}};
   if (spec.object == ObjectEncoder::none) return;
   json.update({{"object", spec.object},
                {"segment_frames", spec.segment_frames},
@@ -34,6 +42,8 @@ void from_json(const nlohmann::json& json, ModelSpec& spec) {
   json.at("window_frames").get_to(spec.window_frames);
   json.at("rows").get_to(spec.rows);
   json.at("cols").get_to(spec.cols);
+  spec.tactile_kernel = json.value("tactile_kernel", spec.tactile_kernel);
+  spec.tactile_strides = json.value("tactile_strides", spec.tactile_strides);
   json.at("embedding").get_to(spec.embedding);
   json.at("hidden").get_to(spec.hidden);
   json.at("state").get_to(spec.state);
@@ -53,6 +63,10 @@ void validate(const ModelSpec& spec) {
   require(spec.touch || spec.object == ObjectEncoder::none,
           "object encoder needs touch, from which it knows the object");
   if (!spec.touch) return;
+  require(spec.tactile_kernel == 3 || spec.tactile_kernel == 5,
+          "convolutions over tactile frames have kernels of 3 or 5");
+  require(std::ranges::all_of(spec.tactile_strides, [](int s) { return s == 1 || s == 2; }),
+          "convolutions over tactile frames have strides of 1 or 2");
   require(spec.embedding >= 16 && spec.embedding <= 1024 && spec.embedding % 16 == 0,
           "embeddings have a multiple of 16 values, 1024 at most");
   require(spec.contrast_temperature >= 0 && spec.contrast_temperature <= 100,

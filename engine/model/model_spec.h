@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 namespace touchtrace {
@@ -16,9 +17,11 @@ struct ModelSpec {
   bool touch = true;         ///< false: the baseline "w/o Touch", no tactile encoder
   int window_frames = 10;    ///< M: the window of step t holds frames t-M+1 .. t (section III-B)
   int rows = 32, cols = 32;  ///< of a tactile frame
-  int embedding = 64;        ///< size of the tactile embedding g_t, after LayerNorm; of 16s
-  int hidden = 256;          ///< width of the two hidden layers of the dynamics MLP; of 64s
-  int state = 12;            ///< size of s_t, at most 16
+  int tactile_kernel = 3;    ///< of the convolutions over tactile frames, in both encoders: 3 or 5
+  std::array<int, 3> tactile_strides{2, 2, 2};  ///< of the same, from the first to the last: 1 or 2
+  int embedding = 64;  ///< size of the tactile embedding g_t, after LayerNorm; of 16s
+  int hidden = 256;    ///< width of the two hidden layers of the dynamics MLP; of 64s
+  int state = 12;      ///< size of s_t, at most 16
   ObjectEncoder object = ObjectEncoder::none;  ///< its embedding e_i has the size of g_t
   int segment_frames = 20;                     ///< of touch that an object is known from
   float contrast_temperature = 0.0f;  ///< of normalised embeddings; 0: dot products (equation 5)

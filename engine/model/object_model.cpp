@@ -9,7 +9,7 @@ namespace {
 
 ParameterTable object_parameters(const ModelSpec& spec) {
   ParameterTable table;
-  TouchEncoder::declare("object", segments_of(spec, 1), spec.embedding, table);
+  TouchEncoder::declare("object", segment_encoder(spec, 1), spec.embedding, table);
   return table;
 }
 
@@ -20,7 +20,7 @@ ObjectModel::ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments)
       segments_(segments),
       table_(object_parameters(spec)),
       weights_(allocate_weights(runtime, table_, true)),
-      encoder_(runtime, "object", segments_of(spec, segments), weights_) {
+      encoder_(runtime, "object", segment_encoder(spec, segments), weights_) {
   plan_loss(spec);
 }
 

@@ -3,13 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <ranges>
 
 #include "engine/base/error.h"
-#include "engine/ops/channel_blocks.h"
-#include "engine/ops/conv2d.h"
 
 namespace touchtrace {
 namespace {
@@ -25,21 +22,10 @@ void check(const TactileWindowShape& window) {
                       "frames have 6 to 64 rows and columns, windows 1 to 32 frames");
 }
 
-/// Of the layers, over `images` windows.
-Shapes shapes_of(const TactileWindowShape& window, int images) {
-  check(window);
-  Shapes shapes{};
-  shapes[0] = {images, window.frames, window.rows, window.cols, channels[0], true};
-  for (int i = 1; i < 3; ++i) {
-    const auto& below = shapes[i - 1];
-    shapes[i] = {images,           below.out_channels, below.out_rows(),
-                 below.out_cols(), channels[i],        false};
-  }
-  return shapes;
-}
-
-ChannelBlocksShape outputs_of(const Conv2dShape& last, int images) {
-  return {images, last.out_channels, last.out_rows(), last.out_cols()};
+TactileEncoderShape of_windows(TactileEncoderShape shape, int windows) {
+  shape.windows.windows = windows;
+  shape.windows.halo = shape.kernel / 2;
+  return shape;
 }
 
 std::string layer_name(const std::string& encoder, int layer) {
@@ -89,30 +75,31 @@ struct TactileEncoder::Plan {
     Launches forward, backward;
   };
 
-  Plan(Runtime& device, const std::string& name, const TactileWindowShape& all,
+  Plan(Runtime& device, const std::string& name, const TactileEncoderShape& shape,
        const Weights& weights);
   void add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape);
   void add_part(int first, int size, const Images& images, const Images& gradients);
 
   Runtime& runtime;
-  TactileWindowShape windows;
+  TactileEncoderShape all;
   bool training;
-  Shapes shapes;  ///< of the largest part
+  Shapes shapes;  ///< of the largest part's layers
   Buffer<float> features, grad_features;
   std::vector<std::unique_ptr<Conv2d>> layers;
   std::vector<Part> parts;
   Launches prepare, finish;
 };
 
-TactileEncoder::Plan::Plan(Runtime& device, const std::string& name, const TactileWindowShape& all,
-                           const Weights& weights)
+TactileEncoder::Plan::Plan(Runtime& device, const std::string& name,
+                           const TactileEncoderShape& shape, const Weights& weights)
     : runtime(device),
-      windows(all),
+      all(shape),
       training(weights.gradient.size() > 0),
-      shapes(shapes_of(all, std::min(all.windows, part_windows))),
-      features(device.allocate<float>(TactileEncoder::features_shape(all).row_size())) {
+      shapes(of_windows(shape, std::min(shape.windows.windows, part_windows)).layers()),
+      features(device.allocate<float>(shape.features().row_size())) {
+  const int windows = all.windows.windows;
   for (int i = 0; i < 3; ++i) add_layer(parameters_of(weights, layer_name(name, i)), shapes[i]);
-  const auto parts_of_their_own = training ? (all.windows + part_windows - 1) / part_windows : 1;
+  const auto parts_of_their_own = training ? (windows + part_windows - 1) / part_windows : 1;
   device.check_memory(sizeof(float) * size_of_images(shapes) * std::size_t(parts_of_their_own));
   Images images, gradients;
   if (training) {
@@ -121,8 +108,8 @@ TactileEncoder::Plan::Plan(Runtime& device, const std::string& name, const Tacti
   }
   gradients[0] = {};  // nothing learnable stands before the first layer
   // Only the first part may be smaller: the backward pass starts with the last.
-  int size = (all.windows - 1) % part_windows + 1;
-  for (int first = 0; first < all.windows; first += size, size = part_windows) {
+  int size = (windows - 1) % part_windows + 1;
+  for (int first = 0; first < windows; first += size, size = part_windows) {
     if (training || first == 0) images = allocate_images(device, shapes);
     add_part(first, size, images, gradients);
   }
@@ -136,11 +123,10 @@ void TactileEncoder::Plan::add_layer(const Conv2dParameters& parameters, const C
 
 void TactileEncoder::Plan::add_part(int first, int size, const Images& images,
                                     const Images& gradients) {
-  auto window = windows;
-  window.windows = size;
-  const auto last = outputs_of(shapes[2], size);
-  Part part{TactileWindow(runtime, window, images[0], first), {}, {}};
-  const bool last_part = first + size == windows.windows;
+  const auto shape = of_windows(all, size);
+  const auto last = shape.features();
+  Part part{TactileWindow(runtime, shape.windows, images[0], first), {}, {}};
+  const bool last_part = first + size == all.windows.windows;
   const auto of_layer = [&](int i) {
     return Conv2dImages{size, images[i], images[i + 1], gradients[i + 1], gradients[i]};
   };
@@ -153,25 +139,40 @@ void TactileEncoder::Plan::add_part(int first, int size, const Images& images,
   parts.push_back(std::move(part));
 }
 
-void TactileEncoder::declare(const std::string& name, const TactileWindowShape& windows,
-                             ParameterTable& table) {
-  const auto shapes = shapes_of(windows, 1);
+std::array<Conv2dShape, 3> TactileEncoderShape::layers() const {
+  check(windows);
+  Shapes layers{};
+  Conv2dShape layer{
+      windows.windows, windows.frames, windows.rows, windows.cols, 0, true, kernel, 0};
   for (int i = 0; i < 3; ++i) {
-    const auto& shape = shapes[i];
-    const Initial initial{0.0, 1.0 / std::sqrt(9.0 * shape.in_channels)};
+    layer.out_channels = channels[i], layer.stride = strides[i];
+    layers[i] = layer;
+    layer.in_channels = channels[i], layer.in_planes = false;
+    layer.rows = layers[i].out_rows(), layer.cols = layers[i].out_cols();
+  }
+  return layers;
+}
+
+ChannelBlocksShape TactileEncoderShape::features() const {
+  const auto last = layers()[2];
+  return {last.images, last.out_channels, last.out_rows(), last.out_cols(), last.halo()};
+}
+
+void TactileEncoder::declare(const std::string& name, const TactileEncoderShape& shape,
+                             ParameterTable& table) {
+  const auto layers = shape.layers();
+  for (int i = 0; i < 3; ++i) {
+    const int in = layers[i].in_channels, out = layers[i].out_channels, kernel = shape.kernel;
+    const Initial initial{0.0, 1.0 / std::sqrt(double(in) * layers[i].taps())};
     const auto layer = layer_name(name, i);
-    table.add(layer + ".weight", {shape.out_channels, shape.in_channels, 3, 3}, initial);
-    table.add(layer + ".bias", {shape.out_channels}, initial);
+    table.add(layer + ".weight", {out, in, kernel, kernel}, initial);
+    table.add(layer + ".bias", {out}, initial);
   }
 }
 
-ChannelBlocksShape TactileEncoder::features_shape(const TactileWindowShape& windows) {
-  return outputs_of(shapes_of(windows, 1)[2], windows.windows);
-}
-
 TactileEncoder::TactileEncoder(Runtime& runtime, const std::string& name,
-                               const TactileWindowShape& windows, const Weights& weights)
-    : plan_(std::make_unique<Plan>(runtime, name, windows, weights)) {}
+                               const TactileEncoderShape& shape, const Weights& weights)
+    : plan_(std::make_unique<Plan>(runtime, name, shape, weights)) {}
 
 TactileEncoder::~TactileEncoder() = default;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -7,13 +8,26 @@
 #include "engine/cl/runtime.h"
 #include "engine/model/weights.h"
 #include "engine/ops/channel_blocks.h"
+#include "engine/ops/conv2d.h"
 #include "engine/ops/tactile_window.h"
 
 namespace touchtrace {
 
-/// The convolutional half of the tactile and of the object encoder (section III-B): three 3x3
-/// convolutions of stride 2 and padding 1 with 32, 64 and 128 channels, each with bias and ReLU,
-/// over the window of M frames in the difference basis of tactile_window.h.
+/// Windows of touch, and three convolutions over them with 32, 64 and 128 channels. The paper's
+/// (section III-B) have kernels of 3 and strides of 2.
+struct TactileEncoderShape {
+  TactileWindowShape windows;  ///< their halo follows from the kernel
+  int kernel = 3;              ///< of all three: 3 or 5
+  std::array<int, 3> strides{2, 2, 2};
+
+  /// Throws usage_error for frames outside 6..64 or M outside 1..32.
+  std::array<Conv2dShape, 3> layers() const;
+  /// What the last one gives.
+  ChannelBlocksShape features() const;
+};
+
+/// The convolutional half of the tactile and of the object encoder: convolutions, each with bias
+/// and ReLU, over the window of M frames in the difference basis of tactile_window.h.
 ///
 /// Windows are never copied by the host: they are places in the stream of frames. All work is
 /// queued; nothing blocks.
@@ -23,16 +37,13 @@ class TactileEncoder {
   /// cache when the next one reads it.
   static constexpr int part_windows = 32;
 
-  /// Adds "NAME.conv1.weight" [32, M, 3, 3], "NAME.conv1.bias" [32], ... to `table`, started as
-  /// PyTorch starts convolutions (uniform within 1/sqrt(fan in)). Throws usage_error for frames
-  /// outside 6..64 or M outside 1..32.
-  static void declare(const std::string& name, const TactileWindowShape& windows,
+  /// Adds "NAME.conv1.weight" [32, M, kernel, kernel], "NAME.conv1.bias" [32], ... to `table`,
+  /// started as PyTorch starts convolutions (uniform within 1/sqrt(fan in)).
+  static void declare(const std::string& name, const TactileEncoderShape& shape,
                       ParameterTable& table);
-  /// Of all windows: 128 channels of rows / 8 x cols / 8, each division rounded up.
-  static ChannelBlocksShape features_shape(const TactileWindowShape& windows);
 
   /// There is a backward pass if `weights` has a gradient.
-  TactileEncoder(Runtime& runtime, const std::string& name, const TactileWindowShape& windows,
+  TactileEncoder(Runtime& runtime, const std::string& name, const TactileEncoderShape& shape,
                  const Weights& weights);
   ~TactileEncoder();
 

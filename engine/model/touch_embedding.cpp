@@ -20,7 +20,8 @@ TouchEmbedding::TouchEmbedding(Runtime& runtime, const std::string& name, const 
   const int rows = shape.images, size = weights.table.at(name + ".dense.bias").shape.front();
   const auto weight = weights.value(name + ".dense.weight");
   const int feature_size = weight.row;
-  weight_shape_ = {size, shape.channels, shape.rows, shape.cols};
+  weight_shape_ = shape;
+  weight_shape_.images = size;
   weight_ = {runtime.allocate<float>(weight_shape_.row_size()), 0, feature_size};
   const MatrixView by_input{runtime.allocate<float>(weight_shape_.row_size()), 0, size};
   const MatrixView input{features, 0, feature_size};
@@ -38,7 +39,7 @@ TouchEmbedding::TouchEmbedding(Runtime& runtime, const std::string& name, const 
   forward_ = {gemm(runtime, input, by_input, weights.value(name + ".dense.bias"),
                    {norm_.x, 0, size}, rows, size, feature_size),
               layer_norm(runtime, norm_)};
-  if (weights.gradient.size() > 0) 
+  if (weights.gradient.size() > 0)
     plan_backward(runtime, name, weights, input, {grad_features, 0, feature_size});
 }
 
@@ -53,8 +54,7 @@ void TouchEmbedding::plan_backward(Runtime& runtime, const std::string& name,
       layer_norm_backward(runtime, norm_, grad_embedding_, grad.buffer),
       layer_norm_weights(runtime, norm_, grad_embedding_, weights.gradient),
       gemm(runtime, grad.transposed(), features, {}, grad_weight, size, feature_size, rows),
-      from_blocks(runtime, weight_shape_, grad_weight.buffer,
-                  weights.grad(name + ".dense.weight")),
+      from_blocks(runtime, weight_shape_, grad_weight.buffer, weights.grad(name + ".dense.weight")),
       column_sums(runtime, grad, weights.grad(name + ".dense.bias"), rows, size),
       gemm(runtime, grad, weight_, {}, grad_features, rows, feature_size, size),
   };

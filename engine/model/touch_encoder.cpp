@@ -2,19 +2,35 @@
 
 namespace touchtrace {
 
-void TouchEncoder::declare(const std::string& name, const TactileWindowShape& windows,
-                           int embedding, ParameterTable& table) {
-  TactileEncoder::declare(name, windows, table);
-  TouchEmbedding::declare(name, embedding, TactileEncoder::features_shape(windows), table);
+namespace {
+
+TactileEncoderShape encoder_of(const ModelSpec& spec, int windows, int frames) {
+  return {{windows, frames, spec.rows, spec.cols}, spec.tactile_kernel, spec.tactile_strides};
+}
+
+}  // namespace
+
+TactileEncoderShape window_encoder(const ModelSpec& spec, int windows) {
+  return encoder_of(spec, windows, spec.window_frames);
+}
+
+TactileEncoderShape segment_encoder(const ModelSpec& spec, int segments) {
+  return encoder_of(spec, segments, spec.segment_frames);
+}
+
+void TouchEncoder::declare(const std::string& name, const TactileEncoderShape& shape, int embedding,
+                           ParameterTable& table) {
+  TactileEncoder::declare(name, shape, table);
+  TouchEmbedding::declare(name, embedding, shape.features(), table);
 }
 
 TouchEncoder::TouchEncoder(Runtime& runtime, const std::string& name,
-                           const TactileWindowShape& windows, const Weights& weights)
+                           const TactileEncoderShape& shape, const Weights& weights)
     : runtime_(runtime),
-      convolutions_(runtime, name, windows, weights),
-      last_frame_(runtime.allocate<int>(std::size_t(windows.windows))),
-      embedding_(runtime, name, weights, TactileEncoder::features_shape(windows),
-                 convolutions_.features(), convolutions_.grad_features()) {}
+      convolutions_(runtime, name, shape, weights),
+      last_frame_(runtime.allocate<int>(std::size_t(shape.windows.windows))),
+      embedding_(runtime, name, weights, shape.features(), convolutions_.features(),
+                 convolutions_.grad_features()) {}
 
 void TouchEncoder::prepare() {
   convolutions_.prepare();

@@ -8,13 +8,9 @@
 
 namespace touchtrace {
 
-/// The windows of touch that g_t and e_i are made from.
-inline TactileWindowShape windows_of(const ModelSpec& spec, int count) {
-  return {count, spec.window_frames, spec.rows, spec.cols};
-}
-inline TactileWindowShape segments_of(const ModelSpec& spec, int count) {
-  return {count, spec.segment_frames, spec.rows, spec.cols};
-}
+/// Of the encoder that makes g_t from windows of touch, and of that which makes e_i from segments.
+TactileEncoderShape window_encoder(const ModelSpec& spec, int windows);
+TactileEncoderShape segment_encoder(const ModelSpec& spec, int segments);
 
 /// From windows of touch to embeddings: three convolutions, a dense layer, LayerNorm. "tactile"
 /// makes g_t from the M frames before a step, "object" makes e_i from a segment of some twenty
@@ -22,10 +18,10 @@ inline TactileWindowShape segments_of(const ModelSpec& spec, int count) {
 class TouchEncoder {
  public:
   /// Adds the parameters "NAME.conv1.weight" ... "NAME.norm.bias" to `table`.
-  static void declare(const std::string& name, const TactileWindowShape& windows, int embedding,
+  static void declare(const std::string& name, const TactileEncoderShape& shape, int embedding,
                       ParameterTable& table);
   /// There is a backward pass if `weights` has a gradient.
-  TouchEncoder(Runtime& runtime, const std::string& name, const TactileWindowShape& windows,
+  TouchEncoder(Runtime& runtime, const std::string& name, const TactileEncoderShape& shape,
                const Weights& weights);
 
   /// To be called whenever the weights changed.

@@ -22,8 +22,9 @@ struct TiledPass {
   int classes;       ///< tiles that one place of the output takes: of input pixels by parity
   int accumulators;  ///< vectors of 16 values in a tile
 
-  /// Of 16 lanes in a tile.
-  int blocks() const { return classes == 1 && lanes % 64 == 0 ? 4 : 2; }
+  /// Of 16 lanes in a tile. Many blocks need few loads for a multiplication; many pixels need few
+  /// weights from the second-level cache, of which several classes read as many as one.
+  int blocks() const { return classes > 1 ? 1 : lanes % 64 == 0 ? 4 : 2; }
   /// Output pixels in a tile.
   int pixels() const { return std::clamp(accumulators / classes / blocks(), 1, most_pixels); }
   int groups() const { return lanes / 16 / blocks(); }

@@ -15,13 +15,13 @@ namespace {
 // Windows go through the device in blocks of this size at most, so that memory stays bounded.
 constexpr std::size_t block_windows = 256;
 
-TactileWindowShape window_of(const std::string& encoder, const ModelSpec& spec) {
-  return encoder == "object" ? segments_of(spec, 1) : windows_of(spec, 1);
+TactileEncoderShape shape_of(const std::string& encoder, const ModelSpec& spec) {
+  return encoder == "object" ? segment_encoder(spec, 1) : window_encoder(spec, 1);
 }
 
 ParameterTable parameters_of(const std::string& encoder, const ModelSpec& spec) {
   ParameterTable table;
-  TouchEncoder::declare(encoder, window_of(encoder, spec), spec.embedding, table);
+  TouchEncoder::declare(encoder, shape_of(encoder, spec), spec.embedding, table);
   return table;
 }
 
@@ -31,7 +31,7 @@ TouchEmbedder::TouchEmbedder(Runtime& runtime, const std::string& name, const Mo
                              const TensorFile& weights)
     : runtime_(runtime),
       name_(name),
-      window_(window_of(name, spec)),
+      shape_(shape_of(name, spec)),
       table_(parameters_of(name, spec)),
       weights_(allocate_weights(runtime, table_, false)),
       embedding_(spec.embedding) {
@@ -41,21 +41,22 @@ TouchEmbedder::TouchEmbedder(Runtime& runtime, const std::string& name, const Mo
 void TouchEmbedder::fit(int windows) {
   if (windows == windows_) return;
   windows_ = windows;
-  auto shape = window_;
-  shape.windows = windows;
+  auto shape = shape_;
+  shape.windows.windows = windows;
   encoder_ = std::make_unique<TouchEncoder>(runtime_, name_, shape, weights_);
   encoder_->prepare();
 }
 
 void TouchEmbedder::check(const Buffer<float>& stream,
                           std::span<const std::int32_t> last_frame) const {
+  const auto& window = shape_.windows;
   const auto frames =
-      static_cast<std::int32_t>(stream.size() / (std::size_t(window_.rows) * window_.cols));
+      static_cast<std::int32_t>(stream.size() / (std::size_t(window.rows) * window.cols));
   for (const auto last : last_frame)
-    if (last + 1 < window_.frames || last >= frames)
+    if (last + 1 < window.frames || last >= frames)
       throw data_error(fmt::format("{} frames up to frame {} do not lie in the tactile stream of "
                                    "{}",
-                                   window_.frames, last, frames),
+                                   window.frames, last, frames),
                        "use a longer recording or fewer steps");
 }
 
@@ -81,7 +82,7 @@ TouchEmbeddings TouchEmbedder::embed_distinct(std::span<const float> tactile,
                                               const Buffer<float>& stream,
                                               std::span<const std::int32_t> last_frame) {
   check(stream, last_frame);
-  auto windows = distinct_windows(tactile, window_, last_frame);
+  auto windows = distinct_windows(tactile, shape_.windows, last_frame);
   return {std::move(windows.row), embed(stream, windows.last_frame)};
 }
 

@@ -40,7 +40,7 @@ class TouchEmbedder {
 
   Runtime& runtime_;
   std::string name_;
-  TactileWindowShape window_;
+  TactileEncoderShape shape_;
   ParameterTable table_;
   Weights weights_;
   int embedding_, windows_ = 0;

@@ -5,8 +5,7 @@
 
 #include "engine/base/random.h"
 #include "engine/cl/timing.h"
-#include "engine/model/model_spec.h"
-#include "engine/model/tactile_encoder.h"
+#include "engine/model/touch_encoder.h"
 #include "engine/ops/conv2d.h"
 #include "engine/ops/dense.h"
 #include "engine/train/verify_engine.h"
@@ -25,7 +24,7 @@ Buffer<float> normal_buffer(Runtime& runtime, std::size_t size) {
 double step_ms(Runtime& runtime, int windows) {
   const ModelSpec spec;
   ParameterTable table;
-  const TactileWindowShape shape{windows, spec.window_frames, spec.rows, spec.cols};
+  const auto shape = window_encoder(spec, windows);
   TactileEncoder::declare("tactile", shape, table);
   const Weights weights{table, runtime.upload<float>(table.initial_values(1)),
                         runtime.allocate_zeros<float>(table.size())};
@@ -93,13 +92,8 @@ void measure_layer(Runtime& runtime, const Conv2dShape& shape, int windows, Conv
 LayerCosts measure_layers(Runtime& runtime, int windows, int part_windows,
                           const std::function<Conv2dMethod(const Conv2dShape&)>& method) {
   LayerCosts costs;
-  const ModelSpec spec;
-  Conv2dShape shape{part_windows, spec.window_frames, spec.rows, spec.cols, 32, true};
-  for (int layer = 0; layer < 3; ++layer) {
-    measure_layer(runtime, shape, windows, method(shape), costs);
-    shape = {part_windows,     shape.out_channels,     shape.out_rows(),
-             shape.out_cols(), 2 * shape.out_channels, false};
-  }
+  for (const auto& layer : window_encoder(ModelSpec{}, part_windows).layers())
+    measure_layer(runtime, layer, windows, method(layer), costs);
   return costs;
 }
 

@@ -8,6 +8,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/scene.h"
+#include "pipeline/study/convolution_options.h"
 #include "pipeline/study/plan.h"
 
 namespace touchtrace::cli {
@@ -19,6 +20,7 @@ struct PlanOptions {
   bool without_touch = false;
   std::string object_encoder = "auto";
   int window = 10, resolution = 32, sequences = 8, steps = 20;
+  study::ConvolutionOptions convolutions;
 };
 
 void describe(OptionSet& set, PlanOptions& o) {
@@ -33,6 +35,7 @@ void describe(OptionSet& set, PlanOptions& o) {
              {"auto", "none", "frozen", "joint"});
   set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
   set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);
+  describe(set, o.convolutions);
   set.integer("sequences", o.sequences, "roll-outs in a batch", 1, 4096);
   set.integer("steps", o.steps, "steps of a roll-out in training", 1, 200);
 }
@@ -55,6 +58,8 @@ study::PlanWishes wishes_of(const PlanOptions& options) {
   wishes.object_encoder = options.object_encoder;
   wishes.window_frames = options.window;
   wishes.rows = wishes.cols = options.resolution;
+  wishes.tactile_kernel = options.convolutions.kernel_size();
+  wishes.tactile_strides = options.convolutions.stride_sizes();
   if (!options.recording.empty()) read_recording(options.recording, wishes);
   return wishes;
 }

@@ -29,6 +29,8 @@ class Planner {
     plan_.model.window_frames = wishes.window_frames;
     plan_.model.rows = wishes.rows;
     plan_.model.cols = wishes.cols;
+    plan_.model.tactile_kernel = wishes.tactile_kernel;
+    plan_.model.tactile_strides = wishes.tactile_strides;
     plan_.model.object = object_encoder();
   }
 
@@ -71,10 +73,7 @@ class Planner {
   void plan_model() {
     const std::string no_touch = "touch is not wanted";
     const auto object = plan_.model.object;
-    add("train", "tactile encoder", wishes_.touch,
-        wishes_.touch
-            ? fmt::format("{} frames of {} x {}", wishes_.window_frames, wishes_.rows, wishes_.cols)
-            : no_touch);
+    add("train", "tactile encoder", wishes_.touch, wishes_.touch ? tactile_encoder() : no_touch);
     add("train", "object encoder", object != ObjectEncoder::none, why_object_encoder());
     add("train", "contrastive loss", object != ObjectEncoder::none,
         object == ObjectEncoder::joint    ? "added to the loss of the states (equation 6)"
@@ -93,6 +92,13 @@ class Planner {
                                                   : why_object_encoder());
     add("evaluate", "full", wishes_.touch,
         wishes_.touch ? "what touch adds" : "touch is not wanted");
+  }
+
+  std::string tactile_encoder() const {
+    const auto& [a, b, c] = wishes_.tactile_strides;
+    return fmt::format("{} frames of {} x {}; {} x {} taps, strides {}, {}, {}",
+                       wishes_.window_frames, wishes_.rows, wishes_.cols, wishes_.tactile_kernel,
+                       wishes_.tactile_kernel, a, b, c);
   }
 
   /// With one object there is nothing to tell apart, and objects are known by touch.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ struct PlanWishes {
   bool touch = true;      ///< false: only the baseline without touch
   std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": frozen if any
   int window_frames = 10, rows = 32, cols = 32;
+  int tactile_kernel = 3;
+  std::array<int, 3> tactile_strides{2, 2, 2};
 };
 
 struct PlanItem {

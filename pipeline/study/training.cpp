@@ -68,7 +68,9 @@ ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provena
                          .object_encoder = options.object_encoder,
                          .window_frames = options.window,
                          .rows = data.rows,
-                         .cols = data.cols})
+                         .cols = data.cols,
+                         .tactile_kernel = options.convolutions.kernel_size(),
+                         .tactile_strides = options.convolutions.stride_sizes()})
                   .model;
   card.spec.contrast_temperature = static_cast<float>(options.contrast_temperature);
   card.spec.band_quantile = options.band_quantile;

@@ -8,6 +8,7 @@
 #include "engine/cl/runtime.h"
 #include "engine/train/trainer.h"
 #include "pipeline/dataset/dataset.h"
+#include "pipeline/study/convolution_options.h"
 #include "pipeline/study/model_card.h"
 #include "pipeline/study/objects.h"
 
@@ -19,6 +20,7 @@ struct TrainingOptions {
   std::string output, accuracy = "fast";
   bool without_touch = false, resume = false;
   int window = 10, resolution = 32;
+  ConvolutionOptions convolutions;
   int sequences = 8, steps = 20;
   std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": what plan.h chooses
   double contrast_temperature = 0.0;

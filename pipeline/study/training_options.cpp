@@ -28,6 +28,7 @@ void describe(OptionSet& set, TrainingOptions& o) {
   set.integer("updates", o.optimizer.updates, "updates of the weights", 1, 10'000'000);
   set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
   set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);
+  describe(set, o.convolutions);
   set.integer("sequences", o.sequences, "roll-outs in a batch", 1, 4096);
   set.integer("steps", o.steps, "steps of a roll-out in training", 1, 200);
   set.number("learning-rate", o.optimizer.learning_rate,

@@ -23,7 +23,7 @@ import torch
 
 from torch_twin.comparison import compare
 from torch_twin.course import Course, picture_of, settled, time_until
-from torch_twin.model import BOTH_ENCODERS, ONE_ENCODER, Model
+from torch_twin.model import BOTH_ENCODERS, ONE_ENCODER, OTHER_CONVOLUTIONS, Model
 from torch_twin.online import EngineOnline, best_online, busy_core, distance
 from torch_twin.problem import noise_problem, weights_of
 from torch_twin.training import TorchTrainer, all_settings, best_of, contenders, race, try_settings
@@ -49,7 +49,8 @@ def ratio(name, peer, ratios, goal, **rest):
 
 
 def comparison_figures(options, folder):
-    for name, spec, sequences in (("one encoder", ONE_ENCODER, 1), ("both encoders", BOTH_ENCODERS, 3)):
+    for name, spec, sequences in (("one encoder", ONE_ENCODER, 1), ("both encoders", BOTH_ENCODERS, 3),
+                                  ("5 x 5 taps, strides 1, 2, 1", OTHER_CONVOLUTIONS, 1)):
         start = time.time()
         loss, gradient = compare(options.engine_step, folder, spec, sequences, options.seed)
         yield at_most(f"whole model, {name}, loss against PyTorch in double", loss, "relative", 1e-5,

@@ -50,6 +50,11 @@ TEST(Model, LossAndGradientAgreeWithNormalisedObjectEmbeddings) {
   expect_agreement(small_spec(ObjectEncoder::joint, 0.1f), {});
 }
 
+TEST(Model, LossAndGradientAgreeWithOtherConvolutions) {
+  expect_agreement(small_spec(3, {1, 2, 1}), {});
+  expect_agreement(small_spec(5, {2, 1, 2}), {0.3, 77});
+}
+
 class ReferenceGradient : public ::testing::TestWithParam<ModelSpec> {};
 
 TEST_P(ReferenceGradient, AgreesWithCentralDifferences) {
@@ -75,7 +80,8 @@ TEST_P(ReferenceGradient, AgreesWithCentralDifferences) {
 
 INSTANTIATE_TEST_SUITE_P(Model, ReferenceGradient,
                          ::testing::Values(small_spec(true), small_spec(ObjectEncoder::joint),
-                                           small_spec(ObjectEncoder::joint, 0.1f)));
+                                           small_spec(ObjectEncoder::joint, 0.1f),
+                                           small_spec(5, {2, 1, 2})));
 
 TEST(Model, WithoutTouchHasNoTactileParameters) {
   Runtime runtime(choose_device(""));
@@ -108,6 +114,8 @@ TEST(Model, RefusesSizesThatTheKernelsDoNotTake) {
       [](ModelSpec& s) { s.state = 17; },
       [](ModelSpec& s) { s.embedding = 20; },
       [](ModelSpec& s) { s.rows = 5; },
+      [](ModelSpec& s) { s.tactile_kernel = 4; },
+      [](ModelSpec& s) { s.tactile_strides[1] = 3; },
       [](ModelSpec& s) { s.band_quantile = 0.0; },
       [](ModelSpec& s) { s.band_quantile = 0.5; },
       [](ModelSpec& s) { s.band_quantile = std::nan(""); },

@@ -82,13 +82,24 @@ TEST_F(PredictorTest, RefusesWindowsOutsideTheStream) {
   EXPECT_THROW(predictor.predict(batch, {}), Error);
 }
 
-TEST_F(PredictorTest, ModelsThatNameNoQuantileHaveThePapers) {
+TEST_F(PredictorTest, ModelsThatNameNeitherQuantileNorConvolutionsHaveThePapers) {
   auto file = read_safetensors(model(true));
   auto spec = nlohmann::json::parse(file.metadata["spec"]);
-  EXPECT_EQ(spec.erase("band_quantile"), 1u);
+  for (const char* key : {"band_quantile", "tactile_kernel", "tactile_strides"})
+    EXPECT_EQ(spec.erase(key), 1u);
   file.metadata["spec"] = spec.dump();
   write_safetensors(folder_ / "old", file, true);
-  EXPECT_EQ(Predictor(runtime_, folder_ / "old").spec().band_quantile, 0.1);
+  const auto read = Predictor(runtime_, folder_ / "old").spec();
+  EXPECT_EQ(read.band_quantile, 0.1);
+  EXPECT_EQ(read.tactile_kernel, 3);
+  EXPECT_EQ(read.tactile_strides, (std::array{2, 2, 2}));
+}
+
+TEST(ModelSpec, KeepsItsConvolutions) {
+  const auto spec = small_spec(5, {1, 2, 1});
+  const auto read = nlohmann::json::parse(nlohmann::json(spec).dump()).get<ModelSpec>();
+  EXPECT_EQ(read.tactile_kernel, 5);
+  EXPECT_EQ(read.tactile_strides, spec.tactile_strides);
 }
 
 TEST_F(PredictorTest, RefusesFilesThatAreNoModel) {

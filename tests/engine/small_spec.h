@@ -24,4 +24,12 @@ inline ModelSpec small_spec(ObjectEncoder object, float contrast_temperature = 0
   return spec;
 }
 
+/// The same with other convolutions over touch.
+inline ModelSpec small_spec(int kernel, const std::array<int, 3>& strides) {
+  auto spec = small_spec(ObjectEncoder::joint);
+  spec.tactile_kernel = kernel;
+  spec.tactile_strides = strides;
+  return spec;
+}
+
 }  // namespace touchtrace::testing

@@ -35,19 +35,14 @@ double norm_of_difference(const std::vector<double>& a, const std::vector<double
 /// The encoder in plain loops.
 class Reference {
  public:
-  Reference(const TactileWindowShape& window, const ParameterTable& table,
+  Reference(const TactileEncoderShape& shape, const ParameterTable& table,
             const std::vector<double>& parameters, const std::vector<double>& stream,
             const std::vector<int>& last_frame, const TaxelDropout& dropout)
-      : table_(table), parameters_(parameters) {
-    activations_.push_back(tactile_window_reference(window, stream, last_frame, dropout));
-    Conv2dShape shape{window.windows, window.frames, window.rows, window.cols, 32, true};
-    for (int layer = 1; layer <= 3; ++layer) {
-      shapes_.push_back(shape);
+      : table_(table), parameters_(parameters), shapes_(shape.layers()) {
+    activations_.push_back(tactile_window_reference(shape.windows, stream, last_frame, dropout));
+    for (int layer = 1; layer <= 3; ++layer)
       activations_.push_back(
-          conv2d_reference(shape, activations_.back(), weight(layer), bias(layer)));
-      shape = {window.windows,   shape.out_channels,     shape.out_rows(),
-               shape.out_cols(), 2 * shape.out_channels, false};
-    }
+          conv2d_reference(shapes_[layer - 1], activations_.back(), weight(layer), bias(layer)));
   }
 
   const std::vector<double>& features() const { return activations_.back(); }
@@ -78,19 +73,19 @@ class Reference {
 
   const ParameterTable& table_;
   const std::vector<double>& parameters_;
+  std::array<Conv2dShape, 3> shapes_;
   std::vector<std::vector<double>> activations_;
-  std::vector<Conv2dShape> shapes_;
 };
 
-class EncoderOfSize : public ::testing::TestWithParam<TactileWindowShape> {};
+class EncoderOfSize : public ::testing::TestWithParam<TactileEncoderShape> {};
 
 TEST_P(EncoderOfSize, AgreesWithPlainLoops) {
-  const auto window = GetParam();
-  const int windows = window.windows, frames = window.frames, rows = window.rows, cols = window.cols;
+  const auto shape = GetParam();
+  const auto& [windows, frames, rows, cols, halo] = shape.windows;
   Runtime runtime(choose_device(""));
   ParameterTable table;
   table.add("something before", {7}, {});
-  TactileEncoder::declare("object", window, table);
+  TactileEncoder::declare("object", shape, table);
   const auto initial = table.initial_values(3);
   const std::vector<double> parameters(initial.begin(), initial.end());
   const auto stream = normal_floats(std::size_t(stream_frames) * rows * cols, "stream");
@@ -98,26 +93,26 @@ TEST_P(EncoderOfSize, AgreesWithPlainLoops) {
   for (int w = 0; w < windows; ++w)
     last_frame.push_back(stream_frames - 1 - w % (stream_frames - frames + 1));
   const TaxelDropout dropout{0.2, 99};
-  const Reference reference(window, table, parameters, stream, last_frame, dropout);
+  const Reference reference(shape, table, parameters, stream, last_frame, dropout);
 
   const Weights weights{table, upload(runtime, parameters),
                         runtime.allocate_zeros<float>(table.size())};
-  TactileEncoder encoder(runtime, "object", window, weights);
+  TactileEncoder encoder(runtime, "object", shape, weights);
   encoder.prepare();
   encoder.forward(upload(runtime, stream), runtime.upload<int>(last_frame), dropout);
-  const auto shape = TactileEncoder::features_shape(window);
+  const auto features_shape = shape.features();
   const auto in_blocks = [&](const std::vector<double>& features) {
-    return in_block_order(features, shape.channels, shape.rows * shape.cols);
+    return in_block_order(features, features_shape.channels,
+                          features_shape.rows * features_shape.cols);
   };
-  ASSERT_EQ(shape.row_size(), reference.features().size());
+  ASSERT_EQ(features_shape.row_size(), reference.features().size());
   EXPECT_LE(
       norm_of_difference(download(runtime, encoder.features()), in_blocks(reference.features())),
       2e-6);
 
   const auto grad_features = normal_floats(reference.features().size(), "gradient");
   const auto in_rows = in_blocks(grad_features);
-  runtime.write<float>(encoder.grad_features(),
-                       std::vector<float>(in_rows.begin(), in_rows.end()));
+  runtime.write<float>(encoder.grad_features(), std::vector<float>(in_rows.begin(), in_rows.end()));
   encoder.backward();
   const auto expected = reference.gradient(grad_features);
   EXPECT_LE(norm_of_difference(download(runtime, weights.gradient), expected), 5e-5);
@@ -128,26 +123,33 @@ TEST_P(EncoderOfSize, AgreesWithPlainLoops) {
   EXPECT_LE(norm_of_difference(download(runtime, weights.gradient), twice), 5e-5);
 }
 
+std::string name_of(const ::testing::TestParamInfo<TactileEncoderShape>& info) {
+  const auto& [w, kernel, strides] = info.param;
+  return fmt::format("{}x{}x{}x{}_by_{}_of_{}{}{}", w.windows, w.frames, w.rows, w.cols, kernel,
+                     strides[0], strides[1], strides[2]);
+}
+
 INSTANTIATE_TEST_SUITE_P(Sizes, EncoderOfSize,
-                         ::testing::Values(TactileWindowShape{3, 10, 32, 32},
-                                           TactileWindowShape{3, 1, 6, 6},
-                                           TactileWindowShape{3, 32, 8, 12},
-                                           TactileWindowShape{3, 3, 7, 13},
-                                           TactileWindowShape{201, 2, 16, 16}),
-                         [](const auto& size) {
-                           const auto& w = size.param;
-                           return fmt::format("{}x{}x{}x{}", w.windows, w.frames, w.rows, w.cols);
-                         });
+                         ::testing::Values(TactileEncoderShape{{3, 10, 32, 32}},
+                                           TactileEncoderShape{{3, 1, 6, 6}},
+                                           TactileEncoderShape{{3, 32, 8, 12}},
+                                           TactileEncoderShape{{3, 3, 7, 13}},
+                                           TactileEncoderShape{{201, 2, 16, 16}},
+                                           TactileEncoderShape{{35, 10, 6, 6}, 3, {1, 1, 1}},
+                                           TactileEncoderShape{{3, 4, 13, 7}, 3, {2, 1, 2}},
+                                           TactileEncoderShape{{3, 3, 9, 12}, 5, {2, 2, 2}},
+                                           TactileEncoderShape{{3, 2, 7, 6}, 5, {1, 2, 1}}),
+                         name_of);
 
 TEST(TactileEncoder, GivesTheSameBitsTwice) {
   const auto run = [&] {
     Runtime runtime(choose_device(""));
     ParameterTable table;
-    const TactileWindowShape window{45, 10, 32, 32};
-    TactileEncoder::declare("tactile", window, table);
+    const TactileEncoderShape shape{{45, 10, 32, 32}};
+    TactileEncoder::declare("tactile", shape, table);
     const Weights weights{table, runtime.upload<float>(table.initial_values(1)),
                           runtime.allocate_zeros<float>(table.size())};
-    TactileEncoder encoder(runtime, "tactile", window, weights);
+    TactileEncoder encoder(runtime, "tactile", shape, weights);
     std::vector<int> last_frame(45);
     std::iota(last_frame.begin(), last_frame.end(), 9);
     encoder.prepare();
@@ -164,7 +166,7 @@ TEST(TactileEncoder, RefusesSizesItCannotTake) {
   for (const TactileWindowShape& window :
        {TactileWindowShape{1, 10, 5, 32}, {1, 10, 32, 65}, {1, 0, 32, 32}, {1, 33, 32, 32}}) {
     ParameterTable table;
-    EXPECT_THROW(TactileEncoder::declare("tactile", window, table), Error);
+    EXPECT_THROW(TactileEncoder::declare("tactile", {window}, table), Error);
   }
 }
 

@@ -4,17 +4,19 @@ from torch import nn
 from torch.nn import functional as F
 
 ONE_ENCODER = dict(touch=True, window_frames=10, rows=32, cols=32, embedding=64, hidden=256, state=12, band_quantile=0.1)
+OTHER_CONVOLUTIONS = dict(ONE_ENCODER, rows=12, cols=12, tactile_kernel=5, tactile_strides=[1, 2, 1])
 BOTH_ENCODERS = dict(**ONE_ENCODER, object="joint", segment_frames=20, contrast_temperature=0.0)
 
 
 class Encoder(nn.Module):
     def __init__(self, spec, frames):
         super().__init__()
-        size = [-(-n // 8) for n in (spec["rows"], spec["cols"])]
-        self.conv1 = nn.Conv2d(frames, 32, 3, 2, 1)
-        self.conv2 = nn.Conv2d(32, 64, 3, 2, 1)
-        self.conv3 = nn.Conv2d(64, 128, 3, 2, 1)
-        self.dense = nn.Linear(128 * size[0] * size[1], spec["embedding"])
+        kernel, size = spec.get("tactile_kernel", 3), [spec["rows"], spec["cols"]]
+        channels = [frames, 32, 64, 128]
+        for i, stride in enumerate(spec.get("tactile_strides", [2, 2, 2])):
+            setattr(self, f"conv{i + 1}", nn.Conv2d(channels[i], channels[i + 1], kernel, stride, kernel // 2))
+            size = [-(-n // stride) for n in size]
+        self.dense = nn.Linear(channels[-1] * size[0] * size[1], spec["embedding"])
         self.norm = nn.LayerNorm(spec["embedding"])
 
     def forward(self, x):

@@ -6,7 +6,8 @@
 // Images are cut into chunks. A work-item sums one chunk for one pair of output blocks and one block of
 // input channels: for GROUP images, which stay in the first-level cache, and for each channel it keeps
 // TAP_ROWS rows of taps x 32 output channels in registers. With `start` sums begin with zero, otherwise with
-// what an earlier call left for the chunk. conv2d_reduce then adds the chunks in their order, so the result
+// what an earlier call left for the chunk; a chunk without images gets sums of zero. `first_chunk`: where this
+// call's chunks begin in the arrays. conv2d_reduce then adds the chunks in their order, so the result
 // depends on the number of chunks only, never on threads.
 //
 //   partial       [chunk][pair][input channel][tap][32]
@@ -82,18 +83,19 @@ __kernel void conv2d_backward_weights(__global const real* restrict in,
                                       __global const real* restrict grad_out,
                                       __global real* restrict partial,
                                       __global real* restrict partial_bias, int images, int chunk_images,
-                                      int start) {
+                                      int first_chunk, int start) {
   const int pair = get_global_id(0), block = get_global_id(1), chunk = get_global_id(2);
-  const int begin = chunk * chunk_images, end = min(begin + chunk_images, images);
+  const int begin = min(chunk * chunk_images, images), end = min(begin + chunk_images, images);
+  const int sums = (first_chunk + chunk) * PAIRS + pair;
   __global const real* g = grad_out + pair * 2 * OUT_BLOCK + OUT_CORNER;
-  __global real* to = partial + ((chunk * PAIRS + pair) * IN_CHANNELS + block * IN_LANES) * CHANNEL_SIZE;
-  for (int first = begin; first < end; first += GROUP)
+  __global real* to = partial + (sums * IN_CHANNELS + block * IN_LANES) * CHANNEL_SIZE;
+  for (int first = begin; first < end || (start && first == begin); first += GROUP)
     for (int lane = 0; lane < IN_LANES; ++lane)
       weights_of_channel(in + (size_t)first * IN_IMAGE + block * IN_BLOCK + lane * IN_LANE,
                          g + (size_t)first * OUT_IMAGE, to + lane * CHANNEL_SIZE,
                          min(GROUP, end - first), start && first == begin);
   if (block == 0)
-    bias_of_pair(g + (size_t)begin * OUT_IMAGE, partial_bias + (chunk * PAIRS + pair) * 32, end - begin, start);
+    bias_of_pair(g + (size_t)begin * OUT_IMAGE, partial_bias + sums * 32, end - begin, start);
 }
 
 static real16 sum_of_chunks(__global const real* from, int chunks, int stride) {

@@ -55,7 +55,8 @@ Runtime::Runtime(ChosenDevice device, Accuracy accuracy) try
     : device_(device),
       accuracy_(accuracy),
       context_(device_.info.handle),
-      queue_(context_, device_.info.handle) {
+      queue_(context_, device_.info.handle),
+      side_queue_(context_, device_.info.handle) {
 } catch (const cl::Error& error) {
   throw opencl_error(error, "opening the device", device.info.name);
 }
@@ -107,15 +108,46 @@ cl::Program Runtime::build(const std::vector<std::string>& files, const std::str
 void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global,
                      const cl::NDRange& local) {
   try {
-    queue_.enqueueNDRangeKernel(kernel, cl::NullRange, global, local);
+    queue().enqueueNDRangeKernel(kernel, cl::NullRange, global, local);
   } catch (const cl::Error& error) {
     const auto name = kernel.getInfo<CL_KERNEL_FUNCTION_NAME>();
     throw opencl_error(error, fmt::format("the kernel {}", name), device_.info.name);
   }
 }
 
+void Runtime::chain(cl::CommandQueue& first, cl::CommandQueue& second) {
+  guarded("joining two queues", [&] {
+    std::vector<cl::Event> done(1);
+    first.enqueueMarkerWithWaitList(nullptr, &done.front());
+    first.flush();
+    return second.enqueueBarrierWithWaitList(&done);
+  });
+}
+
+void Runtime::fork() {
+  if (!on_side_) chain(queue_, side_queue_);
+}
+
+void Runtime::join() {
+  if (!on_side_) chain(side_queue_, queue_);
+}
+
+void Runtime::on_side(const std::function<void()>& launch_all) {
+  const bool before = std::exchange(on_side_, true);
+  try {
+    launch_all();
+  } catch (...) {
+    on_side_ = before;
+    throw;
+  }
+  on_side_ = before;
+}
+
 void Runtime::finish() {
-  guarded("waiting for the kernels", [&] { return queue_.finish(); });
+  guarded("waiting for the kernels", [&] {
+    side_queue_.finish();
+    return queue_.finish();
+  });
 }
 
 void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global) {

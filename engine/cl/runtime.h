@@ -45,7 +45,8 @@ class Launch;
 /// Called with each Launch right after it was queued.
 using LaunchWatcher = std::function<void(const Launch&)>;
 
-/// One device with its context, one in-order queue, and the programs built for it.
+/// One device with its context, its queues, and the programs built for it. Everything goes to one
+/// in-order queue, except between fork() and join().
 class Runtime {
  public:
   explicit Runtime(ChosenDevice device, Accuracy accuracy = Accuracy::fast);
@@ -53,7 +54,8 @@ class Runtime {
   const DeviceInfo& device() const { return device_.info; }
   const std::string& reason() const { return device_.reason; }
   Accuracy accuracy() const { return accuracy_; }
-  cl::CommandQueue& queue() { return queue_; }
+  /// The one that launches go to now.
+  cl::CommandQueue& queue() { return on_side_ ? side_queue_ : queue_; }
   const cl::Context& context() const { return context_; }
 
   /// A kernel of the program made of `files` of kernels/, in that order. Programs are built once a
@@ -82,7 +84,7 @@ class Runtime {
   void fill(const Buffer<T>& buffer, T value) {
     if (buffer.size() == 0) return;
     guarded("filling a buffer", [&] {
-      return queue_.enqueueFillBuffer(buffer.handle(), value, 0, buffer.size() * sizeof(T));
+      return queue().enqueueFillBuffer(buffer.handle(), value, 0, buffer.size() * sizeof(T));
     });
   }
   template <class T>
@@ -96,8 +98,8 @@ class Runtime {
   void write(const Buffer<T>& buffer, std::span<const T> values, std::size_t offset = 0) {
     if (values.empty()) return;
     guarded("writing to the device", [&] {
-      return queue_.enqueueWriteBuffer(buffer.handle(), CL_TRUE, offset * sizeof(T),
-                                       values.size_bytes(), values.data());
+      return queue().enqueueWriteBuffer(buffer.handle(), CL_TRUE, offset * sizeof(T),
+                                        values.size_bytes(), values.data());
     });
   }
   /// Only queues the writing: the values must last until the queue has come past it.
@@ -105,8 +107,8 @@ class Runtime {
   void queue_write(const Buffer<T>& buffer, std::span<const std::type_identity_t<T>> values,
                    std::size_t offset = 0) {
     guarded("writing to the device", [&] {
-      return queue_.enqueueWriteBuffer(buffer.handle(), CL_FALSE, offset * sizeof(T),
-                                       values.size_bytes(), values.data());
+      return queue().enqueueWriteBuffer(buffer.handle(), CL_FALSE, offset * sizeof(T),
+                                        values.size_bytes(), values.data());
     });
   }
   /// Only queues the reading: the values are there once the queue has come past it.
@@ -114,16 +116,16 @@ class Runtime {
   void queue_read(const Buffer<T>& buffer, std::span<std::type_identity_t<T>> values,
                   std::size_t offset = 0) {
     guarded("reading from the device", [&] {
-      return queue_.enqueueReadBuffer(buffer.handle(), CL_FALSE, offset * sizeof(T),
-                                      values.size_bytes(), values.data());
+      return queue().enqueueReadBuffer(buffer.handle(), CL_FALSE, offset * sizeof(T),
+                                       values.size_bytes(), values.data());
     });
   }
   template <class T>
   void read(const Buffer<T>& buffer, std::span<T> values, std::size_t offset = 0) {
     if (values.empty()) return;
     guarded("reading from the device", [&] {
-      return queue_.enqueueReadBuffer(buffer.handle(), CL_TRUE, offset * sizeof(T),
-                                      values.size_bytes(), values.data());
+      return queue().enqueueReadBuffer(buffer.handle(), CL_TRUE, offset * sizeof(T),
+                                       values.size_bytes(), values.data());
     });
   }
   template <class T>
@@ -138,6 +140,14 @@ class Runtime {
   /// Queues a kernel without barriers: in work-groups of one work-item on a CPU, where a work-item
   /// is a tile, and of the driver's choice elsewhere.
   void launch(const cl::Kernel& kernel, const cl::NDRange& global);
+  /// Between fork() and join() a second queue runs beside the first one, so that a device with
+  /// several cores need not wait where a launch ends: it gets what on_side() launches. It waits for
+  /// what was queued before fork(); what is queued after join() waits for it. Inside on_side() all
+  /// of this changes nothing.
+  void fork();
+  void join();
+  void on_side(const std::function<void()>& launch_all);
+
   /// Waits until everything queued is done.
   void finish();
 
@@ -156,6 +166,8 @@ class Runtime {
     }
   }
   cl::Buffer allocate_bytes(std::size_t bytes);
+  /// What `second` gets from now on waits for what `first` holds.
+  void chain(cl::CommandQueue& first, cl::CommandQueue& second);
   /// What a program is made of.
   struct Recipe {
     std::vector<std::string> files;
@@ -170,7 +182,8 @@ class Runtime {
   ChosenDevice device_;
   Accuracy accuracy_;
   cl::Context context_;
-  cl::CommandQueue queue_;
+  cl::CommandQueue queue_, side_queue_;
+  bool on_side_ = false;
   /// In use now; shared with the buffers, which may live longer than the runtime.
   std::shared_ptr<std::atomic<std::size_t>> allocated_bytes_ =
       std::make_shared<std::atomic<std::size_t>>(0);

@@ -43,7 +43,10 @@ bool all_finite(Runtime& runtime, const Launch& launch) {
 
 void visit_launches(Runtime& runtime, const std::function<void()>& pass,
                     const std::function<void(const Launch&)>& visit) {
-  const Watch watch(runtime, visit);
+  const Watch watch(runtime, [&](const Launch& launch) {
+    runtime.finish();  // both queues
+    visit(launch);
+  });
   pass();
 }
 

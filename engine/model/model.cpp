@@ -121,15 +121,19 @@ void Model::plan_loss() {
 }
 
 void Model::prepare() {
-  for (const auto& encoder : {tactile_.get(), object_.get()})
-    if (encoder) encoder->prepare();
-  enqueue(runtime_, dynamics_->prepare());
+  beside_object_encoder([&] { object_->prepare(); },
+                        [&] {
+                          if (tactile_) tactile_->prepare();
+                          enqueue(runtime_, dynamics_->prepare());
+                        });
 }
 
 void Model::forward(const Buffer<float>& stream, const TaxelDropout& dropout,
                     const TaxelDropout& segment_dropout) {
-  if (tactile_) tactile_->forward(stream, dropout);
-  if (object_) object_->forward(stream, segment_dropout);
+  beside_object_encoder([&] { object_->forward(stream, segment_dropout); },
+                        [&] {
+                          if (tactile_) tactile_->forward(stream, dropout);
+                        });
   enqueue(runtime_, dynamics_->forward());
 }
 
@@ -139,8 +143,19 @@ void Model::backward() {
   enqueue(runtime_, dynamics_->backward());
   enqueue(runtime_,
           total_loss_);  // the contrastive part adds to what the MLP gives to the object embedding
-  for (const auto& encoder : {tactile_.get(), object_.get()})
-    if (encoder) encoder->backward();
+  beside_object_encoder([&] { object_->backward(); },
+                        [&] {
+                          if (tactile_) tactile_->backward();
+                        });
+}
+
+void Model::beside_object_encoder(const std::function<void()>& object,
+                                  const std::function<void()>& others) {
+  if (!object_) return others();
+  runtime_.fork();
+  runtime_.on_side(object);
+  others();
+  runtime_.join();
 }
 
 }  // namespace touchtrace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -67,6 +68,9 @@ class Model {
   void plan_object_encoder();
   void plan_loss();
   Embeddings embeddings() const;
+  /// Queues what the object encoder does, if there is one, so that it runs beside the others.
+  void beside_object_encoder(const std::function<void()>& object,
+                             const std::function<void()>& others);
 
   Runtime& runtime_;
   ModelSpec spec_;

@@ -12,6 +12,7 @@ namespace touchtrace {
 namespace {
 
 constexpr std::array channels{32, 64, 128};
+constexpr int queues = 2;  // that parts are shared out to
 using Shapes = std::array<Conv2dShape, 3>;
 
 void check(const TactileWindowShape& window) {
@@ -32,9 +33,9 @@ std::string layer_name(const std::string& encoder, int layer) {
   return fmt::format("{}.conv{}", encoder, layer + 1);
 }
 
-Conv2dParameters parameters_of(const Weights& weights, const std::string& layer) {
+Conv2dParameters parameters_of(const Weights& weights, const std::string& layer, int sums) {
   return {weights.values, weights.gradient, weights.value(layer + ".weight").at,
-          weights.value(layer + ".bias").at};
+          weights.value(layer + ".bias").at, sums};
 }
 
 /// The input of the layers, and their outputs.
@@ -67,10 +68,24 @@ void append(Launches& launches, const Launches& more) {
   launches.insert(launches.end(), more.begin(), more.end());
 }
 
+/// Queues parts so that those of different queues run beside each other.
+template <class Parts, class Enqueue>
+void share_out(Runtime& runtime, Parts&& parts, Enqueue enqueue_part) {
+  const bool several = std::ranges::size(parts) > 1;
+  if (several) runtime.fork();
+  for (auto& part : parts)
+    if (part.queue == 0)
+      enqueue_part(part);
+    else
+      runtime.on_side([&] { enqueue_part(part); });
+  if (several) runtime.join();
+}
+
 }  // namespace
 
 struct TactileEncoder::Plan {
   struct Part {
+    int queue;  ///< 0 or 1: parts of different ones share no array that they write
     TactileWindow window;
     Launches forward, backward;
   };
@@ -78,7 +93,8 @@ struct TactileEncoder::Plan {
   Plan(Runtime& device, const std::string& name, const TactileEncoderShape& shape,
        const Weights& weights);
   void add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape);
-  void add_part(int first, int size, const Images& images, const Images& gradients);
+  void add_parts();
+  Part make_part(int first, int size, int queue, const Images& images, const Images& gradients);
 
   Runtime& runtime;
   TactileEncoderShape all;
@@ -97,21 +113,28 @@ TactileEncoder::Plan::Plan(Runtime& device, const std::string& name,
       training(weights.gradient.size() > 0),
       shapes(of_windows(shape, std::min(shape.windows.windows, part_windows)).layers()),
       features(device.allocate<float>(shape.features().row_size())) {
+  const int count = (all.windows.windows + part_windows - 1) / part_windows;
+  const int arrays = training ? count + std::min(count, queues) : std::min(count, queues);
+  device.check_memory(sizeof(float) * size_of_images(shapes) * std::size_t(arrays));
+  for (int i = 0; i < 3; ++i)
+    add_layer(parameters_of(weights, layer_name(name, i), std::min(count, queues)), shapes[i]);
+  if (training) grad_features = device.allocate<float>(features.size());
+  add_parts();
+}
+
+void TactileEncoder::Plan::add_parts() {
+  std::array<Images, queues> images, gradients;
   const int windows = all.windows.windows;
-  for (int i = 0; i < 3; ++i) add_layer(parameters_of(weights, layer_name(name, i)), shapes[i]);
-  const auto parts_of_their_own = training ? (windows + part_windows - 1) / part_windows : 1;
-  device.check_memory(sizeof(float) * size_of_images(shapes) * std::size_t(parts_of_their_own));
-  Images images, gradients;
-  if (training) {
-    grad_features = device.allocate<float>(features.size());
-    gradients = allocate_images(device, shapes);
-  }
-  gradients[0] = {};  // nothing learnable stands before the first layer
   // Only the first part may be smaller: the backward pass starts with the last.
   int size = (windows - 1) % part_windows + 1;
   for (int first = 0; first < windows; first += size, size = part_windows) {
-    if (training || first == 0) images = allocate_images(device, shapes);
-    add_part(first, size, images, gradients);
+    const auto number = parts.size();
+    const auto queue = number % queues;
+    if (training || number < queues) images[queue] = allocate_images(runtime, shapes);
+    if (training && number < queues) gradients[queue] = allocate_images(runtime, shapes);
+    gradients[queue][0] = {};  // nothing learnable stands before the first layer
+    parts.push_back(
+        make_part(first, size, static_cast<int>(queue), images[queue], gradients[queue]));
   }
 }
 
@@ -121,22 +144,23 @@ void TactileEncoder::Plan::add_layer(const Conv2dParameters& parameters, const C
   if (training) append(finish, layers.back()->finish());
 }
 
-void TactileEncoder::Plan::add_part(int first, int size, const Images& images,
-                                    const Images& gradients) {
+TactileEncoder::Plan::Part TactileEncoder::Plan::make_part(int first, int size, int queue,
+                                                           const Images& images,
+                                                           const Images& gradients) {
   const auto shape = of_windows(all, size);
   const auto last = shape.features();
-  Part part{TactileWindow(runtime, shape.windows, images[0], first), {}, {}};
-  const bool last_part = first + size == all.windows.windows;
+  Part part{queue, TactileWindow(runtime, shape.windows, images[0], first), {}, {}};
+  const bool starts_sums = first + size + (queues - 1) * part_windows >= all.windows.windows;
   const auto of_layer = [&](int i) {
-    return Conv2dImages{size, images[i], images[i + 1], gradients[i + 1], gradients[i]};
+    return Conv2dImages{size, images[i], images[i + 1], gradients[i + 1], gradients[i], queue};
   };
   for (int i = 0; i < 3; ++i) append(part.forward, layers[i]->forward(of_layer(i)));
   part.forward.push_back(compact(runtime, last, images[3], features, first));
   if (training)
     part.backward = {block_gradient(runtime, last, features, grad_features, gradients[3], first)};
   for (int i = 2; training && i >= 0; --i)
-    append(part.backward, layers[i]->backward(of_layer(i), last_part));
-  parts.push_back(std::move(part));
+    append(part.backward, layers[i]->backward(of_layer(i), starts_sums));
+  return part;
 }
 
 std::array<Conv2dShape, 3> TactileEncoderShape::layers() const {
@@ -182,18 +206,18 @@ void TactileEncoder::prepare() { enqueue(plan_->runtime, plan_->prepare); }
 
 void TactileEncoder::forward(const Buffer<float>& stream, const Buffer<int>& last_frame,
                              const TaxelDropout& dropout) {
-  for (auto& part : plan_->parts) {
+  share_out(plan_->runtime, plan_->parts, [&](Plan::Part& part) {
     part.window.enqueue(plan_->runtime, stream, last_frame, dropout);
     enqueue(plan_->runtime, part.forward);
-  }
+  });
 }
 
 const Buffer<float>& TactileEncoder::grad_features() const { return plan_->grad_features; }
 
 void TactileEncoder::backward() {
   // The last part's images are those that the cache may still hold.
-  for (const auto& part : plan_->parts | std::views::reverse)
-    enqueue(plan_->runtime, part.backward);
+  share_out(plan_->runtime, plan_->parts | std::views::reverse,
+            [&](const Plan::Part& part) { enqueue(plan_->runtime, part.backward); });
   enqueue(plan_->runtime, plan_->finish);
 }
 

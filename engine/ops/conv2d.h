@@ -42,6 +42,7 @@ struct Conv2dShape {
 struct Conv2dParameters {
   Buffer<float> values, gradient;
   int weight_at, bias_at;
+  int sums = 1;  ///< sets of sums behind the gradient, 1 or 2
 };
 
 /// The arrays of some of a layer's images. Gradients are without what the ReLU of their array
@@ -49,6 +50,9 @@ struct Conv2dParameters {
 struct Conv2dImages {
   int images;
   Buffer<float> in, out, grad_out, grad_in;
+  /// Which set of the layer's sums the weights' gradient goes to: parts that run beside each other
+  /// have sums of their own.
+  int sums = 0;
 };
 
 /// A layer, planned once; its passes may be cut into parts of the images, so that what a part
@@ -60,8 +64,8 @@ class Conv2d {
 
   virtual Launches prepare() = 0;  ///< once after the weights changed
   virtual Launches forward(const Conv2dImages& part) = 0;
-  /// The gradient towards the input, and the weights' into the layer's sums: the `first` part
-  /// starts these, others add to them.
+  /// The gradient towards the input, and the weights' into the part's set of the layer's sums: the
+  /// `first` part of a set starts it, others add to it.
   virtual Launches backward(const Conv2dImages& part, bool first) = 0;
   /// After the last part: adds the gradients of weight and bias. Every sum has one fixed order.
   virtual Launches finish() = 0;

@@ -32,17 +32,12 @@ cl::Kernel weights_kernel(Runtime& runtime, const Conv2dShape& shape, const Conv
   return runtime.kernel({"common.clh", "conv2d.clh", "conv2d_backward_weights.cl"}, name, defines);
 }
 
-/// How the sum over images is cut, which decides its rounding.
-struct Chunks {
-  int count, images;  ///< images in a chunk; the last may hold fewer
-};
-
-Chunks chunks_of(const Conv2dShape& shape, const Conv2dChoice& choice, int images) {
+/// Into how many the sum over images is cut, which decides its rounding.
+int chunks_of(const Conv2dShape& shape, const Conv2dChoice& choice) {
   const int pairs = shape.out_channels / 32 * blocks_of_input(shape);
   const int wanted =
       choice.gradient_chunks > 0 ? choice.gradient_chunks : rounded_up(wanted_items, pairs);
-  const int in_chunk = rounded_up(images, std::min(wanted, images));
-  return {rounded_up(images, in_chunk), in_chunk};
+  return std::min(wanted, shape.images);
 }
 
 }  // namespace
@@ -54,24 +49,27 @@ Conv2dWeightsGradient::Conv2dWeightsGradient(Runtime& runtime, const Conv2dShape
       shape_(shape),
       parameters_(parameters),
       choice_(choice),
-      chunks_(chunks_of(shape, choice, shape.images).count) {
+      chunks_(chunks_of(shape, choice)) {
   if (parameters.gradient.size() == 0) return;
-  partial_ = runtime.allocate<float>(chunks_ * shape.weight_size());
-  partial_bias_ = runtime.allocate<float>(std::size_t(chunks_) * shape.out_channels);
+  const auto sums = static_cast<std::size_t>(parameters.sums) * chunks_;
+  partial_ = runtime.allocate<float>(sums * shape.weight_size());
+  partial_bias_ = runtime.allocate<float>(sums * shape.out_channels);
 }
 
 Launch Conv2dWeightsGradient::sum(const Conv2dImages& part, bool first) {
-  const auto chunks = chunks_of(shape_, choice_, part.images);
+  const int chunk_images = rounded_up(part.images, chunks_);
   return Launch(weights_kernel(runtime_, shape_, choice_, "conv2d_backward_weights"),
-                range(shape_.out_channels / 32, blocks_of_input(shape_), chunks.count), part.in,
-                part.grad_out, partial_, partial_bias_, part.images, chunks.images, first ? 1 : 0)
+                range(shape_.out_channels / 32, blocks_of_input(shape_), chunks_), part.in,
+                part.grad_out, partial_, partial_bias_, part.images, chunk_images,
+                part.sums * chunks_, first ? 1 : 0)
       .costing(conv2d_cost(shape_, part.images));
 }
 
 Launch Conv2dWeightsGradient::finish() {
   return Launch(weights_kernel(runtime_, shape_, choice_, "conv2d_reduce"),
                 range(shape_.in_channels, shape_.out_channels / 32), partial_, partial_bias_,
-                chunks_, parameters_.gradient, parameters_.weight_at, parameters_.bias_at);
+                parameters_.sums * chunks_, parameters_.gradient, parameters_.weight_at,
+                parameters_.bias_at);
 }
 
 }  // namespace touchtrace

@@ -11,6 +11,7 @@
 #include "engine/model/model.h"
 #include "engine/ops/operation_check.h"
 #include "engine/ops/self_test.h"
+#include "engine/ops/sum.h"
 
 namespace touchtrace {
 namespace {
@@ -77,6 +78,20 @@ TEST(OperationCheck, FindsOneWrongValue) {
   EXPECT_EQ(output_error(runtime, identity_off_by(0), inputs), 0.0);
   EXPECT_GT(output_error(runtime, identity_off_by(1e-5), inputs), output_error_bound);
   EXPECT_TRUE(std::isinf(output_error(runtime, identity_off_by(NAN), inputs)));
+}
+
+TEST(Runtime, SideQueueRunsBehindTheForkAndBeforeTheJoin) {
+  constexpr std::size_t size = 1 << 16;
+  Runtime runtime(choose_device(""));
+  const auto values = runtime.allocate<float>(size), total = runtime.allocate<float>(1);
+  const auto adding = sum(runtime, values, total);
+  for (int turn = 1; turn <= 20; ++turn) {
+    runtime.fill(values, static_cast<float>(turn));
+    runtime.fork();
+    runtime.on_side([&] { adding.enqueue(runtime); });
+    runtime.join();
+    EXPECT_EQ(runtime.download(total)[0], static_cast<float>(turn) * size);
+  }
 }
 
 TEST(Runtime, SaysHowMuchMemoryWasWantedAndWhatLowersIt) {

@@ -32,14 +32,14 @@
 #endif
 
 // The 32-bit mixer of Wellons ("lowbias32"): a bijection.
-static uintv mix(uintv x) {
+static uintv mixed(uintv x) {
   x = (x ^ (x >> 16)) * 0x7feb352du;
   x = (x ^ (x >> 15)) * 0x846ca68bu;
   return x ^ (x >> 16);
 }
 
 static realv keep_of(uint key, uint threshold, real scale, uint first) {
-  const uintv hash = mix(mix(first + lane_numbers()) ^ key);
+  const uintv hash = mixed(mixed(first + lane_numbers()) ^ key);
   return select((realv)(scale), (realv)(0), hash < threshold);
 }
 

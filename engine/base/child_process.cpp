@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -49,21 +50,44 @@ std::vector<std::string> environment_with(const std::map<std::string, std::strin
   return result;
 }
 
+/// Of what a spawned process does before it starts.
+class FileActions {
+ public:
+  FileActions() { posix_spawn_file_actions_init(&actions_); }
+  ~FileActions() { posix_spawn_file_actions_destroy(&actions_); }
+  FileActions(const FileActions&) = delete;
+  FileActions& operator=(const FileActions&) = delete;
+
+  void replace(int file, int by) { posix_spawn_file_actions_adddup2(&actions_, by, file); }
+  void silence(int file) {
+    posix_spawn_file_actions_addopen(&actions_, file, "/dev/null", O_WRONLY, 0);
+  }
+  const posix_spawn_file_actions_t* get() const { return &actions_; }
+
+ private:
+  posix_spawn_file_actions_t actions_;
+};
+
+/// This program once more; 0 or what went wrong.
+int spawn_self(pid_t& process, std::vector<std::string> arguments,
+               const std::map<std::string, std::string>& changes, const FileActions& actions) {
+  arguments.insert(arguments.begin(), this_program);
+  auto environment = environment_with(changes);
+  return posix_spawn(&process, this_program, actions.get(), nullptr, pointers(arguments).data(),
+                     pointers(environment).data());
+}
+
 /// A process that is killed and waited for unless it has ended, and the reading end of its stdout.
 class Child {
  public:
-  Child(std::vector<std::string> arguments, const std::map<std::string, std::string>& changes) {
+  Child(const std::vector<std::string>& arguments,
+        const std::map<std::string, std::string>& changes) {
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0) throw not_started(errno);
     output_ = ends[0];
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-    arguments.insert(arguments.begin(), this_program);
-    auto environment = environment_with(changes);
-    const int error = posix_spawn(&process_, this_program, &actions, nullptr,
-                                  pointers(arguments).data(), pointers(environment).data());
-    posix_spawn_file_actions_destroy(&actions);
+    FileActions actions;
+    actions.replace(STDOUT_FILENO, ends[1]);
+    const int error = spawn_self(process_, arguments, changes, actions);
     close(ends[1]);
     if (error == 0) return;
     close(output_);
@@ -135,6 +159,26 @@ ChildResult run_self(const std::vector<std::string>& arguments,
   result.wall_seconds = seconds_since(start);
   result.cpu_seconds = child.cpu_seconds();
   return result;
+}
+
+BackgroundProcess::BackgroundProcess(const std::vector<std::string>& arguments,
+                                     std::string_view input) {
+  const int file = memfd_create("input", MFD_CLOEXEC);
+  if (file < 0) return;
+  FileActions actions;
+  actions.replace(STDIN_FILENO, file);
+  actions.silence(STDOUT_FILENO), actions.silence(STDERR_FILENO);
+  if (write(file, input.data(), input.size()) == static_cast<ssize_t>(input.size()) &&
+      lseek(file, 0, SEEK_SET) == 0 && spawn_self(process_, arguments, {}, actions) != 0)
+    process_ = 0;
+  close(file);
+}
+
+BackgroundProcess::~BackgroundProcess() {
+  if (process_ == 0) return;
+  kill(process_, SIGKILL);
+  while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+  }
 }
 
 }  // namespace touchtrace

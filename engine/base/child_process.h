@@ -1,7 +1,10 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace touchtrace {
@@ -23,5 +26,19 @@ struct ChildResult {
 /// asks to stop. stderr is shared. Throws failure if it cannot be started.
 ChildResult run_self(const std::vector<std::string>& arguments,
                      const std::map<std::string, std::string>& environment, double silence_s);
+
+/// This very program at work beside this process, silently. It is killed, unless it has ended, when
+/// this goes out of scope. Nothing happens if it cannot be started.
+class BackgroundProcess {
+ public:
+  /// `input`: what it reads from stdin.
+  BackgroundProcess(const std::vector<std::string>& arguments, std::string_view input);
+  ~BackgroundProcess();
+  BackgroundProcess(const BackgroundProcess&) = delete;
+  BackgroundProcess& operator=(const BackgroundProcess&) = delete;
+
+ private:
+  pid_t process_ = 0;  ///< 0: not started
+};
 
 }  // namespace touchtrace

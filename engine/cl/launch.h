@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "engine/cl/runtime.h"
@@ -31,29 +32,19 @@ struct LaunchCost {
 /// compute one tile a work-item without barriers.
 class Launch {
  public:
+  using Argument = std::variant<cl_int, cl_uint, cl_float, cl::Buffer>;
+
   template <class... Arguments>
-  Launch(cl::Kernel kernel, cl::NDRange global, const Arguments&... arguments)
-      : kernel_(std::move(kernel)), global_(global) {
-    cl_uint index = 0;
-    (set(index++, arguments), ...);
-  }
+  Launch(Kernel kernel, cl::NDRange global, const Arguments&... arguments)
+      : kernel_(std::move(kernel)), global_(global), arguments_{argument(arguments)...} {}
 
-  void set(cl_uint index, cl_int value) { kernel_.setArg(index, value); }
-  void set(cl_uint index, cl_uint value) { kernel_.setArg(index, value); }
-  void set(cl_uint index, cl_float value) { kernel_.setArg(index, value); }
-  void set(cl_uint index, const cl::Buffer& buffer) {
-    kernel_.setArg(index, buffer);
-    buffers_[index] = buffer;
-  }
   template <class T>
-  void set(cl_uint index, const Buffer<T>& buffer) {
-    set(index, buffer.handle());
+  void set(cl_uint index, const T& value) {
+    arguments_.at(index) = argument(value);
+    if (created_()) set_created(index);
   }
 
-  void enqueue(Runtime& runtime) const {
-    runtime.launch(kernel_, global_);
-    if (runtime.watcher()) runtime.watcher()(*this);
-  }
+  void enqueue(Runtime& runtime) const;
 
   /// The same launch, which says what it costs.
   Launch costing(const LaunchCost& cost) && {
@@ -67,24 +58,24 @@ class Launch {
   LaunchCost cost() const { return cost_ ? *cost_ : LaunchCost{0.0, bytes_of_arrays()}; }
 
   /// The kernel's.
-  std::string name() const { return kernel_.getInfo<CL_KERNEL_FUNCTION_NAME>(); }
+  const std::string& name() const { return kernel_.name; }
   /// The arguments that are arrays, by their index.
-  const std::map<cl_uint, cl::Buffer>& buffers() const { return buffers_; }
+  std::map<cl_uint, cl::Buffer> buffers() const;
 
  private:
-  double bytes_of_arrays() const {
-    std::map<cl_mem, double> bytes;
-    for (const auto& [index, buffer] : buffers_)
-      bytes[buffer()] = static_cast<double>(buffer.getInfo<CL_MEM_SIZE>());
-    double sum = 0.0;
-    for (const auto& [handle, size] : bytes) sum += size;
-    return sum;
+  static Argument argument(const Argument& value) { return value; }
+  template <class T>
+  static Argument argument(const Buffer<T>& buffer) {
+    return buffer.handle();
   }
+  void set_created(cl_uint index) const;
+  double bytes_of_arrays() const;
 
-  cl::Kernel kernel_;
+  Kernel kernel_;
   cl::NDRange global_;
+  std::vector<Argument> arguments_;  ///< keeps buffers alive: OpenCL's kernel arguments do not
   std::optional<LaunchCost> cost_;
-  std::map<cl_uint, cl::Buffer> buffers_;  ///< kept alive: OpenCL's kernel arguments do not
+  mutable cl::Kernel created_;  ///< null until the first turn
 };
 
 /// Launches in their order.

@@ -5,18 +5,26 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/base/provenance.h"
 #include "engine/base/text.h"
 #include "engine/cl/host_memory.h"
-#include "engine/cl/kernel_sources.h"
 
 namespace touchtrace {
 namespace {
 
-std::string option_text(const Defines& defines, Accuracy accuracy) {
-  std::string text = "-cl-std=CL1.2";
-  if (accuracy == Accuracy::fast) text += " -cl-denorms-are-zero";
-  if (accuracy == Accuracy::exact) text += " -D EXACT=1";
-  for (const auto& [name, value] : defines) text += fmt::format(" -D {}={}", name, value);
+// A driver that takes longer did not find the program in its cache, and no kernels then.
+constexpr double longest_cached_build_s = 0.3;
+
+const char* options_for(Accuracy accuracy) {
+  return accuracy == Accuracy::fast ? "-cl-std=CL1.2 -cl-kernel-arg-info -cl-denorms-are-zero"
+                                    : "-cl-std=CL1.2 -cl-kernel-arg-info -D EXACT=1";
+}
+
+/// "the kernels gemm, pack of common.clh, dense.cl with -D WIDTH=2"
+std::string described(const ProgramPart& part, const std::vector<std::string>& kernels) {
+  std::string text = fmt::format("the kernel{} {} of {}", kernels.size() > 1 ? "s" : "",
+                                 comma_separated(kernels), comma_separated(part.files));
+  for (const auto& [name, value] : part.defines) text += fmt::format(" -D {}={}", name, value);
   return text;
 }
 
@@ -61,48 +69,68 @@ Runtime::Runtime(ChosenDevice device, Accuracy accuracy) try
   throw opencl_error(error, "opening the device", device.info.name);
 }
 
-cl::Kernel Runtime::kernel(const std::vector<std::string>& files, const std::string& name,
-                           const Defines& defines) {
-  const Recipe recipe = recipe_of(files, defines);
-  const std::string options = option_text(recipe.defines, accuracy_);
-  const std::string key = comma_separated(recipe.files) + " " + options;
-  auto found = programs_.find(key);
-  if (found == programs_.end())
-    found = programs_.emplace(key, build(recipe.files, options, name)).first;
-  return guarded(fmt::format("creating the kernel {}", name),
-                 [&] { return cl::Kernel(found->second, name.c_str()); });
-}
-
-void Runtime::bundle(std::vector<std::string> files, Defines defines) {
-  bundles_.push_back({std::move(files), std::move(defines)});
-}
-
-Runtime::Recipe Runtime::recipe_of(const std::vector<std::string>& files,
-                                   const Defines& defines) const {
-  const auto holds = [&](const Recipe& bundle) {
-    return std::ranges::all_of(
-               files, [&](const auto& f) { return std::ranges::count(bundle.files, f) > 0; }) &&
-           std::ranges::includes(bundle.defines, defines);
+Kernel Runtime::kernel(const std::vector<std::string>& files, const std::string& name,
+                       const Defines& defines) {
+  const auto same = [&](const Part& part) {
+    return part.text.files == files && part.text.defines == defines;
   };
-  const auto found = std::ranges::find_if(bundles_, holds);
-  return found == bundles_.end() ? Recipe{files, defines} : *found;
+  auto part = std::ranges::find_if(parts_, same);
+  if (part == parts_.end()) part = parts_.insert(parts_.end(), Part{{files, defines}, {}, {}});
+  if (std::ranges::count(part->kernels, name) == 0) part->kernels.push_back(name);
+  return {name, static_cast<int>(part - parts_.begin())};
 }
 
-cl::Program Runtime::build(const std::vector<std::string>& files, const std::string& options,
-                           const std::string& kernel) {
-  std::string source;
-  for (const auto& file : files) source += kernel_sources().at(file);
-  cl::Program program(context_, source);
+cl::Kernel Runtime::create(const Kernel& kernel) {
+  const auto& part = parts_.at(static_cast<std::size_t>(kernel.part));
+  if (!part.program()) build_parts();
+  return guarded(fmt::format("creating the kernel {}", kernel.name), [&] {
+    return cl::Kernel(part.program, name_in_program(kernel.name, part.number).c_str());
+  });
+}
+
+void Runtime::build_parts() {
+  std::vector<Part*> parts;
+  for (auto& part : parts_)
+    if (!part.program()) part.number = static_cast<int>(parts.size()), parts.push_back(&part);
+  const Stopwatch stopwatch;
+  const auto program = build(parts);
+  for (auto* part : parts) part->program = program;
+  if (device_.info.is_pocl && stopwatch.wall_seconds() > longest_cached_build_s)
+    compile_beside(program, parts);
+}
+
+void Runtime::compile_beside(const cl::Program& program, const std::vector<Part*>& parts) {
+  CompilerTask task{
+      device_.info.number, options_for(accuracy_), program.getInfo<CL_PROGRAM_SOURCE>(), {}};
+  for (const auto* part : parts)
+    for (const auto& kernel : part->kernels)
+      task.kernels.push_back(name_in_program(kernel, part->number));
+  compiler_ = start_compiler(task);
+}
+
+cl::Program Runtime::build(const std::vector<Part*>& parts) {
+  std::vector<ProgramPart> texts;
+  for (const auto* part : parts) texts.push_back(part->text);
+  cl::Program program(context_, joined_source(texts));
   try {
-    program.build({device_.info.handle}, options.c_str());
+    program.build({device_.info.handle}, options_for(accuracy_));
   } catch (const cl::Error& error) {
-    throw device_error(
-        fmt::format("the kernel {} of {} does not build for {} with {} ({}):\n{}", kernel,
-                    comma_separated(files), device_.info.name, options,
-                    opencl_error_name(error.err()), build_log(program, device_.info.handle)),
-        "choose another device with --device, and report this log");
+    if (parts.size() > 1)  // finds the one to blame
+      for (auto* part : parts) build({part});
+    throw build_error(error, program, parts);
   }
   return program;
+}
+
+Error Runtime::build_error(const cl::Error& error, const cl::Program& program,
+                           const std::vector<Part*>& parts) const {
+  std::vector<std::string> kernels;
+  for (const auto* part : parts) kernels.push_back(described(part->text, part->kernels));
+  return device_error(
+      fmt::format("{} cannot be built for {} with {} ({}):\n{}", comma_separated(kernels),
+                  device_.info.name, options_for(accuracy_), opencl_error_name(error.err()),
+                  build_log(program, device_.info.handle)),
+      "choose another device with --device, and report this log");
 }
 
 void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global,
@@ -110,7 +138,7 @@ void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global,
   try {
     queue().enqueueNDRangeKernel(kernel, cl::NullRange, global, local);
   } catch (const cl::Error& error) {
-    const auto name = kernel.getInfo<CL_KERNEL_FUNCTION_NAME>();
+    const auto name = name_in_part(kernel.getInfo<CL_KERNEL_FUNCTION_NAME>());
     throw opencl_error(error, fmt::format("the kernel {}", name), device_.info.name);
   }
 }

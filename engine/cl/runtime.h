@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
-#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -11,13 +10,12 @@
 #include <type_traits>
 #include <vector>
 
+#include "engine/cl/compiler_process.h"
 #include "engine/cl/device.h"
 #include "engine/cl/opencl_error.h"
+#include "engine/cl/program_source.h"
 
 namespace touchtrace {
-
-/// Values of the -D of a program, by name.
-using Defines = std::map<std::string, std::string>;
 
 /// `fast` flushes denormals; `exact` does not, and long sums are compensated.
 enum class Accuracy { fast, exact };
@@ -41,6 +39,12 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
+/// A kernel that a Runtime was asked for; create() makes it.
+struct Kernel {
+  std::string name;
+  int part;  ///< of those that the runtime was asked for
+};
+
 class Launch;
 /// Called with each Launch right after it was queued.
 using LaunchWatcher = std::function<void(const Launch&)>;
@@ -58,14 +62,13 @@ class Runtime {
   cl::CommandQueue& queue() { return on_side_ ? side_queue_ : queue_; }
   const cl::Context& context() const { return context_; }
 
-  /// A kernel of the program made of `files` of kernels/, in that order. Programs are built once a
-  /// runtime and set of defines. Throws device_error with device, options, log and the kernel's
-  /// name on a build failure.
-  cl::Kernel kernel(const std::vector<std::string>& files, const std::string& name,
-                    const Defines& defines = {});
-  /// From now on kernels of some of these files with some of these defines come from one program of
-  /// them all: a program costs far more to build than a kernel.
-  void bundle(std::vector<std::string> files, Defines defines);
+  /// A kernel of `files` of kernels/, in that order. It is built when create() first needs it,
+  /// together with everything asked for until then.
+  Kernel kernel(const std::vector<std::string>& files, const std::string& name,
+                const Defines& defines = {});
+  /// Without arguments. Throws device_error with device, options, log and the kernels' names on a
+  /// build failure.
+  cl::Kernel create(const Kernel& kernel);
 
   /// Throws device_error if the device has not this much memory left: asked before many buffers are
   /// made, so that a model that is far too large fails at once.
@@ -168,16 +171,19 @@ class Runtime {
   cl::Buffer allocate_bytes(std::size_t bytes);
   /// What `second` gets from now on waits for what `first` holds.
   void chain(cl::CommandQueue& first, cl::CommandQueue& second);
-  /// What a program is made of.
-  struct Recipe {
-    std::vector<std::string> files;
-    Defines defines;
+  /// What kernels were asked of.
+  struct Part {
+    ProgramPart text;
+    std::vector<std::string> kernels;
+    cl::Program program;  ///< null until it is built
+    int number = 0;       ///< in its program
   };
 
-  /// The bundle that holds these, or they alone.
-  Recipe recipe_of(const std::vector<std::string>& files, const Defines& defines) const;
-  cl::Program build(const std::vector<std::string>& files, const std::string& options,
-                    const std::string& kernel);
+  void build_parts();
+  cl::Program build(const std::vector<Part*>& parts);
+  void compile_beside(const cl::Program& program, const std::vector<Part*>& parts);
+  Error build_error(const cl::Error& error, const cl::Program& program,
+                    const std::vector<Part*>& parts) const;
 
   ChosenDevice device_;
   Accuracy accuracy_;
@@ -187,8 +193,8 @@ class Runtime {
   /// In use now; shared with the buffers, which may live longer than the runtime.
   std::shared_ptr<std::atomic<std::size_t>> allocated_bytes_ =
       std::make_shared<std::atomic<std::size_t>>(0);
-  std::vector<Recipe> bundles_;
-  std::map<std::string, cl::Program> programs_;
+  std::vector<Part> parts_;
+  std::unique_ptr<BackgroundProcess> compiler_;  ///< null unless kernels were built anew
   LaunchWatcher watcher_;
 };
 

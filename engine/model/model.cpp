@@ -21,30 +21,11 @@ Error while_making(const ModelSpec& spec, int sequences, int steps, const Error&
                error.remedy());
 }
 
-/// Puts the operations that are small, and needed by every model, into one program.
-void bundle_programs(Runtime& runtime, const ModelSpec& spec, Model::Use use) {
-  std::vector<std::string> files{"common.clh",   "tile.clh",   "dense.cl",
-                                 "dynamics.clh", "rollout.cl", "rollout_backward.cl"};
-  Defines defines{{"HIDDEN", std::to_string(spec.hidden)}, {"STATE", std::to_string(spec.state)}};
-  if (use == Model::Use::training)
-    files.insert(files.end(), {"state_loss.cl", "sum.cl", "adam.cl"});
-  if (spec.touch) {
-    files.push_back("layer_norm.cl");
-    defines["COLUMNS"] = std::to_string(spec.embedding);
-  }
-  if (spec.object == ObjectEncoder::joint && use == Model::Use::training) {
-    files.push_back("info_nce.cl");  // last: it turns contraction off
-    defines["NORMALISED"] = spec.contrast_temperature > 0 ? "1" : "0";
-  }
-  runtime.bundle(std::move(files), std::move(defines));
-}
-
 }  // namespace
 
 Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use) try
     : runtime_(runtime), spec_(spec), sequences_(sequences), steps_(steps) {
   validate(spec);
-  bundle_programs(runtime, spec, use);
   const bool own_object_encoder = spec.object == ObjectEncoder::joint && use == Use::training;
   if (spec.touch && use != Use::rollout)
     TouchEncoder::declare("tactile", window_encoder(spec, 1), spec.embedding, table_);

@@ -3,7 +3,7 @@
 namespace touchtrace {
 namespace {
 
-cl::Kernel channel_blocks_kernel(Runtime& runtime, const ChannelBlocksShape& shape,
+Kernel channel_blocks_kernel(Runtime& runtime, const ChannelBlocksShape& shape,
                                  const char* name) {
   return runtime.kernel({"common.clh", "channel_blocks.cl"}, name,
                         {{"ROWS", std::to_string(shape.rows)},

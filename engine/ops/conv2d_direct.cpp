@@ -45,7 +45,7 @@ TiledPass data_pass(const Conv2dShape& s, const Conv2dChoice& choice) {
           s.in_channels * s.taps(),  s.stride * s.stride, accumulators_of(choice)};
 }
 
-cl::Kernel tiled_kernel(Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass,
+Kernel tiled_kernel(Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass,
                         const std::string& name) {
   auto defines = conv2d_defines(shape);
   defines["BLOCKS"] = std::to_string(pass.blocks());

@@ -25,8 +25,8 @@ int group_images(const Conv2dShape& shape, const Conv2dChoice& choice) {
   return std::max(1, static_cast<int>(cache_bytes / (4 * (in + out))));
 }
 
-cl::Kernel weights_kernel(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice,
-                          const char* name) {
+Kernel weights_kernel(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice,
+                      const char* name) {
   auto defines = conv2d_defines(shape);
   defines["GROUP"] = std::to_string(group_images(shape, choice));
   return runtime.kernel({"common.clh", "conv2d.clh", "conv2d_backward_weights.cl"}, name, defines);

@@ -75,7 +75,7 @@ class WinogradConv2d final : public Conv2d {
   cl::NDRange groups(const Conv2dImages& part) const {
     return range((part.images + group_ - 1) / group_);
   }
-  cl::Kernel kernel(const std::string& pass) {
+  Kernel kernel(const std::string& pass) {
     auto defines = conv2d_defines(shape_);
     defines["GROUP"] = std::to_string(group_);
     defines["TILE_MEMORY"] = "__local";

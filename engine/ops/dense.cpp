@@ -3,7 +3,7 @@
 namespace touchtrace {
 namespace {
 
-cl::Kernel dense_kernel(Runtime& runtime, const char* name) {
+Kernel dense_kernel(Runtime& runtime, const char* name) {
   return runtime.kernel({"common.clh", "tile.clh", "dense.cl"}, name);
 }
 

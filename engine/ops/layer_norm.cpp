@@ -3,7 +3,7 @@
 namespace touchtrace {
 namespace {
 
-cl::Kernel layer_norm_kernel(Runtime& runtime, const char* name, int columns) {
+Kernel layer_norm_kernel(Runtime& runtime, const char* name, int columns) {
   return runtime.kernel({"common.clh", "layer_norm.cl"}, name,
                         {{"COLUMNS", std::to_string(columns)}});
 }

@@ -3,7 +3,7 @@
 namespace touchtrace {
 namespace {
 
-cl::Kernel rollout_kernel(Runtime& runtime, const char* name, const RolloutArrays& a) {
+Kernel rollout_kernel(Runtime& runtime, const char* name, const RolloutArrays& a) {
   return runtime.kernel(
       {"common.clh", "tile.clh", "dynamics.clh", "rollout.cl", "rollout_backward.cl"}, name,
       {{"HIDDEN", std::to_string(a.hidden)}, {"STATE", std::to_string(a.state)}});

@@ -8,7 +8,7 @@ namespace {
 /// Lanes of a vector that fits a row: the kernel lets the last one overlap.
 int lanes_of(int cols) { return cols >= 16 ? 16 : cols >= 8 ? 8 : cols >= 4 ? 4 : 1; }
 
-cl::Kernel tactile_window_kernel(Runtime& runtime, const TactileWindowShape& shape) {
+Kernel tactile_window_kernel(Runtime& runtime, const TactileWindowShape& shape) {
   return runtime.kernel({"common.clh", "tactile_window.cl"}, "tactile_window",
                         {{"WINDOW", std::to_string(shape.frames)},
                          {"ROWS", std::to_string(shape.rows)},

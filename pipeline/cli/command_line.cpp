@@ -8,11 +8,16 @@
 #include "engine/base/progress.h"
 #include "engine/base/text.h"
 #include "engine/base/version.h"
+#include "engine/cl/compiler_process.h"
 #include "pipeline/cli/configuration.h"
 #include "pipeline/cli/verb.h"
 
 namespace touchtrace::cli {
 namespace {
+
+// What this program calls itself with to compile kernels beside itself: no verb, since it is of no
+// use to anybody else.
+constexpr const char* compile_kernels = "compile-kernels";
 
 constexpr const char* exit_codes =
     "Exit codes: 0 done, 1 failed, 2 usage, 3 data or quality gate, 4 no device, 130 interrupted";
@@ -127,6 +132,11 @@ std::string first_unknown(const Command& command) {
 }
 
 ExitCode dispatch(int argc, const char* const* argv) {
+  if (argc == 2 && std::string_view(argv[1]) == compile_kernels) {
+    compile_from_stdin();
+    return ExitCode::done;
+  }
+  offer_compiler_process({compile_kernels});
   CLI::App root{"touchtrace: from touch to trajectories"};
   root.footer(exit_codes);
   root.set_version_flag("--version", version);

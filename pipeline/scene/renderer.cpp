@@ -94,7 +94,7 @@ Renderer::Device::Device(Runtime& r, const RgbdCamera& camera)
       color(r.allocate<std::uint8_t>(color_rays.x.size() * 3)),
       counts(r.allocate<std::uint16_t>(depth_rays.x.size())) {
   const auto kernel = [&](const char* file, const char* name) {
-    return r.kernel({"solids.clh", "image_noise.clh", file}, name, defines());
+    return r.create(r.kernel({"solids.clh", "image_noise.clh", file}, name, defines()));
   };
   render_color = kernel("render_color.cl", "render_color");
   depth_noise = kernel("render_depth.cl", "depth_noise");

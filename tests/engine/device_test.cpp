@@ -138,7 +138,8 @@ TEST(Runtime, GivesMemoryBack) {
 TEST(Runtime, ShowsDeviceOptionsAndLogOfAKernelThatDoesNotBuild) {
   Runtime runtime(choose_device(""));
   const auto error = error_of([&] {
-    runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak", {{"REAL", "nonsense"}});
+    runtime.create(
+        runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak", {{"REAL", "nonsense"}}));
   });
   for (const auto* part : {"the kernel fma_peak of", "fma_peak.cl", "-D REAL=nonsense",
                            "unknown type name", "nonsense16"})
@@ -146,9 +147,51 @@ TEST(Runtime, ShowsDeviceOptionsAndLogOfAKernelThatDoesNotBuild) {
   EXPECT_TRUE(mentions(error.what(), runtime.device().name)) << error.what();
 }
 
+/// The sum of `values`, in their type.
+template <class T>
+Launch sum_in(Runtime& runtime, const char* type, const std::vector<T>& values,
+              const Buffer<T>& total) {
+  return Launch(runtime.kernel({"common.clh", "sum.cl"}, "sum", {{"REAL", type}}), range(1),
+                runtime.upload<T>(values), static_cast<int>(values.size()), total);
+}
+
+TEST(Runtime, KeepsThePartsOfAProgramApart) {
+  Runtime runtime(choose_device(""));
+  const auto total = runtime.allocate<float>(1);
+  const auto fine_total = runtime.allocate<double>(1);
+  const auto sum = sum_in<float>(runtime, "float", {1.0f, 2.0f}, total);
+  const auto fine_sum = sum_in<double>(runtime, "double", {1.0, 0x1p-50}, fine_total);
+  sum.enqueue(runtime), fine_sum.enqueue(runtime);
+  EXPECT_EQ(runtime.download(total)[0], 3.0f);
+  EXPECT_EQ(runtime.download(fine_total)[0], 1.0 + 0x1p-50);
+}
+
+TEST(Runtime, BuildsWhatItWasAskedForTogether) {
+  Runtime runtime(choose_device(""));
+  const auto program_of = [&](const Kernel& kernel) {
+    return runtime.create(kernel).getInfo<CL_KERNEL_PROGRAM>();
+  };
+  const auto sum = runtime.kernel({"common.clh", "sum.cl"}, "sum");
+  const auto adam = runtime.kernel({"common.clh", "adam.cl"}, "adam");
+  const auto norm = runtime.kernel({"common.clh", "adam.cl"}, "norm");
+  EXPECT_EQ(program_of(sum)(), program_of(adam)());
+  EXPECT_EQ(program_of(norm)(), program_of(adam)());
+}
+
+TEST(CompilerProcess, LaunchesKernelsOnNothing) {
+  const auto number = choose_device("").info.number;
+  const auto source =
+      joined_source({{{"common.clh", "adam.cl"}, {}},
+                     {{"common.clh", "tactile_window.cl"},
+                      {{"WINDOW", "10"}, {"ROWS", "32"}, {"COLS", "32"}, {"LANES", "16"}}}});
+  const std::vector<std::string> kernels{"squares__0", "norm__0", "adam__0", "tactile_window__1"};
+  EXPECT_NO_THROW(compile_kernels({number, "-cl-kernel-arg-info", source, kernels}));
+  EXPECT_THROW(compile_kernels({number, "-cl-kernel-arg-info", source, {"absent__0"}}), cl::Error);
+}
+
 TEST(Runtime, SaysWhichKernelADeviceRefuses) {
   Runtime runtime(choose_device(""));
-  auto kernel = runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak");
+  auto kernel = runtime.create(runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak"));
   const auto error = error_of([&] { runtime.launch(kernel, cl::NDRange(16), cl::NDRange(1)); });
   EXPECT_TRUE(mentions(error.what(), "fma_peak")) << error.what();
   EXPECT_TRUE(mentions(error.what(), "CL_INVALID_KERNEL_ARGS")) << error.what();

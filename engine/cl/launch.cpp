@@ -1,0 +1,34 @@
+#include "engine/cl/launch.h"
+
+namespace touchtrace {
+
+void Launch::enqueue(Runtime& runtime) const {
+  if (!created_()) {
+    created_ = runtime.create(kernel_);
+    for (cl_uint i = 0; i < arguments_.size(); ++i) set_created(i);
+  }
+  runtime.launch(created_, global_);
+  if (runtime.watcher()) runtime.watcher()(*this);
+}
+
+void Launch::set_created(cl_uint index) const {
+  std::visit([&](const auto& value) { created_.setArg(index, value); }, arguments_[index]);
+}
+
+std::map<cl_uint, cl::Buffer> Launch::buffers() const {
+  std::map<cl_uint, cl::Buffer> found;
+  for (cl_uint i = 0; i < arguments_.size(); ++i)
+    if (const auto* buffer = std::get_if<cl::Buffer>(&arguments_[i])) found[i] = *buffer;
+  return found;
+}
+
+double Launch::bytes_of_arrays() const {
+  std::map<cl_mem, double> bytes;
+  for (const auto& [index, buffer] : buffers())
+    if (buffer()) bytes[buffer()] = static_cast<double>(buffer.getInfo<CL_MEM_SIZE>());
+  double sum = 0.0;
+  for (const auto& [handle, size] : bytes) sum += size;
+  return sum;
+}
+
+}  // namespace touchtrace

@@ -37,20 +37,20 @@ static void weights_of_taps(__global const real* in, __global const real* grad_o
   REPEAT(ROW_TAPS, START)
 #undef START
   for (int image = 0; image < images; ++image)
-    for (int y = 0; y < OUT_ROWS; ++y)
-      for (int x = 0; x < OUT_COLS; ++x) {
-        __global const real* g = grad_out + image * OUT_IMAGE + y * OUT_PITCH + x * OUT_STEP;
-        __global const real* taps = in + image * IN_IMAGE + STRIDE * (y * IN_PITCH + x * IN_STEP);
-        const real16 g0 = vload16(0, g), g1 = vload16(0, g + OUT_BLOCK);
+    for (int i = 0; i < LIVE; ++i) {
+      const int y = ORDERED(i) / OUT_COLS, x = ORDERED(i) % OUT_COLS;
+      __global const real* g = grad_out + image * OUT_IMAGE + y * OUT_PITCH + x * OUT_STEP;
+      __global const real* taps = in + image * IN_IMAGE + STRIDE * (y * IN_PITCH + x * IN_STEP);
+      const real16 g0 = vload16(0, g), g1 = vload16(0, g + OUT_BLOCK);
 #define ADD(t)                                                                         \
   {                                                                                    \
     const real16 value = (real16)(taps[t / KERNEL * IN_PITCH + t % KERNEL * IN_STEP]); \
     low##t = fma(value, g0, low##t);                                                   \
     high##t = fma(value, g1, high##t);                                                 \
   }
-        REPEAT(ROW_TAPS, ADD)
+      REPEAT(ROW_TAPS, ADD)
 #undef ADD
-      }
+    }
 #define STORE(t)                    \
   vstore16(low##t, 2 * t, partial); \
   vstore16(high##t, 2 * t + 1, partial);

@@ -1,9 +1,9 @@
 // Forward pass of conv2d.clh. A work-item computes `tiles` tiles (conv2d_tile.clh) of output pixels and
 // output channels one after the other.
 
-static places taps_of(__global const real* in, int first, int pixels) {
+static places taps_of(__global const real* in, int first, int images) {
   places from;
-#define PLACE(p) from.pixel##p = in + tap_place(min(first + p, pixels - 1));
+#define PLACE(p) from.pixel##p = in + tap_place(ordered_pixel(min(first + p, images * OUT_AREA - 1), images));
   REPEAT(PIXELS, PLACE)
 #undef PLACE
   return from;
@@ -21,12 +21,12 @@ static tile convolve(tile t, places from, __global const real* weights) {
   return t;
 }
 
-static void store_activations(tile t, __global real* out, int first, int pixels) {
+static void store_activations(tile t, __global real* out, int first, int images) {
 #define STORE(b, p) vstore16(max(t.sum##b##_##p, (real16)(0)), 0, to + b * OUT_BLOCK);
-#define STORE_PIXEL(p)                              \
-  if (first + p < pixels) {                         \
-    __global real* to = out + out_place(first + p); \
-    EACH_BLOCK(STORE, p)                            \
+#define STORE_PIXEL(p)                                                     \
+  if (first + p < images * OUT_AREA) {                                     \
+    __global real* to = out + out_place(ordered_pixel(min(first + p, images * OUT_AREA - 1), images)); \
+    EACH_BLOCK(STORE, p)                                                   \
   }
   REPEAT(PIXELS, STORE_PIXEL)
 #undef STORE_PIXEL
@@ -41,7 +41,8 @@ __kernel void conv2d_forward(__global const real* restrict in, __global const re
   packed += group * IN_CHANNELS * CHANNEL_SIZE;
   out += group * BLOCKS * OUT_BLOCK;
   for (int first = begin; first < end; first += PIXELS) {
-    const tile bias = start_tile(parameters + bias_at + group * TAP_SIZE);
-    store_activations(convolve(bias, taps_of(in, first, pixels), packed), out, first, pixels);
+    tile t = start_tile(parameters + bias_at + group * TAP_SIZE);
+    if (first < images * LIVE) t = convolve(t, taps_of(in, first, images), packed);
+    store_activations(t, out, first, images);
   }
 }

@@ -23,7 +23,8 @@ Error while_making(const ModelSpec& spec, int sequences, int steps, const Error&
 
 }  // namespace
 
-Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use) try
+Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use,
+             const LiveTaxels& live) try
     : runtime_(runtime), spec_(spec), sequences_(sequences), steps_(steps) {
   validate(spec);
   const bool own_object_encoder = spec.object == ObjectEncoder::joint && use == Use::training;
@@ -37,9 +38,9 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
     input_.tactile_embedding =
         runtime.allocate<float>(std::size_t(sequences) * steps * spec.embedding);
   else if (spec.touch)
-    plan_tactile_encoder();
+    plan_tactile_encoder(live);
   if (own_object_encoder)
-    plan_object_encoder();
+    plan_object_encoder(live);
   else if (spec.object != ObjectEncoder::none)
     input_.object_embedding = runtime.allocate<float>(std::size_t(sequences) * spec.embedding);
   dynamics_ =
@@ -50,15 +51,15 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   throw while_making(spec, sequences, steps, error);
 }
 
-void Model::plan_tactile_encoder() {
-  tactile_ = std::make_unique<TouchEncoder>(runtime_, "tactile",
-                                            window_encoder(spec_, sequences_ * steps_), *weights_);
+void Model::plan_tactile_encoder(const LiveTaxels& live) {
+  tactile_ = std::make_unique<TouchEncoder>(
+      runtime_, "tactile", window_encoder(spec_, sequences_ * steps_, live), *weights_);
   input_.last_frame = tactile_->last_frame();
 }
 
-void Model::plan_object_encoder() {
-  object_ = std::make_unique<TouchEncoder>(runtime_, "object", segment_encoder(spec_, sequences_),
-                                           *weights_);
+void Model::plan_object_encoder(const LiveTaxels& live) {
+  object_ = std::make_unique<TouchEncoder>(runtime_, "object",
+                                           segment_encoder(spec_, sequences_, live), *weights_);
   input_.segment_last_frame = object_->last_frame();
   input_.object = runtime_.allocate<std::int32_t>(std::size_t(sequences_));
   input_.contrast_weight = runtime_.allocate<float>(std::size_t(sequences_));

@@ -37,7 +37,9 @@ class Model {
   /// is given.
   enum class Use { prediction, rollout, training };
 
-  Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use);
+  /// `live`: of the stream.
+  Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use,
+        const LiveTaxels& live = {});
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
@@ -64,8 +66,8 @@ class Model {
   const Buffer<float>& loss() const { return loss_; }                         ///< [1]
 
  private:
-  void plan_tactile_encoder();
-  void plan_object_encoder();
+  void plan_tactile_encoder(const LiveTaxels& live);
+  void plan_object_encoder(const LiveTaxels& live);
   void plan_loss();
   Embeddings embeddings() const;
   /// Queues what the object encoder does, if there is one, so that it runs beside the others.

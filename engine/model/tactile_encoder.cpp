@@ -23,6 +23,16 @@ void check(const TactileWindowShape& window) {
                       "frames have 6 to 64 rows and columns, windows 1 to 32 frames");
 }
 
+/// An order of pixels other than that of memory costs a little too, and kernels take it as an
+/// option of their build, which should not become too long.
+std::vector<int> worthwhile_dead_pixels(const Conv2dShape& layer, const LiveTaxels& live) {
+  constexpr int least_share = 8, most_pixels = 1024;
+  const int pixels = layer.out_rows() * layer.out_cols();
+  if (live.empty() || pixels > most_pixels) return {};
+  auto dead = dead_pixels(layer, live);
+  return static_cast<int>(dead.size()) * least_share < pixels ? std::vector<int>{} : dead;
+}
+
 TactileEncoderShape of_windows(TactileEncoderShape shape, int windows) {
   shape.windows.windows = windows;
   shape.windows.halo = shape.kernel / 2;
@@ -163,6 +173,13 @@ TactileEncoder::Plan::Part TactileEncoder::Plan::make_part(int first, int size, 
   return part;
 }
 
+LiveTaxels live_taxels(std::span<const float> stream, std::size_t taxels) {
+  LiveTaxels live(taxels, 0);
+  for (std::size_t i = 0; i < stream.size(); ++i)
+    if (stream[i] != 0.0f) live[i % taxels] = 1;
+  return live;
+}
+
 std::array<Conv2dShape, 3> TactileEncoderShape::layers() const {
   check(windows);
   Shapes layers{};
@@ -174,6 +191,7 @@ std::array<Conv2dShape, 3> TactileEncoderShape::layers() const {
     layer.in_channels = channels[i], layer.in_planes = false;
     layer.rows = layers[i].out_rows(), layer.cols = layers[i].out_cols();
   }
+  layers[0].dead = worthwhile_dead_pixels(layers[0], live);
   return layers;
 }
 

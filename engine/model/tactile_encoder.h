@@ -3,7 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "engine/cl/runtime.h"
 #include "engine/model/weights.h"
@@ -13,14 +15,22 @@
 
 namespace touchtrace {
 
+/// [rows, cols]: 0 for taxels that are zero in every frame, else 1; empty where that is not known.
+using LiveTaxels = std::vector<std::uint8_t>;
+
+/// Of a stream [frames, taxels].
+LiveTaxels live_taxels(std::span<const float> stream, std::size_t taxels);
+
 /// Windows of touch, and three convolutions over them with 32, 64 and 128 channels. The paper's
 /// (section III-B) have kernels of 3 and strides of 2.
 struct TactileEncoderShape {
   TactileWindowShape windows;  ///< their halo follows from the kernel
   int kernel = 3;              ///< of all three: 3 or 5
   std::array<int, 3> strides{2, 2, 2};
+  LiveTaxels live = {};
 
-  /// Throws usage_error for frames outside 6..64 or M outside 1..32.
+  /// The first one leaves out its dead pixels where that pays. Throws usage_error for frames
+  /// outside 6..64 or M outside 1..32.
   std::array<Conv2dShape, 3> layers() const;
   /// What the last one gives.
   ChannelBlocksShape features() const;

@@ -4,18 +4,19 @@ namespace touchtrace {
 
 namespace {
 
-TactileEncoderShape encoder_of(const ModelSpec& spec, int windows, int frames) {
-  return {{windows, frames, spec.rows, spec.cols}, spec.tactile_kernel, spec.tactile_strides};
+TactileEncoderShape encoder_of(const ModelSpec& spec, int windows, int frames,
+                               const LiveTaxels& live) {
+  return {{windows, frames, spec.rows, spec.cols}, spec.tactile_kernel, spec.tactile_strides, live};
 }
 
 }  // namespace
 
-TactileEncoderShape window_encoder(const ModelSpec& spec, int windows) {
-  return encoder_of(spec, windows, spec.window_frames);
+TactileEncoderShape window_encoder(const ModelSpec& spec, int windows, const LiveTaxels& live) {
+  return encoder_of(spec, windows, spec.window_frames, live);
 }
 
-TactileEncoderShape segment_encoder(const ModelSpec& spec, int segments) {
-  return encoder_of(spec, segments, spec.segment_frames);
+TactileEncoderShape segment_encoder(const ModelSpec& spec, int segments, const LiveTaxels& live) {
+  return encoder_of(spec, segments, spec.segment_frames, live);
 }
 
 void TouchEncoder::declare(const std::string& name, const TactileEncoderShape& shape, int embedding,

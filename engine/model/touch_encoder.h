@@ -9,8 +9,9 @@
 namespace touchtrace {
 
 /// Of the encoder that makes g_t from windows of touch, and of that which makes e_i from segments.
-TactileEncoderShape window_encoder(const ModelSpec& spec, int windows);
-TactileEncoderShape segment_encoder(const ModelSpec& spec, int segments);
+TactileEncoderShape window_encoder(const ModelSpec& spec, int windows, const LiveTaxels& live = {});
+TactileEncoderShape segment_encoder(const ModelSpec& spec, int segments,
+                                    const LiveTaxels& live = {});
 
 /// From windows of touch to embeddings: three convolutions, a dense layer, LayerNorm. "tactile"
 /// makes g_t from the M frames before a step, "object" makes e_i from a segment of some twenty

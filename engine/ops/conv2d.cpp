@@ -1,5 +1,10 @@
 #include "engine/ops/conv2d.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
 #include "engine/ops/conv2d_methods.h"
 
 namespace touchtrace {
@@ -14,7 +19,38 @@ std::size_t Conv2dShape::out_size() const {
 }
 
 double Conv2dShape::flops() const {
-  return 2.0 * taps() * images * in_channels * out_channels * out_rows() * out_cols();
+  const int live = out_rows() * out_cols() - static_cast<int>(dead.size());
+  return 2.0 * taps() * images * in_channels * out_channels * live;
+}
+
+namespace {
+
+/// Whether an output pixel's taps read a pixel of the input that `live` holds 1 for.
+bool reads_live(const Conv2dShape& s, const std::vector<std::uint8_t>& live, int y, int x) {
+  const int first_row = s.stride * y - s.halo(), first_col = s.stride * x - s.halo();
+  for (int row = std::max(first_row, 0); row < std::min(first_row + s.kernel, s.rows); ++row)
+    for (int col = std::max(first_col, 0); col < std::min(first_col + s.kernel, s.cols); ++col)
+      if (live[std::size_t(row) * s.cols + col]) return true;
+  return false;
+}
+
+/// All output pixels, dead ones last, as kernels/conv2d.clh wants them: "2,3,0,1".
+std::string order_of(const Conv2dShape& shape) {
+  std::vector<int> order(std::size_t(shape.out_rows()) * shape.out_cols());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_partition(
+      order, [&](int pixel) { return !std::ranges::binary_search(shape.dead, pixel); });
+  return fmt::format("{}", fmt::join(order, ","));
+}
+
+}  // namespace
+
+std::vector<int> dead_pixels(const Conv2dShape& shape, const std::vector<std::uint8_t>& live) {
+  std::vector<int> dead;
+  for (int y = 0; y < shape.out_rows(); ++y)
+    for (int x = 0; x < shape.out_cols(); ++x)
+      if (!reads_live(shape, live, y, x)) dead.push_back(y * shape.out_cols() + x);
+  return dead;
 }
 
 Defines conv2d_defines(const Conv2dShape& shape) {
@@ -25,6 +61,10 @@ Defines conv2d_defines(const Conv2dShape& shape) {
                   {"KERNEL", std::to_string(shape.kernel)},
                   {"STRIDE", std::to_string(shape.stride)}};
   if (shape.in_planes) defines.emplace("IN_PLANES", "1");
+  if (!shape.dead.empty()) {
+    const auto live = shape.out_rows() * shape.out_cols() - static_cast<int>(shape.dead.size());
+    defines.insert({{"LIVE", std::to_string(live)}, {"ORDER", order_of(shape)}});
+  }
   return defines;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "engine/cl/launch.h"
 #include "engine/ops/conv2d_choice.h"
@@ -11,9 +13,8 @@ namespace touchtrace {
 /// A convolution with bias and ReLU over images, of kernel 3 or 5 and stride 1 or 2, padded by half
 /// the kernel:
 ///
-///     out[k][y][x] = max(0, bias[k] + sum_{c, i, j} weight[k][c][i][j] in[c][stride y + i -
-///     padding]
-///                                                                        [stride x + j - padding])
+///     out[k][y][x] = max(0, bias[k] + sum_{c, i, j} weight[k][c][i][j] in[c][row][column]),
+///     row = stride y + i - padding,  column = stride x + j - padding
 ///
 /// Device arrays have the layouts of kernels/conv2d.clh: blocks of 16 channels. Input and output
 /// have a halo of as many zero pixels as the padding, which is the caller's to zero, once, and
@@ -24,6 +25,9 @@ struct Conv2dShape {
   int images, in_channels, rows, cols, out_channels;
   bool in_planes;
   int kernel = 3, stride = 2;
+  /// Output pixels, counted along rows, whose taps read nothing but zeros in every image, in
+  /// ascending order. The direct method does not compute them.
+  std::vector<int> dead = {};
 
   int taps() const { return kernel * kernel; }
   int halo() const { return kernel / 2; }
@@ -32,10 +36,14 @@ struct Conv2dShape {
   std::size_t in_size() const;   ///< floats of the input with its halo
   std::size_t out_size() const;  ///< floats of the output with its halo
   std::size_t weight_size() const { return std::size_t(out_channels) * in_channels * taps(); }
-  /// Of one forward pass or of one of the two backward passes, taps in the halo included, whatever
-  /// the method.
+  /// Of one forward pass or of one of the two backward passes, taps in the halo included and dead
+  /// pixels left out, whatever the method.
   double flops() const;
 };
+
+/// Conv2dShape::dead where the input is zero in every image but for the pixels [rows, cols] that
+/// `live` holds 1 for.
+std::vector<int> dead_pixels(const Conv2dShape& shape, const std::vector<std::uint8_t>& live);
 
 /// The flat buffers of all parameters and of their gradient (empty: no backward pass), and where a
 /// layer's weight [out, in, kernel, kernel] and bias [out] start in them.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "engine/ops/conv2d_reference.h"
 #include "engine/ops/host_arrays.h"
@@ -122,10 +123,25 @@ OperationCase conv2d_case(const Conv2dShape& s, Conv2dMethod method) {
   return c;
 }
 
+/// Planes that are zero in one corner, a quarter of their pixels.
+OperationCase case_with_dead_pixels(Conv2dShape s) {
+  std::vector<std::uint8_t> live(std::size_t(s.rows) * s.cols);
+  for (int pixel = 0; pixel < s.rows * s.cols; ++pixel)
+    live[pixel] = pixel / s.cols < s.rows / 2 || pixel % s.cols >= s.cols / 2;
+  s.dead = dead_pixels(s, live);
+  auto c = conv2d_case(s, Conv2dMethod::direct);
+  c.shape += fmt::format(", {} of their pixels dead", s.dead.size());
+  c.prepare = [live](Arrays& inputs) {
+    for (std::size_t i = 0; i < inputs[0].size(); ++i) inputs[0][i] *= live[i % live.size()];
+  };
+  return c;
+}
+
 }  // namespace
 
 Operation conv2d_operation() {
-  Operation operation{"conv2d", {}, 5};
+  const Conv2dShape with_dead[] = {
+      {2, 3, 9, 10, 32, true}, {2, 2, 7, 5, 32, true, 5, 1}, {3, 10, 32, 32, 32, true}};
   const Conv2dShape shapes[] = {{1, 32, 3, 4, 32, false},        {2, 3, 5, 6, 32, true},
                                 {1, 32, 3, 4, 32, false, 5, 2},  {1, 32, 2, 3, 64, false, 5, 1},
                                 {1, 64, 2, 3, 32, false, 3, 1},  {1, 1, 6, 6, 32, true},
@@ -136,7 +152,9 @@ Operation conv2d_operation() {
                                 {2, 10, 17, 8, 32, true, 5, 2},  {5, 64, 5, 7, 128, false, 3, 1},
                                 {2, 32, 16, 9, 64, false, 5, 2}, {3, 64, 4, 6, 96, false, 5, 1},
                                 {7, 32, 1, 2, 64, false, 5, 2}};
-  for (const auto& shape : shapes)
+  Operation operation{"conv2d", {conv2d_case(shapes[0], Conv2dMethod::direct)}, 7};
+  for (const auto& shape : with_dead) operation.cases.push_back(case_with_dead_pixels(shape));
+  for (const auto& shape : std::span(shapes).subspan(1))
     operation.cases.push_back(conv2d_case(shape, Conv2dMethod::direct));
   return operation;
 }

@@ -52,7 +52,8 @@ struct Trainer::Plan {
        std::span<const float> tactile)
       : runtime(on),
         options(wanted),
-        model(on, spec, sequences, steps, Model::Use::training),
+        model(on, spec, sequences, steps, Model::Use::training,
+              live_taxels(tactile, std::size_t(spec.rows) * spec.cols)),
         adam(on, model.weights().values, model.weights().gradient,
              decays(on, model.table(), wanted.weight_decay), model.loss()),
         frames(tactile.size() / (std::size_t(spec.rows) * spec.cols)),

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/cl/launch.h"
-#include "engine/model/model_spec.h"
+#include "engine/model/touch_encoder.h"
 
 namespace touchtrace {
 
@@ -15,8 +15,9 @@ struct PlannedLaunch {
 };
 
 /// The launches of an update in their order. They are those of a real one, on noise, which the
-/// device does meanwhile.
+/// device does meanwhile; it is zero for taxels that are not live.
 std::vector<PlannedLaunch> launches_of_update(Runtime& runtime, const ModelSpec& spec,
-                                              int sequences, int steps);
+                                              int sequences, int steps,
+                                              const LiveTaxels& live = {});
 
 }  // namespace touchtrace

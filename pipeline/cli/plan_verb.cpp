@@ -6,6 +6,7 @@
 #include "engine/train/update_plan.h"
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
+#include "pipeline/dataset/tactile_image.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/scene.h"
 #include "pipeline/study/convolution_options.h"
@@ -48,6 +49,8 @@ void read_recording(const std::string& path, study::PlanWishes& wishes) {
   wishes.activity = recording.activity;
   wishes.objects.assign(objects.begin(), objects.end());
   wishes.simulated = false;
+  if (!recording.gloves.empty())
+    wishes.live = live_cells(recording.gloves.front().info, wishes.rows, wishes.cols);
 }
 
 study::PlanWishes wishes_of(const PlanOptions& options) {
@@ -65,9 +68,9 @@ study::PlanWishes wishes_of(const PlanOptions& options) {
 }
 
 std::vector<PlannedLaunch> launches_of(const PlanOptions& options, const ModelSpec& model,
-                                       const std::string& device) {
+                                       const LiveTaxels& live, const std::string& device) {
   Runtime runtime(usable_device(device));
-  return launches_of_update(runtime, model, options.sequences, options.steps);
+  return launches_of_update(runtime, model, options.sequences, options.steps, live);
 }
 
 void print_row(const std::string& kernel, std::size_t launches, const LaunchCost& cost) {
@@ -102,7 +105,7 @@ nlohmann::json launches_json(const std::vector<PlannedLaunch>& launches) {
 ExitCode run(const PlanOptions& options, const Invocation& invocation) {
   const study::PlanWishes wishes = wishes_of(options);
   const study::Plan plan = study::make_plan(wishes);
-  const auto launches = launches_of(options, plan.model, invocation.device);
+  const auto launches = launches_of(options, plan.model, wishes.live, invocation.device);
   if (invocation.json) {
     auto document = study::plan_json(wishes, plan);
     document["launches"] = launches_json(launches);

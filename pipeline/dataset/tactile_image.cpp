@@ -55,4 +55,13 @@ void AreaAverage::apply(std::span<const float> in, std::span<float> out) const {
     }
 }
 
+std::vector<std::uint8_t> live_cells(const GloveInfo& info, int rows, int cols) {
+  const std::vector<float> mask(info.mask.begin(), info.mask.end());
+  std::vector<float> share(std::size_t(rows) * cols);
+  AreaAverage(info.rows, info.cols, rows, cols).apply(mask, share);
+  std::vector<std::uint8_t> live;
+  for (const float cell : share) live.push_back(cell > 0.0f);
+  return live;
+}
+
 }  // namespace touchtrace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -33,5 +34,9 @@ class AreaAverage {
   Axis row_, col_;
   int cols_;
 };
+
+/// Of an average over the glove's taxels, [rows, cols]: 1 for cells with a share of a taxel, 0 for
+/// those that are zero in every frame.
+std::vector<std::uint8_t> live_cells(const GloveInfo& info, int rows, int cols);
 
 }  // namespace touchtrace

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <map>
 
 namespace touchtrace::study {
@@ -74,6 +75,7 @@ class Planner {
     const std::string no_touch = "touch is not wanted";
     const auto object = plan_.model.object;
     add("train", "tactile encoder", wishes_.touch, wishes_.touch ? tactile_encoder() : no_touch);
+    if (wishes_.touch) plan_dead_taxels();
     add("train", "object encoder", object != ObjectEncoder::none, why_object_encoder());
     add("train", "contrastive loss", object != ObjectEncoder::none,
         object == ObjectEncoder::joint    ? "added to the loss of the states (equation 6)"
@@ -82,6 +84,16 @@ class Planner {
     add("train", "dynamics MLP with band", true, "predicts the state and two quantiles");
     add("train", "gradient towards tactile frames", false, "nothing learns from it");
     add("train", "gradient towards initial states", false, "nothing learns from it");
+  }
+
+  void plan_dead_taxels() {
+    const auto layer = window_encoder(plan_.model, 1, wishes_.live).layers().front();
+    const auto taxels = std::ranges::count(wishes_.live, 0);
+    add("train", "convolution of dead taxels", layer.dead.empty(),
+        wishes_.live.empty()
+            ? "which are dead is known when the recording is"
+            : fmt::format("{} taxels are dead; {} of {} outputs see no other", taxels,
+                          layer.dead.size(), layer.out_rows() * layer.out_cols()));
   }
 
   void plan_evaluation() {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/model/model_spec.h"
+#include "engine/model/touch_encoder.h"
 
 namespace touchtrace::study {
 
@@ -19,6 +19,7 @@ struct PlanWishes {
   int window_frames = 10, rows = 32, cols = 32;
   int tactile_kernel = 3;
   std::array<int, 3> tactile_strides{2, 2, 2};
+  LiveTaxels live = {};  ///< empty: not known yet
 };
 
 struct PlanItem {

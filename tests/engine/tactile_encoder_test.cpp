@@ -124,7 +124,7 @@ TEST_P(EncoderOfSize, AgreesWithPlainLoops) {
 }
 
 std::string name_of(const ::testing::TestParamInfo<TactileEncoderShape>& info) {
-  const auto& [w, kernel, strides] = info.param;
+  const auto& [w, kernel, strides, live] = info.param;
   return fmt::format("{}x{}x{}x{}_by_{}_of_{}{}{}", w.windows, w.frames, w.rows, w.cols, kernel,
                      strides[0], strides[1], strides[2]);
 }
@@ -160,6 +160,33 @@ TEST(TactileEncoder, GivesTheSameBitsTwice) {
     return runtime.download(weights.gradient);
   };
   EXPECT_EQ(run(), run());
+}
+
+/// Features and gradient of 40 windows of a glove that is dead in the corner away from the origin.
+std::pair<std::vector<float>, std::vector<float>> run_with_dead_corner(bool known) {
+  Runtime runtime(choose_device(""));
+  auto stream = normal_floats(49 * 32 * 32, "stream");
+  for (std::size_t i = 0; i < stream.size(); ++i)
+    if (i / 32 % 32 >= 12 && i % 32 >= 13) stream[i] = 0.0;
+  TactileEncoderShape shape{{40, 10, 32, 32}};
+  if (known) shape.live = live_taxels(std::vector<float>(stream.begin(), stream.end()), 32 * 32);
+  EXPECT_EQ(shape.layers()[0].dead.size(), known ? 9u * 9u : 0u);
+  ParameterTable table;
+  TactileEncoder::declare("tactile", shape, table);
+  const Weights weights{table, runtime.upload<float>(table.initial_values(1)),
+                        runtime.allocate_zeros<float>(table.size())};
+  TactileEncoder encoder(runtime, "tactile", shape, weights);
+  std::vector<int> last_frame(40);
+  std::iota(last_frame.begin(), last_frame.end(), 9);
+  encoder.prepare();
+  encoder.forward(upload(runtime, stream), runtime.upload<int>(last_frame), {0.2, 5});
+  runtime.write<float>(encoder.grad_features(), runtime.download(encoder.features()));
+  encoder.backward();
+  return {runtime.download(encoder.features()), runtime.download(weights.gradient)};
+}
+
+TEST(TactileEncoder, DeadTaxelsChangeNoBitWhereTheyAreKnown) {
+  EXPECT_EQ(run_with_dead_corner(true), run_with_dead_corner(false));
 }
 
 TEST(TactileEncoder, RefusesSizesItCannotTake) {

@@ -28,6 +28,22 @@ TEST(UpdatePlan, ListsWhatIsQueuedAndNoPartThatIsLeftOut) {
   EXPECT_EQ(launches_of(without_touch, "layer_norm"), 0u);
 }
 
+TEST(UpdatePlan, LeavesOutWhatSeesNoLiveTaxel) {
+  Runtime runtime(choose_device(""));
+  const auto spec = testing::small_spec(true);
+  LiveTaxels live(9 * 6, 1);
+  std::fill(live.begin() + 5 * 6, live.end(), 0);
+  const auto flops_of = [&](const char* kernel, const LiveTaxels& known) {
+    double sum = 0.0;
+    for (const auto& launch : launches_of_update(runtime, spec, 3, 4, known))
+      if (launch.kernel == kernel) sum += launch.cost.flops;
+    return sum;
+  };
+  // Of five rows of outputs the first three read rows 0 to 4; 6 outputs of 15 read none of them.
+  for (const char* kernel : {"conv2d_forward", "conv2d_backward_weights"})
+    EXPECT_EQ(flops_of(kernel, {}) - flops_of(kernel, live), 2.0 * 9 * 12 * 3 * 32 * 6) << kernel;
+}
+
 TEST(UpdatePlan, CountsTheOperationsOfARollout) {
   Runtime runtime(choose_device(""));
   const auto plan = launches_of_update(runtime, testing::small_spec(false), 3, 4);

@@ -9,9 +9,10 @@ static places taps_of(__global const real* in, int first, int images) {
   return from;
 }
 
-static tile convolve(tile t, places from, __global const real* weights) {
+// Adds lanes first_lane .. last_lane - 1 of every block.
+static tile convolve(tile t, places from, __global const real* weights, int first_lane, int last_lane) {
   for (int block = 0; block < IN_BLOCKS; ++block)
-    for (int lane = 0; lane < IN_LANES; ++lane) {
+    for (int lane = first_lane; lane < last_lane; ++lane) {
       const int at = block * IN_BLOCK + lane * IN_LANE;
       for (int i = 0; i < KERNEL; ++i)
 #pragma unroll
@@ -21,8 +22,9 @@ static tile convolve(tile t, places from, __global const real* weights) {
   return t;
 }
 
-static void store_activations(tile t, __global real* out, int first, int images) {
-#define STORE(b, p) vstore16(max(t.sum##b##_##p, (real16)(0)), 0, to + b * OUT_BLOCK);
+// What of the sums is above `least`.
+static void store_above(real least, tile t, __global real* out, int first, int images) {
+#define STORE(b, p) vstore16(max(t.sum##b##_##p, (real16)(least)), 0, to + b * OUT_BLOCK);
 #define STORE_PIXEL(p)                                                     \
   if (first + p < images * OUT_AREA) {                                     \
     __global real* to = out + out_place(ordered_pixel(min(first + p, images * OUT_AREA - 1), images)); \
@@ -42,7 +44,7 @@ __kernel void conv2d_forward(__global const real* restrict in, __global const re
   out += group * BLOCKS * OUT_BLOCK;
   for (int first = begin; first < end; first += PIXELS) {
     tile t = start_tile(parameters + bias_at + group * TAP_SIZE);
-    if (first < images * LIVE) t = convolve(t, taps_of(in, first, images), packed);
-    store_activations(t, out, first, images);
+    if (first < images * LIVE) t = convolve(t, taps_of(in, first, images), packed, 0, IN_LANES);
+    store_above(0, t, out, first, images);
   }
 }

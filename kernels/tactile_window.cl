@@ -5,7 +5,7 @@
 //
 // keep[w] is 0 for blanked taxels and 1 / (1 - share) for the others; a taxel is blanked if
 // hash(key, w ROWS COLS + taxel) < threshold. `frames` is [frame][row][column], `out` is in planes
-// (conv2d.clh), of the windows from `first` on. A work-item writes one row of one window.
+// (conv2d.clh), of the windows from `first` on and the channels from `channel` on. A work-item writes one row of one window.
 //
 // -D WINDOW (M), ROWS, COLS: without defaults. -D HALO=1, of `out`. -D LANES: 1, 4, 8 or 16, at most COLS.
 #ifndef HALO
@@ -44,15 +44,16 @@ static realv keep_of(uint key, uint threshold, real scale, uint first) {
 }
 
 __kernel void tactile_window(__global const real* restrict frames, __global const int* restrict last_frame,
-                             __global real* restrict out, uint key, uint threshold, real scale, int first) {
+                             __global real* restrict out, uint key, uint threshold, real scale, int first,
+                             int channel) {
   const int row = get_global_id(0), window = first + get_global_id(1);
   __global real* to = out + get_global_id(1) * WINDOW * OUT_PLANE + (row + HALO) * OUT_PITCH + HALO;
   __global const real* oldest = frames + ((size_t)last_frame[window] - WINDOW + 1) * ROWS * COLS + row * COLS;
   for (int step = 0; step < COLS; step += LANES) {
     const int column = min(step, COLS - LANES);  // the last step may overlap the one before
     const realv keep = keep_of(key, threshold, scale, (uint)((window * ROWS + row) * COLS + column));
-    realv frame = load_lanes(oldest + column);
-    for (int c = 0; c < WINDOW - 1; ++c) {
+    realv frame = load_lanes(oldest + channel * ROWS * COLS + column);
+    for (int c = channel; c < WINDOW - 1; ++c) {
       const realv next = load_lanes(oldest + (c + 1) * ROWS * COLS + column);
       store_lanes_at(keep * ((real)5 * (next - frame)), to + c * OUT_PLANE + column);
       frame = next;

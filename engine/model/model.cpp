@@ -119,6 +119,11 @@ void Model::forward(const Buffer<float>& stream, const TaxelDropout& dropout,
   enqueue(runtime_, dynamics_->forward());
 }
 
+void Model::forward_late(const Buffer<float>& stream) {
+  tactile_->forward_late(stream);
+  enqueue(runtime_, dynamics_->forward());
+}
+
 void Model::backward() {
   runtime_.fill(weights_->gradient, 0.0f);
   enqueue(runtime_, state_loss_);

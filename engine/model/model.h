@@ -57,6 +57,10 @@ class Model {
   /// `segment_dropout`: of the windows that the object is known from.
   void forward(const Buffer<float>& stream, const TaxelDropout& dropout = {},
                const TaxelDropout& segment_dropout = {});
+  /// forward() in two halves, for prediction with touch of one sequence and one step, as in
+  /// tactile_encoder.h.
+  void forward_early(const Buffer<float>& stream) { tactile_->forward_early(stream); }
+  void forward_late(const Buffer<float>& stream);
   /// The loss of the last forward pass, L_state plus the weighted contrastive loss where the object
   /// encoder is trained along, and its gradient into weights().gradient.
   void backward();

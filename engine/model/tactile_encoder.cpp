@@ -78,6 +78,9 @@ void append(Launches& launches, const Launches& more) {
   launches.insert(launches.end(), more.begin(), more.end());
 }
 
+/// The first channel of a window that its last frame enters.
+int newest_channel(const TactileWindowShape& windows) { return std::max(windows.frames - 2, 0); }
+
 /// Queues parts so that those of different queues run beside each other.
 template <class Parts, class Enqueue>
 void share_out(Runtime& runtime, Parts&& parts, Enqueue enqueue_part) {
@@ -97,7 +100,7 @@ struct TactileEncoder::Plan {
   struct Part {
     int queue;  ///< 0 or 1: parts of different ones share no array that they write
     TactileWindow window;
-    Launches forward, backward;
+    Launches early, forward, backward;  ///< `early`: of one window, see forward_early()
   };
 
   Plan(Runtime& device, const std::string& name, const TactileEncoderShape& shape,
@@ -159,12 +162,16 @@ TactileEncoder::Plan::Part TactileEncoder::Plan::make_part(int first, int size, 
                                                            const Images& gradients) {
   const auto shape = of_windows(all, size);
   const auto last = shape.features();
-  Part part{queue, TactileWindow(runtime, shape.windows, images[0], first), {}, {}};
+  Part part{queue, TactileWindow(runtime, shape.windows, images[0], first), {}, {}, {}};
   const bool starts_sums = first + size + (queues - 1) * part_windows >= all.windows.windows;
   const auto of_layer = [&](int i) {
     return Conv2dImages{size, images[i], images[i + 1], gradients[i + 1], gradients[i], queue};
   };
-  for (int i = 0; i < 3; ++i) append(part.forward, layers[i]->forward(of_layer(i)));
+  auto first_layer = all.windows.windows == 1 && !training
+                         ? layers[0]->forward_halves(of_layer(0), newest_channel(all.windows))
+                         : Conv2dHalves{{}, layers[0]->forward(of_layer(0))};
+  part.early = std::move(first_layer.first), part.forward = std::move(first_layer.second);
+  for (int i = 1; i < 3; ++i) append(part.forward, layers[i]->forward(of_layer(i)));
   part.forward.push_back(compact(runtime, last, images[3], features, first));
   if (training)
     part.backward = {block_gradient(runtime, last, features, grad_features, gradients[3], first)};
@@ -226,8 +233,21 @@ void TactileEncoder::forward(const Buffer<float>& stream, const Buffer<int>& las
                              const TaxelDropout& dropout) {
   share_out(plan_->runtime, plan_->parts, [&](Plan::Part& part) {
     part.window.enqueue(plan_->runtime, stream, last_frame, dropout);
+    enqueue(plan_->runtime, part.early);
     enqueue(plan_->runtime, part.forward);
   });
+}
+
+void TactileEncoder::forward_early(const Buffer<float>& stream, const Buffer<int>& last_frame) {
+  auto& part = plan_->parts.front();
+  part.window.enqueue(plan_->runtime, stream, last_frame, {});
+  enqueue(plan_->runtime, part.early);
+}
+
+void TactileEncoder::forward_late(const Buffer<float>& stream, const Buffer<int>& last_frame) {
+  auto& part = plan_->parts.front();
+  part.window.enqueue(plan_->runtime, stream, last_frame, {}, newest_channel(plan_->all.windows));
+  enqueue(plan_->runtime, part.forward);
 }
 
 const Buffer<float>& TactileEncoder::grad_features() const { return plan_->grad_features; }

@@ -67,6 +67,10 @@ class TactileEncoder {
   /// last_frame[w] - M + 1 .. last_frame[w], which must lie in the stream.
   void forward(const Buffer<float>& stream, const Buffer<int>& last_frame,
                const TaxelDropout& dropout = {});
+  /// forward() of a single window, for prediction, in two halves and to the same bits: what its
+  /// last frame does not change, which need not be in the stream yet, then the rest.
+  void forward_early(const Buffer<float>& stream, const Buffer<int>& last_frame);
+  void forward_late(const Buffer<float>& stream, const Buffer<int>& last_frame);
   /// Adds the gradients of the last forward pass's weights and biases to the weights' gradient,
   /// zeroed by the caller; sums have one fixed order.
   void backward();

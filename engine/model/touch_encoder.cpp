@@ -43,6 +43,15 @@ void TouchEncoder::forward(const Buffer<float>& stream, const TaxelDropout& drop
   enqueue(runtime_, embedding_.forward());
 }
 
+void TouchEncoder::forward_early(const Buffer<float>& stream) {
+  convolutions_.forward_early(stream, last_frame_);
+}
+
+void TouchEncoder::forward_late(const Buffer<float>& stream) {
+  convolutions_.forward_late(stream, last_frame_);
+  enqueue(runtime_, embedding_.forward());
+}
+
 void TouchEncoder::backward() {
   enqueue(runtime_, embedding_.backward());
   convolutions_.backward();

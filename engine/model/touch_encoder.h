@@ -28,6 +28,9 @@ class TouchEncoder {
   /// To be called whenever the weights changed.
   void prepare();
   void forward(const Buffer<float>& stream, const TaxelDropout& dropout);
+  /// As in tactile_encoder.h.
+  void forward_early(const Buffer<float>& stream);
+  void forward_late(const Buffer<float>& stream);
   /// From grad_embedding(): adds to the weights' gradient of the convolutions, writes the others.
   void backward();
 

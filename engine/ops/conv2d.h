@@ -63,6 +63,11 @@ struct Conv2dImages {
   int sums = 0;
 };
 
+/// Launches of a pass, the second half's to be queued after the first's.
+struct Conv2dHalves {
+  Launches first, second;
+};
+
 /// A layer, planned once; its passes may be cut into parts of the images, so that what a part
 /// writes is still in the cache when it is read. `shape.images` is the largest part's. A part's
 /// launches are bound to the layer, which must outlive them, and share its scratch memory.
@@ -72,6 +77,12 @@ class Conv2d {
 
   virtual Launches prepare() = 0;  ///< once after the weights changed
   virtual Launches forward(const Conv2dImages& part) = 0;
+  /// forward(), to the same bits, in two halves: the first needs input channels before `channel`
+  /// only and leaves their sums to the second. A method that cannot leaves all to the second.
+  virtual Conv2dHalves forward_halves(const Conv2dImages& part, int channel) {
+    static_cast<void>(channel);
+    return {{}, forward(part)};
+  }
   /// The gradient towards the input, and the weights' into the part's set of the layer's sums: the
   /// `first` part of a set starts it, others add to it.
   virtual Launches backward(const Conv2dImages& part, bool first) = 0;

@@ -46,12 +46,14 @@ TiledPass data_pass(const Conv2dShape& s, const Conv2dChoice& choice) {
 }
 
 Kernel tiled_kernel(Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass,
-                        const std::string& name) {
+                    const std::string& name, const char* more = nullptr) {
   auto defines = conv2d_defines(shape);
   defines["BLOCKS"] = std::to_string(pass.blocks());
   defines["PIXELS"] = std::to_string(pass.pixels());
-  return runtime.kernel(
-      {"common.clh", "conv2d.clh", "conv2d_pack.cl", "conv2d_tile.clh", pass.file}, name, defines);
+  std::vector<std::string> files{"common.clh", "conv2d.clh", "conv2d_pack.cl", "conv2d_tile.clh",
+                                 pass.file};
+  if (more) files.emplace_back(more);
+  return runtime.kernel(files, name, defines);
 }
 
 /// Tiles that a work-item does one after the other.
@@ -90,6 +92,21 @@ class DirectConv2d final : public Conv2d {
                    parameters_.bias_at, part.out, part.images,
                    tiles_an_item(runtime_, shape_, pass, choice_))
                 .costing(conv2d_cost(shape_, part.images))};
+  }
+
+  Conv2dHalves forward_halves(const Conv2dImages& part, int channel) override {
+    if (!shape_.in_planes) return Conv2d::forward_halves(part, channel);
+    const auto pass = forward_pass(shape_, choice_);
+    const auto kernel = [&](const char* name) {
+      return tiled_kernel(runtime_, shape_, pass, name, "conv2d_halves.cl");
+    };
+    const auto size = range(items(pass, part), pass.groups());
+    const int tiles = tiles_an_item(runtime_, shape_, pass, choice_);
+    const auto sums = runtime_.allocate<float>(part.out.size());
+    return {{Launch(kernel("conv2d_first_half"), size, part.in, packed_, parameters_.values,
+                    parameters_.bias_at, sums, part.images, tiles, channel)},
+            {Launch(kernel("conv2d_second_half"), size, part.in, packed_, sums, part.out,
+                    part.images, tiles, channel)}};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {

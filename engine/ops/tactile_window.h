@@ -35,8 +35,9 @@ class TactileWindow {
                 int first = 0);
   /// `last_frame`: of all windows. Frames last_frame[w] - M + 1 .. last_frame[w] must lie in
   /// `stream`.
+  /// Channels before `channel` stay as they are.
   void enqueue(Runtime& runtime, const Buffer<float>& stream, const Buffer<int>& last_frame,
-               const TaxelDropout& dropout);
+               const TaxelDropout& dropout, int channel = 0);
 
  private:
   Launch gather_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "engine/base/error.h"
 #include "engine/train/batch_rows.h"
@@ -21,7 +22,7 @@ struct OnlinePredictor::Plan {
   Buffer<float> stream;
   std::int32_t slot = 0, last_frame = 0;  ///< of the last frame given, and its second place
   std::array<float, state_lanes> state{}, spread{};
-  bool knows_object = false;
+  bool knows_object = false, worked_ahead = false;
 
   Plan(Runtime& on, const std::filesystem::path& path)
       : runtime(on),
@@ -44,9 +45,31 @@ struct OnlinePredictor::Plan {
   void queue_frame(std::span<const float> frame) {
     check("frame", frame.size(), frame_size());
     if (!file.spec.touch) return;
-    slot = (slot + 1) % file.spec.window_frames;
+    slot = next_slot();
     for (const int place : {slot, slot + file.spec.window_frames})
       runtime.queue_write(stream, frame, place * frame_size());
+  }
+
+  std::int32_t next_slot() const { return (slot + 1) % file.spec.window_frames; }
+
+  /// The window that ends at a slot.
+  void queue_window(std::int32_t last_slot) {
+    last_frame = last_slot + file.spec.window_frames;
+    runtime.queue_write(model->input().last_frame, std::span(&last_frame, 1));
+  }
+
+  void work_ahead() {
+    if (!file.spec.touch || worked_ahead) return;
+    queue_window(next_slot());
+    model->forward_early(stream);
+    runtime.finish();
+    worked_ahead = true;
+  }
+
+  void forward() {
+    if (std::exchange(worked_ahead, false)) return model->forward_late(stream);
+    if (file.spec.touch) queue_window(slot);
+    model->forward(stream);
   }
 
   void set_object(std::span<const float> segment) {
@@ -62,10 +85,8 @@ struct OnlinePredictor::Plan {
       throw failure(
           "a model with an object encoder was asked for a step before it was shown an object",
           "call set_object first");
-    last_frame = slot + file.spec.window_frames;
-    if (file.spec.touch) runtime.queue_write(model->input().last_frame, std::span(&last_frame, 1));
     runtime.queue_write(model->states(), state);
-    model->forward(stream);
+    forward();
     runtime.queue_read(model->spread(), spread);
     runtime.read(model->states(), std::span<float>(state), state_lanes);
   }
@@ -92,8 +113,11 @@ void OnlinePredictor::set_object(std::span<const float> segment) {
 
 void OnlinePredictor::push(std::span<const float> frame) {
   plan_->queue_frame(frame);
+  plan_->worked_ahead = false;
   plan_->runtime.finish();
 }
+
+void OnlinePredictor::work_ahead() { plan_->work_ahead(); }
 
 OnlinePredictor::Step OnlinePredictor::step(std::span<const float> frame) {
   plan_->queue_frame(frame);

@@ -29,6 +29,10 @@ class OnlinePredictor {
   /// [rows, cols], empty without touch. Frames before the first one count as zeros.
   void push(std::span<const float> frame);
 
+  /// Does what the next step needs of the frames before its own, so that it answers sooner: to be
+  /// called while waiting for that frame. Steps give the same bits without.
+  void work_ahead();
+
   /// Both [state], scaled; valid until the next step.
   struct Step {
     std::span<const float> state, spread;

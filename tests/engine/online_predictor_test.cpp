@@ -34,12 +34,16 @@ class OnlinePredictorTest : public testing::TrainerTest {
     return std::span(stream_).subspan(f * size, size);
   }
 
-  /// Asks for the roll-out one step at a time.
-  Rollout follow(OnlinePredictor& online) const {
+  /// Asks for the roll-out one step at a time, and works ahead before every step or every other.
+  Rollout follow(OnlinePredictor& online, int frames_between) const {
     Rollout rollout;
-    for (int f = 0; f < first; ++f) online.push(frame(f));
+    for (int f = 0; f < first; ++f) {
+      online.work_ahead();
+      online.push(frame(f));
+    }
     online.set_state(batch_.initial_state);
     for (int f = first; f < first + steps; ++f) {
+      if (f % frames_between == 0) online.work_ahead();
       const auto [state, spread] = online.step(frame(f));
       rollout.state.insert(rollout.state.end(), state.begin(), state.end());
       rollout.spread.insert(rollout.spread.end(), spread.begin(), spread.end());
@@ -58,8 +62,8 @@ TEST_F(OnlinePredictorTest, StepsAreARolloutToTheBit) {
     const auto expected = Predictor(runtime_, model_).predict(batch_, stream_);
     OnlinePredictor online(runtime_, model_);
     EXPECT_EQ(online.metadata(), (nlohmann::json{{"made", "here"}}));
-    for (int turn = 0; turn < 2; ++turn) {
-      const auto rollout = follow(online);
+    for (const int frames_between : {1, 2, steps + first}) {
+      const auto rollout = follow(online, frames_between);
       EXPECT_EQ(rollout.state, expected.state);
       EXPECT_EQ(rollout.spread, expected.spread);
     }
@@ -94,8 +98,8 @@ TEST_F(OnlinePredictorTest, TheDeviceForSmallStepsGivesTheSameBits) {
   problem.tensors.push_back({"initial_state", {batch_.initial_state.size()}, batch_.initial_state});
   write_safetensors(folder_ / "problem", problem, false);
   const auto out = (folder_ / "out").string();
-  const auto command =
-      "echo 9 | " ENGINE_STEP " " + (folder_ / "problem").string() + " online | tail -n 1 >" + out;
+  const auto command = "echo 9 | " ENGINE_STEP " " + (folder_ / "problem").string() +
+                       " online ahead | tail -n 1 >" + out;
   ASSERT_EQ(std::system(command.c_str()), 0);
   std::istringstream line(read_file(out));
   for (const auto* values : {&expected.state, &expected.spread})

@@ -5,7 +5,9 @@
 //   engine_step PROBLEM train N OUT    weights after N updates, from the trainer's own start
 //   engine_step PROBLEM time [OUT]     for each number N read: N updates, and a line "WALL CPU" of
 //                                      milliseconds an update; OUT gets the weights each time
-//   engine_step PROBLEM online         for each number N read: N steps of OnlinePredictor, a line
+//   engine_step PROBLEM online [ahead] for each number N read: N steps of OnlinePredictor, which
+//   may
+//                                      work ahead between them; a line
 //                                      of each one's microseconds, and the last state and spread;
 //                                      each starts from the first initial state, and the last one's
 //                                      frame is the first of first_frame
@@ -82,7 +84,7 @@ std::span<const float> frame(const Problem& p, int number) {
   return std::span(p.stream).subspan(std::size_t(number) * size, size);
 }
 
-void time_online(const std::string& path, const Problem& p) {
+void time_online(const std::string& path, const Problem& p, bool ahead) {
   Runtime runtime(choose_device_for_small_steps());
   OnlinePredictor predictor(runtime, path);
   const auto initial = std::span(p.batches.at(0).initial_state).first(std::size_t(p.spec.state));
@@ -92,6 +94,7 @@ void time_online(const std::string& path, const Problem& p) {
     OnlinePredictor::Step result;
     for (int i = 1; i <= steps; ++i) {
       predictor.set_state(initial);
+      if (ahead) predictor.work_ahead();
       const auto now = frame(p, (last + steps / frames * frames + frames - steps + i) % frames);
       const Stopwatch stopwatch;
       result = predictor.step(now);
@@ -107,7 +110,7 @@ void run(const std::vector<std::string>& arguments) {
   const auto& path = arguments.at(0);
   const auto problem = testing::read_problem(path);
   const auto& mode = arguments.at(1);
-  if (mode == "online") return time_online(path, problem);
+  if (mode == "online") return time_online(path, problem, arguments.size() > 2);
   Runtime runtime(choose_device(""));
   if (mode == "gradient") write_gradient(runtime, problem, arguments.at(2));
   if (mode == "train") train(runtime, problem, std::stoi(arguments.at(2)), arguments.at(3));

@@ -6,45 +6,46 @@
 //
 //   grad_state, grad_spread [steps][S][16]: of the loss alone, towards the predicted state and spread
 //   d_out [steps][S][32] = d delta | d band; d_h1, d_h2 [steps][S][HIDDEN]: before the activation
+//   y1, y2 [steps][S][HIDDEN]: what the activation's slope is computed from, sum1 and sum2 or h1 and h2
 //   w2 [HIDDEN][HIDDEN], w3 [2 STATE][HIDDEN] as [output][input]; w1 [HIDDEN][16], padded with zeros
 // Weight gradients are GEMMs over all rows of these.
 
-// Writes act'(d, h), [4][HIDDEN] from column n, to the sequences' rows of d_h.
-static void store_gradient(wide_tile t, row_pointers h, int n, __global real* d_h, int s,
+// Writes act'(d, y), [4][HIDDEN] from column n, to the sequences' rows of d_h.
+static void store_gradient(wide_tile t, row_pointers y, int n, __global real* d_h, int s,
                            int sequences) {
-  h = shifted(h, n);
+  y = shifted(y, n);
 #define STORE(r)                                                       \
   {                                                                    \
     __global real* to = d_h + SEQUENCE(r) * HIDDEN + n;                \
-    vstore16(ACTIVATE_BACKWARD(t.a##r##0, vload16(0, h.x##r)), 0, to); \
-    vstore16(ACTIVATE_BACKWARD(t.a##r##1, vload16(1, h.x##r)), 1, to); \
-    vstore16(ACTIVATE_BACKWARD(t.a##r##2, vload16(2, h.x##r)), 2, to); \
-    vstore16(ACTIVATE_BACKWARD(t.a##r##3, vload16(3, h.x##r)), 3, to); \
+    vstore16(ACTIVATE_BACKWARD(t.a##r##0, vload16(0, y.x##r)), 0, to); \
+    vstore16(ACTIVATE_BACKWARD(t.a##r##1, vload16(1, y.x##r)), 1, to); \
+    vstore16(ACTIVATE_BACKWARD(t.a##r##2, vload16(2, y.x##r)), 2, to); \
+    vstore16(ACTIVATE_BACKWARD(t.a##r##3, vload16(3, y.x##r)), 3, to); \
   }
   ROWS(STORE)
 #undef STORE
 }
 
-static void output_layer_backward(row_pointers d_out, __global const real* w3, row_pointers h2,
+static void output_layer_backward(row_pointers d_out, __global const real* w3, row_pointers y2,
                                   __global real* d_h2, int s, int sequences) {
   for (int n = 0; n < HIDDEN; n += 64) {
     wide_tile t = multiply_wide(zero_wide(), d_out, 1, w3 + n, HIDDEN, STATE);
     t = multiply_wide(t, shifted(d_out, 16), 1, w3 + STATE * HIDDEN + n, HIDDEN, STATE);
-    store_gradient(t, h2, n, d_h2, s, sequences);
+    store_gradient(t, y2, n, d_h2, s, sequences);
   }
 }
 
-static void hidden_layer_backward(row_pointers d_h2, __global const real* w2, row_pointers h1,
+static void hidden_layer_backward(row_pointers d_h2, __global const real* w2, row_pointers y1,
                                   __global real* d_h1, int s, int sequences) {
   for (int n = 0; n < HIDDEN; n += 64) {
     const wide_tile t = multiply_wide(zero_wide(), d_h2, 1, w2 + n, HIDDEN, HIDDEN);
-    store_gradient(t, h1, n, d_h1, s, sequences);
+    store_gradient(t, y1, n, d_h1, s, sequences);
   }
 }
 
 __kernel void rollout_backward(__global const real* grad_state, __global const real* grad_spread,
-                               __global const real* spread, __global const real* h1,
-                               __global const real* h2, __global const real* parameters, int w2_at,
+                               __global const real* spread, __global const real* y1,
+                               __global const real* y2, __global const real* parameters, int w2_at,
                                int w3_at, __global const real* w1, __global real* d_out,
                                __global real* d_h1, __global real* d_h2, int sequences, int steps) {
   const int s = get_global_id(0) * 4;
@@ -62,9 +63,9 @@ __kernel void rollout_backward(__global const real* grad_state, __global const r
 #undef OUTPUT_GRADIENT
     const size_t hidden = row * HIDDEN;
     output_layer_backward(rows_of(d_out + row * 32, 32, s, sequences), parameters + w3_at,
-                          rows_of(h2 + hidden, HIDDEN, s, sequences), d_h2 + hidden, s, sequences);
+                          rows_of(y2 + hidden, HIDDEN, s, sequences), d_h2 + hidden, s, sequences);
     hidden_layer_backward(rows_of(d_h2 + hidden, HIDDEN, s, sequences), parameters + w2_at,
-                          rows_of(h1 + hidden, HIDDEN, s, sequences), d_h1 + hidden, s, sequences);
+                          rows_of(y1 + hidden, HIDDEN, s, sequences), d_h1 + hidden, s, sequences);
     carry = multiply_narrow(carry, rows_of(d_h1 + hidden, HIDDEN, s, sequences), 1, w1, 16, HIDDEN);
   }
 }

@@ -16,6 +16,7 @@ RolloutArrays allocate(Runtime& runtime, const ModelSpec& spec, int sequences, i
   RolloutArrays arrays{};
   arrays.sequences = sequences, arrays.steps = steps;
   arrays.state = spec.state, arrays.hidden = spec.hidden;
+  arrays.activation = spec.activation;
   arrays.w1 = runtime.allocate<float>(spec.state * hidden);
   arrays.w2 = runtime.allocate<float>(hidden * hidden);
   arrays.w3 = runtime.allocate<float>(hidden * 2 * state_lanes);
@@ -23,6 +24,8 @@ RolloutArrays allocate(Runtime& runtime, const ModelSpec& spec, int sequences, i
   arrays.states = runtime.allocate<float>((rows + sequences) * state_lanes);
   arrays.h1 = runtime.allocate<float>(rows * hidden);
   arrays.h2 = runtime.allocate<float>(rows * hidden);
+  if (slope_from_sum(spec.activation))
+    for (auto* sums : {&arrays.sum1, &arrays.sum2}) *sums = runtime.allocate<float>(rows * hidden);
   arrays.spread = runtime.allocate<float>(rows * state_lanes);
   return arrays;
 }

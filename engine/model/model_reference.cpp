@@ -42,15 +42,15 @@ double state_loss(const ModelProblem& problem, const ModelSpec& spec, const Roll
   return loss;
 }
 
-double kink_distance(const ModelProblem& problem, const std::vector<EncoderTrace>& encoders,
-                     const RolloutTrace& trace) {
-  double distance = std::abs(trace.sum1.front());
+double kink_distance(const ModelSpec& spec, const ModelProblem& problem,
+                     const std::vector<EncoderTrace>& encoders, const RolloutTrace& trace) {
+  double distance = 1.0;
   const auto add = [&](const Values& sums) {
     for (double sum : sums) distance = std::min(distance, std::abs(sum));
   };
   for (const auto& encoder : encoders)
     for (const auto& sums : encoder.sums) add(sums);
-  add(trace.sum1), add(trace.sum2);
+  if (has_kink(spec.activation)) add(trace.sum1), add(trace.sum2);
   for (std::size_t i = 0; i < problem.target.size(); ++i) {
     const double error = problem.target[i] - trace.states[problem.initial.size() + i];
     for (double quantile : {-trace.spread[i], 0.0, trace.spread[i]})
@@ -142,8 +142,8 @@ LossAndGradient model_reference(const ModelSpec& spec, const ParameterTable& tab
   const int rows = problem.sequences * problem.steps;
   const auto encoders = encode_all(spec, p, problem);
   const FirstLayer layer{spec.state, int(encoders.size()) * spec.embedding, spec.hidden};
-  const RolloutShape shape{problem.sequences, problem.steps, spec.state, spec.hidden,
-                           encoders.empty()};
+  const RolloutShape shape{problem.sequences, problem.steps,    spec.state,
+                           spec.hidden,       encoders.empty(), spec.activation};
   const auto w1 = p["dynamics.0.weight"];
   const RolloutWeights weights{layer.state_part(w1), p["dynamics.2.weight"], p["dynamics.2.bias"],
                                p["dynamics.4.weight"], p["dynamics.4.bias"]};
@@ -156,7 +156,7 @@ LossAndGradient model_reference(const ModelSpec& spec, const ParameterTable& tab
   Values grad_state, grad_spread;
   double loss = state_loss(problem, spec, trace, grad_state, grad_spread);
   const auto grad = rollout_backward_reference(shape, trace, weights, grad_state, grad_spread);
-  const double distance = kink_distance(problem, encoders, trace);
+  const double distance = kink_distance(spec, problem, encoders, trace);
   set_rollout_gradients(grad, p);
   if (encoders.empty()) {
     p.set("dynamics.0.weight", grad.weights.w1), p.set("dynamics.0.bias", grad.first);

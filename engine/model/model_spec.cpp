@@ -30,7 +30,8 @@ void to_json(nlohmann::json& json, const ModelSpec& spec) {
           {"hidden", spec.hidden},
           {"embedding", spec.embedding},
           {"state", spec.state},
-          {"band_quantile", spec.band_quantile}};
+          {"band_quantile", spec.band_quantile},
+          {"activation", name_of(spec.activation)}};
   if (spec.object == ObjectEncoder::none) return;
   json.update({{"object", spec.object},
                {"segment_frames", spec.segment_frames},
@@ -48,6 +49,7 @@ void from_json(const nlohmann::json& json, ModelSpec& spec) {
   json.at("hidden").get_to(spec.hidden);
   json.at("state").get_to(spec.state);
   spec.band_quantile = json.value("band_quantile", spec.band_quantile);
+  spec.activation = activation_of(json.value("activation", std::string(name_of(spec.activation))));
   if (!json.contains("object")) return;
   json.at("object").get_to(spec.object);
   json.at("segment_frames").get_to(spec.segment_frames);

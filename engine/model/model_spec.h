@@ -3,6 +3,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "engine/ops/activation.h"
+
 namespace touchtrace {
 
 /// What tells the dynamics MLP which object is in hand (section III-C).
@@ -27,6 +29,7 @@ struct ModelSpec {
   float contrast_temperature = 0.0f;  ///< of normalised embeddings; 0: dot products (equation 5)
   /// Q: the band state -+ spread lies between the quantiles Q and 1 - Q (equation 3); below a half.
   double band_quantile = 0.1;
+  Activation activation = Activation::relu;  ///< of the dynamics MLP
 };
 
 void to_json(nlohmann::json& json, const ModelSpec& spec);

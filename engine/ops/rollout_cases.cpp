@@ -64,6 +64,7 @@ RolloutArrays rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& 
                   .steps = s.steps,
                   .state = s.state,
                   .hidden = s.hidden,
+                  .activation = s.activation,
                   .parameters = upload(runtime, joined(joined(in[4], in[3]), in[5])),
                   .b2_at = 0,
                   .w2_at = s.hidden,
@@ -76,6 +77,8 @@ RolloutArrays rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& 
                   .states = runtime.allocate<float>((rows_of(s) + s.sequences) * state_lanes),
                   .h1 = runtime.allocate<float>(hidden),
                   .h2 = runtime.allocate<float>(hidden),
+                  .sum1 = runtime.allocate<float>(slope_from_sum(s.activation) ? hidden : 0),
+                  .sum2 = runtime.allocate<float>(slope_from_sum(s.activation) ? hidden : 0),
                   .spread = runtime.allocate<float>(rows_of(s) * state_lanes)};
   const auto initial = padded(in[0], s.state);
   runtime.write<float>(a.states, std::vector<float>(initial.begin(), initial.end()));
@@ -124,8 +127,9 @@ Arrays backward(Runtime& runtime, const RolloutShape& s, const Arrays& in, const
 }
 
 double kink_distance(const RolloutShape& s, const Arrays& in) {
-  const auto trace = rollout_reference(s, in[0], in[1], weights_of(in));
   double distance = 1.0;
+  if (!has_kink(s.activation)) return distance;
+  const auto trace = rollout_reference(s, in[0], in[1], weights_of(in));
   for (double sum : joined(trace.sum1, trace.sum2)) distance = std::min(distance, std::abs(sum));
   return distance;
 }
@@ -141,8 +145,9 @@ void prepare(const RolloutShape& s, Arrays& in) {
 
 OperationCase rollout_case(const RolloutShape& s) {
   OperationCase c;
-  c.shape = fmt::format("{} sequences x {} steps, state {}, hidden {}{}", s.sequences, s.steps,
-                        s.state, s.hidden, s.shared_first ? ", no touch" : "");
+  c.shape =
+      fmt::format("{} sequences x {} steps, state {}, hidden {}, {}{}", s.sequences, s.steps,
+                  s.state, s.hidden, name_of(s.activation), s.shared_first ? ", no touch" : "");
   const std::size_t state = s.state, hidden = s.hidden;
   c.input_sizes = {s.sequences * state,
                    (s.shared_first ? 1 : rows_of(s)) * hidden,
@@ -174,7 +179,11 @@ Operation rollout_operation() {
                                     {1, 1, 12, 64, true},
                                     {5, 4, 16, 128, true},
                                     {8, 20, 12, 256, false},
-                                    {3, 20, 12, 256, true}})
+                                    {3, 20, 12, 256, true},
+                                    {8, 20, 12, 256, false, Activation::silu},
+                                    {1, 2, 3, 64, true, Activation::silu},
+                                    {8, 20, 12, 256, false, Activation::tanh},
+                                    {5, 3, 7, 128, true, Activation::tanh}})
     operation.cases.push_back(rollout_case(shape));
   return operation;
 }

@@ -24,16 +24,6 @@ Values step(const Values& all, int t, std::size_t size) {
   return {begin, begin + static_cast<std::ptrdiff_t>(size)};
 }
 
-Values relu(Values values) {
-  for (double& v : values) v = std::max(v, 0.0);
-  return values;
-}
-
-void block_relu(Values& gradient, const Values& sum) {
-  for (std::size_t i = 0; i < gradient.size(); ++i)
-    if (!(sum[i] > 0)) gradient[i] = 0.0;
-}
-
 double softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
 
 struct Layers {
@@ -73,6 +63,9 @@ Values output_gradient(const RolloutShape& s, const Values& carry, const Values&
 RolloutTrace rollout_reference(const RolloutShape& s, const Values& initial, const Values& first,
                                const RolloutWeights& w) {
   const auto layers = layers_of(s);
+  const auto activated = [&](const Values& sums) {
+    return activation_reference(s.activation, sums);
+  };
   const auto hidden = std::size_t(s.sequences) * s.hidden,
              size = std::size_t(s.sequences) * s.state;
   RolloutTrace trace{initial, {}, {}, {}};
@@ -80,8 +73,8 @@ RolloutTrace rollout_reference(const RolloutShape& s, const Values& initial, con
     auto sum1 = dense_reference(layers.first, step(trace.states, t, size), w.w1, {});
     for (std::size_t i = 0; i < hidden; ++i)
       sum1[i] += s.shared_first ? first[i % s.hidden] : first[t * hidden + i];
-    const auto sum2 = dense_reference(layers.second, relu(sum1), w.w2, w.b2);
-    advance(s, dense_reference(layers.third, relu(sum2), w.w3, w.b3), trace);
+    const auto sum2 = dense_reference(layers.second, activated(sum1), w.w2, w.b2);
+    advance(s, dense_reference(layers.third, activated(sum2), w.w3, w.b3), trace);
     append(trace.sum1, sum1);
     append(trace.sum2, sum2);
   }
@@ -94,6 +87,9 @@ RolloutReferenceGradients rollout_backward_reference(const RolloutShape& s,
                                                      const Values& grad_state,
                                                      const Values& grad_spread) {
   const auto layers = layers_of(s);
+  const auto activated = [&](const Values& sums) {
+    return activation_reference(s.activation, sums);
+  };
   const auto hidden = std::size_t(s.sequences) * s.hidden,
              size = std::size_t(s.sequences) * s.state;
   RolloutReferenceGradients grad;
@@ -104,10 +100,10 @@ RolloutReferenceGradients rollout_backward_reference(const RolloutShape& s,
     add(carry, step(grad_state, t, size));
     const auto d_out =
         output_gradient(s, carry, step(grad_spread, t, size), step(trace.spread, t, size));
-    auto third = dense_backward_reference(layers.third, relu(sum2), w.w3, d_out);
-    block_relu(third.in, sum2);
-    auto second = dense_backward_reference(layers.second, relu(sum1), w.w2, third.in);
-    block_relu(second.in, sum1);
+    auto third = dense_backward_reference(layers.third, activated(sum2), w.w3, d_out);
+    third.in = activation_backward_reference(s.activation, sum2, std::move(third.in));
+    auto second = dense_backward_reference(layers.second, activated(sum1), w.w2, third.in);
+    second.in = activation_backward_reference(s.activation, sum1, std::move(second.in));
     const auto first =
         dense_backward_reference(layers.first, step(trace.states, t, size), w.w1, second.in);
     for (std::size_t i = 0; i < hidden; ++i)

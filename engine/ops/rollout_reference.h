@@ -2,11 +2,14 @@
 
 #include <vector>
 
+#include "engine/ops/activation.h"
+
 namespace touchtrace {
 
 struct RolloutShape {
   int sequences, steps, state, hidden;
   bool shared_first;  ///< `first` is one row [hidden] for all instead of [T * S, hidden]
+  Activation activation = Activation::relu;
 };
 
 /// The weights of rollout.h, as PyTorch lays them out: [outputs, inputs].

@@ -35,7 +35,8 @@ std::vector<ExtremeModel> extreme_models() {
                        .embedding = 48,
                        .hidden = 128,
                        .state = 16,
-                       .band_quantile = 0.3};
+                       .band_quantile = 0.3,
+                       .activation = Activation::silu};
   ModelSpec fine{.window_frames = 3, .rows = 6, .cols = 6, .hidden = 64}, wide = one;
   fine.tactile_strides = {1, 1, 1};
   wide.tactile_kernel = 5;
@@ -45,7 +46,7 @@ std::vector<ExtremeModel> extreme_models() {
       {"saturated frames", usual, 2, 6, [](float v) { return v > 0 ? 1023.0f : 0.0f; }},
       {"subnormal frames", usual, 2, 6, [](float v) { return 1e-39f * v; }},
       {"1 sequence, 1 step, M = 1, 7 x 13", one, 1, 1, {}},
-      {"5 sequences, 3 steps, M = 32, 9 x 6, Q = 0.3", many, 5, 3, {}},
+      {"5 sequences, 3 steps, M = 32, 9 x 6, Q = 0.3, SiLU", many, 5, 3, {}},
       {"2 sequences, 1 step, 6 x 6, strides of 1", fine, 2, 1, {}},
       {"2 sequences, 2 steps, 7 x 13, 5 x 5 taps", wide, 2, 2, {}},
   };

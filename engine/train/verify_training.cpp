@@ -11,10 +11,12 @@ namespace {
 
 using Emit = std::function<void(Figure)>;
 
-void verify_gradient(Runtime& runtime, const char* name, ObjectEncoder object, int sequences,
+/// `wanted`: what is not about sizes.
+void verify_gradient(Runtime& runtime, const char* name, const ModelSpec& wanted, int sequences,
                      const Emit& emit) {
   std::uint32_t seed = std::random_device{}();
-  const ModelSpec spec{.window_frames = 4, .rows = 12, .cols = 12, .hidden = 64, .object = object};
+  ModelSpec spec = wanted;
+  spec.window_frames = 4, spec.rows = spec.cols = 12, spec.hidden = 64;
   const auto result = compare_away_from_kinks(runtime, spec, sequences, 20, seed);
   emit(at_most(fmt::format("{}, 20 steps, loss against double, seed {}", name, seed),
                result.loss_error(), "relative", 1e-5));
@@ -67,8 +69,11 @@ Verification verify_first_step() {
 
 void verify_training(const Emit& emit) {
   Runtime runtime(choose_device(""));
-  verify_gradient(runtime, "whole model", ObjectEncoder::none, 2, emit);
-  verify_gradient(runtime, "whole model with both encoders", ObjectEncoder::joint, 4, emit);
+  verify_gradient(runtime, "whole model", {}, 2, emit);
+  verify_gradient(runtime, "whole model with both encoders", {.object = ObjectEncoder::joint}, 4,
+                  emit);
+  verify_gradient(runtime, "whole model with SiLU", {.activation = Activation::silu}, 2, emit);
+  verify_gradient(runtime, "whole model with tanh", {.activation = Activation::tanh}, 2, emit);
   for (int sequences : {8, 32}) {
     verify_step(runtime, "touch", {}, sequences, emit);
     verify_step(runtime, "both encoders", {.object = ObjectEncoder::joint}, sequences, emit);

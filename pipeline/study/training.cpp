@@ -74,6 +74,7 @@ ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provena
                   .model;
   card.spec.contrast_temperature = static_cast<float>(options.contrast_temperature);
   card.spec.band_quantile = options.band_quantile;
+  card.spec.activation = activation_of(options.activation);
   card.scaling = fit_normalization(data);
   card.activity = data.activity;
   card.rate_hz = data.rate_hz;

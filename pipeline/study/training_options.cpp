@@ -25,6 +25,8 @@ void describe(OptionSet& set, TrainingOptions& o) {
              100.0);
   set.number("band-quantile", o.band_quantile,
              "Q of the predicted band, which holds a share 1 - 2 Q of the states", 0.001, 0.499);
+  set.choice("activation", o.activation, "between the layers of the dynamics MLP",
+             {"relu", "silu", "tanh"});
   set.integer("updates", o.optimizer.updates, "updates of the weights", 1, 10'000'000);
   set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
   set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);

@@ -42,6 +42,14 @@ TEST(Model, LossAndGradientAgreeWithTaxelsBlanked) {
 
 TEST(Model, LossAndGradientAgreeWithoutTouch) { expect_agreement(small_spec(false), {}); }
 
+TEST(Model, LossAndGradientAgreeWithSmoothActivations) {
+  for (const auto activation : {Activation::silu, Activation::tanh}) {
+    auto spec = small_spec(true);
+    spec.activation = activation;
+    expect_agreement(spec, {});
+  }
+}
+
 TEST(Model, LossAndGradientAgreeWithAnObjectEncoderTrainedAlong) {
   expect_agreement(small_spec(ObjectEncoder::joint), {0.3, 77});
 }

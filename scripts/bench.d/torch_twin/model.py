@@ -6,6 +6,7 @@ from torch.nn import functional as F
 ONE_ENCODER = dict(touch=True, window_frames=10, rows=32, cols=32, embedding=64, hidden=256, state=12, band_quantile=0.1)
 OTHER_CONVOLUTIONS = dict(ONE_ENCODER, rows=12, cols=12, tactile_kernel=5, tactile_strides=[1, 2, 1])
 BOTH_ENCODERS = dict(**ONE_ENCODER, object="joint", segment_frames=20, contrast_temperature=0.0)
+ACTIVATIONS = dict(relu=nn.ReLU, silu=nn.SiLU, tanh=nn.Tanh)
 
 
 class Encoder(nn.Module):
@@ -32,9 +33,10 @@ class Model(nn.Module):
         self.tactile = Encoder(spec, spec["window_frames"])
         if "object" in spec:
             self.object, embeddings = Encoder(spec, spec["segment_frames"]), 2
+        activation = ACTIVATIONS[spec.get("activation", "relu")]
         self.dynamics = nn.Sequential(
-            nn.Linear(spec["state"] + embeddings * spec["embedding"], spec["hidden"]), nn.ReLU(),
-            nn.Linear(spec["hidden"], spec["hidden"]), nn.ReLU(),
+            nn.Linear(spec["state"] + embeddings * spec["embedding"], spec["hidden"]), activation(),
+            nn.Linear(spec["hidden"], spec["hidden"]), activation(),
             nn.Linear(spec["hidden"], 2 * spec["state"]))
 
     def hoisted(self, windows, objects, steps):

@@ -1,7 +1,6 @@
 // Back-propagation through time of rollout.cl: one work-item takes four sequences back through all
 // steps. With l the loss and carry(t) = dl/ds(t+1):
 //
-//   d delta = carry,  d band = grad_spread (1 - exp(-spread))   (the slope of softplus from its value)
 //   d h2 = W3' (d delta, d band),  d h1 = W2' act'(d h2),  carry(t-1) = carry(t) + W1' act'(d h1) + ...
 //
 //   grad_state, grad_spread [steps][S][16]: of the loss alone, towards the predicted state and spread
@@ -26,15 +25,6 @@ static void store_gradient(wide_tile t, row_pointers y, int n, __global real* d_
 #undef STORE
 }
 
-static void output_layer_backward(row_pointers d_out, __global const real* w3, row_pointers y2,
-                                  __global real* d_h2, int s, int sequences) {
-  for (int n = 0; n < HIDDEN; n += 64) {
-    wide_tile t = multiply_wide(zero_wide(), d_out, 1, w3 + n, HIDDEN, STATE);
-    t = multiply_wide(t, shifted(d_out, 16), 1, w3 + STATE * HIDDEN + n, HIDDEN, STATE);
-    store_gradient(t, y2, n, d_h2, s, sequences);
-  }
-}
-
 static void hidden_layer_backward(row_pointers d_h2, __global const real* w2, row_pointers y1,
                                   __global real* d_h1, int s, int sequences) {
   for (int n = 0; n < HIDDEN; n += 64) {
@@ -52,18 +42,12 @@ __kernel void rollout_backward(__global const real* grad_state, __global const r
   narrow_tile carry = fill_narrow((real16)(0));
   for (int t = steps - 1; t >= 0; --t) {
     const size_t row = (size_t)t * sequences;
-#define OUTPUT_GRADIENT(r)                                                                 \
-  {                                                                                        \
-    const size_t at = row + SEQUENCE(r);                                                   \
-    carry.a##r += vload16(at, grad_state);                                                 \
-    vstore16(carry.a##r, 2 * at, d_out);                                                   \
-    vstore16(vload16(at, grad_spread) * -expm1(-vload16(at, spread)), 2 * at + 1, d_out);  \
-  }
-    ROWS(OUTPUT_GRADIENT)
-#undef OUTPUT_GRADIENT
+    carry = output_gradient(carry, grad_state, grad_spread, spread, d_out, row, s, sequences);
     const size_t hidden = row * HIDDEN;
-    output_layer_backward(rows_of(d_out + row * 32, 32, s, sequences), parameters + w3_at,
-                          rows_of(y2 + hidden, HIDDEN, s, sequences), d_h2 + hidden, s, sequences);
+    const row_pointers d_out_now = rows_of(d_out + row * 32, 32, s, sequences);
+    for (int n = 0; n < HIDDEN; n += 64)
+      store_gradient(output_layer_backward(zero_wide(), d_out_now, parameters + w3_at, n),
+                     rows_of(y2 + hidden, HIDDEN, s, sequences), n, d_h2 + hidden, s, sequences);
     hidden_layer_backward(rows_of(d_h2 + hidden, HIDDEN, s, sequences), parameters + w2_at,
                           rows_of(y1 + hidden, HIDDEN, s, sequences), d_h1 + hidden, s, sequences);
     carry = multiply_narrow(carry, rows_of(d_h1 + hidden, HIDDEN, s, sequences), 1, w1, 16, HIDDEN);

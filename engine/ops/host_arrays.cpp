@@ -82,4 +82,28 @@ std::vector<double> in_plain_order(const std::vector<double>& values, int channe
   return result;
 }
 
+std::vector<double> transposed(const std::vector<double>& values, std::size_t rows,
+                               std::size_t columns) {
+  std::vector<double> result(values.size());
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j < columns; ++j) result[j * rows + i] = values[i * columns + j];
+  return result;
+}
+
+std::vector<double> padded_rows(const std::vector<double>& values, std::size_t columns,
+                                std::size_t padded_columns) {
+  std::vector<double> result(values.size() / columns * padded_columns, 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    result[i / columns * padded_columns + i % columns] = values[i];
+  return result;
+}
+
+std::vector<double> unpadded_rows(const std::vector<double>& values, std::size_t columns,
+                                  std::size_t padded_columns) {
+  std::vector<double> result;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (i % padded_columns < columns) result.push_back(values[i]);
+  return result;
+}
+
 }  // namespace touchtrace

@@ -23,6 +23,15 @@ struct HaloLayout {
   int rows, cols, lanes, halo;
 };
 
+/// [rows, columns] as [columns, rows].
+std::vector<double> transposed(const std::vector<double>& values, std::size_t rows,
+                               std::size_t columns);
+/// Rows of `columns` values, each followed by zeros up to `padded_columns`; and back.
+std::vector<double> padded_rows(const std::vector<double>& values, std::size_t columns,
+                                std::size_t padded_columns);
+std::vector<double> unpadded_rows(const std::vector<double>& values, std::size_t columns,
+                                  std::size_t padded_columns);
+
 /// From plain [.., channel, row, column] to such images, and back.
 std::vector<double> with_halo(const std::vector<double>& plain, const HaloLayout& layout);
 std::vector<double> without_halo(const std::vector<double>& haloed, const HaloLayout& layout);

@@ -10,6 +10,7 @@
 #include "engine/ops/host_arrays.h"
 #include "engine/ops/rollout.h"
 #include "engine/ops/rollout_reference.h"
+#include "engine/ops/rollout_steps.h"
 #include "engine/ops/rows.h"
 
 namespace touchtrace {
@@ -17,31 +18,9 @@ namespace {
 
 using Values = std::vector<double>;
 
-std::size_t rows_of(const RolloutShape& s) { return std::size_t(s.sequences) * s.steps; }
+std::size_t row_count(const RolloutShape& s) { return std::size_t(s.sequences) * s.steps; }
 
 RolloutWeights weights_of(const Arrays& in) { return {in[2], in[3], in[4], in[5], in[6]}; }
-
-Values transposed(const Values& values, int rows, int columns) {
-  Values result(values.size());
-  for (int i = 0; i < rows; ++i)
-    for (int j = 0; j < columns; ++j) result[j * rows + i] = values[i * columns + j];
-  return result;
-}
-
-/// Rows of `columns` values, each followed by zeros up to 16; and back.
-Values padded(const Values& values, int columns) {
-  Values result(values.size() / columns * state_lanes, 0.0);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    result[i / columns * state_lanes + i % columns] = values[i];
-  return result;
-}
-
-Values unpadded(const Values& values, int columns) {
-  Values result;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (i % state_lanes < std::size_t(columns)) result.push_back(values[i]);
-  return result;
-}
 
 Arrays reference(const RolloutShape& s, const Arrays& in) {
   auto trace = rollout_reference(s, in[0], in[1], weights_of(in));
@@ -59,7 +38,7 @@ Arrays reference_backward(const RolloutShape& s, const Arrays& in, const Arrays&
 
 /// The arrays on the device, with the forward pass done.
 RolloutArrays rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& in) {
-  const auto hidden = rows_of(s) * s.hidden;
+  const auto hidden = row_count(s) * s.hidden;
   RolloutArrays a{.sequences = s.sequences,
                   .steps = s.steps,
                   .state = s.state,
@@ -71,16 +50,17 @@ RolloutArrays rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& 
                   .w3_at = s.hidden + s.hidden * s.hidden,
                   .w1 = upload(runtime, transposed(in[2], s.hidden, s.state)),
                   .w2 = upload(runtime, transposed(in[3], s.hidden, s.hidden)),
-                  .w3 = upload(runtime, padded(transposed(in[5], 2 * s.state, s.hidden), s.state)),
-                  .b3 = upload(runtime, padded(in[6], s.state)),
+                  .w3 = upload(runtime, padded_rows(transposed(in[5], 2 * s.state, s.hidden),
+                                                    s.state, state_lanes)),
+                  .b3 = upload(runtime, padded_rows(in[6], s.state, state_lanes)),
                   .first = {upload(runtime, in[1]), 0, s.shared_first ? 0 : s.hidden},
-                  .states = runtime.allocate<float>((rows_of(s) + s.sequences) * state_lanes),
+                  .states = runtime.allocate<float>((row_count(s) + s.sequences) * state_lanes),
                   .h1 = runtime.allocate<float>(hidden),
                   .h2 = runtime.allocate<float>(hidden),
                   .sum1 = runtime.allocate<float>(slope_from_sum(s.activation) ? hidden : 0),
                   .sum2 = runtime.allocate<float>(slope_from_sum(s.activation) ? hidden : 0),
-                  .spread = runtime.allocate<float>(rows_of(s) * state_lanes)};
-  const auto initial = padded(in[0], s.state);
+                  .spread = runtime.allocate<float>(row_count(s) * state_lanes)};
+  const auto initial = padded_rows(in[0], s.state, state_lanes);
   runtime.write<float>(a.states, std::vector<float>(initial.begin(), initial.end()));
   rollout(runtime, a).enqueue(runtime);
   return a;
@@ -89,16 +69,17 @@ RolloutArrays rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& 
 Arrays forward(Runtime& runtime, const RolloutShape& s, const Arrays& in) {
   const auto arrays = rolled_out(runtime, s, in);
   const auto states = split(download(runtime, arrays.states), s.sequences * state_lanes).second;
-  return {unpadded(states, s.state), unpadded(download(runtime, arrays.spread), s.state)};
+  return {unpadded_rows(states, s.state, state_lanes),
+          unpadded_rows(download(runtime, arrays.spread), s.state, state_lanes)};
 }
 
 RolloutGradients gone_back(Runtime& runtime, const RolloutShape& s, const RolloutArrays& arrays,
                            const Arrays& in, const Arrays& grads) {
-  const auto hidden = rows_of(s) * s.hidden;
-  RolloutGradients g{.grad_state = upload(runtime, padded(grads[0], s.state)),
-                     .grad_spread = upload(runtime, padded(grads[1], s.state)),
-                     .w1 = upload(runtime, padded(in[2], s.state)),
-                     .d_out = runtime.allocate<float>(rows_of(s) * 2 * state_lanes),
+  const auto hidden = row_count(s) * s.hidden;
+  RolloutGradients g{.grad_state = upload(runtime, padded_rows(grads[0], s.state, state_lanes)),
+                     .grad_spread = upload(runtime, padded_rows(grads[1], s.state, state_lanes)),
+                     .w1 = upload(runtime, padded_rows(in[2], s.state, state_lanes)),
+                     .d_out = runtime.allocate<float>(row_count(s) * 2 * state_lanes),
                      .d_h1 = runtime.allocate<float>(hidden),
                      .d_h2 = runtime.allocate<float>(hidden)};
   rollout_backward(runtime, arrays, g).enqueue(runtime);
@@ -108,15 +89,15 @@ RolloutGradients gone_back(Runtime& runtime, const RolloutShape& s, const Rollou
 Arrays backward(Runtime& runtime, const RolloutShape& s, const Arrays& in, const Arrays& grads) {
   const auto arrays = rolled_out(runtime, s, in);
   const auto g = gone_back(runtime, s, arrays, in, grads);
-  const int rows = static_cast<int>(rows_of(s));
+  const int rows = static_cast<int>(row_count(s));
   const auto layer = [&](int inputs, int outputs, const Values& input, const Values& weight,
                          const Values& grad) {
     return dense_backward_reference({rows, inputs, outputs}, input, weight, grad);
   };
   const auto d_h1 = download(runtime, g.d_h1), d_h2 = download(runtime, g.d_h2);
-  const auto d_out = unpadded(download(runtime, g.d_out), s.state);
-  auto states = unpadded(download(runtime, arrays.states), s.state);
-  states.resize(rows_of(s) * s.state);
+  const auto d_out = unpadded_rows(download(runtime, g.d_out), s.state, state_lanes);
+  auto states = unpadded_rows(download(runtime, arrays.states), s.state, state_lanes);
+  states.resize(row_count(s) * s.state);
   const auto first = layer(s.state, s.hidden, states, in[2], d_h1);
   const auto second = layer(s.hidden, s.hidden, download(runtime, arrays.h1), in[3], d_h2);
   const auto third = layer(s.hidden, 2 * s.state, download(runtime, arrays.h2), in[5], d_out);
@@ -134,15 +115,6 @@ double kink_distance(const RolloutShape& s, const Arrays& in) {
   return distance;
 }
 
-/// Weights of the size and of both signs that a network starts with, or the roll-out would leave
-/// the range of float. A power of two, so that weights of one size cancel without rounding.
-void prepare(const RolloutShape& s, Arrays& in) {
-  const double scale = std::exp2(-std::ceil(0.5 * std::log2(s.hidden)));
-  for (std::size_t i = 2; i < in.size(); ++i)
-    for (std::size_t j = 0; j < in[i].size(); ++j)
-      in[i][j] = (j % 2 == 0 ? scale : -scale) * std::clamp(in[i][j], -4.0, 4.0);
-}
-
 OperationCase rollout_case(const RolloutShape& s) {
   OperationCase c;
   c.shape =
@@ -150,7 +122,7 @@ OperationCase rollout_case(const RolloutShape& s) {
                   s.state, s.hidden, name_of(s.activation), s.shared_first ? ", no touch" : "");
   const std::size_t state = s.state, hidden = s.hidden;
   c.input_sizes = {s.sequences * state,
-                   (s.shared_first ? 1 : rows_of(s)) * hidden,
+                   (s.shared_first ? 1 : row_count(s)) * hidden,
                    hidden * state,
                    hidden * hidden,
                    hidden,
@@ -167,7 +139,7 @@ OperationCase rollout_case(const RolloutShape& s) {
     return backward(runtime, s, in, g);
   };
   c.kink_distance = [s](const Arrays& in) { return kink_distance(s, in); };
-  c.prepare = [s](Arrays& in) { prepare(s, in); };
+  c.prepare = [s](Arrays& in) { scale_weights(in, 2, s.hidden); };
   return c;
 }
 

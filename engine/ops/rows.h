@@ -9,6 +9,7 @@ Operation adam_operation();
 Operation channel_blocks_operation();
 Operation conv2d_operation();
 Operation dense_operation();
+Operation gru_rollout_operation();
 Operation info_nce_operation();
 Operation layer_norm_operation();
 Operation rollout_operation();

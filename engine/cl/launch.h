@@ -81,6 +81,10 @@ class Launch {
 /// Launches in their order.
 using Launches = std::vector<Launch>;
 
+inline void append(Launches& launches, const Launches& more) {
+  launches.insert(launches.end(), more.begin(), more.end());
+}
+
 inline void enqueue(Runtime& runtime, const Launches& launches) {
   for (const auto& launch : launches) launch.enqueue(runtime);
 }

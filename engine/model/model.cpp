@@ -32,7 +32,7 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
     TouchEncoder::declare("tactile", window_encoder(spec, 1), spec.embedding, table_);
   if (own_object_encoder)
     TouchEncoder::declare("object", segment_encoder(spec, 1), spec.embedding, table_);
-  DynamicsMlp::declare(spec, table_);
+  declare_dynamics(spec, table_);
   weights_ = std::make_unique<Weights>(allocate_weights(runtime, table_, use == Use::training));
   if (spec.touch && use == Use::rollout)
     input_.tactile_embedding =
@@ -43,8 +43,7 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
     plan_object_encoder(live);
   else if (spec.object != ObjectEncoder::none)
     input_.object_embedding = runtime.allocate<float>(std::size_t(sequences) * spec.embedding);
-  dynamics_ =
-      std::make_unique<DynamicsMlp>(runtime, spec, *weights_, embeddings(), sequences, steps);
+  dynamics_ = make_dynamics(runtime, spec, *weights_, embeddings(), sequences, steps);
   if (use == Use::training) plan_loss();
 } catch (const Error& error) {
   if (error.code() != ExitCode::no_device) throw;
@@ -87,8 +86,8 @@ void Model::plan_loss() {
                                        .target = input_.target,
                                        .weight = input_.weight,
                                        .row_loss = row_loss,
-                                       .grad_state = dynamics_->gradients().grad_state,
-                                       .grad_spread = dynamics_->gradients().grad_spread})};
+                                       .grad_state = dynamics_->grad_state(),
+                                       .grad_spread = dynamics_->grad_spread()})};
   if (object_)
     total_loss_ = info_nce(runtime_, {.count = sequences_,
                                       .columns = spec_.embedding,
@@ -128,8 +127,9 @@ void Model::backward() {
   runtime_.fill(weights_->gradient, 0.0f);
   enqueue(runtime_, state_loss_);
   enqueue(runtime_, dynamics_->backward());
-  enqueue(runtime_,
-          total_loss_);  // the contrastive part adds to what the MLP gives to the object embedding
+  enqueue(
+      runtime_,
+      total_loss_);  // the contrastive part adds to what the dynamics gives to the object embedding
   beside_object_encoder([&] { object_->backward(); },
                         [&] {
                           if (tactile_) tactile_->backward();

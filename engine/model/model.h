@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/model/dynamics_mlp.h"
+#include "engine/model/dynamics.h"
 #include "engine/model/touch_encoder.h"
 
 namespace touchtrace {
@@ -25,7 +25,7 @@ struct ModelInput {
   Buffer<float> contrast_weight;
 };
 
-/// The whole model on one device, for S sequences and T steps: encoders, dynamics MLP, and in
+/// The whole model on one device, for S sequences and T steps: encoders, dynamics, and in
 /// training loss and gradient. Everything is allocated and built by the constructor; the passes
 /// only queue a fixed list of launches.
 ///
@@ -61,13 +61,17 @@ class Model {
   /// tactile_encoder.h.
   void forward_early(const Buffer<float>& stream) { tactile_->forward_early(stream); }
   void forward_late(const Buffer<float>& stream);
+  /// Before the first of several forward passes over T steps each of longer roll-outs, and between
+  /// them: forgets or hands on what the dynamics remembers beside the states.
+  void begin_rollouts() { dynamics_->forget(runtime_); }
+  void continue_rollouts() { enqueue(runtime_, dynamics_->go_on()); }
   /// The loss of the last forward pass, L_state plus the weighted contrastive loss where the object
   /// encoder is trained along, and its gradient into weights().gradient.
   void backward();
 
-  const Buffer<float>& states() const { return dynamics_->arrays().states; }  ///< [T + 1, S, 16]
-  const Buffer<float>& spread() const { return dynamics_->arrays().spread; }  ///< [T, S, 16]
-  const Buffer<float>& loss() const { return loss_; }                         ///< [1]
+  const Buffer<float>& states() const { return dynamics_->states(); }  ///< [T + 1, S, 16]
+  const Buffer<float>& spread() const { return dynamics_->spread(); }  ///< [T, S, 16]
+  const Buffer<float>& loss() const { return loss_; }                  ///< [1]
 
  private:
   void plan_tactile_encoder(const LiveTaxels& live);
@@ -84,10 +88,10 @@ class Model {
   ParameterTable table_;
   std::unique_ptr<TouchEncoder> tactile_, object_;
   std::unique_ptr<Weights> weights_;
-  std::unique_ptr<DynamicsMlp> dynamics_;
+  std::unique_ptr<Dynamics> dynamics_;
   ModelInput input_;
   Buffer<float> loss_;
-  Launches state_loss_, total_loss_;  ///< before and after the MLP's backward pass
+  Launches state_loss_, total_loss_;  ///< before and after the dynamics' backward pass
 };
 
 }  // namespace touchtrace

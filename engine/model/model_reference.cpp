@@ -5,11 +5,10 @@
 #include <numeric>
 #include <string>
 
+#include "engine/model/dynamics_reference.h"
 #include "engine/model/encoder_reference.h"
 #include "engine/model/touch_encoder.h"
-#include "engine/ops/dense_reference.h"
 #include "engine/ops/info_nce_reference.h"
-#include "engine/ops/rollout_reference.h"
 #include "engine/ops/state_loss_reference.h"
 #include "engine/ops/tactile_window_reference.h"
 
@@ -18,22 +17,14 @@ namespace {
 
 using Values = std::vector<double>;
 
-/// Columns [begin, end) of a matrix of rows of `columns`.
-Values columns_of(const Values& matrix, int columns, int begin, int end) {
-  Values part;
-  for (std::size_t i = 0; i < matrix.size(); ++i)
-    if (int(i % columns) >= begin && int(i % columns) < end) part.push_back(matrix[i]);
-  return part;
-}
-
 /// The loss, and its gradients towards the predicted states and the spread.
-double state_loss(const ModelProblem& problem, const ModelSpec& spec, const RolloutTrace& trace,
-                  Values& grad_state, Values& grad_spread) {
+double state_loss(const ModelProblem& problem, const ModelSpec& spec,
+                  const DynamicsReference& dynamics, Values& grad_state, Values& grad_spread) {
   double loss = 0.0;
   const std::size_t first = problem.initial.size();
   for (std::size_t i = 0; i < problem.target.size(); ++i) {
     const double weight = problem.weight[i / spec.state];
-    const auto part = state_loss_reference(trace.states[first + i], trace.spread[i],
+    const auto part = state_loss_reference(dynamics.states[first + i], dynamics.spread[i],
                                            problem.target[i], spec.band_quantile);
     loss += weight * part.value;
     grad_state.push_back(weight * part.grad_state);
@@ -42,24 +33,23 @@ double state_loss(const ModelProblem& problem, const ModelSpec& spec, const Roll
   return loss;
 }
 
-double kink_distance(const ModelSpec& spec, const ModelProblem& problem,
-                     const std::vector<EncoderTrace>& encoders, const RolloutTrace& trace) {
-  double distance = 1.0;
+double kink_distance(const ModelProblem& problem, const std::vector<EncoderTrace>& encoders,
+                     const DynamicsReference& dynamics) {
+  double distance = dynamics.kink_distance;
   const auto add = [&](const Values& sums) {
     for (double sum : sums) distance = std::min(distance, std::abs(sum));
   };
   for (const auto& encoder : encoders)
     for (const auto& sums : encoder.sums) add(sums);
-  if (has_kink(spec.activation)) add(trace.sum1), add(trace.sum2);
   for (std::size_t i = 0; i < problem.target.size(); ++i) {
-    const double error = problem.target[i] - trace.states[problem.initial.size() + i];
-    for (double quantile : {-trace.spread[i], 0.0, trace.spread[i]})
+    const double error = problem.target[i] - dynamics.states[problem.initial.size() + i];
+    for (double quantile : {-dynamics.spread[i], 0.0, dynamics.spread[i]})
       distance = std::min(distance, std::abs(error - quantile));
   }
   return distance;
 }
 
-/// What layer 1 sees beside the state: for each row of [T][S] the embeddings that there are.
+/// What the dynamics sees beside the state: for each row of [T][S] the embeddings that there are.
 Values joined_embeddings(const std::vector<EncoderTrace>& encoders, std::size_t rows, int size) {
   Values joined;
   for (std::size_t row = 0; row < rows; ++row)
@@ -71,6 +61,14 @@ Values joined_embeddings(const std::vector<EncoderTrace>& encoders, std::size_t 
   return joined;
 }
 
+/// Columns [begin, end) of a matrix of rows of `columns`.
+Values columns_of(const Values& matrix, int columns, int begin, int end) {
+  Values part;
+  for (std::size_t i = 0; i < matrix.size(); ++i)
+    if (int(i % columns) >= begin && int(i % columns) < end) part.push_back(matrix[i]);
+  return part;
+}
+
 /// The gradient towards encoder number `which`'s embedding, from that towards joined_embeddings.
 Values embedding_gradient(const Values& joined, const EncoderTrace& encoder, int columns, int size,
                           int which) {
@@ -78,31 +76,6 @@ Values embedding_gradient(const Values& joined, const EncoderTrace& encoder, int
   Values grad(encoder.embedding.size(), 0.0);
   for (std::size_t i = 0; i < part.size(); ++i) grad[i % grad.size()] += part[i];
   return grad;
-}
-
-/// Layer 1's weight is [state | embeddings]; the roll-out knows the first part, a dense layer the
-/// other.
-struct FirstLayer {
-  int state, embedding, hidden;
-
-  int inputs() const { return state + embedding; }
-  DenseShape hoisted(int rows) const { return {rows, embedding, hidden}; }
-  Values state_part(const Values& w) const { return columns_of(w, inputs(), 0, state); }
-  Values embedding_part(const Values& w) const { return columns_of(w, inputs(), state, inputs()); }
-  Values joined(const Values& of_state, const Values& of_embedding) const {
-    Values w;
-    for (int o = 0; o < hidden; ++o) {
-      w.insert(w.end(), of_state.begin() + o * state, of_state.begin() + (o + 1) * state);
-      w.insert(w.end(), of_embedding.begin() + o * embedding,
-               of_embedding.begin() + (o + 1) * embedding);
-    }
-    return w;
-  }
-};
-
-void set_rollout_gradients(const RolloutReferenceGradients& grad, FlatParameters& p) {
-  p.set("dynamics.2.weight", grad.weights.w2), p.set("dynamics.2.bias", grad.weights.b2);
-  p.set("dynamics.4.weight", grad.weights.w3), p.set("dynamics.4.bias", grad.weights.b3);
 }
 
 std::vector<EncoderTrace> encode_all(const ModelSpec& spec, const FlatParameters& p,
@@ -139,39 +112,22 @@ double contrast(const ModelSpec& spec, const ModelProblem& problem, const Encode
 LossAndGradient model_reference(const ModelSpec& spec, const ParameterTable& table,
                                 const Values& parameters, const ModelProblem& problem) {
   FlatParameters p{table, parameters, Values(table.size(), 0.0)};
-  const int rows = problem.sequences * problem.steps;
   const auto encoders = encode_all(spec, p, problem);
-  const FirstLayer layer{spec.state, int(encoders.size()) * spec.embedding, spec.hidden};
-  const RolloutShape shape{problem.sequences, problem.steps,    spec.state,
-                           spec.hidden,       encoders.empty(), spec.activation};
-  const auto w1 = p["dynamics.0.weight"];
-  const RolloutWeights weights{layer.state_part(w1), p["dynamics.2.weight"], p["dynamics.2.bias"],
-                               p["dynamics.4.weight"], p["dynamics.4.bias"]};
-  const auto embeddings = joined_embeddings(encoders, rows, spec.embedding);
-  const auto first = encoders.empty()
-                         ? p["dynamics.0.bias"]
-                         : dense_reference(layer.hoisted(rows), embeddings,
-                                           layer.embedding_part(w1), p["dynamics.0.bias"]);
-  const auto trace = rollout_reference(shape, problem.initial, first, weights);
+  const int columns = int(encoders.size()) * spec.embedding;
+  const auto dynamics = dynamics_reference(
+      spec, p,
+      {problem.sequences, problem.steps, problem.initial,
+       joined_embeddings(encoders, std::size_t(problem.sequences) * problem.steps, spec.embedding),
+       columns});
   Values grad_state, grad_spread;
-  double loss = state_loss(problem, spec, trace, grad_state, grad_spread);
-  const auto grad = rollout_backward_reference(shape, trace, weights, grad_state, grad_spread);
-  const double distance = kink_distance(spec, problem, encoders, trace);
-  set_rollout_gradients(grad, p);
-  if (encoders.empty()) {
-    p.set("dynamics.0.weight", grad.weights.w1), p.set("dynamics.0.bias", grad.first);
-    return {loss, p.gradient, distance};
-  }
-  const auto hoisted = dense_backward_reference(layer.hoisted(rows), embeddings,
-                                                layer.embedding_part(w1), grad.first);
-  p.set("dynamics.0.weight", layer.joined(grad.weights.w1, hoisted.weight));
-  p.set("dynamics.0.bias", hoisted.bias);
+  double loss = state_loss(problem, spec, dynamics, grad_state, grad_spread);
+  const auto grad_embeddings = dynamics.backward(grad_state, grad_spread, p);
   for (int i = 0; i < int(encoders.size()); ++i) {
-    auto towards = embedding_gradient(hoisted.in, encoders[i], layer.embedding, spec.embedding, i);
+    auto towards = embedding_gradient(grad_embeddings, encoders[i], columns, spec.embedding, i);
     if (encoders[i].name == "object") loss += contrast(spec, problem, encoders[i], towards);
     encode_backward_reference(encoders[i], towards, p);
   }
-  return {loss, p.gradient, distance};
+  return {loss, p.gradient, kink_distance(problem, encoders, dynamics)};
 }
 
 }  // namespace touchtrace

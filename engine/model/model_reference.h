@@ -25,7 +25,7 @@ struct ModelProblem {
 struct LossAndGradient {
   double loss;
   std::vector<double> gradient;  ///< flat, as the table lays it out
-  /// How far the dynamics MLP and the loss stand from the nearest kink of ReLU, L1 and pinball,
+  /// How far the dynamics and the loss stand from the nearest kink of ReLU, L1 and pinball,
   /// where float may take the other side.
   double kink_distance = 0.0;
 };

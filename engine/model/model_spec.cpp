@@ -20,6 +20,8 @@ NLOHMANN_JSON_SERIALIZE_ENUM(ObjectEncoder, {{ObjectEncoder::none, "none"},
                                              {ObjectEncoder::frozen, "frozen"},
                                              {ObjectEncoder::joint, "joint"}})
 
+NLOHMANN_JSON_SERIALIZE_ENUM(DynamicsKind, {{DynamicsKind::mlp, "mlp"}, {DynamicsKind::gru, "gru"}})
+
 void to_json(nlohmann::json& json, const ModelSpec& spec) {
   json = {{"touch", spec.touch},
           {"window_frames", spec.window_frames},
@@ -31,6 +33,7 @@ void to_json(nlohmann::json& json, const ModelSpec& spec) {
           {"embedding", spec.embedding},
           {"state", spec.state},
           {"band_quantile", spec.band_quantile},
+          {"dynamics", spec.dynamics},
           {"activation", name_of(spec.activation)}};
   if (spec.object == ObjectEncoder::none) return;
   json.update({{"object", spec.object},
@@ -49,6 +52,7 @@ void from_json(const nlohmann::json& json, ModelSpec& spec) {
   json.at("hidden").get_to(spec.hidden);
   json.at("state").get_to(spec.state);
   spec.band_quantile = json.value("band_quantile", spec.band_quantile);
+  spec.dynamics = json.value("dynamics", spec.dynamics);
   spec.activation = activation_of(json.value("activation", std::string(name_of(spec.activation))));
   if (!json.contains("object")) return;
   json.at("object").get_to(spec.object);

@@ -74,10 +74,6 @@ Conv2dMethod method_for(const Conv2dShape& shape, bool training) {
   return pays ? best_method(shape) : Conv2dMethod::direct;
 }
 
-void append(Launches& launches, const Launches& more) {
-  launches.insert(launches.end(), more.begin(), more.end());
-}
-
 /// The first channel of a window that its last frame enters.
 int newest_channel(const TactileWindowShape& windows) { return std::max(windows.frames - 2, 0); }
 

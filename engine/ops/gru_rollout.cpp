@@ -3,7 +3,7 @@
 namespace touchtrace {
 namespace {
 
-cl::Kernel gru_kernel(Runtime& runtime, const char* name, const GruArrays& a) {
+Kernel gru_kernel(Runtime& runtime, const char* name, const GruArrays& a) {
   return runtime.kernel({"common.clh", "tile.clh", "dynamics.clh", "rollout_tiles.clh",
                          "gru_rollout.cl", "gru_rollout_backward.cl"},
                         name,

@@ -3,22 +3,13 @@
 namespace touchtrace {
 namespace {
 
-<<<<<<< HEAD
 Kernel rollout_kernel(Runtime& runtime, const char* name, const RolloutArrays& a) {
-  return runtime.kernel(
-      {"common.clh", "tile.clh", "dynamics.clh", "rollout.cl", "rollout_backward.cl"}, name,
-      {{"HIDDEN", std::to_string(a.hidden)},
-       {"STATE", std::to_string(a.state)},
-       {"ACTIVATION", kernel_name_of(a.activation)}});
-=======
-cl::Kernel rollout_kernel(Runtime& runtime, const char* name, const RolloutArrays& a) {
   return runtime.kernel({"common.clh", "tile.clh", "dynamics.clh", "rollout_tiles.clh",
                          "rollout.cl", "rollout_backward.cl"},
                         name,
                         {{"HIDDEN", std::to_string(a.hidden)},
                          {"STATE", std::to_string(a.state)},
                          {"ACTIVATION", kernel_name_of(a.activation)}});
->>>>>>> 86233c6 (GRU roll-outs as an operation: one launch forward, one back, with its reference and its row in the table)
 }
 
 /// Multiply-adds of one step of one sequence: the two hidden layers and the padded output.

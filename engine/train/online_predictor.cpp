@@ -87,6 +87,7 @@ struct OnlinePredictor::Plan {
           "call set_object first");
     runtime.queue_write(model->states(), state);
     forward();
+    model->continue_rollouts();
     runtime.queue_read(model->spread(), spread);
     runtime.read(model->states(), std::span<float>(state), state_lanes);
   }
@@ -103,6 +104,7 @@ const nlohmann::json& OnlinePredictor::metadata() const { return plan_->file.met
 void OnlinePredictor::set_state(std::span<const float> state) {
   plan_->check("state", state.size(), std::size_t(spec().state));
   std::ranges::copy(state, plan_->state.begin());
+  plan_->model->begin_rollouts();
 }
 
 void OnlinePredictor::set_object(std::span<const float> segment) {

@@ -20,7 +20,8 @@ class OnlinePredictor {
   const ModelSpec& spec() const;
   const nlohmann::json& metadata() const;  ///< as given to Trainer::save
 
-  /// The state that the next step starts from, scaled: [state]. Zeros at first.
+  /// Begins a roll-out: the state that the next step starts from, scaled: [state]; a dynamics with
+  /// a memory forgets. Zeros at first.
   void set_state(std::span<const float> state);
   /// Touch of the object in hand, [segment_frames, rows, cols], such as its first frames; needed
   /// before the first step of a model with an object encoder.

@@ -58,10 +58,12 @@ struct Predictor::Plan {
   void predict(BatchBlock block, const Embedded& embedded, Rollout& rollout) {
     std::vector<float> state = block.batch.initial_state;
     if (object) write_object_embeddings(runtime, *model, block, embedded.objects);
+    model->begin_rollouts();
     for (; block.first_step < block.batch.steps; block.first_step += model->steps()) {
       if (touch) write_tactile_embeddings(runtime, *model, block, embedded.steps);
       write_initial_states(runtime, *model, block, state);
       model->forward({});
+      model->continue_rollouts();
       collect(block, rollout);
       const int last = std::min(block.first_step + model->steps(), block.batch.steps) - 1;
       for (int s = 0; s < block.batch.sequences; ++s)

@@ -74,9 +74,12 @@ void verify_training(const Emit& emit) {
                   emit);
   verify_gradient(runtime, "whole model with SiLU", {.activation = Activation::silu}, 2, emit);
   verify_gradient(runtime, "whole model with tanh", {.activation = Activation::tanh}, 2, emit);
+  verify_gradient(runtime, "whole model with a GRU",
+                  {.object = ObjectEncoder::joint, .dynamics = DynamicsKind::gru}, 4, emit);
   for (int sequences : {8, 32}) {
     verify_step(runtime, "touch", {}, sequences, emit);
     verify_step(runtime, "both encoders", {.object = ObjectEncoder::joint}, sequences, emit);
+    verify_step(runtime, "touch, GRU", {.dynamics = DynamicsKind::gru}, sequences, emit);
   }
   verify_step(runtime, "no touch", {.touch = false}, 8, emit);
 }

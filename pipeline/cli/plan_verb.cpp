@@ -19,7 +19,7 @@ struct PlanOptions {
   std::string recording, activity = "wave";
   std::vector<std::string> objects;
   bool without_touch = false;
-  std::string object_encoder = "auto";
+  std::string dynamics = "mlp", object_encoder = "auto";
   int window = 10, resolution = 32, sequences = 8, steps = 20;
   study::ConvolutionOptions convolutions;
 };
@@ -30,6 +30,9 @@ void describe(OptionSet& set, PlanOptions& o) {
   set.text("activity", o.activity, "activity to simulate where no recording is given");
   set.texts("object", o.objects, "objects to simulate where no recording is given (default: ball)");
   set.flag("without-touch", o.without_touch, "only the baseline that sees no tactile frame");
+  set.choice("dynamics", o.dynamics,
+             "what predicts the next state: the paper's MLP, or a GRU that remembers",
+             {"mlp", "gru"});
   set.choice("object-encoder", o.object_encoder,
              "what tells the model which object is in hand; auto: nothing for one object, frozen "
              "embeddings for several",
@@ -58,6 +61,7 @@ study::PlanWishes wishes_of(const PlanOptions& options) {
   wishes.activity = options.activity;
   if (!options.objects.empty()) wishes.objects = options.objects;
   wishes.touch = !options.without_touch;
+  wishes.dynamics = options.dynamics;
   wishes.object_encoder = options.object_encoder;
   wishes.window_frames = options.window;
   wishes.rows = wishes.cols = options.resolution;

@@ -27,6 +27,7 @@ class Planner {
   explicit Planner(const PlanWishes& wishes)
       : wishes_(wishes), traits_(traits_of(wishes.activity)) {
     plan_.model.touch = wishes.touch;
+    plan_.model.dynamics = dynamics_of(wishes.dynamics);
     plan_.model.window_frames = wishes.window_frames;
     plan_.model.rows = wishes.rows;
     plan_.model.cols = wishes.cols;
@@ -81,7 +82,8 @@ class Planner {
         object == ObjectEncoder::joint    ? "added to the loss of the states (equation 6)"
         : object == ObjectEncoder::frozen ? "trains the object encoder, before all else"
                                           : why_object_encoder());
-    add("train", "dynamics MLP with band", true, "predicts the state and two quantiles");
+    add("train", wishes_.dynamics == "gru" ? "dynamics GRU with band" : "dynamics MLP with band",
+        true, "predicts the state and two quantiles");
     add("train", "gradient towards tactile frames", false, "nothing learns from it");
     add("train", "gradient towards initial states", false, "nothing learns from it");
   }

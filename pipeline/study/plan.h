@@ -15,6 +15,7 @@ struct PlanWishes {
   std::vector<std::string> objects{"ball"};
   bool simulated = true;  ///< the data come from the simulator, not from a glove and a camera
   bool touch = true;      ///< false: only the baseline without touch
+  std::string dynamics = "mlp";         ///< or "gru"
   std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": frozen if any
   int window_frames = 10, rows = 32, cols = 32;
   int tactile_kernel = 3;

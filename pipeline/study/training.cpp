@@ -65,6 +65,7 @@ ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provena
                          .objects = card.objects,
                          .simulated = false,
                          .touch = !options.without_touch,
+                         .dynamics = options.dynamics,
                          .object_encoder = options.object_encoder,
                          .window_frames = options.window,
                          .rows = data.rows,

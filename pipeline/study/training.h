@@ -25,7 +25,7 @@ struct TrainingOptions {
   std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": what plan.h chooses
   double contrast_temperature = 0.0;
   double band_quantile = 0.1;
-  std::string activation = "relu";
+  std::string activation = "relu", dynamics = "mlp";
   ObjectTraining objects;
   double checkpoint_s = 30.0;  ///< between checkpoints
   TrainOptions optimizer;

@@ -25,6 +25,9 @@ void describe(OptionSet& set, TrainingOptions& o) {
              100.0);
   set.number("band-quantile", o.band_quantile,
              "Q of the predicted band, which holds a share 1 - 2 Q of the states", 0.001, 0.499);
+  set.choice("dynamics", o.dynamics,
+             "what predicts the next state: the paper's MLP, or a GRU that remembers",
+             {"mlp", "gru"});
   set.choice("activation", o.activation, "between the layers of the dynamics MLP",
              {"relu", "silu", "tanh"});
   set.integer("updates", o.optimizer.updates, "updates of the weights", 1, 10'000'000);

@@ -50,7 +50,11 @@ def ratio(name, peer, ratios, goal, **rest):
 
 def comparison_figures(options, folder):
     for name, spec, sequences in (("one encoder", ONE_ENCODER, 1), ("both encoders", BOTH_ENCODERS, 3),
-                                  ("5 x 5 taps, strides 1, 2, 1", OTHER_CONVOLUTIONS, 1)):
+                                  ("5 x 5 taps, strides 1, 2, 1", OTHER_CONVOLUTIONS, 1),
+                                  ("SiLU, Q = 0.25", dict(ONE_ENCODER, activation="silu", band_quantile=0.25), 1),
+                                  ("tanh", dict(ONE_ENCODER, activation="tanh"), 1),
+                                  ("GRU", dict(ONE_ENCODER, dynamics="gru"), 2),
+                                  ("GRU, both encoders", dict(BOTH_ENCODERS, dynamics="gru"), 3)):
         start = time.time()
         loss, gradient = compare(options.engine_step, folder, spec, sequences, options.seed)
         yield at_most(f"whole model, {name}, loss against PyTorch in double", loss, "relative", 1e-5,

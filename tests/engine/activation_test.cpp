@@ -14,7 +14,7 @@ namespace touchtrace {
 namespace {
 
 constexpr double eps = std::numeric_limits<float>::epsilon(),
-                 smallest = std::numeric_limits<float>::min();
+                 smallest_normal = std::numeric_limits<float>::min();
 
 /// Both signs of 0 and of sizes from 1e-8 to 1e4; a multiple of 16.
 std::vector<float> far_sums() {
@@ -32,7 +32,7 @@ struct Computed {
 
 Computed on_device(Runtime& runtime, Activation activation, const std::vector<float>& sums) {
   const std::string body = R"(
-__kernel void activations(__global const real* sums, __global real* value, __global real* slope) {
+__kernel void activate(__global const real* sums, __global real* value, __global real* slope) {
   const size_t i = get_global_id(0);
   const real16 x = vload16(i, sums), y = ACTIVATE(x);
   vstore16(y, i, value);
@@ -44,11 +44,13 @@ __kernel void activations(__global const real* sums, __global real* value, __glo
   const auto name = kernel_name_of(activation);
   program.build(
       ("-cl-std=CL1.2 -cl-denorms-are-zero -D HIDDEN=64 -D STATE=1 -D ACTIVATION=" + name).c_str());
-  const auto value = runtime.allocate<float>(sums.size()),
+  const auto in = runtime.upload<float>(sums), value = runtime.allocate<float>(sums.size()),
              slope = runtime.allocate<float>(sums.size());
-  Launch(cl::Kernel(program, "activations"), range(int(sums.size()) / 16),
-         runtime.upload<float>(sums), value, slope)
-      .enqueue(runtime);
+  cl::Kernel kernel(program, "activate");
+  kernel.setArg(0, in.handle());
+  kernel.setArg(1, value.handle());
+  kernel.setArg(2, slope.handle());
+  runtime.launch(kernel, range(int(sums.size()) / 16));
   return {runtime.download(value), runtime.download(slope)};
 }
 
@@ -67,7 +69,7 @@ TEST_P(EveryActivation, IsAccurateAndFiniteFarOut) {
     // near 1. exp(-|x|), of which SiLU is |x| times as large, counts as zero where float flushes
     // it.
     EXPECT_LE(std::abs(computed.value[i] - value[i]),
-              5 * eps * std::abs(value[i]) + (1 + std::abs(x[i])) * smallest)
+              5 * eps * std::abs(value[i]) + (1 + std::abs(x[i])) * smallest_normal)
         << x[i];
     EXPECT_LE(std::abs(computed.slope[i] - slope[i]), 10 * eps) << x[i];
   }

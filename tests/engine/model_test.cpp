@@ -16,6 +16,7 @@ namespace touchtrace {
 namespace {
 
 using testing::small_spec;
+using testing::with_gru;
 
 std::vector<double> part(const std::vector<double>& flat, const Parameter& row) {
   const auto begin = flat.begin() + std::ptrdiff_t(row.offset);
@@ -48,6 +49,12 @@ TEST(Model, LossAndGradientAgreeWithSmoothActivations) {
     spec.activation = activation;
     expect_agreement(spec, {});
   }
+}
+
+TEST(Model, LossAndGradientAgreeWithAGru) {
+  expect_agreement(with_gru(small_spec(true)), {0.3, 77});
+  expect_agreement(with_gru(small_spec(false)), {});
+  expect_agreement(with_gru(small_spec(ObjectEncoder::joint)), {});
 }
 
 TEST(Model, LossAndGradientAgreeWithAnObjectEncoderTrainedAlong) {
@@ -89,7 +96,8 @@ TEST_P(ReferenceGradient, AgreesWithCentralDifferences) {
 INSTANTIATE_TEST_SUITE_P(Model, ReferenceGradient,
                          ::testing::Values(small_spec(true), small_spec(ObjectEncoder::joint),
                                            small_spec(ObjectEncoder::joint, 0.1f),
-                                           small_spec(5, {2, 1, 2})));
+                                           small_spec(5, {2, 1, 2}),
+                                           with_gru(small_spec(ObjectEncoder::joint))));
 
 TEST(Model, WithoutTouchHasNoTactileParameters) {
   Runtime runtime(choose_device(""));

@@ -12,21 +12,23 @@ namespace {
 
 using testing::NoiseRun;
 using testing::small_spec;
+using testing::with_gru;
 
 /// A model trained a little, and a roll-out that begins at frame `first` of a stream.
 class OnlinePredictorTest : public testing::TrainerTest {
  protected:
   static constexpr int first = 5, steps = 23;
 
-  void prepare(bool touch) {
-    NoiseRun run(runtime_, touch);
+  void prepare(bool touch) { prepare(small_spec(touch)); }
+  void prepare(const ModelSpec& spec) {
+    NoiseRun run(runtime_, spec);
     run.go_on_to(3);
     run.trainer.save(model_, {{"made", "here"}}, true);
     batch_.sequences = 1, batch_.steps = steps, batch_.first_frame = {first};
     RandomStream random(3, "roll-out");
     batch_.initial_state = normal_floats(run.spec.state, random);
     stream_ = noise_stream(run.spec, first + steps, random);
-    if (!touch) stream_.clear();
+    if (!spec.touch) stream_.clear();
   }
 
   std::span<const float> frame(int f) const {
@@ -57,8 +59,8 @@ class OnlinePredictorTest : public testing::TrainerTest {
 };
 
 TEST_F(OnlinePredictorTest, StepsAreARolloutToTheBit) {
-  for (bool touch : {true, false}) {
-    prepare(touch);
+  for (const auto& spec : {small_spec(true), small_spec(false), with_gru(small_spec(true))}) {
+    prepare(spec);
     const auto expected = Predictor(runtime_, model_).predict(batch_, stream_);
     OnlinePredictor online(runtime_, model_);
     EXPECT_EQ(online.metadata(), (nlohmann::json{{"made", "here"}}));

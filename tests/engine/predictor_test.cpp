@@ -12,8 +12,9 @@ using testing::small_spec;
 
 class PredictorTest : public testing::TrainerTest {
  protected:
-  std::filesystem::path model(bool touch) {
-    NoiseRun run(runtime_, touch);
+  std::filesystem::path model(bool touch) { return model(small_spec(touch)); }
+  std::filesystem::path model(const ModelSpec& spec) {
+    NoiseRun run(runtime_, spec);
     run.go_on_to(3);
     run.trainer.save(folder_ / "model", {}, true);
     return folder_ / "model";
@@ -42,11 +43,14 @@ TEST_F(PredictorTest, TakesAnyNumberOfSequencesAndSteps) {
   EXPECT_TRUE(predictor.predict({}, stream).state.empty());
 }
 
-TEST_F(PredictorTest, BlocksDoNotShow) {
-  const auto spec = small_spec(true);
+class Blocks : public PredictorTest, public ::testing::WithParamInterface<DynamicsKind> {};
+
+TEST_P(Blocks, DoNotShow) {
+  auto spec = small_spec(true);
+  spec.dynamics = GetParam();
   RandomStream random(3, "stream");
   const auto stream = noise_stream(spec, 200, random);
-  Predictor predictor(runtime_, model(true));
+  Predictor predictor(runtime_, model(spec));
   const int steps = 47;
   const auto batch = noise_batch(spec, 70, steps, 200, random);
   const auto together = predictor.predict(batch, stream);
@@ -63,6 +67,9 @@ TEST_F(PredictorTest, BlocksDoNotShow) {
         std::equal(rollout.spread.begin(), rollout.spread.end(), together.spread.begin() + at));
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Predictor, Blocks,
+                         ::testing::Values(DynamicsKind::mlp, DynamicsKind::gru));
 
 TEST_F(PredictorTest, NeedsNoStreamWithoutTouch) {
   RandomStream random(3, "batch");

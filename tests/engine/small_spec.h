@@ -15,6 +15,12 @@ inline ModelSpec small_spec(bool touch) {
           .state = 5};
 }
 
+/// `spec` with a GRU in the MLP's place.
+inline ModelSpec with_gru(ModelSpec spec) {
+  spec.dynamics = DynamicsKind::gru;
+  return spec;
+}
+
 /// The same with an object encoder.
 inline ModelSpec small_spec(ObjectEncoder object, float contrast_temperature = 0.0f) {
   auto spec = small_spec(true);

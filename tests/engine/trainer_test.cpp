@@ -18,8 +18,8 @@ using testing::TrainerTest;
 TEST_F(TrainerTest, ResumesBitIdentically) {
   Runtime exact(choose_device(""), Accuracy::exact);
   for (auto* runtime : {&runtime_, &exact})
-    for (const auto& spec :
-         {small_spec(false), small_spec(true), small_spec(ObjectEncoder::joint)}) {
+    for (const auto& spec : {small_spec(false), small_spec(true), small_spec(ObjectEncoder::joint),
+                             testing::with_gru(small_spec(true))}) {
       NoiseRun whole(*runtime, spec);
       whole.go_on_to(10);
       for (int stop : {1, 7}) {

@@ -44,6 +44,15 @@ TEST(UpdatePlan, LeavesOutWhatSeesNoLiveTaxel) {
     EXPECT_EQ(flops_of(kernel, {}) - flops_of(kernel, live), 2.0 * 9 * 12 * 3 * 32 * 6) << kernel;
 }
 
+TEST(UpdatePlan, AGruIsOneLaunchEachWay) {
+  Runtime runtime(choose_device(""));
+  const auto plan = launches_of_update(runtime, testing::with_gru(testing::small_spec(true)), 3, 4);
+  for (const char* kernel : {"gru_rollout", "gru_rollout_backward"})
+    EXPECT_EQ(launches_of(plan, kernel), 1u) << kernel;
+  for (const char* kernel : {"rollout", "rollout_backward"})
+    EXPECT_EQ(launches_of(plan, kernel), 0u) << kernel;
+}
+
 TEST(UpdatePlan, CountsTheOperationsOfARollout) {
   Runtime runtime(choose_device(""));
   const auto plan = launches_of_update(runtime, testing::small_spec(false), 3, 4);

@@ -18,16 +18,13 @@ def loss_in_double(problem, model):
     """The loss, and the distance of the nearest kink in units of its margin."""
     distances, hooks = [], []
 
-    def watch(module, margin):
-        hooks.append(module.register_forward_hook(
-            lambda _, inputs, out: distances.append((out.abs().min() / margin).item())))
-
     for name, module in model.named_modules():
         if isinstance(module, nn.Conv2d):
-            watch(module, CONVOLUTION_MARGIN)
-    watch(model.dynamics[2], MLP_MARGIN)
-    hooks.append(model.dynamics[1].register_forward_pre_hook(
-        lambda _, inputs: distances.append((inputs[0].abs().min() / MLP_MARGIN).item())))
+            hooks.append(module.register_forward_hook(
+                lambda _, inputs, out: distances.append((out.abs().min() / CONVOLUTION_MARGIN).item())))
+        if isinstance(module, nn.ReLU):
+            hooks.append(module.register_forward_pre_hook(
+                lambda _, inputs: distances.append((inputs[0].abs().min() / MLP_MARGIN).item())))
     batch, frames, spec = problem.batch(0, torch.float64), problem.frames(torch.float64), problem.spec
     segments = None
     if "object" in spec:

@@ -3,10 +3,11 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
+from .dynamics import KINDS
+
 ONE_ENCODER = dict(touch=True, window_frames=10, rows=32, cols=32, embedding=64, hidden=256, state=12, band_quantile=0.1)
 OTHER_CONVOLUTIONS = dict(ONE_ENCODER, rows=12, cols=12, tactile_kernel=5, tactile_strides=[1, 2, 1])
 BOTH_ENCODERS = dict(**ONE_ENCODER, object="joint", segment_frames=20, contrast_temperature=0.0)
-ACTIVATIONS = dict(relu=nn.ReLU, silu=nn.SiLU, tanh=nn.Tanh)
 
 
 class Encoder(nn.Module):
@@ -33,27 +34,16 @@ class Model(nn.Module):
         self.tactile = Encoder(spec, spec["window_frames"])
         if "object" in spec:
             self.object, embeddings = Encoder(spec, spec["segment_frames"]), 2
-        activation = ACTIVATIONS[spec.get("activation", "relu")]
-        self.dynamics = nn.Sequential(
-            nn.Linear(spec["state"] + embeddings * spec["embedding"], spec["hidden"]), activation(),
-            nn.Linear(spec["hidden"], spec["hidden"]), activation(),
-            nn.Linear(spec["hidden"], 2 * spec["state"]))
-
-    def hoisted(self, windows, objects, steps):
-        """What the embeddings give to the first layer, [T, S, hidden]: it needs no loop."""
-        first, n, m = self.dynamics[0], self.spec["state"], self.spec["state"] + self.spec["embedding"]
-        touch = F.linear(self.tactile(windows), first.weight[:, n:m], first.bias).unflatten(0, (steps, -1))
-        return touch if objects is None else touch + F.linear(objects, first.weight[:, m:])
+        self.dynamics = KINDS[spec.get("dynamics", "mlp")](spec, embeddings)
 
     def forward(self, windows, segments, state, steps):
         """windows [T * S, M, rows, cols], segments [S, frames, rows, cols] or None, state [S, state]
         -> states and spreads [T, S, state], embeddings of the objects [S, embedding] or None"""
         n = self.spec["state"]
         objects = None if segments is None else self.object(segments)
-        first, rest = self.dynamics[0], self.dynamics[1:]
-        w_state, states, bands = first.weight[:, :n], [], []
-        for hoisted in self.hoisted(windows, objects, steps):
-            out = rest(F.linear(state, w_state) + hoisted)
+        states, bands, memory = [], [], None
+        for inputs in self.dynamics.inputs(self.tactile(windows).unflatten(0, (steps, -1)), objects):
+            out, memory = self.dynamics(state, inputs, memory)
             state = state + out[:, :n]
             states.append(state)
             bands.append(out[:, n:])

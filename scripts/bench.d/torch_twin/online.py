@@ -53,8 +53,10 @@ class TorchOnline:
 
 
 class EngineOnline:
-    def __init__(self, engine_step, path):
-        self.process = subprocess.Popen([engine_step, path, "online"], text=True, stdin=subprocess.PIPE,
+    """With `ahead` it has done, before a step is timed, what that step needs of the frames before its own."""
+
+    def __init__(self, engine_step, path, ahead):
+        self.process = subprocess.Popen([engine_step, path, "online", *(["ahead"] if ahead else [])], text=True, stdin=subprocess.PIPE,
                                         stdout=subprocess.PIPE)
 
     def __call__(self, count):

@@ -23,14 +23,13 @@ void check(const TactileWindowShape& window) {
                       "frames have 6 to 64 rows and columns, windows 1 to 32 frames");
 }
 
-/// An order of pixels other than that of memory costs a little too, and kernels take it as an
-/// option of their build, which should not become too long.
+/// An order of pixels other than that of memory costs a little too.
 std::vector<int> worthwhile_dead_pixels(const Conv2dShape& layer, const LiveTaxels& live) {
-  constexpr int least_share = 8, most_pixels = 1024;
-  const int pixels = layer.out_rows() * layer.out_cols();
-  if (live.empty() || pixels > most_pixels) return {};
+  constexpr int pays_from = 8;  // one pixel of so many
+  if (live.empty()) return {};
   auto dead = dead_pixels(layer, live);
-  return static_cast<int>(dead.size()) * least_share < pixels ? std::vector<int>{} : dead;
+  if (pays_from * static_cast<int>(dead.size()) < layer.out_rows() * layer.out_cols()) dead.clear();
+  return dead;
 }
 
 TactileEncoderShape of_windows(TactileEncoderShape shape, int windows) {

@@ -8,21 +8,6 @@
 #include "engine/ops/conv2d_methods.h"
 
 namespace touchtrace {
-
-std::size_t Conv2dShape::in_size() const {
-  return static_cast<std::size_t>(images) * in_channels * (rows + 2 * halo()) * (cols + 2 * halo());
-}
-
-std::size_t Conv2dShape::out_size() const {
-  return static_cast<std::size_t>(images) * out_channels * (out_rows() + 2 * halo()) *
-         (out_cols() + 2 * halo());
-}
-
-double Conv2dShape::flops() const {
-  const int live = out_rows() * out_cols() - static_cast<int>(dead.size());
-  return 2.0 * taps() * images * in_channels * out_channels * live;
-}
-
 namespace {
 
 /// Whether an output pixel's taps read a pixel of the input that `live` holds 1 for.
@@ -43,7 +28,25 @@ std::string order_of(const Conv2dShape& shape) {
   return fmt::format("{}", fmt::join(order, ","));
 }
 
+bool winograd_applies(const Conv2dShape& shape) {
+  return shape.kernel == 3 && shape.stride == 2 && !shape.in_planes;
+}
+
 }  // namespace
+
+std::size_t Conv2dShape::in_size() const {
+  return static_cast<std::size_t>(images) * in_channels * (rows + 2 * halo()) * (cols + 2 * halo());
+}
+
+std::size_t Conv2dShape::out_size() const {
+  return static_cast<std::size_t>(images) * out_channels * (out_rows() + 2 * halo()) *
+         (out_cols() + 2 * halo());
+}
+
+double Conv2dShape::flops() const {
+  const int live = out_rows() * out_cols() - static_cast<int>(dead.size());
+  return 2.0 * taps() * images * in_channels * out_channels * live;
+}
 
 std::vector<int> dead_pixels(const Conv2dShape& shape, const std::vector<std::uint8_t>& live) {
   std::vector<int> dead;
@@ -73,14 +76,6 @@ LaunchCost conv2d_cost(const Conv2dShape& shape, int images) {
   const double values = share * static_cast<double>(shape.in_size() + shape.out_size());
   return {share * shape.flops(), 4.0 * (values + static_cast<double>(shape.weight_size()))};
 }
-
-namespace {
-
-bool winograd_applies(const Conv2dShape& shape) {
-  return shape.kernel == 3 && shape.stride == 2 && !shape.in_planes;
-}
-
-}  // namespace
 
 Conv2dMethod best_method(const Conv2dShape& shape) {
   if (!winograd_applies(shape)) return Conv2dMethod::direct;

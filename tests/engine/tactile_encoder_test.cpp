@@ -137,7 +137,6 @@ INSTANTIATE_TEST_SUITE_P(Sizes, EncoderOfSize,
                                            TactileEncoderShape{{201, 2, 16, 16}},
                                            TactileEncoderShape{{35, 10, 6, 6}, 3, {1, 1, 1}},
                                            TactileEncoderShape{{3, 4, 13, 7}, 3, {2, 1, 2}},
-                                           TactileEncoderShape{{3, 3, 9, 12}, 5, {2, 2, 2}},
                                            TactileEncoderShape{{3, 2, 7, 6}, 5, {1, 2, 1}}),
                          name_of);
 

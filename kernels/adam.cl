@@ -1,11 +1,15 @@
 // Adam with decoupled weight decay (Loshchilov and Hutter 2019) and clipping of the gradient's norm,
-// over all parameters as one array. One work-item takes CHUNK of them.
+// over all parameters as one array. One work-item takes CHUNK of them, if there are so many left.
 //
 //   m = b1 m + (1 - b1) g,  v = b2 v + (1 - b2) g^2,  g clipped to norm `clip_norm`
 //   p = p - rate (decay p + m / (1 - b1^t) / (sqrt(v / (1 - b2^t)) + 1e-8))
 //
 // With -D EXACT=1 `lost` [n] keeps the part of p's steps that is too small for its last place.
+//
+// -D CHUNK=1024: for lanes that are to touch neighbours, 1.
+#ifndef CHUNK
 #define CHUNK 1024
+#endif
 
 __kernel void squares(__global const real* gradient, int n, __global real* partial) {
   const int chunk = get_global_id(0), end = min(n, (chunk + 1) * CHUNK);

@@ -7,8 +7,21 @@ void Launch::enqueue(Runtime& runtime) const {
     created_ = runtime.create(kernel_);
     for (cl_uint i = 0; i < arguments_.size(); ++i) set_created(i);
   }
-  runtime.launch(created_, global_);
+  if (local_)
+    runtime.launch(created_, global_, *local_);
+  else
+    runtime.launch(created_, global_);
   if (runtime.watcher()) runtime.watcher()(*this);
+}
+
+Launch Launch::in_groups_of(std::size_t items) && {
+  const std::size_t* groups = global_.get();
+  if (global_.dimensions() == 1) global_ = {groups[0] * items}, local_ = cl::NDRange(items);
+  if (global_.dimensions() == 2)
+    global_ = {groups[0] * items, groups[1]}, local_ = cl::NDRange(items, 1);
+  if (global_.dimensions() == 3)
+    global_ = {groups[0] * items, groups[1], groups[2]}, local_ = cl::NDRange(items, 1, 1);
+  return std::move(*this);
 }
 
 void Launch::set_created(cl_uint index) const {

@@ -28,8 +28,8 @@ struct LaunchCost {
   double bytes = 0.0;  ///< of arrays read and written, each once
 };
 
-/// A kernel with its arguments, to be queued again and again: what a plan is made of. Kernels
-/// compute one tile a work-item without barriers.
+/// A kernel with its arguments, to be queued again and again: what a plan is made of. Its range
+/// counts work-items that know nothing of each other, or with in_groups_of work-groups.
 class Launch {
  public:
   using Argument = std::variant<cl_int, cl_uint, cl_float, cl::Buffer>;
@@ -46,6 +46,8 @@ class Launch {
 
   void enqueue(Runtime& runtime) const;
 
+  /// The same launch, with a work-group of `items` in the place of each item of its range.
+  Launch in_groups_of(std::size_t items) &&;
   /// The same launch, which says what it costs.
   Launch costing(const LaunchCost& cost) && {
     cost_ = cost;
@@ -73,6 +75,7 @@ class Launch {
 
   Kernel kernel_;
   cl::NDRange global_;
+  std::optional<cl::NDRange> local_;
   std::vector<Argument> arguments_;  ///< keeps buffers alive: OpenCL's kernel arguments do not
   std::optional<LaunchCost> cost_;
   mutable cl::Kernel created_;  ///< null until the first turn

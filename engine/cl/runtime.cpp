@@ -59,9 +59,10 @@ std::uint64_t mebibytes(std::uint64_t bytes) { return (bytes + (1u << 20) - 1) >
 
 }  // namespace
 
-Runtime::Runtime(ChosenDevice device, Accuracy accuracy) try
+Runtime::Runtime(ChosenDevice device, Accuracy accuracy, std::optional<Body> body) try
     : device_(device),
       accuracy_(accuracy),
+      body_(body.value_or(body_for(device.info))),
       context_(device_.info.handle),
       queue_(context_, device_.info.handle),
       side_queue_(context_, device_.info.handle) {

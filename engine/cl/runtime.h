@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
 
+#include "engine/cl/body.h"
 #include "engine/cl/compiler_process.h"
 #include "engine/cl/device.h"
 #include "engine/cl/opencl_error.h"
@@ -53,11 +55,14 @@ using LaunchWatcher = std::function<void(const Launch&)>;
 /// in-order queue, except between fork() and join().
 class Runtime {
  public:
-  explicit Runtime(ChosenDevice device, Accuracy accuracy = Accuracy::fast);
+  /// `body`: empty for the device's own; tests run each on every device.
+  explicit Runtime(ChosenDevice device, Accuracy accuracy = Accuracy::fast,
+                   std::optional<Body> body = {});
 
   const DeviceInfo& device() const { return device_.info; }
   const std::string& reason() const { return device_.reason; }
   Accuracy accuracy() const { return accuracy_; }
+  Body body() const { return body_; }
   /// The one that launches go to now.
   cl::CommandQueue& queue() { return on_side_ ? side_queue_ : queue_; }
   const cl::Context& context() const { return context_; }
@@ -187,6 +192,7 @@ class Runtime {
 
   ChosenDevice device_;
   Accuracy accuracy_;
+  Body body_;
   cl::Context context_;
   cl::CommandQueue queue_, side_queue_;
   bool on_side_ = false;

@@ -5,30 +5,43 @@
 namespace touchtrace {
 namespace {
 
-constexpr int chunk = 1024;  // parameters a work-item, as in adam.cl
 constexpr cl_uint clip_norm_argument = 8;
+
+/// A kernel that takes `chunk` parameters a work-item.
+Kernel adam_kernel(Runtime& runtime, const char* name, int chunk) {
+  return runtime.kernel({"common.clh", "adam.cl"}, name, {{"CHUNK", std::to_string(chunk)}});
+}
+
+int chunks_of(int size, int chunk) { return (size + chunk - 1) / chunk; }
+
+Launch update_launch(Runtime& runtime, int size, const auto&... arguments) {
+  constexpr int chunk = 1024, group = 256;
+  if (runtime.body() == Body::vectors)
+    return {adam_kernel(runtime, "adam", chunk), range(chunks_of(size, chunk)), arguments...};
+  return Launch(adam_kernel(runtime, "adam", 1), range(chunks_of(size, group)), arguments...)
+      .in_groups_of(group);
+}
 
 }  // namespace
 
 Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float>& gradient,
            const Buffer<float>& decay, const Buffer<float>& loss)
     : runtime_(runtime) {
-  const int size = static_cast<int>(parameters.size()), chunks = (size + chunk - 1) / chunk;
+  const int size = static_cast<int>(parameters.size());
+  const int chunk = runtime.body() == Body::lanes ? 256 : 1024, chunks = chunks_of(size, chunk);
   first_ = runtime.allocate_zeros<float>(parameters.size());
   second_ = runtime.allocate_zeros<float>(parameters.size());
   partial_ = runtime.allocate<float>(static_cast<std::size_t>(chunks));
   norm_ = runtime.allocate<float>(1);
   const bool exact = runtime.accuracy() == Accuracy::exact;
   if (exact) lost_ = runtime.allocate_zeros<float>(parameters.size());
-  const auto kernel = [&](const char* name) {
-    return runtime.kernel({"common.clh", "adam.cl"}, name);
-  };
   measure_ = {
-      Launch(kernel("squares"), range(chunks), gradient, size, partial_)
+      Launch(adam_kernel(runtime, "squares", chunk), range(chunks), gradient, size, partial_)
           .costing(2.0 * size, 4.0 * size),
-      Launch(kernel("norm"), range(1), partial_, chunks, norm_).costing(chunks, 4.0 * chunks)};
-  update_ = {Launch(kernel("adam"), range(chunks), parameters, gradient, first_, second_, decay,
-                    size, norm_, loss, 0.0f, 0.0f, 0.0f, 0.0f, exact ? lost_ : norm_)
+      Launch(adam_kernel(runtime, "norm", chunk), range(1), partial_, chunks, norm_)
+          .costing(chunks, 4.0 * chunks)};
+  update_ = {update_launch(runtime, size, parameters, gradient, first_, second_, decay, size, norm_,
+                           loss, 0.0f, 0.0f, 0.0f, 0.0f, exact ? lost_ : norm_)
                  .costing(17.0 * size, 4.0 * size * (exact ? 10.0 : 8.0))};
 }
 

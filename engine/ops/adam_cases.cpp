@@ -61,7 +61,9 @@ OperationCase adam_case(std::size_t size, const AdamStep& step) {
 Operation adam_operation() {
   return {"adam",
           {adam_case(16, {1, 1e-3, 1.0}), adam_case(1, {1, 2e-3, 100.0}),
-           adam_case(100'003, {17, 2e-3, 1.0}), adam_case(4096, {3000, 1e-5, 1e6})}};
+           adam_case(100'003, {17, 2e-3, 1.0}), adam_case(4096, {3000, 1e-5, 1e6})},
+          1,
+          true};
 }
 
 }  // namespace touchtrace

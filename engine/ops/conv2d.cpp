@@ -87,6 +87,7 @@ Conv2dMethod best_method(const Conv2dShape& shape) {
 std::unique_ptr<Conv2d> make_conv2d(Runtime& runtime, const Conv2dShape& shape,
                                     const Conv2dParameters& parameters,
                                     const Conv2dChoice& choice) {
+  if (runtime.body() == Body::lanes) return make_conv2d_lanes(runtime, shape, parameters);
   const bool winograd = choice.method == Conv2dMethod::winograd && winograd_applies(shape) &&
                         winograd_group(runtime, shape, choice) > 0;
   return (winograd ? make_conv2d_winograd : make_conv2d_direct)(runtime, shape, parameters, choice);

@@ -152,7 +152,7 @@ Operation conv2d_operation() {
                                 {2, 10, 17, 8, 32, true, 5, 2},  {5, 64, 5, 7, 128, false, 3, 1},
                                 {2, 32, 16, 9, 64, false, 5, 2}, {3, 64, 4, 6, 96, false, 5, 1},
                                 {7, 32, 1, 2, 64, false, 5, 2}};
-  Operation operation{"conv2d", {conv2d_case(shapes[0], Conv2dMethod::direct)}, 7};
+  Operation operation{"conv2d", {conv2d_case(shapes[0], Conv2dMethod::direct)}, 7, true};
   for (const auto& shape : with_dead) operation.cases.push_back(case_with_dead_pixels(shape));
   for (const auto& shape : std::span(shapes).subspan(1))
     operation.cases.push_back(conv2d_case(shape, Conv2dMethod::direct));

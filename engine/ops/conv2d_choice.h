@@ -7,8 +7,9 @@ namespace touchtrace {
 /// the device's local memory holds what one image needs; otherwise `direct`.
 enum class Conv2dMethod { direct, winograd };
 
-/// How a layer is computed where several ways are right: they differ in time, and in the order of
-/// sums and so in the last bits. A number of 0 is left to the rule that suits most devices.
+/// How the body `vectors` computes a layer where several ways are right: they differ in time, and
+/// in the order of sums and so in the last bits. A number of 0 is left to the rule that suits most
+/// devices.
 struct Conv2dChoice {
   Conv2dMethod method = Conv2dMethod::direct;
   int accumulators = 0;     ///< direct: vectors of 16 sums in registers

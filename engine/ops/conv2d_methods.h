@@ -15,6 +15,9 @@ std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& 
 std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,
                                              const Conv2dParameters& parameters,
                                              const Conv2dChoice& choice);
+/// The body of GPUs; `shape` as both methods take it.
+std::unique_ptr<Conv2d> make_conv2d_lanes(Runtime& runtime, const Conv2dShape& shape,
+                                          const Conv2dParameters& parameters);
 
 /// Images whose points stand in the device's local memory together; 0: not one does.
 int winograd_group(const Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice);

@@ -1,5 +1,7 @@
 #include "engine/ops/dense.h"
 
+#include "engine/ops/lanes.h"
+
 namespace touchtrace {
 namespace {
 
@@ -9,15 +11,48 @@ Kernel dense_kernel(Runtime& runtime, const char* name) {
 
 int tiles(int size, int tile) { return (size + tile - 1) / tile; }
 
+Kernel lanes_kernel(Runtime& runtime, const char* name, const LanesTile& tile,
+                        bool left_along_depth) {
+  Defines defines{{"LEFT_ALONG_DEPTH", left_along_depth ? "1" : "0"}};
+  tile.define(defines);
+  return runtime.kernel({"common.clh", "lanes.clh", "dense_lanes.cl"}, name, defines);
+}
+
+/// Large tiles read less, but there must be enough of them for all compute units.
+LanesTile lanes_tile_for(const Runtime& runtime, int rows, int columns) {
+  const bool enough = tiles(rows, 64) * tiles(columns, 64) >= 2 * runtime.device().compute_units;
+  return enough ? LanesTile{64, 64} : LanesTile{32, 32};
+}
+
+Launch gemm_launch(Runtime& runtime, const MatrixView& a, int rows, int columns,
+                   const auto&... arguments) {
+  if (runtime.body() == Body::vectors)
+    return Launch(dense_kernel(runtime, "gemm"), range(tiles(rows, 4), tiles(columns, 64)),
+                  arguments...);
+  const auto tile = lanes_tile_for(runtime, rows, columns);
+  return Launch(lanes_kernel(runtime, "gemm_lanes", tile, a.step == 1),
+                range(tiles(rows, tile.rows), tiles(columns, tile.columns)), arguments...)
+      .in_groups_of(tile.items());
+}
+
+Launch column_launch(Runtime& runtime, int columns, const auto&... arguments) {
+  constexpr std::size_t group = 256;  // as in dense_lanes.cl
+  if (runtime.body() == Body::vectors)
+    return Launch(dense_kernel(runtime, "column_sums"), range(tiles(columns, 16)), arguments...);
+  return Launch(lanes_kernel(runtime, "column_sums_lanes", {32, 32}, true),
+                range(tiles(columns, 16)), arguments...)
+      .in_groups_of(group);
+}
+
 }  // namespace
 
 Launch gemm(Runtime& runtime, const MatrixView& a, const MatrixView& b,
             const std::optional<MatrixView>& bias, const MatrixView& c, int rows, int columns,
             int count, int bias_rows) {
   const MatrixView start = bias.value_or(b);
-  return Launch(dense_kernel(runtime, "gemm"), range(tiles(rows, 4), tiles(columns, 64)), a.buffer,
-                a.at, a.row, a.step, b.buffer, b.at, b.row, start.buffer, start.at, start.row,
-                bias ? bias_rows : 0, c.buffer, c.at, c.row, rows, columns, count)
+  return gemm_launch(runtime, a, rows, columns, a.buffer, a.at, a.row, a.step, b.buffer, b.at,
+                     b.row, start.buffer, start.at, start.row, bias ? bias_rows : 0, c.buffer, c.at,
+                     c.row, rows, columns, count)
       .costing(2.0 * rows * columns * count,
                4.0 * (1.0 * rows * count + 1.0 * count * columns + 1.0 * rows * columns));
 }
@@ -35,8 +70,7 @@ Launch pack(Runtime& runtime, const MatrixView& from, const MatrixView& to, int 
 
 Launch column_sums(Runtime& runtime, const MatrixView& a, const MatrixView& sums, int rows,
                    int columns) {
-  return Launch(dense_kernel(runtime, "column_sums"), range(tiles(columns, 16)), a.buffer, a.at,
-                a.row, sums.buffer, sums.at, rows, columns)
+  return column_launch(runtime, columns, a.buffer, a.at, a.row, sums.buffer, sums.at, rows, columns)
       .costing(1.0 * rows * columns, 4.0 * rows * columns);
 }
 

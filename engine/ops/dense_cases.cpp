@@ -77,7 +77,7 @@ OperationCase dense_case(const DenseShape& s) {
 }  // namespace
 
 Operation dense_operation() {
-  Operation operation{"dense", {}};
+  Operation operation{"dense", {}, 1, true};
   for (const DenseShape& shape : {DenseShape{3, 5, 7},
                                   {1, 1, 1},
                                   {13, 100, 130},

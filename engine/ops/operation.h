@@ -41,6 +41,7 @@ struct Operation {
   std::string name;
   std::vector<OperationCase> cases;
   std::size_t small_cases = 1;  ///< the first ones, small enough for oclgrind
+  bool has_lanes = false;       ///< kernels of its own for the body `lanes`
 };
 
 /// The table of operations: one row each, in operations.cpp.

@@ -91,6 +91,11 @@ Arrays unit_direction(const Arrays& gradient, RandomStream& random) {
 
 }  // namespace
 
+std::vector<Body> bodies_of(const Operation& operation, const DeviceInfo& device) {
+  if (!operation.has_lanes || !has_room_for_lanes(device)) return {Body::vectors};
+  return {Body::vectors, Body::lanes};
+}
+
 Arrays draw_inputs(const OperationCase& operation, std::uint64_t seed, double kink_margin) {
   RandomStream random(seed, "inputs of " + operation.shape);
   for (int trial = 0; trial < 100; ++trial) {

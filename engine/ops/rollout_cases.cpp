@@ -146,7 +146,7 @@ OperationCase rollout_case(const RolloutShape& s) {
 }  // namespace
 
 Operation rollout_operation() {
-  Operation operation{"rollout", {}};
+  Operation operation{"rollout", {}, 1, true};
   for (const RolloutShape& shape : {RolloutShape{2, 3, 3, 64, false},
                                     {1, 1, 12, 64, true},
                                     {5, 4, 16, 128, true},

@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
@@ -23,10 +24,11 @@ import torch
 
 from torch_twin.comparison import compare
 from torch_twin.course import Course, picture_of, settled, time_until
+from torch_twin.cuda import CudaTrainer
 from torch_twin.model import BOTH_ENCODERS, ONE_ENCODER, OTHER_CONVOLUTIONS, Model
 from torch_twin.online import EngineOnline, best_online, busy_core, distance
 from torch_twin.problem import noise_problem, weights_of
-from torch_twin.training import TorchTrainer, all_settings, best_of, contenders, race, try_settings
+from torch_twin.training import WARM_UP, EngineTrainer, TorchTrainer, all_settings, best_of, contenders, race, try_settings
 
 PEER = f"PyTorch {torch.__version__}"
 
@@ -120,7 +122,38 @@ def course_figures(options, folder):
         yield row(f"best validation error, {name}", statistics.median(c[side][:, 2].min() for c in runs), "deviation")
 
 
-FIGURES = dict(comparison=comparison_figures, step=step_figures, online=online_figures, course=course_figures)
+def engine_has_gpu(options):
+    devices = subprocess.run([options.touchtrace, "devices", "--json"], capture_output=True, text=True, check=True)
+    return any(device["type"] == "gpu" for device in json.loads(devices.stdout)["devices"])
+
+
+def gpu_figures(options, folder):
+    """Reported, whatever it is: the training step on a GPU that both PyTorch and the engine can use."""
+    if not (torch.cuda.is_available() and engine_has_gpu(options)):
+        print("gpu: no GPU offers both CUDA to PyTorch and OpenCL to the engine", file=sys.stderr)
+        return
+    for sequences in (8, 32):
+        problem, path = noise_problem(BOTH_ENCODERS, sequences, options.seed), os.path.join(folder, "gpu")
+        problem.save(path, {})
+        engine = EngineTrainer(options.engine_step, path, device="gpu")
+        engine(WARM_UP)
+        name = f"training step on a GPU, {sequences} sequences, both encoders"
+        for graph in (False, True):
+            start, tried = time.time(), try_settings(lambda last: CudaTrainer(problem, last, graph), (False, True),
+                                                     options.count)
+            if not tried:
+                continue
+            peer = best_of(tried)[0]
+            pairs = [(peer(options.count)[0], engine(options.count)[0]) for _ in range(options.rounds)]
+            ratios = [theirs / ours for theirs, ours in pairs]
+            yield row(f"{name}: {PEER} ({peer.name}) / engine, {min(ratios):.2f} .. {max(ratios):.2f}",
+                      statistics.median(ratios), "x", seconds=time.time() - start)
+            yield row(f"{name}, engine", statistics.median(ours for _, ours in pairs), "ms")
+        engine.close()
+
+
+FIGURES = dict(comparison=comparison_figures, step=step_figures, online=online_figures, course=course_figures,
+               gpu=gpu_figures)
 
 
 def parse_arguments():

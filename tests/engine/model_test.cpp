@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "engine/base/error.h"
 #include "engine/train/model_comparison.h"
@@ -23,8 +24,9 @@ std::vector<double> part(const std::vector<double>& flat, const Parameter& row) 
   return {begin, begin + std::ptrdiff_t(row.size)};
 }
 
-void expect_agreement(const ModelSpec& spec, const TaxelDropout& dropout) {
-  Runtime runtime(choose_device(""));
+void expect_agreement(const ModelSpec& spec, const TaxelDropout& dropout,
+                      std::optional<Body> body = {}) {
+  Runtime runtime(choose_device(""), Accuracy::fast, body);
   const auto result = compare_model(runtime, spec, 5, 20, dropout, 3);
   EXPECT_LE(result.loss_error(), 1e-5);
   EXPECT_LE(result.gradient_error(), 1e-5);
@@ -67,6 +69,10 @@ TEST(Model, LossAndGradientAgreeWithNormalisedObjectEmbeddings) {
 
 TEST(Model, LossAndGradientAgreeWithOtherConvolutions) {
   expect_agreement(small_spec(5, {2, 1, 2}), {0.3, 77});
+}
+
+TEST(Model, LossAndGradientAgreeWithTheKernelsForGpus) {
+  expect_agreement(small_spec(ObjectEncoder::joint), {0.3, 77}, Body::lanes);
 }
 
 class ReferenceGradient : public ::testing::TestWithParam<ModelSpec> {};

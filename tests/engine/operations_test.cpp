@@ -29,13 +29,14 @@ class EveryOperation : public ::testing::TestWithParam<Operation> {
   void on_every_device(const OnCase& check) {
     const auto devices = list_devices();
     ASSERT_FALSE(devices.empty()) << "no OpenCL device: install pocl-opencl-icd";
-    for (const auto& device : devices) {
-      Runtime runtime({device, "test"});
-      for (const auto& operation : GetParam().cases) {
-        SCOPED_TRACE(device.name + ": " + operation.shape);
-        check(runtime, operation);
+    for (const auto& device : devices)
+      for (const auto body : bodies_of(GetParam(), device)) {
+        Runtime runtime({device, "test"}, Accuracy::fast, body);
+        for (const auto& operation : GetParam().cases) {
+          SCOPED_TRACE(device.name + (body == Body::lanes ? ", lanes: " : ": ") + operation.shape);
+          check(runtime, operation);
+        }
       }
-    }
   }
 };
 
@@ -54,14 +55,15 @@ TEST_P(EveryOperation, AgreesWithTheReference) {
 }
 
 TEST_P(EveryOperation, AgreesWithTheReferenceInExactModeToo) {
-  for (const auto& device : list_devices()) {
-    Runtime runtime({device, "test"}, Accuracy::exact);
-    const auto& operation = GetParam().cases.front();
-    const auto inputs = draw_inputs(operation, test_seed(), gradient_kink_margin);
-    EXPECT_LE(output_error(runtime, operation, inputs), output_error_bound);
-    if (!operation.backward) continue;
-    EXPECT_LE(gradient_error(runtime, operation, inputs, test_seed()), gradient_error_bound);
-  }
+  const auto& operation = GetParam().cases.front();
+  const auto inputs = draw_inputs(operation, test_seed(), gradient_kink_margin);
+  for (const auto& device : list_devices())
+    for (const auto body : bodies_of(GetParam(), device)) {
+      Runtime runtime({device, "test"}, Accuracy::exact, body);
+      EXPECT_LE(output_error(runtime, operation, inputs), output_error_bound);
+      if (!operation.backward) continue;
+      EXPECT_LE(gradient_error(runtime, operation, inputs, test_seed()), gradient_error_bound);
+    }
 }
 
 TEST_P(EveryOperation, GradientAgreesWithTheReference) {
@@ -105,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(Table, EveryOperation, ::testing::ValuesIn(operations()
 
 // The row "winograd" would also pass with the direct method in its place.
 TEST(Conv2d, TakesWinogradsMethodWhereLocalMemoryHoldsTheImage) {
-  Runtime runtime(choose_device(""));
+  Runtime runtime(choose_device(""), Accuracy::fast, Body::vectors);
   const Conv2dShape shape{2, 32, 16, 16, 64, false};
   const auto weights = shape.weight_size();
   const auto conv = make_conv2d(

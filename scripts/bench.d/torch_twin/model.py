@@ -82,6 +82,6 @@ def with_differences(stream):
 
 def windows_of(frames, last_frame, length):
     """frames as with_differences gives them, last_frame [W] -> [W, length, rows, cols]"""
-    places = last_frame[:, None] + torch.arange(2 - length, 2)
+    places = last_frame[:, None] + torch.arange(2 - length, 2, device=frames.device)
     places[:, -1] += len(frames) // 2 - 1
     return frames.index_select(0, places.flatten()).unflatten(0, (-1, length))

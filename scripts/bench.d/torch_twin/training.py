@@ -39,11 +39,12 @@ def all_settings():
 
 class TorchTrainer:
     """Updates as the engine's: drop-out of taxels, clipped gradient, AdamW, a half cosine."""
+    device = "cpu"
 
     def __init__(self, problem, setting):
         self.problem, self.setting, self.options = problem, setting, problem.options
-        self.frames, self.batches = problem.frames(), [problem.batch(i) for i in range(problem.batches)]
-        self.model = Model(problem.spec).to(memory_format=setting.format)
+        self.frames, self.batches = problem.frames().to(self.device), [problem.batch(i) for i in range(problem.batches)]
+        self.model = Model(problem.spec).to(self.device, memory_format=setting.format)
         self.start()
         self.loss = setting.applied_to(self.loss_of_batch)
 
@@ -61,7 +62,7 @@ class TorchTrainer:
     def blanked(self, frames, last_frame, length):
         """Windows of which a share of the taxels is left out, one choice a window."""
         rows, cols = frames.shape[1:]
-        keep = (torch.rand(len(last_frame), 1, rows, cols) >= DROPOUT) / (1 - DROPOUT)
+        keep = (torch.rand(len(last_frame), 1, rows, cols, device=frames.device) >= DROPOUT) / (1 - DROPOUT)
         return windows_of(frames, last_frame, length).mul_(keep).contiguous(memory_format=self.setting.format)
 
     def loss_of_batch(self, frames, batch):
@@ -72,15 +73,22 @@ class TorchTrainer:
         return loss_of(self.model(windows, segments, batch.initial_state, self.problem.steps), batch,
                        spec["band_quantile"])
 
-    def update(self):
-        rate = 0.5 * self.options["learning_rate"] * (1 + math.cos(math.pi * self.updates / self.options["updates"]))
+    def set_rate(self, rate):
         for group in self.optimizer.param_groups:
             group["lr"] = rate
+
+    def step(self, batch):
         self.optimizer.zero_grad()
-        loss = self.loss(self.frames, self.batches[self.updates % len(self.batches)])
+        loss = self.loss(self.frames, batch)
         loss.backward()
         nn.utils.clip_grad_norm_(self.model.parameters(), CLIP_NORM, foreach=True)
         self.optimizer.step()
+        return loss
+
+    def update(self):
+        progress = self.updates / self.options["updates"]
+        self.set_rate(0.5 * self.options["learning_rate"] * (1 + math.cos(math.pi * progress)))
+        loss = self.step(self.batches[self.updates % len(self.batches)])
         self.updates += 1
         return loss.item()
 
@@ -98,10 +106,11 @@ class EngineTrainer:
     """The same of the engine, with all cores' threads or with one; with `out`, weights are written there after
     every call."""
 
-    def __init__(self, engine_step, path, out=None, one_thread=False):
+    def __init__(self, engine_step, path, out=None, one_thread=False, device="cpu"):
         self.setting = "1 thread" if one_thread else f"{os.cpu_count()} threads"
         self.process = subprocess.Popen([engine_step, path, "time", *([out] if out else [])], text=True,
-                                        env=os.environ | (dict(POCL_DEVICES="basic") if one_thread else {}),
+                                        env=os.environ | dict(ENGINE_STEP_DEVICE=device) |
+                                        (dict(POCL_DEVICES="basic") if one_thread else {}),
                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def __call__(self, count):

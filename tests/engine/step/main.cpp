@@ -11,9 +11,12 @@
 //                                      of each one's microseconds, and the last state and spread;
 //                                      each starts from the first initial state, and the last one's
 //                                      frame is the first of first_frame
+//
+// All but `online` compute on the device that ENGINE_STEP_DEVICE names, as --device does.
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <cstdlib>
 #include <iostream>
 
 #include "engine/base/error.h"
@@ -111,7 +114,8 @@ void run(const std::vector<std::string>& arguments) {
   const auto problem = testing::read_problem(path);
   const auto& mode = arguments.at(1);
   if (mode == "online") return time_online(path, problem, arguments.size() > 2);
-  Runtime runtime(choose_device(""));
+  const char* device = std::getenv("ENGINE_STEP_DEVICE");
+  Runtime runtime(choose_device(device ? device : ""));
   if (mode == "gradient") write_gradient(runtime, problem, arguments.at(2));
   if (mode == "train") train(runtime, problem, std::stoi(arguments.at(2)), arguments.at(3));
   if (mode == "time")

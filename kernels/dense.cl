@@ -13,7 +13,7 @@ static void store_narrow(narrow_tile t, int columns, int row, int rows, __global
 #undef STORE
 }
 
-// The rows that row `first` and the next three start from: those of `matrix` again and again.
+// What rows from `first` on start from: the rows of `matrix` again and again.
 static row_pointers repeated_rows_of(__global const real* matrix, int ld, int first, int rows) {
   row_pointers p;
 #define POINT(r) p.x##r = matrix + (size_t)((first + r) % rows) * ld;
@@ -22,12 +22,12 @@ static row_pointers repeated_rows_of(__global const real* matrix, int ld, int fi
   return p;
 }
 
-// One work-item computes 4 x 64 of C. `bias_rows` 0: `bias` is not read.
+// One work-item computes PRODUCT_ROWS x 64 of C. `bias_rows` 0: `bias` is not read.
 __kernel void gemm(__global const real* a, int a_at, int a_row, int a_step, __global const real* b,
                    int b_at, int b_ld, __global const real* bias, int bias_at, int bias_ld,
                    int bias_rows, __global real* c, int c_at, int c_ld, int rows, int columns,
                    int count) {
-  const int row = get_global_id(0) * 4;
+  const int row = get_global_id(0) * PRODUCT_ROWS;
   int n = get_global_id(1) * 64;
   const row_pointers x = rows_of(a + a_at, a_row, row, rows);
   const row_pointers start = repeated_rows_of(bias + bias_at, bias_ld, row, max(bias_rows, 1));

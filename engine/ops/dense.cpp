@@ -1,18 +1,23 @@
 #include "engine/ops/dense.h"
 
+#include <string>
+
 #include "engine/ops/lanes.h"
 
 namespace touchtrace {
 namespace {
 
+constexpr int product_rows = 6;  // of a work-item of a CPU
+
 Kernel dense_kernel(Runtime& runtime, const char* name) {
-  return runtime.kernel({"common.clh", "tile.clh", "dense.cl"}, name);
+  return runtime.kernel({"common.clh", "tile.clh", "dense.cl"}, name,
+                        {{"PRODUCT_ROWS", std::to_string(product_rows)}});
 }
 
 int tiles(int size, int tile) { return (size + tile - 1) / tile; }
 
 Kernel lanes_kernel(Runtime& runtime, const char* name, const LanesTile& tile,
-                        bool left_along_depth) {
+                    bool left_along_depth) {
   Defines defines{{"LEFT_ALONG_DEPTH", left_along_depth ? "1" : "0"}};
   tile.define(defines);
   return runtime.kernel({"common.clh", "lanes.clh", "dense_lanes.cl"}, name, defines);
@@ -27,8 +32,8 @@ LanesTile lanes_tile_for(const Runtime& runtime, int rows, int columns) {
 Launch gemm_launch(Runtime& runtime, const MatrixView& a, int rows, int columns,
                    const auto&... arguments) {
   if (runtime.body() == Body::vectors)
-    return Launch(dense_kernel(runtime, "gemm"), range(tiles(rows, 4), tiles(columns, 64)),
-                  arguments...);
+    return Launch(dense_kernel(runtime, "gemm"),
+                  range(tiles(rows, product_rows), tiles(columns, 64)), arguments...);
   const auto tile = lanes_tile_for(runtime, rows, columns);
   return Launch(lanes_kernel(runtime, "gemm_lanes", tile, a.step == 1),
                 range(tiles(rows, tile.rows), tiles(columns, tile.columns)), arguments...)

@@ -37,6 +37,14 @@ void sync_to_disk(const fs::path& path, int flags) {
   if (result != 0) throw io_failure("cannot flush", path);
 }
 
+using Digest = std::array<unsigned char, 32>;
+
+std::string hexadecimal(const Digest& digest) {
+  std::string text;
+  for (unsigned char byte : digest) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
 std::string computed_sha256(const fs::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw data_error(fmt::format("cannot read {}", path.string()), "check the path");
@@ -46,11 +54,9 @@ std::string computed_sha256(const fs::path& path) {
   std::array<char, 1 << 16> buffer;
   while (stream.read(buffer.data(), buffer.size()) || stream.gcount() > 0)
     EVP_DigestUpdate(context.get(), buffer.data(), static_cast<std::size_t>(stream.gcount()));
-  std::array<unsigned char, 32> digest;
+  Digest digest;
   EVP_DigestFinal_ex(context.get(), digest.data(), nullptr);
-  std::string text;
-  for (unsigned char byte : digest) text += fmt::format("{:02x}", byte);
-  return text;
+  return hexadecimal(digest);
 }
 
 fs::path folder_of(const fs::path& path) {
@@ -149,6 +155,12 @@ std::string sha256_of_file(const fs::path& path) {
   auto& hash = known[key];
   if (hash.empty()) hash = computed_sha256(path);
   return hash;
+}
+
+std::string sha256_of(std::string_view text) {
+  Digest digest;
+  EVP_Digest(text.data(), text.size(), digest.data(), nullptr, EVP_sha256(), nullptr);
+  return hexadecimal(digest);
 }
 
 }  // namespace touchtrace

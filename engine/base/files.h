@@ -39,4 +39,7 @@ std::string read_file(const std::filesystem::path& path, std::uintmax_t max_byte
 /// recordings have gigabytes, and more than one part of a verb asks.
 std::string sha256_of_file(const std::filesystem::path& path);
 
+/// The same of a text.
+std::string sha256_of(std::string_view text);
+
 }  // namespace touchtrace

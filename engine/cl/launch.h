@@ -56,9 +56,17 @@ class Launch {
   Launch costing(double flops, double bytes) && {
     return std::move(*this).costing(LaunchCost{flops, bytes});
   }
+  /// The same launch, which says whether it was tuned for the device.
+  Launch tuned(bool is_tuned) && {
+    is_tuned_ = is_tuned;
+    return std::move(*this);
+  }
+  bool is_tuned() const { return is_tuned_; }
   /// As said by costing(); else the bytes of all its arrays.
   LaunchCost cost() const { return cost_ ? *cost_ : LaunchCost{0.0, bytes_of_arrays()}; }
 
+  /// Of the range: where kernels compute a tile an item, each stays on one core.
+  std::size_t items() const;
   /// The kernel's.
   const std::string& name() const { return kernel_.name; }
   /// The arguments that are arrays, by their index.
@@ -78,6 +86,7 @@ class Launch {
   std::optional<cl::NDRange> local_;
   std::vector<Argument> arguments_;  ///< keeps buffers alive: OpenCL's kernel arguments do not
   std::optional<LaunchCost> cost_;
+  bool is_tuned_ = false;
   mutable cl::Kernel created_;  ///< null until the first turn
 };
 

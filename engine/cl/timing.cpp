@@ -31,12 +31,6 @@ int calls_to_fill(Runtime& runtime, const std::function<void()>& enqueue) {
   return std::max(1, static_cast<int>(std::ceil(shortest_s / once)));
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 /// Multiply-adds on registers alone.
 struct Peak {
   Launch launch;
@@ -56,12 +50,29 @@ Peak make_peak(Runtime& runtime) {
 
 }  // namespace
 
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+std::vector<std::vector<double>> seconds_in_turns(
+    Runtime& runtime, const std::vector<std::function<void()>>& enqueues, int turns) {
+  std::vector<int> calls;
+  for (const auto& enqueue : enqueues) calls.push_back(calls_to_fill(runtime, enqueue));
+  std::vector<std::vector<double>> seconds(static_cast<std::size_t>(turns));
+  for (auto& turn : seconds)
+    for (std::size_t i = 0; i < enqueues.size(); ++i)
+      turn.push_back(seconds_of(runtime, enqueues[i], calls[i]));
+  return seconds;
+}
+
 double median_seconds(Runtime& runtime, const std::function<void()>& enqueue, int repeats) {
   const int calls = calls_to_fill(runtime, enqueue);
   std::vector<double> seconds;
   for (int repeat = 0; repeat < repeats; ++repeat)
     seconds.push_back(seconds_of(runtime, enqueue, calls));
-  return median(seconds);
+  return median_of(seconds);
 }
 
 double peak_flops(Runtime& runtime) {
@@ -79,7 +90,7 @@ double operations_at_peak(Runtime& runtime, const std::function<void()>& enqueue
     const double seconds = seconds_of(runtime, enqueue, calls);
     operations.push_back(peak.flops / seconds_of(runtime, enqueue_peak, peak_calls) * seconds);
   }
-  return median(operations);
+  return median_of(operations);
 }
 
 }  // namespace touchtrace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "engine/cl/runtime.h"
 
@@ -11,6 +12,13 @@ namespace touchtrace {
 /// a CPU these are processor seconds of all threads, so that a busy machine does not show; else
 /// wall time.
 double median_seconds(Runtime& runtime, const std::function<void()>& enqueue, int repeats = 7);
+
+/// The same of several, in turns, so that a clock or a neighbour that changes meanwhile meets all
+/// of them: [turn][which].
+std::vector<std::vector<double>> seconds_in_turns(
+    Runtime& runtime, const std::vector<std::function<void()>>& enqueues, int turns = 9);
+
+double median_of(std::vector<double> values);
 
 /// Floating-point operations a second that the device reaches when it does nothing but fused
 /// multiply-adds; per processor second on a CPU. Of kernels/fma_peak.cl.

@@ -24,7 +24,7 @@ Error while_making(const ModelSpec& spec, int sequences, int steps, const Error&
 }  // namespace
 
 Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use,
-             const LiveTaxels& live) try
+             const LiveTaxels& live, const Tuning& tuning) try
     : runtime_(runtime), spec_(spec), sequences_(sequences), steps_(steps) {
   validate(spec);
   const bool own_object_encoder = spec.object == ObjectEncoder::joint && use == Use::training;
@@ -38,9 +38,9 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
     input_.tactile_embedding =
         runtime.allocate<float>(std::size_t(sequences) * steps * spec.embedding);
   else if (spec.touch)
-    plan_tactile_encoder(live);
+    plan_tactile_encoder(live, tuning);
   if (own_object_encoder)
-    plan_object_encoder(live);
+    plan_object_encoder(live, tuning);
   else if (spec.object != ObjectEncoder::none)
     input_.object_embedding = runtime.allocate<float>(std::size_t(sequences) * spec.embedding);
   dynamics_ = make_dynamics(runtime, spec, *weights_, embeddings(), sequences, steps);
@@ -50,15 +50,15 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   throw while_making(spec, sequences, steps, error);
 }
 
-void Model::plan_tactile_encoder(const LiveTaxels& live) {
+void Model::plan_tactile_encoder(const LiveTaxels& live, const Tuning& tuning) {
   tactile_ = std::make_unique<TouchEncoder>(
-      runtime_, "tactile", window_encoder(spec_, sequences_ * steps_, live), *weights_);
+      runtime_, "tactile", window_encoder(spec_, sequences_ * steps_, live), *weights_, tuning);
   input_.last_frame = tactile_->last_frame();
 }
 
-void Model::plan_object_encoder(const LiveTaxels& live) {
-  object_ = std::make_unique<TouchEncoder>(runtime_, "object",
-                                           segment_encoder(spec_, sequences_, live), *weights_);
+void Model::plan_object_encoder(const LiveTaxels& live, const Tuning& tuning) {
+  object_ = std::make_unique<TouchEncoder>(
+      runtime_, "object", segment_encoder(spec_, sequences_, live), *weights_, tuning);
   input_.segment_last_frame = object_->last_frame();
   input_.object = runtime_.allocate<std::int32_t>(std::size_t(sequences_));
   input_.contrast_weight = runtime_.allocate<float>(std::size_t(sequences_));

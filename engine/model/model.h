@@ -37,9 +37,9 @@ class Model {
   /// is given.
   enum class Use { prediction, rollout, training };
 
-  /// `live`: of the stream.
+  /// `live`: of the stream. `tuning`: counts in training alone.
   Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use,
-        const LiveTaxels& live = {});
+        const LiveTaxels& live = {}, const Tuning& tuning = {});
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
@@ -74,8 +74,8 @@ class Model {
   const Buffer<float>& loss() const { return loss_; }                  ///< [1]
 
  private:
-  void plan_tactile_encoder(const LiveTaxels& live);
-  void plan_object_encoder(const LiveTaxels& live);
+  void plan_tactile_encoder(const LiveTaxels& live, const Tuning& tuning);
+  void plan_object_encoder(const LiveTaxels& live, const Tuning& tuning);
   void plan_loss();
   Embeddings embeddings() const;
   /// Queues what the object encoder does, if there is one, so that it runs beside the others.

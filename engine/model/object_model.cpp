@@ -15,12 +15,13 @@ ParameterTable object_parameters(const ModelSpec& spec) {
 
 }  // namespace
 
-ObjectModel::ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments)
+ObjectModel::ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments,
+                         const Tuning& tuning)
     : runtime_(runtime),
       segments_(segments),
       table_(object_parameters(spec)),
       weights_(allocate_weights(runtime, table_, true)),
-      encoder_(runtime, "object", segment_encoder(spec, segments), weights_) {
+      encoder_(runtime, "object", segment_encoder(spec, segments), weights_, tuning) {
   plan_loss(spec);
 }
 

@@ -9,7 +9,7 @@ namespace touchtrace {
 /// constructor.
 class ObjectModel {
  public:
-  ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments);
+  ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments, const Tuning& tuning = {});
   ObjectModel(const ObjectModel&) = delete;
   ObjectModel& operator=(const ObjectModel&) = delete;
 

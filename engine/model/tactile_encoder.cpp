@@ -14,6 +14,7 @@ namespace {
 constexpr std::array channels{32, 64, 128};
 constexpr int queues = 2;  // that parts are shared out to
 using Shapes = std::array<Conv2dShape, 3>;
+constexpr int usual_part = TactileEncoder::part_windows;
 
 void check(const TactileWindowShape& window) {
   const auto fits = [](int size) { return size >= 6 && size <= 64; };
@@ -30,12 +31,6 @@ std::vector<int> worthwhile_dead_pixels(const Conv2dShape& layer, const LiveTaxe
   auto dead = dead_pixels(layer, live);
   if (pays_from * static_cast<int>(dead.size()) < layer.out_rows() * layer.out_cols()) dead.clear();
   return dead;
-}
-
-TactileEncoderShape of_windows(TactileEncoderShape shape, int windows) {
-  shape.windows.windows = windows;
-  shape.windows.halo = shape.kernel / 2;
-  return shape;
 }
 
 std::string layer_name(const std::string& encoder, int layer) {
@@ -76,6 +71,27 @@ Conv2dMethod method_for(const Conv2dShape& shape, bool training) {
 /// The first channel of a window that its last frame enters.
 int newest_channel(const TactileWindowShape& windows) { return std::max(windows.frames - 2, 0); }
 
+/// A choice, and whether it was tuned.
+struct LayerChoice {
+  Conv2dChoice choice;
+  bool tuned;
+};
+
+LayerChoice choice_for(const Conv2dShape& layer, bool training, const Tuning& tuning) {
+  const auto* tuned = training ? tuning.layer(layer) : nullptr;
+  if (tuned) return {tuned->choice, true};
+  return {{method_for(layer, training)}, false};
+}
+
+int part_of(const TactileEncoderShape& all, bool training, const Tuning& tuning) {
+  const auto* tuned = training ? tuning.part(all.layers()[0]) : nullptr;
+  return std::min(all.windows.windows, tuned ? tuned->images : usual_part);
+}
+
+void append_marked(Launches& launches, const Launches& more, bool tuned) {
+  for (const auto& launch : more) launches.push_back(Launch(launch).tuned(tuned));
+}
+
 /// Queues parts so that those of different queues run beside each other.
 template <class Parts, class Enqueue>
 void share_out(Runtime& runtime, Parts&& parts, Enqueue enqueue_part) {
@@ -99,33 +115,39 @@ struct TactileEncoder::Plan {
   };
 
   Plan(Runtime& device, const std::string& name, const TactileEncoderShape& shape,
-       const Weights& weights);
-  void add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape);
+       const Weights& weights, const Tuning& tuning);
+  void add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape,
+                 const LayerChoice& choice);
   void add_parts();
   Part make_part(int first, int size, int queue, const Images& images, const Images& gradients);
 
   Runtime& runtime;
   TactileEncoderShape all;
   bool training;
-  Shapes shapes;  ///< of the largest part's layers
+  int part_windows;  ///< of the largest part
+  Shapes shapes;     ///< of its layers
   Buffer<float> features, grad_features;
   std::vector<std::unique_ptr<Conv2d>> layers;
+  std::vector<bool> tuned;  ///< of the layers
   std::vector<Part> parts;
   Launches prepare, finish;
 };
 
 TactileEncoder::Plan::Plan(Runtime& device, const std::string& name,
-                           const TactileEncoderShape& shape, const Weights& weights)
+                           const TactileEncoderShape& shape, const Weights& weights,
+                           const Tuning& tuning)
     : runtime(device),
       all(shape),
       training(weights.gradient.size() > 0),
-      shapes(of_windows(shape, std::min(shape.windows.windows, part_windows)).layers()),
+      part_windows(part_of(shape, training, tuning)),
+      shapes(shape.of_windows(part_windows).layers()),
       features(device.allocate<float>(shape.features().row_size())) {
   const int count = (all.windows.windows + part_windows - 1) / part_windows;
   const int arrays = training ? count + std::min(count, queues) : std::min(count, queues);
   device.check_memory(sizeof(float) * size_of_images(shapes) * std::size_t(arrays));
   for (int i = 0; i < 3; ++i)
-    add_layer(parameters_of(weights, layer_name(name, i), std::min(count, queues)), shapes[i]);
+    add_layer(parameters_of(weights, layer_name(name, i), std::min(count, queues)), shapes[i],
+              choice_for(shapes[i], training, tuning));
   if (training) grad_features = device.allocate<float>(features.size());
   add_parts();
 }
@@ -146,16 +168,18 @@ void TactileEncoder::Plan::add_parts() {
   }
 }
 
-void TactileEncoder::Plan::add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape) {
-  layers.push_back(make_conv2d(runtime, shape, parameters, {method_for(shape, training)}));
-  append(prepare, layers.back()->prepare());
-  if (training) append(finish, layers.back()->finish());
+void TactileEncoder::Plan::add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape,
+                                     const LayerChoice& choice) {
+  layers.push_back(make_conv2d(runtime, shape, parameters, choice.choice));
+  tuned.push_back(choice.tuned);
+  append_marked(prepare, layers.back()->prepare(), choice.tuned);
+  if (training) append_marked(finish, layers.back()->finish(), choice.tuned);
 }
 
 TactileEncoder::Plan::Part TactileEncoder::Plan::make_part(int first, int size, int queue,
                                                            const Images& images,
                                                            const Images& gradients) {
-  const auto shape = of_windows(all, size);
+  const auto shape = all.of_windows(size);
   const auto last = shape.features();
   Part part{queue, TactileWindow(runtime, shape.windows, images[0], first), {}, {}, {}};
   const bool starts_sums = first + size + (queues - 1) * part_windows >= all.windows.windows;
@@ -165,14 +189,23 @@ TactileEncoder::Plan::Part TactileEncoder::Plan::make_part(int first, int size, 
   auto first_layer = all.windows.windows == 1 && !training
                          ? layers[0]->forward_halves(of_layer(0), newest_channel(all.windows))
                          : Conv2dHalves{{}, layers[0]->forward(of_layer(0))};
-  part.early = std::move(first_layer.first), part.forward = std::move(first_layer.second);
-  for (int i = 1; i < 3; ++i) append(part.forward, layers[i]->forward(of_layer(i)));
+  part.early = std::move(first_layer.first);
+  append_marked(part.forward, first_layer.second, tuned[0]);
+  for (int i = 1; i < 3; ++i)
+    append_marked(part.forward, layers[i]->forward(of_layer(i)), tuned[i]);
   part.forward.push_back(compact(runtime, last, images[3], features, first));
   if (training)
     part.backward = {block_gradient(runtime, last, features, grad_features, gradients[3], first)};
   for (int i = 2; training && i >= 0; --i)
-    append(part.backward, layers[i]->backward(of_layer(i), starts_sums));
+    append_marked(part.backward, layers[i]->backward(of_layer(i), starts_sums), tuned[i]);
   return part;
+}
+
+TactileEncoderShape TactileEncoderShape::of_windows(int count) const {
+  auto shape = *this;
+  shape.windows.windows = count;
+  shape.windows.halo = kernel / 2;
+  return shape;
 }
 
 LiveTaxels live_taxels(std::span<const float> stream, std::size_t taxels) {
@@ -214,9 +247,14 @@ void TactileEncoder::declare(const std::string& name, const TactileEncoderShape&
   }
 }
 
+Conv2dChoice TactileEncoder::usual_choice(const Conv2dShape& layer) {
+  return {method_for(layer, true)};
+}
+
 TactileEncoder::TactileEncoder(Runtime& runtime, const std::string& name,
-                               const TactileEncoderShape& shape, const Weights& weights)
-    : plan_(std::make_unique<Plan>(runtime, name, shape, weights)) {}
+                               const TactileEncoderShape& shape, const Weights& weights,
+                               const Tuning& tuning)
+    : plan_(std::make_unique<Plan>(runtime, name, shape, weights, tuning)) {}
 
 TactileEncoder::~TactileEncoder() = default;
 

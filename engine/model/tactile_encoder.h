@@ -12,6 +12,7 @@
 #include "engine/ops/channel_blocks.h"
 #include "engine/ops/conv2d.h"
 #include "engine/ops/tactile_window.h"
+#include "engine/ops/tuning.h"
 
 namespace touchtrace {
 
@@ -32,6 +33,8 @@ struct TactileEncoderShape {
   /// The first one leaves out its dead pixels where that pays. Throws usage_error for frames
   /// outside 6..64 or M outside 1..32.
   std::array<Conv2dShape, 3> layers() const;
+  /// The same over another number of windows.
+  TactileEncoderShape of_windows(int count) const;
   /// What the last one gives.
   ChannelBlocksShape features() const;
 };
@@ -44,7 +47,7 @@ struct TactileEncoderShape {
 class TactileEncoder {
  public:
   /// Windows that go through all layers together, so that what one layer writes is still in the
-  /// cache when the next one reads it.
+  /// cache when the next one reads it; unless another number was tuned.
   static constexpr int part_windows = 32;
 
   /// Adds "NAME.conv1.weight" [32, M, kernel, kernel], "NAME.conv1.bias" [32], ... to `table`,
@@ -52,9 +55,13 @@ class TactileEncoder {
   static void declare(const std::string& name, const TactileEncoderShape& shape,
                       ParameterTable& table);
 
-  /// There is a backward pass if `weights` has a gradient.
+  /// How a layer is computed in training where nothing was tuned.
+  static Conv2dChoice usual_choice(const Conv2dShape& layer);
+
+  /// There is a backward pass if `weights` has a gradient; only then `tuning` counts, since the
+  /// number of windows must not change a bit of a prediction.
   TactileEncoder(Runtime& runtime, const std::string& name, const TactileEncoderShape& shape,
-                 const Weights& weights);
+                 const Weights& weights, const Tuning& tuning = {});
   ~TactileEncoder();
 
   /// In the rows of channel_blocks.h; valid after forward().

@@ -26,9 +26,10 @@ void TouchEncoder::declare(const std::string& name, const TactileEncoderShape& s
 }
 
 TouchEncoder::TouchEncoder(Runtime& runtime, const std::string& name,
-                           const TactileEncoderShape& shape, const Weights& weights)
+                           const TactileEncoderShape& shape, const Weights& weights,
+                           const Tuning& tuning)
     : runtime_(runtime),
-      convolutions_(runtime, name, shape, weights),
+      convolutions_(runtime, name, shape, weights, tuning),
       last_frame_(runtime.allocate<int>(std::size_t(shape.windows.windows))),
       embedding_(runtime, name, weights, shape.features(), convolutions_.features(),
                  convolutions_.grad_features()) {}

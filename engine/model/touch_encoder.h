@@ -21,9 +21,9 @@ class TouchEncoder {
   /// Adds the parameters "NAME.conv1.weight" ... "NAME.norm.bias" to `table`.
   static void declare(const std::string& name, const TactileEncoderShape& shape, int embedding,
                       ParameterTable& table);
-  /// There is a backward pass if `weights` has a gradient.
+  /// There is a backward pass if `weights` has a gradient; only then `tuning` counts.
   TouchEncoder(Runtime& runtime, const std::string& name, const TactileEncoderShape& shape,
-               const Weights& weights);
+               const Weights& weights, const Tuning& tuning = {});
 
   /// To be called whenever the weights changed.
   void prepare();

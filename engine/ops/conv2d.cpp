@@ -28,10 +28,6 @@ std::string order_of(const Conv2dShape& shape) {
   return fmt::format("{}", fmt::join(order, ","));
 }
 
-bool winograd_applies(const Conv2dShape& shape) {
-  return shape.kernel == 3 && shape.stride == 2 && !shape.in_planes;
-}
-
 }  // namespace
 
 std::size_t Conv2dShape::in_size() const {
@@ -75,6 +71,10 @@ LaunchCost conv2d_cost(const Conv2dShape& shape, int images) {
   const double share = static_cast<double>(images) / shape.images;
   const double values = share * static_cast<double>(shape.in_size() + shape.out_size());
   return {share * shape.flops(), 4.0 * (values + static_cast<double>(shape.weight_size()))};
+}
+
+bool winograd_applies(const Conv2dShape& shape) {
+  return shape.kernel == 3 && shape.stride == 2 && !shape.in_planes;
 }
 
 Conv2dMethod best_method(const Conv2dShape& shape) {

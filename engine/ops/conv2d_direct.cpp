@@ -145,6 +145,16 @@ class DirectConv2d final : public Conv2d {
 
 }  // namespace
 
+std::vector<Conv2dChoice> direct_candidates() {
+  // 12 for processors with 16 vector registers.
+  std::vector<Conv2dChoice> candidates(5);
+  candidates[1].accumulators = 12;
+  candidates[2].accumulators = 28;
+  candidates[3].item_tiles = 1;
+  candidates[4].item_tiles = 8;
+  return candidates;
+}
+
 std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& shape,
                                            const Conv2dParameters& parameters,
                                            const Conv2dChoice& choice) {

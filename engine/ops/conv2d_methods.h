@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "engine/ops/conv2d.h"
 
 namespace touchtrace {
@@ -19,6 +21,8 @@ std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape
 std::unique_ptr<Conv2d> make_conv2d_lanes(Runtime& runtime, const Conv2dShape& shape,
                                           const Conv2dParameters& parameters);
 
+/// Whether the method computes such a layer at all.
+bool winograd_applies(const Conv2dShape& shape);
 /// Images whose points stand in the device's local memory together; 0: not one does.
 int winograd_group(const Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice);
 
@@ -40,5 +44,11 @@ class Conv2dWeightsGradient {
   int chunks_;
   Buffer<float> partial_, partial_bias_;
 };
+
+// What each method offers to a tuner, its usual numbers first; the last, numbers of the weights'
+// gradient alone.
+std::vector<Conv2dChoice> direct_candidates();
+std::vector<Conv2dChoice> winograd_candidates(const Runtime& runtime, const Conv2dShape& shape);
+std::vector<Conv2dChoice> gradient_candidates(const Conv2dShape& shape);
 
 }  // namespace touchtrace

@@ -18,8 +18,7 @@ int blocks_of_input(const Conv2dShape& shape) {
 }
 
 /// Images whose block of input channels and pair of output blocks a first-level cache holds.
-int group_images(const Conv2dShape& shape, const Conv2dChoice& choice) {
-  if (choice.gradient_images > 0) return choice.gradient_images;
+int usual_group(const Conv2dShape& shape) {
   const std::size_t in = shape.in_size() / shape.images / blocks_of_input(shape);
   const std::size_t out = shape.out_size() / shape.images / (shape.out_channels / 32);
   return std::max(1, static_cast<int>(cache_bytes / (4 * (in + out))));
@@ -28,16 +27,20 @@ int group_images(const Conv2dShape& shape, const Conv2dChoice& choice) {
 Kernel weights_kernel(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice,
                       const char* name) {
   auto defines = conv2d_defines(shape);
-  defines["GROUP"] = std::to_string(group_images(shape, choice));
+  defines["GROUP"] =
+      std::to_string(choice.gradient_images > 0 ? choice.gradient_images : usual_group(shape));
   return runtime.kernel({"common.clh", "conv2d.clh", "conv2d_backward_weights.cl"}, name, defines);
 }
 
 /// Into how many the sum over images is cut, which decides its rounding.
-int chunks_of(const Conv2dShape& shape, const Conv2dChoice& choice) {
+int usual_chunks(const Conv2dShape& shape) {
   const int pairs = shape.out_channels / 32 * blocks_of_input(shape);
-  const int wanted =
-      choice.gradient_chunks > 0 ? choice.gradient_chunks : rounded_up(wanted_items, pairs);
-  return std::min(wanted, shape.images);
+  return std::min(rounded_up(wanted_items, pairs), shape.images);
+}
+
+int chunks_of(const Conv2dShape& shape, const Conv2dChoice& choice) {
+  return choice.gradient_chunks > 0 ? std::min(choice.gradient_chunks, shape.images)
+                                    : usual_chunks(shape);
 }
 
 }  // namespace
@@ -70,6 +73,19 @@ Launch Conv2dWeightsGradient::finish() {
                 range(shape_.in_channels, shape_.out_channels / 32), partial_, partial_bias_,
                 parameters_.sums * chunks_, parameters_.gradient, parameters_.weight_at,
                 parameters_.bias_at);
+}
+
+std::vector<Conv2dChoice> gradient_candidates(const Conv2dShape& shape) {
+  std::vector<Conv2dChoice> candidates;
+  const auto add = [&](int usual, int Conv2dChoice::*number) {
+    for (const int value : {usual / 2, usual * 2}) {
+      if (value < 1 || value > shape.images) continue;
+      candidates.emplace_back().*number = value;
+    }
+  };
+  add(usual_group(shape), &Conv2dChoice::gradient_images);
+  add(usual_chunks(shape), &Conv2dChoice::gradient_chunks);
+  return candidates;
 }
 
 }  // namespace touchtrace

@@ -109,6 +109,21 @@ int winograd_group(const Runtime& runtime, const Conv2dShape& shape, const Conv2
   return images < whole ? images : images / whole * whole;
 }
 
+std::vector<Conv2dChoice> winograd_candidates(const Runtime& runtime, const Conv2dShape& shape) {
+  const Conv2dChoice usual{Conv2dMethod::winograd};
+  std::vector<Conv2dChoice> candidates;
+  if (!winograd_applies(shape)) return candidates;
+  const int group = winograd_group(runtime, shape, usual);
+  if (group > 0) candidates.push_back(usual);
+  for (const int images : {group / 4, group / 2, group * 2}) {
+    auto candidate = usual;
+    candidate.group_images = images;
+    if (images > 0 && winograd_group(runtime, shape, candidate) == images)
+      candidates.push_back(candidate);
+  }
+  return candidates;
+}
+
 std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,
                                              const Conv2dParameters& parameters,
                                              const Conv2dChoice& choice) {

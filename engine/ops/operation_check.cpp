@@ -53,6 +53,24 @@ double worse(double worst, double error) {
   return error <= worst ? worst : error >= 0 ? error : infinite;
 }
 
+/// inputs + step * direction, where the operation has a gradient.
+Arrays moved(Arrays inputs, const Arrays& direction, double step) {
+  for (std::size_t i = 0; i < direction.size(); ++i)
+    for (std::size_t j = 0; j < direction[i].size(); ++j) inputs[i][j] += step * direction[i][j];
+  return inputs;
+}
+
+/// A random direction of length 1 in the space of the gradient.
+Arrays unit_direction(const Arrays& gradient, RandomStream& random) {
+  auto direction = normal_like(gradient, random);
+  const double length = std::sqrt(dot(direction, direction));
+  for (auto& array : direction)
+    for (auto& value : array) value /= length;
+  return direction;
+}
+
+}  // namespace
+
 double array_error(const std::vector<double>& actual, const std::vector<double>& reference,
                    double n, double underflow) {
   if (actual.size() != reference.size()) return infinite;
@@ -72,24 +90,6 @@ double norm_error(const std::vector<double>& actual, std::vector<double> referen
   const double off = std::sqrt(dot(reference, reference));
   return off == 0 ? 0.0 : worse(0.0, off / norm);
 }
-
-/// inputs + step * direction, where the operation has a gradient.
-Arrays moved(Arrays inputs, const Arrays& direction, double step) {
-  for (std::size_t i = 0; i < direction.size(); ++i)
-    for (std::size_t j = 0; j < direction[i].size(); ++j) inputs[i][j] += step * direction[i][j];
-  return inputs;
-}
-
-/// A random direction of length 1 in the space of the gradient.
-Arrays unit_direction(const Arrays& gradient, RandomStream& random) {
-  auto direction = normal_like(gradient, random);
-  const double length = std::sqrt(dot(direction, direction));
-  for (auto& array : direction)
-    for (auto& value : array) value /= length;
-  return direction;
-}
-
-}  // namespace
 
 std::vector<Body> bodies_of(const Operation& operation, const DeviceInfo& device) {
   if (!operation.has_lanes || !has_room_for_lanes(device)) return {Body::vectors};

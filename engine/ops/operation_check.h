@@ -19,6 +19,12 @@ std::vector<Body> bodies_of(const Operation& operation, const DeviceInfo& device
 /// `kink_margin` from every kink. Throws failure if no such inputs are found.
 Arrays draw_inputs(const OperationCase& operation, std::uint64_t seed, double kink_margin = 0.0);
 
+/// The worst |actual - reference| in units of eps sqrt(n) scale, as below.
+double array_error(const std::vector<double>& actual, const std::vector<double>& reference,
+                   double n, double underflow = 0.0);
+/// ||actual - reference|| / ||reference||. Both are infinite for a NaN or another number of values.
+double norm_error(const std::vector<double>& actual, std::vector<double> reference);
+
 /// The worst |kernel - reference| of all outputs in units of eps sqrt(terms) scale, where eps is
 /// float's and scale the largest reference value of its array. Infinite if a kernel gives a NaN or
 /// another number of values. `underflow`: what float may lose of a value near its smallest normal.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/ops/conv2d.h"
 #include "engine/ops/operation.h"
 
 namespace touchtrace {
@@ -17,5 +18,8 @@ Operation state_loss_operation();
 Operation sum_operation();
 Operation tactile_window_operation();
 Operation winograd_operation();
+
+/// A convolution computed in one of the ways that a tuner may choose.
+OperationCase conv2d_case(const Conv2dShape& shape, const Conv2dChoice& choice);
 
 }  // namespace touchtrace

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/model/model_spec.h"
+#include "engine/ops/tuning.h"
 #include "engine/train/safetensors.h"
 
 namespace touchtrace {
@@ -18,6 +19,7 @@ struct UpdateCounts {
 /// What a checkpoint holds beside its tensors.
 struct CheckpointMetadata {
   UpdateCounts counts;
+  Tuning tuning;         ///< that it was started with
   nlohmann::json notes;  ///< the caller's
 };
 

@@ -27,11 +27,11 @@ struct ObjectTrainer::Plan {
   int updates = 0;
 
   Plan(Runtime& on, const ModelSpec& wanted, const TrainOptions& how, int segments,
-       std::span<const float> tactile)
+       std::span<const float> tactile, const Tuning& tuning)
       : runtime(on),
         spec(wanted),
         options(how),
-        model(on, wanted, segments),
+        model(on, wanted, segments, tuning),
         adam(on, model.weights().values, model.weights().gradient,
              decays(on, model.table(), how.weight_decay), model.loss()),
         frames(tactile.size() / (std::size_t(wanted.rows) * wanted.cols)),
@@ -74,8 +74,8 @@ struct ObjectTrainer::Plan {
 };
 
 ObjectTrainer::ObjectTrainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options,
-                             int segments, std::span<const float> tactile)
-    : plan_(std::make_unique<Plan>(runtime, spec, options, segments, tactile)) {}
+                             int segments, std::span<const float> tactile, const Tuning& tuning)
+    : plan_(std::make_unique<Plan>(runtime, spec, options, segments, tactile, tuning)) {}
 
 ObjectTrainer::~ObjectTrainer() = default;
 

@@ -15,9 +15,9 @@ struct SegmentBatch {
 /// IV-B): segments of the same object are drawn together, those of different ones apart.
 class ObjectTrainer {
  public:
-  /// `segments`: N of every batch. `tactile`: [frames, rows, cols].
+  /// `segments`: N of every batch. `tactile`: [frames, rows, cols]. `tuning`: as in trainer.h.
   ObjectTrainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options, int segments,
-                std::span<const float> tactile);
+                std::span<const float> tactile, const Tuning& tuning = {});
   ~ObjectTrainer();
 
   /// One update of the contrastive loss (equation 5): all segments of a batch with a segment's

@@ -14,6 +14,7 @@
 #include "engine/train/batch_rows.h"
 #include "engine/train/checkpoint_metadata.h"
 #include "engine/train/schedule.h"
+#include "engine/train/tuning_json.h"
 #include "engine/train/weight_file.h"
 
 namespace touchtrace {
@@ -40,6 +41,7 @@ std::string not_finite_part(const RolloutBatch& batch) {
 struct Trainer::Plan {
   Runtime& runtime;
   TrainOptions options;
+  Tuning tuning;
   Model model;
   Adam adam;
   std::size_t frames;
@@ -49,11 +51,12 @@ struct Trainer::Plan {
   UpdateCounts counts;
 
   Plan(Runtime& on, const ModelSpec& spec, const TrainOptions& wanted, int sequences, int steps,
-       std::span<const float> tactile)
+       std::span<const float> tactile, const Tuning& choices)
       : runtime(on),
         options(wanted),
+        tuning(choices),
         model(on, spec, sequences, steps, Model::Use::training,
-              live_taxels(tactile, std::size_t(spec.rows) * spec.cols)),
+              live_taxels(tactile, std::size_t(spec.rows) * spec.cols), choices),
         adam(on, model.weights().values, model.weights().gradient,
              decays(on, model.table(), wanted.weight_decay), model.loss()),
         frames(tactile.size() / (std::size_t(spec.rows) * spec.cols)),
@@ -120,8 +123,8 @@ struct Trainer::Plan {
 };
 
 Trainer::Trainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options,
-                 int sequences, int steps, std::span<const float> tactile)
-    : plan_(std::make_unique<Plan>(runtime, spec, options, sequences, steps, tactile)) {}
+                 int sequences, int steps, std::span<const float> tactile, const Tuning& tuning)
+    : plan_(std::make_unique<Plan>(runtime, spec, options, sequences, steps, tactile, tuning)) {}
 
 Trainer::~Trainer() = default;
 
@@ -155,13 +158,17 @@ void Trainer::save_checkpoint(const std::filesystem::path& path,
   for (const auto& [name, array] : plan_->adam.state())
     tensors.push_back({name, {array.size()}, read(array)});
   std::ranges::copy(plan_->objects.encoder, std::back_inserter(tensors));
-  write_safetensors(path, {to_metadata(model.spec(), {plan_->counts, notes}), std::move(tensors)},
-                    true);
+  write_safetensors(
+      path, {to_metadata(model.spec(), {plan_->counts, plan_->tuning, notes}), std::move(tensors)},
+      true);
 }
 
 void Trainer::load_checkpoint(const std::filesystem::path& path) {
   const auto file = read_safetensors(path);
-  const auto counts = checkpoint_metadata(file, path).counts;
+  const auto checkpoint = checkpoint_metadata(file, path);
+  if (nlohmann::json(checkpoint.tuning) != nlohmann::json(plan_->tuning))
+    throw data_error(path.string() + " was started with other choices of touchtrace tune",
+                     "go on with those that the checkpoint holds");
   const auto values = values_of(plan_->model.table(), file);
   const auto state = plan_->adam.state();
   for (const auto& [name, array] : state)
@@ -169,11 +176,15 @@ void Trainer::load_checkpoint(const std::filesystem::path& path) {
   for (const auto& [name, array] : state)
     plan_->runtime.write<float>(array, file.at(name, array.size()).values);
   plan_->runtime.write<float>(plan_->model.weights().values, values);
-  plan_->counts = counts;
+  plan_->counts = checkpoint.counts;
 }
 
 nlohmann::json Trainer::checkpoint_notes(const std::filesystem::path& path) {
   return checkpoint_metadata(read_safetensors(path), path).notes;
+}
+
+Tuning Trainer::checkpoint_tuning(const std::filesystem::path& path) {
+  return checkpoint_metadata(read_safetensors(path), path).tuning;
 }
 
 }  // namespace touchtrace

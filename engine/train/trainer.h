@@ -9,6 +9,7 @@
 #include "engine/base/provenance.h"
 #include "engine/cl/runtime.h"
 #include "engine/model/model_spec.h"
+#include "engine/ops/tuning.h"
 #include "engine/train/safetensors.h"
 
 namespace touchtrace {
@@ -57,8 +58,10 @@ struct FrozenObjects {
 class Trainer {
  public:
   /// `tactile`: [frames, rows, cols], uploaded once; may be empty for a spec without touch.
+  /// `tuning`: decides the last bits of everything learnt, so that a run goes on to the same bits
+  /// only with that of its checkpoint.
   Trainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options, int sequences,
-          int steps, std::span<const float> tactile);
+          int steps, std::span<const float> tactile, const Tuning& tuning = {});
   ~Trainer();
 
   /// To be called before the first update of a model with ObjectEncoder::frozen. The encoder's
@@ -84,10 +87,13 @@ class Trainer {
   /// Weights, optimiser state and position, to go on exactly where it stopped, in one file; `notes`
   /// are the caller's.
   void save_checkpoint(const std::filesystem::path& path, const nlohmann::json& notes = {}) const;
-  /// Throws data_error, and changes nothing, if it is another model's or damaged.
+  /// Throws data_error, and changes nothing, if it is another model's, of other choices or damaged.
   void load_checkpoint(const std::filesystem::path& path);
   /// The notes of a checkpoint alone. Throws data_error if it is none.
   static nlohmann::json checkpoint_notes(const std::filesystem::path& path);
+  /// The choices that the checkpoint was started with, for the trainer that goes on from it. Throws
+  /// data_error as well.
+  static Tuning checkpoint_tuning(const std::filesystem::path& path);
 
  private:
   struct Plan;

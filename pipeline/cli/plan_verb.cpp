@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 
+#include "engine/train/tuning_file.h"
 #include "engine/train/update_plan.h"
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
@@ -74,35 +75,49 @@ study::PlanWishes wishes_of(const PlanOptions& options) {
 std::vector<PlannedLaunch> launches_of(const PlanOptions& options, const ModelSpec& model,
                                        const LiveTaxels& live, const std::string& device) {
   Runtime runtime(usable_device(device));
-  return launches_of_update(runtime, model, options.sequences, options.steps, live);
+  return launches_of_update(runtime, model, options.sequences, options.steps, live,
+                            read_tuning(tuning_path(), runtime.device()));
 }
 
-void print_row(const std::string& kernel, std::size_t launches, const LaunchCost& cost) {
-  fmt::print("  {:<28} {:>9} {:>10} {:>9.1f}\n", kernel, launches,
-             cost.flops > 0.0 ? fmt::format("{:.2f}", 1e-6 * cost.flops) : "-",
-             cost.bytes / (1 << 20));
+/// Launches of one kernel, or all.
+struct LaunchSum {
+  int launches = 0, tuned = 0;
+  LaunchCost cost;
+
+  void add(const PlannedLaunch& launch) {
+    ++launches, tuned += launch.tuned ? 1 : 0;
+    cost.flops += launch.cost.flops, cost.bytes += launch.cost.bytes;
+  }
+};
+
+void print_row(const std::string& kernel, const LaunchSum& sum) {
+  const auto count_or_dash = [](int count) { return count > 0 ? fmt::format("{}", count) : "-"; };
+  fmt::print("  {:<28} {:>9} {:>6} {:>10} {:>9.1f}\n", kernel, sum.launches,
+             count_or_dash(sum.tuned),
+             sum.cost.flops > 0.0 ? fmt::format("{:.2f}", 1e-6 * sum.cost.flops) : "-",
+             sum.cost.bytes / (1 << 20));
 }
 
 /// One row a kernel, in the order in which they are first queued.
 void print_launches(const std::vector<PlannedLaunch>& launches) {
   std::vector<std::string> order;
-  std::map<std::string, std::pair<std::size_t, LaunchCost>> rows;
-  LaunchCost total;
-  for (const auto& [kernel, cost] : launches) {
-    if (!rows.contains(kernel)) order.push_back(kernel);
-    auto& [count, sum] = rows[kernel];
-    for (LaunchCost* to : {&sum, &total}) to->flops += cost.flops, to->bytes += cost.bytes;
-    ++count;
+  std::map<std::string, LaunchSum> rows;
+  LaunchSum total;
+  for (const auto& launch : launches) {
+    if (!rows.contains(launch.kernel)) order.push_back(launch.kernel);
+    rows[launch.kernel].add(launch);
+    total.add(launch);
   }
-  fmt::print("  {:<28} {:>9} {:>10} {:>9}\n", "kernel", "launches", "MFLOP", "MiB");
-  for (const auto& kernel : order) print_row(kernel, rows[kernel].first, rows[kernel].second);
-  print_row("all", launches.size(), total);
+  fmt::print("  {:<28} {:>9} {:>6} {:>10} {:>9}\n", "kernel", "launches", "tuned", "MFLOP", "MiB");
+  for (const auto& kernel : order) print_row(kernel, rows[kernel]);
+  print_row("all", total);
 }
 
 nlohmann::json launches_json(const std::vector<PlannedLaunch>& launches) {
   nlohmann::json rows = nlohmann::json::array();
-  for (const auto& [kernel, cost] : launches)
-    rows.push_back({{"kernel", kernel}, {"flops", cost.flops}, {"bytes", cost.bytes}});
+  for (const auto& [kernel, cost, tuned] : launches)
+    rows.push_back(
+        {{"kernel", kernel}, {"flops", cost.flops}, {"bytes", cost.bytes}, {"tuned", tuned}});
   return rows;
 }
 

@@ -16,6 +16,7 @@ Verb report_verb();
 Verb self_test_verb();
 Verb simulate_verb();
 Verb train_verb();
+Verb tune_verb();
 Verb verify_verb();
 
 }  // namespace touchtrace::cli

@@ -36,9 +36,10 @@ class SegmentSampler {
 };
 
 /// Contrastive training of an object encoder on the training clips (section IV-B): "object.*".
+/// `tuning`: as in trainer.h.
 std::vector<Tensor> train_object_encoder(Runtime& runtime, const Dataset& data,
                                          const ModelSpec& spec, const TrainOptions& options,
-                                         const ObjectTraining& how);
+                                         const ObjectTraining& how, const Tuning& tuning);
 
 /// The encoder with the embedding of each training object, the mean over the segments of its
 /// training clips.

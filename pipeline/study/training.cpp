@@ -11,6 +11,7 @@
 #include "engine/base/progress.h"
 #include "engine/train/object_embedder.h"
 #include "engine/train/safetensors.h"
+#include "engine/train/tuning_file.h"
 #include "pipeline/study/plan.h"
 #include "pipeline/study/sampler.h"
 #include "pipeline/study/training_files.h"
@@ -89,14 +90,16 @@ class TrainingRun {
       : runtime_(runtime),
         data_(data),
         options_(options),
+        checkpoint_(options.output),
+        tuning_(tuning_for()),
         card_(std::move(card)),
         sampler_(data, card_.scaling, card_.spec, options.sequences, options.steps,
                  options.optimizer.seed),
         validation_(runtime, data, card_),
-        trainer_(runtime, card_.spec, options.optimizer, options.sequences, options.steps,
-                 options.without_touch ? std::span<const float>()
-                                       : std::span<const float>(data.tactile)),
-        checkpoint_(options.output),
+        trainer_(
+            runtime, card_.spec, options.optimizer, options.sequences, options.steps,
+            options.without_touch ? std::span<const float>() : std::span<const float>(data.tactile),
+            tuning_),
         scratch_(options.output) {}
 
   ModelCard run(bool overwrite) {
@@ -127,6 +130,14 @@ class TrainingRun {
                 "run the same command with --resume to go on");
   }
 
+  /// What was tuned for the device; of a run that goes on, what it was started with, since other
+  /// choices would give other bits.
+  Tuning tuning_for() const {
+    if (options_.resume && checkpoint_.exists())
+      return Trainer::checkpoint_tuning(checkpoint_.path());
+    return read_tuning(tuning_path(), runtime_.device());
+  }
+
   void prepare(bool overwrite) {
     OutputFile(options_.output, overwrite);  // refuses now rather than after the training
     if (options_.resume)
@@ -139,7 +150,8 @@ class TrainingRun {
 
   std::vector<Tensor> object_encoder() const {
     if (options_.resume) return object_encoder_of(read_safetensors(checkpoint_.path()));
-    return train_object_encoder(runtime_, data_, card_.spec, options_.optimizer, options_.objects);
+    return train_object_encoder(runtime_, data_, card_.spec, options_.optimizer, options_.objects,
+                                tuning_);
   }
 
   void train() {
@@ -203,12 +215,13 @@ class TrainingRun {
   Runtime& runtime_;
   const Dataset& data_;
   TrainingOptions options_;
+  Checkpoint checkpoint_;
+  Tuning tuning_;
   ModelCard card_;
   Stopwatch watch_;
   Sampler sampler_;
   Validation validation_;
   Trainer trainer_;
-  Checkpoint checkpoint_;
   ScratchWeights scratch_;
   TrainingPosition position_;
   Clock::time_point saved_ = Clock::now();

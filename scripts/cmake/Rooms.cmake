@@ -57,5 +57,7 @@ function(touchtrace_tests folder)
   target_compile_definitions(${name} PRIVATE TOUCHTRACE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              TOUCHTRACE_PROGRAM="${PROJECT_BINARY_DIR}/touchtrace")
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 600)
+  # Tests neither read nor write what the user has tuned.
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+                       PROPERTIES TIMEOUT 600 ENVIRONMENT XDG_CACHE_HOME=${PROJECT_BINARY_DIR}/cache)
 endfunction()

@@ -1,0 +1,50 @@
+#include "engine/train/trial.h"
+
+#include <cmath>
+#include <utility>
+
+#include "engine/base/error.h"
+#include "engine/cl/timing.h"
+#include "engine/cl/watch.h"
+
+namespace touchtrace {
+
+Trial make_trial(Runtime& runtime, std::function<void()> enqueue, int beside) {
+  if (runtime.device().type != "cpu") return {std::move(enqueue), 1.0};
+  const double cores = runtime.device().compute_units;
+  double operations = 0.0, with_waiting = 0.0;
+  visit_launches(runtime, enqueue, [&](const Launch& launch) {
+    const auto items = static_cast<double>(launch.items()) * beside;
+    const double flops = launch.cost().flops;
+    operations += flops;
+    with_waiting += flops * std::ceil(items / cores) * cores / items;
+  });
+  return {std::move(enqueue), operations > 0.0 ? with_waiting / operations : 1.0};
+}
+
+std::optional<Trial> unless_refused(bool first, const std::function<std::optional<Trial>()>& make) {
+  try {
+    return make();
+  } catch (const Error& error) {
+    if (first || error.code() != ExitCode::no_device) throw;
+    return std::nullopt;
+  }
+}
+
+std::vector<TrialTime> compare(Runtime& runtime, const std::vector<Trial>& trials) {
+  std::vector<std::function<void()>> enqueues;
+  for (const auto& trial : trials) enqueues.push_back(trial.enqueue);
+  const auto turns = seconds_in_turns(runtime, enqueues);
+  std::vector<TrialTime> times;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    std::vector<double> seconds, ratios;
+    for (const auto& turn : turns) {
+      seconds.push_back(turn[i] * trials[i].waiting);
+      ratios.push_back(seconds.back() / (turn[0] * trials[0].waiting));
+    }
+    times.push_back({1e3 * median_of(seconds), median_of(ratios)});
+  }
+  return times;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,123 @@
+#include <fmt/core.h>
+
+#include "engine/train/tuner.h"
+#include "engine/train/tuning_file.h"
+#include "engine/train/tuning_json.h"
+#include "pipeline/cli/usable_device.h"
+#include "pipeline/cli/verbs.h"
+#include "pipeline/study/convolution_options.h"
+#include "pipeline/study/plan.h"
+
+namespace touchtrace::cli {
+namespace {
+
+struct TuneOptions {
+  int window = 10, resolution = 32, sequences = 8, steps = 20, object_segments = 32;
+  study::ConvolutionOptions convolutions;
+  std::string object_encoder = "none";
+};
+
+void describe(OptionSet& set, TuneOptions& o) {
+  set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
+  set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);
+  describe(set, o.convolutions);
+  set.integer("sequences", o.sequences, "roll-outs in a batch", 1, 4096);
+  set.integer("steps", o.steps, "steps of a roll-out in training", 1, 200);
+  set.choice("object-encoder", o.object_encoder, "of the model to train",
+             {"none", "frozen", "joint"});
+  set.integer("object-segments", o.object_segments,
+              "touch segments in a batch of contrastive training, for frozen embeddings", 2, 1024);
+}
+
+ModelSpec spec_of(const TuneOptions& options) {
+  return study::make_plan({.objects = {"one", "another"},
+                           .object_encoder = options.object_encoder,
+                           .window_frames = options.window,
+                           .rows = options.resolution,
+                           .cols = options.resolution,
+                           .tactile_kernel = options.convolutions.kernel_size(),
+                           .tactile_strides = options.convolutions.stride_sizes()})
+      .model;
+}
+
+std::filesystem::path writable_tuning_path() {
+  const auto path = tuning_path();
+  if (path.empty())
+    throw usage_error("there is no folder to keep tuned choices in",
+                      "set HOME, or XDG_CACHE_HOME to an absolute path");
+  return path;
+}
+
+void print_row(const std::string& what, const TunedTimes& times, const std::string& choice) {
+  fmt::print("  {:<46} {:>9.3f} {:>9.3f}  {}\n", what, times.usual_ms, times.chosen_ms, choice);
+}
+
+/// What is computed how, encoder by encoder.
+void print_choices(const Tuning& tuning, const std::vector<TactileEncoderShape>& encoders) {
+  fmt::print("  {:<46} {:>9} {:>9}  {}\n", "", "usual ms", "chosen ms", "choice");
+  for (const auto& encoder : encoders) {
+    const auto first = encoder.layers()[0];
+    const auto& part = *tuning.part(first);
+    print_row(fmt::format("{} windows of {} x {} x {}", first.images, first.in_channels, first.rows,
+                          first.cols),
+              part.times, fmt::format("parts of {}", part.images));
+    for (const auto& shape : encoder.of_windows(part.images).layers()) {
+      const auto& layer = *tuning.layer(shape);
+      print_row(fmt::format("  {} x {} x {} x {} to {} channels, {} x {} by {}", shape.images,
+                            shape.in_channels, shape.rows, shape.cols, shape.out_channels,
+                            shape.kernel, shape.kernel, shape.stride),
+                layer.times, describe(layer.choice));
+    }
+  }
+}
+
+nlohmann::json times_json(const TunedTimes& times) {
+  return {{"usual_ms", times.usual_ms}, {"chosen_ms", times.chosen_ms}};
+}
+
+ExitCode run(const TuneOptions& options, const Invocation& invocation) {
+  Runtime runtime(usable_device(invocation.device));
+  const auto path = writable_tuning_path();
+  const auto spec = spec_of(options);
+  const auto encoders =
+      encoders_in_training(spec, options.sequences, options.steps, options.object_segments);
+  auto tuning = read_tuning(path, runtime.device());
+  const bool was_complete = is_complete(tuning, encoders);
+  const auto keep = [&] { write_tuning(path, runtime.device(), tuning); };
+  if (!was_complete) {
+    keep();  // says now, rather than after the first minute, whether the file can be written
+    tune(runtime, encoders, tuning, keep);
+  }
+  const auto update = update_times(runtime, spec, options.sequences, options.steps, tuning);
+  const bool stays = was_complete || is_worth_having(update);
+  const auto measured = tuning;
+  if (!stays) {
+    leave_to_rules(tuning, encoders);
+    keep();
+  }
+  if (invocation.json) {
+    fmt::print("{}\n", nlohmann::json{{"path", path.string()},
+                                      {"device", runtime.device().name},
+                                      {"was_complete", was_complete},
+                                      {"stays", stays},
+                                      {"tuning", tuning},
+                                      {"update", times_json(update)}}
+                           .dump(2));
+    return ExitCode::done;
+  }
+  fmt::print("{} on {}, kept in {}\n", was_complete ? "all was tuned already" : "tuned",
+             runtime.device().name, path.string());
+  print_choices(measured, encoders);
+  print_row("a whole update", update, stays ? "" : "not worth it: all goes by the usual rules");
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Verb tune_verb() {
+  return make_verb<TuneOptions>(
+      "tune", "measure which of several ways to compute is fastest here; train uses what it found",
+      {"touchtrace tune", "touchtrace tune --sequences 32 --object-encoder joint --json"}, run);
+}
+
+}  // namespace touchtrace::cli

@@ -49,7 +49,8 @@ std::string name_defined_in(std::string_view line) {
       return last_name(declaration.substr(0, declaration.find_first_of("([=;")));
     }
   if (line.starts_with("typedef ") || line.starts_with("} "))
-    return line.ends_with(';') ? last_name(line) : std::string();
+    return line.ends_with(';') ? last_name(line.substr(0, line.find("__attribute__")))
+                               : std::string();
   return {};
 }
 

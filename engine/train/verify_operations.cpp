@@ -36,6 +36,21 @@ void verify_operation(Runtime& runtime, const Operation& operation, std::uint64_
         at_most(name + ", gradient", worst(operation, gradient), "relative", gradient_error_bound));
 }
 
+/// What exact mode gains in the longest inner products of the table.
+void verify_exact(std::uint64_t seed, const std::function<void(Figure)>& emit) {
+  const auto& dense = *std::ranges::find(operations(), "dense", &Operation::name);
+  const auto& longest = *std::ranges::max_element(dense.cases, {}, &OperationCase::terms);
+  const auto inputs = draw_inputs(longest, seed);
+  const auto error = [&](Accuracy accuracy) {
+    Runtime runtime(choose_device(""), accuracy);
+    return output_error(runtime, longest, inputs);
+  };
+  const double fast = error(Accuracy::fast);
+  const auto name = fmt::format("inner products of {} terms", longest.terms);
+  emit(reported(name + ", fast", fast, "eps"));
+  emit(at_most(name + ", exact against fast", error(Accuracy::exact) / fast, "times", 0.5));
+}
+
 }  // namespace
 
 void verify_operations(const std::function<void(Figure)>& emit) {
@@ -45,6 +60,7 @@ void verify_operations(const std::function<void(Figure)>& emit) {
     Runtime runtime({device, "verified"});
     for (const auto& operation : operations()) verify_operation(runtime, operation, seed, emit);
   }
+  verify_exact(seed, emit);
 }
 
 }  // namespace touchtrace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/ops/adam.h"
+#include "engine/ops/dense.h"
 #include "engine/ops/host_arrays.h"
 #include "engine/ops/sum.h"
 
@@ -29,6 +30,17 @@ class AccuracyTest : public ::testing::Test {
     return runtime.download(parameter)[0];
   }
 
+  /// Of tenths and ones, by the GEMM.
+  static constexpr int terms = 1 << 18;
+  static float inner_product(Runtime& runtime) {
+    const auto tenths = runtime.upload<float>(std::vector<float>(terms, 0.1f)),
+               ones = runtime.upload<float>(std::vector<float>(std::size_t(terms) * 16, 1.0f)),
+               result = runtime.allocate<float>(16);
+    gemm(runtime, {tenths, 0, terms}, {ones, 0, 16}, {}, {result, 0, 16}, 1, 16, terms)
+        .enqueue(runtime);
+    return runtime.download(result)[0];
+  }
+
   Runtime fast_{choose_device(""), Accuracy::fast}, exact_{choose_device(""), Accuracy::exact};
 };
 
@@ -37,6 +49,12 @@ TEST_F(AccuracyTest, LongSumsKeepTheirDigits) {
   const double right = 1e6 * double(0.1f);
   EXPECT_GT(std::abs(sum(fast_, tenths) / right - 1.0), 1e-5) << "nothing to compensate here";
   EXPECT_LE(std::abs(sum(exact_, tenths) / right - 1.0), 1.2e-7);
+}
+
+TEST_F(AccuracyTest, InnerProductsKeepTheirDigits) {
+  const double right = terms * double(0.1f);
+  EXPECT_GT(std::abs(inner_product(fast_) / right - 1.0), 1e-6) << "nothing to compensate here";
+  EXPECT_LE(std::abs(inner_product(exact_) / right - 1.0), 1.2e-7);
 }
 
 TEST_F(AccuracyTest, SmallStepsAddUp) {

@@ -43,6 +43,7 @@ void Progress::advance(std::uint64_t count, const std::string& note) {
   throw_if_interrupted();
   const std::lock_guard lock(mutex_);
   done_ += count;
+  total_ = std::max(total_, done_);  // where there was more to do than was thought
   const double now_s = seconds();
   if (silent || now_s < next_print_s_) return;
   print(now_s, note);

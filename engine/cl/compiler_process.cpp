@@ -1,5 +1,8 @@
 #include "engine/cl/compiler_process.h"
 
+#include <sys/prctl.h>
+
+#include <csignal>
 #include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -69,6 +72,7 @@ std::unique_ptr<BackgroundProcess> start_compiler(const CompilerTask& task) {
 }
 
 void compile_from_stdin() {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // of no use without the process that asked
   const std::string text(std::istreambuf_iterator<char>(std::cin), {});
   compile_kernels(nlohmann::json::parse(text).get<CompilerTask>());
 }

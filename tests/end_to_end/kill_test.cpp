@@ -62,10 +62,11 @@ class BrokenTraining : public ::testing::Test {
     int kills = 0;
     for (int start = 0; start < 60 && !fs::exists(at("killed")); ++start) {
       const bool resume = fs::exists(at("killed.checkpoint"));
-      // Later starts live longer, so that this ends on a slow machine too.
+      // Later starts live longer, so that this ends on a slow machine too. --foreground: timeout
+      // waits until the process is gone, and so are its claims on temporary files.
       const auto limit_s = std::to_string(moment_s(seed) * (1.0 + 0.2 * start));
       const auto result = run_program(train("killed") + (resume ? " --resume" : ""),
-                                      "timeout -s KILL " + limit_s + " ");
+                                      "timeout --foreground -s KILL " + limit_s + " ");
       if (result.exit_code == killed)
         ++kills;
       else

@@ -11,8 +11,8 @@ namespace touchtrace {
 /// The constructor refuses a path that exists unless `overwrite`; the caller writes `temporary()`,
 /// in the same folder, and `commit()` does fsync, rename, fsync of the folder. Without a commit the
 /// destructor removes the temporary file, and the folder if it was made for it and is empty, so
-/// neither an error nor Ctrl-C leaves a half-written output; what a killed process left is removed by
-/// the next one on this machine that writes to the same path.
+/// neither an error nor Ctrl-C leaves a half-written output; what a killed process left is removed
+/// by the next one on this machine that writes to the same path.
 class OutputFile {
  public:
   OutputFile(std::filesystem::path path, bool overwrite);

@@ -53,8 +53,8 @@ void Progress::advance(std::uint64_t count, const std::string& note) {
 void Progress::print(double now_s, const std::string& note) {
   const double fraction = total_ ? static_cast<double>(done_) / static_cast<double>(total_) : 0.0;
   const double left_s = fraction > 0.0 ? now_s * (1.0 - fraction) / fraction : 0.0;
-  fmt::print(stderr, "{}{}: {}/{} ({:.0f} %), {} left{}{}{}", terminal_ ? "\r" : "", what_, done_, total_,
-             100.0 * fraction, clock_text(left_s), note.empty() ? "" : ", ", note,
+  fmt::print(stderr, "{}{}: {}/{} ({:.0f} %), {} left{}{}{}", terminal_ ? "\r" : "", what_, done_,
+             total_, 100.0 * fraction, clock_text(left_s), note.empty() ? "" : ", ", note,
              terminal_ ? "\x1b[K" : "\n");
   std::fflush(stderr);
   printed_ = true;

@@ -3,8 +3,7 @@
 namespace touchtrace {
 namespace {
 
-Kernel channel_blocks_kernel(Runtime& runtime, const ChannelBlocksShape& shape,
-                                 const char* name) {
+Kernel channel_blocks_kernel(Runtime& runtime, const ChannelBlocksShape& shape, const char* name) {
   return runtime.kernel({"common.clh", "channel_blocks.cl"}, name,
                         {{"ROWS", std::to_string(shape.rows)},
                          {"COLS", std::to_string(shape.cols)},

@@ -51,22 +51,23 @@ class BrokenTraining : public ::testing::Test {
   }
   std::string train(const std::string& output) const {
     return "train --recording " + at("scene.h5") + " --labels " + at("labels.h5") +
-           " --updates 150 --sequences 2 --steps 10 --resolution 12 --window 4 "
+           " --updates 400 --sequences 2 --steps 10 --resolution 12 --window 4 "
            "--checkpoint-seconds 0 --output " +
            at(output);
   }
 
   void survive_kills() {
     std::random_device seed;
-    std::uniform_real_distribution<double> moment_s(0.2, 1.5);
+    std::uniform_real_distribution<double> moment_s(0.2, 0.8);
     int kills = 0;
     for (int start = 0; start < 60 && !fs::exists(at("killed")); ++start) {
       const bool resume = fs::exists(at("killed.checkpoint"));
       // Later starts live longer, so that this ends on a slow machine too. --foreground: timeout
       // waits until the process is gone, and so are its claims on temporary files.
+      // --preserve-status: a run that ends just as its time is up has ended well.
       const auto limit_s = std::to_string(moment_s(seed) * (1.0 + 0.2 * start));
       const auto result = run_program(train("killed") + (resume ? " --resume" : ""),
-                                      "timeout --foreground -s KILL " + limit_s + " ");
+                                      "timeout --foreground --preserve-status -s KILL " + limit_s + " ");
       if (result.exit_code == killed)
         ++kills;
       else

@@ -21,7 +21,7 @@ __kernel void compact(__global const real* restrict image, __global real* restri
   image += block * BLOCK + CORNER;
   row += (first + block) * AREA * 16;
   for (int y = 0; y < ROWS; ++y)
-    for (int x = 0; x < COLS; ++x) vstore16(vload16(x, image + y * PITCH), y * COLS + x, row);
+    for (int x = 0; x < COLS; ++x) store16(vload16(x, image + y * PITCH), y * COLS + x, row);
 }
 
 __kernel void block_gradient(__global const real* restrict row, __global const real* restrict row_gradient,
@@ -34,7 +34,7 @@ __kernel void block_gradient(__global const real* restrict row, __global const r
     for (int x = 0; x < COLS; ++x) {
       const int pixel = y * COLS + x;
       const real16 gradient = vload16(pixel, row_gradient);
-      vstore16(select((real16)(0), gradient, vload16(pixel, row) > (real16)(0)), x, image + y * PITCH);
+      store16(select((real16)(0), gradient, vload16(pixel, row) > (real16)(0)), x, image + y * PITCH);
     }
 }
 

@@ -34,7 +34,7 @@ static places outputs_of(__global const real* grad_out, int first, int pixels) {
 }
 
 static void store_masked(real16 value, __global const real* in, __global real* grad_in) {
-  vstore16(select((real16)(0), value, vload16(0, in) > (real16)(0)), 0, grad_in);
+  store16(select((real16)(0), value, vload16(0, in) > (real16)(0)), 0, grad_in);
 }
 
 static bool is_inside(int pixel, int r, int c) {

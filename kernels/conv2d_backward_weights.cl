@@ -52,8 +52,8 @@ static void weights_of_taps(__global const real* in, __global const real* grad_o
 #undef ADD
     }
 #define STORE(t)                    \
-  vstore16(low##t, 2 * t, partial); \
-  vstore16(high##t, 2 * t + 1, partial);
+  store16(low##t, 2 * t, partial); \
+  store16(high##t, 2 * t + 1, partial);
   REPEAT(ROW_TAPS, STORE)
 #undef STORE
 }
@@ -75,8 +75,8 @@ static void bias_of_pair(__global const real* grad_out, __global real* partial, 
         ADD_TO(real16, low, lost_low, vload16(0, g))
         ADD_TO(real16, high, lost_high, vload16(0, g + OUT_BLOCK))
       }
-  vstore16(low, 0, partial);
-  vstore16(high, 1, partial);
+  store16(low, 0, partial);
+  store16(high, 1, partial);
 }
 
 __kernel void conv2d_backward_weights(__global const real* restrict in,
@@ -114,7 +114,7 @@ __kernel void conv2d_reduce(__global const real* restrict partial,
   __global real* to = gradient + weight_at + (pair * 32 * IN_CHANNELS + channel) * TAPS;
   for (int half_tap = 0; half_tap < 2 * TAPS; ++half_tap) {
     real sums[16];
-    vstore16(sum_of_chunks(from + half_tap * 16, chunks, PAIRS * IN_CHANNELS * CHANNEL_SIZE), 0, sums);
+    store16(sum_of_chunks(from + half_tap * 16, chunks, PAIRS * IN_CHANNELS * CHANNEL_SIZE), 0, sums);
     for (int lane = 0; lane < 16; ++lane)
       to[(half_tap % 2 * 16 + lane) * IN_CHANNELS * TAPS + half_tap / 2] += sums[lane];
   }
@@ -122,6 +122,6 @@ __kernel void conv2d_reduce(__global const real* restrict partial,
     for (int half_pair = 0; half_pair < 2; ++half_pair) {
       __global real* bias = gradient + bias_at + pair * 32 + half_pair * 16;
       __global const real* bias_from = partial_bias + pair * 32 + half_pair * 16;
-      vstore16(vload16(0, bias) + sum_of_chunks(bias_from, chunks, PAIRS * 32), 0, bias);
+      store16(vload16(0, bias) + sum_of_chunks(bias_from, chunks, PAIRS * 32), 0, bias);
     }
 }

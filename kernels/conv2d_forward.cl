@@ -24,7 +24,7 @@ static tile convolve(tile t, places from, __global const real* weights, int firs
 
 // What of the sums is above `least`.
 static void store_above(real least, tile t, __global real* out, int first, int images) {
-#define STORE(b, p) vstore16(max(t.sum##b##_##p, (real16)(least)), 0, to + b * OUT_BLOCK);
+#define STORE(b, p) store16(max(t.sum##b##_##p, (real16)(least)), 0, to + b * OUT_BLOCK);
 #define STORE_PIXEL(p)                                                     \
   if (first + p < images * OUT_AREA) {                                     \
     __global real* to = out + out_place(ordered_pixel(min(first + p, images * OUT_AREA - 1), images)); \

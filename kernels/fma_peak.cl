@@ -16,5 +16,5 @@ __kernel void fma_peak(__global real* restrict out, real factor, int turns) {
 #define TOTAL(n) total += sum##n;
   REPEAT(12, TOTAL)
 #undef TOTAL
-  vstore16(total, get_global_id(0), out);
+  store16(total, get_global_id(0), out);
 }

@@ -49,9 +49,9 @@ static void store_hidden_state(wide_tile t, row_pointers h, int n, __global real
 #define STORE_LANES(r, c)                                                                    \
   {                                                                                          \
     const real16 candidate = tanh(fma(vload16(c, row), vload16(c, row + 3 * HIDDEN), t.a##r##c)); \
-    vstore16(candidate, c, row + 2 * HIDDEN);                                                \
+    store16(candidate, c, row + 2 * HIDDEN);                                                \
     const real16 change = vload16(c, h.x##r + n) - candidate;                                \
-    vstore16(fma(vload16(c, row + HIDDEN), change, candidate), c, next + SEQUENCE(r) * HIDDEN + n); \
+    store16(fma(vload16(c, row + HIDDEN), change, candidate), c, next + SEQUENCE(r) * HIDDEN + n); \
   }
 #define STORE(r)                                             \
   {                                                          \

@@ -18,11 +18,11 @@ static void cell_backward(wide_tile t, row_pointers h, row_pointers gates, int n
     const real16 r = vload16(c, gate), z = vload16(c, gate + HIDDEN), candidate = vload16(c, gate + 2 * HIDDEN); \
     const real16 d = t.a##r_##c, rest = 1 - z;                                                     \
     const real16 d_n = d * rest * fma(-candidate, candidate, (real16)(1));                         \
-    vstore16(d_n * vload16(c, gate + 3 * HIDDEN) * r * (1 - r), c, to);                            \
-    vstore16(d * (vload16(c, h.x##r_ + n) - candidate) * z * rest, c, to + HIDDEN);                \
-    vstore16(d_n, c, to + 2 * HIDDEN);                                                             \
-    vstore16(d_n * r, c, to + 3 * HIDDEN);                                                         \
-    vstore16(d * z, c, d_h + SEQUENCE(r_) * HIDDEN + n);                                           \
+    store16(d_n * vload16(c, gate + 3 * HIDDEN) * r * (1 - r), c, to);                            \
+    store16(d * (vload16(c, h.x##r_ + n) - candidate) * z * rest, c, to + HIDDEN);                \
+    store16(d_n, c, to + 2 * HIDDEN);                                                             \
+    store16(d_n * r, c, to + 3 * HIDDEN);                                                         \
+    store16(d * z, c, d_h + SEQUENCE(r_) * HIDDEN + n);                                           \
   }
 #define STORE(r)                                                  \
   {                                                               \

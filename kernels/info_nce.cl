@@ -43,7 +43,7 @@ static pair dot_product(__global const real* a, __global const real* b) {
     sum = next;
   }
   real sums[16], rests[16];
-  vstore16(sum, 0, sums), vstore16(rest, 0, rests);
+  store16(sum, 0, sums), store16(rest, 0, rests);
   pair total = 0;
   for (int lane = 0; lane < 16; ++lane) {
     const pair next = exact_sum(total.x, sums[lane]);
@@ -114,10 +114,10 @@ __kernel void info_nce_gradient(__global const real* embedding, __global const p
     const real factor = NORMALISED ? both * scale[i].x * scale[j].x : both;
     along += both * logit[i * count + j].x;
     for (int v = 0; v < COLUMNS / 16; ++v)
-      vstore16(fma((real16)(factor), vload16(v, embedding + j * COLUMNS), vload16(v, gradient)), v, gradient);
+      store16(fma((real16)(factor), vload16(v, embedding + j * COLUMNS), vload16(v, gradient)), v, gradient);
   }
   if (!NORMALISED) return;
   const real16 factor = -along * temperature * scale[i].x * scale[i].x;
   for (int v = 0; v < COLUMNS / 16; ++v)
-    vstore16(fma(factor, vload16(v, embedding + i * COLUMNS), vload16(v, gradient)), v, gradient);
+    store16(fma(factor, vload16(v, embedding + i * COLUMNS), vload16(v, gradient)), v, gradient);
 }

@@ -24,7 +24,7 @@ __kernel void layer_norm(__global const real* x, __global const real* parameters
   const real scale = rsqrt(lane_sum(squares) / COLUMNS + (real)1e-5);
   for (int i = 0; i < VECTORS; ++i) {
     const real16 normal = (vload16(i, x) - mean) * scale;
-    vstore16(fma(normal, vload16(i, parameters + gain_at), vload16(i, parameters + bias_at)), i, y);
+    store16(fma(normal, vload16(i, parameters + gain_at), vload16(i, parameters + bias_at)), i, y);
   }
   statistics[2 * row] = mean, statistics[2 * row + 1] = scale;
 }
@@ -46,7 +46,7 @@ __kernel void layer_norm_backward(__global const real* dy, __global const real* 
   for (int i = 0; i < VECTORS; ++i) {
     const real16 g = vload16(i, dy) * vload16(i, parameters + gain_at);
     const real16 normal = (vload16(i, x) - mean) * scale;
-    vstore16((g - mean_g - normal * mean_gn) * scale, i, dx);
+    store16((g - mean_g - normal * mean_gn) * scale, i, dx);
   }
 }
 
@@ -63,6 +63,6 @@ __kernel void layer_norm_weights(__global const real* dy, __global const real* x
     ADD_TO(real16, gain, lost_gain, d * normal)
     ADD_TO(real16, bias, lost_bias, d)
   }
-  vstore16(gain, n, gradient + gain_at);
-  vstore16(bias, n, gradient + bias_at);
+  store16(gain, n, gradient + gain_at);
+  store16(bias, n, gradient + bias_at);
 }

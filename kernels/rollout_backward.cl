@@ -16,10 +16,10 @@ static void store_gradient(wide_tile t, row_pointers y, int n, __global real* d_
 #define STORE(r)                                                       \
   {                                                                    \
     __global real* to = d_h + SEQUENCE(r) * HIDDEN + n;                \
-    vstore16(ACTIVATE_BACKWARD(t.a##r##0, vload16(0, y.x##r)), 0, to); \
-    vstore16(ACTIVATE_BACKWARD(t.a##r##1, vload16(1, y.x##r)), 1, to); \
-    vstore16(ACTIVATE_BACKWARD(t.a##r##2, vload16(2, y.x##r)), 2, to); \
-    vstore16(ACTIVATE_BACKWARD(t.a##r##3, vload16(3, y.x##r)), 3, to); \
+    store16(ACTIVATE_BACKWARD(t.a##r##0, vload16(0, y.x##r)), 0, to); \
+    store16(ACTIVATE_BACKWARD(t.a##r##1, vload16(1, y.x##r)), 1, to); \
+    store16(ACTIVATE_BACKWARD(t.a##r##2, vload16(2, y.x##r)), 2, to); \
+    store16(ACTIVATE_BACKWARD(t.a##r##3, vload16(3, y.x##r)), 3, to); \
   }
   ROWS(STORE)
 #undef STORE

@@ -23,12 +23,12 @@ __kernel void state_loss(__global const real* states, __global const real* sprea
   const real16 slope_low = pinball_slope(low, tau_low), slope_high = pinball_slope(high, tau_high);
 
   real lanes[16], sum = 0;
-  vstore16(value, 0, lanes);
+  store16(value, 0, lanes);
   for (int i = 0; i < STATE; ++i) sum += lanes[i];
   loss[row] = w * sum;
 
   const real16 lane = (real16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const real16 scale = select((real16)(0), (real16)(w), lane < (real16)(STATE));
-  vstore16(-scale * (sign(d) + slope_low + slope_high), row, grad_state);
-  vstore16(scale * (slope_low - slope_high), row, grad_spread);
+  store16(-scale * (sign(d) + slope_low + slope_high), row, grad_state);
+  store16(scale * (slope_low - slope_high), row, grad_spread);
 }

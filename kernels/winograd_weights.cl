@@ -32,5 +32,5 @@ __kernel void winograd_weights(__global const real* restrict parameters, int wei
   for (int i = 0; i < 3; ++i) taps_to_sets(w + 3 * i, 1, rows + 6 * i, 1);
   for (int j = 0; j < 6; ++j) taps_to_sets(rows + j, 6, set + j, 6);
   for (int s = 0; s < WEIGHT_SETS; ++s)
-    vstore16(set[s], block, weights + ((size_t)s * get_global_size(1) + row) * lanes);
+    store16(set[s], block, weights + ((size_t)s * get_global_size(1) + row) * lanes);
 }

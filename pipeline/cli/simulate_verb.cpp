@@ -6,6 +6,7 @@
 #include "engine/base/text.h"
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
+#include "pipeline/scene/object_file.h"
 #include "pipeline/scene/simulate.h"
 
 namespace touchtrace::cli {
@@ -13,7 +14,7 @@ namespace {
 
 struct SimulateOptions {
   scene::SceneOptions scene;
-  std::string output;
+  std::string output, object = "ball";
   bool no_images = false;
 };
 
@@ -21,7 +22,7 @@ void describe(OptionSet& set, SimulateOptions& o) {
   scene::SceneOptions& s = o.scene;
   set.input("output", o.output, "the recording to write, an HDF5 file");
   set.choice("activity", s.activity, "what the hand does", scene::activity_names());
-  set.choice("object", s.object, "what it holds", scene::object_names());
+  set.text("object", o.object, "what it holds: a name (see `touchtrace objects`) or a TOML file");
   set.number("minutes", s.minutes, "recorded time, rounded to whole clips, at least one [min]",
              0.01, 1e4);
   set.number("clip-s", s.clip_s, "length of a clip; each has a new grasp [s]", 1.0, 600.0);
@@ -47,6 +48,8 @@ nlohmann::json to_json(const scene::SimulationSummary& summary, const std::strin
 }
 
 ExitCode run(const SimulateOptions& options, const Invocation& invocation) {
+  scene::SceneOptions scene = options.scene;
+  scene.object = scene::object_of(options.object);
   Provenance provenance = start_provenance("touchtrace/recording/1", "simulate");
   provenance.options = invocation.options;
   provenance.seed = options.scene.seed;
@@ -56,7 +59,7 @@ ExitCode run(const SimulateOptions& options, const Invocation& invocation) {
     provenance.device = runtime->device().name;
   }
   const auto summary =
-      scene::simulate_recording(options.scene, runtime ? &*runtime : nullptr, options.output,
+      scene::simulate_recording(scene, runtime ? &*runtime : nullptr, options.output,
                                 invocation.overwrite, std::move(provenance));
   if (invocation.json)
     fmt::print("{}\n", to_json(summary, options.output).dump(2));

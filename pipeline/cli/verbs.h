@@ -11,6 +11,7 @@ Verb devices_verb();
 Verb doctor_verb();
 Verb evaluate_verb();
 Verb label_verb();
+Verb objects_verb();
 Verb plan_verb();
 Verb report_verb();
 Verb self_test_verb();

@@ -60,8 +60,8 @@ ClipMotion record(const SceneOptions& options, Performance& performance, double 
 
 ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s) {
   for (int attempt = 1;; ++attempt) {
-    const std::string name =
-        fmt::format("{} {} clip {} attempt {}", options.activity, options.object, clip, attempt);
+    const std::string name = fmt::format("{} {} clip {} attempt {}", options.activity,
+                                         options.object.name, clip, attempt);
     Performance performance(options, name, start_s);
     const bool held = performance.grasp();
     if (held || attempt == grasp_attempts) return record(options, performance, start_s);

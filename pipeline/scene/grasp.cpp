@@ -20,17 +20,19 @@ constexpr std::array<double, finger_count> finger_share{0.30, 0.30, 0.25, 0.15, 
 
 long ticks(double time_s) { return std::lround(time_s / control_interval_s); }
 
-/// Long sides across the palm, then a random turn of each in-hand angle; balls any way round.
-Eigen::Quaterniond in_hand(const ObjectSpec& object, RandomStream& random) {
-  using Eigen::AngleAxisd;
-  const bool round = object.solids.front().kind == ShapeKind::sphere;
-  const bool box = object.solids.front().kind == ShapeKind::box;
-  const double across =
-      box ? 0.0 : std::numbers::pi / 2;  // brings z of capsules and cylinders to y
-  const double spin = round || !box ? random.uniform(-std::numbers::pi, std::numbers::pi) : 0.0;
-  const double yaw = random.normal(0.0, 0.12);
-  return AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(across, Vector3d::UnitX()) *
-         AngleAxisd(spin, Vector3d::UnitZ());
+/// As the object is held, turned at random in the ways that its shape allows.
+Eigen::Quaterniond in_hand(const Hold& hold, RandomStream& random) {
+  Eigen::Matrix3d object_from_held;
+  object_from_held << hold.across.cross(hold.from_palm), hold.across, hold.from_palm;
+  Eigen::Quaterniond held = Eigen::Quaterniond::Identity();
+  if (hold.turns == Hold::Turns::any)
+    held = Eigen::Quaterniond{random.normal(), random.normal(), random.normal(), random.normal()}
+               .normalized();
+  if (hold.turns == Hold::Turns::axis)
+    held =
+        Eigen::AngleAxisd(random.uniform(-std::numbers::pi, std::numbers::pi), Vector3d::UnitY());
+  const Eigen::AngleAxisd yaw(random.normal(0.0, 0.12), Vector3d::UnitZ());
+  return yaw * held * Eigen::Quaterniond(object_from_held).conjugate();
 }
 
 /// How far the origin of the object has to be above the palm so that nothing touches.
@@ -53,10 +55,9 @@ double height_over_palm_m(const ObjectSpec& object, const Eigen::Quaterniond& ha
 
 Performance::Performance(const SceneOptions& options, const std::string& name, double start_s,
                          double step_s)
-    : world_(find_object(options.object)),
-      activity_(
-          find_activity(options.activity)
-              .make({find_object(options.object), RandomStream(options.seed, name + " motion")})),
+    : world_(options.object),
+      activity_(find_activity(options.activity)
+                    .make({world_.spec(), RandomStream(options.seed, name + " motion")})),
       glove_(1, glove_clock(options), options.seed),
       start_s_(start_s),
       step_s_(step_s > 0.0 ? step_s : find_activity(options.activity).step_s),
@@ -73,8 +74,11 @@ Performance::Performance(const SceneOptions& options, const std::string& name, d
 }
 
 void Performance::place_object(const Command& command, RandomStream& random) {
-  const Vector3d place(0.018 + 0.005 * random.normal(), 0.005 * random.normal(), 0.0);
-  const Eigen::Quaterniond hand_from_object = in_hand(world_.spec(), random);
+  const Hold& hold = world_.spec().hold;
+  const Vector3d over(0.018 + 0.005 * random.normal(), 0.005 * random.normal(), 0.0);
+  const Eigen::Quaterniond hand_from_object = in_hand(hold, random);
+  Vector3d place = over - hand_from_object * hold.center_m;
+  place.z() = 0.0;
   const double height = height_over_palm_m(world_.spec(), hand_from_object, place);
   world_.hand.position_m = command.hand.position_m;
   world_.hand.orientation = wanted_orientation(command);

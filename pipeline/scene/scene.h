@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,26 @@ inline constexpr int finger_count = 5;  ///< index, middle, ring, little, thumb
 
 enum class ShapeKind { sphere, box, capsule, cylinder };
 
-/// A solid that physics touches and the camera sees. `size_m`: sphere {r}; box half extents; capsule and
-/// cylinder {radius, half length, -} along the body's z axis. `body_from_shape` places it in its body.
+/// A solid that physics touches and the camera sees. `size_m`: sphere {r}; box half extents;
+/// capsule and cylinder {radius, half length, -} along the body's z axis. `body_from_shape` places
+/// it in its body.
 struct Solid {
   ShapeKind kind = ShapeKind::sphere;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   Eigen::Isometry3d body_from_shape = Eigen::Isometry3d::Identity();
   Eigen::Vector3d color = Eigen::Vector3d::Constant(0.5);  ///< linear RGB in 0..1
+};
+
+/// What a model may be shown of an object: trained on, kept for tests inside of the range of mass
+/// and shape that is trained on, or far outside of that range and reported apart.
+enum class ObjectRole { seen, unseen, outside };
+
+/// How an object lies in the hand; body frame.
+struct Hold {
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();        ///< over the middle of the palm
+  Eigen::Vector3d across = Eigen::Vector3d::UnitY();         ///< towards the little finger
+  Eigen::Vector3d from_palm = Eigen::Vector3d::UnitZ();      ///< out of the palm
+  enum class Turns { none, axis, any } turns = Turns::none;  ///< every grasp: none, about `across`
 };
 
 /// An object; the origin of its body frame is its centre of mass.
@@ -33,7 +47,17 @@ struct ObjectSpec {
   double mass_kg = 0.1, friction = 0.7;
   Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Identity();
   std::vector<Solid> solids;
+  std::string summary = {};
+  ObjectRole role = ObjectRole::seen;
+  bool inertia_given = false;  ///< mass and inertia as its file says; otherwise those of its solids
+  Hold hold = {};
+  std::optional<std::array<double, 2>> toss_apex_m = std::nullopt;  ///< none: never thrown
 };
+
+/// The objects that come with the program, seen ones first.
+const std::vector<ObjectSpec>& objects();
+/// Throws usage_error with the known names.
+const ObjectSpec& find_object(const std::string& name);
 
 struct RigidState {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
@@ -42,12 +66,12 @@ struct RigidState {
   Eigen::Vector3d angular_velocity_rad_per_s = Eigen::Vector3d::Zero();
 };
 
-/// The scene at one instant. The hand's body frame lies in the palm: origin at its centre, z out of the
-/// palm, x towards the fingertips.
+/// The scene at one instant. The hand's body frame lies in the palm: origin at its centre, z out of
+/// the palm, x towards the fingertips.
 struct SceneSample {
   double time_s = 0.0;  ///< host's clock
   RigidState hand, object;
-  double finger_closure = 0.0;  ///< 0 open .. 1 a fist: the mean of the fingers
+  double finger_closure = 0.0;                     ///< 0 open .. 1 a fist: the mean of the fingers
   std::array<double, finger_count> flexion_rad{};  ///< of the first joint; poses each finger
   /// Of the hand on the object, world; mean since the last sample.
   Eigen::Vector3d contact_force_n = Eigen::Vector3d::Zero();
@@ -66,21 +90,21 @@ inline constexpr double sample_rate_hz = 500.0;
 
 struct SceneOptions {
   std::string activity = "wave";
-  std::string object = "ball";
+  ObjectSpec object = find_object("ball");
   double minutes = 1.0;
-  double clip_s = 10.0;        ///< length of a clip; each has a new grasp
-  double pause_s = 2.0;        ///< between clips; nothing is recorded
+  double clip_s = 10.0;  ///< length of a clip; each has a new grasp
+  double pause_s = 2.0;  ///< between clips; nothing is recorded
   int image_width = 320, image_height = 240;
   int board_views = 20;
   std::uint64_t seed = 1;
 };
 
-/// Physics, glove and its clock for clip number `clip`, starting at `start_s`; depends on nothing but its
-/// arguments, so clips may be simulated in any order on any number of threads.
+/// Physics, glove and its clock for clip number `clip`, starting at `start_s`; depends on nothing
+/// but its arguments, so clips may be simulated in any order on any number of threads.
 ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s);
 
-/// The glove's true clock: frame n (its `sequence`) is scanned from first_frame_s + n / rate_hz, host's
-/// clock, on, and arrives `latency_s` plus an exponential jitter after its scan ended.
+/// The glove's true clock: frame n (its `sequence`) is scanned from first_frame_s + n / rate_hz,
+/// host's clock, on, and arrives `latency_s` plus an exponential jitter after its scan ended.
 struct GloveClock {
   double first_frame_s = 0.0, rate_hz = 15.0;
   double latency_s = 0.004, jitter_s = 0.003;
@@ -88,11 +112,8 @@ struct GloveClock {
 };
 GloveClock glove_clock(const SceneOptions& options);
 
-/// Every activity and object there is, for messages and --help.
+/// Every activity there is, for messages and --help.
 std::vector<std::string> activity_names();
-std::vector<std::string> object_names();
-/// Throws usage_error with the known names.
-const ObjectSpec& find_object(const std::string& name);
 
 /// What a camera sees of the gloved hand, the forearm and the object at one instant, each solid
 /// placed in the world (`body_from_shape` is then world_from_shape).

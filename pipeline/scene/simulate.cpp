@@ -81,7 +81,6 @@ SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runti
                                      const std::filesystem::path& output, bool overwrite,
                                      Provenance provenance) {
   const Stopwatch stopwatch;
-  const ObjectSpec& object = find_object(options.object);
   const RgbdCamera camera = make_camera(options);
   const CameraClock clock = make_camera_clock(options);
   Recording recording;
@@ -99,8 +98,8 @@ SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runti
     const ClipMotion motion = motions.next();
     const double start_s = clip_start_s(options, i);
     recording.clips.push_back(
-        {start_s, start_s + options.clip_s, options.object, motion.dropped, {}, {}});
-    if (video) video->record_clip(motion, object, i, recording);
+        {start_s, start_s + options.clip_s, options.object.name, motion.dropped, {}, {}});
+    if (video) video->record_clip(motion, options.object, i, recording);
     append_glove(recording.gloves, motion.glove);
     append_truth(truth, motion, i, camera.color_from_world);
     progress.advance();

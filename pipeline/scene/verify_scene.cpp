@@ -25,7 +25,7 @@ struct Run {
   GloveClock clock;
 };
 
-Run perform(const std::string& activity, const std::string& object, int clips, double clip_s) {
+Run perform(const std::string& activity, const ObjectSpec& object, int clips, double clip_s) {
   SceneOptions options;
   options.clip_s = clip_s;
   options.activity = activity;
@@ -49,10 +49,10 @@ void verify_physics(const Emit& emit) {
                 resting_force_ratio(mass_kg, 0.001, 3.0), "", 0.999, 1.001));
 }
 
-void verify_clips(const std::string& activity, const std::string& object, const Emit& emit) {
+void verify_clips(const std::string& activity, const ObjectSpec& object, const Emit& emit) {
   const Run run = perform(activity, object, 20, 10.0);
-  const ClipStatistics s = statistics(run.clips, find_object(object));
-  const std::string what = activity + " " + object + ": ";
+  const ClipStatistics s = statistics(run.clips, object);
+  const std::string what = activity + " " + object.name + ": ";
   emit(at_least(what + "real time on one core", run.real_time_factor, "x", 60.0));
   emit(at_most(what + "clips dropped", s.drop_share, "", 0.05));
   emit(at_most(what + "force against m (a - g), relative rms", s.force_residual, "", 1e-3));
@@ -75,8 +75,8 @@ void verify_clips(const std::string& activity, const std::string& object, const 
 Verification verify_scene() {
   return [](const Emit& emit) {
     verify_physics(emit);
-    for (const std::string& object : object_names()) verify_clips("wave", object, emit);
-    verify_clips("throw", "ball", emit);
+    for (const ObjectSpec& object : objects()) verify_clips("wave", object, emit);
+    verify_clips("throw", find_object("ball"), emit);
   };
 }
 

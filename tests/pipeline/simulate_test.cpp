@@ -116,9 +116,6 @@ TEST(Simulate, UnknownNamesAndExistingOutputsAreRefused) {
   const TemporaryFolder folder;
   const auto path = folder / "refused.h5";
   SceneOptions options = short_scene();
-  options.object = "bal";
-  EXPECT_EQ(code_of(options, path, false), ExitCode::usage);
-  options = short_scene();
   options.activity = "juggle";
   EXPECT_EQ(code_of(options, path, false), ExitCode::usage);
   EXPECT_FALSE(std::filesystem::exists(path));

@@ -1,0 +1,85 @@
+#include <fmt/core.h>
+
+#include "pipeline/cli/verbs.h"
+#include "pipeline/scene/object_file.h"
+#include "pipeline/scene/solids.h"
+
+namespace touchtrace::cli {
+namespace {
+
+using scene::ObjectSpec;
+
+struct ObjectsOptions {
+  std::vector<std::string> objects;
+};
+
+void describe(OptionSet& set, ObjectsOptions& o) {
+  set.texts("object", o.objects, "names or TOML files of objects (default: all that come along)");
+}
+
+std::string role_of(const ObjectSpec& object) {
+  switch (object.role) {
+    case scene::ObjectRole::seen:
+      return "seen";
+    case scene::ObjectRole::unseen:
+      return "unseen";
+    case scene::ObjectRole::outside:
+      break;
+  }
+  return "outside";
+}
+
+std::string inertia_of(const ObjectSpec& object) {
+  return object.inertia_given ? "given" : "of its solids";
+}
+
+nlohmann::json to_json(const ObjectSpec& object) {
+  const auto& i = object.inertia_kg_m2;
+  nlohmann::json row{{"name", object.name},
+                     {"summary", object.summary},
+                     {"role", role_of(object)},
+                     {"mass_kg", object.mass_kg},
+                     {"friction", object.friction},
+                     {"inertia_kg_m2", {i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2)}},
+                     {"inertia", inertia_of(object)},
+                     {"solids", object.solids.size()},
+                     {"reach_m", bounding_radius_m(object)},
+                     {"toss_apex_m", nullptr}};
+  if (object.toss_apex_m) row["toss_apex_m"] = *object.toss_apex_m;
+  return row;
+}
+
+void print_row(const ObjectSpec& object) {
+  const auto& apex = object.toss_apex_m;
+  fmt::print("{:<13} {:<8} {:>6.0f} {:>8.2f} {:>8.0f} {:<14} {:<9} {}\n", object.name,
+             role_of(object), 1e3 * object.mass_kg, object.friction,
+             1e3 * bounding_radius_m(object), inertia_of(object),
+             apex ? fmt::format("{:.0f}-{:.0f}", 1e2 * (*apex)[0], 1e2 * (*apex)[1]) : "-",
+             object.summary);
+}
+
+ExitCode run(const ObjectsOptions& options, const Invocation& invocation) {
+  std::vector<ObjectSpec> wanted;
+  for (const std::string& name : options.objects) wanted.push_back(scene::object_of(name));
+  if (wanted.empty()) wanted = scene::objects();
+  if (invocation.json) {
+    nlohmann::json rows = nlohmann::json::array();
+    for (const ObjectSpec& object : wanted) rows.push_back(to_json(object));
+    fmt::print("{}\n", nlohmann::json{{"objects", rows}}.dump(2));
+    return ExitCode::done;
+  }
+  fmt::print("{:<13} {:<8} {:>6} {:>8} {:>8} {:<14} {:<9}\n", "object", "role", "mass/g",
+             "friction", "reach/mm", "inertia", "toss/cm");
+  for (const ObjectSpec& object : wanted) print_row(object);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Verb objects_verb() {
+  return make_verb<ObjectsOptions>(
+      "objects", "list the objects of the scenes, or check the TOML file of one",
+      {"touchtrace objects", "touchtrace objects --object hammer my_mug.toml --json"}, run);
+}
+
+}  // namespace touchtrace::cli

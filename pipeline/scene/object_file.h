@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+
+#include "pipeline/scene/scene.h"
+
+namespace touchtrace::scene {
+
+/// An object as its TOML file describes it (pipeline/scene/objects/*.toml; FORMAT below). The file
+/// may hold anything: throws data_error for what is no object that physics can hold.
+///
+///     summary = "a hammer"                 # one line
+///     role = "seen"                        # "unseen", "outside"
+///     friction = 0.6                       # against the glove, Coulomb
+///     toss_apex_m = [0.1, 0.2]             # tosses rise that far; left out: never thrown
+///
+///     [[solid]]                            # felt and seen
+///     shape = "cylinder"                   # "capsule": radius_m, half_length_m (of the straight
+///     part) radius_m = 0.01                      # "sphere": radius_m; "box": half_size_m = [x, y,
+///     z] half_length_m = 0.1                  # along `axis` axis = [0, 0, 1] # of the shape's z,
+///     which is turned there the short way center_m = [0, 0, 0] color = [0.8, 0.6, 0.3] # linear
+///     RGB, 0 to 1 mass_kg = 0.1                        # or density_kg_per_m3; evenly spread,
+///     wall_m = 0.002                       # in a wall that thick where there is one
+///
+///     [[filling]]                          # the same without colour: neither felt nor seen
+///
+///     [body]                               # instead of all masses above, where they were measured
+///     mass_kg = 0.3
+///     center_m = [0, 0, 0.02]
+///     inertia_kg_m2 = [1e-4, 1e-4, 2e-5, 0, 0, 0]  # xx yy zz xy xz yz about the centre of mass
+///
+///     [hold]
+///     center_m = [0, 0, 0]                 # lies over the middle of the palm
+///     across = [0, 1, 0]                   # towards the little finger
+///     from_palm = [0, 0, 1]                # out of the palm
+///     turns = "none"                       # "axis": every grasp another way round about `across`;
+///                                          # "any": about every axis
+///
+/// The file's origin is anywhere; the body's is its centre of mass. The object has the file's name.
+ObjectSpec parse_object(const std::string& name, const std::string& text, const std::string& where);
+
+/// Throws data_error, too, for a file that cannot be read or whose name is not of a-z, 0-9, - and
+/// _.
+ObjectSpec read_object(const std::filesystem::path& file);
+
+/// One that comes with the program by its name, or a file by its path, which ends with ".toml".
+ObjectSpec object_of(const std::string& name_or_file);
+
+}  // namespace touchtrace::scene

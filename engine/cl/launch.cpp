@@ -2,6 +2,26 @@
 
 namespace touchtrace {
 
+std::string name_of(Purpose purpose) {
+  switch (purpose) {
+    case Purpose::moves_and_sums:
+      return "moves and sums";
+    case Purpose::forward:
+      return "forward";
+    case Purpose::rollout:
+      return "roll-out";
+    case Purpose::loss:
+      return "loss";
+    case Purpose::data_gradient:
+      return "data gradient";
+    case Purpose::weights_gradient:
+      return "weights gradient";
+    case Purpose::optimiser:
+      return "optimiser";
+  }
+  return {};
+}
+
 void Launch::enqueue(Runtime& runtime) const {
   if (!created_()) {
     created_ = runtime.create(kernel_);

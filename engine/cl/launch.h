@@ -21,6 +21,19 @@ inline cl::NDRange range(int x, int y, int z) {
                      static_cast<std::size_t>(z));
 }
 
+/// What a launch does in a training update. Roll-outs go both ways.
+enum class Purpose {
+  moves_and_sums,  ///< data between layouts, sums of parts
+  forward,
+  rollout,
+  loss,
+  data_gradient,
+  weights_gradient,
+  optimiser
+};
+/// "moves and sums", "data gradient" and so on.
+std::string name_of(Purpose purpose);
+
 /// What one turn of a launch costs.
 struct LaunchCost {
   double flops = 0.0;  ///< floating-point operations of sums and products;
@@ -62,6 +75,12 @@ class Launch {
     return std::move(*this);
   }
   bool is_tuned() const { return is_tuned_; }
+  /// The same launch, which says what it does; else it moves or sums.
+  Launch serving(Purpose purpose) && {
+    purpose_ = purpose;
+    return std::move(*this);
+  }
+  Purpose purpose() const { return purpose_; }
   /// As said by costing(); else the bytes of all its arrays.
   LaunchCost cost() const { return cost_ ? *cost_ : LaunchCost{0.0, bytes_of_arrays()}; }
 
@@ -87,6 +106,7 @@ class Launch {
   std::vector<Argument> arguments_;  ///< keeps buffers alive: OpenCL's kernel arguments do not
   std::optional<LaunchCost> cost_;
   bool is_tuned_ = false;
+  Purpose purpose_ = Purpose::moves_and_sums;
   mutable cl::Kernel created_;  ///< null until the first turn
 };
 

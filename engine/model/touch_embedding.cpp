@@ -56,7 +56,8 @@ void TouchEmbedding::plan_backward(Runtime& runtime, const std::string& name,
       gemm(runtime, grad.transposed(), features, {}, grad_weight, size, feature_size, rows),
       from_blocks(runtime, weight_shape_, grad_weight.buffer, weights.grad(name + ".dense.weight")),
       column_sums(runtime, grad, weights.grad(name + ".dense.bias"), rows, size),
-      gemm(runtime, grad, weight_, {}, grad_features, rows, feature_size, size),
+      gemm(runtime, grad, weight_, {}, grad_features, rows, feature_size, size)
+          .serving(Purpose::data_gradient),
   };
 }
 

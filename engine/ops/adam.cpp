@@ -37,12 +37,15 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
   if (exact) lost_ = runtime.allocate_zeros<float>(parameters.size());
   measure_ = {
       Launch(adam_kernel(runtime, "squares", chunk), range(chunks), gradient, size, partial_)
-          .costing(2.0 * size, 4.0 * size),
+          .costing(2.0 * size, 4.0 * size)
+          .serving(Purpose::optimiser),
       Launch(adam_kernel(runtime, "norm", chunk), range(1), partial_, chunks, norm_)
-          .costing(chunks, 4.0 * chunks)};
+          .costing(chunks, 4.0 * chunks)
+          .serving(Purpose::optimiser)};
   update_ = {update_launch(runtime, size, parameters, gradient, first_, second_, decay, size, norm_,
                            loss, 0.0f, 0.0f, 0.0f, 0.0f, exact ? lost_ : norm_)
-                 .costing(17.0 * size, 4.0 * size * (exact ? 10.0 : 8.0))};
+                 .costing(17.0 * size, 4.0 * size * (exact ? 10.0 : 8.0))
+                 .serving(Purpose::optimiser)};
 }
 
 std::vector<std::pair<std::string, Buffer<float>>> Adam::state() const {

@@ -91,7 +91,8 @@ class DirectConv2d final : public Conv2d {
                    range(items(pass, part), pass.groups()), part.in, packed_, parameters_.values,
                    parameters_.bias_at, part.out, part.images,
                    tiles_an_item(runtime_, shape_, pass, choice_))
-                .costing(conv2d_cost(shape_, part.images))};
+                .costing(conv2d_cost(shape_, part.images))
+                .serving(Purpose::forward)};
   }
 
   Conv2dHalves forward_halves(const Conv2dImages& part, int channel) override {
@@ -104,9 +105,11 @@ class DirectConv2d final : public Conv2d {
     const int tiles = tiles_an_item(runtime_, shape_, pass, choice_);
     const auto sums = runtime_.allocate<float>(part.out.size());
     return {{Launch(kernel("conv2d_first_half"), size, part.in, packed_, parameters_.values,
-                    parameters_.bias_at, sums, part.images, tiles, channel)},
+                    parameters_.bias_at, sums, part.images, tiles, channel)
+                 .serving(Purpose::forward)},
             {Launch(kernel("conv2d_second_half"), size, part.in, packed_, sums, part.out,
-                    part.images, tiles, channel)}};
+                    part.images, tiles, channel)
+                 .serving(Purpose::forward)}};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {
@@ -117,7 +120,8 @@ class DirectConv2d final : public Conv2d {
                               range(items(pass, part), pass.groups()), part.grad_out,
                               packed_turned_, part.in, part.grad_in, part.images,
                               tiles_an_item(runtime_, shape_, pass, choice_))
-                           .costing(conv2d_cost(shape_, part.images)));
+                           .costing(conv2d_cost(shape_, part.images))
+                           .serving(Purpose::data_gradient));
     return launches;
   }
 

@@ -50,7 +50,8 @@ class LanesConv2d final : public Conv2d {
                    range(quotient_up(pixels, out_tile_.rows), out_groups()), part.in, packed_,
                    parameters_.values, parameters_.bias_at, part.out, part.images)
                 .in_groups_of(out_tile_.items())
-                .costing(conv2d_cost(shape_, part.images))};
+                .costing(conv2d_cost(shape_, part.images))
+                .serving(Purpose::forward)};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {
@@ -86,7 +87,8 @@ class LanesConv2d final : public Conv2d {
                   part.grad_out, partial_, part.images, chunk_pixels_, part.sums * chunks_,
                   first ? 1 : 0)
         .in_groups_of(out_tile_.items())
-        .costing(conv2d_cost(shape_, part.images));
+        .costing(conv2d_cost(shape_, part.images))
+        .serving(Purpose::weights_gradient);
   }
 
   Launch backward_data(const Conv2dImages& part) {
@@ -95,7 +97,8 @@ class LanesConv2d final : public Conv2d {
                         shape_.in_channels / in_tile_.columns, shape_.stride * shape_.stride),
                   part.grad_out, packed_turned_, part.in, part.grad_in, part.images)
         .in_groups_of(in_tile_.items())
-        .costing(conv2d_cost(shape_, part.images));
+        .costing(conv2d_cost(shape_, part.images))
+        .serving(Purpose::data_gradient);
   }
 
   Kernel kernel(const std::string& pass, const std::string& name, const LanesTile& tile) {

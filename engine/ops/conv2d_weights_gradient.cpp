@@ -65,7 +65,8 @@ Launch Conv2dWeightsGradient::sum(const Conv2dImages& part, bool first) {
                 range(shape_.out_channels / 32, blocks_of_input(shape_), chunks_), part.in,
                 part.grad_out, partial_, partial_bias_, part.images, chunk_images,
                 part.sums * chunks_, first ? 1 : 0)
-      .costing(conv2d_cost(shape_, part.images));
+      .costing(conv2d_cost(shape_, part.images))
+      .serving(Purpose::weights_gradient);
 }
 
 Launch Conv2dWeightsGradient::finish() {

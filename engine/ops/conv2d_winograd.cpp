@@ -48,7 +48,8 @@ class WinogradConv2d final : public Conv2d {
   Launches forward(const Conv2dImages& part) override {
     return {Launch(kernel("forward"), groups(part), part.in, weights_, parameters_.values,
                    parameters_.bias_at, part.out, part.images)
-                .costing(cost(part))};
+                .costing(cost(part))
+                .serving(Purpose::forward)};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {
@@ -56,7 +57,8 @@ class WinogradConv2d final : public Conv2d {
     if (part.grad_in.size() > 0)
       launches.push_back(Launch(kernel("backward_data"), groups(part), part.grad_out,
                                 weights_turned_, part.in, part.grad_in, part.images)
-                             .costing(cost(part)));
+                             .costing(cost(part))
+                             .serving(Purpose::data_gradient));
     return launches;
   }
 

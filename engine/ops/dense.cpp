@@ -59,7 +59,8 @@ Launch gemm(Runtime& runtime, const MatrixView& a, const MatrixView& b,
                      b.row, start.buffer, start.at, start.row, bias ? bias_rows : 0, c.buffer, c.at,
                      c.row, rows, columns, count)
       .costing(2.0 * rows * columns * count,
-               4.0 * (1.0 * rows * count + 1.0 * count * columns + 1.0 * rows * columns));
+               4.0 * (1.0 * rows * count + 1.0 * count * columns + 1.0 * rows * columns))
+      .serving(a.step == 1 ? Purpose::forward : Purpose::weights_gradient);
 }
 
 Launch pack(Runtime& runtime, const MatrixView& from, const MatrixView& to, int rows, int columns,

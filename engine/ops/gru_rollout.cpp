@@ -27,14 +27,16 @@ Launch gru_rollout(Runtime& runtime, const GruArrays& a) {
   return Launch(gru_kernel(runtime, "gru_rollout", a), gru_tiles(a.sequences), a.states, a.h,
                 a.first.buffer, a.first.at, a.first.row, a.w, a.u, a.parameters, a.bias_at, a.w3,
                 a.b3, a.gates, a.spread, a.sequences, a.steps)
-      .costing(gru_cost(a));
+      .costing(gru_cost(a))
+      .serving(Purpose::rollout);
 }
 
 Launch gru_rollout_backward(Runtime& runtime, const GruArrays& a, const GruGradients& g) {
   return Launch(gru_kernel(runtime, "gru_rollout_backward", a), gru_tiles(a.sequences),
                 g.grad_state, g.grad_spread, a.spread, a.h, a.gates, a.parameters, a.u_at, a.w3_at,
                 g.w, g.d_out, g.d_gates, g.d_h, a.sequences, a.steps)
-      .costing(gru_cost(a));
+      .costing(gru_cost(a))
+      .serving(Purpose::rollout);
 }
 
 }  // namespace touchtrace

@@ -13,15 +13,14 @@ Launches info_nce(Runtime& runtime, const InfoNceArrays& a) {
   const auto logit = runtime.allocate<float>(2 * pairs), slope = runtime.allocate<float>(pairs);
   const auto scale = runtime.allocate<float>(normalised ? 2 * count : 0);
   Launches launches;
-  if (normalised)
-    launches.push_back(
-        Launch(kernel("info_nce_scales"), range(a.count), a.embedding, a.temperature, scale));
-  launches.push_back(
-      Launch(kernel("info_nce_logits"), range(a.count, a.count), a.embedding, scale, logit));
-  launches.push_back(Launch(kernel("info_nce_rows"), range(a.count), logit, a.object, a.weight,
-                            a.row_loss, a.row_loss_at, slope));
-  launches.push_back(Launch(kernel("info_nce_gradient"), range(a.count), a.embedding, scale,
-                            a.temperature, logit, slope, a.grad_embedding));
+  const auto add = [&](const char* name, const cl::NDRange& global, const auto&... arguments) {
+    launches.push_back(Launch(kernel(name), global, arguments...).serving(Purpose::loss));
+  };
+  if (normalised) add("info_nce_scales", range(a.count), a.embedding, a.temperature, scale);
+  add("info_nce_logits", range(a.count, a.count), a.embedding, scale, logit);
+  add("info_nce_rows", range(a.count), logit, a.object, a.weight, a.row_loss, a.row_loss_at, slope);
+  add("info_nce_gradient", range(a.count), a.embedding, scale, a.temperature, logit, slope,
+      a.grad_embedding);
   return launches;
 }
 

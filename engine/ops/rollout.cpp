@@ -48,7 +48,8 @@ Launch rollout(Runtime& runtime, const RolloutArrays& a) {
   return rollout_launch(runtime, a, "", a.states, a.first.buffer, a.first.at, a.first.row,
                         a.parameters, a.b2_at, a.w1, a.w2, a.w3, a.b3, a.h1, a.h2,
                         sums ? a.sum1 : a.h1, sums ? a.sum2 : a.h2, a.spread, a.sequences, a.steps)
-      .costing(rows * flops_a_row(a), bytes_moved(a, rows));
+      .costing(rows * flops_a_row(a), bytes_moved(a, rows))
+      .serving(Purpose::rollout);
 }
 
 Launch rollout_backward(Runtime& runtime, const RolloutArrays& a, const RolloutGradients& g) {
@@ -57,7 +58,8 @@ Launch rollout_backward(Runtime& runtime, const RolloutArrays& a, const RolloutG
   return rollout_launch(runtime, a, "_backward", g.grad_state, g.grad_spread, a.spread,
                         sums ? a.sum1 : a.h1, sums ? a.sum2 : a.h2, a.parameters, a.w2_at, a.w3_at,
                         g.w1, g.d_out, g.d_h1, g.d_h2, a.sequences, a.steps)
-      .costing(rows * flops_a_row(a), bytes_moved(a, rows));
+      .costing(rows * flops_a_row(a), bytes_moved(a, rows))
+      .serving(Purpose::rollout);
 }
 
 }  // namespace touchtrace

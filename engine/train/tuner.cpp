@@ -11,7 +11,7 @@
 #include "engine/ops/conv2d_candidates.h"
 #include "engine/train/encoder_trials.h"
 #include "engine/train/layer_trials.h"
-#include "engine/train/noise_batch.h"
+#include "engine/train/noise_training.h"
 
 namespace touchtrace {
 namespace {
@@ -220,20 +220,11 @@ bool is_worth_having(const TunedTimes& updates) {
 
 TunedTimes update_times(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
                         const Tuning& tuning) {
-  RandomStream random(1, "update to be timed");
-  const int frames = 2 * std::max(spec.window_frames, spec.segment_frames) + steps;
-  const auto stream = noise_stream(spec, frames, random);
-  const auto batch = noise_batch(spec, sequences, steps, frames, random);
-  const auto objects = noise_objects(spec, random);
-  std::vector<std::function<void()>> updates;
-  for (const auto& choices : {Tuning{}, tuning}) {
-    const auto trainer =
-        std::make_shared<Trainer>(runtime, spec, TrainOptions{}, sequences, steps, stream, choices);
-    if (spec.object == ObjectEncoder::frozen) trainer->freeze_objects(objects);
-    updates.push_back([trainer, &batch] { trainer->update(batch); });
-  }
+  NoiseTraining by_rules(runtime, spec, sequences, steps),
+      by_choices(runtime, spec, sequences, steps, tuning);
   std::vector<double> usual, chosen;
-  for (const auto& turn : seconds_in_turns(runtime, updates))
+  for (const auto& turn :
+       seconds_in_turns(runtime, {[&] { by_rules.update(); }, [&] { by_choices.update(); }}))
     usual.push_back(1e3 * turn[0]), chosen.push_back(1e3 * turn[1]);
   return {median_of(usual), median_of(chosen)};
 }

@@ -1,30 +1,109 @@
 #include "engine/train/update_plan.h"
 
-#include <algorithm>
+#include <utility>
 
+#include "engine/base/progress.h"
+#include "engine/base/provenance.h"
+#include "engine/cl/timing.h"
 #include "engine/cl/watch.h"
-#include "engine/train/noise_batch.h"
+#include "engine/train/noise_training.h"
 
 namespace touchtrace {
+namespace {
+
+PlannedLaunch planned(const Launch& launch) {
+  return {launch.name(), launch.purpose(), launch.cost(), launch.is_tuned()};
+}
+
+/// Those of one update of `training`.
+Launches launches_of(Runtime& runtime, NoiseTraining& training) {
+  Launches launches;
+  visit_launches(
+      runtime, [&] { training.update(); },
+      [&](const Launch& launch) { launches.push_back(launch); });
+  return launches;
+}
+
+/// What each launch of an update takes where it stands: [update][launch].
+std::vector<std::vector<double>> seconds_in_place(Runtime& runtime, NoiseTraining& training,
+                                                  int updates) {
+  std::vector<std::vector<double>> seconds(static_cast<std::size_t>(updates));
+  for (auto& update : seconds) {
+    double last = device_clock_s(runtime);
+    visit_launches(
+        runtime, [&] { training.update(); },
+        [&](const Launch&) {
+          const double now = device_clock_s(runtime);
+          update.push_back(now - std::exchange(last, now));
+        });
+  }
+  return seconds;
+}
+
+/// Calls that are timed in turns, and what each took.
+class Turns {
+ public:
+  explicit Turns(Runtime& runtime) : runtime_(runtime) {}
+
+  void add(std::function<void()> enqueue, double shortest_s) {
+    calls_.emplace_back(runtime_, std::move(enqueue), shortest_s);
+    seconds_.emplace_back();
+  }
+  void run(int turns) {
+    Progress progress("measuring", calls_.size() * static_cast<std::size_t>(turns));
+    for (int turn = 0; turn < turns; ++turn)
+      for (std::size_t i = 0; i < calls_.size(); ++i) {
+        seconds_[i].push_back(calls_[i].seconds());
+        progress.advance();
+      }
+  }
+  double median(std::size_t call) const { return median_of(seconds_[call]); }
+
+ private:
+  Runtime& runtime_;
+  std::vector<TimedCall> calls_;
+  std::vector<std::vector<double>> seconds_;
+};
+
+}  // namespace
 
 std::vector<PlannedLaunch> launches_of_update(Runtime& runtime, const ModelSpec& spec,
                                               int sequences, int steps, const LiveTaxels& live,
                                               const Tuning& tuning) {
-  RandomStream random(1, "plan of an update");
-  const int frames = std::max(spec.window_frames, spec.segment_frames) + steps;
-  auto stream = noise_stream(spec, frames, random);
-  for (std::size_t i = 0; i < stream.size() && !live.empty(); ++i)
-    stream[i] *= live[i % live.size()];
-  Trainer trainer(runtime, spec, {}, sequences, steps, stream, tuning);
-  if (spec.object == ObjectEncoder::frozen) trainer.freeze_objects(noise_objects(spec, random));
-  const auto batch = noise_batch(spec, sequences, steps, frames, random);
+  NoiseTraining training(runtime, spec, sequences, steps, tuning, live);
   std::vector<PlannedLaunch> launches;
-  visit_launches(
-      runtime, [&] { trainer.update(batch); },
-      [&](const Launch& launch) {
-        launches.push_back({launch.name(), launch.cost(), launch.is_tuned()});
-      });
+  for (const auto& launch : launches_of(runtime, training)) launches.push_back(planned(launch));
   return launches;
+}
+
+MeasuredUpdate measure_update(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
+                              const LiveTaxels& live, const Tuning& tuning) {
+  constexpr int turns = 7;
+  NoiseTraining training(runtime, spec, sequences, steps, tuning, live,
+                         {.learning_rate = 0.0, .weight_decay = 0.0});
+  const auto launches = launches_of(runtime, training);
+  const auto peak = peak_work(runtime);
+  std::vector<double> wall, cpu;
+  Turns measured(runtime);
+  measured.add([&] { peak.launch.enqueue(runtime); }, 0.02);
+  measured.add(
+      [&] {
+        const Stopwatch stopwatch;
+        training.update();
+        wall.push_back(stopwatch.wall_seconds());
+        cpu.push_back(stopwatch.cpu_seconds());
+      },
+      0.08);
+  for (const auto& launch : launches) measured.add([&] { launch.enqueue(runtime); }, 4e-3);
+  measured.run(turns);
+  const auto in_place = seconds_in_place(runtime, training, turns);
+  MeasuredUpdate result{{}, peak.flops / measured.median(0), median_of(wall), median_of(cpu)};
+  for (std::size_t i = 0; i < launches.size(); ++i) {
+    std::vector<double> seconds;
+    for (const auto& update : in_place) seconds.push_back(update[i]);
+    result.launches.push_back({planned(launches[i]), measured.median(i + 2), median_of(seconds)});
+  }
+  return result;
 }
 
 }  // namespace touchtrace

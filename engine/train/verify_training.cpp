@@ -3,7 +3,7 @@
 #include <random>
 
 #include "engine/train/model_comparison.h"
-#include "engine/train/noise_batch.h"
+#include "engine/train/noise_training.h"
 #include "engine/train/verify_engine.h"
 
 namespace touchtrace {
@@ -24,38 +24,19 @@ void verify_gradient(Runtime& runtime, const char* name, const ModelSpec& wanted
                "relative", 1e-5));
 }
 
-/// Updates of the default model on noise.
-class Training {
- public:
-  Training(Runtime& runtime, const ModelSpec& spec, int sequences)
-      : spec_(spec),
-        random_(1, "verify training"),
-        trainer_(runtime, spec_, {}, sequences, 20, noise_stream(spec_, frames, random_)),
-        batch_(noise_batch(spec_, sequences, 20, frames, random_)) {}
-
-  double update() { return trainer_.update(batch_); }
-  /// CPU milliseconds of an update, the mean of `count`.
-  double update_ms(int count) {
-    const Stopwatch stopwatch;
-    for (int i = 0; i < count; ++i) update();
-    return 1e3 * stopwatch.cpu_seconds() / count;
-  }
-
- private:
-  static constexpr int frames = 200;
-
-  ModelSpec spec_;
-  RandomStream random_;
-  Trainer trainer_;
-  RolloutBatch batch_;
-};
+/// CPU milliseconds of an update, the mean of `count`.
+double update_ms(NoiseTraining& training, int count) {
+  const Stopwatch stopwatch;
+  for (int i = 0; i < count; ++i) training.update();
+  return 1e3 * stopwatch.cpu_seconds() / count;
+}
 
 void verify_step(Runtime& runtime, const char* name, const ModelSpec& spec, int sequences,
                  const Emit& emit) {
-  Training training(runtime, spec, sequences);
-  training.update_ms(3);
+  NoiseTraining training(runtime, spec, sequences, 20);
+  update_ms(training, 3);
   emit(reported(fmt::format("training step, {} sequences x 20 steps, {}", sequences, name),
-                training.update_ms(160 / sequences), "CPU-ms"));
+                update_ms(training, 160 / sequences), "CPU-ms"));
 }
 
 }  // namespace
@@ -63,7 +44,7 @@ void verify_step(Runtime& runtime, const char* name, const ModelSpec& spec, int 
 Verification verify_first_step() {
   return [](const Emit& emit) {
     Runtime runtime(choose_device(""));
-    emit(reported("loss of the first update", Training(runtime, {}, 8).update(), ""));
+    emit(reported("loss of the first update", NoiseTraining(runtime, {}, 8, 20).update(), ""));
   };
 }
 

@@ -1,10 +1,9 @@
 #include <fmt/core.h>
 
-#include <map>
 #include <set>
 
 #include "engine/train/tuning_file.h"
-#include "engine/train/update_plan.h"
+#include "pipeline/cli/update_table.h"
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/dataset/tactile_image.h"
@@ -19,7 +18,7 @@ namespace {
 struct PlanOptions {
   std::string recording, activity = "wave";
   std::vector<std::string> objects;
-  bool without_touch = false;
+  bool without_touch = false, measure = false;
   std::string dynamics = "mlp", object_encoder = "auto";
   int window = 10, resolution = 32, sequences = 8, steps = 20;
   study::ConvolutionOptions convolutions;
@@ -43,6 +42,7 @@ void describe(OptionSet& set, PlanOptions& o) {
   describe(set, o.convolutions);
   set.integer("sequences", o.sequences, "roll-outs in a batch", 1, 4096);
   set.integer("steps", o.steps, "steps of a roll-out in training", 1, 200);
+  set.flag("measure", o.measure, "also run the update, and say what each of its launches takes");
 }
 
 void read_recording(const std::string& path, study::PlanWishes& wishes) {
@@ -72,80 +72,48 @@ study::PlanWishes wishes_of(const PlanOptions& options) {
   return wishes;
 }
 
-std::vector<PlannedLaunch> launches_of(const PlanOptions& options, const ModelSpec& model,
-                                       const LiveTaxels& live, const std::string& device) {
-  Runtime runtime(usable_device(device));
-  return launches_of_update(runtime, model, options.sequences, options.steps, live,
-                            read_tuning(tuning_path(), runtime.device()));
-}
-
-/// Launches of one kernel, or all.
-struct LaunchSum {
-  int launches = 0, tuned = 0;
-  LaunchCost cost;
-
-  void add(const PlannedLaunch& launch) {
-    ++launches, tuned += launch.tuned ? 1 : 0;
-    cost.flops += launch.cost.flops, cost.bytes += launch.cost.bytes;
-  }
-};
-
-void print_row(const std::string& kernel, const LaunchSum& sum) {
-  const auto count_or_dash = [](int count) { return count > 0 ? fmt::format("{}", count) : "-"; };
-  fmt::print("  {:<28} {:>9} {:>6} {:>10} {:>9.1f}\n", kernel, sum.launches,
-             count_or_dash(sum.tuned),
-             sum.cost.flops > 0.0 ? fmt::format("{:.2f}", 1e-6 * sum.cost.flops) : "-",
-             sum.cost.bytes / (1 << 20));
-}
-
-/// One row a kernel, in the order in which they are first queued.
-void print_launches(const std::vector<PlannedLaunch>& launches) {
-  std::vector<std::string> order;
-  std::map<std::string, LaunchSum> rows;
-  LaunchSum total;
-  for (const auto& launch : launches) {
-    if (!rows.contains(launch.kernel)) order.push_back(launch.kernel);
-    rows[launch.kernel].add(launch);
-    total.add(launch);
-  }
-  fmt::print("  {:<28} {:>9} {:>6} {:>10} {:>9}\n", "kernel", "launches", "tuned", "MFLOP", "MiB");
-  for (const auto& kernel : order) print_row(kernel, rows[kernel]);
-  print_row("all", total);
-}
-
-nlohmann::json launches_json(const std::vector<PlannedLaunch>& launches) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (const auto& [kernel, cost, tuned] : launches)
-    rows.push_back(
-        {{"kernel", kernel}, {"flops", cost.flops}, {"bytes", cost.bytes}, {"tuned", tuned}});
-  return rows;
-}
-
-ExitCode run(const PlanOptions& options, const Invocation& invocation) {
-  const study::PlanWishes wishes = wishes_of(options);
-  const study::Plan plan = study::make_plan(wishes);
-  const auto launches = launches_of(options, plan.model, wishes.live, invocation.device);
-  if (invocation.json) {
+/// `update`: planned or measured.
+void show(const study::PlanWishes& wishes, const study::Plan& plan, const PlanOptions& options,
+          const auto& update, bool as_json) {
+  if (as_json) {
     auto document = study::plan_json(wishes, plan);
-    document["launches"] = launches_json(launches);
+    document.update(update_json(update));
     fmt::print("{}\n", document.dump(2));
-    return ExitCode::done;
+    return;
   }
   for (const auto& item : plan.items)
     fmt::print("{} {:<10} {:<34} {}\n", item.included ? "+" : "-", item.stage, item.part, item.why);
   fmt::print("+ is built and run, - is left out\n\nan update of {} sequences of {} steps:\n",
              options.sequences, options.steps);
-  print_launches(launches);
+  print_update(update);
+}
+
+ExitCode run(const PlanOptions& o, const Invocation& invocation) {
+  const study::PlanWishes wishes = wishes_of(o);
+  const study::Plan plan = study::make_plan(wishes);
+  Runtime runtime(usable_device(invocation.device));
+  const auto tuning = read_tuning(tuning_path(), runtime.device());
+  const auto show_of_update = [&](const auto& looked_into) {
+    show(wishes, plan, o,
+         looked_into(runtime, plan.model, o.sequences, o.steps, wishes.live, tuning),
+         invocation.json);
+  };
+  if (o.measure)
+    show_of_update(measure_update);
+  else
+    show_of_update(launches_of_update);
   return ExitCode::done;
 }
 
 }  // namespace
 
 Verb plan_verb() {
-  return make_verb<PlanOptions>("plan", "say what will be built and run, what is left out, and why",
-                                {"touchtrace plan --activity throw --object ball",
-                                 "touchtrace plan --recording wave.h5 --without-touch --json"},
-                                run);
+  return make_verb<PlanOptions>(
+      "plan", "say what will be built and run, what is left out, and why",
+      {"touchtrace plan --activity throw --object ball",
+       "touchtrace plan --recording wave.h5 --without-touch --json",
+       "touchtrace plan --object ball can --object-encoder joint --measure"},
+      run);
 }
 
 }  // namespace touchtrace::cli

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/engine/small_spec.h"
 
@@ -26,6 +27,43 @@ TEST(UpdatePlan, ListsWhatIsQueuedAndNoPartThatIsLeftOut) {
   EXPECT_EQ(launches_of(full, "layer_norm"), 1u);
   EXPECT_EQ(launches_of(without_touch, "tactile_window"), 0u);
   EXPECT_EQ(launches_of(without_touch, "layer_norm"), 0u);
+}
+
+TEST(UpdatePlan, MeasuresEveryLaunchInItsOrder) {
+  Runtime runtime(choose_device(""));
+  for (const auto& spec :
+       {testing::small_spec(ObjectEncoder::joint), testing::small_spec(ObjectEncoder::frozen),
+        testing::small_spec(false)}) {
+    const auto plan = launches_of_update(runtime, spec, 3, 4);
+    const auto measured = measure_update(runtime, spec, 3, 4);
+    ASSERT_EQ(measured.launches.size(), plan.size());
+    for (std::size_t i = 0; i < plan.size(); ++i) {
+      const auto& [launch, seconds, seconds_in_place] = measured.launches[i];
+      EXPECT_EQ(launch.kernel, plan[i].kernel);
+      EXPECT_EQ(launch.cost.flops, plan[i].cost.flops) << launch.kernel;
+      EXPECT_TRUE(seconds > 0.0 && seconds < 1.0) << launch.kernel << " " << seconds;
+      EXPECT_TRUE(seconds_in_place > 0.0 && seconds_in_place < 1.0)
+          << launch.kernel << " " << seconds_in_place;
+    }
+    EXPECT_TRUE(measured.peak_flops > 1e6 && std::isfinite(measured.peak_flops));
+    EXPECT_TRUE(measured.wall_seconds > 0.0 && measured.wall_seconds < 10.0);
+    EXPECT_TRUE(measured.cpu_seconds > 0.0 && measured.cpu_seconds < 10.0);
+  }
+}
+
+TEST(UpdatePlan, KnowsWhatEachProductIsFor) {
+  Runtime runtime(choose_device(""));
+  const auto plan = launches_of_update(runtime, testing::small_spec(true), 3, 4);
+  const auto products_for = [&](Purpose purpose) {
+    return std::ranges::count_if(plan, [&](const PlannedLaunch& launch) {
+      return launch.kernel == "gemm" && launch.purpose == purpose;
+    });
+  };
+  // The encoder's dense layer, and the dynamics' first layer towards the embedding.
+  EXPECT_EQ(products_for(Purpose::forward), 2);
+  EXPECT_EQ(products_for(Purpose::data_gradient), 2);
+  // Those two, the first layer towards states, the second, and the outputs' two halves.
+  EXPECT_EQ(products_for(Purpose::weights_gradient), 6);
 }
 
 TEST(UpdatePlan, LeavesOutWhatSeesNoLiveTaxel) {

@@ -2,9 +2,9 @@
 //
 // One work-item renders a tile of LANES x TILE_ROWS pixels. A pixel is the mean over
 // samples_per_axis^2 rays spread evenly over its area and, in the same order, over the sub-frames
-// of the exposure; one ray where the tile holds a single solid. The camera encodes light by its
-// square root, which turns shot noise into noise of the same size at every brightness (Anscombe
-// 1948).
+// of the exposure; one ray where the tile holds a single solid of a smooth pattern. The camera
+// encodes light by its square root, which turns shot noise into noise of the same size at every
+// brightness (Anscombe 1948).
 //
 // rays_x, rays_y [height, width]: x', y' of each pixel's centre; pitch: their step between pixels.
 // tiles [height / TILE_ROWS, width / LANES]: x' low, high, y' low, high of a tile's rays.
@@ -92,6 +92,7 @@ ALWAYS_INLINE lanes3 trace(__global const float* solids, const int* visible, int
   lanes3 color = {0.0f, 0.0f, 0.0f};
   for (int i = 0; i < count; ++i) {
     __global const float* s = solids + visible[i] * SOLID_FLOATS;
+    if (is_hidden(s, nearest)) continue;
     const lanes3 d = direction_in_shape(s, x, y);
     const lanes t = hit_solid(s, d);
     const lane_mask nearer = t < nearest;
@@ -129,10 +130,11 @@ __kernel void render_color(__global const float* rays_x, __global const float* r
                            float noise_counts, uint2 key, int width, int height,
                            __global uchar* color) {
   const int column = get_global_id(0) * LANES, first_row = get_global_id(1) * TILE_ROWS;
-  int visible[MAX_SOLIDS];
+  int visible[MAX_SOLIDS] = {0};
   const int seen = visible_solids(
-      solids, count, tiles[get_global_id(1) * get_global_size(0) + get_global_id(0)], visible);
-  const int axis = seen > 1 ? samples_per_axis : 1, samples = axis * axis;
+      solids, count, subframes, tiles[get_global_id(1) * get_global_size(0) + get_global_id(0)], visible);
+  const bool has_edges = seen > 1 || solids[visible[0] * SOLID_FLOATS + PATTERN] == CHESSBOARD;
+  const int axis = has_edges ? samples_per_axis : 1, samples = axis * axis;
   for (int row = first_row; row < min(first_row + TILE_ROWS, height); ++row) {
     const int pixel = row * width + column;
     const lanes x = load_lanes(rays_x + pixel), y = load_lanes(rays_y + pixel);

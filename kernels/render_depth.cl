@@ -63,7 +63,7 @@ __kernel void render_depth(__global const float* rays_x, __global const float* r
   const int stride = width + 2 * HALO, size = padded_size(width, height);
   int visible[MAX_SOLIDS];
   const int seen = visible_solids(
-      solids, count, tiles[get_global_id(1) * get_global_size(0) + get_global_id(0)], visible);
+      solids, count, 1, tiles[get_global_id(1) * get_global_size(0) + get_global_id(0)], visible);
   for (int row = first_row; row < min(first_row + TILE_ROWS, height); ++row) {
     const int pixel = padded(row, column, width);
     const lanes x =
@@ -73,16 +73,10 @@ __kernel void render_depth(__global const float* rays_x, __global const float* r
     lanes nearest = FAR;
     for (int i = 0; i < seen; ++i) {
       __global const float* s = solids + visible[i] * SOLID_FLOATS;
-      nearest = min(nearest, hit_solid(s, direction_in_shape(s, x, y)));
+      if (!is_hidden(s, nearest)) nearest = min(nearest, hit_solid(s, direction_in_shape(s, x, y)));
     }
     vstore16(focal_baseline / nearest, 0, disparity + pixel);
   }
-}
-
-ALWAYS_INLINE float largest(lanes v) {
-  const float8 a = max(v.lo, v.hi);
-  const float4 b = max(a.lo, a.hi);
-  return max(max(b.x, b.y), max(b.z, b.w));
 }
 
 // No step of a pixel or more from one row above to one below, nor in the widest shadow to the

@@ -1,10 +1,12 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cstdio>
 #include <map>
 
 #include "engine/base/figure.h"
 #include "engine/base/files.h"
+#include "engine/base/interrupt.h"
 #include "engine/base/text.h"
 #include "engine/train/verify_engine.h"
 #include "pipeline/acquire/verify_images.h"
@@ -60,6 +62,7 @@ void print_row(const Figure& figure) {
   fmt::print("{:<52} {:>12.6g} {:<10} {:<16} {:<5} {:8.2f} s\n", figure.name, figure.value,
              figure.unit, figure.goal_text(), figure.holds() ? "holds" : "FALLS SHORT",
              figure.seconds);
+  std::fflush(stdout);  // rows are there as soon as they are known, also in a pipe
 }
 
 std::vector<Figure> measure(const Verification& verification, bool print) {
@@ -70,6 +73,7 @@ std::vector<Figure> measure(const Verification& verification, bool print) {
     figure.seconds = std::chrono::duration<double>(now - std::exchange(last, now)).count();
     if (print) print_row(figure);
     figures.push_back(std::move(figure));
+    throw_if_interrupted();
   });
   return figures;
 }

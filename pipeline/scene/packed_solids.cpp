@@ -10,14 +10,15 @@
 namespace touchtrace::scene {
 namespace {
 
-constexpr float unbounded = 1e9f;
-constexpr double nearest_plane_m = 0.02;
+using Eigen::Vector3d;
 
-Eigen::Vector3d half_extents(const Solid& solid) {
-  const Eigen::Vector3d& s = solid.size_m;
+constexpr double nearest_plane_m = 0.02;  // NEAR of solids.clh
+
+Vector3d half_extents(const Solid& solid) {
+  const Vector3d& s = solid.size_m;
   switch (solid.kind) {
     case ShapeKind::sphere:
-      return Eigen::Vector3d::Constant(s.x());
+      return Vector3d::Constant(s.x());
     case ShapeKind::capsule:
       return {s.x(), s.x(), s.x() + s.y()};
     case ShapeKind::cylinder:
@@ -29,7 +30,7 @@ Eigen::Vector3d half_extents(const Solid& solid) {
 
 /// Least distance of the bounding box's corners: a rough order is enough.
 double nearness(const PaintedSolid& painted, const Eigen::Isometry3d& camera_from_world) {
-  const Eigen::Vector3d centre = camera_from_world * painted.solid.body_from_shape.translation();
+  const Vector3d centre = camera_from_world * painted.solid.body_from_shape.translation();
   return centre.z() - half_extents(painted.solid).minCoeff();
 }
 
@@ -43,19 +44,16 @@ std::vector<std::size_t> near_first(const std::vector<PaintedSolid>& solids,
   return order;
 }
 
-std::array<float, 4> bounds_of_all(const std::vector<std::vector<PaintedSolid>>& instants,
-                                   std::size_t i, const Eigen::Isometry3d& camera_from_world) {
-  std::array<float, 4> all{unbounded, -unbounded, unbounded, -unbounded};
-  for (const auto& solids : instants) {
-    const auto b = projected_bounds(solids[i].solid, camera_from_world);
-    all = {std::min(all[0], b[0]), std::max(all[1], b[1]), std::min(all[2], b[2]),
-           std::max(all[3], b[3])};
-  }
+SolidBounds bounds_of_all(const std::vector<std::vector<PaintedSolid>>& instants, std::size_t i,
+                          const Eigen::Isometry3d& camera_from_world) {
+  SolidBounds all;
+  for (const auto& solids : instants)
+    all.include(projected_bounds(solids[i].solid, camera_from_world));
   return all;
 }
 
-void append(std::vector<float>& packed, const PaintedSolid& painted,
-            const std::array<float, 4>& bounds, const Eigen::Isometry3d& camera_from_world) {
+void append(std::vector<float>& packed, const PaintedSolid& painted, const SolidBounds& bounds,
+            const Eigen::Isometry3d& camera_from_world) {
   const Solid& solid = painted.solid;
   const Eigen::Isometry3d shape_from_camera = (camera_from_world * solid.body_from_shape).inverse();
   const auto push = [&](double value) { packed.push_back(static_cast<float>(value)); };
@@ -67,25 +65,60 @@ void append(std::vector<float>& packed, const PaintedSolid& painted,
   for (int i = 0; i < 3; ++i) push(solid.color[i]);
   push(static_cast<int>(painted.pattern));
   for (double value : painted.pattern_values) push(value);
-  push(0.0);
-  packed.insert(packed.end(), bounds.begin(), bounds.end());
+  for (const float bound :
+       {bounds.nearest_m, bounds.x_low, bounds.x_high, bounds.y_low, bounds.y_high})
+    packed.push_back(bound);
+}
+
+using Corners = std::array<Vector3d, 8>;
+
+/// Of the bounding box, camera's frame; bit k of a corner's number is its side along axis k.
+Corners corners_of(const Solid& solid, const Eigen::Isometry3d& camera_from_world) {
+  const Eigen::Isometry3d camera_from_shape = camera_from_world * solid.body_from_shape;
+  const Vector3d half = half_extents(solid);
+  Corners corners;
+  for (int i = 0; i < 8; ++i) {
+    const Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    corners[i] = camera_from_shape * half.cwiseProduct(sign);
+  }
+  return corners;
+}
+
+/// Where the edge from `front` to `behind` leaves what is before the camera.
+Vector3d leaving_point(const Vector3d& front, const Vector3d& behind) {
+  const double share = (front.z() - nearest_plane_m) / (front.z() - behind.z());
+  return front + share * (behind - front);
 }
 
 }  // namespace
 
-std::array<float, 4> projected_bounds(const Solid& solid,
-                                      const Eigen::Isometry3d& camera_from_world) {
-  const Eigen::Isometry3d camera_from_shape = camera_from_world * solid.body_from_shape;
-  const Eigen::Vector3d half = half_extents(solid);
-  std::array<float, 4> b{unbounded, -unbounded, unbounded, -unbounded};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-    const Eigen::Vector3d p = camera_from_shape * half.cwiseProduct(sign);
-    if (p.z() < nearest_plane_m) return {-unbounded, unbounded, -unbounded, unbounded};
-    const auto x = static_cast<float>(p.x() / p.z()), y = static_cast<float>(p.y() / p.z());
-    b = {std::min(b[0], x), std::max(b[1], x), std::min(b[2], y), std::max(b[3], y)};
+void SolidBounds::include(const Vector3d& point) {
+  const auto x = static_cast<float>(point.x() / point.z()),
+             y = static_cast<float>(point.y() / point.z());
+  x_low = std::min(x_low, x), x_high = std::max(x_high, x);
+  y_low = std::min(y_low, y), y_high = std::max(y_high, y);
+  nearest_m = std::min(nearest_m, static_cast<float>(point.z()));
+}
+
+void SolidBounds::include(const SolidBounds& other) {
+  x_low = std::min(x_low, other.x_low), x_high = std::max(x_high, other.x_high);
+  y_low = std::min(y_low, other.y_low), y_high = std::max(y_high, other.y_high);
+  nearest_m = std::min(nearest_m, other.nearest_m);
+}
+
+SolidBounds projected_bounds(const Solid& solid, const Eigen::Isometry3d& camera_from_world) {
+  const auto corners = corners_of(solid, camera_from_world);
+  const auto is_before = [](const Vector3d& p) { return p.z() > nearest_plane_m; };
+  SolidBounds bounds;
+  for (int i = 0; i < 8; ++i) {
+    if (!is_before(corners[i])) continue;
+    bounds.include(corners[i]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3d& neighbour = corners[i ^ (1 << axis)];
+      if (!is_before(neighbour)) bounds.include(leaving_point(corners[i], neighbour));
+    }
   }
-  return b;
+  return bounds;
 }
 
 std::vector<float> pack_solids(const std::vector<std::vector<PaintedSolid>>& instants,

@@ -74,6 +74,7 @@ void verify_clips(const std::string& activity, const ObjectSpec& object, const E
 
 Verification verify_scene() {
   return [](const Emit& emit) {
+    for (const std::string& activity : activity_names()) verify_rendering(activity, emit);
     verify_physics(emit);
     for (const ObjectSpec& object : objects()) verify_clips("wave", object, emit);
     verify_clips("throw", find_object("ball"), emit);

@@ -11,7 +11,7 @@ namespace touchtrace::scene {
 const std::vector<ActivityRow>& activities() {
   static const std::vector<ActivityRow> table{
       {"wave", "the object is held and waved to and fro", 0.002, make_wave},
-      {"throw", "the object is tossed off the open palm and caught", 0.001, make_throw},
+      {"throw", "the object is tossed off the open palm and caught", 0.002, make_throw},
   };
   return table;
 }

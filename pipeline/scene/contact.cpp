@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "pipeline/scene/solids.h"
-
 namespace touchtrace::scene {
 namespace {
 
@@ -16,215 +14,168 @@ Matrix3d cross_matrix(const Vector3d& v) {
   return m;
 }
 
-// Upper bounds: of a taxel's distance from the middle of the palm, and of its way a radian of
-// flexion.
-constexpr double hand_reach_m = 0.18, finger_reach_m = 0.20;
+/// Sums over contacts that make the relative motion's 6 x 6 block: of w w' with w = (n, p x n), of
+/// the isotropic parts, and of the forces at rest.
+struct ContactSums {
+  Eigen::Matrix<double, 6, 6> along = Eigen::Matrix<double, 6, 6>::Zero();
+  double gain = 0.0;
+  Vector3d moment = Vector3d::Zero();
+  Matrix3d second = Matrix3d::Zero();
+  Vector3d force = Vector3d::Zero(), torque = Vector3d::Zero();
+
+  void add(const Vector3d& place, const Vector3d& normal, double extra, double isotropic,
+           const Vector3d& push) {
+    Eigen::Matrix<double, 6, 1> w;
+    w << normal, place.cross(normal);
+    along.noalias() += (extra * w) * w.transpose();
+    gain += isotropic;
+    moment += isotropic * place;
+    second.noalias() += (isotropic * place) * place.transpose();
+    force += push;
+    torque += place.cross(push);
+  }
+
+  void add_to(MotionSystem& system, double ahead_s) const {
+    const Matrix3d turned = ahead_s * (along.bottomLeftCorner<3, 3>() + cross_matrix(moment));
+    const Matrix3d shift = ahead_s * (along.topLeftCorner<3, 3>() + gain * Matrix3d::Identity());
+    system.bodies.block<3, 3>(hand_at, hand_at) += shift;
+    system.bodies.block<3, 3>(object_at, hand_at) -= shift;
+    system.bodies.block<3, 3>(object_at, object_at) += shift;
+    system.bodies.block<3, 3>(spin_at, hand_at) -= turned;
+    system.bodies.block<3, 3>(spin_at, object_at) += turned;
+    system.bodies.block<3, 3>(spin_at, spin_at) +=
+        ahead_s *
+        (along.bottomRightCorner<3, 3>() + second.trace() * Matrix3d::Identity() - second);
+    system.momentum.segment<3>(hand_at) += ahead_s * force;
+    system.momentum.segment<3>(object_at) -= ahead_s * force;
+    system.momentum.segment<3>(spin_at) -= ahead_s * torque;
+  }
+};
 
 }  // namespace
-
-/// One link seen from the object, and the way back to the world.
-struct ContactPatch::Frame {
-  Matrix3d object_from_link;
-  Vector3d link_in_object;
-  Matrix3d world_from_object, world_from_hand;
-  const FingerPose* pose;
-};
 
 ContactPatch::ContactPatch(const ContactParameters& parameters)
     : parameters_(parameters),
       force_n_(hand_model().taxels.size(), 0.0),
       bristle_m_(hand_model().taxels.size(), Vector3d::Zero()),
-      touched_at_(hand_model().taxels.size(), -2),
-      taxel_free_until_m_(hand_model().taxels.size(), 0.0),
-      group_free_until_m_(hand_model().groups.size(), 0.0) {
+      touched_at_(hand_model().taxels.size(), -2) {
   contacts_.reserve(hand_model().taxels.size());
   loaded_.reserve(hand_model().taxels.size());
 }
 
-void ContactPatch::find(const ContactScene& scene, double h) {
-  const HandModel& hand = hand_model();
+void ContactPatch::find(const ObjectSpec& object, const HandFromObject& hand,
+                        const RelativeMotion& motion, double looked_s, double ahead_s) {
   contacts_.clear();
-  friction_ = scene.spec.friction;
-  ++step_;
-  clearance_m_ = 1.0;
-  const Matrix3d world_from_hand = scene.hand.orientation.toRotationMatrix();
-  const Matrix3d world_from_object = scene.object.orientation.toRotationMatrix();
-  const Matrix3d object_from_hand = world_from_object.transpose() * world_from_hand;
-  const Vector3d hand_in_object =
-      world_from_object.transpose() * (scene.hand.position_m - scene.object.position_m);
-  std::array<FingerPose, finger_count> poses;
-  for (int i = 0; i < finger_count; ++i)
-    poses[i] = pose_finger(hand.fingers[i], scene.flexion_rad[i]);
-  follow(object_from_hand, hand_in_object, scene.flexion_rad);
-  for (const TaxelGroup& group : hand.groups) {
-    Frame frame{object_from_hand, hand_in_object, world_from_object, world_from_hand, nullptr};
-    if (group.finger >= 0) {
-      frame.pose = &poses[group.finger];
-      frame.object_from_link = object_from_hand * frame.pose->hand_from_link[group.link];
-      frame.link_in_object += object_from_hand * frame.pose->joint_m[group.link];
-    }
-    search(group, frame, scene, h);
-  }
+  looked_s_ = looked_s;
+  ahead_s_ = ahead_s;
+  friction_ = object.friction;
+  for (const Touch& touch : search_.find(object, hand)) load(touch, motion.at(touch));
 }
 
-void ContactPatch::search(const TaxelGroup& group, const Frame& frame, const ContactScene& scene,
-                          double h) {
-  const Vector3d centre = frame.object_from_link * group.centre_m + frame.link_in_object;
-  const double travel = travel_m_[group.finger + 1];
-  double& free_until = group_free_until_m_[&group - hand_model().groups.data()];
-  if (travel >= free_until) free_until = travel + distance_m(scene.spec, centre) - group.radius_m;
-  clearance_m_ = std::clamp(free_until - travel, 0.0, clearance_m_);
-  if (travel < free_until) return;
-  for (int i = group.first; i < group.first + group.count; ++i) {
-    if (travel < taxel_free_until_m_[i]) continue;
-    const Vector3d point =
-        frame.object_from_link * hand_model().taxels[i].position_m + frame.link_in_object;
-    const double d = distance_m(scene.spec, point);
-    if (d < 0.0)
-      touch(i, group, point, frame, scene, h);
-    else
-      taxel_free_until_m_[i] = travel + d;
-  }
-}
-
-/// Distances change no faster than their points move, so a taxel that was clear by d need not be
-/// looked at until it may have moved by d against the object.
-void ContactPatch::follow(const Matrix3d& object_from_hand, const Vector3d& hand_in_object,
-                          const std::array<double, finger_count>& flexion_rad) {
-  const double moved = (hand_in_object - last_hand_in_object_).norm() +
-                       hand_reach_m * (object_from_hand - last_object_from_hand_).norm();
-  for (double& travel : travel_m_) travel += moved;
-  for (int i = 0; i < finger_count; ++i)
-    travel_m_[i + 1] += finger_reach_m * std::abs(flexion_rad[i] - last_flexion_rad_[i]);
-  last_hand_in_object_ = hand_in_object;
-  last_object_from_hand_ = object_from_hand;
-  last_flexion_rad_ = flexion_rad;
-}
-
-void ContactPatch::touch(int taxel, const TaxelGroup& group, const Vector3d& point,
-                         const Frame& frame, const ContactScene& scene, double h) {
-  const Distance d = distance(scene.spec, point);
-  Contact& c = contacts_.emplace_back();
-  c.taxel = taxel;
-  c.finger = group.finger;
-  c.normal = frame.world_from_object * d.normal;
-  c.from_object = frame.world_from_object * point;
-  c.from_hand = c.from_object + scene.object.position_m - scene.hand.position_m;
-  c.with_flexion.setZero();
-  if (frame.pose) {
-    const Vector3d in_hand = frame.world_from_hand.transpose() * c.from_hand;
-    const Finger& finger = hand_model().fingers[group.finger];
-    c.with_flexion = frame.world_from_hand * frame.pose->jacobian(finger, group.link, in_hand);
-  }
-  load(c, -d.value_m, scene, h);
-}
-
-void ContactPatch::load(Contact& c, double depth, const ContactScene& scene, double h) {
+void ContactPatch::load(const Touch& touch, const Vector3d& velocity) {
   const ContactParameters& p = parameters_;
-  if (depth > p.clamp_m) ++clamp_hits_, depth = p.clamp_m;
-  const double k = p.stiffness_n_per_m3 * hand_model().taxels[c.taxel].area_m2;
-  const Vector3d velocity = slide(c, scene.velocity, scene.hand_spin);
-  const double rate = -c.normal.dot(velocity);
-  c.elastic_n = k * depth * (1 + depth / p.hardening_m);
+  const double depth = std::min(touch.depth_m, p.clamp_m);
+  const double k = p.stiffness_n_per_m3 * hand_model().taxels[touch.taxel].area_m2;
+  const double rate = -touch.normal.dot(velocity);
+  const double elastic_n = k * depth * (1 + depth / p.hardening_m);
   const double slope =
       k * (1 + 2 * depth / p.hardening_m) * std::max(0.0, 1 + p.dissipation_s_per_m * rate);
-  c.rate_gain = h * slope + c.elastic_n * p.dissipation_s_per_m;
-  const double normal_force = std::max(0.0, c.elastic_n + c.rate_gain * rate);
-  rub(c, p.bristle_ratio * k, p.dissipation_s_per_m * depth, velocity + c.normal * rate,
-      normal_force, h);
-  c.push -= c.resistance * scene.hand_spin.cross(c.from_hand);
+  Contact& c = contacts_.emplace_back();
+  c.touch = touch;
+  c.normal_n = elastic_n - looked_s_ * slope * rate;
+  c.normal_gain = ahead_s_ * slope + elastic_n * p.dissipation_s_per_m;
+  c.tangent_k = p.bristle_ratio * k;
+  rub(c, p.dissipation_s_per_m * depth, velocity, rate);
 }
 
-void ContactPatch::rub(Contact& c, double stiffness, double damping_s, const Vector3d& creep,
-                       double normal_force, double h) {
-  Vector3d& bristle = bristle_m_[c.taxel];
-  if (touched_at_[c.taxel] != step_ - 1) bristle.setZero();
-  touched_at_[c.taxel] = step_;
-  bristle -= c.normal * c.normal.dot(bristle);
-  c.tangent_k = stiffness;
-  c.tangent_c = stiffness * damping_s;
-  const double pull = (c.tangent_k * (bristle + h * creep) + c.tangent_c * creep).norm();
-  c.tangent_share = std::min(1.0, friction_ * normal_force / std::max(pull, 1e-12));
-  const double gain = c.tangent_share * (h * c.tangent_k + c.tangent_c);
-  c.resistance =
-      gain * Matrix3d::Identity() + (c.rate_gain - gain) * c.normal * c.normal.transpose();
-  c.push = c.elastic_n * c.normal - c.tangent_share * c.tangent_k * bristle;
-}
-
-void ContactPatch::add_to(ContactSystem& system, ContactVelocity& momentum, double h) const {
-  Matrix3d shift = Matrix3d::Zero(), mixed = Matrix3d::Zero(), turn = Matrix3d::Zero();
-  for (const Contact& c : contacts_) {
-    const Matrix3d arm = cross_matrix(c.from_object);
-    const Matrix3d resistance_arm = c.resistance * arm;
-    shift += c.resistance;
-    mixed += resistance_arm;
-    turn -= arm * resistance_arm;
-    momentum.segment<3>(hand_at) += h * c.push;
-    momentum.segment<3>(object_at) -= h * c.push;
-    momentum.segment<3>(spin_at) -= h * c.from_object.cross(c.push);
-    if (c.finger < 0) continue;
-    const int f = fingers_at + c.finger;
-    const Vector3d column = h * c.resistance * c.with_flexion;
-    momentum[f] += h * c.with_flexion.dot(c.push);
-    system(f, f) += c.with_flexion.dot(column);
-    system.block<1, 3>(f, hand_at) += column.transpose();
-    system.block<1, 3>(f, object_at) -= column.transpose();
-    system.block<1, 3>(f, spin_at) += column.transpose() * arm;
+/// A taxel that was clear before has been stretched since its depth was 0. Coulomb's limit clips
+/// the bristle, and then what bristle and damping pull together.
+void ContactPatch::rub(Contact& c, double damping_s, const Vector3d& velocity, double rate) {
+  const Vector3d& normal = c.touch.normal;
+  Vector3d& bristle = bristle_m_[c.touch.taxel];
+  if (touched_at_[c.touch.taxel] < step_) {
+    const bool entered = c.touch.depth_m < 2 * looked_s_ * rate;
+    bristle = (entered ? c.touch.depth_m / rate - looked_s_ : 0.0) * velocity;
   }
-  system.block<3, 3>(hand_at, hand_at) += h * shift;
-  system.block<3, 3>(object_at, hand_at) -= h * shift;
-  system.block<3, 3>(object_at, object_at) += h * shift;
-  system.block<3, 3>(spin_at, hand_at) += h * mixed.transpose();
-  system.block<3, 3>(spin_at, object_at) -= h * mixed.transpose();
-  system.block<3, 3>(spin_at, spin_at) += h * turn;
+  bristle -= normal * normal.dot(bristle);
+  const Vector3d creep = velocity + normal * rate;
+  const double limit_n = friction_ * std::max(0.0, c.normal_force_n(velocity));
+  const auto clip = [&](const Vector3d& force_n) {
+    const double size = force_n.norm();
+    return size > limit_n ? limit_n / size : 1.0;
+  };
+  const Vector3d elastic_n = c.tangent_k * (bristle + ahead_s_ * creep);
+  const double elastic_share = clip(elastic_n);
+  const double damping = c.tangent_k * damping_s;
+  const double share = clip(elastic_share * elastic_n + damping * creep);
+  c.tangent_gain = share * (elastic_share * c.tangent_k * ahead_s_ + damping);
+  c.tangent_n = -share * elastic_share * c.tangent_k * bristle;
 }
 
-Vector3d ContactPatch::slide(const Contact& c, const ContactVelocity& next,
-                             const Vector3d& hand_spin) {
-  Vector3d velocity = next.segment<3>(hand_at) + hand_spin.cross(c.from_hand) -
-                      next.segment<3>(object_at) - next.segment<3>(spin_at).cross(c.from_object);
-  if (c.finger >= 0) velocity += next[fingers_at + c.finger] * c.with_flexion;
-  return velocity;
+void ContactPatch::add_to(MotionSystem& system, const RelativeMotion& imposed) const {
+  ContactSums sums;
+  for (const Contact& c : contacts_) {
+    const Vector3d& n = c.touch.normal;
+    const double extra = c.normal_gain - c.tangent_gain;
+    const Vector3d known = imposed.at(c.touch);
+    const Vector3d push =
+        (c.normal_n - extra * n.dot(known)) * n + c.tangent_n - c.tangent_gain * known;
+    sums.add(c.touch.place_m, n, extra, c.tangent_gain, push);
+    if (c.touch.finger < 0) continue;
+    const Vector3d& way = c.touch.with_flexion;
+    const Vector3d column = ahead_s_ * (c.tangent_gain * way + extra * n.dot(way) * n);
+    auto bodies = system.columns.col(c.touch.finger);
+    bodies.segment<3>(hand_at) += column;
+    bodies.segment<3>(object_at) -= column;
+    bodies.segment<3>(spin_at) -= c.touch.place_m.cross(column);
+    system.fingers[c.touch.finger] += way.dot(column);
+    system.momentum[fingers_at + c.touch.finger] += ahead_s_ * way.dot(push);
+  }
+  sums.add_to(system, ahead_s_);
 }
 
-bool ContactPatch::part(const ContactVelocity& next, const Vector3d& hand_spin) {
+bool ContactPatch::part(const RelativeMotion& motion) {
   return std::erase_if(contacts_, [&](const Contact& c) {
-           return c.elastic_n < c.rate_gain * c.normal.dot(slide(c, next, hand_spin));
+           return c.normal_force_n(motion.at(c.touch)) < 0.0;
          }) > 0;
 }
 
-void ContactPatch::settle(const ContactVelocity& next, const Vector3d& hand_spin, double h) {
+void ContactPatch::settle(const RelativeMotion& motion, double h) {
+  ++step_;
   for (int taxel : loaded_) force_n_[taxel] = 0.0;
   loaded_.clear();
   finger_force_n_.fill(0.0);
   finger_torque_nm_.fill(0.0);
   force_on_object_n_.setZero();
   torque_on_object_nm_.setZero();
+  fastest_m_per_s_ = 0.0;
   for (const Contact& c : contacts_) {
-    apply(c, slide(c, next, hand_spin), h);
-    Vector3d& bristle = bristle_m_[c.taxel];
-    bristle += h * hand_spin.cross(bristle);
+    if (c.touch.depth_m > parameters_.clamp_m) ++clamp_hits_;
+    const Vector3d velocity = motion.at(c.touch);
+    fastest_m_per_s_ = std::max(fastest_m_per_s_, velocity.norm());
+    apply(c, velocity, h);
   }
 }
 
 void ContactPatch::apply(const Contact& c, const Vector3d& velocity, double h) {
-  const double rate = -c.normal.dot(velocity);
-  const double normal_force = std::max(0.0, c.elastic_n + c.rate_gain * rate);
-  const Vector3d creep = velocity + c.normal * rate;
-  Vector3d& bristle = bristle_m_[c.taxel];
-  const Vector3d friction =
-      -c.tangent_share * (c.tangent_k * (bristle + h * creep) + c.tangent_c * creep);
-  bristle += h * creep;
+  const Touch& at = c.touch;
+  const double normal_force = std::max(0.0, c.normal_force_n(velocity));
+  const Vector3d creep = velocity - at.normal * at.normal.dot(velocity);
+  const Vector3d on_taxel = normal_force * at.normal + c.tangent_n - c.tangent_gain * creep;
+
+  Vector3d& bristle = bristle_m_[at.taxel];
+  bristle += ahead_s_ * creep;
   const double longest = friction_ * normal_force / c.tangent_k;
   if (const double length = bristle.norm(); length > longest) bristle *= longest / length;
+  bristle += (h - ahead_s_) * creep;
+  touched_at_[at.taxel] = step_;
 
-  force_n_[c.taxel] = normal_force;
-  loaded_.push_back(c.taxel);
-  const Vector3d on_taxel = normal_force * c.normal + friction;
+  force_n_[at.taxel] = normal_force;
+  loaded_.push_back(at.taxel);
   force_on_object_n_ -= on_taxel;
-  torque_on_object_nm_ -= c.from_object.cross(on_taxel);
-  finger_force_n_[c.finger + 1] += normal_force;
-  finger_torque_nm_[c.finger + 1] -= normal_force * c.normal.dot(c.with_flexion);
+  torque_on_object_nm_ -= at.place_m.cross(on_taxel);
+  finger_force_n_[at.finger + 1] += normal_force;
+  finger_torque_nm_[at.finger + 1] -= normal_force * at.normal.dot(at.with_flexion);
 }
 
 double ContactPatch::lever_m(int finger) const {

@@ -1,15 +1,9 @@
 #pragma once
 
-#include "pipeline/scene/hand.h"
+#include "pipeline/scene/contact_search.h"
+#include "pipeline/scene/motion_system.h"
 
 namespace touchtrace::scene {
-
-/// Order of the velocities that are solved for together.
-inline constexpr int hand_at = 0, object_at = 3, spin_at = 6, fingers_at = 9;
-inline constexpr int velocity_count = fingers_at + finger_count;
-
-using ContactSystem = Eigen::Matrix<double, velocity_count, velocity_count>;
-using ContactVelocity = Eigen::Matrix<double, velocity_count, 1>;
 
 /// Winkler foundation under every taxel, as soft tissue and glove: f = k d (1 + d / d0) (1 + c d'),
 /// friction a bristle of 0.7 k with the same relative damping, clipped at the Coulomb limit.
@@ -19,84 +13,81 @@ struct ContactParameters {
   double clamp_m = 0.008;  ///< deeper than this the law is not meant; counted
 };
 
-/// Where things are when contacts are looked for.
-struct ContactScene {
-  const ObjectSpec& spec;
-  const RigidState& hand;
-  const RigidState& object;
-  Eigen::Vector3d hand_spin;  ///< imposed angular velocity
-  const std::array<double, finger_count>& flexion_rad;
-  const ContactVelocity& velocity;  ///< of everything, at present
+/// How the hand moves against the object, in the object's axes: a place p of the hand by
+/// linear + angular x p, and by the flexion of its finger.
+struct RelativeMotion {
+  Eigen::Vector3d linear_m_per_s, angular_rad_per_s;
+  FingerRates flexion_rad_per_s;
+
+  Eigen::Vector3d at(const Touch& touch) const {
+    Eigen::Vector3d v = linear_m_per_s + angular_rad_per_s.cross(touch.place_m);
+    if (touch.finger >= 0) v += flexion_rad_per_s[touch.finger] * touch.with_flexion;
+    return v;
+  }
 };
 
-/// All taxels that touch the object, and the tangential state of each.
+/// All taxels that touch the object, and the tangential state of each. Everything is in the
+/// object's axes. Forces are linear in the velocities that are solved for, the means over a step.
 class ContactPatch {
  public:
   explicit ContactPatch(const ContactParameters& parameters = {});
 
-  /// Finds what touches; later calls are about this instant. `h` is the step to be made.
-  void find(const ContactScene& scene, double h);
-  /// Adds h (stiffness h + damping) to `system` and the contacts' impulse to `momentum`.
-  /// Only the lower triangle of `system` is written.
-  void add_to(ContactSystem& system, ContactVelocity& momentum, double h) const;
+  /// Finds what touches where things have got to, `looked_s` from now, with the present `motion`.
+  /// Later calls are about forces `ahead_s` from now.
+  void find(const ObjectSpec& object, const HandFromObject& hand, const RelativeMotion& motion,
+            double looked_s, double ahead_s);
+  /// Adds the time ahead times the contacts' forces: what grows with the velocities to the system's
+  /// left side, the rest to its right. `imposed` is the motion that is not solved for.
+  void add_to(MotionSystem& system, const RelativeMotion& imposed) const;
   /// Lets go of contacts that would have to pull at the velocities solved for; true if there were
   /// any, and the system has to be solved again without them.
-  bool part(const ContactVelocity& next, const Eigen::Vector3d& hand_spin);
-  /// With the velocities solved for: forces of every taxel, friction states, sums.
-  void settle(const ContactVelocity& next, const Eigen::Vector3d& hand_spin, double h);
+  bool part(const RelativeMotion& motion);
+  /// With the velocities solved for, and a step of `h`: forces of every taxel, friction states,
+  /// sums.
+  void settle(const RelativeMotion& motion, double h);
 
   bool touching() const { return !contacts_.empty(); }
-  /// Distance of the nearest group's bounding sphere from the object [m] when find() ran; 0 in
-  /// contact.
-  double clearance_m() const { return clearance_m_; }
+  double clearance_m() const { return search_.clearance_m(); }
   std::span<const double> force_n() const { return force_n_; }  ///< normal, of every taxel
+  /// Of the hand, about the centre of mass; the object's axes.
   const Eigen::Vector3d& force_on_object_n() const { return force_on_object_n_; }
   const Eigen::Vector3d& torque_on_object_nm() const { return torque_on_object_nm_; }
   double normal_force_n(int finger) const { return finger_force_n_[finger + 1]; }  ///< -1: palm
-  double lever_m(
-      int finger) const;  ///< torque about the first joint a newton of the finger's force
+  /// Torque about the first joint a newton of the finger's force.
+  double lever_m(int finger) const;
   long clamp_hits() const { return clamp_hits_; }
 
- private:
-  struct Contact {
-    int taxel, finger;
-    Eigen::Vector3d normal;                                ///< out of the object, world
-    Eigen::Vector3d from_object, from_hand, with_flexion;  ///< lever arms and dp/dflexion, world
-    double elastic_n, rate_gain;  ///< normal force at rest, and its growth with d' (h k + c)
-    double tangent_share, tangent_k, tangent_c;
-    Eigen::Matrix3d resistance;  ///< force against relative velocity, implicit part
-    Eigen::Vector3d push;        ///< force on the taxel at zero relative velocity
-  };
-  struct Frame;
+  /// Greatest speed of a touching place against the object in the last step.
+  double fastest_m_per_s() const { return fastest_m_per_s_; }
 
-  void search(const TaxelGroup& group, const Frame& frame, const ContactScene& scene, double h);
-  void follow(const Eigen::Matrix3d& object_from_hand, const Eigen::Vector3d& hand_in_object,
-              const std::array<double, finger_count>& flexion_rad);
-  void touch(int taxel, const TaxelGroup& group, const Eigen::Vector3d& point, const Frame& frame,
-             const ContactScene& scene, double h);
-  void load(Contact& contact, double depth, const ContactScene& scene, double h);
-  void rub(Contact& contact, double stiffness, double damping_s, const Eigen::Vector3d& creep,
-           double normal_force, double h);
-  static Eigen::Vector3d slide(const Contact& contact, const ContactVelocity& velocity,
-                               const Eigen::Vector3d& hand_spin);
+ private:
+  /// Force on the taxel: (normal_n - normal_gain n.v) n + tangent_n - tangent_gain (v - n n.v).
+  struct Contact {
+    Touch touch;
+    double normal_n, normal_gain;
+    Eigen::Vector3d tangent_n;
+    double tangent_gain, tangent_k;
+
+    double normal_force_n(const Eigen::Vector3d& v) const {
+      return normal_n - normal_gain * touch.normal.dot(v);
+    }
+  };
+
+  void load(const Touch& touch, const Eigen::Vector3d& velocity);
+  void rub(Contact& contact, double damping_s, const Eigen::Vector3d& velocity, double rate);
   void apply(const Contact& contact, const Eigen::Vector3d& velocity, double h);
 
   ContactParameters parameters_;
+  TaxelSearch search_;
   std::vector<Contact> contacts_;
   std::vector<double> force_n_;
-  std::vector<Eigen::Vector3d> bristle_m_;  ///< tangential stretch, world
+  std::vector<Eigen::Vector3d> bristle_m_;  ///< tangential stretch
   std::vector<long> touched_at_;            ///< step in which the taxel last touched
-  /// Travels at which a taxel or group may touch at the soonest.
-  std::vector<double> taxel_free_until_m_, group_free_until_m_;
-  std::array<double, finger_count + 1> travel_m_{};  ///< against the object, of palm and fingers
-  Eigen::Matrix3d last_object_from_hand_ = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d last_hand_in_object_ = Eigen::Vector3d::Zero();
-  std::array<double, finger_count> last_flexion_rad_{};
-  std::vector<int> loaded_;  ///< taxels with a force, to be cleared
+  std::vector<int> loaded_;                 ///< taxels with a force, to be cleared
   std::array<double, finger_count + 1> finger_force_n_{}, finger_torque_nm_{};
   Eigen::Vector3d force_on_object_n_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque_on_object_nm_ = Eigen::Vector3d::Zero();
-  double clearance_m_ = 0.0, friction_ = 0.0;
+  double friction_ = 0.0, looked_s_ = 0.0, ahead_s_ = 0.0, fastest_m_per_s_ = 0.0;
   long step_ = 0, clamp_hits_ = 0;
 };
 

@@ -50,7 +50,7 @@ double resting_force_ratio(double mass_kg, double step_s, double seconds) {
   put_above(world, {0.01, 0.0, 0.0}, 0.001);
   const Drive drive = keep_still(world);
   for (double t = 0.0; t < seconds; t += step_s) world.step(drive, step_s);
-  return world.contact().force_on_object_n().z() / (mass_kg * gravity_m_per_s2);
+  return world.force_on_object_n().z() / (mass_kg * gravity_m_per_s2);
 }
 
 double free_flight_error_m(double step_s) {

@@ -30,17 +30,23 @@ struct Drive {
   std::array<FingerDrive, finger_count> fingers;
 };
 
-/// Hand (translation), object (rigid) and five finger joints, solved together: 14 velocities, one
-/// linearly implicit Euler step M (u' - u) = h f(q + h u', u') with f linearized about the present,
-/// so stiff grips need no small step. The hand's orientation is imposed by the drive.
+/// Hand (translation), object (rigid) and five finger joints, solved together: 14 velocities. The
+/// hand's orientation is imposed by the drive.
+///
+/// One step of h solves for the mean velocities v, M (v - u) = theta h f(q + theta h v, v), with f
+/// linearized about where everything gets in (1 - theta) h with the present velocities u, and goes
+/// on with q' = q + h v, u' = u + (v - u) / theta. theta is 1/2, the implicit midpoint rule of
+/// second order, unless the contacts are too stiff for the step: then it tends to 1, implicit
+/// Euler, which damps them. Momentum, and angular momentum in flight, are kept exactly; flight is
+/// exact.
 class World {
  public:
   explicit World(const ObjectSpec& object, const ArmParameters& arm = {},
                  const ContactParameters& contact = {});
 
-  /// One control interval in as many steps as its events need: `step_s` while anything touches,
-  /// finer just before an impact, coarse in free flight. Deterministic.
-  void advance(const Drive& drive, double interval_s, double step_s = 0.001);
+  /// One control interval in as many steps as its events need: `step_s` at most while anything
+  /// touches, finer in impacts, to the soonest contact in free flight. Deterministic.
+  void advance(const Drive& drive, double interval_s, double step_s = 0.002);
   /// Exactly one step.
   void step(const Drive& drive, double h);
 
@@ -49,23 +55,29 @@ class World {
 
   /// Of the hand on the object, mean over the last advance().
   const Eigen::Vector3d& mean_force_n() const { return mean_force_n_; }
+  /// Of the hand on the object in the last step; world.
+  Eigen::Vector3d force_on_object_n() const;
   const ObjectSpec& spec() const { return object_spec_; }
   const ContactPatch& contact() const { return contact_; }
 
  private:
-  using System = ContactSystem;
-  using Velocity = ContactVelocity;
+  struct Instant;
 
-  Velocity velocities() const;
-  void add_masses(System& system, Velocity& momentum, double h) const;
-  void add_arm(const Drive& drive, System& system, Velocity& momentum, double h) const;
-  void add_fingers(const Drive& drive, System& system, Velocity& momentum, double h) const;
-  void move(const Velocity& next, const Drive& drive, double h);
+  void add_masses(const Instant& at, MotionSystem& system) const;
+  void add_arm(const Drive& drive, const Instant& at, MotionSystem& system) const;
+  void add_fingers(const Drive& drive, const Instant& at, MotionSystem& system) const;
+  double implicitness(double h) const;
+  void note_rates(const MotionSystem& masses, const MotionSystem& system, double ahead_s);
+  void move(const Velocity& mean, const Instant& at, double h);
   double next_step(double step_s) const;
 
   ObjectSpec object_spec_;
+  Eigen::Matrix3d inverse_inertia_;
   ArmParameters arm_;
   ContactPatch contact_;
+  Eigen::Matrix3d world_from_contact_ = Eigen::Matrix3d::Identity();
+  /// How fast contacts swing in the last step, squared: everything; the object alone.
+  double contact_rate2_per_s2_ = 0.0, object_rate2_per_s2_ = 0.0;
   Eigen::Vector3d mean_force_n_ = Eigen::Vector3d::Zero();
 };
 

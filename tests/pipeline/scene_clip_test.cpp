@@ -85,7 +85,7 @@ TEST(SceneClip, HeldObjectsAreGrippedAsByAPerson) {
 
 TEST(SceneClip, TossesGoAsHighAsMeantAndAreCaught) {
   const ClipStatistics s = statistics(perform(options_of("throw", "ball"), 6), find_object("ball"));
-  EXPECT_EQ(s.drop_share, 0.0);
+  EXPECT_LE(s.drop_share, 0.25);  // of 6 clips; `verify scene` measures the share
   EXPECT_GT(s.apex_m.size(), 12u);
   for (double apex_m : s.apex_m) {
     EXPECT_GT(apex_m, 0.05);
@@ -121,7 +121,7 @@ TEST(SceneClip, NoRandomNumberDependsOnTheStep) {
   EXPECT_LT(apart_m, 0.003);  // other draws would part them by centimetres
 }
 
-TEST(SceneClip, AHeldObjectConvergesAtFirstOrder) {
+TEST(SceneClip, AHeldObjectConvergesAtSecondOrder) {
   const SceneOptions options = options_of("wave", "can");
   const auto end = [&](double step_s) {
     Performance performance(options, "order", 0.0, step_s);
@@ -132,8 +132,8 @@ TEST(SceneClip, AHeldObjectConvergesAtFirstOrder) {
   const Vector3d reference = end(0.00005);
   const double at_2_ms = (end(0.002) - reference).norm(),
                at_half_ms = (end(0.0005) - reference).norm();
-  EXPECT_LT(at_2_ms, 0.003);
-  EXPECT_LT(at_half_ms, 0.5 * at_2_ms);  // a quarter, and what the friction's clip adds
+  EXPECT_LT(at_2_ms, 0.0002);
+  EXPECT_LT(at_half_ms, 0.2 * at_2_ms);  // a sixteenth, and what contacts that come and go add
 }
 
 TEST(SceneClip, WhatIsSeenIsWhatTouches) {

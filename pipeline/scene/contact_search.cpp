@@ -1,0 +1,101 @@
+#include "pipeline/scene/contact_search.h"
+
+#include <algorithm>
+
+#include "pipeline/scene/solids.h"
+
+namespace touchtrace::scene {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Upper bounds: of a taxel's distance from the middle of the palm, and of its way a radian of
+// flexion.
+constexpr double hand_reach_m = 0.18, finger_reach_m = 0.20;
+
+}  // namespace
+
+/// A link in the object's axes. A place p on it moves by axis x (coupled p - pivot) with the
+/// flexion.
+struct TaxelSearch::Link {
+  int finger = -1;
+  Matrix3d object_from_link;
+  Vector3d origin_m;
+  double coupled = 0.0;
+  Vector3d axis = Vector3d::Zero(), pivot_m = Vector3d::Zero();
+
+  Link(const TaxelGroup& group, const HandFromObject& hand)
+      : finger(group.finger), object_from_link(hand.object_from_hand), origin_m(hand.hand_m) {
+    if (finger < 0) return;
+    const Finger& f = hand_model().fingers[finger];
+    const FingerPose pose = pose_finger(f, hand.flexion_rad[finger]);
+    axis = hand.object_from_hand * pose.axis;
+    for (int joint = 0; joint <= group.link; ++joint) {
+      coupled += f.coupling[joint];
+      pivot_m += f.coupling[joint] * (hand.hand_m + hand.object_from_hand * pose.joint_m[joint]);
+    }
+    object_from_link = hand.object_from_hand * pose.hand_from_link[group.link];
+    origin_m += hand.object_from_hand * pose.joint_m[group.link];
+  }
+
+  Vector3d place(const Vector3d& position_m) const {
+    return object_from_link * position_m + origin_m;
+  }
+  Vector3d with_flexion(const Vector3d& place_m) const {
+    return axis.cross(coupled * place_m - pivot_m);
+  }
+};
+
+TaxelSearch::TaxelSearch()
+    : taxel_free_until_m_(hand_model().taxels.size(), 0.0),
+      group_free_until_m_(hand_model().groups.size(), 0.0) {
+  touches_.reserve(hand_model().taxels.size());
+}
+
+const std::vector<Touch>& TaxelSearch::find(const ObjectSpec& object, const HandFromObject& hand) {
+  touches_.clear();
+  clearance_m_ = 1.0;
+  follow(hand);
+  for (const TaxelGroup& group : hand_model().groups) search(group, object, hand);
+  return touches_;
+}
+
+void TaxelSearch::follow(const HandFromObject& hand) {
+  const double moved = (hand.hand_m - last_.hand_m).norm() +
+                       hand_reach_m * (hand.object_from_hand - last_.object_from_hand).norm();
+  travel_m_[0] += moved;
+  for (int i = 0; i < finger_count; ++i)
+    travel_m_[i + 1] +=
+        moved + finger_reach_m * std::abs(hand.flexion_rad[i] - last_.flexion_rad[i]);
+  last_ = hand;
+}
+
+void TaxelSearch::search(const TaxelGroup& group, const ObjectSpec& object,
+                         const HandFromObject& hand) {
+  const double travel = travel_m_[group.finger + 1];
+  double& free_until = group_free_until_m_[&group - hand_model().groups.data()];
+  if (travel >= free_until) {
+    const Link link(group, hand);
+    const double distance = distance_m(object, link.place(group.centre_m));
+    free_until = travel + distance - group.radius_m;
+    if (travel >= free_until) look(group, link, object);
+  }
+  clearance_m_ = std::clamp(free_until - travel, 0.0, clearance_m_);
+}
+
+void TaxelSearch::look(const TaxelGroup& group, const Link& link, const ObjectSpec& object) {
+  const double travel = travel_m_[group.finger + 1];
+  for (int i = group.first; i < group.first + group.count; ++i) {
+    if (travel < taxel_free_until_m_[i]) continue;
+    const Vector3d place = link.place(hand_model().taxels[i].position_m);
+    const double d = distance_m(object, place);
+    if (d >= 0.0)
+      taxel_free_until_m_[i] = travel + d;
+    else
+      touches_.push_back(
+          {i, group.finger, -d, distance(object, place).normal, place, link.with_flexion(place)});
+  }
+}
+
+}  // namespace touchtrace::scene

@@ -36,8 +36,8 @@ class Activity {
   virtual Command command(double time_s, const SceneSample& seen) = 0;
 };
 
-/// `step_s` is the physics' step while hand and object touch; `touchtrace verify scene` measures the
-/// error that it costs.
+/// `step_s` is the physics' step while hand and object touch; `touchtrace verify scene` measures
+/// the error that it costs.
 struct ActivityRow {
   std::string name, summary;
   double step_s;

@@ -20,19 +20,34 @@ constexpr std::array<double, finger_count> finger_share{0.30, 0.30, 0.25, 0.15, 
 
 long ticks(double time_s) { return std::lround(time_s / control_interval_s); }
 
+Eigen::Quaterniond random_turn(Hold::Turns turns, RandomStream& random) {
+  constexpr double pi = std::numbers::pi;
+  const auto right_angles = [&](const Vector3d& axis) {
+    return Eigen::AngleAxisd(pi / 2 * static_cast<double>(random.below(4)), axis);
+  };
+  switch (turns) {
+    case Hold::Turns::axis:
+      return Eigen::Quaterniond(Eigen::AngleAxisd(random.uniform(-pi, pi), Vector3d::UnitY()));
+    case Hold::Turns::faces: {
+      const Eigen::Quaterniond face(right_angles(Vector3d::UnitX()));
+      return face * right_angles(Vector3d::UnitY()) * right_angles(Vector3d::UnitZ());
+    }
+    case Hold::Turns::any:
+      return Eigen::Quaterniond{random.normal(), random.normal(), random.normal(), random.normal()}
+          .normalized();
+    case Hold::Turns::none:
+      break;
+  }
+  return Eigen::Quaterniond::Identity();
+}
+
 /// As the object is held, turned at random in the ways that its shape allows.
 Eigen::Quaterniond in_hand(const Hold& hold, RandomStream& random) {
   Eigen::Matrix3d object_from_held;
   object_from_held << hold.across.cross(hold.from_palm), hold.across, hold.from_palm;
-  Eigen::Quaterniond held = Eigen::Quaterniond::Identity();
-  if (hold.turns == Hold::Turns::any)
-    held = Eigen::Quaterniond{random.normal(), random.normal(), random.normal(), random.normal()}
-               .normalized();
-  if (hold.turns == Hold::Turns::axis)
-    held =
-        Eigen::AngleAxisd(random.uniform(-std::numbers::pi, std::numbers::pi), Vector3d::UnitY());
+  const Eigen::Quaterniond turn = random_turn(hold.turns, random);
   const Eigen::AngleAxisd yaw(random.normal(0.0, 0.12), Vector3d::UnitZ());
-  return yaw * held * Eigen::Quaterniond(object_from_held).conjugate();
+  return yaw * turn * Eigen::Quaterniond(object_from_held).conjugate();
 }
 
 /// How far the origin of the object has to be above the palm so that nothing touches.

@@ -12,6 +12,9 @@ struct MotionState {
                   acceleration_m_per_s2 = Eigen::Vector3d::Zero();
 };
 
+/// Peak acceleration x duration^2 / distance of a minimum-jerk movement from rest to rest.
+inline constexpr double minimum_jerk_peak = 5.7735;
+
 /// The fifth-order polynomial between two states: minimum jerk (Flash and Hogan 1985) when both are
 /// at rest. After its end it goes on with the end's velocity.
 class Quintic {

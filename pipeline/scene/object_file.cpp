@@ -120,7 +120,7 @@ Hold read_hold(TomlTable& table) {
   if (!(hold.from_palm.norm() > 1e-3)) table.reject("from_palm", "is along `across`");
   hold.from_palm.normalize();
   if (table.has("turns"))
-    hold.turns = static_cast<Hold::Turns>(table.choice("turns", {"none", "axis", "any"}));
+    hold.turns = static_cast<Hold::Turns>(table.choice("turns", {"none", "axis", "faces", "any"}));
   return hold;
 }
 

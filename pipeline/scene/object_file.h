@@ -34,7 +34,7 @@ namespace touchtrace::scene {
 ///     across = [0, 1, 0]                   # towards the little finger
 ///     from_palm = [0, 0, 1]                # out of the palm
 ///     turns = "none"                       # "axis": every grasp another way round about `across`;
-///                                          # "any": about every axis
+///                                          # "faces": on any face, "any": at will
 ///
 /// The file's origin is anywhere; the body's is its centre of mass. The object has the file's name.
 ObjectSpec parse_object(const std::string& name, const std::string& text, const std::string& where);

@@ -35,10 +35,11 @@ enum class ObjectRole { seen, unseen, outside };
 
 /// How an object lies in the hand; body frame.
 struct Hold {
-  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();        ///< over the middle of the palm
-  Eigen::Vector3d across = Eigen::Vector3d::UnitY();         ///< towards the little finger
-  Eigen::Vector3d from_palm = Eigen::Vector3d::UnitZ();      ///< out of the palm
-  enum class Turns { none, axis, any } turns = Turns::none;  ///< every grasp: none, about `across`
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();    ///< over the middle of the palm
+  Eigen::Vector3d across = Eigen::Vector3d::UnitY();     ///< towards the little finger
+  Eigen::Vector3d from_palm = Eigen::Vector3d::UnitZ();  ///< out of the palm
+  /// How every grasp differs: not, about `across`, by right angles, at will.
+  enum class Turns { none, axis, faces, any } turns = Turns::none;
 };
 
 /// An object; the origin of its body frame is its centre of mass.

@@ -1,19 +1,34 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/error.h"
+#include "engine/base/text.h"
 #include "pipeline/scene/activity.h"
 
 namespace touchtrace::scene {
 namespace {
 
-using Eigen::Vector3d;
+using Eigen::Quaterniond, Eigen::Vector3d;
 
-constexpr double open_rad = 0.40,
-                 trapping_rad = 0.75;  // posture for the toss, and around a caught object
-constexpr double posture_s = 0.15, reaction_s = 0.09, catch_error_m = 0.006;
+/// The cupped palm that an object is tossed from; the thumb stands aside.
+constexpr std::array<double, finger_count> open_rad{0.40, 0.40, 0.40, 0.40, 0.0};
+constexpr double opening_s = 0.30, reaction_s = 0.09, catch_error_m = 0.006;
+constexpr double catching_m_per_s2 = 30.0;    // gripped harder for the impact
+constexpr double hardest_dip_m_per_s2 = 6.0;  // the object stays on the palm
+constexpr double farthest_turn_rad = 0.6;     // of the hand, to suit what comes down
+constexpr double follow_through = 0.4;        // of the flight's time, in which the hand stops
 
-/// Hold, dip, toss off the open cupped palm, watch, move under the object and give way while
-/// catching it.
+/// How far a minimum-jerk passage has come, 0 to 1.
+double progress(double time_s, double start_s, double duration_s) {
+  const double s = std::clamp((time_s - start_s) / duration_s, 0.0, 1.0);
+  return s * s * s * (10 - 15 * s + 6 * s * s);
+}
+
+/// Hold in a closed hand, dip while it opens, toss off the cupped palm, watch, move the palm's
+/// middle under the object and turn it as the object comes, give way while the hand closes around
+/// it.
 class Throw : public Activity {
  public:
   explicit Throw(ActivityStart start);
@@ -24,39 +39,56 @@ class Throw : public Activity {
 
   void advance(double time_s, const SceneSample& seen);
   void hold(double time_s);
-  void dip(double time_s);
+  void dip(double time_s, const SceneSample& seen);
   void toss(double time_s);
   void watch(double time_s);
   void meet(double time_s, const SceneSample& seen);
   void give(double time_s);
   void begin(Phase phase, const MotionState& target, double time_s, double duration_s);
-  void bend_to(double posture_rad, double time_s);
-  double posture_rad(double time_s) const;
+  void turn_to(const Quaterniond& turn, double time_s, double duration_s);
+  Quaterniond turn_at(double time_s) const;
+  Quaterniond suitable_turn(const RigidState& object, double fall_s) const;
 
+  const ObjectSpec& object_;
   RandomStream random_;
+  std::array<double, 2> apex_range_m_;
   Vector3d base_m_, in_palm_m_ = Vector3d::Zero();
-  double roll_, pitch_, yaw_;
+  double roll_, pitch_, yaw_, base_grip_n_;
   SmoothNoise roll_noise_, pitch_noise_;
   Phase phase_ = Phase::hold;
   Quintic plan_;
-  double apex_m_ = 0.0;
-  double old_posture_rad_ = trapping_rad, new_posture_rad_ = trapping_rad, bend_start_s_ = -10.0;
+  Quaterniond old_turn_ = Quaterniond::Identity(), new_turn_ = Quaterniond::Identity();
+  double turn_start_s_ = -10.0, turn_duration_s_ = 1.0;
+  std::array<double, finger_count> held_rad_{};  ///< when the hand began to open
+  double opening_start_s_ = -10.0, apex_m_ = 0.0;
 };
+
+std::array<double, 2> apex_range_m(const ObjectSpec& object) {
+  if (object.toss_apex_m) return *object.toss_apex_m;
+  std::vector<std::string> thrown;
+  for (const ObjectSpec& other : objects())
+    if (other.toss_apex_m) thrown.push_back(other.name);
+  throw usage_error(fmt::format("nobody tosses and catches '{}' with one hand", object.name),
+                    "throw one of " + comma_separated(thrown));
+}
 
 MotionState at_rest(const Vector3d& position) {
   return {position, Vector3d::Zero(), Vector3d::Zero()};
 }
 
 Throw::Throw(ActivityStart start)
-    : random_(start.random),
+    : object_(start.object),
+      random_(start.random),
+      apex_range_m_(apex_range_m(object_)),
       base_m_(random_.uniform(-0.30, -0.04), random_.uniform(-0.46, -0.36),
               random_.uniform(1.02, 1.12)),
       roll_(random_.normal(0.0, 0.03)),
       pitch_(random_.normal(-0.03, 0.03)),
       yaw_(random_.uniform(-0.4, 0.4)),
+      base_grip_n_(random_.uniform(2.0, 4.0)),
       roll_noise_(random_, 2.0),
       pitch_noise_(random_, 2.0) {
-  plan_ = Quintic(at_rest(base_m_), at_rest(base_m_), -10.0, 10.0 + random_.uniform(0.1, 0.6));
+  plan_ = Quintic(at_rest(base_m_), at_rest(base_m_), -10.0, 10.0 + random_.uniform(0.3, 0.8));
 }
 
 void Throw::begin(Phase phase, const MotionState& target, double time_s, double duration_s) {
@@ -64,30 +96,33 @@ void Throw::begin(Phase phase, const MotionState& target, double time_s, double 
   plan_ = Quintic(plan_.at(time_s), target, time_s, duration_s);
 }
 
-void Throw::bend_to(double posture, double time_s) {
-  old_posture_rad_ = posture_rad(time_s);
-  new_posture_rad_ = posture;
-  bend_start_s_ = time_s;
+void Throw::turn_to(const Quaterniond& turn, double time_s, double duration_s) {
+  old_turn_ = turn_at(time_s);
+  new_turn_ = turn;
+  turn_start_s_ = time_s;
+  turn_duration_s_ = duration_s;
 }
 
-double Throw::posture_rad(double time_s) const {
-  const double s = std::clamp((time_s - bend_start_s_) / posture_s, 0.0, 1.0);
-  return old_posture_rad_ +
-         (new_posture_rad_ - old_posture_rad_) * s * s * s * (10 - 15 * s + 6 * s * s);
+Quaterniond Throw::turn_at(double time_s) const {
+  return old_turn_.slerp(progress(time_s, turn_start_s_, turn_duration_s_), new_turn_);
 }
 
 void Throw::hold(double time_s) {
   const Vector3d wander(random_.normal(), random_.normal(), random_.normal());
+  const double duration_s = random_.uniform(0.5, 1.1);
   begin(Phase::hold, at_rest(base_m_ + 0.02 * wander.cwiseMax(-2.0).cwiseMin(2.0)), time_s,
-        random_.uniform(0.5, 1.1));
+        duration_s);
+  turn_to(Quaterniond::Identity(), time_s, duration_s);
 }
 
-void Throw::dip(double time_s) {
-  apex_m_ = random_.uniform(0.10, 0.42);
+void Throw::dip(double time_s, const SceneSample& seen) {
+  apex_m_ = random_.uniform(apex_range_m_[0], apex_range_m_[1]);
   const double depth_m = 0.04 + 0.30 * apex_m_;
-  bend_to(open_rad, time_s);
+  const double shortest_s = std::sqrt(minimum_jerk_peak * depth_m / hardest_dip_m_per_s2);
+  held_rad_ = seen.flexion_rad;
+  opening_start_s_ = time_s;
   begin(Phase::dip, at_rest(plan_.at(time_s).position_m - depth_m * Vector3d::UnitZ()), time_s,
-        random_.uniform(0.30, 0.42));
+        std::max(random_.uniform(0.30, 0.42), shortest_s));
 }
 
 void Throw::toss(double time_s) {
@@ -103,9 +138,37 @@ void Throw::toss(double time_s) {
 /// Stops the hand while the object goes on.
 void Throw::watch(double time_s) {
   const MotionState now = plan_.at(time_s);
-  const double duration_s = reaction_s + 0.04;
+  const double flight_s = 2 * now.velocity_m_per_s.z() / gravity_m_per_s2;
+  const double duration_s = std::max(reaction_s, follow_through * flight_s);
   begin(Phase::watch, at_rest(now.position_m + 0.4 * duration_s * now.velocity_m_per_s), time_s,
         duration_s);
+}
+
+/// `axis` or its opposite, whichever points more like `to`.
+Vector3d nearer(const Vector3d& axis, const Vector3d& to) {
+  return axis.dot(to) < 0.0 ? Vector3d(-axis) : axis;
+}
+
+/// Turns the palm's width along a long object that spins on, and the palm under a flat one's
+/// underside, either way round, as far as the wrist does. Round ones and cubes are caught as they
+/// come.
+Quaterniond Throw::suitable_turn(const RigidState& object, double fall_s) const {
+  const Hold& hold = object_.hold;
+  if (hold.turns != Hold::Turns::none && hold.turns != Hold::Turns::axis)
+    return Quaterniond::Identity();
+  const Vector3d spin = fall_s * object.angular_velocity_rad_per_s;
+  const Quaterniond then =
+      Eigen::AngleAxisd(spin.norm(), spin.stableNormalized()) * object.orientation;
+  const Quaterniond level = palm_up(roll_, pitch_, yaw_);
+  const Vector3d y = nearer(then * hold.across, level * Vector3d::UnitY());
+  Vector3d z = level * Vector3d::UnitZ();
+  if (hold.turns == Hold::Turns::none) z = nearer(then * hold.from_palm, z);
+  const Vector3d x = y.cross(z).normalized();
+  Eigen::Matrix3d suitable;
+  suitable << x, y, x.cross(y);
+  Eigen::AngleAxisd turn(Quaterniond(suitable) * level.conjugate());
+  turn.angle() = std::min(turn.angle(), farthest_turn_rad);
+  return Quaterniond(turn);
 }
 
 /// Ballistic prediction of where and when the object comes down to the height at which it is met.
@@ -120,18 +183,19 @@ void Throw::meet(double time_s, const SceneSample& seen) {
       gravity_m_per_s2;
   const Vector3d speed = v - gravity_m_per_s2 * fall_s * Vector3d::UnitZ();
   const Vector3d error = catch_error_m * Vector3d(random_.normal(), random_.normal(), 0.0);
+  const Quaterniond turn = suitable_turn(seen.object, fall_s);
   MotionState target;
   target.position_m = p + fall_s * v -
-                      0.5 * gravity_m_per_s2 * fall_s * fall_s * Vector3d::UnitZ() - in_palm_m_ +
-                      error;
+                      0.5 * gravity_m_per_s2 * fall_s * fall_s * Vector3d::UnitZ() -
+                      turn * (palm_up(roll_, pitch_, yaw_) * in_palm_m_) + error;
   target.velocity_m_per_s = random_.uniform(0.35, 0.60) * speed;
   begin(Phase::meet, target, time_s, std::max(fall_s, 0.06));
+  turn_to(turn, time_s, plan_.duration_s());
 }
 
 void Throw::give(double time_s) {
   const MotionState now = plan_.at(time_s);
   const double duration_s = random_.uniform(0.22, 0.32);
-  bend_to(trapping_rad, time_s + 0.03);
   begin(Phase::give, at_rest(now.position_m + 0.45 * duration_s * now.velocity_m_per_s), time_s,
         duration_s);
 }
@@ -139,8 +203,7 @@ void Throw::give(double time_s) {
 void Throw::advance(double time_s, const SceneSample& seen) {
   switch (phase_) {
     case Phase::hold:
-      in_palm_m_ = seen.object.position_m - seen.hand.position_m;
-      return dip(time_s);
+      return dip(time_s, seen);
     case Phase::dip:
       return toss(time_s);
     case Phase::toss:
@@ -155,15 +218,20 @@ void Throw::advance(double time_s, const SceneSample& seen) {
 }
 
 Command Throw::command(double time_s, const SceneSample& seen) {
+  if (time_s <= 0.0)
+    in_palm_m_ =
+        seen.hand.orientation.conjugate() * (seen.object.position_m - seen.hand.position_m);
   if (time_s >= plan_.end_s()) advance(time_s, seen);
   Command command;
   command.hand = plan_.at(time_s);
-  command.orientation =
-      palm_up(roll_ + 0.01 * roll_noise_.at(time_s), pitch_ + 0.01 * pitch_noise_.at(time_s), yaw_);
-  command.closed_grip = false;
-  const double flexion = posture_rad(time_s);
-  command.posture_rad.fill(flexion);
-  command.posture_rad.back() = flexion - open_rad;  // the thumb stands aside of the open palm
+  command.orientation = turn_at(time_s) * palm_up(roll_ + 0.01 * roll_noise_.at(time_s),
+                                                  pitch_ + 0.01 * pitch_noise_.at(time_s), yaw_);
+  command.closed_grip = phase_ == Phase::hold || phase_ == Phase::give;
+  command.grip_force_n =
+      base_grip_n_ + (phase_ == Phase::give ? catching_m_per_s2 * object_.mass_kg : 0.0);
+  const double open = progress(time_s, opening_start_s_, opening_s);
+  for (int i = 0; i < finger_count; ++i)
+    command.posture_rad[i] = held_rad_[i] + open * (open_rad[i] - held_rad_[i]);
   command.carrying = phase_ != Phase::watch && phase_ != Phase::meet;
   return command;
 }

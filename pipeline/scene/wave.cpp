@@ -2,15 +2,24 @@
 #include <cmath>
 
 #include "pipeline/scene/activity.h"
+#include "pipeline/scene/world.h"
 
 namespace touchtrace::scene {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double hardest_m_per_s2 = 18.0;     // of a planned sub-movement
-constexpr double minimum_jerk_peak = 5.7735;  // peak acceleration x duration^2 / distance
 constexpr double anticipation_s = 0.06;
+constexpr double grip_over_slip = 1.26;  // what is gripped with, over what would just slip
+constexpr double palm_lever_m = 0.04, slipperiest = 0.2;
+constexpr double strength_used = 0.9;  // of what the arm can do
+
+/// Of a planned sub-movement: what one does with something light, and not more than the arm can.
+double hardest_m_per_s2(double mass_kg) {
+  const ArmParameters arm;
+  const double force_n = strength_used * arm.force_bound_n - mass_kg * gravity_m_per_s2;
+  return std::min(18.0, force_n / (arm.mass_kg + mass_kg));
+}
 
 /// Bouts of to-and-fro sub-movements along one direction, each re-planned before it ends; the wrist
 /// tilts with the hand's place and the grip follows the load that is about to come.
@@ -61,7 +70,8 @@ void Wave::begin_bout() {
                                    .cwiseMin(2.0);
   direction_ = Vector3d(random_.normal(), 0.6 * random_.normal(), random_.normal()).normalized();
   stroke_s_ = 0.5 * random_.uniform(0.22, 0.9);
-  const double reach_m = hardest_m_per_s2 * stroke_s_ * stroke_s_ / minimum_jerk_peak;
+  const double reach_m =
+      hardest_m_per_s2(object_.mass_kg) * stroke_s_ * stroke_s_ / minimum_jerk_peak;
   amplitude_m_ = std::min(random_.uniform(0.04, 0.16), reach_m);
   strokes_left_ = 2 * (2 + static_cast<int>(random_.below(7)));
 }
@@ -82,11 +92,14 @@ void Wave::plan_next(double time_s) {
   replan_s_ = time_s + duration_s * random_.uniform(0.8, 0.97);
 }
 
+/// Palm and fingers both rub; what hangs beside the hand has to be kept from turning, too.
 double Wave::grip_force_n(double time_s) const {
   const Vector3d load = plan_.at(time_s + anticipation_s).acceleration_m_per_s2 +
                         gravity_m_per_s2 * Vector3d::UnitZ();
   const double noise = 1 + 0.1 * grip_noise_.at(time_s);
-  return noise * (base_grip_n_ + 0.9 * object_.mass_kg * load.norm());
+  const double ratio = grip_over_slip / (2 * std::max(object_.friction, slipperiest));
+  const double turning = 1 + object_.hold.center_m.norm() / palm_lever_m;
+  return noise * (base_grip_n_ + ratio * turning * object_.mass_kg * load.norm());
 }
 
 Eigen::Quaterniond Wave::orientation(double time_s, const Vector3d& place) const {

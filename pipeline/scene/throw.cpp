@@ -14,7 +14,7 @@ using Eigen::Quaterniond, Eigen::Vector3d;
 
 /// The cupped palm that an object is tossed from; the thumb stands aside.
 constexpr std::array<double, finger_count> open_rad{0.40, 0.40, 0.40, 0.40, 0.0};
-constexpr double opening_s = 0.30, reaction_s = 0.09, catch_error_m = 0.006;
+constexpr double opening_s = 0.40, reaction_s = 0.09, catch_error_m = 0.006;
 constexpr double catching_m_per_s2 = 30.0;    // gripped harder for the impact
 constexpr double hardest_dip_m_per_s2 = 6.0;  // the object stays on the palm
 constexpr double farthest_turn_rad = 0.6;     // of the hand, to suit what comes down

@@ -10,4 +10,10 @@ Verification verify_scene();
 /// Rows about the speed of the renderer on an activity's scene.
 void verify_rendering(const std::string& activity, const std::function<void(Figure)>& emit);
 
+/// Rows about clips of an activity with every object that it is done with: drops, grip, tosses.
+void verify_objects(const std::string& activity, const std::function<void(Figure)>& emit);
+
+/// Whether one frame of touch tells where the hand is, which it must not.
+void verify_probe(const std::string& activity, const std::function<void(Figure)>& emit);
+
 }  // namespace touchtrace::scene

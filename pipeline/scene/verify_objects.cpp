@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <ctime>
+
+#include "pipeline/scene/statistics.h"
+#include "pipeline/scene/verify_scene.h"
+
+namespace touchtrace::scene {
+namespace {
+
+using Emit = std::function<void(Figure)>;
+
+double thread_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+struct Run {
+  std::vector<ClipMotion> clips;
+  double real_time_factor = 0.0;
+  GloveClock clock;
+};
+
+Run perform(const std::string& activity, const ObjectSpec& object, int clips, double clip_s) {
+  SceneOptions options;
+  options.clip_s = clip_s;
+  options.activity = activity;
+  options.object = object;
+  Run run;
+  run.clock = glove_clock(options);
+  const double start = thread_cpu_s();
+  double simulated_s = 0.0;
+  for (int clip = 0; clip < clips; ++clip) {
+    run.clips.push_back(simulate_clip(options, clip, clip * (options.clip_s + options.pause_s)));
+    simulated_s += static_cast<double>(run.clips.back().samples.size()) / sample_rate_hz;
+  }
+  run.real_time_factor = simulated_s / (thread_cpu_s() - start);
+  return run;
+}
+
+/// A person holds a heavier thing harder; a strong hand has some 500 N (Mathiowetz 1985).
+double hardest_grip_n(const ObjectSpec& object) { return std::max(60.0, 120.0 * object.mass_kg); }
+
+void verify_object(const std::string& activity, const ObjectSpec& object, const Emit& emit) {
+  const Run run = perform(activity, object, 20, 10.0);
+  const ClipStatistics s = statistics(run.clips, object);
+  const std::string what = activity + " " + object.name + ": ";
+  emit(at_most(what + "clips dropped", s.drop_share, "", 0.05));
+  emit(at_least(what + "real time on one core", run.real_time_factor, "x", 60.0));
+  emit(at_most(what + "force against m (a - g), relative rms", s.force_residual, "", 1e-3));
+  emit(at_most(what + "99th percentile of grip", s.grip_p99_n, "N", hardest_grip_n(object)));
+  emit(at_most(what + "saturated readings", s.saturated_share, "", 0.01));
+  if (activity != "throw") return;
+  emit(at_most(what + "highest toss", std::ranges::max(s.apex_m), "m", 0.45));
+  const double tosses = static_cast<double>(s.apex_m.size());
+  emit(at_least(what + "tosses a clip", tosses / static_cast<double>(run.clips.size()), "", 3.0));
+}
+
+}  // namespace
+
+void verify_objects(const std::string& activity, const Emit& emit) {
+  for (const ObjectSpec& object : objects())
+    if (activity != "throw" || object.toss_apex_m) verify_object(activity, object, emit);
+}
+
+void verify_probe(const std::string& activity, const Emit& emit) {
+  const std::string what = activity + " ball: ";
+  const Run grasps = perform(activity, find_object("ball"), 64, 3.0);
+  const Eigen::Vector3d probe = position_probe_r2(grasps.clips, grasps.clock);
+  emit(at_most(what + "place by a linear probe, R^2", probe.head<2>().maxCoeff(), "", 0.1));
+  // A tossed object's phase, which touch is there to tell, goes with the height of the hand.
+  const std::string height = what + "height by a linear probe, R^2";
+  emit(activity == "throw" ? reported(height, probe.z(), "") : at_most(height, probe.z(), "", 0.1));
+}
+
+}  // namespace touchtrace::scene

@@ -8,6 +8,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+constexpr double contact_reach_m = 0.1;  // of most touching places from the centre of mass
+
 Matrix3d cross_matrix(const Vector3d& v) {
   Matrix3d m;
   m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
@@ -69,7 +71,11 @@ void ContactPatch::find(const ObjectSpec& object, const HandFromObject& hand,
   looked_s_ = looked_s;
   ahead_s_ = ahead_s;
   friction_ = object.friction;
-  for (const Touch& touch : search_.find(object, hand)) load(touch, motion.at(touch));
+  const double margin_m =
+      (ahead_s - looked_s) *
+      (motion.linear_m_per_s.norm() + contact_reach_m * motion.angular_rad_per_s.norm() +
+       ahead_s * gravity_m_per_s2);
+  for (const Touch& touch : search_.find(object, hand, margin_m)) load(touch, motion.at(touch));
 }
 
 void ContactPatch::load(const Touch& touch, const Vector3d& velocity) {
@@ -77,15 +83,15 @@ void ContactPatch::load(const Touch& touch, const Vector3d& velocity) {
   const double depth = std::min(touch.depth_m, p.clamp_m);
   const double k = p.stiffness_n_per_m3 * hand_model().taxels[touch.taxel].area_m2;
   const double rate = -touch.normal.dot(velocity);
-  const double elastic_n = k * depth * (1 + depth / p.hardening_m);
-  const double slope =
-      k * (1 + 2 * depth / p.hardening_m) * std::max(0.0, 1 + p.dissipation_s_per_m * rate);
+  const double hardening = std::max(0.0, depth) / p.hardening_m;
+  const double elastic_n = k * depth * (1 + hardening);
+  const double slope = k * (1 + 2 * hardening) * std::max(0.0, 1 + p.dissipation_s_per_m * rate);
   Contact& c = contacts_.emplace_back();
   c.touch = touch;
   c.normal_n = elastic_n - looked_s_ * slope * rate;
-  c.normal_gain = ahead_s_ * slope + elastic_n * p.dissipation_s_per_m;
+  c.normal_gain = ahead_s_ * slope + std::max(0.0, elastic_n) * p.dissipation_s_per_m;
   c.tangent_k = p.bristle_ratio * k;
-  rub(c, p.dissipation_s_per_m * depth, velocity, rate);
+  rub(c, p.dissipation_s_per_m * std::max(0.0, depth), velocity, rate);
 }
 
 /// A taxel that was clear before has been stretched since its depth was 0. Coulomb's limit clips
@@ -94,7 +100,7 @@ void ContactPatch::rub(Contact& c, double damping_s, const Vector3d& velocity, d
   const Vector3d& normal = c.touch.normal;
   Vector3d& bristle = bristle_m_[c.touch.taxel];
   if (touched_at_[c.touch.taxel] < step_) {
-    const bool entered = c.touch.depth_m < 2 * looked_s_ * rate;
+    const bool entered = c.touch.depth_m > 0.0 && c.touch.depth_m < 2 * looked_s_ * rate;
     bristle = (entered ? c.touch.depth_m / rate - looked_s_ : 0.0) * velocity;
   }
   bristle -= normal * normal.dot(bristle);

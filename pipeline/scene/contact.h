@@ -32,8 +32,8 @@ class ContactPatch {
  public:
   explicit ContactPatch(const ContactParameters& parameters = {});
 
-  /// Finds what touches where things have got to, `looked_s` from now, with the present `motion`.
-  /// Later calls are about forces `ahead_s` from now.
+  /// Finds what touches where things have got to, `looked_s` from now, with the present `motion`,
+  /// or may touch `ahead_s` from now, which later calls are about.
   void find(const ObjectSpec& object, const HandFromObject& hand, const RelativeMotion& motion,
             double looked_s, double ahead_s);
   /// Adds the time ahead times the contacts' forces: what grows with the velocities to the system's

@@ -53,7 +53,9 @@ TaxelSearch::TaxelSearch()
   touches_.reserve(hand_model().taxels.size());
 }
 
-const std::vector<Touch>& TaxelSearch::find(const ObjectSpec& object, const HandFromObject& hand) {
+const std::vector<Touch>& TaxelSearch::find(const ObjectSpec& object, const HandFromObject& hand,
+                                            double margin_m) {
+  margin_m_ = margin_m;
   touches_.clear();
   clearance_m_ = 1.0;
   follow(hand);
@@ -75,11 +77,11 @@ void TaxelSearch::search(const TaxelGroup& group, const ObjectSpec& object,
                          const HandFromObject& hand) {
   const double travel = travel_m_[group.finger + 1];
   double& free_until = group_free_until_m_[&group - hand_model().groups.data()];
-  if (travel >= free_until) {
+  if (travel + margin_m_ >= free_until) {
     const Link link(group, hand);
     const double distance = distance_m(object, link.place(group.centre_m));
     free_until = travel + distance - group.radius_m;
-    if (travel >= free_until) look(group, link, object);
+    if (travel + margin_m_ >= free_until) look(group, link, object);
   }
   clearance_m_ = std::clamp(free_until - travel, 0.0, clearance_m_);
 }
@@ -87,10 +89,10 @@ void TaxelSearch::search(const TaxelGroup& group, const ObjectSpec& object,
 void TaxelSearch::look(const TaxelGroup& group, const Link& link, const ObjectSpec& object) {
   const double travel = travel_m_[group.finger + 1];
   for (int i = group.first; i < group.first + group.count; ++i) {
-    if (travel < taxel_free_until_m_[i]) continue;
+    if (travel + margin_m_ < taxel_free_until_m_[i]) continue;
     const Vector3d place = link.place(hand_model().taxels[i].position_m);
     const double d = distance_m(object, place);
-    if (d >= 0.0)
+    if (d >= margin_m_)
       taxel_free_until_m_[i] = travel + d;
     else
       touches_.push_back(

@@ -11,10 +11,10 @@ struct HandFromObject {
   std::array<double, finger_count> flexion_rad{};
 };
 
-/// A taxel inside the object, in the object's axes.
+/// A taxel inside the object or near it, in the object's axes.
 struct Touch {
-  int taxel, finger;  ///< finger -1: the palm
-  double depth_m;
+  int taxel, finger;             ///< finger -1: the palm
+  double depth_m;                ///< negative: not in contact yet
   Eigen::Vector3d normal;        ///< out of the object
   Eigen::Vector3d place_m;       ///< from its centre of mass
   Eigen::Vector3d with_flexion;  ///< how the place moves with the finger's flexion [m/rad]
@@ -26,7 +26,9 @@ class TaxelSearch {
  public:
   TaxelSearch();
 
-  const std::vector<Touch>& find(const ObjectSpec& object, const HandFromObject& hand);
+  /// Taxels inside the object or less than `margin_m` outside.
+  const std::vector<Touch>& find(const ObjectSpec& object, const HandFromObject& hand,
+                                 double margin_m);
   /// How far hand and object can move against each other before anything may touch [m]; 0 in
   /// contact.
   double clearance_m() const { return clearance_m_; }
@@ -43,7 +45,7 @@ class TaxelSearch {
   std::vector<double> taxel_free_until_m_, group_free_until_m_;
   std::array<double, finger_count + 1> travel_m_{};  ///< against the object, of palm and fingers
   HandFromObject last_;
-  double clearance_m_ = 0.0;
+  double clearance_m_ = 0.0, margin_m_ = 0.0;
 };
 
 }  // namespace touchtrace::scene

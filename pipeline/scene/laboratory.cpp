@@ -1,5 +1,7 @@
 #include "pipeline/scene/laboratory.h"
 
+#include <cmath>
+
 #include "pipeline/scene/solids.h"
 
 namespace touchtrace::scene {
@@ -21,7 +23,13 @@ ObjectSpec sphere(double mass_kg, double friction, double radius_m) {
           {Solid{ShapeKind::sphere, {radius_m, 0.0, 0.0}}}};
 }
 
-ArmParameters stand() { return {1000.0, 1e7, 1.0, 1e9}; }
+ObjectSpec sled(double mass_kg, double friction) {
+  ObjectSpec object = block(mass_kg, friction, {0.0225, 0.06, 0.02});
+  object.inertia_kg_m2 = 1e6 * Eigen::Matrix3d::Identity();
+  return object;
+}
+
+ArmParameters stand() { return {1e6, 1e10, 1.0, 1e12}; }
 
 Drive keep_still(const World& world) {
   Drive drive;
@@ -45,25 +53,44 @@ void put_above(World& world, const Vector3d& place_m, double gap_m) {
   world.object.orientation = world.hand.orientation;
 }
 
-double resting_force_ratio(double mass_kg, double step_s, double seconds) {
-  World world(block(mass_kg, 0.7, {0.025, 0.03, 0.02}), stand());
-  put_above(world, {0.01, 0.0, 0.0}, 0.001);
-  const Drive drive = keep_still(world);
-  for (double t = 0.0; t < seconds; t += step_s) world.step(drive, step_s);
-  return world.force_on_object_n().z() / (mass_kg * gravity_m_per_s2);
+void run(World& world, const Drive& drive, double seconds, double step_s) {
+  const long steps = std::lround(seconds / step_s);
+  for (long i = 0; i < steps; ++i) world.step(drive, step_s);
 }
 
-double free_flight_error_m(double step_s) {
-  World world(sphere(0.2, 0.7, 0.03), stand());
-  world.object.position_m = {10.0, 0.0, 10.0};
-  world.object.velocity_m_per_s = {1.0, -2.0, 2.0};
-  world.object.angular_velocity_rad_per_s = {3.0, 1.0, -2.0};
-  const Vector3d expected = world.object.position_m + world.object.velocity_m_per_s -
-                            0.5 * gravity_m_per_s2 * Vector3d::UnitZ();
+double energy_j(const World& world) {
+  const ObjectSpec& spec = world.spec();
+  const Vector3d spin =
+      world.object.orientation.conjugate() * world.object.angular_velocity_rad_per_s;
+  return spec.mass_kg * (0.5 * world.object.velocity_m_per_s.squaredNorm() +
+                         gravity_m_per_s2 * world.object.position_m.z()) +
+         0.5 * spin.dot(spec.inertia_kg_m2 * spin);
+}
+
+bool finite(const World& world) {
+  return world.object.position_m.allFinite() && world.object.velocity_m_per_s.allFinite() &&
+         world.object.angular_velocity_rad_per_s.allFinite() && world.hand.position_m.allFinite() &&
+         world.force_on_object_n().allFinite();
+}
+
+double resting_force_ratio(double mass_kg, double step_s, double seconds,
+                           const ContactParameters& contact, double friction) {
+  World world(block(mass_kg, friction, {0.025, 0.03, 0.02}), stand(), contact);
+  put_above(world, {0.01, 0.0, 0.0}, 0.001);
   const Drive drive = keep_still(world);
-  const long steps = std::lround(1.0 / step_s);
-  for (long i = 0; i < steps; ++i) world.step(drive, step_s);
-  return (world.object.position_m - expected).norm();
+  for (double t = 0.0; t < seconds; t += step_s) world.advance(drive, step_s, step_s);
+  return world.mean_force_n().z() / (mass_kg * gravity_m_per_s2);
+}
+
+double closed_form_restitution(double c, double v) {
+  if (c == 0.0) return 1.0;
+  const double loaded = v / c - std::log1p(c * v) / (c * c);
+  double low = 0.0, high = std::min(v, 1.0 / c);
+  for (int i = 0; i < 200; ++i) {
+    const double u = 0.5 * (low + high);
+    (-u / c - std::log1p(-c * u) / (c * c) < loaded ? low : high) = u;
+  }
+  return low / v;
 }
 
 }  // namespace touchtrace::scene

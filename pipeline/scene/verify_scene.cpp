@@ -2,7 +2,8 @@
 
 #include <fmt/core.h>
 
-#include "pipeline/scene/laboratory.h"
+#include "pipeline/scene/closed_forms.h"
+#include "pipeline/scene/precision.h"
 #include "pipeline/scene/scene.h"
 
 namespace touchtrace::scene {
@@ -10,11 +11,13 @@ namespace {
 
 using Emit = std::function<void(Figure)>;
 
-void verify_physics(const Emit& emit) {
-  emit(at_most("free flight: position error after 1 s", free_flight_error_m(0.002), "m", 1e-9));
-  for (double mass_kg : {0.005, 0.17, 1.0})
-    emit(within(fmt::format("block of {} kg at rest: force / weight", mass_kg),
-                resting_force_ratio(mass_kg, 0.001, 3.0), "", 0.999, 1.001));
+void verify_closed_forms(const Emit& emit) {
+  for (const ClosedForm& form : closed_forms()) {
+    const std::string at = fmt::format(", {:g} ms", 1e3 * form.step_s);
+    emit(at_most(form.name + at, form.error(form.step_s), form.unit, form.largest));
+    if (form.order > 0.0)
+      emit(at_least(form.name + ": order in the step", order_of_convergence(form), "", form.order));
+  }
 }
 
 }  // namespace
@@ -22,7 +25,9 @@ void verify_physics(const Emit& emit) {
 Verification verify_scene() {
   return [](const Emit& emit) {
     for (const std::string& activity : activity_names()) verify_rendering(activity, emit);
-    verify_physics(emit);
+    verify_closed_forms(emit);
+    verify_precision(emit);
+    verify_extremes(emit);
     for (const std::string& activity : activity_names()) {
       verify_probe(activity, emit);
       verify_objects(activity, emit);

@@ -10,9 +10,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double finger_inertia_kg_m2 = 5e-5, finger_damping_nm_s_per_rad = 0.02;
-// Of the step in impacts; the stiffness is that of 3 cm^2, for the first step of one.
-constexpr double impact_error_m_per_s = 0.1, patch_stiffness_n_per_m = 3000.0, finest_share = 16.0;
-constexpr int most_tries = 4;  // at finding which contacts part
+constexpr double impact_error_m_per_s = 0.1, finest_share = 16.0;  // of the step in impacts
+constexpr double first_patch_m2 = 3e-4;                            // expected of a first contact
+constexpr int most_tries = 4;                                      // at finding which contacts part
 
 Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3d& rotation) {
   const double angle = rotation.norm();
@@ -62,11 +62,15 @@ struct World::Instant {
   }
 };
 
-World::World(const ObjectSpec& spec, const ArmParameters& arm, const ContactParameters& contact)
+World::World(const ObjectSpec& spec, const ArmParameters& arm, const ContactParameters& contact,
+             const Implicitness& implicitness)
     : object_spec_(spec),
       inverse_inertia_(spec.inertia_kg_m2.inverse()),
       arm_(arm),
-      contact_(contact) {}
+      implicitness_(implicitness),
+      contact_(contact),
+      contact_rate2_per_s2_(contact.stiffness_n_per_m3 * first_patch_m2 / spec.mass_kg),
+      object_rate2_per_s2_(contact_rate2_per_s2_) {}
 
 void World::add_masses(const Instant& at, MotionSystem& system) const {
   system.bodies.diagonal().segment<3>(hand_at).setConstant(arm_.mass_kg);
@@ -109,15 +113,17 @@ void World::add_fingers(const Drive& drive, const Instant& at, MotionSystem& sys
   }
 }
 
-/// Half way to implicit Euler where the step is three quarters of a swing of the contacts.
+/// Half way to implicit Euler where the step is 1.3 swings of the contacts.
 double World::implicitness(double h) const {
   const double swings = 0.25 * h * h * contact_rate2_per_s2_;
-  return 0.5 + 0.5 * swings * swings / (32.0 + swings * swings);
+  return std::lerp(implicitness_.least, implicitness_.most,
+                   swings * swings / (256.0 + swings * swings));
 }
 
 void World::note_rates(const MotionSystem& masses, const MotionSystem& system, double ahead_s) {
   const auto bodies = (system.bodies - masses.bodies).diagonal().tail<6>().array() /
                       masses.bodies.diagonal().tail<6>().array();
+  if (bodies.maxCoeff() <= 0.0) return;
   const double fingers = (system.fingers - masses.fingers).maxCoeff() / finger_inertia_kg_m2;
   const double time2 = ahead_s * ahead_s;
   object_rate2_per_s2_ = bodies.head<3>().maxCoeff() / time2;
@@ -185,10 +191,11 @@ double World::next_step(double step_s) const {
   const bool touching = contact_.touching();
   const double speed = touching ? contact_.fastest_m_per_s()
                                 : (object.velocity_m_per_s - hand.velocity_m_per_s).norm();
-  const double rate2 =
-      std::max(object_rate2_per_s2_, patch_stiffness_n_per_m / object_spec_.mass_kg);
-  const double fine = std::clamp(std::sqrt(impact_error_m_per_s / (rate2 * (speed + 1e-9))),
-                                 step_s / finest_share, step_s);
+  const double fine =
+      speed < impact_error_m_per_s
+          ? step_s
+          : std::clamp(std::sqrt(impact_error_m_per_s / (object_rate2_per_s2_ * speed)),
+                       step_s / finest_share, step_s);
   return touching ? fine : std::max(fine, contact_.clearance_m() / (speed + 1e-9));
 }
 

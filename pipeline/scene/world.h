@@ -20,6 +20,12 @@ struct FingerDrive {
   double torque_nm = 0.0, stiffness_nm_per_rad = 0.0, rest_rad = 0.0;
 };
 
+/// theta of a step: at least `least`, and up to `most` where contacts are too stiff for the step.
+/// {1, 1} is implicit Euler, {0.5, 0.5} the implicit midpoint rule.
+struct Implicitness {
+  double least = 0.5, most = 1.0;
+};
+
 /// What the body wants during one control interval; the wanted hand accelerates uniformly within
 /// it.
 struct Drive {
@@ -42,7 +48,7 @@ struct Drive {
 class World {
  public:
   explicit World(const ObjectSpec& object, const ArmParameters& arm = {},
-                 const ContactParameters& contact = {});
+                 const ContactParameters& contact = {}, const Implicitness& implicitness = {});
 
   /// One control interval in as many steps as its events need: `step_s` at most while anything
   /// touches, finer in impacts, to the soonest contact in free flight. Deterministic.
@@ -74,10 +80,11 @@ class World {
   ObjectSpec object_spec_;
   Eigen::Matrix3d inverse_inertia_;
   ArmParameters arm_;
+  Implicitness implicitness_;
   ContactPatch contact_;
   Eigen::Matrix3d world_from_contact_ = Eigen::Matrix3d::Identity();
-  /// How fast contacts swing in the last step, squared: everything; the object alone.
-  double contact_rate2_per_s2_ = 0.0, object_rate2_per_s2_ = 0.0;
+  /// How fast contacts swing, squared, when there last were any: everything; the object alone.
+  double contact_rate2_per_s2_, object_rate2_per_s2_;
   Eigen::Vector3d mean_force_n_ = Eigen::Vector3d::Zero();
 };
 

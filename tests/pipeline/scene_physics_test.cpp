@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/scene/closed_forms.h"
 #include "pipeline/scene/laboratory.h"
 #include "pipeline/scene/solids.h"
 
@@ -10,21 +11,6 @@ namespace touchtrace::scene {
 namespace {
 
 using Eigen::Vector3d;
-
-double energy_j(const World& world) {
-  const ObjectSpec& spec = world.spec();
-  const Eigen::Matrix3d rotation = world.object.orientation.toRotationMatrix();
-  const Vector3d spin = rotation.transpose() * world.object.angular_velocity_rad_per_s;
-  return spec.mass_kg * (0.5 * world.object.velocity_m_per_s.squaredNorm() +
-                         gravity_m_per_s2 * world.object.position_m.z()) +
-         0.5 * spin.dot(spec.inertia_kg_m2 * spin);
-}
-
-bool finite(const World& world) {
-  return world.object.position_m.allFinite() && world.object.velocity_m_per_s.allFinite() &&
-         world.object.angular_velocity_rad_per_s.allFinite() && world.hand.position_m.allFinite() &&
-         world.force_on_object_n().allFinite();
-}
 
 /// A ball that has bounced off the middle of a palm that stands upright, so that gravity does no
 /// work on the way out.
@@ -45,18 +31,6 @@ World bounced(const ContactParameters& contact, double speed, double h) {
 double restitution(const ContactParameters& contact, double speed, double h) {
   const World world = bounced(contact, speed, h);
   return world.object.velocity_m_per_s.dot(world.hand.orientation * Vector3d::UnitZ()) / speed;
-}
-
-/// With f = g(d) (1 + c d') for any g, the work of g is the same on both ways: the rebound u solves
-/// v / c - ln(1 + c v) / c^2 = -u / c - ln(1 - c u) / c^2 (Hunt and Crossley 1975).
-double closed_form_restitution(double c, double v) {
-  const double loaded = v / c - std::log1p(c * v) / (c * c);
-  double low = 0.0, high = std::min(v, 1.0 / c);
-  for (int i = 0; i < 200; ++i) {
-    const double u = 0.5 * (low + high);
-    (-u / c - std::log1p(-c * u) / (c * c) < loaded ? low : high) = u;
-  }
-  return low / v;
 }
 
 TEST(SceneSolids, DistancesAreExactOnBothSides) {
@@ -91,8 +65,23 @@ TEST(SceneSolids, NormalsAreGradients) {
   }
 }
 
-TEST(ScenePhysics, FreeFlightIsAParabolaAtAnyStep) {
-  for (double h : {0.0001, 0.002, 0.01}) EXPECT_LT(free_flight_error_m(h), 1e-10) << h;
+TEST(ScenePhysics, ClosedFormsHold) {
+  for (const ClosedForm& form : closed_forms()) {
+    EXPECT_LE(form.error(form.step_s), form.largest) << form.name;
+    if (form.order > 0.0) {
+      EXPECT_GE(order_of_convergence(form), form.order) << form.name;
+    }
+  }
+}
+
+TEST(ScenePhysics, TheChecksCanFail) {
+  const auto error_of_coarse_steps = [](const ClosedForm& form) {
+    return form.error(20 * form.step_s);
+  };
+  int exceeded = 0;
+  for (const ClosedForm& form : closed_forms())
+    if (form.order > 0.0) exceeded += error_of_coarse_steps(form) > form.largest;
+  EXPECT_GE(exceeded, 3);
 }
 
 TEST(ScenePhysics, ARestingBlockPressesWithItsWeight) {

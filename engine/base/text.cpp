@@ -40,6 +40,16 @@ std::string comma_separated(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+std::vector<std::string> separated(std::string_view text, char separator) {
+  std::vector<std::string> parts;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, start), text.size());
+    parts.emplace_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+  return parts;
+}
+
 std::string suggestion(std::string_view wrong, const std::vector<std::string>& names) {
   const std::string nearest = nearest_name(wrong, names);
   const std::string known = fmt::format("known: {}", comma_separated(names));

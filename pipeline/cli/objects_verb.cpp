@@ -17,18 +17,6 @@ void describe(OptionSet& set, ObjectsOptions& o) {
   set.texts("object", o.objects, "names or TOML files of objects (default: all that come along)");
 }
 
-std::string role_of(const ObjectSpec& object) {
-  switch (object.role) {
-    case scene::ObjectRole::seen:
-      return "seen";
-    case scene::ObjectRole::unseen:
-      return "unseen";
-    case scene::ObjectRole::outside:
-      break;
-  }
-  return "outside";
-}
-
 std::string inertia_of(const ObjectSpec& object) {
   return object.inertia_given ? "given" : "of its solids";
 }
@@ -37,7 +25,7 @@ nlohmann::json to_json(const ObjectSpec& object) {
   const auto& i = object.inertia_kg_m2;
   nlohmann::json row{{"name", object.name},
                      {"summary", object.summary},
-                     {"role", role_of(object)},
+                     {"role", role_name(object.role)},
                      {"mass_kg", object.mass_kg},
                      {"friction", object.friction},
                      {"inertia_kg_m2", {i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2)}},
@@ -52,7 +40,7 @@ nlohmann::json to_json(const ObjectSpec& object) {
 void print_row(const ObjectSpec& object) {
   const auto& apex = object.toss_apex_m;
   fmt::print("{:<13} {:<8} {:>6.0f} {:>8.2f} {:>8.0f} {:<14} {:<9} {}\n", object.name,
-             role_of(object), 1e3 * object.mass_kg, object.friction,
+             role_name(object.role), 1e3 * object.mass_kg, object.friction,
              1e3 * bounding_radius_m(object), inertia_of(object),
              apex ? fmt::format("{:.0f}-{:.0f}", 1e2 * (*apex)[0], 1e2 * (*apex)[1]) : "-",
              object.summary);

@@ -1,11 +1,14 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 
+#include "engine/base/files.h"
 #include "engine/base/text.h"
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
+#include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/object_file.h"
 #include "pipeline/scene/simulate.h"
 
@@ -15,16 +18,19 @@ namespace {
 struct SimulateOptions {
   scene::SceneOptions scene;
   std::string output, object = "ball";
-  bool no_images = false;
+  bool no_images = false, resume = false;
 };
 
 void describe(OptionSet& set, SimulateOptions& o) {
   scene::SceneOptions& s = o.scene;
-  set.input("output", o.output, "the recording to write, an HDF5 file");
+  set.input("output", o.output,
+            "the recording to write, an HDF5 file; of several objects: a folder");
   set.choice("activity", s.activity, "what the hand does", scene::activity_names());
-  set.text("object", o.object, "what it holds: a name (see `touchtrace objects`) or a TOML file");
-  set.number("minutes", s.minutes, "recorded time, rounded to whole clips, at least one [min]",
-             0.01, 1e4);
+  set.text(
+      "object", o.object,
+      "what it holds: names, roles (see `touchtrace objects`) or TOML files, with commas between");
+  set.number("minutes", s.minutes,
+             "recorded time of each object, rounded to whole clips, at least one [min]", 0.01, 1e4);
   set.number("clip-s", s.clip_s, "length of a clip; each has a new grasp [s]", 1.0, 600.0);
   set.number("pause-s", s.pause_s, "unrecorded time between clips [s]", 0.0, 600.0);
   set.integer("width", s.image_width, "of colour and depth images, a multiple of 16 [px]", 160,
@@ -32,6 +38,7 @@ void describe(OptionSet& set, SimulateOptions& o) {
   set.integer("height", s.image_height, "of colour and depth images [px]", 120, 960);
   set.integer("board-views", s.board_views, "chessboard views for the calibration", 0, 200);
   set.flag("no-images", o.no_images, "glove and truth only, nothing is rendered");
+  set.flag("resume", o.resume, "keep the recordings in the folder that these options made");
   set.seed("seed", s.seed, "of every random number");
 }
 
@@ -47,27 +54,92 @@ nlohmann::json to_json(const scene::SimulationSummary& summary, const std::strin
           {"cpu_seconds", summary.cpu_seconds}};
 }
 
-ExitCode run(const SimulateOptions& options, const Invocation& invocation) {
+/// One object, and the recording that is made of it.
+struct Part {
+  scene::ObjectSpec object;
+  std::filesystem::path output;
+  Provenance provenance;
+};
+
+/// The objects of one name, file or role; of a role in throw: those that are thrown.
+std::vector<scene::ObjectSpec> objects_of(const std::string& name, const std::string& activity) {
+  std::vector<scene::ObjectSpec> found;
+  for (const scene::ObjectSpec& object : scene::objects())
+    if (scene::role_name(object.role) == name && (activity != "throw" || object.toss_apex_m))
+      found.push_back(object);
+  if (found.empty()) found.push_back(scene::object_of(name));
+  return found;
+}
+
+std::vector<Part> parts_of(const SimulateOptions& options, const Invocation& invocation,
+                           const std::string& device) {
+  std::vector<Part> parts;
+  for (const std::string& name : separated(options.object, ','))
+    for (scene::ObjectSpec& object : objects_of(name, options.scene.activity)) {
+      Provenance provenance = start_provenance("touchtrace/recording/1", "simulate");
+      provenance.options = invocation.options;
+      provenance.options["object"] = object.name;
+      provenance.seed = options.scene.seed;
+      provenance.device = device;
+      if (name.ends_with(".toml")) provenance.add_input(name);
+      if (std::ranges::any_of(parts, [&](const Part& p) { return p.object.name == object.name; }))
+        throw usage_error(fmt::format("'{}' is asked for twice", object.name),
+                          "name each object once");
+      parts.push_back({std::move(object), options.output, std::move(provenance)});
+    }
+  if (parts.size() > 1)
+    for (Part& part : parts) part.output /= part.object.name + ".h5";
+  return parts;
+}
+
+/// What a recording follows from, whatever it is called.
+nlohmann::json origin_of(const Provenance& provenance) {
+  nlohmann::json origin{{"options", provenance.options}, {"version", provenance.version}};
+  for (const char* harmless : {"resume", "output"}) origin["options"].erase(harmless);
+  for (const auto& input : provenance.inputs) origin["inputs"].push_back(input.sha256);
+  return origin;
+}
+
+/// Whether the recording is there already. Throws usage_error if another one is.
+bool is_there(const Part& part, const SimulateOptions& options) {
+  if (!options.resume || !std::filesystem::exists(part.output)) return false;
+  const RecordingReader reader(part.output);
+  if (origin_of(reader.recording().provenance) == origin_of(part.provenance)) return true;
+  throw usage_error(fmt::format("{} was made with other options", part.output.string()),
+                    "give those, another folder, or --overwrite without --resume");
+}
+
+scene::SimulationSummary simulate(Part& part, const SimulateOptions& options, Runtime* runtime,
+                                  bool overwrite) {
   scene::SceneOptions scene = options.scene;
-  scene.object = scene::object_of(options.object);
-  Provenance provenance = start_provenance("touchtrace/recording/1", "simulate");
-  provenance.options = invocation.options;
-  provenance.seed = options.scene.seed;
+  scene.object = part.object;
+  return scene::simulate_recording(scene, runtime, part.output, overwrite,
+                                   std::move(part.provenance));
+}
+
+void print_summary(const scene::SimulationSummary& summary, const std::string& output) {
+  fmt::print(
+      "{}: {} clips ({} dropped the object), {} glove frames, {} camera frames, {} board views\n",
+      output, summary.clips, summary.dropped_clips, summary.glove_frames, summary.camera_frames,
+      summary.board_views);
+}
+
+ExitCode run(const SimulateOptions& options, const Invocation& invocation) {
   std::optional<Runtime> runtime;
-  if (!options.no_images) {
-    runtime.emplace(usable_device(invocation.device));
-    provenance.device = runtime->device().name;
+  if (!options.no_images) runtime.emplace(usable_device(invocation.device));
+  auto parts = parts_of(options, invocation, runtime ? runtime->device().name : "");
+  std::erase_if(parts, [&](const Part& part) { return is_there(part, options); });
+  if (!options.resume)
+    for (const Part& part : parts) OutputFile(part.output, invocation.overwrite);
+  nlohmann::json rows = nlohmann::json::array();
+  for (Part& part : parts) {
+    const auto summary =
+        simulate(part, options, runtime ? &*runtime : nullptr, invocation.overwrite);
+    rows.push_back(to_json(summary, part.output.string()));
+    if (!invocation.json) print_summary(summary, part.output.string());
   }
-  const auto summary =
-      scene::simulate_recording(scene, runtime ? &*runtime : nullptr, options.output,
-                                invocation.overwrite, std::move(provenance));
   if (invocation.json)
-    fmt::print("{}\n", to_json(summary, options.output).dump(2));
-  else
-    fmt::print(
-        "{}: {} clips ({} dropped the object), {} glove frames, {} camera frames, {} board views\n",
-        options.output, summary.clips, summary.dropped_clips, summary.glove_frames,
-        summary.camera_frames, summary.board_views);
+    fmt::print("{}\n", (rows.size() == 1 ? rows[0] : nlohmann::json{{"recordings", rows}}).dump(2));
   return ExitCode::done;
 }
 
@@ -78,7 +150,9 @@ Verb simulate_verb() {
       "simulate", "simulate somebody with a tactile glove before an RGBD camera",
       {"touchtrace simulate wave.h5 --activity wave --object ball --minutes 2",
        "touchtrace simulate throw.h5 --activity throw --width 640 --height 480 --seed 7",
-       "touchtrace simulate touch.h5 --minutes 10 --no-images"},
+       "touchtrace simulate touch.h5 --minutes 10 --no-images",
+       "touchtrace simulate wave --object seen --minutes 5 --resume",
+       "touchtrace simulate mixed --object bottle-half,my_mug.toml --config scene.toml"},
       run);
 }
 

@@ -9,6 +9,18 @@
 
 namespace touchtrace::scene {
 
+std::string role_name(ObjectRole role) {
+  switch (role) {
+    case ObjectRole::seen:
+      return "seen";
+    case ObjectRole::unseen:
+      return "unseen";
+    case ObjectRole::outside:
+      break;
+  }
+  return "outside";
+}
+
 const std::vector<ObjectSpec>& objects() {
   static const std::vector<ObjectSpec> table = [] {
     std::vector<ObjectSpec> all;

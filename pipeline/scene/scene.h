@@ -32,6 +32,7 @@ struct Solid {
 /// What a model may be shown of an object: trained on, kept for tests inside of the range of mass
 /// and shape that is trained on, or far outside of that range and reported apart.
 enum class ObjectRole { seen, unseen, outside };
+std::string role_name(ObjectRole role);
 
 /// How an object lies in the hand; body frame.
 struct Hold {

@@ -1,0 +1,80 @@
+#include <gtest/gtest.h>
+
+#include "engine/base/files.h"
+#include "pipeline/cli/verb.h"
+#include "pipeline/scene/scene.h"
+#include "tests/pipeline/recording_samples.h"
+
+namespace touchtrace {
+namespace {
+
+using testing::TemporaryFolder;
+
+int simulate(const std::vector<std::string>& more) {
+  std::vector<const char*> argv{"touchtrace", "simulate", "--quiet",  "--no-images",
+                                "--minutes",  "0.05",     "--clip-s", "1.5"};
+  for (const auto& argument : more) argv.push_back(argument.c_str());
+  return cli::run_command_line(static_cast<int>(argv.size()), argv.data());
+}
+
+std::string hash(const std::filesystem::path& path) { return sha256_of(read_file(path)); }
+
+TEST(SimulateVerb, SeveralObjectsAreAFolderOfRecordings) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(simulate({(folder / "two").string(), "--object", "bottle,bottle-empty"}), 0);
+  for (const char* name : {"bottle", "bottle-empty"}) {
+    const RecordingReader reader(folder / "two" / (std::string(name) + ".h5"));
+    EXPECT_EQ(reader.recording().clips.size(), 2u);
+    EXPECT_EQ(reader.recording().clips.front().object, name);
+    EXPECT_EQ(reader.recording().provenance.options["object"], name);
+  }
+}
+
+TEST(SimulateVerb, ARoleIsAllItsObjects) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(simulate({(folder / "unseen").string(), "--object", "unseen"}), 0);
+  for (const scene::ObjectSpec& object : scene::objects())
+    EXPECT_EQ(std::filesystem::exists(folder / "unseen" / (object.name + ".h5")),
+              object.role == scene::ObjectRole::unseen);
+}
+
+TEST(SimulateVerb, ResumingMakesOnlyWhatIsMissing) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "out").string();
+  const std::vector<std::string> command{out, "--object", "ball,cube", "--resume"};
+  ASSERT_EQ(simulate(command), 0);
+  const std::string cube = hash(folder / "out/cube.h5");
+  const auto written = std::filesystem::last_write_time(folder / "out/cube.h5");
+  std::filesystem::remove(folder / "out/ball.h5");
+  ASSERT_EQ(simulate(command), 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/ball.h5"));
+  EXPECT_EQ(hash(folder / "out/cube.h5"), cube);
+  EXPECT_EQ(std::filesystem::last_write_time(folder / "out/cube.h5"), written);
+  EXPECT_EQ(simulate({out, "--object", "ball,cube", "--resume", "--seed", "2"}), 2);
+  EXPECT_EQ(simulate({out, "--object", "ball,cube"}), 2);  // they exist
+}
+
+TEST(SimulateVerb, ASceneFileSaysItAll) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "out").string();
+  write_file(folder / "scene.toml",
+             "[simulate]\noutput = \"" + out + "\"\nactivity = \"throw\"\nobject = \"ball,egg\"\n",
+             false);
+  ASSERT_EQ(simulate({"--config", (folder / "scene.toml").string()}), 0);
+  EXPECT_EQ(RecordingReader(folder / "out/egg.h5").recording().activity, "throw");
+}
+
+TEST(SimulateVerb, WhatCannotBeMeantIsRefused) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "out").string();
+  EXPECT_EQ(simulate({out, "--object", "ball,bal"}), 2);
+  EXPECT_EQ(simulate({out, "--object", "ball,"}), 2);
+  EXPECT_EQ(simulate({out, "--object", "ball,seen"}), 2);  // twice
+  EXPECT_EQ(simulate({out, "--object", "hammer", "--activity", "throw"}), 2);
+  write_file(folder / "bad.toml", "mass_kg = nan\n", false);
+  EXPECT_EQ(simulate({out, "--object", (folder / "bad.toml").string()}), 3);
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+}  // namespace
+}  // namespace touchtrace

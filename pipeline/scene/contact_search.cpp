@@ -25,18 +25,17 @@ struct TaxelSearch::Link {
   double coupled = 0.0;
   Vector3d axis = Vector3d::Zero(), pivot_m = Vector3d::Zero();
 
-  Link(const TaxelGroup& group, const HandFromObject& hand)
+  Link(const TaxelGroup& group, const HandFromObject& hand, const FingerPose* pose)
       : finger(group.finger), object_from_link(hand.object_from_hand), origin_m(hand.hand_m) {
-    if (finger < 0) return;
+    if (!pose) return;
     const Finger& f = hand_model().fingers[finger];
-    const FingerPose pose = pose_finger(f, hand.flexion_rad[finger]);
-    axis = hand.object_from_hand * pose.axis;
+    axis = hand.object_from_hand * pose->axis;
     for (int joint = 0; joint <= group.link; ++joint) {
       coupled += f.coupling[joint];
-      pivot_m += f.coupling[joint] * (hand.hand_m + hand.object_from_hand * pose.joint_m[joint]);
+      pivot_m += f.coupling[joint] * (hand.hand_m + hand.object_from_hand * pose->joint_m[joint]);
     }
-    object_from_link = hand.object_from_hand * pose.hand_from_link[group.link];
-    origin_m += hand.object_from_hand * pose.joint_m[group.link];
+    object_from_link = hand.object_from_hand * pose->hand_from_link[group.link];
+    origin_m += hand.object_from_hand * pose->joint_m[group.link];
   }
 
   Vector3d place(const Vector3d& position_m) const {
@@ -58,6 +57,7 @@ const std::vector<Touch>& TaxelSearch::find(const ObjectSpec& object, const Hand
   margin_m_ = margin_m;
   touches_.clear();
   clearance_m_ = 1.0;
+  poses_.fill(std::nullopt);
   follow(hand);
   for (const TaxelGroup& group : hand_model().groups) search(group, object, hand);
   return touches_;
@@ -73,12 +73,18 @@ void TaxelSearch::follow(const HandFromObject& hand) {
   last_ = hand;
 }
 
+const FingerPose& TaxelSearch::pose(int finger, const HandFromObject& hand) {
+  if (!poses_[finger])
+    poses_[finger] = pose_finger(hand_model().fingers[finger], hand.flexion_rad[finger]);
+  return *poses_[finger];
+}
+
 void TaxelSearch::search(const TaxelGroup& group, const ObjectSpec& object,
                          const HandFromObject& hand) {
   const double travel = travel_m_[group.finger + 1];
   double& free_until = group_free_until_m_[&group - hand_model().groups.data()];
   if (travel + margin_m_ >= free_until) {
-    const Link link(group, hand);
+    const Link link(group, hand, group.finger < 0 ? nullptr : &pose(group.finger, hand));
     const double distance = distance_m(object, link.place(group.centre_m));
     free_until = travel + distance - group.radius_m;
     if (travel + margin_m_ >= free_until) look(group, link, object);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "pipeline/scene/hand.h"
 
 namespace touchtrace::scene {
@@ -37,10 +39,12 @@ class TaxelSearch {
   struct Link;
 
   void follow(const HandFromObject& hand);
+  const FingerPose& pose(int finger, const HandFromObject& hand);
   void search(const TaxelGroup& group, const ObjectSpec& object, const HandFromObject& hand);
   void look(const TaxelGroup& group, const Link& link, const ObjectSpec& object);
 
   std::vector<Touch> touches_;
+  std::array<std::optional<FingerPose>, finger_count> poses_;  ///< those needed so far
   /// Travels at which a taxel or group may touch at the soonest.
   std::vector<double> taxel_free_until_m_, group_free_until_m_;
   std::array<double, finger_count + 1> travel_m_{};  ///< against the object, of palm and fingers

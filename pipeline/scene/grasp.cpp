@@ -164,7 +164,7 @@ SceneSample Performance::sample() const {
   sample.flexion_rad = world_.flexion_rad;
   for (double flexion : world_.flexion_rad)
     sample.finger_closure += flexion / (max_flexion_rad * finger_count);
-  for (double force : world_.contact().force_n()) sample.grip_force_n += force;
+  for (int i = -1; i < finger_count; ++i) sample.grip_force_n += world_.contact().normal_force_n(i);
   sample.contact_force_n = world_.mean_force_n();
   return sample;
 }

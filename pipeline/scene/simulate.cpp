@@ -92,7 +92,8 @@ SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runti
 
   const int clips = clip_count(options);
   Truth truth = start_truth(options, camera, clock);
-  Progress progress("simulate " + options.activity + " " + options.object.name, static_cast<std::uint64_t>(clips));
+  Progress progress("simulate " + options.activity + " " + options.object.name,
+                    static_cast<std::uint64_t>(clips));
   MotionQueue motions(options);
   for (int i = 0; i < clips; ++i) {
     const ClipMotion motion = motions.next();

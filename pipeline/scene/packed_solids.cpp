@@ -52,6 +52,9 @@ SolidBounds bounds_of_all(const std::vector<std::vector<PaintedSolid>>& instants
   return all;
 }
 
+/// Less than what rays measure of the same depth in float.
+float below(float depth_m) { return (1.0f - 1e-5f) * depth_m; }
+
 void append(std::vector<float>& packed, const PaintedSolid& painted, const SolidBounds& bounds,
             const Eigen::Isometry3d& camera_from_world) {
   const Solid& solid = painted.solid;
@@ -66,7 +69,7 @@ void append(std::vector<float>& packed, const PaintedSolid& painted, const Solid
   push(static_cast<int>(painted.pattern));
   for (double value : painted.pattern_values) push(value);
   for (const float bound :
-       {bounds.nearest_m, bounds.x_low, bounds.x_high, bounds.y_low, bounds.y_high})
+       {below(bounds.nearest_m), bounds.x_low, bounds.x_high, bounds.y_low, bounds.y_high})
     packed.push_back(bound);
 }
 

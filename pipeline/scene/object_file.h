@@ -6,7 +6,7 @@
 
 namespace touchtrace::scene {
 
-/// An object as its TOML file describes it (pipeline/scene/objects/*.toml; FORMAT below). The file
+/// An object as its TOML file describes it (pipeline/scene/objects/*.toml; format below). The file
 /// may hold anything: throws data_error for what is no object that physics can hold.
 ///
 ///     summary = "a hammer"                 # one line
@@ -15,11 +15,13 @@ namespace touchtrace::scene {
 ///     toss_apex_m = [0.1, 0.2]             # tosses rise that far; left out: never thrown
 ///
 ///     [[solid]]                            # felt and seen
-///     shape = "cylinder"                   # "capsule": radius_m, half_length_m (of the straight
-///     part) radius_m = 0.01                      # "sphere": radius_m; "box": half_size_m = [x, y,
-///     z] half_length_m = 0.1                  # along `axis` axis = [0, 0, 1] # of the shape's z,
-///     which is turned there the short way center_m = [0, 0, 0] color = [0.8, 0.6, 0.3] # linear
-///     RGB, 0 to 1 mass_kg = 0.1                        # or density_kg_per_m3; evenly spread,
+///     shape = "cylinder"                   # "capsule", "sphere", "box"
+///     radius_m = 0.01                      # of all but the box: half_size_m = [x, y, z]
+///     half_length_m = 0.1                  # of the cylinder, and of a capsule's straight part
+///     axis = [0, 0, 1]                     # of the shape's z, turned there the short way
+///     center_m = [0, 0, 0]
+///     color = [0.8, 0.6, 0.3]              # linear RGB, 0 to 1
+///     mass_kg = 0.1                        # or density_kg_per_m3; evenly spread,
 ///     wall_m = 0.002                       # in a wall that thick where there is one
 ///
 ///     [[filling]]                          # the same without colour: neither felt nor seen
@@ -39,8 +41,7 @@ namespace touchtrace::scene {
 /// The file's origin is anywhere; the body's is its centre of mass. The object has the file's name.
 ObjectSpec parse_object(const std::string& name, const std::string& text, const std::string& where);
 
-/// Throws data_error, too, for a file that cannot be read or whose name is not of a-z, 0-9, - and
-/// _.
+/// Throws data_error, too, for a file that cannot be read, or a name not of a-z, 0-9, - and _.
 ObjectSpec read_object(const std::filesystem::path& file);
 
 /// One that comes with the program by its name, or a file by its path, which ends with ".toml".

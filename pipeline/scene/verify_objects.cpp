@@ -1,6 +1,11 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <ctime>
+#include <future>
+#include <thread>
 
+#include "engine/base/provenance.h"
 #include "pipeline/scene/statistics.h"
 #include "pipeline/scene/verify_scene.h"
 
@@ -17,7 +22,7 @@ double thread_cpu_s() {
 
 struct Run {
   std::vector<ClipMotion> clips;
-  double real_time_factor = 0.0;
+  double simulated_s = 0.0, cpu_s = 0.0;
   GloveClock clock;
 };
 
@@ -29,12 +34,11 @@ Run perform(const std::string& activity, const ObjectSpec& object, int clips, do
   Run run;
   run.clock = glove_clock(options);
   const double start = thread_cpu_s();
-  double simulated_s = 0.0;
   for (int clip = 0; clip < clips; ++clip) {
     run.clips.push_back(simulate_clip(options, clip, clip * (options.clip_s + options.pause_s)));
-    simulated_s += static_cast<double>(run.clips.back().samples.size()) / sample_rate_hz;
+    run.simulated_s += static_cast<double>(run.clips.back().samples.size()) / sample_rate_hz;
   }
-  run.real_time_factor = simulated_s / (thread_cpu_s() - start);
+  run.cpu_s = thread_cpu_s() - start;
   return run;
 }
 
@@ -46,7 +50,7 @@ void verify_object(const std::string& activity, const ObjectSpec& object, const 
   const ClipStatistics s = statistics(run.clips, object);
   const std::string what = activity + " " + object.name + ": ";
   emit(at_most(what + "clips dropped", s.drop_share, "", 0.05));
-  emit(at_least(what + "real time on one core", run.real_time_factor, "x", 60.0));
+  emit(at_least(what + "real time on one core", run.simulated_s / run.cpu_s, "x", 60.0));
   emit(at_most(what + "force against m (a - g), relative rms", s.force_residual, "", 1e-3));
   emit(at_most(what + "99th percentile of grip", s.grip_p99_n, "N", hardest_grip_n(object)));
   emit(at_most(what + "saturated readings", s.saturated_share, "", 0.01));
@@ -61,6 +65,19 @@ void verify_object(const std::string& activity, const ObjectSpec& object, const 
 void verify_objects(const std::string& activity, const Emit& emit) {
   for (const ObjectSpec& object : objects())
     if (activity != "throw" || object.toss_apex_m) verify_object(activity, object, emit);
+}
+
+void verify_speed(const std::string& activity, const Emit& emit) {
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  const Stopwatch stopwatch;
+  std::vector<std::future<Run>> runs;
+  for (unsigned core = 0; core < cores; ++core)
+    runs.push_back(
+        std::async(std::launch::async, perform, activity, find_object("ball"), 20, 10.0));
+  double simulated_s = 0.0;
+  for (auto& run : runs) simulated_s += run.get().simulated_s;
+  emit(at_least(fmt::format("{} ball: real time, {} cores at work", activity, cores),
+                simulated_s / stopwatch.wall_seconds(), "x", 300.0));
 }
 
 void verify_probe(const std::string& activity, const Emit& emit) {

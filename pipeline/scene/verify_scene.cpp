@@ -24,7 +24,10 @@ void verify_closed_forms(const Emit& emit) {
 
 Verification verify_scene() {
   return [](const Emit& emit) {
-    for (const std::string& activity : activity_names()) verify_rendering(activity, emit);
+    for (const std::string& activity : activity_names()) {
+      verify_speed(activity, emit);
+      verify_rendering(activity, emit);
+    }
     verify_closed_forms(emit);
     verify_precision(emit);
     verify_extremes(emit);

@@ -7,6 +7,9 @@ namespace touchtrace::scene {
 /// Rows of `touchtrace verify scene`: physics against closed forms, the statistics of clips, speed.
 Verification verify_scene();
 
+/// How much faster than life physics and glove are with a clip on every core.
+void verify_speed(const std::string& activity, const std::function<void(Figure)>& emit);
+
 /// Rows about the speed of the renderer on an activity's scene.
 void verify_rendering(const std::string& activity, const std::function<void(Figure)>& emit);
 

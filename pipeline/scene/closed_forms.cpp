@@ -152,7 +152,7 @@ double shaking_error(double step_s) {
   World world(sled(mass_kg, 0.7), stand(), stiff);
   put_above(world, sled_place_m, 0.0);
   Drive drive = keep_still(world);
-  double worst = 0.0;
+  Worst worst;
   for (double t = 0.0; t < 2.0 - 0.5 * step_s; t += step_s) {
     const double start_s = std::max(0.0, t - 0.5);  // at rest until it has settled
     const double z = amplitude_m * (1.0 - std::cos(rate * start_s)),
@@ -164,10 +164,9 @@ double shaking_error(double step_s) {
     const double middle_s = start_s + 0.5 * step_s;
     const double expected =
         gravity_m_per_s2 + amplitude_m * rate * rate * std::cos(rate * middle_s);
-    if (t > 1.0)
-      worst = std::max(worst, std::abs(world.force_on_object_n().z() / (mass_kg * expected) - 1.0));
+    if (t > 1.0) worst.add(std::abs(world.force_on_object_n().z() / (mass_kg * expected) - 1.0));
   }
-  return worst;
+  return worst.value;
 }
 
 }  // namespace

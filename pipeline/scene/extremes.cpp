@@ -26,12 +26,6 @@ ContactParameters contact_of(const Extreme& extreme) {
   return contact;
 }
 
-/// Largest of values that a NaN must not pass by.
-struct Worst {
-  double value = 0.0;
-  void add(double candidate) { value = candidate <= value ? value : candidate; }
-};
-
 /// Energy gained in an impact at 10 m/s, against the energy before.
 double impact_gain(const Extreme& extreme) {
   World world(sphere(extreme.mass_kg, extreme.friction, 0.03), stand(), contact_of(extreme));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "pipeline/scene/world.h"
 
 namespace touchtrace::scene {
@@ -24,6 +26,14 @@ Drive keep_still(const World& world);
 void put_above(World& world, const Eigen::Vector3d& place_m, double gap_m);
 
 void run(World& world, const Drive& drive, double seconds, double step_s);
+
+/// Largest of values; NaN as soon as one of them is.
+struct Worst {
+  double value = 0.0;
+  void add(double candidate) {
+    if (!(candidate <= value) && !std::isnan(value)) value = candidate;
+  }
+};
 
 /// Of the object, with height 0 at the world's origin.
 double energy_j(const World& world);

@@ -84,6 +84,12 @@ TEST(ScenePhysics, TheChecksCanFail) {
   EXPECT_GE(exceeded, 3);
 }
 
+TEST(ScenePhysics, TheWorstOfValuesDoesNotForgetOneThatIsNone) {
+  Worst worst;
+  for (const double value : {0.5, std::nan(""), 0.1}) worst.add(value);
+  EXPECT_TRUE(std::isnan(worst.value));
+}
+
 TEST(ScenePhysics, ARestingBlockPressesWithItsWeight) {
   for (double mass_kg : {0.005, 0.05, 0.5, 10.0})
     for (double h : {0.0005, 0.002, 0.01})

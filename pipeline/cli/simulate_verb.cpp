@@ -9,6 +9,7 @@
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_file.h"
+#include "pipeline/scene/activity.h"
 #include "pipeline/scene/object_file.h"
 #include "pipeline/scene/simulate.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 struct SimulateOptions {
   scene::SceneOptions scene;
-  std::string output, object = "ball";
+  std::string output, object;
   bool no_images = false, resume = false;
 };
 
@@ -28,7 +29,8 @@ void describe(OptionSet& set, SimulateOptions& o) {
   set.choice("activity", s.activity, "what the hand does", scene::activity_names());
   set.text(
       "object", o.object,
-      "what it holds: names, roles (see `touchtrace objects`) or TOML files, with commas between");
+      "what it holds: names, roles (see `touchtrace objects`) or TOML files, with commas between; "
+      "default: what suits the activity");
   set.number("minutes", s.minutes,
              "recorded time of each object, rounded to whole clips, at least one [min]", 0.01, 1e4);
   set.number("clip-s", s.clip_s, "length of a clip; each has a new grasp [s]", 1.0, 600.0);
@@ -61,20 +63,27 @@ struct Part {
   Provenance provenance;
 };
 
-/// The objects of one name, file or role; of a role in throw: those that are thrown.
+/// The objects of one name or file, or those of a role that the activity takes.
 std::vector<scene::ObjectSpec> objects_of(const std::string& name, const std::string& activity) {
-  std::vector<scene::ObjectSpec> found;
+  const scene::ActivityRow& row = scene::find_activity(activity);
+  std::vector<scene::ObjectSpec> meant, fitting;
   for (const scene::ObjectSpec& object : scene::objects())
-    if (scene::role_name(object.role) == name && (activity != "throw" || object.toss_apex_m))
-      found.push_back(object);
-  if (found.empty()) found.push_back(scene::object_of(name));
-  return found;
+    if (scene::role_name(object.role) == name) meant.push_back(object);
+  if (meant.empty()) meant.push_back(scene::object_of(name));
+  std::ranges::copy_if(meant, std::back_inserter(fitting), row.takes);
+  if (fitting.empty()) scene::require_fit(row, meant.front());
+  return fitting;
+}
+
+std::vector<std::string> object_names(const SimulateOptions& options) {
+  if (options.object.empty()) return {scene::default_object(options.scene.activity).name};
+  return separated(options.object, ',');
 }
 
 std::vector<Part> parts_of(const SimulateOptions& options, const Invocation& invocation,
                            const std::string& device) {
   std::vector<Part> parts;
-  for (const std::string& name : separated(options.object, ','))
+  for (const std::string& name : object_names(options))
     for (scene::ObjectSpec& object : objects_of(name, options.scene.activity)) {
       Provenance provenance = start_provenance("touchtrace/recording/1", "simulate");
       provenance.options = invocation.options;

@@ -8,10 +8,18 @@
 
 namespace touchtrace::scene {
 
+namespace {
+
+bool is_no_tool(const ObjectSpec& object) { return object.role != ObjectRole::tool; }
+bool is_tossed(const ObjectSpec& object) { return object.toss_apex_m.has_value(); }
+
+}  // namespace
+
 const std::vector<ActivityRow>& activities() {
   static const std::vector<ActivityRow> table{
-      {"wave", "the object is held and waved to and fro", 0.002, make_wave},
-      {"throw", "the object is tossed off the open palm and caught", 0.002, make_throw},
+      {"wave", "the object is held and waved to and fro", "ball", 0.002, is_no_tool, make_wave},
+      {"throw", "the object is tossed off the open palm and caught", "ball", 0.002, is_tossed,
+       make_throw},
   };
   return table;
 }
@@ -27,6 +35,33 @@ const ActivityRow& find_activity(const std::string& name) {
     if (row.name == name) return row;
   throw usage_error(fmt::format("there is no activity '{}'", name),
                     suggestion(name, activity_names()));
+}
+
+const ObjectSpec& default_object(const std::string& activity) {
+  return find_object(find_activity(activity).default_object);
+}
+
+void require_fit(const ActivityRow& activity, const ObjectSpec& object) {
+  if (activity.takes(object)) return;
+  std::vector<std::string> fitting;
+  for (const ObjectSpec& other : objects())
+    if (activity.takes(other)) fitting.push_back(other.name);
+  throw usage_error(
+      fmt::format("'{}' is nothing for the activity '{}'", object.name, activity.name),
+      "take " + comma_separated(fitting));
+}
+
+bool in_hand(const ObjectSpec& object, const SceneSample& seen) {
+  constexpr double farthest_m = 0.12;
+  const RigidState& held = seen.object;
+  const Eigen::Vector3d place = held.position_m + held.orientation * object.hold.center_m;
+  return seen.grip_force_n > 0.0 && (place - seen.hand.position_m).norm() < farthest_m;
+}
+
+bool fallen(const SceneSample& seen) {
+  constexpr double below_m = 0.20, farthest_m = 0.80;
+  const Eigen::Vector3d offset = seen.object.position_m - seen.hand.position_m;
+  return offset.z() < -below_m || !(offset.norm() < farthest_m);
 }
 
 Eigen::Quaterniond palm_up(double roll_rad, double pitch_rad, double yaw_rad) {

@@ -21,6 +21,11 @@ struct Command {
   bool carrying = true;  ///< whether the object's weight is fed forward
 };
 
+/// Whether an object that was put on the palm is in the hand.
+bool in_hand(const ObjectSpec& object, const SceneSample& seen);
+/// Whether what was in the hand has fallen.
+bool fallen(const SceneSample& seen);
+
 /// What an activity knows when a clip begins. The random stream is its own.
 struct ActivityStart {
   const ObjectSpec& object;
@@ -34,18 +39,27 @@ class Activity {
   /// Called once every control interval, in order of time; time 0 is where the clip begins and
   /// earlier times are the grasp. `seen` is the scene at that time.
   virtual Command command(double time_s, const SceneSample& seen) = 0;
+  /// Where a ball comes into play at time 0; of activities that have one.
+  virtual std::optional<RigidState> serve(const SceneSample&) { return std::nullopt; }
+  /// Whether it is over: what the activity is done with was dropped or missed.
+  virtual bool lost(const SceneSample& seen) const { return fallen(seen); }
 };
 
 /// `step_s` is the physics' step while hand and object touch; `touchtrace verify scene` measures
-/// the error that it costs.
+/// the error that it costs. `takes` says which objects it is done with.
 struct ActivityRow {
-  std::string name, summary;
+  std::string name, summary, default_object;
   double step_s;
-  std::function<std::unique_ptr<Activity>(ActivityStart)> make;
+  bool (*takes)(const ObjectSpec& object);
+  std::unique_ptr<Activity> (*make)(ActivityStart start);
 };
 const std::vector<ActivityRow>& activities();
 /// Throws usage_error with the known names.
 const ActivityRow& find_activity(const std::string& name);
+/// What it is done with if nothing else is asked for.
+const ObjectSpec& default_object(const std::string& activity);
+/// Throws usage_error with what does fit unless the activity takes the object.
+void require_fit(const ActivityRow& activity, const ObjectSpec& object);
 
 std::unique_ptr<Activity> make_wave(ActivityStart start);
 std::unique_ptr<Activity> make_throw(ActivityStart start);

@@ -10,13 +10,7 @@ namespace touchtrace::scene {
 namespace {
 
 constexpr int grasp_attempts = 5;
-constexpr double lost_below_m = 0.20, lost_distance_m = 0.80;
 constexpr double shortest_flight_s = 0.04;
-
-bool lost(const RigidState& hand, const RigidState& object) {
-  const Eigen::Vector3d offset = object.position_m - hand.position_m;
-  return offset.z() < -lost_below_m || !(offset.norm() < lost_distance_m);
-}
 
 /// Release and catch are the ends of every stretch without contact that is long enough to be a
 /// flight.
@@ -44,7 +38,7 @@ ClipMotion record(const SceneOptions& options, Performance& performance, double 
     SceneSample sample = performance.sample();
     sample.time_s = start_s + i * control_interval_s;
     clip.samples.push_back(sample);
-    if (lost(sample.hand, sample.object)) {
+    if (performance.lost()) {
       clip.dropped = true;
       clip.events.push_back({sample.time_s, "drop"});
       break;

@@ -42,6 +42,7 @@ std::vector<PaintedSolid> scene_at(const ClipMotion& motion, const ObjectSpec& o
   append(scene, {forearm_solid(sample)}, sleeve_contrast, sleeve_waves_per_m);
   append(scene, hand_solids(sample), glove_contrast, glove_waves_per_m);
   append(scene, object_solids(object, sample), object_contrast, object_waves_per_m);
+  append(scene, ball_solids(object, sample), object_contrast, object_waves_per_m);
   return scene;
 }
 
@@ -103,6 +104,7 @@ SceneSample sample_at(const ClipMotion& motion, double time_s) {
   sample.time_s = time_s;
   sample.hand = between(a.hand, b.hand, w);
   sample.object = between(a.object, b.object, w);
+  if (a.ball && b.ball) sample.ball = between(*a.ball, *b.ball, w);
   return sample;
 }
 

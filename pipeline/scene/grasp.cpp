@@ -42,7 +42,7 @@ Eigen::Quaterniond random_turn(Hold::Turns turns, RandomStream& random) {
 }
 
 /// As the object is held, turned at random in the ways that its shape allows.
-Eigen::Quaterniond in_hand(const Hold& hold, RandomStream& random) {
+Eigen::Quaterniond as_held(const Hold& hold, RandomStream& random) {
   Eigen::Matrix3d object_from_held;
   object_from_held << hold.across.cross(hold.from_palm), hold.across, hold.from_palm;
   const Eigen::Quaterniond turn = random_turn(hold.turns, random);
@@ -66,13 +66,19 @@ double height_over_palm_m(const ObjectSpec& object, const Eigen::Quaterniond& ha
   return height;
 }
 
+std::unique_ptr<Activity> activity_of(const SceneOptions& options, ActivityStart start) {
+  const ActivityRow& row = find_activity(options.activity);
+  require_fit(row, start.object);
+  return row.make(std::move(start));
+}
+
 }  // namespace
 
 Performance::Performance(const SceneOptions& options, const std::string& name, double start_s,
                          double step_s)
     : world_(options.object),
-      activity_(find_activity(options.activity)
-                    .make({world_.spec(), RandomStream(options.seed, name + " motion")})),
+      activity_(
+          activity_of(options, {world_.spec(), RandomStream(options.seed, name + " motion")})),
       glove_(1, glove_clock(options), options.seed),
       start_s_(start_s),
       step_s_(step_s > 0.0 ? step_s : find_activity(options.activity).step_s),
@@ -91,7 +97,7 @@ Performance::Performance(const SceneOptions& options, const std::string& name, d
 void Performance::place_object(const Command& command, RandomStream& random) {
   const Hold& hold = world_.spec().hold;
   const Vector3d over(0.018 + 0.005 * random.normal(), 0.005 * random.normal(), 0.0);
-  const Eigen::Quaterniond hand_from_object = in_hand(hold, random);
+  const Eigen::Quaterniond hand_from_object = as_held(hold, random);
   Vector3d place = over - hand_from_object * hold.center_m;
   place.z() = 0.0;
   const double height = height_over_palm_m(world_.spec(), hand_from_object, place);
@@ -152,9 +158,10 @@ void Performance::advance() {
 bool Performance::grasp() {
   glove_.start(start_s_);
   while (tick_ < 0) advance();
-  const Vector3d offset = world_.object.position_m - world_.hand.position_m;
-  return world_.contact().touching() && offset.norm() < 0.12;
+  return in_hand(world_.spec(), sample());
 }
+
+bool Performance::lost() const { return activity_->lost(sample()); }
 
 SceneSample Performance::sample() const {
   SceneSample sample;

@@ -19,6 +19,8 @@ class Performance {
   /// From putting the object on the palm to time 0; false if it fell.
   bool grasp();
   void advance();
+  /// Whether the activity is over: what it is done with was dropped or missed.
+  bool lost() const;
   SceneSample sample() const;
 
   Glove& glove() { return glove_; }

@@ -124,13 +124,22 @@ Hold read_hold(TomlTable& table) {
   return hold;
 }
 
+Ball read_ball(TomlTable& table) {
+  Ball ball;
+  ball.radius_m = length_m(table, "radius_m");
+  ball.mass_kg = table.number("mass_kg", 1e-4, 1.0);
+  ball.color = table.vector("color", 0.0, 1.0);
+  return ball;
+}
+
 class ObjectReader {
  public:
   explicit ObjectReader(ObjectSpec& object) : object_(object) {}
 
   void read(TomlTable& root) {
     object_.summary = root.text("summary", 100);
-    object_.role = static_cast<ObjectRole>(root.choice("role", {"seen", "unseen", "outside"}));
+    object_.role =
+        static_cast<ObjectRole>(root.choice("role", {"seen", "unseen", "outside", "tool"}));
     object_.friction = root.number("friction", 0.0, 3.0);
     if (root.has("toss_apex_m")) read_toss(root);
     object_.inertia_given = root.has("body");
@@ -146,7 +155,9 @@ class ObjectReader {
       parts_ = {read_body(body, object_.solids)};
     });
     root.table("hold", [&](TomlTable& table) { object_.hold = read_hold(table); });
+    root.table("ball", [&](TomlTable& table) { object_.ball = read_ball(table); });
     settle(root);
+    if (root.has("tracked_m")) read_tracked(root);
   }
 
  private:
@@ -163,6 +174,11 @@ class ObjectReader {
     if (!object_.inertia_given) parts_.push_back(read_mass(table, solid));
   }
 
+  void read_tracked(TomlTable& root) {
+    if (object_.ball) root.reject("tracked_m", "stands beside a ball: give one of them");
+    object_.tracked_m = root.vector("tracked_m", -largest_m, largest_m) - center_m_;
+  }
+
   /// From the file's origin to the centre of mass.
   void settle(TomlTable& root) {
     const MassProperties whole = joined(parts_);
@@ -171,12 +187,14 @@ class ObjectReader {
                                       lightest_kg, heaviest_kg));
     object_.mass_kg = whole.mass_kg;
     object_.inertia_kg_m2 = whole.inertia_kg_m2;
+    center_m_ = whole.center_m;
     for (Solid& solid : object_.solids) solid.body_from_shape.pretranslate(-whole.center_m);
     object_.hold.center_m -= whole.center_m;
   }
 
   ObjectSpec& object_;
   std::vector<MassProperties> parts_;
+  Vector3d center_m_ = Vector3d::Zero();
 };
 
 }  // namespace

@@ -10,9 +10,17 @@ namespace touchtrace::scene {
 /// may hold anything: throws data_error for what is no object that physics can hold.
 ///
 ///     summary = "a hammer"                 # one line
-///     role = "seen"                        # "unseen", "outside"
+///     role = "seen"                        # "unseen", "outside", "tool"
 ///     friction = 0.6                       # against the glove, Coulomb
 ///     toss_apex_m = [0.1, 0.2]             # tosses rise that far; left out: never thrown
+///
+///     tracked_m = [0, 0, 0.4]              # its state is that of this point (default: of its
+///     centre
+///                                          # of mass), or of a ball:
+///     [ball]                               # a thin hollow sphere that is bounced on it
+///     radius_m = 0.02
+///     mass_kg = 0.0027
+///     color = [0.9, 0.4, 0.1]
 ///
 ///     [[solid]]                            # felt and seen
 ///     shape = "cylinder"                   # "capsule", "sphere", "box"

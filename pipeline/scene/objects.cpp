@@ -16,9 +16,11 @@ std::string role_name(ObjectRole role) {
     case ObjectRole::unseen:
       return "unseen";
     case ObjectRole::outside:
+      return "outside";
+    case ObjectRole::tool:
       break;
   }
-  return "outside";
+  return "tool";
 }
 
 const std::vector<ObjectSpec>& objects() {

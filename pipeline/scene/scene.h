@@ -30,8 +30,9 @@ struct Solid {
 };
 
 /// What a model may be shown of an object: trained on, kept for tests inside of the range of mass
-/// and shape that is trained on, or far outside of that range and reported apart.
-enum class ObjectRole { seen, unseen, outside };
+/// and shape that is trained on, or far outside of that range and reported apart. A tool belongs to
+/// one activity, whose only object it is.
+enum class ObjectRole { seen, unseen, outside, tool };
 std::string role_name(ObjectRole role);
 
 /// How an object lies in the hand; body frame.
@@ -43,7 +44,15 @@ struct Hold {
   enum class Turns { none, axis, faces, any } turns = Turns::none;
 };
 
-/// An object; the origin of its body frame is its centre of mass.
+/// What is bounced on an object: a thin hollow sphere, a second body that nothing holds.
+struct Ball {
+  double radius_m = 0.02, mass_kg = 0.0027;
+  Eigen::Vector3d color = Eigen::Vector3d::Constant(0.9);
+};
+
+/// An object that a hand holds; the origin of its body frame is its centre of mass. Its state, the
+/// one that is labelled and predicted, is that of its ball if it has one, otherwise that of the
+/// point `tracked_m` of its body.
 struct ObjectSpec {
   std::string name;
   double mass_kg = 0.1, friction = 0.7;
@@ -54,9 +63,11 @@ struct ObjectSpec {
   bool inertia_given = false;  ///< mass and inertia as its file says; otherwise those of its solids
   Hold hold = {};
   std::optional<std::array<double, 2>> toss_apex_m = std::nullopt;  ///< none: never thrown
+  Eigen::Vector3d tracked_m = Eigen::Vector3d::Zero();
+  std::optional<Ball> ball = std::nullopt;
 };
 
-/// The objects that come with the program, seen ones first.
+/// The objects that come with the program, seen ones first, tools last.
 const std::vector<ObjectSpec>& objects();
 /// Throws usage_error with the known names.
 const ObjectSpec& find_object(const std::string& name);
@@ -71,14 +82,18 @@ struct RigidState {
 /// The scene at one instant. The hand's body frame lies in the palm: origin at its centre, z out of
 /// the palm, x towards the fingertips.
 struct SceneSample {
-  double time_s = 0.0;  ///< host's clock
-  RigidState hand, object;
+  double time_s = 0.0;                             ///< host's clock
+  RigidState hand, object;                         ///< and what it holds
+  std::optional<RigidState> ball;                  ///< once it is in play
   double finger_closure = 0.0;                     ///< 0 open .. 1 a fist: the mean of the fingers
   std::array<double, finger_count> flexion_rad{};  ///< of the first joint; poses each finger
   /// Of the hand on the object, world; mean since the last sample.
   Eigen::Vector3d contact_force_n = Eigen::Vector3d::Zero();
   double grip_force_n = 0.0;  ///< normal forces of all taxels added up
 };
+
+/// The state that labels and models are about: the ball's, or that of the object's tracked point.
+RigidState tracked_state(const ObjectSpec& object, const SceneSample& sample);
 
 /// What happened in one clip: samples at `sample_rate_hz`, and what the glove said of it.
 struct ClipMotion {
@@ -117,10 +132,13 @@ GloveClock glove_clock(const SceneOptions& options);
 /// Every activity there is, for messages and --help.
 std::vector<std::string> activity_names();
 
-/// What a camera sees of the gloved hand, the forearm and the object at one instant, each solid
-/// placed in the world (`body_from_shape` is then world_from_shape).
+/// What a camera sees of the gloved hand, the forearm, the object and its ball at one instant, each
+/// solid placed in the world (`body_from_shape` is then world_from_shape).
 std::vector<Solid> hand_solids(const SceneSample& sample);
 Solid forearm_solid(const SceneSample& sample);
 std::vector<Solid> object_solids(const ObjectSpec& object, const SceneSample& sample);
+std::vector<Solid> ball_solids(const ObjectSpec& object, const SceneSample& sample);
+/// What is tracked of them: the ball if there is one, otherwise the object.
+std::vector<Solid> tracked_solids(const ObjectSpec& object, const SceneSample& sample);
 
 }  // namespace touchtrace::scene

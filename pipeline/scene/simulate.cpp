@@ -102,7 +102,7 @@ SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runti
         {start_s, start_s + options.clip_s, options.object.name, motion.dropped, {}, {}});
     if (video) video->record_clip(motion, options.object, i, recording);
     append_glove(recording.gloves, motion.glove);
-    append_truth(truth, motion, i, camera.color_from_world);
+    append_truth(truth, motion, options.object, i, camera.color_from_world);
     progress.advance();
   }
   SimulationSummary summary = summarize(recording);

@@ -1,10 +1,6 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "engine/base/error.h"
-#include "engine/base/text.h"
 #include "pipeline/scene/activity.h"
 
 namespace touchtrace::scene {
@@ -63,15 +59,6 @@ class Throw : public Activity {
   double opening_start_s_ = -10.0, apex_m_ = 0.0;
 };
 
-std::array<double, 2> apex_range_m(const ObjectSpec& object) {
-  if (object.toss_apex_m) return *object.toss_apex_m;
-  std::vector<std::string> thrown;
-  for (const ObjectSpec& other : objects())
-    if (other.toss_apex_m) thrown.push_back(other.name);
-  throw usage_error(fmt::format("nobody tosses and catches '{}' with one hand", object.name),
-                    "throw one of " + comma_separated(thrown));
-}
-
 MotionState at_rest(const Vector3d& position) {
   return {position, Vector3d::Zero(), Vector3d::Zero()};
 }
@@ -79,7 +66,7 @@ MotionState at_rest(const Vector3d& position) {
 Throw::Throw(ActivityStart start)
     : object_(start.object),
       random_(start.random),
-      apex_range_m_(apex_range_m(object_)),
+      apex_range_m_(*object_.toss_apex_m),
       base_m_(random_.uniform(-0.30, -0.04), random_.uniform(-0.46, -0.36),
               random_.uniform(1.02, 1.12)),
       roll_(random_.normal(0.0, 0.03)),

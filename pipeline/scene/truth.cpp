@@ -32,7 +32,7 @@ Truth start_truth(const SceneOptions& options, const RgbdCamera& camera, const C
   return truth;
 }
 
-void append_truth(Truth& truth, const ClipMotion& motion, int clip,
+void append_truth(Truth& truth, const ClipMotion& motion, const ObjectSpec& object, int clip,
                   const Eigen::Isometry3d& color_from_world) {
   constexpr auto stride = static_cast<std::size_t>(sample_rate_hz / truth_rate_hz);
   for (std::size_t i = 0; i < motion.samples.size(); i += stride) {
@@ -40,7 +40,7 @@ void append_truth(Truth& truth, const ClipMotion& motion, int clip,
     truth.time_s.push_back(sample.time_s);
     truth.clip.push_back(clip);
     append(truth.hand, sample.hand, color_from_world);
-    append(truth.object, sample.object, color_from_world);
+    append(truth.object, tracked_state(object, sample), color_from_world);
     append(truth.contact_force_n, color_from_world.linear() * sample.contact_force_n);
   }
   truth.events.insert(truth.events.end(), motion.events.begin(), motion.events.end());

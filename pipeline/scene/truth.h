@@ -11,7 +11,7 @@ inline constexpr double truth_rate_hz = 100.0;
 Truth start_truth(const SceneOptions& options, const RgbdCamera& camera, const CameraClock& clock);
 
 /// Appends a clip's samples at truth_rate_hz and its events, turned into the colour camera's frame.
-void append_truth(Truth& truth, const ClipMotion& motion, int clip,
+void append_truth(Truth& truth, const ClipMotion& motion, const ObjectSpec& object, int clip,
                   const Eigen::Isometry3d& color_from_world);
 
 }  // namespace touchtrace::scene

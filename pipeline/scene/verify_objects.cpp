@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "engine/base/provenance.h"
+#include "pipeline/scene/activity.h"
 #include "pipeline/scene/statistics.h"
 #include "pipeline/scene/verify_scene.h"
 
@@ -64,25 +65,26 @@ void verify_object(const std::string& activity, const ObjectSpec& object, const 
 
 void verify_objects(const std::string& activity, const Emit& emit) {
   for (const ObjectSpec& object : objects())
-    if (activity != "throw" || object.toss_apex_m) verify_object(activity, object, emit);
+    if (find_activity(activity).takes(object)) verify_object(activity, object, emit);
 }
 
 void verify_speed(const std::string& activity, const Emit& emit) {
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  const ObjectSpec& object = default_object(activity);
   const Stopwatch stopwatch;
   std::vector<std::future<Run>> runs;
   for (unsigned core = 0; core < cores; ++core)
-    runs.push_back(
-        std::async(std::launch::async, perform, activity, find_object("ball"), 20, 10.0));
+    runs.push_back(std::async(std::launch::async, perform, activity, object, 20, 10.0));
   double simulated_s = 0.0;
   for (auto& run : runs) simulated_s += run.get().simulated_s;
-  emit(at_least(fmt::format("{} ball: real time, {} cores at work", activity, cores),
+  emit(at_least(fmt::format("{} {}: real time, {} cores at work", activity, object.name, cores),
                 simulated_s / stopwatch.wall_seconds(), "x", 300.0));
 }
 
 void verify_probe(const std::string& activity, const Emit& emit) {
-  const std::string what = activity + " ball: ";
-  const Run grasps = perform(activity, find_object("ball"), 64, 3.0);
+  const ObjectSpec& object = default_object(activity);
+  const std::string what = activity + " " + object.name + ": ";
+  const Run grasps = perform(activity, object, 64, 3.0);
   const Eigen::Vector3d probe = position_probe_r2(grasps.clips, grasps.clock);
   emit(at_most(what + "place by a linear probe, R^2", probe.head<2>().maxCoeff(), "", 0.1));
   // A tossed object's phase, which touch is there to tell, goes with the height of the hand.

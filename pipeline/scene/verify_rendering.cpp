@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include "engine/base/provenance.h"
+#include "pipeline/scene/activity.h"
 #include "pipeline/scene/exposure.h"
 #include "pipeline/scene/renderer.h"
 #include "pipeline/scene/verify_scene.h"
@@ -16,6 +17,7 @@ constexpr int frames = 100;
 void verify_rendering(const std::string& activity, const std::function<void(Figure)>& emit) {
   SceneOptions options;
   options.activity = activity;
+  options.object = default_object(activity);
   options.image_width = 640, options.image_height = 480;
   options.clip_s = 2 * first_frame_s + frames * frame_interval_s;
   const ClipMotion motion = simulate_clip(options, 0, 0.0);

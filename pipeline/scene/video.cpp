@@ -47,7 +47,8 @@ void Video::record_clip(const ClipMotion& motion, const ObjectSpec& object, int 
   if (sequences.empty()) return;
   const SceneSample first = sample_at(motion, clock_.true_time_s(sequences.front()));
   described.hand_box = mark(hand_solids(first), camera_, options_.seed, clip, "hand");
-  described.object_box = mark(object_solids(object, first), camera_, options_.seed, clip, "object");
+  described.object_box =
+      mark(tracked_solids(object, first), camera_, options_.seed, clip, "object");
 }
 
 std::size_t Video::record_still_views(const BoardInfo& board) {

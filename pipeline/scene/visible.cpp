@@ -69,11 +69,30 @@ Solid forearm_solid(const SceneSample& sample) {
   return capsule_between(placed(sample.hand) * wrist_in_hand_m, elbow_m, 0.035, sleeve_color);
 }
 
+RigidState tracked_state(const ObjectSpec& object, const SceneSample& sample) {
+  if (sample.ball) return *sample.ball;
+  RigidState state = sample.object;
+  const Vector3d offset = state.orientation * object.tracked_m;
+  state.position_m += offset;
+  state.velocity_m_per_s += state.angular_velocity_rad_per_s.cross(offset);
+  return state;
+}
+
 std::vector<Solid> object_solids(const ObjectSpec& object, const SceneSample& sample) {
   std::vector<Solid> solids = object.solids;
   const Isometry3d world_from_object = placed(sample.object);
   for (Solid& solid : solids) solid.body_from_shape = world_from_object * solid.body_from_shape;
   return solids;
+}
+
+std::vector<Solid> ball_solids(const ObjectSpec& object, const SceneSample& sample) {
+  if (!sample.ball) return {};
+  const Ball& ball = *object.ball;
+  return {{ShapeKind::sphere, {ball.radius_m, 0.0, 0.0}, placed(*sample.ball), ball.color}};
+}
+
+std::vector<Solid> tracked_solids(const ObjectSpec& object, const SceneSample& sample) {
+  return sample.ball ? ball_solids(object, sample) : object_solids(object, sample);
 }
 
 }  // namespace touchtrace::scene

@@ -123,6 +123,16 @@ TEST(SceneObjects, FifteenAndOneFarOutside) {
   for (const char* name : {"ball", "box", "can", "bottle"}) EXPECT_TRUE(names.contains(name));
 }
 
+TEST(SceneObjects, TheTrackedPointIsOfTheFileAndTheStateOfItsCentre) {
+  const std::string beside = replaced(plain_ball, "mass_kg", "center_m = [0, 0, 0.1]\nmass_kg");
+  EXPECT_EQ(parsed(beside).tracked_m, Vector3d::Zero());
+  EXPECT_LT((parsed("tracked_m = [0, 0, 0.4]\n" + beside).tracked_m - Vector3d(0, 0, 0.3)).norm(),
+            1e-12);
+  const std::string ball = "[ball]\nradius_m = 0.02\nmass_kg = 0.003\ncolor = [1, 1, 1]\n";
+  EXPECT_EQ(parsed(beside + ball).ball->mass_kg, 0.003);
+  EXPECT_NE(refusal_of("tracked_m = [0, 0, 0.4]\n" + beside + ball), "");
+}
+
 TEST(SceneObjects, BodiesAreThoseOfMatter) {
   for (const ObjectSpec& object : objects()) {
     const Vector3d moments =

@@ -2,7 +2,7 @@
 
 #include "engine/base/files.h"
 #include "pipeline/cli/verb.h"
-#include "pipeline/scene/scene.h"
+#include "pipeline/scene/activity.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
@@ -36,6 +36,16 @@ TEST(SimulateVerb, ARoleIsAllItsObjects) {
   for (const scene::ObjectSpec& object : scene::objects())
     EXPECT_EQ(std::filesystem::exists(folder / "unseen" / (object.name + ".h5")),
               object.role == scene::ObjectRole::unseen);
+}
+
+TEST(SimulateVerb, EveryActivityHasAnObjectOfItsOwnChoice) {
+  const TemporaryFolder folder;
+  for (const std::string& activity : scene::activity_names()) {
+    const auto file = folder / (activity + ".h5");
+    ASSERT_EQ(simulate({file.string(), "--activity", activity}), 0) << activity;
+    EXPECT_EQ(RecordingReader(file).recording().clips.front().object,
+              scene::default_object(activity).name);
+  }
 }
 
 TEST(SimulateVerb, ResumingMakesOnlyWhatIsMissing) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/scene/held_forms.h"
 #include "pipeline/scene/laboratory.h"
 
 namespace touchtrace::scene {
@@ -184,9 +185,17 @@ const std::vector<ClosedForm>& closed_forms() {
        [](double h) { return bounce_error(9.0, h); }},
       {"block on a slope below the angle of friction, speed", "m/s", 0.002, 1e-6, 0.0,
        sticking_speed_m_per_s},
-      {"block sliding down a slope, friction / (mu N)", "", 0.002, 0.02, 0.0, sliding_error},
+      {"block sliding down a slope, friction / (mu N)", "", 0.002, 0.01, 1.9, sliding_error},
       {"block at rest, force / weight", "", 0.002, 1e-3, 0.0, resting_error},
       {"block shaken at 2 Hz, force / (m (g + a))", "", 0.002, 0.01, 0.0, shaking_error},
+      {"rod rocking on its flat foot, tilt after 1 s", "", 0.002, 1e-3, 1.9,
+       [](double h) { return standing_rod_error(0.1, h); }},
+      {"rod falling from its flat foot, tilt after 1 s", "", 0.002, 5e-3, 1.9,
+       [](double h) { return standing_rod_error(0.4, h); }},
+      {"block in a closed grip shaken at 21 Hz, amplitude and phase", "", 0.002, 0.02, 1.5,
+       grip_response_error},
+      {"block in a closed grip shaken at 2 Hz, force / (m (g + a))", "", 0.002, 0.01, 0.0,
+       gripped_force_error},
   };
   return table;
 }

@@ -66,7 +66,8 @@ ContactPatch::ContactPatch(const ContactParameters& parameters)
 }
 
 void ContactPatch::find(const ObjectSpec& object, const HandFromObject& hand,
-                        const RelativeMotion& motion, double looked_s, double ahead_s) {
+                        const RelativeMotion& motion, const RelativeMotion& expected,
+                        double looked_s, double ahead_s) {
   contacts_.clear();
   looked_s_ = looked_s;
   ahead_s_ = ahead_s;
@@ -75,10 +76,11 @@ void ContactPatch::find(const ObjectSpec& object, const HandFromObject& hand,
       (ahead_s - looked_s) *
       (motion.linear_m_per_s.norm() + contact_reach_m * motion.angular_rad_per_s.norm() +
        ahead_s * gravity_m_per_s2);
-  for (const Touch& touch : search_.find(object, hand, margin_m)) load(touch, motion.at(touch));
+  for (const Touch& touch : search_.find(object, hand, margin_m))
+    load(touch, motion.at(touch), expected.at(touch));
 }
 
-void ContactPatch::load(const Touch& touch, const Vector3d& velocity) {
+void ContactPatch::load(const Touch& touch, const Vector3d& velocity, const Vector3d& expected) {
   const ContactParameters& p = parameters_;
   const double depth = std::min(touch.depth_m, p.clamp_m);
   const double k = p.stiffness_n_per_m3 * hand_model().taxels[touch.taxel].area_m2;
@@ -91,12 +93,13 @@ void ContactPatch::load(const Touch& touch, const Vector3d& velocity) {
   c.normal_n = elastic_n - looked_s_ * slope * rate;
   c.normal_gain = ahead_s_ * slope + std::max(0.0, elastic_n) * p.dissipation_s_per_m;
   c.tangent_k = p.bristle_ratio * k;
-  rub(c, p.dissipation_s_per_m * std::max(0.0, depth), velocity, rate);
+  rub(c, p.dissipation_s_per_m * std::max(0.0, depth), velocity, rate, expected);
 }
 
 /// A taxel that was clear before has been stretched since its depth was 0. Coulomb's limit clips
 /// the bristle, and then what bristle and damping pull together.
-void ContactPatch::rub(Contact& c, double damping_s, const Vector3d& velocity, double rate) {
+void ContactPatch::rub(Contact& c, double damping_s, const Vector3d& velocity, double rate,
+                       const Vector3d& expected) {
   const Vector3d& normal = c.touch.normal;
   Vector3d& bristle = bristle_m_[c.touch.taxel];
   if (touched_at_[c.touch.taxel] < step_) {
@@ -104,8 +107,8 @@ void ContactPatch::rub(Contact& c, double damping_s, const Vector3d& velocity, d
     bristle = (entered ? c.touch.depth_m / rate - looked_s_ : 0.0) * velocity;
   }
   bristle -= normal * normal.dot(bristle);
-  const Vector3d creep = velocity + normal * rate;
-  const double limit_n = friction_ * std::max(0.0, c.normal_force_n(velocity));
+  const Vector3d creep = expected - normal * normal.dot(expected);
+  const double limit_n = friction_ * std::max(0.0, c.normal_force_n(expected));
   const auto clip = [&](const Vector3d& force_n) {
     const double size = force_n.norm();
     return size > limit_n ? limit_n / size : 1.0;

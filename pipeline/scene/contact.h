@@ -33,9 +33,10 @@ class ContactPatch {
   explicit ContactPatch(const ContactParameters& parameters = {});
 
   /// Finds what touches where things have got to, `looked_s` from now, with the present `motion`,
-  /// or may touch `ahead_s` from now, which later calls are about.
+  /// or may touch `ahead_s` from now, which later calls are about. Coulomb's limit is taken at the
+  /// motion `expected` of the step, which makes sliding second order in it.
   void find(const ObjectSpec& object, const HandFromObject& hand, const RelativeMotion& motion,
-            double looked_s, double ahead_s);
+            const RelativeMotion& expected, double looked_s, double ahead_s);
   /// Adds the time ahead times the contacts' forces: what grows with the velocities to the system's
   /// left side, the rest to its right. `imposed` is the motion that is not solved for.
   void add_to(MotionSystem& system, const RelativeMotion& imposed) const;
@@ -73,8 +74,9 @@ class ContactPatch {
     }
   };
 
-  void load(const Touch& touch, const Eigen::Vector3d& velocity);
-  void rub(Contact& contact, double damping_s, const Eigen::Vector3d& velocity, double rate);
+  void load(const Touch& touch, const Eigen::Vector3d& velocity, const Eigen::Vector3d& expected);
+  void rub(Contact& contact, double damping_s, const Eigen::Vector3d& velocity, double rate,
+           const Eigen::Vector3d& expected);
   void apply(const Contact& contact, const Eigen::Vector3d& velocity, double h);
 
   ContactParameters parameters_;

@@ -9,7 +9,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double finger_inertia_kg_m2 = 5e-5, finger_damping_nm_s_per_rad = 0.02;
 constexpr double impact_error_m_per_s = 0.1, finest_share = 16.0;  // of the step in impacts
 constexpr double first_patch_m2 = 3e-4;                            // expected of a first contact
 constexpr int most_tries = 4;                                      // at finding which contacts part
@@ -132,7 +131,8 @@ void World::note_rates(const MotionSystem& masses, const MotionSystem& system, d
 
 void World::step(const Drive& drive, double h) {
   const Instant at(*this, drive.angular_velocity_rad_per_s, h, implicitness(h));
-  contact_.find(object_spec_, at.hand, at.motion(at.present), at.looked_s, at.ahead_s);
+  contact_.find(object_spec_, at.hand, at.motion(at.present),
+                at.motion(at.present + at.looked_s * acceleration_), at.looked_s, at.ahead_s);
   MotionSystem masses = MotionSystem::zero();
   add_masses(at, masses);
   add_fingers(drive, at, masses);
@@ -146,6 +146,7 @@ void World::step(const Drive& drive, double h) {
     note_rates(masses, system, at.ahead_s);
   } while (contact_.part(at.motion(mean)) && ++tries < most_tries);
   contact_.settle(at.motion(mean), h);
+  acceleration_ = (mean - at.present) / at.ahead_s;
   hand.angular_velocity_rad_per_s = drive.angular_velocity_rad_per_s;
   move(mean, at, h);
 }

@@ -15,6 +15,9 @@ struct ArmParameters {
   }
 };
 
+/// Of a finger about its first joint.
+inline constexpr double finger_inertia_kg_m2 = 5e-5, finger_damping_nm_s_per_rad = 0.02;
+
 /// How one finger's first joint is driven: torque + stiffness (rest - flexion).
 struct FingerDrive {
   double torque_nm = 0.0, stiffness_nm_per_rad = 0.0, rest_rad = 0.0;
@@ -85,6 +88,7 @@ class World {
   Eigen::Matrix3d world_from_contact_ = Eigen::Matrix3d::Identity();
   /// How fast contacts swing, squared, when there last were any: everything; the object alone.
   double contact_rate2_per_s2_, object_rate2_per_s2_;
+  Velocity acceleration_ = Velocity::Zero();  ///< in the last step, the object's axes of then
   Eigen::Vector3d mean_force_n_ = Eigen::Vector3d::Zero();
 };
 

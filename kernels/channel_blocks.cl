@@ -1,7 +1,6 @@
 // Between images in blocks of 16 channels with a halo (conv2d.clh) and the rows of a dense layer, which keep
 // the blocks and leave the halo out: [image][channel / 16][row][column][channel % 16].
 //
-//   compact:          row = image
 //   block_gradient:   image = [row > 0] row_gradient, the ReLU's mask applied on the way
 //   to_blocks:        a row [channel][row][column] of the layer's parameters in the order of blocks
 //   from_blocks:      the way back
@@ -16,14 +15,6 @@
 #define CORNER (HALO * (PITCH + 16))
 
 // Images stand in rows from block `first` on.
-__kernel void compact(__global const real* restrict image, __global real* restrict row, int first) {
-  const size_t block = get_global_id(0);
-  image += block * BLOCK + CORNER;
-  row += (first + block) * AREA * 16;
-  for (int y = 0; y < ROWS; ++y)
-    for (int x = 0; x < COLS; ++x) store16(vload16(x, image + y * PITCH), y * COLS + x, row);
-}
-
 __kernel void block_gradient(__global const real* restrict row, __global const real* restrict row_gradient,
                              __global real* restrict image, int first) {
   const size_t block = get_global_id(0);

@@ -78,6 +78,8 @@ class Runtime {
   /// Throws device_error if the device has not this much memory left: asked before many buffers are
   /// made, so that a model that is far too large fails at once.
   void check_memory(std::size_t bytes);
+  /// Of parts of a buffer [bytes], enough for every device that we know.
+  static constexpr std::size_t part_alignment = 512;
   template <class T>
   Buffer<T> allocate(std::size_t size) {
     return {allocate_bytes(size * sizeof(T)), size};
@@ -87,6 +89,19 @@ class Runtime {
     auto buffer = allocate<T>(size);
     fill(buffer, T{});
     return buffer;
+  }
+  /// `size` elements of a buffer from `at` on, shared. Throws device_error unless `at` is a
+  /// multiple of `part_alignment` bytes.
+  template <class T>
+  Buffer<T> part_of(const Buffer<T>& whole, std::size_t at, std::size_t size) {
+    const cl_buffer_region region{at * sizeof(T), size * sizeof(T)};
+    auto handle = whole.handle();
+    return {guarded("sharing a part of a buffer",
+                    [&] {
+                      return handle.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION,
+                                                    &region);
+                    }),
+            size};
   }
   template <class T>
   void fill(const Buffer<T>& buffer, T value) {
@@ -117,6 +132,15 @@ class Runtime {
     guarded("writing to the device", [&] {
       return queue().enqueueWriteBuffer(buffer.handle(), CL_FALSE, offset * sizeof(T),
                                         values.size_bytes(), values.data());
+    });
+  }
+  /// Queues `size` elements from `from` on to go to `to`; the two must not overlap.
+  template <class T>
+  void queue_copy(const Buffer<T>& buffer, std::size_t from, std::size_t to, std::size_t size) {
+    if (size == 0) return;
+    guarded("copying on the device", [&] {
+      return queue().enqueueCopyBuffer(buffer.handle(), buffer.handle(), from * sizeof(T),
+                                       to * sizeof(T), size * sizeof(T));
     });
   }
   /// Only queues the reading: the values are there once the queue has come past it.

@@ -5,9 +5,23 @@
 
 namespace touchtrace {
 
-Dynamics::Dynamics(Runtime& runtime, int sequences, int steps)
-    : states_(runtime.allocate<float>((std::size_t(steps) + 1) * sequences * state_lanes)),
-      spread_(runtime.allocate<float>(std::size_t(steps) * sequences * state_lanes)) {}
+namespace {
+
+/// The next place where a part of a buffer may begin.
+std::size_t next_part_at(std::size_t floats) {
+  constexpr std::size_t unit = Runtime::part_alignment / sizeof(float);
+  return (floats + unit - 1) / unit * unit;
+}
+
+}  // namespace
+
+Dynamics::Dynamics(Runtime& runtime, int sequences, int steps) {
+  const std::size_t spreads = std::size_t(steps) * sequences * state_lanes,
+                    states = spreads + std::size_t(sequences) * state_lanes;
+  outcome_ = runtime.allocate<float>(next_part_at(states) + spreads);
+  states_ = runtime.part_of(outcome_, 0, states);
+  spread_ = runtime.part_of(outcome_, next_part_at(states), spreads);
+}
 
 void Dynamics::allocate_gradients(Runtime& runtime) {
   grad_state_ = runtime.allocate<float>(spread_.size());

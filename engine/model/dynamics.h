@@ -36,6 +36,8 @@ class Dynamics {
 
   const Buffer<float>& states() const { return states_; }  ///< [T + 1, S, 16], the first S given
   const Buffer<float>& spread() const { return spread_; }  ///< [T, S, 16]
+  /// Begins with states() and ends with spread().
+  const Buffer<float>& outcome() const { return outcome_; }
   /// Of the loss towards states and spread: what the backward pass starts from. [T, S, 16]
   const Buffer<float>& grad_state() const { return grad_state_; }
   const Buffer<float>& grad_spread() const { return grad_spread_; }
@@ -45,7 +47,7 @@ class Dynamics {
   void allocate_gradients(Runtime& runtime);
 
   Launches prepare_, forward_, backward_, go_on_;
-  Buffer<float> states_, spread_, grad_state_, grad_spread_;
+  Buffer<float> outcome_, states_, spread_, grad_state_, grad_spread_;
 };
 
 /// Adds the parameters of the dynamics that `spec` names (dynamics_mlp.h, dynamics_gru.h).

@@ -71,7 +71,9 @@ class Model {
 
   const Buffer<float>& states() const { return dynamics_->states(); }  ///< [T + 1, S, 16]
   const Buffer<float>& spread() const { return dynamics_->spread(); }  ///< [T, S, 16]
-  const Buffer<float>& loss() const { return loss_; }                  ///< [1]
+  /// Begins with states() and ends with spread(), so that both may be read at once.
+  const Buffer<float>& outcome() const { return dynamics_->outcome(); }
+  const Buffer<float>& loss() const { return loss_; }  ///< [1]
 
  private:
   void plan_tactile_encoder(const LiveTaxels& live, const Tuning& tuning);

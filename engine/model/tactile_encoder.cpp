@@ -46,14 +46,25 @@ Conv2dParameters parameters_of(const Weights& weights, const std::string& layer,
 using Images = std::array<Buffer<float>, 4>;
 
 std::size_t size_of_images(const Shapes& shapes) {
-  return shapes[0].in_size() + shapes[0].out_size() + shapes[1].out_size() + shapes[2].out_size();
+  return shapes[0].in_size() + shapes[0].out_size() + shapes[1].out_size();
 }
 
+std::size_t size_of_gradients(const Shapes& shapes) {
+  return shapes[0].grad_out_size() + shapes[1].grad_out_size() + shapes[2].grad_out_size();
+}
+
+/// All but the last output, whose place is in the features.
 Images allocate_images(Runtime& runtime, const Shapes& shapes) {
   return {runtime.allocate_zeros<float>(shapes[0].in_size()),
           runtime.allocate_zeros<float>(shapes[0].out_size()),
-          runtime.allocate_zeros<float>(shapes[1].out_size()),
-          runtime.allocate_zeros<float>(shapes[2].out_size())};
+          runtime.allocate_zeros<float>(shapes[1].out_size())};
+}
+
+/// Nothing learnable stands before the first layer.
+Images allocate_gradients(Runtime& runtime, const Shapes& shapes) {
+  return {Buffer<float>(), runtime.allocate_zeros<float>(shapes[0].grad_out_size()),
+          runtime.allocate_zeros<float>(shapes[1].grad_out_size()),
+          runtime.allocate_zeros<float>(shapes[2].grad_out_size())};
 }
 
 /// In training the weights of Winograd's method are made anew at every update, which pays from some
@@ -119,6 +130,7 @@ struct TactileEncoder::Plan {
   void add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape,
                  const LayerChoice& choice);
   void add_parts();
+  Buffer<float> features_of(int first, int size);
   Part make_part(int first, int size, int queue, const Images& images, const Images& gradients);
 
   Runtime& runtime;
@@ -143,8 +155,9 @@ TactileEncoder::Plan::Plan(Runtime& device, const std::string& name,
       shapes(shape.of_windows(part_windows).layers()),
       features(device.allocate<float>(shape.features().row_size())) {
   const int count = (all.windows.windows + part_windows - 1) / part_windows;
-  const int arrays = training ? count + std::min(count, queues) : std::min(count, queues);
-  device.check_memory(sizeof(float) * size_of_images(shapes) * std::size_t(arrays));
+  const std::size_t at_once = std::min(count, queues), kept = training ? count : at_once;
+  device.check_memory(sizeof(float) * (kept * size_of_images(shapes) +
+                                       (training ? at_once * size_of_gradients(shapes) : 0)));
   for (int i = 0; i < 3; ++i)
     add_layer(parameters_of(weights, layer_name(name, i), std::min(count, queues)), shapes[i],
               choice_for(shapes[i], training, tuning));
@@ -161,11 +174,16 @@ void TactileEncoder::Plan::add_parts() {
     const auto number = parts.size();
     const auto queue = number % queues;
     if (training || number < queues) images[queue] = allocate_images(runtime, shapes);
-    if (training && number < queues) gradients[queue] = allocate_images(runtime, shapes);
-    gradients[queue][0] = {};  // nothing learnable stands before the first layer
+    if (training && number < queues) gradients[queue] = allocate_gradients(runtime, shapes);
+    images[queue][3] = features_of(first, size);
     parts.push_back(
         make_part(first, size, static_cast<int>(queue), images[queue], gradients[queue]));
   }
+}
+
+Buffer<float> TactileEncoder::Plan::features_of(int first, int size) {
+  const auto window = shapes[2].out_size() / std::size_t(part_windows);
+  return runtime.part_of(features, first * window, size * window);
 }
 
 void TactileEncoder::Plan::add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape,
@@ -193,7 +211,6 @@ TactileEncoder::Plan::Part TactileEncoder::Plan::make_part(int first, int size, 
   append_marked(part.forward, first_layer.second, tuned[0]);
   for (int i = 1; i < 3; ++i)
     append_marked(part.forward, layers[i]->forward(of_layer(i)), tuned[i]);
-  part.forward.push_back(compact(runtime, last, images[3], features, first));
   if (training)
     part.backward = {block_gradient(runtime, last, features, grad_features, gradients[3], first)};
   for (int i = 2; training && i >= 0; --i)
@@ -226,6 +243,7 @@ std::array<Conv2dShape, 3> TactileEncoderShape::layers() const {
     layer.in_channels = channels[i], layer.in_planes = false;
     layer.rows = layers[i].out_rows(), layer.cols = layers[i].out_cols();
   }
+  layers[2].compact_output = true;
   layers[0].dead = worthwhile_dead_pixels(layers[0], live);
   return layers;
 }

@@ -22,13 +22,6 @@ std::size_t ChannelBlocksShape::row_size() const {
   return static_cast<std::size_t>(images) * channels * rows * cols;
 }
 
-Launch compact(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& images,
-               const Buffer<float>& rows, int first) {
-  return Launch(channel_blocks_kernel(runtime, shape, "compact"), range(blocks_of(shape)), images,
-                rows, first * shape.channels / 16)
-      .costing(0.0, 8.0 * shape.row_size());
-}
-
 Launch block_gradient(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& rows,
                       const Buffer<float>& row_gradient, const Buffer<float>& images, int first) {
   return Launch(channel_blocks_kernel(runtime, shape, "block_gradient"), range(blocks_of(shape)),

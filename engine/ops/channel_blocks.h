@@ -7,7 +7,8 @@ namespace touchtrace {
 
 /// Images in blocks of 16 channels with a halo of zero pixels (kernels/conv2d.clh), and the rows of
 /// a dense layer behind them, which keep the blocks and leave the halo out: [image][channel /
-/// 16][row][column][channel % 16]. `channels` is a multiple of 16.
+/// 16][row][column][channel % 16]. A convolution writes rows by itself
+/// (Conv2dShape::compact_output); its gradient takes images. `channels` is a multiple of 16.
 struct ChannelBlocksShape {
   int images, channels, rows, cols;
   int halo = 1;
@@ -15,10 +16,6 @@ struct ChannelBlocksShape {
   std::size_t image_size() const;  ///< floats of all images with their halo
   std::size_t row_size() const;    ///< floats of all rows
 };
-
-/// Rows first .. of `rows` = images.
-Launch compact(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& images,
-               const Buffer<float>& rows, int first = 0);
 
 /// Images = gradient of rows first .. where the row is above zero: what the ReLU that made them
 /// lets through.

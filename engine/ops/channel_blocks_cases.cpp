@@ -1,6 +1,6 @@
-// The rows of channel_blocks in the table of operations. `compact` is the identity forwards and a
-// ReLU backwards; its input is the plain image, moved into blocks by the host. `block_order` is the
-// order of a dense layer's weights, there and back.
+// The rows of channel_blocks in the table of operations. A gradient is that of a ReLU, whose output
+// forwards is moved into blocks. `block_order` is the order of a dense layer's weights, there and
+// back.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -25,11 +25,9 @@ std::vector<double> from_order(const ChannelBlocksShape& s, const std::vector<do
   return in_plain_order(values, s.channels, s.rows * s.cols);
 }
 
-Buffer<float> rows_of_images(Runtime& runtime, const ChannelBlocksShape& s, const Arrays& inputs) {
+Buffer<float> rectified_rows(Runtime& runtime, const ChannelBlocksShape& s, const Arrays& inputs) {
   const auto rows = runtime.allocate<float>(s.row_size());
-  const auto images =
-      upload(runtime, with_halo(rectified(inputs[0]), {s.rows, s.cols, 16, s.halo}));
-  compact(runtime, s, images, rows).enqueue(runtime);
+  to_blocks(runtime, s, {upload(runtime, rectified(inputs[0]))}, rows).enqueue(runtime);
   return rows;
 }
 
@@ -40,10 +38,10 @@ Arrays rectified_backward(const ChannelBlocksShape& s, const Arrays& inputs, con
   return {grad};
 }
 
-Arrays compact_backward(Runtime& runtime, const ChannelBlocksShape& s, const Arrays& inputs,
-                        const Arrays& grads) {
+Arrays gradient_of(Runtime& runtime, const ChannelBlocksShape& s, const Arrays& inputs,
+                   const Arrays& grads) {
   const auto images = runtime.allocate_zeros<float>(s.image_size());
-  block_gradient(runtime, s, rows_of_images(runtime, s, inputs), upload(runtime, grads[0]), images)
+  block_gradient(runtime, s, rectified_rows(runtime, s, inputs), upload(runtime, grads[0]), images)
       .enqueue(runtime);
   return {without_halo(download(runtime, images), {s.rows, s.cols, 16, s.halo})};
 }
@@ -56,17 +54,17 @@ OperationCase case_of(const ChannelBlocksShape& s) {
   return c;
 }
 
-OperationCase compact_case(const ChannelBlocksShape& s) {
+OperationCase gradient_case(const ChannelBlocksShape& s) {
   auto c = case_of(s);
   c.reference = [s](const Arrays& in) { return Arrays{to_order(s, rectified(in[0]))}; };
   c.forward = [s](Runtime& runtime, const Arrays& in) {
-    return Arrays{download(runtime, rows_of_images(runtime, s, in))};
+    return Arrays{download(runtime, rectified_rows(runtime, s, in))};
   };
   c.reference_backward = [s](const Arrays& in, const Arrays& g) {
     return rectified_backward(s, in, g);
   };
   c.backward = [s](Runtime& runtime, const Arrays& in, const Arrays& g) {
-    return compact_backward(runtime, s, in, g);
+    return gradient_of(runtime, s, in, g);
   };
   c.kink_distance = [](const Arrays& in) {
     double distance = 1.0;
@@ -101,7 +99,7 @@ Operation channel_blocks_operation() {
   Operation operation{"channel_blocks", {}};
   for (const ChannelBlocksShape& shape :
        {ChannelBlocksShape{2, 16, 2, 3}, {3, 128, 4, 4}, {1, 32, 1, 8, 2}}) {
-    operation.cases.push_back(compact_case(shape));
+    operation.cases.push_back(gradient_case(shape));
     operation.cases.push_back(block_order_case(shape));
   }
   return operation;

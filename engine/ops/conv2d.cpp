@@ -10,6 +10,10 @@
 namespace touchtrace {
 namespace {
 
+std::size_t size_with_halo(int planes, int rows, int cols, int halo) {
+  return std::size_t(planes) * (rows + 2 * halo) * (cols + 2 * halo);
+}
+
 /// Whether an output pixel's taps read a pixel of the input that `live` holds 1 for.
 bool reads_live(const Conv2dShape& s, const std::vector<std::uint8_t>& live, int y, int x) {
   const int first_row = s.stride * y - s.halo(), first_col = s.stride * x - s.halo();
@@ -31,12 +35,15 @@ std::string order_of(const Conv2dShape& shape) {
 }  // namespace
 
 std::size_t Conv2dShape::in_size() const {
-  return static_cast<std::size_t>(images) * in_channels * (rows + 2 * halo()) * (cols + 2 * halo());
+  return size_with_halo(images * in_channels, rows, cols, halo());
 }
 
 std::size_t Conv2dShape::out_size() const {
-  return static_cast<std::size_t>(images) * out_channels * (out_rows() + 2 * halo()) *
-         (out_cols() + 2 * halo());
+  return size_with_halo(images * out_channels, out_rows(), out_cols(), out_halo());
+}
+
+std::size_t Conv2dShape::grad_out_size() const {
+  return size_with_halo(images * out_channels, out_rows(), out_cols(), halo());
 }
 
 double Conv2dShape::flops() const {
@@ -64,6 +71,12 @@ Defines conv2d_defines(const Conv2dShape& shape) {
     const auto live = shape.out_rows() * shape.out_cols() - static_cast<int>(shape.dead.size());
     defines.insert({{"LIVE", std::to_string(live)}, {"ORDER", order_of(shape)}});
   }
+  return defines;
+}
+
+Defines conv2d_forward_defines(const Conv2dShape& shape) {
+  auto defines = conv2d_defines(shape);
+  if (shape.compact_output) defines.emplace("OUT_HALO", "0");
   return defines;
 }
 

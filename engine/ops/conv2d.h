@@ -28,13 +28,17 @@ struct Conv2dShape {
   /// Output pixels, counted along rows, whose taps read nothing but zeros in every image, in
   /// ascending order. The direct method does not compute them.
   std::vector<int> dead = {};
+  /// No halo around the output, as a dense layer wants it; its gradient has one even so.
+  bool compact_output = false;
 
   int taps() const { return kernel * kernel; }
   int halo() const { return kernel / 2; }
+  int out_halo() const { return compact_output ? 0 : halo(); }
   int out_rows() const { return (rows + stride - 1) / stride; }
   int out_cols() const { return (cols + stride - 1) / stride; }
-  std::size_t in_size() const;   ///< floats of the input with its halo
-  std::size_t out_size() const;  ///< floats of the output with its halo
+  std::size_t in_size() const;        ///< floats of the input with its halo
+  std::size_t out_size() const;       ///< floats of the output with its halo, if it has one
+  std::size_t grad_out_size() const;  ///< floats of the output's gradient with its halo
   std::size_t weight_size() const { return std::size_t(out_channels) * in_channels * taps(); }
   /// Of one forward pass or of one of the two backward passes, taps in the halo included and dead
   /// pixels left out, whatever the method.

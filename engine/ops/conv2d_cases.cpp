@@ -22,7 +22,13 @@ HaloLayout in_layout(const Conv2dShape& s) {
   return {s.rows, s.cols, s.in_planes ? 1 : 16, s.halo()};
 }
 
-HaloLayout out_layout(const Conv2dShape& s) { return {s.out_rows(), s.out_cols(), 16, s.halo()}; }
+HaloLayout out_layout(const Conv2dShape& s) {
+  return {s.out_rows(), s.out_cols(), 16, s.out_halo()};
+}
+
+HaloLayout grad_out_layout(const Conv2dShape& s) {
+  return {s.out_rows(), s.out_cols(), 16, s.halo()};
+}
 
 std::vector<double> activation(const Conv2dShape& s, std::vector<double> below) {
   if (!s.in_planes)
@@ -76,7 +82,7 @@ Layer::Layer(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& cho
                 static_cast<int>(inputs[1].size())};
   images = {s.images, upload(runtime, with_halo(activation(s, inputs[0]), in_layout(s))),
             runtime.allocate_zeros<float>(s.out_size()),
-            runtime.allocate_zeros<float>(s.out_size()),
+            runtime.allocate_zeros<float>(s.grad_out_size()),
             s.in_planes ? Buffer<float>() : runtime.allocate_zeros<float>(s.in_size())};
   conv = make_conv2d(runtime, s, parameters, choice);
   enqueue(runtime, conv->prepare());
@@ -97,7 +103,7 @@ Arrays backward(Runtime& runtime, const Conv2dShape& s, const Conv2dChoice& choi
                 const Arrays& inputs, const Arrays& grads) {
   Layer layer(runtime, s, choice, inputs);
   const auto grad_sum = masked(grads[0], output(runtime, layer));
-  layer.images.grad_out = upload(runtime, with_halo(grad_sum, out_layout(s)));
+  layer.images.grad_out = upload(runtime, with_halo(grad_sum, grad_out_layout(s)));
   enqueue(runtime, layer.conv->backward(layer.images, true));
   enqueue(runtime, layer.conv->finish());
   const auto [weight, bias] = split(download(runtime, layer.parameters.gradient), inputs[1].size());
@@ -112,6 +118,7 @@ OperationCase conv2d_case(const Conv2dShape& s, const Conv2dChoice& choice) {
   c.shape = fmt::format("{} images {}x{}x{} in {} to {} channels by {}x{} of stride {}", s.images,
                         s.in_channels, s.rows, s.cols, s.in_planes ? "planes" : "blocks",
                         s.out_channels, s.kernel, s.kernel, s.stride);
+  if (s.compact_output) c.shape += ", compact output";
   c.input_sizes = {in_plain_size(s), s.weight_size(), std::size_t(s.out_channels)};
   c.terms = double(s.taps()) * s.in_channels;
   c.reference = [s](const Arrays& in) { return reference(s, in); };
@@ -142,19 +149,36 @@ static OperationCase case_with_dead_pixels(Conv2dShape s) {
   return c;
 }
 
+/// The last layer of an encoder.
+static Conv2dShape compact(Conv2dShape s) {
+  s.compact_output = true;
+  return s;
+}
+
 Operation conv2d_operation() {
   const Conv2dShape with_dead[] = {
       {2, 3, 9, 10, 32, true}, {2, 2, 7, 5, 32, true, 5, 1}, {3, 10, 32, 32, 32, true}};
-  const Conv2dShape shapes[] = {{1, 32, 3, 4, 32, false},        {2, 3, 5, 6, 32, true},
-                                {1, 32, 3, 4, 32, false, 5, 2},  {1, 32, 2, 3, 64, false, 5, 1},
-                                {1, 64, 2, 3, 32, false, 3, 1},  {1, 1, 6, 6, 32, true},
-                                {3, 10, 32, 32, 32, true},       {2, 32, 16, 16, 64, false},
-                                {1, 32, 7, 13, 64, false},       {5, 64, 8, 8, 128, false},
-                                {9, 32, 2, 1, 64, false},        {1, 32, 64, 9, 32, true},
-                                {2, 10, 6, 6, 32, true, 3, 1},   {3, 3, 7, 13, 32, true, 5, 1},
-                                {2, 10, 17, 8, 32, true, 5, 2},  {5, 64, 5, 7, 128, false, 3, 1},
-                                {2, 32, 16, 9, 64, false, 5, 2}, {3, 64, 4, 6, 96, false, 5, 1},
-                                {7, 32, 1, 2, 64, false, 5, 2}};
+  const Conv2dShape shapes[] = {{1, 32, 3, 4, 32, false},
+                                {2, 3, 5, 6, 32, true},
+                                {1, 32, 3, 4, 32, false, 5, 2},
+                                {1, 32, 2, 3, 64, false, 5, 1},
+                                {1, 64, 2, 3, 32, false, 3, 1},
+                                {1, 1, 6, 6, 32, true},
+                                {3, 10, 32, 32, 32, true},
+                                {2, 32, 16, 16, 64, false},
+                                {1, 32, 7, 13, 64, false},
+                                {5, 64, 8, 8, 128, false},
+                                {9, 32, 2, 1, 64, false},
+                                {1, 32, 64, 9, 32, true},
+                                {2, 10, 6, 6, 32, true, 3, 1},
+                                {3, 3, 7, 13, 32, true, 5, 1},
+                                {2, 10, 17, 8, 32, true, 5, 2},
+                                {5, 64, 5, 7, 128, false, 3, 1},
+                                {2, 32, 16, 9, 64, false, 5, 2},
+                                {3, 64, 4, 6, 96, false, 5, 1},
+                                {7, 32, 1, 2, 64, false, 5, 2},
+                                compact({3, 64, 8, 8, 128, false}),
+                                compact({2, 32, 5, 6, 64, false, 5, 1})};
   Operation operation{"conv2d", {conv2d_case(shapes[0], {Conv2dMethod::direct})}, 7, true};
   for (const auto& shape : with_dead) operation.cases.push_back(case_with_dead_pixels(shape));
   for (const auto& shape : std::span(shapes).subspan(1))
@@ -164,10 +188,10 @@ Operation conv2d_operation() {
 
 Operation winograd_operation() {
   Operation operation{"winograd", {}};
-  const Conv2dShape shapes[] = {{1, 32, 3, 4, 64, false},   {2, 32, 16, 16, 64, false},
-                                {1, 32, 7, 13, 64, false},  {5, 64, 8, 8, 128, false},
-                                {9, 32, 2, 1, 64, false},   {1, 96, 17, 9, 64, false},
-                                {3, 32, 12, 24, 192, false}};
+  const Conv2dShape shapes[] = {{1, 32, 3, 4, 64, false},    {2, 32, 16, 16, 64, false},
+                                {1, 32, 7, 13, 64, false},   {5, 64, 8, 8, 128, false},
+                                {9, 32, 2, 1, 64, false},    {1, 96, 17, 9, 64, false},
+                                {3, 32, 12, 24, 192, false}, compact({5, 64, 8, 8, 128, false})};
   for (const auto& shape : shapes)
     operation.cases.push_back(conv2d_case(shape, {Conv2dMethod::winograd}));
   return operation;

@@ -18,6 +18,7 @@ constexpr int most_pixels = 12;  // of a tile, as conv2d_tile.clh names them
 /// the gradient towards the input, the other way round.
 struct TiledPass {
   const char* file;
+  Defines (*defines)(const Conv2dShape&);
   int lanes, channels, lane_stride, channel_stride;
   int classes;       ///< tiles that one place of the output takes: of input pixels by parity
   int accumulators;  ///< vectors of 16 values in a tile
@@ -35,19 +36,30 @@ int accumulators_of(const Conv2dChoice& choice) {
 }
 
 TiledPass forward_pass(const Conv2dShape& s, const Conv2dChoice& choice) {
-  return {"conv2d_forward.cl",      s.out_channels, s.in_channels,
-          s.in_channels * s.taps(), s.taps(),       1,
+  return {"conv2d_forward.cl",
+          conv2d_forward_defines,
+          s.out_channels,
+          s.in_channels,
+          s.in_channels * s.taps(),
+          s.taps(),
+          1,
           accumulators_of(choice)};
 }
 
 TiledPass data_pass(const Conv2dShape& s, const Conv2dChoice& choice) {
-  return {"conv2d_backward_data.cl", s.in_channels,       s.out_channels,         s.taps(),
-          s.in_channels * s.taps(),  s.stride * s.stride, accumulators_of(choice)};
+  return {"conv2d_backward_data.cl",
+          conv2d_defines,
+          s.in_channels,
+          s.out_channels,
+          s.taps(),
+          s.in_channels * s.taps(),
+          s.stride * s.stride,
+          accumulators_of(choice)};
 }
 
 Kernel tiled_kernel(Runtime& runtime, const Conv2dShape& shape, const TiledPass& pass,
                     const std::string& name, const char* more = nullptr) {
-  auto defines = conv2d_defines(shape);
+  auto defines = pass.defines(shape);
   defines["BLOCKS"] = std::to_string(pass.blocks());
   defines["PIXELS"] = std::to_string(pass.pixels());
   std::vector<std::string> files{"common.clh", "conv2d.clh", "conv2d_pack.cl", "conv2d_tile.clh",

@@ -102,7 +102,7 @@ class LanesConv2d final : public Conv2d {
   }
 
   Kernel kernel(const std::string& pass, const std::string& name, const LanesTile& tile) {
-    auto defines = conv2d_defines(shape_);
+    auto defines = pass == "forward" ? conv2d_forward_defines(shape_) : conv2d_defines(shape_);
     tile.define(defines);
     return runtime_.kernel({"common.clh", "lanes.clh", "conv2d.clh", "conv2d_lanes.clh",
                             "conv2d_lanes_" + pass + ".cl"},

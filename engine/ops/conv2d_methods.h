@@ -6,8 +6,9 @@
 
 namespace touchtrace {
 
-/// The -D that kernels/conv2d.clh wants.
+/// The -D that kernels/conv2d.clh wants in backward passes, and in forward ones.
 Defines conv2d_defines(const Conv2dShape& shape);
+Defines conv2d_forward_defines(const Conv2dShape& shape);
 /// Of one pass over some of the shape's images.
 LaunchCost conv2d_cost(const Conv2dShape& shape, int images);
 

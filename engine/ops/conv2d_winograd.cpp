@@ -46,8 +46,8 @@ class WinogradConv2d final : public Conv2d {
   }
 
   Launches forward(const Conv2dImages& part) override {
-    return {Launch(kernel("forward"), groups(part), part.in, weights_, parameters_.values,
-                   parameters_.bias_at, part.out, part.images)
+    return {Launch(kernel("forward", conv2d_forward_defines(shape_)), groups(part), part.in,
+                   weights_, parameters_.values, parameters_.bias_at, part.out, part.images)
                 .costing(cost(part))
                 .serving(Purpose::forward)};
   }
@@ -55,8 +55,8 @@ class WinogradConv2d final : public Conv2d {
   Launches backward(const Conv2dImages& part, bool first) override {
     Launches launches{weights_gradient_.sum(part, first)};
     if (part.grad_in.size() > 0)
-      launches.push_back(Launch(kernel("backward_data"), groups(part), part.grad_out,
-                                weights_turned_, part.in, part.grad_in, part.images)
+      launches.push_back(Launch(kernel("backward_data", conv2d_defines(shape_)), groups(part),
+                                part.grad_out, weights_turned_, part.in, part.grad_in, part.images)
                              .costing(cost(part))
                              .serving(Purpose::data_gradient));
     return launches;
@@ -77,8 +77,7 @@ class WinogradConv2d final : public Conv2d {
   cl::NDRange groups(const Conv2dImages& part) const {
     return range((part.images + group_ - 1) / group_);
   }
-  Kernel kernel(const std::string& pass) {
-    auto defines = conv2d_defines(shape_);
+  Kernel kernel(const std::string& pass, Defines defines) {
     defines["GROUP"] = std::to_string(group_);
     defines["TILE_MEMORY"] = "__local";
     return runtime_.kernel({"common.clh", "tile.clh", "conv2d.clh", "winograd.clh",
@@ -88,8 +87,8 @@ class WinogradConv2d final : public Conv2d {
   /// Sets [rows][lanes] of the parameters, in which a row's and a lane's weights stand `step`s
   /// apart.
   Launch transform(int rows, int row_step, int lanes, int lane_step, const Buffer<float>& to) {
-    return Launch(kernel("weights"), range(lanes / 16, rows), parameters_.values,
-                  parameters_.weight_at, row_step, lane_step, to);
+    return Launch(kernel("weights", conv2d_forward_defines(shape_)), range(lanes / 16, rows),
+                  parameters_.values, parameters_.weight_at, row_step, lane_step, to);
   }
 
   Runtime& runtime_;

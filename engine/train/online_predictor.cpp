@@ -17,20 +17,27 @@ struct OnlinePredictor::Plan {
   Runtime& runtime;
   ModelFile file;
   std::unique_ptr<Model> model;
-  /// [2 M, rows, cols]: a frame lies at its slot and again M slots on, so that every window is one
-  /// piece. Empty without touch.
+  /// [slots(), rows, cols], a frame in each slot, so that every window is one piece; at the end the
+  /// frames that the next window shares go back to the beginning. Empty without touch.
   Buffer<float> stream;
-  std::int32_t slot = 0, last_frame = 0;  ///< of the last frame given, and its second place
-  std::array<float, state_lanes> state{}, spread{};
-  bool knows_object = false, worked_ahead = false;
+  std::int32_t slot;            ///< of the last frame given
+  std::int32_t last_frame = 0;  ///< of the window that is asked for
+  std::array<float, state_lanes> state{};
+  std::vector<float> outcome;  ///< of the model but for its first state: a state, ..., a spread
+  bool knows_object = false, worked_ahead = false, state_queued = false;
 
   Plan(Runtime& on, const std::filesystem::path& path)
       : runtime(on),
         file(read_model_file(path)),
-        model(file.make(on, 1, 1, Model::Use::prediction)) {
-    if (file.spec.touch)
-      stream = on.allocate_zeros<float>(2 * file.spec.window_frames * frame_size());
+        model(file.make(on, 1, 1, Model::Use::prediction)),
+        slot(shared_frames() - 1),
+        outcome(model->outcome().size() - state_lanes) {
+    if (file.spec.touch) stream = on.allocate_zeros<float>(slots() * frame_size());
   }
+
+  /// Of a window and the next one.
+  std::int32_t shared_frames() const { return file.spec.window_frames - 1; }
+  std::int32_t slots() const { return 32 * file.spec.window_frames; }
 
   std::size_t frame_size() const {
     return file.spec.touch ? std::size_t(file.spec.rows) * file.spec.cols : 0;
@@ -45,25 +52,37 @@ struct OnlinePredictor::Plan {
   void queue_frame(std::span<const float> frame) {
     check("frame", frame.size(), frame_size());
     if (!file.spec.touch) return;
-    slot = next_slot();
-    for (const int place : {slot, slot + file.spec.window_frames})
-      runtime.queue_write(stream, frame, place * frame_size());
+    make_room();
+    runtime.queue_write(stream, frame, ++slot * frame_size());
   }
 
-  std::int32_t next_slot() const { return (slot + 1) % file.spec.window_frames; }
+  /// For the next frame, behind those of its window.
+  void make_room() {
+    if (slot + 1 < slots()) return;
+    runtime.queue_copy(stream, (slots() - shared_frames()) * frame_size(), 0,
+                       shared_frames() * frame_size());
+    slot = shared_frames() - 1;
+  }
 
   /// The window that ends at a slot.
   void queue_window(std::int32_t last_slot) {
-    last_frame = last_slot + file.spec.window_frames;
+    last_frame = last_slot;
     runtime.queue_write(model->input().last_frame, std::span(&last_frame, 1));
   }
 
+  void queue_state() {
+    if (!std::exchange(state_queued, true)) runtime.queue_write(model->states(), state);
+  }
+
   void work_ahead() {
-    if (!file.spec.touch || worked_ahead) return;
-    queue_window(next_slot());
-    model->forward_early(stream);
+    queue_state();
+    if (file.spec.touch && !worked_ahead) {
+      make_room();
+      queue_window(slot + 1);
+      model->forward_early(stream);
+      worked_ahead = true;
+    }
     runtime.finish();
-    worked_ahead = true;
   }
 
   void forward() {
@@ -85,11 +104,12 @@ struct OnlinePredictor::Plan {
       throw failure(
           "a model with an object encoder was asked for a step before it was shown an object",
           "call set_object first");
-    runtime.queue_write(model->states(), state);
+    queue_state();
     forward();
     model->continue_rollouts();
-    runtime.queue_read(model->spread(), spread);
-    runtime.read(model->states(), std::span<float>(state), state_lanes);
+    runtime.read(model->outcome(), std::span<float>(outcome), state_lanes);
+    std::copy_n(outcome.begin(), state_lanes, state.begin());
+    state_queued = false;
   }
 };
 
@@ -104,6 +124,7 @@ const nlohmann::json& OnlinePredictor::metadata() const { return plan_->file.met
 void OnlinePredictor::set_state(std::span<const float> state) {
   plan_->check("state", state.size(), std::size_t(spec().state));
   std::ranges::copy(state, plan_->state.begin());
+  plan_->state_queued = false;
   plan_->model->begin_rollouts();
 }
 
@@ -125,7 +146,8 @@ OnlinePredictor::Step OnlinePredictor::step(std::span<const float> frame) {
   plan_->queue_frame(frame);
   plan_->step();
   const auto size = std::size_t(spec().state);
-  return {std::span(plan_->state).first(size), std::span(plan_->spread).first(size)};
+  return {std::span(plan_->state).first(size),
+          std::span(plan_->outcome).last(state_lanes).first(size)};
 }
 
 }  // namespace touchtrace

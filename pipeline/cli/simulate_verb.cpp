@@ -10,6 +10,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/activity.h"
+#include "pipeline/scene/assumptions.h"
 #include "pipeline/scene/object_file.h"
 #include "pipeline/scene/simulate.h"
 
@@ -19,6 +20,7 @@ namespace {
 struct SimulateOptions {
   scene::SceneOptions scene;
   std::string output, object;
+  std::vector<std::string> assume;
   bool no_images = false, resume = false;
 };
 
@@ -39,6 +41,10 @@ void describe(OptionSet& set, SimulateOptions& o) {
               1280);
   set.integer("height", s.image_height, "of colour and depth images [px]", 120, 960);
   set.integer("board-views", s.board_views, "chessboard views for the calibration", 0, 200);
+  set.integer("glove", s.glove, "which specimen: each has gains, dead taxels and drift of its own",
+              1, 1000);
+  set.texts("assume", o.assume,
+            "NAME=VALUE: what the scene assumes instead (see `touchtrace assumptions`)");
   set.flag("no-images", o.no_images, "glove and truth only, nothing is rendered");
   set.flag("resume", o.resume, "keep the recordings in the folder that these options made");
   set.seed("seed", s.seed, "of every random number");
@@ -88,6 +94,7 @@ std::vector<Part> parts_of(const SimulateOptions& options, const Invocation& inv
       Provenance provenance = start_provenance("touchtrace/recording/1", "simulate");
       provenance.options = invocation.options;
       provenance.options["object"] = object.name;
+      provenance.options["assume"] = scene::values_json(options.scene.parameters);
       provenance.seed = options.scene.seed;
       provenance.device = device;
       if (name.ends_with(".toml")) provenance.add_input(name);
@@ -133,7 +140,9 @@ void print_summary(const scene::SimulationSummary& summary, const std::string& o
       summary.board_views);
 }
 
-ExitCode run(const SimulateOptions& options, const Invocation& invocation) {
+ExitCode run(const SimulateOptions& given, const Invocation& invocation) {
+  SimulateOptions options = given;
+  options.scene.parameters = scene::assumed(given.assume);
   std::optional<Runtime> runtime;
   if (!options.no_images) runtime.emplace(usable_device(invocation.device));
   auto parts = parts_of(options, invocation, runtime ? runtime->device().name : "");
@@ -161,6 +170,7 @@ Verb simulate_verb() {
        "touchtrace simulate throw.h5 --activity throw --width 640 --height 480 --seed 7",
        "touchtrace simulate touch.h5 --minutes 10 --no-images",
        "touchtrace simulate wave --object seen --minutes 5 --resume",
+       "touchtrace simulate other_glove.h5 --glove 2 --assume glove-gain=0.5 wave-period=0.5:1.5",
        "touchtrace simulate mixed --object bottle-half,my_mug.toml --config scene.toml"},
       run);
 }

@@ -5,6 +5,7 @@
 namespace touchtrace::cli {
 
 // One file a verb: <name>_verb.cpp.
+Verb assumptions_verb();
 Verb calibrate_verb();
 Verb check_verb();
 Verb devices_verb();

@@ -30,6 +30,7 @@ bool fallen(const SceneSample& seen);
 struct ActivityStart {
   const ObjectSpec& object;
   RandomStream random;
+  const SceneParameters& parameters;  ///< need not outlive the start
 };
 
 /// How a person moves. One file and one row in activities.cpp each.

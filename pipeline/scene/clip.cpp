@@ -9,7 +9,6 @@
 namespace touchtrace::scene {
 namespace {
 
-constexpr int grasp_attempts = 5;
 constexpr double shortest_flight_s = 0.04;
 
 /// Release and catch are the ends of every stretch without contact that is long enough to be a
@@ -58,7 +57,8 @@ ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s) 
                                          options.object.name, clip, attempt);
     Performance performance(options, name, start_s);
     const bool held = performance.grasp();
-    if (held || attempt == grasp_attempts) return record(options, performance, start_s);
+    if (held || attempt >= options.parameters.grasp.attempts)
+      return record(options, performance, start_s);
   }
 }
 

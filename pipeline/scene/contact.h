@@ -2,16 +2,9 @@
 
 #include "pipeline/scene/contact_search.h"
 #include "pipeline/scene/motion_system.h"
+#include "pipeline/scene/parameters.h"
 
 namespace touchtrace::scene {
-
-/// Winkler foundation under every taxel, as soft tissue and glove: f = k d (1 + d / d0) (1 + c d'),
-/// friction a bristle of 0.7 k with the same relative damping, clipped at the Coulomb limit.
-struct ContactParameters {
-  double stiffness_n_per_m3 = 1e7, hardening_m = 0.003, dissipation_s_per_m = 3.0;
-  double bristle_ratio = 0.7;
-  double clamp_m = 0.008;  ///< deeper than this the law is not meant; counted
-};
 
 /// How the hand moves against the object, in the object's axes: a place p of the hand by
 /// linear + angular x p, and by the flexion of its finger.

@@ -13,28 +13,29 @@ namespace touchtrace::scene {
 namespace {
 
 constexpr int glove_cells = glove_rows * glove_cols;
-constexpr double loading_lag_s = 0.008, unloading_lag_s = 0.030;
-constexpr double creep_share = 0.12, creep_s = 2.0;
-constexpr double gain_deviation = 0.25, dead_share = 0.02, drift_share = 0.03;
-constexpr double half_saturation_n = 1.2, cross_talk = 0.012;
-constexpr double full_scale_counts = 960.0, largest_count = 1023.0, noise_counts = 1.5;
-constexpr double scan_s = 0.030, forgotten_n = 1e-4;
+constexpr double largest_count = 1023.0, forgotten_n = 1e-4;
 
-GloveTraits make_traits(int number) {
+GloveTraits make_traits(int number, const GloveParameters& p) {
   const std::size_t taxels = hand_model().taxels.size();
   RandomStream random(static_cast<std::uint64_t>(number), "glove traits");
   GloveTraits traits;
   for (std::size_t i = 0; i < taxels; ++i) {
-    const bool dead = random.uniform() < dead_share;
-    const double gain = std::exp(random.normal(0.0, gain_deviation));
+    const bool dead = random.uniform() < p.dead;
+    const double gain = std::exp(random.normal(0.0, p.gain_deviation));
     traits.gain.push_back(dead ? 0.0f : static_cast<float>(gain));
     traits.drift_rad_per_s.push_back(
-        static_cast<float>(2 * std::numbers::pi / random.uniform(200.0, 600.0)));
+        static_cast<float>(2 * std::numbers::pi / draw(random, p.drift_period_s)));
     traits.drift_phase_rad.push_back(static_cast<float>(random.uniform(0.0, 2 * std::numbers::pi)));
   }
   for (int i = 0; i < glove_cells; ++i)
-    traits.baseline_counts.push_back(static_cast<float>(std::max(8.0, random.normal(40.0, 6.0))));
+    traits.baseline_counts.push_back(static_cast<float>(
+        std::max(8.0, random.normal(p.baseline_counts, p.baseline_deviation_counts))));
   return traits;
+}
+
+/// Nothing of one glove says anything of another.
+std::string stream_name(int number, const char* what) {
+  return number == 1 ? fmt::format("glove {}", what) : fmt::format("glove {} {}", number, what);
 }
 
 /// Where a taxel lies on the open hand.
@@ -46,22 +47,22 @@ Eigen::Vector3d open_position(const Taxel& taxel) {
 
 }  // namespace
 
-const GloveTraits& glove_traits(int number) {
+const GloveTraits& glove_traits(int number, const GloveParameters& parameters) {
   static std::mutex guard;
-  static std::map<int, GloveTraits> known;
+  static std::map<std::pair<int, GloveParameters>, GloveTraits> known;
   const std::lock_guard lock(guard);
-  const auto found = known.find(number);
-  return found != known.end() ? found->second
-                              : known.emplace(number, make_traits(number)).first->second;
+  const auto [place, is_new] = known.try_emplace({number, parameters});
+  if (is_new) place->second = make_traits(number, parameters);
+  return place->second;
 }
 
-GloveInfo glove_info(int number) {
+GloveInfo glove_info(int number, const GloveParameters& parameters) {
   GloveInfo info;
   info.name = fmt::format("simulated glove {}", number);
   info.rows = glove_rows;
   info.cols = glove_cols;
-  info.scan_s = scan_s;
-  info.baseline_counts = glove_traits(number).baseline_counts;
+  info.scan_s = parameters.scan_s;
+  info.baseline_counts = glove_traits(number, parameters).baseline_counts;
   info.mask.assign(glove_cells, 0);
   info.taxel_position_m.assign(3 * glove_cells, std::numeric_limits<float>::quiet_NaN());
   for (const Taxel& taxel : hand_model().taxels) {
@@ -73,11 +74,13 @@ GloveInfo glove_info(int number) {
   return info;
 }
 
-Glove::Glove(int number, const GloveClock& clock, std::uint64_t seed)
-    : traits_(glove_traits(number)),
+Glove::Glove(int number, const GloveParameters& parameters, const GloveClock& clock,
+             std::uint64_t seed)
+    : parameters_(parameters),
+      traits_(glove_traits(number, parameters)),
       clock_(clock),
-      noise_(seed, "glove noise"),
-      transport_(seed, "glove transport"),
+      noise_(seed, stream_name(number, "noise")),
+      transport_(seed, stream_name(number, "transport")),
       pressed_n_(traits_.gain.size(), 0.0),
       crept_n_(traits_.gain.size(), 0.0),
       is_active_(traits_.gain.size(), 0),
@@ -85,13 +88,13 @@ Glove::Glove(int number, const GloveClock& clock, std::uint64_t seed)
       row_sum_(glove_rows, 0.0),
       col_sum_(glove_cols, 0.0),
       frame_(glove_cells, 0) {
-  stream_.info = glove_info(number);
+  stream_.info = glove_info(number, parameters);
   active_.reserve(traits_.gain.size());
 }
 
 double Glove::row_time_s(std::uint64_t frame, int row) const {
   return clock_.first_frame_s + static_cast<double>(frame) / clock_.rate_hz +
-         scan_s * row / glove_rows;
+         parameters_.scan_s * row / glove_rows;
 }
 
 void Glove::start(double time_s) {
@@ -107,9 +110,9 @@ void Glove::relax(std::span<const double> force_n, double interval_s) {
   for (std::size_t i = 0; i < force_n.size(); ++i)
     if (force_n[i] > 0.0 && !is_active_[i])
       is_active_[i] = 1, active_.push_back(static_cast<int>(i));
-  const double loading = -std::expm1(-interval_s / loading_lag_s);
-  const double unloading = -std::expm1(-interval_s / unloading_lag_s);
-  const double creeping = -std::expm1(-interval_s / creep_s);
+  const double loading = -std::expm1(-interval_s / parameters_.loading_lag_s);
+  const double unloading = -std::expm1(-interval_s / parameters_.unloading_lag_s);
+  const double creeping = -std::expm1(-interval_s / parameters_.creep_s);
   for (int i : active_) {
     pressed_n_[i] +=
         (force_n[i] > pressed_n_[i] ? loading : unloading) * (force_n[i] - pressed_n_[i]);
@@ -128,10 +131,11 @@ void Glove::measure(double time_s) {
   std::ranges::fill(col_sum_, 0.0);
   for (int i : active_) {
     const Taxel& taxel = hand_model().taxels[i];
-    const double drift = 1 + drift_share * std::sin(traits_.drift_rad_per_s[i] * time_s +
-                                                    traits_.drift_phase_rad[i]);
-    const double force = traits_.gain[i] * drift * (pressed_n_[i] + creep_share * crept_n_[i]);
-    const double signal = force / (force + half_saturation_n);
+    const double drift = 1 + parameters_.drift * std::sin(traits_.drift_rad_per_s[i] * time_s +
+                                                          traits_.drift_phase_rad[i]);
+    const double force =
+        traits_.gain[i] * drift * (pressed_n_[i] + parameters_.creep * crept_n_[i]);
+    const double signal = force / (force + parameters_.half_saturation_n);
     signal_[taxel.cell()] = signal;
     row_sum_[taxel.row] += signal;
     col_sum_[taxel.col] += signal;
@@ -143,11 +147,12 @@ void Glove::read_row(int row, double time_s) {
   for (int col = 0; col < glove_cols; ++col) {
     const int cell = row * glove_cols + col;
     const double own = signal_[cell];
-    const double leaked = cross_talk * (row_sum_[row] + col_sum_[col] - 2 * own);
-    const double read =
-        stream_.info.mask[cell] ? (own + leaked) / (1 + cross_talk * row_sum_[row]) : 0.0;
-    const double counts = traits_.baseline_counts[cell] + full_scale_counts * read +
-                          noise_counts * noise_.normal_at(number_ * glove_cells + cell);
+    const double leaked = parameters_.cross_talk * (row_sum_[row] + col_sum_[col] - 2 * own);
+    const double read = stream_.info.mask[cell]
+                            ? (own + leaked) / (1 + parameters_.cross_talk * row_sum_[row])
+                            : 0.0;
+    const double counts = traits_.baseline_counts[cell] + parameters_.full_scale_counts * read +
+                          parameters_.noise_counts * noise_.normal_at(number_ * glove_cells + cell);
     frame_[cell] = static_cast<std::uint16_t>(std::lround(std::clamp(counts, 0.0, largest_count)));
   }
 }
@@ -176,10 +181,12 @@ void Glove::sense(std::span<const double> force_n, double time_s, double interva
 GloveStream Glove::take() { return std::move(stream_); }
 
 GloveClock glove_clock(const SceneOptions& options) {
-  RandomStream random(options.seed, "glove clock");
+  const GloveParameters& p = options.parameters.glove;
+  RandomStream random(options.seed, stream_name(options.glove, "clock"));
   GloveClock clock;
-  clock.rate_hz = 15.0 * (1 + 1e-6 * random.normal(0.0, 40.0));
+  clock.rate_hz = 15.0 * (1 + 1e-6 * random.normal(0.0, p.clock_ppm));
   clock.first_frame_s = -random.uniform(60.0, 120.0);
+  clock.latency_s = p.latency_s, clock.jitter_s = p.jitter_s, clock.lost_share = p.lost;
   return clock;
 }
 

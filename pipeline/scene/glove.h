@@ -11,13 +11,13 @@ struct GloveTraits {
   std::vector<float> drift_rad_per_s, drift_phase_rad;  ///< of each gain's slow change
   std::vector<float> baseline_counts;                   ///< [rows x cols]
 };
-const GloveTraits& glove_traits(int number);
-GloveInfo glove_info(int number);
+const GloveTraits& glove_traits(int number, const GloveParameters& parameters = {});
+GloveInfo glove_info(int number, const GloveParameters& parameters = {});
 
 /// Quasi-static taxel forces in, frames out. Times are the host's clock.
 class Glove {
  public:
-  Glove(int number, const GloveClock& clock, std::uint64_t seed);
+  Glove(int number, const GloveParameters& parameters, const GloveClock& clock, std::uint64_t seed);
 
   /// Moves the sensing material on by `interval_s` (always the same) under these normal forces,
   /// then reads every row that is due up to `time_s`.
@@ -35,6 +35,7 @@ class Glove {
   void finish_frame();
   double row_time_s(std::uint64_t frame, int row) const;
 
+  GloveParameters parameters_;
   const GloveTraits& traits_;
   GloveClock clock_;
   RandomStream noise_, transport_;

@@ -12,11 +12,10 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double grasp_s = 1.4, turn_start_s = -0.7, turn_end_s = -0.1;  // activity's time
-constexpr double adaptation_s = 1.5, weight_error = 0.25, weight_lag_s = 0.05;
+constexpr double weight_lag_s = 0.05;
 constexpr double lever_lag_s = 0.02, shortest_lever_m = 0.01, longest_lever_m = 0.08;
-constexpr double grip_stiffness_nm_per_rad = 1.0, grip_relaxation_s = 0.3,
-                 posture_stiffness_nm_per_rad = 3.0;
-constexpr std::array<double, finger_count> finger_share{0.30, 0.30, 0.25, 0.15, 0.80};
+constexpr int thumb = finger_count - 1;
+constexpr std::array<double, thumb> finger_share{0.30, 0.30, 0.25, 0.15};
 
 long ticks(double time_s) { return std::lround(time_s / control_interval_s); }
 
@@ -42,12 +41,17 @@ Eigen::Quaterniond random_turn(Hold::Turns turns, RandomStream& random) {
 }
 
 /// As the object is held, turned at random in the ways that its shape allows.
-Eigen::Quaterniond as_held(const Hold& hold, RandomStream& random) {
+Eigen::Quaterniond as_held(const Hold& hold, double yaw_rad, RandomStream& random) {
   Eigen::Matrix3d object_from_held;
   object_from_held << hold.across.cross(hold.from_palm), hold.across, hold.from_palm;
   const Eigen::Quaterniond turn = random_turn(hold.turns, random);
-  const Eigen::AngleAxisd yaw(random.normal(0.0, 0.12), Vector3d::UnitZ());
+  const Eigen::AngleAxisd yaw(random.normal(0.0, yaw_rad), Vector3d::UnitZ());
   return yaw * turn * Eigen::Quaterniond(object_from_held).conjugate();
+}
+
+ObjectSpec as_assumed(ObjectSpec object, const ObjectParameters& parameters) {
+  object.friction *= parameters.friction;
+  return object;
 }
 
 /// How far the origin of the object has to be above the palm so that nothing touches.
@@ -76,15 +80,17 @@ std::unique_ptr<Activity> activity_of(const SceneOptions& options, ActivityStart
 
 Performance::Performance(const SceneOptions& options, const std::string& name, double start_s,
                          double step_s)
-    : world_(options.object),
-      activity_(
-          activity_of(options, {world_.spec(), RandomStream(options.seed, name + " motion")})),
-      glove_(1, glove_clock(options), options.seed),
+    : grasp_(options.parameters.grasp),
+      world_(as_assumed(options.object, options.parameters.objects), options.parameters.arm,
+             options.parameters.contact, {}, options.parameters.fingers),
+      activity_(activity_of(options, {world_.spec(), RandomStream(options.seed, name + " motion"),
+                                      options.parameters})),
+      glove_(options.glove, options.parameters.glove, glove_clock(options), options.seed),
       start_s_(start_s),
       step_s_(step_s > 0.0 ? step_s : find_activity(options.activity).step_s),
       tick_(-ticks(grasp_s)) {
   RandomStream random(options.seed, name + " grasp");
-  weight_error_ = weight_error * random.normal();
+  weight_error_ = grasp_.weight_error * random.normal();
   lever_m_.fill(0.04);
   rest_rad_.fill(0.3);
   world_.flexion_rad.fill(0.3);
@@ -96,8 +102,9 @@ Performance::Performance(const SceneOptions& options, const std::string& name, d
 
 void Performance::place_object(const Command& command, RandomStream& random) {
   const Hold& hold = world_.spec().hold;
-  const Vector3d over(0.018 + 0.005 * random.normal(), 0.005 * random.normal(), 0.0);
-  const Eigen::Quaterniond hand_from_object = as_held(hold, random);
+  const Vector3d over(0.018 + grasp_.place_m * random.normal(), grasp_.place_m * random.normal(),
+                      0.0);
+  const Eigen::Quaterniond hand_from_object = as_held(hold, grasp_.yaw_rad, random);
   Vector3d place = over - hand_from_object * hold.center_m;
   place.z() = 0.0;
   const double height = height_over_palm_m(world_.spec(), hand_from_object, place);
@@ -116,7 +123,8 @@ Eigen::Quaterniond Performance::wanted_orientation(const Command& command) const
 }
 
 FingerDrive Performance::finger_drive(const Command& command, int finger) {
-  if (!command.closed_grip) return {0.0, posture_stiffness_nm_per_rad, command.posture_rad[finger]};
+  if (!command.closed_grip)
+    return {0.0, grasp_.posture_stiffness_nm_per_rad, command.posture_rad[finger]};
   const double measured = world_.contact().lever_m(finger);
   if (measured <= 0.0)  // still closing
     rest_rad_[finger] = world_.flexion_rad[finger];
@@ -124,9 +132,10 @@ FingerDrive Performance::finger_drive(const Command& command, int finger) {
     lever_m_[finger] +=
         (std::clamp(measured, shortest_lever_m, longest_lever_m) - lever_m_[finger]) *
         control_interval_s / lever_lag_s;
-  rest_rad_[finger] +=
-      (world_.flexion_rad[finger] - rest_rad_[finger]) * control_interval_s / grip_relaxation_s;
-  return {finger_share[finger] * command.grip_force_n * lever_m_[finger], grip_stiffness_nm_per_rad,
+  rest_rad_[finger] += (world_.flexion_rad[finger] - rest_rad_[finger]) * control_interval_s /
+                       grasp_.grip_relaxation_s;
+  const double share = finger == thumb ? grasp_.thumb_share : finger_share[finger];
+  return {share * command.grip_force_n * lever_m_[finger], grasp_.grip_stiffness_nm_per_rad,
           rest_rad_[finger]};
 }
 
@@ -138,7 +147,7 @@ Drive Performance::drive_to(const Command& command) {
   const Eigen::AngleAxisd turn(wanted_orientation(command) * world_.hand.orientation.conjugate());
   drive.angular_velocity_rad_per_s = turn.angle() / control_interval_s * turn.axis();
   const double time_s = std::max(0.0, tick_ * control_interval_s);
-  const double believed = 1 + weight_error_ * std::exp(-time_s / adaptation_s);
+  const double believed = 1 + weight_error_ * std::exp(-time_s / grasp_.adaptation_s);
   const double weight =
       command.carrying ? believed * world_.spec().mass_kg * gravity_m_per_s2 : 0.0;
   fed_forward_n_ += (weight - fed_forward_n_) * control_interval_s / weight_lag_s;

@@ -32,6 +32,7 @@ class Performance {
   Eigen::Quaterniond wanted_orientation(const Command& command) const;
   void place_object(const Command& command, RandomStream& random);
 
+  GraspParameters grasp_;
   World world_;
   std::unique_ptr<Activity> activity_;
   Glove glove_;

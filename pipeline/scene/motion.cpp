@@ -31,6 +31,22 @@ MotionState Quintic::at(double time_s) const {
           from_.acceleration_m_per_s2 + t * (6 * c3 + t * (12 * c4 + t * 20 * c5))};
 }
 
+double draw(RandomStream& random, const Interval& range) {
+  return random.uniform(range[0], range[1]);
+}
+
+int draw_whole(RandomStream& random, const Interval& range) {
+  const auto low = std::lround(range[0]), high = std::lround(range[1]);
+  return static_cast<int>(
+      low + static_cast<long>(random.below(static_cast<std::uint64_t>(high - low + 1))));
+}
+
+Eigen::Vector3d draw(RandomStream& random, const Box& box) {
+  const double z = random.uniform(box[4], box[5]), y = random.uniform(box[2], box[3]),
+               x = random.uniform(box[0], box[1]);
+  return {x, y, z};
+}
+
 SmoothNoise::SmoothNoise(RandomStream& random, double bandwidth_hz) {
   for (int i = 0; i < terms; ++i) {
     const double frequency_hz = bandwidth_hz * (i + random.uniform()) / terms;

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "engine/base/random.h"
+#include "pipeline/scene/parameters.h"
 
 namespace touchtrace::scene {
 
@@ -32,6 +33,11 @@ class Quintic {
   std::array<Eigen::Vector3d, 3> high_{};  ///< coefficients of t^3, t^4, t^5
   double start_s_ = 0.0, duration_s_ = 0.0;
 };
+
+double draw(RandomStream& random, const Interval& range);
+/// A whole number of the range, both ends allowed.
+int draw_whole(RandomStream& random, const Interval& range);
+Eigen::Vector3d draw(RandomStream& random, const Box& box);
 
 /// A smooth random function of time of zero mean and deviation 1 with frequencies up to
 /// `bandwidth_hz`: a sum of sinusoids, so that it depends on no step.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/recording/recording.h"
+#include "pipeline/scene/parameters.h"
 
 namespace touchtrace::scene {
 
@@ -114,6 +115,8 @@ struct SceneOptions {
   int image_width = 320, image_height = 240;
   int board_views = 20;
   std::uint64_t seed = 1;
+  int glove = 1;  ///< another number: another specimen on the same hand
+  SceneParameters parameters = {};
 };
 
 /// Physics, glove and its clock for clip number `clip`, starting at `start_s`; depends on nothing
@@ -124,8 +127,8 @@ ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s);
 /// host's clock, on, and arrives `latency_s` plus an exponential jitter after its scan ended.
 struct GloveClock {
   double first_frame_s = 0.0, rate_hz = 15.0;
-  double latency_s = 0.004, jitter_s = 0.003;
-  double lost_share = 0.02;  ///< of the frames
+  double latency_s = 0.0, jitter_s = 0.0;
+  double lost_share = 0.0;  ///< of the frames
 };
 GloveClock glove_clock(const SceneOptions& options);
 

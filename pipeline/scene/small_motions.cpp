@@ -103,7 +103,7 @@ Square damping_of(const World& world, const std::vector<Spring>& springs,
     const Matrix3d share = along + contact.bristle_ratio * (Matrix3d::Identity() - along);
     c += s.k * s.depth_m * contact.dissipation_s_per_m * way.transpose() * share * way;
   }
-  c.diagonal().tail<finger_count>().array() += finger_damping_nm_s_per_rad;
+  c.diagonal().tail<finger_count>().array() += FingerParameters{}.damping_nm_s_per_rad;
   return c;
 }
 
@@ -130,7 +130,7 @@ SmallMotions::SmallMotions(const World& world, const Touches& touches, const Dri
   mass_.setZero();
   mass_.diagonal().segment<3>(small_place).setConstant(world.spec().mass_kg);
   mass_.block<3, 3>(small_turn, small_turn) = turn * world.spec().inertia_kg_m2 * turn.transpose();
-  mass_.diagonal().tail<finger_count>().setConstant(finger_inertia_kg_m2);
+  mass_.diagonal().tail<finger_count>().setConstant(FingerParameters{}.inertia_kg_m2);
   damping_ = damping_of(world, springs, contact);
   stiffness_ = second_derivatives([&](const SmallMotion& q) {
     return energy_j(world, springs, drive, contact.bristle_ratio, q);

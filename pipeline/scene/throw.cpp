@@ -10,11 +10,6 @@ using Eigen::Quaterniond, Eigen::Vector3d;
 
 /// The cupped palm that an object is tossed from; the thumb stands aside.
 constexpr std::array<double, finger_count> open_rad{0.40, 0.40, 0.40, 0.40, 0.0};
-constexpr double opening_s = 0.40, reaction_s = 0.09, catch_error_m = 0.006;
-constexpr double catching_m_per_s2 = 30.0;    // gripped harder for the impact
-constexpr double hardest_dip_m_per_s2 = 6.0;  // the object stays on the palm
-constexpr double farthest_turn_rad = 0.6;     // of the hand, to suit what comes down
-constexpr double follow_through = 0.4;        // of the flight's time, in which the hand stops
 
 /// How far a minimum-jerk passage has come, 0 to 1.
 double progress(double time_s, double start_s, double duration_s) {
@@ -46,8 +41,9 @@ class Throw : public Activity {
   Quaterniond suitable_turn(const RigidState& object, double fall_s) const;
 
   const ObjectSpec& object_;
+  ThrowParameters throw_;
   RandomStream random_;
-  std::array<double, 2> apex_range_m_;
+  Interval apex_range_m_;
   Vector3d base_m_, in_palm_m_ = Vector3d::Zero();
   double roll_, pitch_, yaw_, base_grip_n_;
   SmoothNoise roll_noise_, pitch_noise_;
@@ -59,20 +55,25 @@ class Throw : public Activity {
   double opening_start_s_ = -10.0, apex_m_ = 0.0;
 };
 
+Interval apex_range_m(const ObjectSpec& object, double scale) {
+  const auto& apex_m = *object.toss_apex_m;
+  return {scale * apex_m[0], scale * apex_m[1]};
+}
+
 MotionState at_rest(const Vector3d& position) {
   return {position, Vector3d::Zero(), Vector3d::Zero()};
 }
 
 Throw::Throw(ActivityStart start)
     : object_(start.object),
+      throw_(start.parameters.toss),
       random_(start.random),
-      apex_range_m_(*object_.toss_apex_m),
-      base_m_(random_.uniform(-0.30, -0.04), random_.uniform(-0.46, -0.36),
-              random_.uniform(1.02, 1.12)),
+      apex_range_m_(apex_range_m(object_, throw_.apex)),
+      base_m_(draw(random_, throw_.place_m)),
       roll_(random_.normal(0.0, 0.03)),
       pitch_(random_.normal(-0.03, 0.03)),
       yaw_(random_.uniform(-0.4, 0.4)),
-      base_grip_n_(random_.uniform(2.0, 4.0)),
+      base_grip_n_(draw(random_, throw_.base_grip_n)),
       roll_noise_(random_, 2.0),
       pitch_noise_(random_, 2.0) {
   plan_ = Quintic(at_rest(base_m_), at_rest(base_m_), -10.0, 10.0 + random_.uniform(0.3, 0.8));
@@ -103,9 +104,9 @@ void Throw::hold(double time_s) {
 }
 
 void Throw::dip(double time_s, const SceneSample& seen) {
-  apex_m_ = random_.uniform(apex_range_m_[0], apex_range_m_[1]);
-  const double depth_m = 0.04 + 0.30 * apex_m_;
-  const double shortest_s = std::sqrt(minimum_jerk_peak * depth_m / hardest_dip_m_per_s2);
+  apex_m_ = draw(random_, apex_range_m_);
+  const double depth_m = throw_.dip_m + throw_.dip_of_apex * apex_m_;
+  const double shortest_s = std::sqrt(minimum_jerk_peak * depth_m / throw_.dip_m_per_s2);
   held_rad_ = seen.flexion_rad;
   opening_start_s_ = time_s;
   begin(Phase::dip, at_rest(plan_.at(time_s).position_m - depth_m * Vector3d::UnitZ()), time_s,
@@ -126,7 +127,7 @@ void Throw::toss(double time_s) {
 void Throw::watch(double time_s) {
   const MotionState now = plan_.at(time_s);
   const double flight_s = 2 * now.velocity_m_per_s.z() / gravity_m_per_s2;
-  const double duration_s = std::max(reaction_s, follow_through * flight_s);
+  const double duration_s = std::max(throw_.reaction_s, throw_.follow_through * flight_s);
   begin(Phase::watch, at_rest(now.position_m + 0.4 * duration_s * now.velocity_m_per_s), time_s,
         duration_s);
 }
@@ -154,7 +155,7 @@ Quaterniond Throw::suitable_turn(const RigidState& object, double fall_s) const 
   Eigen::Matrix3d suitable;
   suitable << x, y, x.cross(y);
   Eigen::AngleAxisd turn(Quaterniond(suitable) * level.conjugate());
-  turn.angle() = std::min(turn.angle(), farthest_turn_rad);
+  turn.angle() = std::min(turn.angle(), throw_.turn_rad);
   return Quaterniond(turn);
 }
 
@@ -169,13 +170,13 @@ void Throw::meet(double time_s, const SceneSample& seen) {
       (v.z() + std::sqrt(std::max(0.0, v.z() * v.z() + 2 * gravity_m_per_s2 * above))) /
       gravity_m_per_s2;
   const Vector3d speed = v - gravity_m_per_s2 * fall_s * Vector3d::UnitZ();
-  const Vector3d error = catch_error_m * Vector3d(random_.normal(), random_.normal(), 0.0);
+  const Vector3d error = throw_.catch_error_m * Vector3d(random_.normal(), random_.normal(), 0.0);
   const Quaterniond turn = suitable_turn(seen.object, fall_s);
   MotionState target;
   target.position_m = p + fall_s * v -
                       0.5 * gravity_m_per_s2 * fall_s * fall_s * Vector3d::UnitZ() -
                       turn * (palm_up(roll_, pitch_, yaw_) * in_palm_m_) + error;
-  target.velocity_m_per_s = random_.uniform(0.35, 0.60) * speed;
+  target.velocity_m_per_s = draw(random_, throw_.catching_speed) * speed;
   begin(Phase::meet, target, time_s, std::max(fall_s, 0.06));
   turn_to(turn, time_s, plan_.duration_s());
 }
@@ -215,8 +216,8 @@ Command Throw::command(double time_s, const SceneSample& seen) {
                                                   pitch_ + 0.01 * pitch_noise_.at(time_s), yaw_);
   command.closed_grip = phase_ == Phase::hold || phase_ == Phase::give;
   command.grip_force_n =
-      base_grip_n_ + (phase_ == Phase::give ? catching_m_per_s2 * object_.mass_kg : 0.0);
-  const double open = progress(time_s, opening_start_s_, opening_s);
+      base_grip_n_ + (phase_ == Phase::give ? throw_.catching_m_per_s2 * object_.mass_kg : 0.0);
+  const double open = progress(time_s, opening_start_s_, throw_.opening_s);
   for (int i = 0; i < finger_count; ++i)
     command.posture_rad[i] = held_rad_[i] + open * (open_rad[i] - held_rad_[i]);
   command.carrying = phase_ != Phase::watch && phase_ != Phase::meet;

@@ -2,23 +2,18 @@
 #include <cmath>
 
 #include "pipeline/scene/activity.h"
-#include "pipeline/scene/world.h"
 
 namespace touchtrace::scene {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double anticipation_s = 0.06;
-constexpr double grip_over_slip = 1.26;  // what is gripped with, over what would just slip
-constexpr double palm_lever_m = 0.04, slipperiest = 0.2;
-constexpr double strength_used = 0.9;  // of what the arm can do
+constexpr double slipperiest = 0.2;
 
 /// Of a planned sub-movement: what one does with something light, and not more than the arm can.
-double hardest_m_per_s2(double mass_kg) {
-  const ArmParameters arm;
-  const double force_n = strength_used * arm.force_bound_n - mass_kg * gravity_m_per_s2;
-  return std::min(18.0, force_n / (arm.mass_kg + mass_kg));
+double hardest_m_per_s2(const WaveParameters& wave, const ArmParameters& arm, double mass_kg) {
+  const double force_n = wave.strength_used * arm.force_bound_n - mass_kg * gravity_m_per_s2;
+  return std::min(wave.acceleration_m_per_s2, force_n / (arm.mass_kg + mass_kg));
 }
 
 /// Bouts of to-and-fro sub-movements along one direction, each re-planned before it ends; the wrist
@@ -35,6 +30,8 @@ class Wave : public Activity {
   Eigen::Quaterniond orientation(double time_s, const Vector3d& place) const;
 
   const ObjectSpec& object_;
+  WaveParameters wave_;
+  double hardest_m_per_s2_;
   RandomStream random_;
   Vector3d base_m_, centre_m_, direction_;
   double roll_, pitch_, yaw_, tilt_rad_per_m_, base_grip_n_;
@@ -47,18 +44,19 @@ class Wave : public Activity {
 
 Wave::Wave(ActivityStart start)
     : object_(start.object),
+      wave_(start.parameters.wave),
+      hardest_m_per_s2_(hardest_m_per_s2(wave_, start.parameters.arm, object_.mass_kg)),
       random_(start.random),
-      base_m_(random_.uniform(-0.30, 0.02), random_.uniform(-0.55, -0.42),
-              random_.uniform(1.08, 1.30)),
+      base_m_(draw(random_, wave_.place_m)),
       centre_m_(base_m_),
       roll_(random_.uniform(-0.6, 0.6)),
       pitch_(random_.uniform(-0.3, 0.3)),
       yaw_(random_.uniform(-0.4, 0.4)),
-      tilt_rad_per_m_(random_.uniform(1.5, 1.8)),
-      base_grip_n_(random_.uniform(4.0, 8.0)),
+      tilt_rad_per_m_(draw(random_, wave_.tilt_rad_per_m)),
+      base_grip_n_(draw(random_, wave_.base_grip_n)),
       grip_noise_(random_, 1.0),
-      roll_noise_(random_, 2.0),
-      pitch_noise_(random_, 2.0) {
+      roll_noise_(random_, wave_.wrist_noise_hz),
+      pitch_noise_(random_, wave_.wrist_noise_hz) {
   const MotionState rest{base_m_, Vector3d::Zero(), Vector3d::Zero()};
   replan_s_ = random_.uniform(0.0, 0.3);
   plan_ = Quintic(rest, rest, -10.0, replan_s_ + 10.0);
@@ -69,11 +67,10 @@ void Wave::begin_bout() {
                                    .cwiseMax(-2.0)
                                    .cwiseMin(2.0);
   direction_ = Vector3d(random_.normal(), 0.6 * random_.normal(), random_.normal()).normalized();
-  stroke_s_ = 0.5 * random_.uniform(0.22, 0.9);
-  const double reach_m =
-      hardest_m_per_s2(object_.mass_kg) * stroke_s_ * stroke_s_ / minimum_jerk_peak;
-  amplitude_m_ = std::min(random_.uniform(0.04, 0.16), reach_m);
-  strokes_left_ = 2 * (2 + static_cast<int>(random_.below(7)));
+  stroke_s_ = 0.5 * draw(random_, wave_.period_s);
+  const double reach_m = hardest_m_per_s2_ * stroke_s_ * stroke_s_ / minimum_jerk_peak;
+  amplitude_m_ = std::min(draw(random_, wave_.amplitude_m), reach_m);
+  strokes_left_ = 2 * draw_whole(random_, wave_.repeats);
 }
 
 void Wave::plan_next(double time_s) {
@@ -89,23 +86,23 @@ void Wave::plan_next(double time_s) {
     target.position_m = centre_m_;
   }
   plan_ = Quintic(plan_.at(time_s), target, time_s, duration_s);
-  replan_s_ = time_s + duration_s * random_.uniform(0.8, 0.97);
+  replan_s_ = time_s + duration_s * draw(random_, wave_.replanned);
 }
 
 /// Palm and fingers both rub; what hangs beside the hand has to be kept from turning, too.
 double Wave::grip_force_n(double time_s) const {
-  const Vector3d load = plan_.at(time_s + anticipation_s).acceleration_m_per_s2 +
+  const Vector3d load = plan_.at(time_s + wave_.anticipation_s).acceleration_m_per_s2 +
                         gravity_m_per_s2 * Vector3d::UnitZ();
-  const double noise = 1 + 0.1 * grip_noise_.at(time_s);
-  const double ratio = grip_over_slip / (2 * std::max(object_.friction, slipperiest));
-  const double turning = 1 + object_.hold.center_m.norm() / palm_lever_m;
+  const double noise = 1 + wave_.grip_noise * grip_noise_.at(time_s);
+  const double ratio = wave_.grip_over_slip / (2 * std::max(object_.friction, slipperiest));
+  const double turning = 1 + object_.hold.center_m.norm() / wave_.turning_lever_m;
   return noise * (base_grip_n_ + ratio * turning * object_.mass_kg * load.norm());
 }
 
 Eigen::Quaterniond Wave::orientation(double time_s, const Vector3d& place) const {
   const Vector3d away = tilt_rad_per_m_ * (place - base_m_);
-  return palm_up(roll_ + away.x() + 0.04 * roll_noise_.at(time_s),
-                 pitch_ - away.z() + 0.04 * pitch_noise_.at(time_s), yaw_);
+  return palm_up(roll_ + away.x() + wave_.wrist_noise_rad * roll_noise_.at(time_s),
+                 pitch_ - away.z() + wave_.wrist_noise_rad * pitch_noise_.at(time_s), yaw_);
 }
 
 Command Wave::command(double time_s, const SceneSample&) {

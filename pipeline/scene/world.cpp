@@ -62,10 +62,11 @@ struct World::Instant {
 };
 
 World::World(const ObjectSpec& spec, const ArmParameters& arm, const ContactParameters& contact,
-             const Implicitness& implicitness)
+             const Implicitness& implicitness, const FingerParameters& fingers)
     : object_spec_(spec),
       inverse_inertia_(spec.inertia_kg_m2.inverse()),
       arm_(arm),
+      fingers_(fingers),
       implicitness_(implicitness),
       contact_(contact),
       contact_rate2_per_s2_(contact.stiffness_n_per_m3 * first_patch_m2 / spec.mass_kg),
@@ -106,9 +107,10 @@ void World::add_fingers(const Drive& drive, const Instant& at, MotionSystem& sys
   for (int i = 0; i < finger_count; ++i) {
     const FingerDrive& d = drive.fingers[i];
     const double torque = d.torque_nm + d.stiffness_nm_per_rad * (d.rest_rad - flexion_rad[i]);
-    system.momentum[fingers_at + i] = finger_inertia_kg_m2 * flexion_rate_rad_per_s[i] + h * torque;
+    system.momentum[fingers_at + i] =
+        fingers_.inertia_kg_m2 * flexion_rate_rad_per_s[i] + h * torque;
     system.fingers[i] =
-        finger_inertia_kg_m2 + h * (finger_damping_nm_s_per_rad + h * d.stiffness_nm_per_rad);
+        fingers_.inertia_kg_m2 + h * (fingers_.damping_nm_s_per_rad + h * d.stiffness_nm_per_rad);
   }
 }
 
@@ -123,7 +125,7 @@ void World::note_rates(const MotionSystem& masses, const MotionSystem& system, d
   const auto bodies = (system.bodies - masses.bodies).diagonal().tail<6>().array() /
                       masses.bodies.diagonal().tail<6>().array();
   if (bodies.maxCoeff() <= 0.0) return;
-  const double fingers = (system.fingers - masses.fingers).maxCoeff() / finger_inertia_kg_m2;
+  const double fingers = (system.fingers - masses.fingers).maxCoeff() / fingers_.inertia_kg_m2;
   const double time2 = ahead_s * ahead_s;
   object_rate2_per_s2_ = bodies.head<3>().maxCoeff() / time2;
   contact_rate2_per_s2_ = std::max(bodies.maxCoeff(), fingers) / time2;

@@ -1,22 +1,8 @@
 #pragma once
 
-#include <cmath>
-
 #include "pipeline/scene/contact.h"
 
 namespace touchtrace::scene {
-
-/// The hand as a mass on a spring to where it is wanted. Published fits: 0.9-3.0 kg, 135-500 N/m.
-struct ArmParameters {
-  double mass_kg = 2.0, stiffness_n_per_m = 300.0, damping_ratio = 0.5, force_bound_n = 60.0;
-
-  double damping_n_s_per_m() const {
-    return 2 * damping_ratio * std::sqrt(stiffness_n_per_m * mass_kg);
-  }
-};
-
-/// Of a finger about its first joint.
-inline constexpr double finger_inertia_kg_m2 = 5e-5, finger_damping_nm_s_per_rad = 0.02;
 
 /// How one finger's first joint is driven: torque + stiffness (rest - flexion).
 struct FingerDrive {
@@ -51,7 +37,8 @@ struct Drive {
 class World {
  public:
   explicit World(const ObjectSpec& object, const ArmParameters& arm = {},
-                 const ContactParameters& contact = {}, const Implicitness& implicitness = {});
+                 const ContactParameters& contact = {}, const Implicitness& implicitness = {},
+                 const FingerParameters& fingers = {});
 
   /// One control interval in as many steps as its events need: `step_s` at most while anything
   /// touches, finer in impacts, to the soonest contact in free flight. Deterministic.
@@ -83,6 +70,7 @@ class World {
   ObjectSpec object_spec_;
   Eigen::Matrix3d inverse_inertia_;
   ArmParameters arm_;
+  FingerParameters fingers_;
   Implicitness implicitness_;
   ContactPatch contact_;
   Eigen::Matrix3d world_from_contact_ = Eigen::Matrix3d::Identity();

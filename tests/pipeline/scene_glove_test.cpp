@@ -55,7 +55,7 @@ TEST(SceneGlove, IsFixedByItsNumber) {
 }
 
 TEST(SceneGlove, ReadsItsBaselineWhenNothingTouches) {
-  Glove glove(1, lossless(), 5);
+  Glove glove(1, {}, lossless(), 5);
   const std::vector<double> force_n(680, 0.0);
   glove.start(0.0);
   for (int i = 1; i <= 500; ++i) glove.sense(force_n, i * interval_s, interval_s);
@@ -73,7 +73,7 @@ TEST(SceneGlove, ReadsItsBaselineWhenNothingTouches) {
 TEST(SceneGlove, LoadsWithLagAndCreepAndSaturates) {
   const std::size_t taxel = some_taxel();
   const double applied_n = 0.8;
-  Glove glove(1, lossless(), 5);
+  Glove glove(1, {}, lossless(), 5);
   std::vector<double> force_n(680, 0.0);
   force_n[taxel] = applied_n;
   glove.start(0.0);
@@ -98,7 +98,7 @@ TEST(SceneGlove, LoadsWithLagAndCreepAndSaturates) {
 TEST(SceneGlove, CountsFramesThroughPausesAndLosses) {
   SceneOptions options;
   const GloveClock clock = glove_clock(options);
-  Glove glove(1, clock, options.seed);
+  Glove glove(1, {}, clock, options.seed);
   const std::vector<double> force_n(680, 0.0);
   glove.start(0.0);
   for (int i = 1; i <= 30000; ++i) glove.sense(force_n, i * interval_s, interval_s);
@@ -125,7 +125,7 @@ TEST(SceneGlove, CountsFramesThroughPausesAndLosses) {
 TEST(SceneGlove, AFrameDoesNotDependOnWhenRecordingBegan) {
   const GloveClock clock = lossless();
   const std::vector<double> force_n(680, 0.0);
-  Glove early(1, clock, 7), late(1, clock, 7);
+  Glove early(1, {}, clock, 7), late(1, {}, clock, 7);
   early.start(0.0);
   late.start(1.0);
   for (int i = 1; i <= 1000; ++i) early.sense(force_n, i * interval_s, interval_s);

@@ -1,0 +1,230 @@
+#include "pipeline/scene/assumptions.h"
+
+namespace touchtrace::scene {
+namespace {
+
+std::span<double> numbers_in(double& value) { return {&value, 1}; }
+template <std::size_t Size>
+std::span<double> numbers_in(std::array<double, Size>& values) {
+  return values;
+}
+
+using Table = std::vector<Assumption>;
+
+/// Adds rows of one part.
+template <class Part>
+class Rows {
+ public:
+  Rows(Table& table, std::string part, Part SceneParameters::*member)
+      : table_(table), part_(std::move(part)), member_(member) {}
+
+  template <class Value>
+  void operator()(const char* name, Value Part::*value, const char* unit, double least, double most,
+                  const char* meaning, const char* published, const char* reason) {
+    table_.push_back({part_, part_ + "-" + name, unit, least, most, meaning, published, reason,
+                      [member = member_, value](SceneParameters& parameters) {
+                        return numbers_in(parameters.*member.*value);
+                      }});
+  }
+
+ private:
+  Table& table_;
+  std::string part_;
+  Part SceneParameters::*member_;
+};
+
+void add_contact(Table& table) {
+  using P = ContactParameters;
+  Rows<P> row(table, "contact", &SceneParameters::contact);
+  row("stiffness", &P::stiffness_n_per_m3, "N/m^3", 1e5, 1e9, "k of the foundation",
+      "form: Johnson 1985, value: no", "a 170 g ball sinks 1-2 mm into palm and glove");
+  row("hardening", &P::hardening_m, "m", 1e-4, 1.0, "d0 of the foundation", "no",
+      "a 170 g ball sinks 1-2 mm into palm and glove");
+  row("dissipation", &P::dissipation_s_per_m, "s/m", 0.0, 100.0, "c of the foundation",
+      "form: Hunt and Crossley 1975, value: no",
+      "a ball dropped from 5 cm rebounds to about 7 % of its height");
+  row("bristle", &P::bristle_ratio, "", 0.01, 10.0,
+      "tangential over normal stiffness, with the same relative damping",
+      "near Mindlin's 2 (1 - nu) / (2 - nu)", "soft tissue, nu about 0.5");
+  row("clamp", &P::clamp_m, "m", 1e-3, 0.1, "deepest indentation; deeper is counted and clamped",
+      "no", "thickness of the tissue over the bones");
+}
+
+void add_arm(Table& table) {
+  using P = ArmParameters;
+  Rows<P> row(table, "arm", &SceneParameters::arm);
+  row("mass", &P::mass_kg, "kg", 0.1, 20.0, "effective, of the hand", "fits 0.9-3 kg",
+      "the middle of the fits");
+  row("stiffness", &P::stiffness_n_per_m, "N/m", 10.0, 1e5, "to where the hand is wanted",
+      "fits 135-500 N/m", "the middle of the fits");
+  row("damping", &P::damping_ratio, "", 0.01, 10.0, "damping ratio of the two", "no",
+      "an arm that is led to a place hardly swings");
+  row("bound", &P::force_bound_n, "N", 10.0, 1e4, "greatest force", "no",
+      "a guess; the fits have no bound");
+}
+
+void add_fingers(Table& table) {
+  using P = FingerParameters;
+  Rows<P> row(table, "finger", &SceneParameters::fingers);
+  row("inertia", &P::inertia_kg_m2, "kg m^2", 1e-6, 1e-2, "about the first joint",
+      "order of magnitude", "quasi-static fingers");
+  row("damping", &P::damping_nm_s_per_rad, "N m s/rad", 0.0, 1.0, "of the first joint",
+      "order of magnitude", "quasi-static fingers");
+}
+
+void add_grasp(Table& table) {
+  using P = GraspParameters;
+  Rows<P> row(table, "grasp", &SceneParameters::grasp);
+  row("weight-error", &P::weight_error, "", 0.0, 1.0,
+      "deviation of the weight fed forward, of the weight",
+      "adaptation: Johansson and Westling 1988, value: no", "first lifts are wrong");
+  row("adaptation", &P::adaptation_s, "s", 0.01, 100.0, "in which that error decays",
+      "adaptation: Johansson and Westling 1988, value: no", "later lifts are not wrong");
+  row("stiffness", &P::grip_stiffness_nm_per_rad, "N m/rad", 0.0, 100.0,
+      "of a gripping finger's first joint", "0.5-3 N m/rad", "short-range stiffness of muscle");
+  row("relaxation", &P::grip_relaxation_s, "s", 0.01, 100.0, "in which that stiffness gives way",
+      "no", "short-range stiffness does not last");
+  row("posture", &P::posture_stiffness_nm_per_rad, "N m/rad", 0.01, 100.0,
+      "of the first joint of a finger that is held open", "0.5-3 N m/rad", "the upper end");
+  row("thumb", &P::thumb_share, "", 0.0, 10.0, "its force, of the four fingers' together",
+      "shares near published ones", "the thumb opposes the fingers");
+  row("place", &P::place_m, "m", 0.0, 0.03, "deviation of the object's place in the hand", "no",
+      "every clip is a new grasp");
+  row("yaw", &P::yaw_rad, "rad", 0.0, 1.5, "deviation of the object's direction in the hand", "no",
+      "every clip is a new grasp");
+  row("attempts", &P::attempts, "", 1.0, 100.0, "to take the object before a clip begins", "no",
+      "a person who has not got hold of it tries again; drops within the clip are marked");
+}
+
+void add_objects(Table& table) {
+  using P = ObjectParameters;
+  Rows<P> row(table, "object", &SceneParameters::objects);
+  row("friction", &P::friction, "", 0.0, 10.0, "times the 0.6-0.8 of the objects' files", "no",
+      "coated textile against plastics, wood, rubber");
+}
+
+void add_wave(Table& table) {
+  using P = WaveParameters;
+  Rows<P> row(table, "wave", &SceneParameters::wave);
+  row("replanned", &P::replanned, "", 0.5, 1.0,
+      "share of a sub-movement after which the next one begins",
+      "minimum jerk: Flash and Hogan 1985, share: no", "fluent movement");
+  row("repeats", &P::repeats, "", 1.0, 100.0, "of to and fro in a bout, whole numbers", "no",
+      "a guess");
+  row("amplitude", &P::amplitude_m, "m", 0.001, 1.0, "of a bout, from side to side", "no",
+      "in front of the camera");
+  row("period", &P::period_s, "s", 0.1, 10.0, "of to and fro", "no", "a guess");
+  row("acceleration", &P::acceleration_m_per_s2, "m/s^2", 0.1, 200.0,
+      "the most of a sub-movement as planned", "no", "what one does with something light");
+  row("strength", &P::strength_used, "", 0.3, 1.0,
+      "of the arm's greatest force that is planned with", "no", "a person knows what he can swing");
+  row("tilt", &P::tilt_rad_per_m, "rad/m", 0.0, 10.0, "of the hand with its place", "no",
+      "the forearm turns about the elbow");
+  row("wrist-noise", &P::wrist_noise_rad, "rad", 0.0, 1.0, "deviation of the hand's tilt", "no",
+      "a guess");
+  row("wrist-noise-band", &P::wrist_noise_hz, "Hz", 0.01, 20.0, "highest frequency of that", "no",
+      "a guess");
+  row("base-grip", &P::base_grip_n, "N", 0.0, 60.0, "of the four fingers, drawn for a clip", "no",
+      "a power grip at rest");
+  row("grip-over-slip", &P::grip_over_slip, "", 0.0, 10.0,
+      "grip that the load adds, over what would just slip between palm and fingers",
+      "0.9 N a newton at friction 0.7: Flanagan and Wing 1995; less friction, more grip: "
+      "Johansson and Westling 1984",
+      "0.9 = 1.26 / (2 x 0.7)");
+  row("anticipation", &P::anticipation_s, "s", 0.0, 1.0, "by which the grip is ahead of the load",
+      "lead: Flanagan and Wing 1995, Slota 2011", "predicted, not felt");
+  row("grip-noise", &P::grip_noise, "", 0.0, 0.3, "deviation of the grip, of itself; below 1 Hz",
+      "no", "a guess");
+  row("turning-lever", &P::turning_lever_m, "m", 0.001, 10.0,
+      "grip grows by distance of grip and centre of mass over it",
+      "grows with the torque: Kinoshita 1997, value: no", "half the palm's width is the lever");
+  row("place", &P::place_m, "m", -5.0, 5.0, "of the hand's rest, drawn for a clip", "no",
+      "before the person, in front of the camera");
+}
+
+void add_throw(Table& table) {
+  using P = ThrowParameters;
+  Rows<P> row(table, "throw", &SceneParameters::toss);
+  row("apex", &P::apex, "", 0.1, 10.0, "times the 5-42 cm of the objects' files", "no",
+      "one-handed juggling height");
+  row("dip", &P::dip_m, "m", 0.0, 0.3, "of the hand before a toss", "no", "a guess");
+  row("dip-of-apex", &P::dip_of_apex, "", 0.0, 2.0, "that, with the toss's height", "no",
+      "a guess");
+  row("dip-acceleration", &P::dip_m_per_s2, "m/s^2", 0.5, 9.5, "the most downwards", "no",
+      "the object stays on the palm");
+  row("opening", &P::opening_s, "s", 0.05, 5.0, "in which the hand opens", "no",
+      "closed before the toss, open when it lets go");
+  row("follow-through", &P::follow_through, "", 0.01, 1.0,
+      "share of the flight in which the hand stops", "no",
+      "stopped sooner, the palm's rebound spins what it lets go");
+  row("reaction", &P::reaction_s, "s", 0.01, 0.5, "in which the hand stops at least", "no",
+      "a guess");
+  row("catch-error", &P::catch_error_m, "m", 0.0, 0.1, "of the palm's place under the object",
+      "Fligge 2012", "");
+  row("turn", &P::turn_rad, "rad", 0.0, 1.5, "of the hand to suit what comes down, at most", "no",
+      "as far as the wrist does");
+  row("catching-speed", &P::catching_speed, "", 0.0, 1.0, "of the hand, of the object's", "no",
+      "giving way softens the catch");
+  row("base-grip", &P::base_grip_n, "N", 0.0, 60.0, "of the four fingers, drawn for a clip", "no",
+      "an open palm carries");
+  row("catching-grip", &P::catching_m_per_s2, "m/s^2", 0.0, 300.0,
+      "grip that a catch adds, over the mass", "no", "a catch is gripped harder");
+  row("place", &P::place_m, "m", -5.0, 5.0, "of the hand's rest, drawn for a clip", "no",
+      "before the person, in front of the camera");
+}
+
+void add_glove(Table& table) {
+  using P = GloveParameters;
+  Rows<P> row(table, "glove", &SceneParameters::glove);
+  row("loading-lag", &P::loading_lag_s, "s", 1e-4, 10.0, "of a reading as the force grows",
+      "hysteresis of piezoresistive film: yes, value: no", "faster than unloading");
+  row("unloading-lag", &P::unloading_lag_s, "s", 1e-4, 10.0, "of a reading as the force falls",
+      "hysteresis of piezoresistive film: yes, value: no", "unloading is slower");
+  row("creep", &P::creep, "", 0.0, 1.0, "that a lasting force adds to its reading",
+      "range published for FSR", "");
+  row("creep-time", &P::creep_s, "s", 0.01, 1000.0, "of that", "range published for FSR", "");
+  row("gain", &P::gain_deviation, "", 0.0, 2.0, "deviation of the logarithm of a taxel's gain",
+      "no", "hand-made arrays");
+  row("dead", &P::dead, "", 0.0, 0.9, "share of the taxels", "no", "hand-made arrays");
+  row("drift", &P::drift, "", 0.0, 0.9, "amplitude of a gain's slow change", "no",
+      "temperature and humidity");
+  row("drift-period", &P::drift_period_s, "s", 1.0, 1e5, "of that, drawn for each taxel", "no",
+      "temperature and humidity");
+  row("saturation", &P::half_saturation_n, "N", 0.01, 1e4,
+      "force at half of the full scale: f / (f + it)",
+      "form for piezoresistive film: yes, value: no", "a guess");
+  row("cross-talk", &P::cross_talk, "", 0.0, 0.2,
+      "share of row and column sums, and loading of the row", "arrays < 3.3-3.6 %",
+      "read-out without zero potential is worse");
+  row("full-scale", &P::full_scale_counts, "counts", 10.0, 5000.0, "of the 10 bit converter", "no",
+      "a guess");
+  row("noise", &P::noise_counts, "counts", 0.0, 200.0, "deviation", "no", "a guess");
+  row("baseline", &P::baseline_counts, "counts", 0.0, 900.0, "mean reading of an untouched taxel",
+      "no", "a guess");
+  row("baseline-spread", &P::baseline_deviation_counts, "counts", 0.0, 200.0,
+      "deviation of that among taxels", "no", "a guess");
+  row("scan", &P::scan_s, "s", 0.0, 0.066, "in which the 32 rows of a frame are read",
+      "rate of 15 Hz: yes, scan: no", "a guess");
+  row("clock", &P::clock_ppm, "ppm", 0.0, 1e4, "deviation of its rate, fixed for a session",
+      "data sheets of quartz: 20-100 ppm", "");
+  row("latency", &P::latency_s, "s", 0.0, 1.0, "of transport, the least", "no", "USB full speed");
+  row("jitter", &P::jitter_s, "s", 0.0, 1.0, "mean of its exponential part", "no", "a busy host");
+  row("lost", &P::lost, "", 0.0, 0.9, "share of the frames", "no", "a busy host");
+}
+
+Table all_rows() {
+  Table table;
+  for (const auto add :
+       {add_contact, add_arm, add_fingers, add_grasp, add_objects, add_wave, add_throw, add_glove})
+    add(table);
+  return table;
+}
+
+}  // namespace
+
+const std::vector<Assumption>& assumptions() {
+  static const Table table = all_rows();
+  return table;
+}
+
+}  // namespace touchtrace::scene

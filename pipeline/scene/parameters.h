@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <compare>
+
+namespace touchtrace::scene {
+
+// Every number that the scene assumes, by the part that uses it. Each has a row in
+// assumption_table.cpp that says where it comes from; a test counts them, so all are doubles.
+
+using Interval = std::array<double, 2>;  ///< from, to
+using Box = std::array<double, 6>;       ///< from, to along the world's x, y and z
+
+/// Winkler foundation under every taxel, as soft tissue and glove: f = k d (1 + d / d0) (1 + c d'),
+/// friction a bristle of 0.7 k with the same relative damping, clipped at the Coulomb limit.
+struct ContactParameters {
+  double stiffness_n_per_m3 = 1e7, hardening_m = 0.003, dissipation_s_per_m = 3.0;
+  double bristle_ratio = 0.7;
+  double clamp_m = 0.008;  ///< deeper than this the law is not meant; counted
+};
+
+/// The hand as a mass on a spring to where it is wanted. Published fits: 0.9-3.0 kg, 135-500 N/m.
+struct ArmParameters {
+  double mass_kg = 2.0, stiffness_n_per_m = 300.0, damping_ratio = 0.5, force_bound_n = 60.0;
+
+  double damping_n_s_per_m() const {
+    return 2 * damping_ratio * std::sqrt(stiffness_n_per_m * mass_kg);
+  }
+};
+
+/// Of the first joint of each finger.
+struct FingerParameters {
+  double inertia_kg_m2 = 5e-5, damping_nm_s_per_rad = 0.02;
+};
+
+/// How the person holds what is in the hand, whatever is done with it.
+struct GraspParameters {
+  double weight_error = 0.25;  ///< deviation of the weight fed forward, of the weight
+  double adaptation_s = 1.5;   ///< in which that error decays
+  double grip_stiffness_nm_per_rad = 1.0, grip_relaxation_s = 0.3;
+  double posture_stiffness_nm_per_rad = 3.0;
+  double thumb_share = 0.8;                ///< of the four fingers' force
+  double place_m = 0.005, yaw_rad = 0.12;  ///< deviations of the object's pose in the hand
+  double attempts = 5.0;                   ///< to take the object before a clip begins
+};
+
+struct ObjectParameters {
+  double friction = 1.0;  ///< times that of the object's file
+};
+
+struct WaveParameters {
+  Interval replanned{0.80, 0.97};  ///< share of a sub-movement after which the next one begins
+  Interval repeats{2.0, 8.0}, amplitude_m{0.04, 0.16}, period_s{0.22, 0.90};
+  double acceleration_m_per_s2 = 18.0, strength_used = 0.9;  ///< the most; of what the arm can do
+  Interval tilt_rad_per_m{1.5, 1.8};
+  double wrist_noise_rad = 0.04, wrist_noise_hz = 2.0;
+  Interval base_grip_n{4.0, 8.0};
+  double grip_over_slip = 1.26;  ///< what is gripped with, over what would just slip
+  double anticipation_s = 0.06, grip_noise = 0.1, turning_lever_m = 0.04;
+  Box place_m{-0.30, 0.02, -0.55, -0.42, 1.08, 1.30};
+};
+
+struct ThrowParameters {
+  double apex = 1.0;  ///< times that of the object's file
+  double dip_m = 0.04, dip_of_apex = 0.30, dip_m_per_s2 = 6.0, opening_s = 0.40;
+  double follow_through = 0.4, reaction_s = 0.09;  ///< of the flight's time; at least
+  double catch_error_m = 0.006, turn_rad = 0.6;
+  Interval catching_speed{0.35, 0.60};  ///< of the object's
+  Interval base_grip_n{2.0, 4.0};
+  double catching_m_per_s2 = 30.0;
+  Box place_m{-0.30, -0.04, -0.46, -0.36, 1.02, 1.12};
+};
+
+struct GloveParameters {
+  double loading_lag_s = 0.008, unloading_lag_s = 0.030;
+  double creep = 0.12, creep_s = 2.0;
+  double gain_deviation = 0.25, dead = 0.02;
+  double drift = 0.03;
+  Interval drift_period_s{200.0, 600.0};
+  double half_saturation_n = 1.2, cross_talk = 0.012;
+  double full_scale_counts = 960.0, noise_counts = 1.5;
+  double baseline_counts = 40.0, baseline_deviation_counts = 6.0;
+  double scan_s = 0.030;
+  double clock_ppm = 40.0;
+  double latency_s = 0.004, jitter_s = 0.003, lost = 0.02;
+
+  auto operator<=>(const GloveParameters&) const = default;
+};
+
+struct SceneParameters {
+  ContactParameters contact;
+  ArmParameters arm;
+  FingerParameters fingers;
+  GraspParameters grasp;
+  ObjectParameters objects;
+  WaveParameters wave;
+  ThrowParameters toss;
+  GloveParameters glove;
+};
+
+}  // namespace touchtrace::scene

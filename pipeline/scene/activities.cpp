@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "engine/base/error.h"
@@ -12,6 +13,7 @@ namespace {
 
 bool is_no_tool(const ObjectSpec& object) { return object.role != ObjectRole::tool; }
 bool is_tossed(const ObjectSpec& object) { return object.toss_apex_m.has_value(); }
+bool has_ball(const ObjectSpec& object) { return object.ball.has_value(); }
 
 }  // namespace
 
@@ -20,6 +22,7 @@ const std::vector<ActivityRow>& activities() {
       {"wave", "the object is held and waved to and fro", "ball", 0.002, is_no_tool, make_wave},
       {"throw", "the object is tossed off the open palm and caught", "ball", 0.002, is_tossed,
        make_throw},
+      {"pingpong", "a ball is bounced on a racket", "racket", 0.002, has_ball, make_pingpong},
   };
   return table;
 }
@@ -49,6 +52,14 @@ void require_fit(const ActivityRow& activity, const ObjectSpec& object) {
   throw usage_error(
       fmt::format("'{}' is nothing for the activity '{}'", object.name, activity.name),
       "take " + comma_separated(fitting));
+}
+
+double load_grip_n(const WaveParameters& grip, const ObjectSpec& object,
+                   const Eigen::Vector3d& load_m_per_s2) {
+  constexpr double slipperiest = 0.2;
+  const double ratio = grip.grip_over_slip / (2 * std::max(object.friction, slipperiest));
+  const double turning = 1 + object.hold.center_m.norm() / grip.turning_lever_m;
+  return ratio * turning * object.mass_kg * load_m_per_s2.norm();
 }
 
 bool in_hand(const ObjectSpec& object, const SceneSample& seen) {

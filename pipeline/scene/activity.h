@@ -21,6 +21,11 @@ struct Command {
   bool carrying = true;  ///< whether the object's weight is fed forward
 };
 
+/// What the fingers add so that an object neither slips nor turns under `load_m_per_s2`, its
+/// acceleration less that of gravity: palm and fingers both rub, and what hangs beside the hand has
+/// to be kept from turning, too.
+double load_grip_n(const WaveParameters& grip, const ObjectSpec& object,
+                   const Eigen::Vector3d& load_m_per_s2);
 /// Whether an object that was put on the palm is in the hand.
 bool in_hand(const ObjectSpec& object, const SceneSample& seen);
 /// Whether what was in the hand has fallen.
@@ -64,6 +69,7 @@ void require_fit(const ActivityRow& activity, const ObjectSpec& object);
 
 std::unique_ptr<Activity> make_wave(ActivityStart start);
 std::unique_ptr<Activity> make_throw(ActivityStart start);
+std::unique_ptr<Activity> make_pingpong(ActivityStart start);
 
 /// The orientation of a hand before the person, palm up, fingers away from him, turned by roll
 /// about the forearm, pitch about the wrist and yaw.

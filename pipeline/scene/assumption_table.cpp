@@ -173,6 +173,65 @@ void add_throw(Table& table) {
       "before the person, in front of the camera");
 }
 
+void add_ball(Table& table) {
+  using P = BallParameters;
+  Rows<P> row(table, "ball", &SceneParameters::ball);
+  row("drag", &P::drag, "", 0.0, 4.0, "times the coefficient of the racket's file, 0.45",
+      "0.4-0.5: Cross 2023; a sphere at Reynolds number 7000: Schlichting", "");
+  row("restitution", &P::restitution, "", 0.1, 1.2, "times that of the racket's file, 0.80",
+      "0.81 on rubber: Nakashima et al. 2010", "");
+  row("restitution-spread", &P::restitution_spread, "", 0.0, 0.2, "its deviation among impacts",
+      "no", "rubbers are not the same everywhere");
+  row("friction", &P::friction, "", 0.0, 10.0, "times that of the racket's file, 0.6", "no",
+      "most hits end rolling, whatever it is");
+}
+
+void add_sight(Rows<PingpongParameters>& row) {
+  using P = PingpongParameters;
+  row("delay", &P::delay_s, "s", 0.0, 0.3, "after which the ball is seen where it was",
+      "100-150 ms for moving targets", "the lower end: a ball that is watched");
+  row("replanning", &P::replan_s, "s", 0.01, 1.0, "from one plan to the next, at least", "no",
+      "a guess");
+  row("last-change", &P::last_change_s, "s", 0.002, 0.3, "before a hit, nothing is planned anew",
+      "no", "an arm takes its time");
+  row("place-error", &P::place_error_m, "m", 0.0, 0.05, "deviation of where the ball is seen",
+      "catches miss by 6 mm: Fligge 2012", "part of that");
+  row("speed-error", &P::speed_error, "", 0.0, 0.5, "deviation of a speed that is seen, of it",
+      "5 % are just told apart: McKee 1981", "");
+  row("sight-noise-band", &P::sight_noise_hz, "Hz", 0.01, 20.0, "highest frequency of those two",
+      "no", "a guess");
+  row("feeling", &P::feeling_s, "s", 0.01, 10.0, "in which the racket is felt to have turned", "no",
+      "slow enough that hits do not count");
+}
+
+void add_pingpong(Table& table) {
+  using P = PingpongParameters;
+  Rows<P> row(table, "pingpong", &SceneParameters::pingpong);
+  add_sight(row);
+  row("usual-apex", &P::usual_apex_m, "m", 0.05, 1.0, "of the ball over the racket, for a clip",
+      "no", "a ball bounced at will");
+  row("apex-spread", &P::apex_spread_m, "m", 0.0, 0.3, "deviation from that, for a hit", "no",
+      "a guess");
+  row("apex", &P::apex_m, "m", 0.03, 1.5, "of any hit as it is meant", "no", "before the camera");
+  row("swing-error", &P::swing_error, "", 0.0, 0.5, "deviation of the racket's speed, of it", "no",
+      "a guess");
+  row("tilt-error", &P::tilt_error_rad, "rad", 0.0, 0.3, "deviation of the blade's tilt", "no",
+      "a guess");
+  row("tilt-noise-band", &P::tilt_noise_hz, "Hz", 0.01, 20.0, "highest frequency of that", "no",
+      "a guess");
+  row("braking", &P::braking_m_per_s2, "m/s^2", -20.0, 50.0, "of the racket at the hit",
+      "the skilled do: Dijkstra et al. 2004, value: no", "a few m/s^2");
+  row("return", &P::return_s, "s", 0.05, 2.0, "after a hit, to below the next", "no", "a guess");
+  row("return-depth", &P::return_m, "m", 0.0, 0.3, "how far below", "no", "a guess");
+  row("tilt", &P::tilt_rad, "rad", 0.0, 1.0, "of the blade, the most", "no", "of a wrist");
+  row("aside", &P::aside_m_per_s, "m/s", 0.0, 2.0, "at which a ball is sent back, the most", "no",
+      "gently");
+  row("base-grip", &P::base_grip_n, "N", 0.0, 60.0, "of the four fingers, drawn for a clip", "no",
+      "firm, not tense");
+  row("place", &P::place_m, "m", -5.0, 5.0, "of the blade, drawn for a clip", "no",
+      "before the person, in front of the camera");
+}
+
 void add_glove(Table& table) {
   using P = GloveParameters;
   Rows<P> row(table, "glove", &SceneParameters::glove);
@@ -214,8 +273,8 @@ void add_glove(Table& table) {
 
 Table all_rows() {
   Table table;
-  for (const auto add :
-       {add_contact, add_arm, add_fingers, add_grasp, add_objects, add_wave, add_throw, add_glove})
+  for (const auto add : {add_contact, add_arm, add_fingers, add_grasp, add_objects, add_wave,
+                         add_throw, add_ball, add_pingpong, add_glove})
     add(table);
   return table;
 }

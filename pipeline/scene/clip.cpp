@@ -25,6 +25,14 @@ void add_flights(ClipMotion& clip) {
   }
 }
 
+/// Of ball and object in the last interval.
+void add_impacts(const World& world, double interval_start_s, ClipMotion& clip) {
+  constexpr double slowest_m_per_s = 0.1;  // slower ones are a ball that rolls
+  for (const World::TimedImpact& impact : world.impacts())
+    if (impact.approach_m_per_s > slowest_m_per_s)
+      clip.events.push_back({interval_start_s + impact.after_s, "impact"});
+}
+
 /// Records one clip after a grasp that held; `start_s` on the host's clock is time 0 of the
 /// activity.
 ClipMotion record(const SceneOptions& options, Performance& performance, double start_s) {
@@ -43,6 +51,7 @@ ClipMotion record(const SceneOptions& options, Performance& performance, double 
       break;
     }
     performance.advance();
+    add_impacts(performance.world(), sample.time_s, clip);
   }
   clip.glove = glove.take();
   add_flights(clip);

@@ -49,8 +49,12 @@ Eigen::Quaterniond as_held(const Hold& hold, double yaw_rad, RandomStream& rando
   return yaw * turn * Eigen::Quaterniond(object_from_held).conjugate();
 }
 
-ObjectSpec as_assumed(ObjectSpec object, const ObjectParameters& parameters) {
-  object.friction *= parameters.friction;
+ObjectSpec as_assumed(ObjectSpec object, const SceneParameters& parameters) {
+  object.friction *= parameters.objects.friction;
+  if (!object.ball) return object;
+  object.ball->drag_coefficient *= parameters.ball.drag;
+  object.ball->restitution *= parameters.ball.restitution;
+  object.ball->friction *= parameters.ball.friction;
   return object;
 }
 
@@ -81,10 +85,12 @@ std::unique_ptr<Activity> activity_of(const SceneOptions& options, ActivityStart
 Performance::Performance(const SceneOptions& options, const std::string& name, double start_s,
                          double step_s)
     : grasp_(options.parameters.grasp),
-      world_(as_assumed(options.object, options.parameters.objects), options.parameters.arm,
+      world_(as_assumed(options.object, options.parameters), options.parameters.arm,
              options.parameters.contact, {}, options.parameters.fingers),
       activity_(activity_of(options, {world_.spec(), RandomStream(options.seed, name + " motion"),
                                       options.parameters})),
+      restitution_(options.seed, name + " restitution"),
+      restitution_spread_(options.parameters.ball.restitution_spread),
       glove_(options.glove, options.parameters.glove, glove_clock(options), options.seed),
       start_s_(start_s),
       step_s_(step_s > 0.0 ? step_s : find_activity(options.activity).step_s),
@@ -113,6 +119,18 @@ void Performance::place_object(const Command& command, RandomStream& random) {
   world_.object.position_m =
       world_.hand.position_m + world_.hand.orientation * (place + height * Vector3d::UnitZ());
   world_.object.orientation = world_.hand.orientation * hand_from_object;
+  put_orientation_ = world_.object.orientation;
+}
+
+/// The other hand keeps a tool from tipping over while the fingers close around it.
+bool Performance::steadied() const {
+  return world_.spec().role == ObjectRole::tool && tick_ * control_interval_s < turn_start_s;
+}
+
+/// Rubbers are not the same everywhere.
+void Performance::vary_restitution() {
+  const double usual = world_.spec().ball->restitution;
+  world_.restitution = std::clamp(restitution_.normal(usual, restitution_spread_), 0.0, 1.0);
 }
 
 Eigen::Quaterniond Performance::wanted_orientation(const Command& command) const {
@@ -159,6 +177,11 @@ Drive Performance::drive_to(const Command& command) {
 void Performance::advance() {
   const Command command = activity_->command(tick_ * control_interval_s, sample());
   world_.advance(drive_to(command), control_interval_s, step_s_);
+  if (steadied()) {
+    world_.object.orientation = put_orientation_;
+    world_.object.angular_velocity_rad_per_s.setZero();
+  }
+  if (!world_.impacts().empty()) vary_restitution();
   ++tick_;
   glove_.sense(world_.contact().force_n(), start_s_ + tick_ * control_interval_s,
                control_interval_s);
@@ -167,6 +190,8 @@ void Performance::advance() {
 bool Performance::grasp() {
   glove_.start(start_s_);
   while (tick_ < 0) advance();
+  world_.ball = activity_->serve(sample());
+  if (world_.ball) vary_restitution();
   return in_hand(world_.spec(), sample());
 }
 
@@ -177,6 +202,7 @@ SceneSample Performance::sample() const {
   sample.time_s = start_s_ + tick_ * control_interval_s;
   sample.hand = world_.hand;
   sample.object = world_.object;
+  sample.ball = world_.ball;
   sample.flexion_rad = world_.flexion_rad;
   for (double flexion : world_.flexion_rad)
     sample.finger_closure += flexion / (max_flexion_rad * finger_count);

@@ -30,18 +30,23 @@ class Performance {
   Drive drive_to(const Command& command);
   FingerDrive finger_drive(const Command& command, int finger);
   Eigen::Quaterniond wanted_orientation(const Command& command) const;
+  void vary_restitution();
+  bool steadied() const;
   void place_object(const Command& command, RandomStream& random);
 
   GraspParameters grasp_;
   World world_;
   std::unique_ptr<Activity> activity_;
+  RandomStream restitution_;
+  double restitution_spread_;
   Glove glove_;
   double start_s_, step_s_;
   long tick_;            ///< control intervals since time 0
   double weight_error_;  ///< of the weight fed forward, at time 0
   double fed_forward_n_ = 0.0;
   std::array<double, finger_count> lever_m_, rest_rad_;
-  Eigen::Quaterniond taking_orientation_ = Eigen::Quaterniond::Identity();
+  /// Of the hand while it takes the object; of the object as it is put there.
+  Eigen::Quaterniond taking_orientation_ = Eigen::Quaterniond::Identity(), put_orientation_;
 };
 
 }  // namespace touchtrace::scene

@@ -128,6 +128,10 @@ Ball read_ball(TomlTable& table) {
   Ball ball;
   ball.radius_m = length_m(table, "radius_m");
   ball.mass_kg = table.number("mass_kg", 1e-4, 1.0);
+  ball.drag_coefficient = table.number("drag_coefficient", 0.0, 2.0);
+  ball.restitution = table.number("restitution", 0.0, 1.0);
+  ball.friction = table.number("friction", 0.0, 3.0);
+  ball.meets_m = table.vector("meets_m", -largest_m, largest_m);
   ball.color = table.vector("color", 0.0, 1.0);
   return ball;
 }
@@ -190,6 +194,7 @@ class ObjectReader {
     center_m_ = whole.center_m;
     for (Solid& solid : object_.solids) solid.body_from_shape.pretranslate(-whole.center_m);
     object_.hold.center_m -= whole.center_m;
+    if (object_.ball) object_.ball->meets_m -= whole.center_m;
   }
 
   ObjectSpec& object_;

@@ -20,6 +20,10 @@ namespace touchtrace::scene {
 ///     [ball]                               # a thin hollow sphere that is bounced on it
 ///     radius_m = 0.02
 ///     mass_kg = 0.0027
+///     drag_coefficient = 0.45
+///     restitution = 0.8                    # against the object, like
+///     friction = 0.6
+///     meets_m = [0, 0, 0.1]                # the middle of the object's face, out of the palm
 ///     color = [0.9, 0.4, 0.1]
 ///
 ///     [[solid]]                            # felt and seen

@@ -72,6 +72,25 @@ struct ThrowParameters {
   Box place_m{-0.30, -0.04, -0.46, -0.36, 1.02, 1.12};
 };
 
+/// Of a ball on an object.
+struct BallParameters {
+  double drag = 1.0, restitution = 1.0, friction = 1.0;  ///< times those of the object's file
+  double restitution_spread = 0.02;                      ///< deviation among impacts
+};
+
+struct PingpongParameters {
+  double delay_s = 0.100, replan_s = 0.080, last_change_s = 0.040;
+  double place_error_m = 0.004, speed_error = 0.05, sight_noise_hz = 5.0;
+  double tilt_error_rad = 0.015, tilt_noise_hz = 2.0, swing_error = 0.04;
+  Interval usual_apex_m{0.16, 0.36}, apex_m{0.12, 0.42};  ///< of a clip; of any hit
+  double apex_spread_m = 0.04;
+  Interval braking_m_per_s2{2.0, 8.0};
+  double return_s = 0.25, return_m = 0.02, feeling_s = 0.3;
+  double tilt_rad = 0.35, aside_m_per_s = 0.35;  ///< the most
+  Interval base_grip_n{3.0, 6.0};
+  Box place_m{-0.20, 0.05, -0.55, -0.45, 1.02, 1.12};  ///< of the blade
+};
+
 struct GloveParameters {
   double loading_lag_s = 0.008, unloading_lag_s = 0.030;
   double creep = 0.12, creep_s = 2.0;
@@ -96,6 +115,8 @@ struct SceneParameters {
   ObjectParameters objects;
   WaveParameters wave;
   ThrowParameters toss;
+  BallParameters ball;
+  PingpongParameters pingpong;
   GloveParameters glove;
 };
 

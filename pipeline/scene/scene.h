@@ -47,7 +47,9 @@ struct Hold {
 
 /// What is bounced on an object: a thin hollow sphere, a second body that nothing holds.
 struct Ball {
-  double radius_m = 0.02, mass_kg = 0.0027;
+  double radius_m = 0.02, mass_kg = 0.0027, drag_coefficient = 0.45;
+  double restitution = 0.8, friction = 0.6;           ///< against the object
+  Eigen::Vector3d meets_m = Eigen::Vector3d::Zero();  ///< the middle of the object's face
   Eigen::Vector3d color = Eigen::Vector3d::Constant(0.9);
 };
 

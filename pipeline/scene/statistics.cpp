@@ -10,20 +10,20 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::Vector3d;
 
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return std::nan("");
-  const auto nth =
-      values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
+bool is_struck(const ClipMotion& clip, double from_s, double to_s) {
+  return std::ranges::any_of(clip.events, [&](const Truth::Event& event) {
+    return event.kind == "impact" && event.time_s > from_s && event.time_s <= to_s;
+  });
 }
 
 /// Forces are of the end of each interval, so they are held against the velocity gained in it.
+/// Intervals in which a ball strikes the object, too, are left out.
 double force_residual(const std::vector<ClipMotion>& clips, const ObjectSpec& object) {
   double error = 0.0, scale = 0.0;
   for (const ClipMotion& clip : clips)
     for (std::size_t i = 1; i < clip.samples.size(); ++i) {
       const SceneSample &now = clip.samples[i], &before = clip.samples[i - 1];
+      if (is_struck(clip, before.time_s, now.time_s)) continue;
       const Vector3d acceleration =
           (now.object.velocity_m_per_s - before.object.velocity_m_per_s) * sample_rate_hz;
       const Vector3d load = object.mass_kg * (acceleration + gravity_m_per_s2 * Vector3d::UnitZ());
@@ -103,6 +103,14 @@ Eigen::Array3d held_out_error(const MatrixXd& normal, const MatrixXd& wanted, co
 }
 
 }  // namespace
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return std::nan("");
+  const auto nth =
+      values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
 
 ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec& object) {
   ClipStatistics s;

@@ -13,6 +13,9 @@ struct ClipStatistics {
   double force_residual = 0.0;                ///< rms of F - m (a - g) against rms of F
   std::vector<double> apex_m;                 ///< of every flight, above its release
 };
+/// NaN of no values.
+double percentile(std::vector<double> values, double share);
+
 ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec& object);
 
 /// R^2 of a ridge regression from one tactile frame to the hand's position [x, y, z]: every fourth

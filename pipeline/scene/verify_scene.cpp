@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "pipeline/scene/ball_forms.h"
 #include "pipeline/scene/closed_forms.h"
 #include "pipeline/scene/precision.h"
 #include "pipeline/scene/scene.h"
@@ -11,8 +12,8 @@ namespace {
 
 using Emit = std::function<void(Figure)>;
 
-void verify_closed_forms(const Emit& emit) {
-  for (const ClosedForm& form : closed_forms()) {
+void verify_forms(const std::vector<ClosedForm>& forms, const Emit& emit) {
+  for (const ClosedForm& form : forms) {
     const std::string at = fmt::format(", {:g} ms", 1e3 * form.step_s);
     emit(at_most(form.name + at, form.error(form.step_s), form.unit, form.largest));
     if (form.order > 0.0)
@@ -28,7 +29,8 @@ Verification verify_scene() {
       verify_speed(activity, emit);
       verify_rendering(activity, emit);
     }
-    verify_closed_forms(emit);
+    verify_forms(closed_forms(), emit);
+    verify_forms(ball_forms(), emit);
     verify_precision(emit);
     verify_extremes(emit);
     for (const std::string& activity : activity_names()) {

@@ -8,8 +8,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double slipperiest = 0.2;
-
 /// Of a planned sub-movement: what one does with something light, and not more than the arm can.
 double hardest_m_per_s2(const WaveParameters& wave, const ArmParameters& arm, double mass_kg) {
   const double force_n = wave.strength_used * arm.force_bound_n - mass_kg * gravity_m_per_s2;
@@ -89,14 +87,11 @@ void Wave::plan_next(double time_s) {
   replan_s_ = time_s + duration_s * draw(random_, wave_.replanned);
 }
 
-/// Palm and fingers both rub; what hangs beside the hand has to be kept from turning, too.
 double Wave::grip_force_n(double time_s) const {
   const Vector3d load = plan_.at(time_s + wave_.anticipation_s).acceleration_m_per_s2 +
                         gravity_m_per_s2 * Vector3d::UnitZ();
   const double noise = 1 + wave_.grip_noise * grip_noise_.at(time_s);
-  const double ratio = wave_.grip_over_slip / (2 * std::max(object_.friction, slipperiest));
-  const double turning = 1 + object_.hold.center_m.norm() / wave_.turning_lever_m;
-  return noise * (base_grip_n_ + ratio * turning * object_.mass_kg * load.norm());
+  return noise * (base_grip_n_ + load_grip_n(wave_, object_, load));
 }
 
 Eigen::Quaterniond Wave::orientation(double time_s, const Vector3d& place) const {

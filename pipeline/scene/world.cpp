@@ -11,7 +11,9 @@ using Eigen::Vector3d;
 
 constexpr double impact_error_m_per_s = 0.1, finest_share = 16.0;  // of the step in impacts
 constexpr double first_patch_m2 = 3e-4;                            // expected of a first contact
-constexpr int most_tries = 4;                                      // at finding which contacts part
+constexpr double impact_s = 1e-3;         // a racket's rubber and a ball touch that long
+constexpr double shortest_step_s = 1e-7;  // to an impact of the ball
+constexpr int most_tries = 4;             // at finding which contacts part
 
 Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3d& rotation) {
   const double angle = rotation.norm();
@@ -151,6 +153,7 @@ void World::step(const Drive& drive, double h) {
   acceleration_ = (mean - at.present) / at.ahead_s;
   hand.angular_velocity_rad_per_s = drive.angular_velocity_rad_per_s;
   move(mean, at, h);
+  if (ball) fly(*object_spec_.ball, *ball, h);
 }
 
 void World::move(const Velocity& mean, const Instant& at, double h) {
@@ -202,17 +205,35 @@ double World::next_step(double step_s) const {
   return touching ? fine : std::max(fine, contact_.clearance_m() / (speed + 1e-9));
 }
 
+double World::until_impact(double step_s) const {
+  if (!ball) return step_s;
+  if (impact_left_s_ > 0.0) return std::min(step_s, impact_left_s_);
+  return std::max(free_time_s(object_spec_, object, *ball, step_s), shortest_step_s);
+}
+
+/// The next impact comes when this one is over, so a ball at rest has no endless number of them.
+void World::meet_ball(double after_s) {
+  if (impact_left_s_ > 0.0) return;
+  const auto impact = bounce(object_spec_, restitution, object, *ball);
+  if (!impact) return;
+  impact_left_s_ = impact_s;
+  if (impact->approach_m_per_s > 0.0) impacts_.push_back({*impact, after_s});
+}
+
 void World::advance(const Drive& drive, double interval_s, double step_s) {
   Drive now = drive;
   double left = interval_s;
   mean_force_n_.setZero();
+  impacts_.clear();
   while (left > 1e-9) {
-    const double h = std::min(next_step(step_s), left);
+    const double h = std::min(until_impact(next_step(step_s)), left);
     step(now, h);
     mean_force_n_ += h / interval_s * force_on_object_n();
     now.position_m += h * now.velocity_m_per_s + 0.5 * h * h * now.acceleration_m_per_s2;
     now.velocity_m_per_s += h * now.acceleration_m_per_s2;
     left -= h;
+    impact_left_s_ -= h;
+    if (ball) meet_ball(interval_s - left);
   }
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+
+#include "pipeline/scene/ball.h"
 #include "pipeline/scene/contact.h"
 
 namespace touchtrace::scene {
@@ -41,18 +44,26 @@ class World {
                  const FingerParameters& fingers = {});
 
   /// One control interval in as many steps as its events need: `step_s` at most while anything
-  /// touches, finer in impacts, to the soonest contact in free flight. Deterministic.
+  /// touches, finer in impacts, to the soonest contact in free flight; an impact of the ball ends a
+  /// step. Deterministic.
   void advance(const Drive& drive, double interval_s, double step_s = 0.002);
-  /// Exactly one step.
+  /// Exactly one step; the ball meets nothing.
   void step(const Drive& drive, double h);
 
   RigidState hand, object;
+  std::optional<RigidState> ball;  ///< once it is in play
+  double restitution = 1.0;        ///< of its next impact
   std::array<double, finger_count> flexion_rad{}, flexion_rate_rad_per_s{};
 
   /// Of the hand on the object, mean over the last advance().
   const Eigen::Vector3d& mean_force_n() const { return mean_force_n_; }
   /// Of the hand on the object in the last step; world.
   Eigen::Vector3d force_on_object_n() const;
+  /// Of ball and object in the last advance(), in order of time.
+  struct TimedImpact : Impact {
+    double after_s;  ///< since the interval began
+  };
+  std::span<const TimedImpact> impacts() const { return impacts_; }
   const ObjectSpec& spec() const { return object_spec_; }
   const ContactPatch& contact() const { return contact_; }
 
@@ -66,6 +77,8 @@ class World {
   void note_rates(const MotionSystem& masses, const MotionSystem& system, double ahead_s);
   void move(const Velocity& mean, const Instant& at, double h);
   double next_step(double step_s) const;
+  double until_impact(double step_s) const;
+  void meet_ball(double after_s);
 
   ObjectSpec object_spec_;
   Eigen::Matrix3d inverse_inertia_;
@@ -78,6 +91,8 @@ class World {
   double contact_rate2_per_s2_, object_rate2_per_s2_;
   Velocity acceleration_ = Velocity::Zero();  ///< in the last step, the object's axes of then
   Eigen::Vector3d mean_force_n_ = Eigen::Vector3d::Zero();
+  std::vector<TimedImpact> impacts_;
+  double impact_left_s_ = 0.0;  ///< how long the last one still takes
 };
 
 }  // namespace touchtrace::scene

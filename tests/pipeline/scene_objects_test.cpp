@@ -128,8 +128,12 @@ TEST(SceneObjects, TheTrackedPointIsOfTheFileAndTheStateOfItsCentre) {
   EXPECT_EQ(parsed(beside).tracked_m, Vector3d::Zero());
   EXPECT_LT((parsed("tracked_m = [0, 0, 0.4]\n" + beside).tracked_m - Vector3d(0, 0, 0.3)).norm(),
             1e-12);
-  const std::string ball = "[ball]\nradius_m = 0.02\nmass_kg = 0.003\ncolor = [1, 1, 1]\n";
+  const std::string ball =
+      "[ball]\nradius_m = 0.02\nmass_kg = 0.003\ndrag_coefficient = 0.4\n"
+      "restitution = 0.8\nfriction = 0.5\nmeets_m = [0, 0, 0.3]\n"
+      "color = [1, 1, 1]\n";
   EXPECT_EQ(parsed(beside + ball).ball->mass_kg, 0.003);
+  EXPECT_NEAR(parsed(beside + ball).ball->meets_m.z(), 0.2, 1e-12);
   EXPECT_NE(refusal_of("tracked_m = [0, 0, 0.4]\n" + beside + ball), "");
 }
 

@@ -1,0 +1,179 @@
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "engine/base/random.h"
+#include "pipeline/scene/activity.h"
+#include "pipeline/scene/ball_forms.h"
+#include "pipeline/scene/bounces.h"
+#include "pipeline/scene/laboratory.h"
+#include "pipeline/scene/solids.h"
+#include "pipeline/scene/statistics.h"
+
+namespace touchtrace::scene {
+namespace {
+
+using Eigen::Vector3d;
+
+TEST(ScenePingpong, TheBallDoesWhatFormulasTell) {
+  for (const ClosedForm& form : ball_forms()) {
+    EXPECT_LE(form.error(form.step_s), form.largest) << form.name;
+    if (form.order > 0.0) {
+      EXPECT_GE(order_of_convergence(form), form.order) << form.name;
+    }
+  }
+}
+
+double kinetic_j(const ObjectSpec& object, const RigidState& held, const RigidState& ball) {
+  const Ball& b = *object.ball;
+  const Vector3d w = held.orientation.conjugate() * held.angular_velocity_rad_per_s;
+  const double inertia = 2.0 / 3.0 * b.mass_kg * b.radius_m * b.radius_m;
+  return 0.5 *
+         (b.mass_kg * ball.velocity_m_per_s.squaredNorm() +
+          inertia * ball.angular_velocity_rad_per_s.squaredNorm() +
+          object.mass_kg * held.velocity_m_per_s.squaredNorm() + w.dot(object.inertia_kg_m2 * w));
+}
+
+Vector3d random_vector(RandomStream& random, double size) {
+  return size * Vector3d(random.normal(), random.normal(), random.normal());
+}
+
+/// Anywhere on the racket, edge and handle too, at any speed, spin and orientation.
+TEST(ScenePingpong, NoImpactGainsEnergyOrPullsOrOverlaps) {
+  const ObjectSpec& racket = find_object("racket");
+  RandomStream random(1, "impacts");
+  int met = 0;
+  for (int i = 0; i < 2000; ++i) {
+    RigidState held, ball;
+    held.orientation =
+        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal())
+            .normalized();
+    held.velocity_m_per_s = random_vector(random, 1.0);
+    held.angular_velocity_rad_per_s = random_vector(random, 5.0);
+    ball.velocity_m_per_s = random_vector(random, 3.0);
+    ball.angular_velocity_rad_per_s = random_vector(random, 50.0);
+    Vector3d place = random_vector(random, 0.05);
+    for (int k = 0; k < 20; ++k) {  // onto the surface, from any side
+      const Distance d = distance(racket, place);
+      place += (racket.ball->radius_m - 1e-6 - d.value_m) * d.normal;
+    }
+    ball.position_m = held.orientation * place;
+    const double before = kinetic_j(racket, held, ball);
+    const auto impact = bounce(racket, 0.8, held, ball);
+    ASSERT_TRUE(impact);
+    met += impact->approach_m_per_s > 0.0;
+    EXPECT_LE(kinetic_j(racket, held, ball), before * (1 + 1e-12));
+    const Distance after = distance(racket, held.orientation.conjugate() * ball.position_m);
+    EXPECT_GE(after.value_m, racket.ball->radius_m - 1e-7);
+    EXPECT_GE(impact->impulse_ns.dot(held.orientation * after.normal), 0.0);
+  }
+  EXPECT_GT(met, 500);
+}
+
+World ball_over_plate(double height_m) {
+  World world(plate(0.2), stand());
+  put_above(world, {0.0, 0.0, 0.0}, 0.0);
+  world.ball = RigidState{};
+  world.ball->position_m = world.object.position_m + Vector3d(0.0, 0.0, 0.03 + height_m);
+  world.restitution = 0.8;
+  return world;
+}
+
+TEST(ScenePingpong, ABallComesToRestOnWhatIsHeld) {
+  World world = ball_over_plate(0.05);
+  const Drive drive = keep_still(world);
+  std::size_t impacts = 0;
+  for (int i = 0; i < 500; ++i) {
+    world.advance(drive, 0.002);
+    impacts += world.impacts().size();
+    ASSERT_LE(world.impacts().size(), 3u);
+    ASSERT_TRUE(finite(world));
+  }
+  EXPECT_GT(impacts, 10u);
+  const Vector3d offset =
+      world.object.orientation.conjugate() * (world.ball->position_m - world.object.position_m);
+  EXPECT_NEAR(offset.z(), 0.03, 1e-4);
+}
+
+TEST(ScenePingpong, AnImpactReachesThePalm) {
+  World struck = ball_over_plate(0.3), left_alone = ball_over_plate(0.3);
+  left_alone.ball.reset();
+  const Drive drive = keep_still(struck);
+  double before = 0.0, after = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    struck.advance(drive, 0.002);
+    left_alone.advance(drive, 0.002);
+    const double more = std::abs((struck.mean_force_n() - left_alone.mean_force_n()).z());
+    double& most =
+        struck.object.velocity_m_per_s == left_alone.object.velocity_m_per_s ? before : after;
+    most = std::max(most, more);
+  }
+  EXPECT_EQ(before, 0.0);
+  EXPECT_GT(after, 0.5);
+}
+
+/// The blade's edge deflects what it meets; 1 mm farther out nothing happens.
+TEST(ScenePingpong, TheEdgeOfTheBladeDeflectsAndBesideItTheBallFalls) {
+  const ObjectSpec& racket = find_object("racket");
+  const Solid& blade = racket.solids.front();
+  const Vector3d middle = blade.body_from_shape.translation();
+  for (const double beside_m : {0.010, 0.021}) {
+    World world(racket, stand());
+    world.object.position_m = {10.0, 0.0, 10.0};
+    world.object.orientation =
+        Eigen::Quaterniond::FromTwoVectors(racket.hold.from_palm, Vector3d::UnitZ());
+    const Vector3d side = world.object.orientation * Vector3d::UnitZ();
+    world.ball = RigidState{};
+    world.ball->position_m = world.object.position_m + world.object.orientation * middle +
+                             (blade.size_m[0] + beside_m) * side + 0.05 * Vector3d::UnitZ();
+    world.ball->velocity_m_per_s.z() = -2.0;
+    std::size_t impacts = 0;
+    for (int i = 0; i < 50; ++i) {
+      world.advance(keep_still(world), 0.002);
+      impacts += world.impacts().size();
+    }
+    const double outwards = world.ball->velocity_m_per_s.dot(side);
+    if (beside_m < racket.ball->radius_m) {
+      EXPECT_EQ(impacts, 1u);
+      EXPECT_GT(outwards, 0.3);
+    } else {
+      EXPECT_EQ(impacts, 0u);
+      EXPECT_NEAR(outwards, 0.0, 1e-12);
+    }
+  }
+}
+
+/// `verify scene` measures more clips. With 5 % dropped, two of six are dropped once in 30 runs.
+TEST(ScenePingpong, BallsAreBouncedAsByAPerson) {
+  SceneOptions options;
+  options.activity = "pingpong";
+  options.object = default_object("pingpong");
+  std::vector<ClipMotion> clips;
+  for (int clip = 0; clip < 6; ++clip) clips.push_back(simulate_clip(options, clip, 12.0 * clip));
+  const ClipStatistics s = statistics(clips, options.object);
+  EXPECT_LE(s.drop_share, 0.17);
+  EXPECT_GT(s.grip_p01_n, 5.0);
+  EXPECT_LT(s.grip_p99_n, 60.0);
+  EXPECT_LT(s.force_residual, 1e-3);
+  EXPECT_LT(s.saturated_share, 0.01);
+  const BounceStatistics bounces = bounce_statistics(clips, options.object);
+  EXPECT_GT(bounces.rate_hz, 1.5);
+  EXPECT_LT(bounces.rate_hz, 3.5);
+  EXPECT_GT(percentile(bounces.apex_m, 0.01), 0.09);
+  EXPECT_LT(percentile(bounces.apex_m, 0.99), 0.45);
+  EXPECT_GT(bounces.braking_share, 0.5);
+}
+
+TEST(ScenePingpong, AMissedBallEndsTheClip) {
+  SceneSample seen;
+  seen.ball = RigidState{};
+  const ObjectSpec& racket = find_object("racket");
+  const SceneParameters parameters;
+  const auto activity = make_pingpong({racket, RandomStream(1, "test"), parameters});
+  EXPECT_FALSE(activity->lost(seen));
+  seen.ball->position_m.z() = -0.25;
+  EXPECT_TRUE(activity->lost(seen));
+}
+
+}  // namespace
+}  // namespace touchtrace::scene

@@ -13,6 +13,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double nearest_plane_m = 0.02;  // NEAR of solids.clh
+constexpr std::size_t region_lines = 16;  // LANES of solids.clh
+constexpr double always = 1e9;
 
 Vector3d half_extents(const Solid& solid) {
   const Vector3d& s = solid.size_m;
@@ -55,8 +57,42 @@ SolidBounds bounds_of_all(const std::vector<std::vector<PaintedSolid>>& instants
 /// Less than what rays measure of the same depth in float.
 float below(float depth_m) { return (1.0f - 1e-5f) * depth_m; }
 
+/// Affine functions of x', y' as hit_from() of solids.clh wants them, of a bounding box: first the
+/// inverse depths at which rays enter its slabs, then by how much they enter one before they leave
+/// another. At most three faces are seen, with six edges around them.
+std::array<Vector3d, region_lines> separating_lines(const Eigen::Isometry3d& shape_from_camera,
+                                                    const Vector3d& half) {
+  const Vector3d& origin = shape_from_camera.translation();
+  const auto along = [&](int i) -> Vector3d { return shape_from_camera.linear().row(i); };
+  std::array<Vector3d, region_lines> lines;
+  lines.fill({0.0, 0.0, always});
+  std::size_t next = 3;
+  for (int i = 0; i < 3; ++i) {
+    const double before = std::abs(origin[i]) - half[i];
+    if (before <= 0.0) continue;
+    const Vector3d enters = along(i) * (origin[i] > 0.0 ? -1.0 : 1.0) / before;
+    lines[i] = enters;
+    for (int k = 0; k < 3; ++k) {
+      if (k == i) continue;
+      const double to_high = half[k] - origin[k], to_low = half[k] + origin[k];
+      if (to_high > 0.0) lines.at(next++) = enters - along(k) / to_high;
+      if (to_low > 0.0) lines.at(next++) = enters + along(k) / to_low;
+    }
+  }
+  return lines;
+}
+
+/// By more than a twentieth of a pixel.
+bool moves(const std::vector<std::vector<PaintedSolid>>& instants, std::size_t i) {
+  constexpr double largest_m = 1e-4;
+  const auto pose = [&](const auto& solids) { return solids[i].solid.body_from_shape.matrix(); };
+  return std::ranges::any_of(instants, [&](const auto& solids) {
+    return !((pose(solids) - pose(instants.front())).cwiseAbs().maxCoeff() <= largest_m);
+  });
+}
+
 void append(std::vector<float>& packed, const PaintedSolid& painted, const SolidBounds& bounds,
-            const Eigen::Isometry3d& camera_from_world) {
+            bool is_moving, const Eigen::Isometry3d& camera_from_world) {
   const Solid& solid = painted.solid;
   const Eigen::Isometry3d shape_from_camera = (camera_from_world * solid.body_from_shape).inverse();
   const auto push = [&](double value) { packed.push_back(static_cast<float>(value)); };
@@ -71,6 +107,11 @@ void append(std::vector<float>& packed, const PaintedSolid& painted, const Solid
   for (const float bound :
        {below(bounds.nearest_m), bounds.x_low, bounds.x_high, bounds.y_low, bounds.y_high})
     packed.push_back(bound);
+  push(is_moving);
+  packed.insert(packed.end(), 3, 0.0f);
+  const auto lines = separating_lines(shape_from_camera, half_extents(solid));
+  for (int i = 0; i < 3; ++i)
+    for (const Vector3d& line : lines) push(line[i]);
 }
 
 using Corners = std::array<Vector3d, 8>;
@@ -134,7 +175,8 @@ std::vector<float> pack_solids(const std::vector<std::vector<PaintedSolid>>& ins
   packed.reserve(instants.size() * order.size() * packed_solid_floats);
   for (const auto& solids : instants)
     for (std::size_t i : order)
-      append(packed, solids[i], bounds_of_all(instants, i, camera_from_world), camera_from_world);
+      append(packed, solids[i], bounds_of_all(instants, i, camera_from_world), moves(instants, i),
+             camera_from_world);
   return packed;
 }
 

@@ -7,7 +7,7 @@
 namespace touchtrace::scene {
 
 /// Solids as kernels/solids.clh reads them.
-inline constexpr int packed_solid_floats = 28;
+inline constexpr int packed_solid_floats = 80;
 inline constexpr std::size_t max_solids = 96;
 
 /// What rays may hit of a solid: their x' and y' (camera's frame, z' = 1), and the least depth.

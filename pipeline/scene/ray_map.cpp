@@ -15,9 +15,10 @@ struct Range {
   void include(float value) { low = std::min(low, value), high = std::max(high, value); }
 };
 
-void append_tile(RayMap& map, const PinholeCamera& camera, int column, int row, double margin_px) {
+void append_region(std::vector<float>& regions, const RayMap& map, const PinholeCamera& camera,
+                   int column, int row, int rows, double margin_px) {
   Range x, y;
-  const int last_row = std::min(row + RayMap::tile_rows, camera.height);
+  const int last_row = std::min(row + rows, camera.height);
   for (int v = row; v < last_row; ++v)
     for (int u = column; u < column + RayMap::lanes; ++u) {
       const auto pixel = static_cast<std::size_t>(v) * camera.width + u;
@@ -25,7 +26,7 @@ void append_tile(RayMap& map, const PinholeCamera& camera, int column, int row, 
     }
   const auto mx = static_cast<float>(margin_px / camera.fx),
              my = static_cast<float>(margin_px / camera.fy);
-  map.tiles.insert(map.tiles.end(), {x.low - mx, x.high + mx, y.low - my, y.high + my});
+  regions.insert(regions.end(), {x.low - mx, x.high + mx, y.low - my, y.high + my});
 }
 
 }  // namespace
@@ -43,9 +44,13 @@ RayMap make_ray_map(const PinholeCamera& camera, double margin_px) {
     }
   map.tile_columns = camera.width / RayMap::lanes;
   map.tile_lines = (camera.height + RayMap::tile_rows - 1) / RayMap::tile_rows;
-  for (int row = 0; row < camera.height; row += RayMap::tile_rows)
-    for (int column = 0; column < camera.width; column += RayMap::lanes)
-      append_tile(map, camera, column, row, margin_px);
+  const auto cover = [&](std::vector<float>& regions, int rows) {
+    for (int row = 0; row < camera.height; row += rows)
+      for (int column = 0; column < camera.width; column += RayMap::lanes)
+        append_region(regions, map, camera, column, row, rows, margin_px);
+  };
+  cover(map.strips, 1);
+  cover(map.tiles, RayMap::tile_rows);
   return map;
 }
 

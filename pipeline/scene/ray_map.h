@@ -11,8 +11,10 @@ namespace touchtrace::scene {
 struct RayMap {
   static constexpr int lanes = 16, tile_rows = 8;
 
-  std::vector<float> x, y;   ///< [height, width]: the ray through a pixel's centre is (x, y, 1)
-  std::vector<float> tiles;  ///< [tile rows, tile columns, 4]: x low, high, y low, high
+  std::vector<float> x, y;  ///< [height, width]: the ray through a pixel's centre is (x, y, 1)
+  std::vector<float>
+      strips;  ///< [height, tile columns, 4]: x low, high, y low, high of a row of a tile
+  std::vector<float> tiles;  ///< [tile rows, tile columns, 4]: the same of whole tiles
   int tile_columns, tile_lines;
 };
 

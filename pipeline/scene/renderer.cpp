@@ -10,7 +10,7 @@ namespace touchtrace::scene {
 
 /// The rays of one camera on the device.
 struct RayBuffers {
-  Buffer<float> x, y, tiles;
+  Buffer<float> x, y, tiles, strips;
   cl::NDRange grid;
   cl_float2 pitch;
 };
@@ -32,6 +32,7 @@ RayBuffers upload_rays(Runtime& runtime, const PinholeCamera& camera, double mar
   return {upload(map.x),
           upload(map.y),
           upload(map.tiles),
+          upload(map.strips),
           cl::NDRange(static_cast<std::size_t>(map.tile_columns),
                       static_cast<std::size_t>(map.tile_lines)),
           {{static_cast<float>(1.0 / camera.fx), static_cast<float>(1.0 / camera.fy)}}};
@@ -93,13 +94,18 @@ Renderer::Device::Device(Runtime& r, const RgbdCamera& camera)
       disparity(r.allocate<float>(padded_size(camera.depth))),
       color(r.allocate<std::uint8_t>(color_rays.x.size() * 3)),
       counts(r.allocate<std::uint16_t>(depth_rays.x.size())) {
-  const auto kernel = [&](const char* file, const char* name) {
-    return r.create(r.kernel({"solids.clh", "image_noise.clh", file}, name, defines()));
+  using Files = std::vector<std::string>;
+  const Files color_files{"solids.clh", "visible_solids.clh", "surface.clh", "image_noise.clh",
+                          "render_color.cl"};
+  const Files depth_files{"solids.clh",       "visible_solids.clh", "image_noise.clh",
+                          "depth_fields.clh", "render_depth.cl",    "measure_depth.cl"};
+  const auto kernel = [&](const Files& files, const char* name) {
+    return r.create(r.kernel(files, name, defines()));
   };
-  render_color = kernel("render_color.cl", "render_color");
-  depth_noise = kernel("render_depth.cl", "depth_noise");
-  render_depth = kernel("render_depth.cl", "render_depth");
-  measure_depth = kernel("render_depth.cl", "measure_depth");
+  render_color = kernel(color_files, "render_color");
+  depth_noise = kernel(depth_files, "depth_noise");
+  render_depth = kernel(depth_files, "render_depth");
+  measure_depth = kernel(depth_files, "measure_depth");
   r.queue().enqueueFillBuffer(disparity.handle(), 0.0f, 0, disparity.size() * sizeof(float));
 }
 
@@ -111,7 +117,7 @@ void Renderer::Device::launch_color(const RgbdCamera& camera, const Exposure& ex
   const Eigen::Vector3f lamp = (camera.color_from_world.linear() * lamp_world).cast<float>();
   const auto noise = static_cast<float>(camera.color_noise_counts / sensor_px_per_px(camera.color));
   set_arguments(render_color, color_rays.x.handle(), color_rays.y.handle(),
-                color_rays.tiles.handle(), solids.handle(),
+                color_rays.tiles.handle(), color_rays.strips.handle(), solids.handle(),
                 static_cast<cl_int>(exposure.color.front().size()),
                 static_cast<cl_int>(exposure.color.size()), samples_per_axis, color_rays.pitch,
                 cl_float4{{lamp.x(), lamp.y(), lamp.z(), static_cast<float>(exposure_gain)}}, noise,

@@ -131,6 +131,56 @@ TEST(Camera, DepthLiesOnTheSurfaceThatPhysicsTouches) {
   }
 }
 
+std::vector<PaintedSolid> room_with_person() {
+  auto solids = room_solids();
+  for (const PaintedSolid& solid : person_solids(0.3)) solids.push_back(solid);
+  return solids;
+}
+
+TEST(Camera, TheDepthOfManySolidsIsThatOfTheNearest) {
+  const RgbdCamera camera = exact_camera(small_images());
+  Renderer renderer(runtime(), camera, 1);
+  std::vector<std::uint16_t> nearest(
+      static_cast<std::size_t>(camera.depth.width * camera.depth.height));
+  const auto solids = room_with_person();
+  for (const PaintedSolid& solid : solids) {
+    const auto alone = renderer.render(still({solid}), "test", 0).depth;
+    for (std::size_t i = 0; i < alone.size(); ++i)
+      if (alone[i] > 0 && (nearest[i] == 0 || alone[i] < nearest[i])) nearest[i] = alone[i];
+  }
+  EXPECT_EQ(renderer.render(still(solids), "test", 0).depth, nearest);
+}
+
+TEST(Camera, TheColorOfManySolidsIsThatOfTheNearest) {
+  const RgbdCamera camera = exact_camera(small_images());
+  Renderer renderer(runtime(), camera, 1);
+  auto solids = room_with_person();
+  const auto expected = renderer.render(still(solids), "test", 0).color;
+  solids.push_back(wall_before(camera, 3.5));  // behind everything, before nothing
+  EXPECT_EQ(renderer.render(still(solids), "test", 0).color, expected);
+}
+
+TEST(Camera, MovingThingsLeaveLightWhereTheyWere) {
+  const RgbdCamera camera = exact_camera(small_images());
+  Renderer renderer(runtime(), camera, 1);
+  const Eigen::Vector3d here(-0.2, 0.0, 1.0), there(0.2, 0.0, 1.0);
+  const auto sphere = [&](const Eigen::Vector3d& place) {
+    return std::vector{solid_before(camera, ShapeKind::sphere, {0.05, 0, 0}, place)};
+  };
+  const auto middle = [&](const RgbdFrame& frame, const Eigen::Vector3d& place) {
+    const Eigen::Vector2i pixel = camera.color.project(place).array().round().cast<int>();
+    return double(
+        frame.color[static_cast<std::size_t>(3 * (pixel.y() * camera.color.width + pixel.x()))]);
+  };
+  const RgbdFrame blurred = renderer.render(
+      {{sphere(here), sphere(here), sphere(there), sphere(there)}, sphere(here)}, "test", 0);
+  for (const Eigen::Vector3d& place : {here, there}) {
+    const double whole = middle(renderer.render(still(sphere(place)), "test", 0), place);
+    EXPECT_GT(whole, 60.0);
+    EXPECT_NEAR(middle(blurred, place), whole * std::sqrt(0.5), 2.0);  // the camera's square root
+  }
+}
+
 /// The centre of the pixels that a far too bright sphere saturates: all that it touches, so that
 /// its outline widens evenly.
 Eigen::Vector2d centre_of_bright(const RgbdFrame& frame, int width) {

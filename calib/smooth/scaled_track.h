@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "calib/smooth/trajectory.h"
@@ -33,14 +34,17 @@ struct ScaledTrack : std::vector<ScaledPoint> {
   }
 };
 
-/// Release and landing in turn, in time units from `origin_s`.
+/// Release and landing in turn, in time units from `origin_s`; none before the one before it, as
+/// times that are moved by their deviations might be.
 inline std::vector<ContactEvent<double>> contact_events(const std::vector<Flight>& flights,
                                                         double origin_s, double unit_s) {
   std::vector<ContactEvent<double>> events;
-  for (const auto& flight : flights) {
-    events.push_back({(flight.release_s - origin_s) / unit_s, true});
-    events.push_back({(flight.landing_s - origin_s) / unit_s, false});
-  }
+  double last = -std::numeric_limits<double>::infinity();
+  const auto add = [&](double time_s, bool release) {
+    last = std::max(last, (time_s - origin_s) / unit_s);
+    events.push_back({last, release});
+  };
+  for (const auto& flight : flights) add(flight.release_s, true), add(flight.landing_s, false);
   return events;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/label/flights.h"
+
 namespace touchtrace::label {
 namespace {
 
@@ -13,8 +15,6 @@ constexpr InitialMotion initial_motion{1.5, 15.0};
 /// What part of a body shows changes slowly, and its middle with it: an error that no smoother
 /// sees.
 constexpr double hand_systematic_m = 0.005, object_systematic_m = 0.003;
-constexpr double fewest_away_m = 0.05;    // from the grip's distance: the object has left the hand
-constexpr double longest_bridge_s = 0.2;  // of lost frames within a flight
 
 using Observations = std::vector<Observation>;
 
@@ -24,46 +24,6 @@ Track track_of(const std::vector<double>& time_s, const Observations& observatio
     if (observations[i].found)
       track.push_back({time_s[i], observations[i].position_m, observations[i].sigma_m});
   return track;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// Distance of hand and object in every frame; NaN where one was not seen.
-std::vector<double> distances(const ClipTrack& track) {
-  std::vector<double> result;
-  for (std::size_t i = 0; i < track.time_s.size(); ++i)
-    result.push_back(track.hand[i].found && track.object[i].found
-                         ? (track.object[i].position_m - track.hand[i].position_m).norm()
-                         : std::numeric_limits<double>::quiet_NaN());
-  return result;
-}
-
-/// Stretches in which the object is away from where the grip has it.
-std::vector<Flight> guess_flights(const ClipTrack& track) {
-  const auto distance = distances(track);
-  std::vector<double> seen;
-  std::ranges::copy_if(distance, std::back_inserter(seen),
-                       [](double d) { return std::isfinite(d); });
-  if (seen.empty()) return {};
-  const double away = median(seen) + fewest_away_m;
-  std::vector<Flight> flights;
-  for (std::size_t i = 0; i < distance.size(); ++i) {
-    if (!(distance[i] > away)) continue;
-    if (!flights.empty() && track.time_s[i] - flights.back().landing_s < longest_bridge_s)
-      flights.back().landing_s = track.time_s[i];
-    else
-      flights.push_back({track.time_s[i], track.time_s[i]});
-  }
-  std::erase_if(flights, [](const Flight& f) { return !(f.landing_s > f.release_s); });
-  for (auto& flight : flights) {  // it left before it was away
-    flight.release_s -= 0.05;
-    flight.landing_s += 0.03;
-  }
-  return flights;
 }
 
 /// What the nearest camera frame says of a label at `time_s`.
@@ -122,23 +82,32 @@ void append_observation(const Observation& seen, std::vector<double>& position,
   append(seen.found ? seen.sigma_m : nothing, sigma);
 }
 
+/// A ball is light enough for drag, up to 1 m/s^2 either way, and turns round at every hit.
+MotionNoise<double> bouncing(MotionNoise<double> noise) {
+  noise.flight_jerk_density = 2.0;
+  noise.flight_acceleration_m_per_s2 = 0.5;
+  noise.landing_velocity_m_per_s = 4.0;
+  return noise;
+}
+
 }  // namespace
 
 SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
-                             const Eigen::Vector3d& gravity_m_per_s2) {
+                             const Eigen::Vector3d& gravity_m_per_s2, bool bounces) {
   std::vector<Track> hand, object;
   std::vector<std::vector<Flight>> flights;
   for (const auto& track : tracks) {
     hand.push_back(track_of(track.time_s, track.hand));
     object.push_back(track_of(track.time_s, track.object));
-    flights.push_back(guess_flights(track));
+    flights.push_back(bounces ? guess_bounces(track, gravity_m_per_s2) : guess_flights(track));
   }
   SmoothOptions options;
   options.gravity_m_per_s2 = gravity_m_per_s2;
   options.initial = initial_motion;
   options.noise.jerk_density = 300.0;
-  return {smooth(hand, std::vector<std::vector<Flight>>(tracks.size()), options),
-          smooth(object, flights, options)};
+  auto hands = smooth(hand, std::vector<std::vector<Flight>>(tracks.size()), options);
+  if (bounces) options.noise = bouncing(options.noise);
+  return {std::move(hands), smooth(object, flights, options)};
 }
 
 void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack>& tracks,

@@ -8,6 +8,7 @@
 #include "engine/cl/runtime.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/label/label.h"
+#include "pipeline/scene/activity.h"
 #include "pipeline/scene/simulate.h"
 #include "pipeline/study/label_error.h"
 
@@ -69,6 +70,7 @@ void measure_chain(const std::string& activity, const Emit& emit) {
   Runtime runtime(choose_device({}));
   scene::SceneOptions options;
   options.activity = activity;
+  options.object = scene::default_object(activity);
   options.minutes = 0.5;
   scene::simulate_recording(options, &runtime, recording, true,
                             start_provenance("touchtrace/recording/1", "verify"));
@@ -82,7 +84,7 @@ void measure_chain(const std::string& activity, const Emit& emit) {
 Verification verify_labels() {
   return [](const Emit& emit) {
     measure_smoothing(emit);
-    for (const char* activity : {"wave", "throw"}) measure_chain(activity, emit);
+    for (const char* activity : {"wave", "throw", "pingpong"}) measure_chain(activity, emit);
   };
 }
 

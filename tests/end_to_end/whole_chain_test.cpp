@@ -34,7 +34,7 @@ class WholeChain : public ::testing::TestWithParam<const char*> {
 
   void make_labels() {
     run(std::string("simulate --activity ") + GetParam() +
-        " --object ball --minutes 1.2 --seed 5 " + at("scene.h5"));
+        " --minutes 1.2 --seed 5 " + at("scene.h5"));
     run("check " + at("scene.h5"));
     run("calibrate " + at("scene.h5") + " --output " + at("calibration"));
     run("label " + at("scene.h5") + " --calibration " + at("calibration") + " --output " +
@@ -72,7 +72,7 @@ TEST_P(WholeChain, EndsInMetricsAndAReport) {
   for (const auto& row : results) {
     models.push_back(row.at("model"));
     EXPECT_EQ(row.at("activity"), GetParam());
-    EXPECT_EQ(row.at("object"), "ball");
+    EXPECT_EQ(row.at("object"), GetParam() == std::string("pingpong") ? "racket" : "ball");
     expect_finite_row(row);
   }
   for (const char* model : {"random", "without_touch", "full"})
@@ -80,7 +80,7 @@ TEST_P(WholeChain, EndsInMetricsAndAReport) {
   EXPECT_GT(fs::file_size(at("report.html")), 10000u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Activities, WholeChain, ::testing::Values("wave", "throw"),
+INSTANTIATE_TEST_SUITE_P(Activities, WholeChain, ::testing::Values("wave", "throw", "pingpong"),
                          [](const auto& instance) { return std::string(instance.param) + "Scene"; });
 
 }  // namespace

@@ -1,0 +1,90 @@
+#include "pipeline/label/flights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace touchtrace::label {
+namespace {
+
+constexpr double fewest_away_m = 0.05;    // from the grip's distance: the object has left the hand
+constexpr double longest_bridge_s = 0.2;  // of lost frames within a flight
+constexpr double least_fall_m = 0.03;     // to a hit, and least rise after it
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Distance of hand and object in every frame; NaN where one was not seen.
+std::vector<double> distances(const ClipTrack& track) {
+  std::vector<double> result;
+  for (std::size_t i = 0; i < track.time_s.size(); ++i)
+    result.push_back(track.hand[i].found && track.object[i].found
+                         ? (track.object[i].position_m - track.hand[i].position_m).norm()
+                         : std::numeric_limits<double>::quiet_NaN());
+  return result;
+}
+
+/// Of the places that were seen, against gravity.
+struct Height {
+  double time_s, height_m;
+};
+
+std::vector<Height> heights(const ClipTrack& track, const Eigen::Vector3d& up) {
+  std::vector<Height> result;
+  for (std::size_t i = 0; i < track.time_s.size(); ++i)
+    if (track.object[i].found)
+      result.push_back({track.time_s[i], up.dot(track.object[i].position_m)});
+  return result;
+}
+
+}  // namespace
+
+std::vector<Flight> guess_flights(const ClipTrack& track) {
+  const auto distance = distances(track);
+  std::vector<double> seen;
+  std::ranges::copy_if(distance, std::back_inserter(seen),
+                       [](double d) { return std::isfinite(d); });
+  if (seen.empty()) return {};
+  const double away = median(seen) + fewest_away_m;
+  std::vector<Flight> flights;
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    if (!(distance[i] > away)) continue;
+    if (!flights.empty() && track.time_s[i] - flights.back().landing_s < longest_bridge_s)
+      flights.back().landing_s = track.time_s[i];
+    else
+      flights.push_back({track.time_s[i], track.time_s[i]});
+  }
+  std::erase_if(flights, [](const Flight& f) { return !(f.landing_s > f.release_s); });
+  for (auto& flight : flights) {  // it left before it was away
+    flight.release_s -= 0.05;
+    flight.landing_s += 0.03;
+  }
+  return flights;
+}
+
+std::vector<Flight> guess_bounces(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2) {
+  const auto seen = heights(track, -gravity_m_per_s2.normalized());
+  if (seen.size() < 2) return {};
+  std::vector<Flight> flights;
+  double highest_m = seen.front().height_m, begin_s = seen.front().time_s - longest_bridge_s;
+  Height lowest = seen.front();
+  for (const Height& now : seen) {
+    if (now.height_m < lowest.height_m) lowest = now;
+    const bool has_fallen = highest_m - lowest.height_m > least_fall_m,
+               rises = now.height_m - lowest.height_m > least_fall_m;
+    if (has_fallen && rises) {
+      flights.push_back({begin_s, lowest.time_s});
+      begin_s = lowest.time_s;
+      highest_m = now.height_m;
+      lowest = now;
+    }
+    if (now.height_m > highest_m) highest_m = now.height_m, lowest = now;
+  }
+  flights.push_back({begin_s, seen.back().time_s + longest_bridge_s});
+  return flights;
+}
+
+}  // namespace touchtrace::label

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "calib/smooth/trajectory.h"
+#include "pipeline/label/follow.h"
+
+namespace touchtrace::label {
+
+/// Stretches in which the object is away from where the grip has it.
+std::vector<Flight> guess_flights(const ClipTrack& track);
+
+/// From one lowest place of the object to the next: of one that always flies, but for hits.
+std::vector<Flight> guess_bounces(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2);
+
+}  // namespace touchtrace::label

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/base/random.h"
+#include "pipeline/label/flights.h"
+#include "pipeline/label/states.h"
+
+namespace touchtrace::label {
+namespace {
+
+using Eigen::Vector3d;
+
+const Vector3d gravity(0.0, 9.81, 0.0);  // the camera's y points down
+constexpr double frame_interval_s = 0.05, flight_s = 0.4371, seconds = 8.0, sigma_m = 0.001;
+
+/// Of a ball that is hit every flight_s and swings slowly aside.
+Vector3d place(double time_s) {
+  const double since_hit_s = std::fmod(time_s, flight_s);
+  const double height_m = 0.5 * 9.81 * since_hit_s * (flight_s - since_hit_s);
+  return {0.05 * std::sin(time_s), -height_m, 1.0};
+}
+
+ClipTrack bounced() {
+  RandomStream random(1, "bounces");
+  ClipTrack track;
+  for (double t = 0.1; t < seconds; t += frame_interval_s) {
+    Observation seen;
+    seen.found = true;
+    seen.sigma_m = Vector3d::Constant(sigma_m);
+    seen.position_m =
+        place(t) + sigma_m * Vector3d(random.normal(), random.normal(), random.normal());
+    track.time_s.push_back(t);
+    track.object.push_back(seen);
+    seen.position_m = {0.0, 0.1, 1.0};
+    track.hand.push_back(seen);
+  }
+  return track;
+}
+
+/// Between two frames, rms.
+double error_m(const SmoothedBodies& bodies) {
+  double sum = 0.0;
+  int count = 0;
+  for (double t = 0.5; t < seconds - 0.5; t += 0.0131, ++count)
+    sum += (bodies.object.tracks[0].smoothed(t).position_m - place(t)).squaredNorm();
+  return std::sqrt(sum / count);
+}
+
+TEST(LabelBounces, AreGuessedFromTheLowestPlaces) {
+  const ClipTrack track = bounced();
+  const auto flights = guess_bounces(track, gravity);
+  const auto hits = static_cast<std::size_t>(seconds / flight_s);
+  ASSERT_EQ(flights.size(), hits + 1);
+  for (std::size_t i = 0; i < hits; ++i) {
+    EXPECT_NEAR(flights[i].landing_s, static_cast<double>(i + 1) * flight_s, frame_interval_s);
+    EXPECT_EQ(flights[i].landing_s, flights[i + 1].release_s);
+  }
+}
+
+TEST(LabelBounces, HitsAreFoundToMillisecondsAndNotSmoothedOver) {
+  const std::vector<ClipTrack> tracks{bounced()};
+  const SmoothedBodies bounces = smooth_bodies(tracks, gravity, true);
+  ASSERT_EQ(bounces.object.tracks[0].status, SmoothStatus::converged);
+  for (const Flight& flight : bounces.object.tracks[0].flights) {
+    const double hits = flight.landing_s / flight_s;
+    if (flight.landing_s < seconds - flight_s) {
+      EXPECT_NEAR(hits, std::round(hits), 0.004 / flight_s);
+    }
+  }
+  EXPECT_LT(error_m(bounces), 1.5 * sigma_m);
+  EXPECT_GT(error_m(smooth_bodies(tracks, gravity, false)), 3.0 * error_m(bounces));
+}
+
+TEST(LabelBounces, NothingSeenIsNothingGuessed) {
+  EXPECT_TRUE(guess_bounces({}, gravity).empty());
+  ClipTrack lost = bounced();
+  for (Observation& seen : lost.object) seen.found = false;
+  EXPECT_TRUE(guess_bounces(lost, gravity).empty());
+}
+
+}  // namespace
+}  // namespace touchtrace::label

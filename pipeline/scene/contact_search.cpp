@@ -97,12 +97,12 @@ void TaxelSearch::look(const TaxelGroup& group, const Link& link, const ObjectSp
   for (int i = group.first; i < group.first + group.count; ++i) {
     if (travel + margin_m_ < taxel_free_until_m_[i]) continue;
     const Vector3d place = link.place(hand_model().taxels[i].position_m);
-    const double d = distance_m(object, place);
-    if (d >= margin_m_)
-      taxel_free_until_m_[i] = travel + d;
+    const NearestSolid nearest = nearest_solid(object, place);
+    if (nearest.distance_m >= margin_m_)
+      taxel_free_until_m_[i] = travel + nearest.distance_m;
     else
-      touches_.push_back(
-          {i, group.finger, -d, distance(object, place).normal, place, link.with_flexion(place)});
+      touches_.push_back({i, group.finger, -nearest.distance_m, nearest.normal(), place,
+                          link.with_flexion(place)});
   }
 }
 

@@ -45,6 +45,19 @@ Eigen::Vector3d open_position(const Taxel& taxel) {
   return pose.joint_m[taxel.link] + pose.hand_from_link[taxel.link] * taxel.position_m;
 }
 
+/// Four standard normal numbers of a stream's block: in steps of 2^-32 of the probability, at most
+/// 6.7.
+std::array<double, 4> four_normals(const RandomStream& stream, std::uint64_t block) {
+  const auto words = stream.block(block);
+  std::array<double, 4> normals;
+  for (int i = 0; i < 4; i += 2) {
+    const double radius = std::sqrt(-2.0 * std::log((words[i] + 0.5) * 0x1p-32));
+    const double angle = 2.0 * std::numbers::pi * 0x1p-32 * words[i + 1];
+    normals[i] = radius * std::cos(angle), normals[i + 1] = radius * std::sin(angle);
+  }
+  return normals;
+}
+
 }  // namespace
 
 const GloveTraits& glove_traits(int number, const GloveParameters& parameters) {
@@ -83,6 +96,7 @@ Glove::Glove(int number, const GloveParameters& parameters, const GloveClock& cl
       transport_(seed, stream_name(number, "transport")),
       pressed_n_(traits_.gain.size(), 0.0),
       crept_n_(traits_.gain.size(), 0.0),
+      gain_(traits_.gain.size(), 0.0),
       is_active_(traits_.gain.size(), 0),
       signal_(glove_cells, 0.0),
       row_sum_(glove_rows, 0.0),
@@ -125,16 +139,21 @@ void Glove::relax(std::span<const double> force_n, double interval_s) {
   });
 }
 
-void Glove::measure(double time_s) {
+/// Gains change by less than 3e-5 of themselves while a frame is read.
+void Glove::drift(double time_s) {
+  for (std::size_t i = 0; i < gain_.size(); ++i)
+    gain_[i] = traits_.gain[i] *
+               (1 + parameters_.drift *
+                        std::sin(traits_.drift_rad_per_s[i] * time_s + traits_.drift_phase_rad[i]));
+}
+
+void Glove::measure() {
   std::ranges::fill(signal_, 0.0);
   std::ranges::fill(row_sum_, 0.0);
   std::ranges::fill(col_sum_, 0.0);
   for (int i : active_) {
     const Taxel& taxel = hand_model().taxels[i];
-    const double drift = 1 + parameters_.drift * std::sin(traits_.drift_rad_per_s[i] * time_s +
-                                                          traits_.drift_phase_rad[i]);
-    const double force =
-        traits_.gain[i] * drift * (pressed_n_[i] + parameters_.creep * crept_n_[i]);
+    const double force = gain_[i] * (pressed_n_[i] + parameters_.creep * crept_n_[i]);
     const double signal = force / (force + parameters_.half_saturation_n);
     signal_[taxel.cell()] = signal;
     row_sum_[taxel.row] += signal;
@@ -142,17 +161,19 @@ void Glove::measure(double time_s) {
   }
 }
 
-void Glove::read_row(int row, double time_s) {
-  measure(time_s);
+void Glove::read_row(int row) {
+  measure();
+  std::array<double, 4> noise{};
   for (int col = 0; col < glove_cols; ++col) {
     const int cell = row * glove_cols + col;
+    if (cell % 4 == 0) noise = four_normals(noise_, (number_ * glove_cells + cell) / 4);
     const double own = signal_[cell];
     const double leaked = parameters_.cross_talk * (row_sum_[row] + col_sum_[col] - 2 * own);
     const double read = stream_.info.mask[cell]
                             ? (own + leaked) / (1 + parameters_.cross_talk * row_sum_[row])
                             : 0.0;
     const double counts = traits_.baseline_counts[cell] + parameters_.full_scale_counts * read +
-                          parameters_.noise_counts * noise_.normal_at(number_ * glove_cells + cell);
+                          parameters_.noise_counts * noise[cell % 4];
     frame_[cell] = static_cast<std::uint16_t>(std::lround(std::clamp(counts, 0.0, largest_count)));
   }
 }
@@ -173,7 +194,8 @@ void Glove::finish_frame() {
 void Glove::sense(std::span<const double> force_n, double time_s, double interval_s) {
   relax(force_n, interval_s);
   while (row_time_s(number_, next_row_) <= time_s) {
-    read_row(next_row_, time_s);
+    if (next_row_ == 0) drift(time_s);
+    read_row(next_row_);
     if (++next_row_ == glove_rows) finish_frame();
   }
 }

@@ -30,8 +30,9 @@ class Glove {
 
  private:
   void relax(std::span<const double> force_n, double interval_s);
-  void measure(double time_s);
-  void read_row(int row, double time_s);
+  void drift(double time_s);
+  void measure();
+  void read_row(int row);
   void finish_frame();
   double row_time_s(std::uint64_t frame, int row) const;
 
@@ -41,6 +42,7 @@ class Glove {
   RandomStream noise_, transport_;
   GloveStream stream_;
   std::vector<double> pressed_n_, crept_n_;  ///< per taxel, after lag; and its slow part
+  std::vector<double> gain_;                 ///< per taxel, of the frame being read
   std::vector<int> active_;                  ///< taxels that carry or remember a force
   std::vector<std::uint8_t> is_active_;
   std::vector<double> signal_, row_sum_, col_sum_;

@@ -81,20 +81,30 @@ Distance distance(const Solid& solid, const Vector3d& point) {
   return {d.value_m, rotation * d.normal};
 }
 
-Distance distance(const ObjectSpec& object, const Vector3d& point) {
-  Distance nearest = distance(object.solids.front(), point);
-  for (std::size_t i = 1; i < object.solids.size(); ++i)
-    if (const Distance d = distance(object.solids[i], point); d.value_m < nearest.value_m)
-      nearest = d;
+NearestSolid nearest_solid(const ObjectSpec& object, const Vector3d& point) {
+  NearestSolid nearest{&object.solids.front(), {}, 0.0};
+  nearest.point_in_shape_m = in_shape(*nearest.solid, point);
+  nearest.distance_m = shape_distance_m(*nearest.solid, nearest.point_in_shape_m);
+  for (std::size_t i = 1; i < object.solids.size(); ++i) {
+    const Solid& solid = object.solids[i];
+    const Vector3d p = in_shape(solid, point);
+    if (const double d = shape_distance_m(solid, p); d < nearest.distance_m)
+      nearest = {&solid, p, d};
+  }
   return nearest;
 }
 
+Vector3d NearestSolid::normal() const {
+  return solid->body_from_shape.linear() * shape_distance(*solid, point_in_shape_m).normal;
+}
+
+Distance distance(const ObjectSpec& object, const Vector3d& point) {
+  const NearestSolid nearest = nearest_solid(object, point);
+  return {nearest.distance_m, nearest.normal()};
+}
+
 double distance_m(const ObjectSpec& object, const Vector3d& point) {
-  double nearest = shape_distance_m(object.solids[0], in_shape(object.solids[0], point));
-  for (std::size_t i = 1; i < object.solids.size(); ++i)
-    nearest =
-        std::min(nearest, shape_distance_m(object.solids[i], in_shape(object.solids[i], point)));
-  return nearest;
+  return nearest_solid(object, point).distance_m;
 }
 
 double bounding_radius_m(const Solid& solid) {

@@ -17,7 +17,16 @@ Distance distance(const Solid& solid, const Eigen::Vector3d& point);
 
 /// Of the union of the object's solids; `point` in the object's body frame.
 Distance distance(const ObjectSpec& object, const Eigen::Vector3d& point);
-/// The same without the normal, which most points do not need.
+
+/// The same in two steps, since most points need no normal.
+struct NearestSolid {
+  const Solid* solid;
+  Eigen::Vector3d point_in_shape_m;
+  double distance_m;
+
+  Eigen::Vector3d normal() const;  ///< the object's body frame
+};
+NearestSolid nearest_solid(const ObjectSpec& object, const Eigen::Vector3d& point);
 double distance_m(const ObjectSpec& object, const Eigen::Vector3d& point);
 
 /// Of a sphere around the origin of the body frame that holds the solid.

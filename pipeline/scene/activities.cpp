@@ -12,6 +12,9 @@ namespace touchtrace::scene {
 namespace {
 
 bool is_no_tool(const ObjectSpec& object) { return object.role != ObjectRole::tool; }
+bool is_balanced(const ObjectSpec& object) {
+  return object.role == ObjectRole::tool && object.tracked_m != Eigen::Vector3d::Zero();
+}
 bool is_tossed(const ObjectSpec& object) { return object.toss_apex_m.has_value(); }
 bool has_ball(const ObjectSpec& object) { return object.ball.has_value(); }
 
@@ -23,6 +26,8 @@ const std::vector<ActivityRow>& activities() {
       {"throw", "the object is tossed off the open palm and caught", "ball", 0.002, is_tossed,
        make_throw},
       {"pingpong", "a ball is bounced on a racket", "racket", 0.002, has_ball, make_pingpong},
+      {"balance", "an umbrella is kept standing on the open palm", "umbrella", 0.002, is_balanced,
+       make_balance, 2.0, 1.5},
   };
   return table;
 }

@@ -52,12 +52,14 @@ class Activity {
 };
 
 /// `step_s` is the physics' step while hand and object touch; `touchtrace verify scene` measures
-/// the error that it costs. `takes` says which objects it is done with.
+/// the error that it costs. `takes` says which objects it is done with. The camera stands so far
+/// before the person and looks down by so much that it sees everything.
 struct ActivityRow {
   std::string name, summary, default_object;
   double step_s;
   bool (*takes)(const ObjectSpec& object);
   std::unique_ptr<Activity> (*make)(ActivityStart start);
+  double camera_distance_m = 1.3, camera_pitch_deg = 8.0;
 };
 const std::vector<ActivityRow>& activities();
 /// Throws usage_error with the known names.
@@ -70,6 +72,7 @@ void require_fit(const ActivityRow& activity, const ObjectSpec& object);
 std::unique_ptr<Activity> make_wave(ActivityStart start);
 std::unique_ptr<Activity> make_throw(ActivityStart start);
 std::unique_ptr<Activity> make_pingpong(ActivityStart start);
+std::unique_ptr<Activity> make_balance(ActivityStart start);
 
 /// The orientation of a hand before the person, palm up, fingers away from him, turned by roll
 /// about the forearm, pitch about the wrist and yaw.

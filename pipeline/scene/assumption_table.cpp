@@ -232,6 +232,42 @@ void add_pingpong(Table& table) {
       "before the person, in front of the camera");
 }
 
+void add_balance(Table& table) {
+  using P = BalanceParameters;
+  Rows<P> row(table, "balance", &SceneParameters::balance);
+  row("delay", &P::delay_s, "s", 0.0, 1.0, "from the tip's motion to the hand's", "Milton 2009",
+      "");
+  row("prediction", &P::prediction_s, "s", 0.0, 1.0,
+      "over which the person predicts from what his hand did",
+      "forward models: Mehta and Schaal 2002, value: no", "he knows his delay");
+  row("seen", &P::seen_m, "m", 0.0, 0.1, "noise of the tip's place, as it is seen", "no",
+      "a guess");
+  row("seen-speed", &P::seen_m_per_s, "m/s", 0.0, 1.0, "noise of its velocity", "no", "a guess");
+  row("seen-band", &P::seen_hz, "Hz", 0.01, 20.0, "highest frequency of both", "no",
+      "slower than the eye");
+  row("tremor", &P::tremor, "", 0.0, 1.0, "noise of the hand's acceleration, of what is wanted",
+      "grows with the command: Harris and Wolpert 1998, value: no", "a guess");
+  row("tremor-at-rest", &P::tremor_m_per_s2, "m/s^2", 0.0, 10.0, "what is left without a command",
+      "no", "a guess");
+  row("tremor-band", &P::tremor_hz, "Hz", 0.01, 20.0, "highest frequency of both",
+      "physiological tremor: 8-12 Hz", "the lower end");
+  row("acceleration", &P::acceleration_m_per_s2, "m/s^2", 0.1, 200.0, "the most of the hand", "no",
+      "the foot does not slip");
+  row("homing", &P::homing_per_s, "1/s", 0.01, 20.0, "rate at which the hand comes home", "no",
+      "the hand stays before the person");
+  row("upright", &P::upright_lag_s, "s", 0.01, 1e3,
+      "in which the lean that holds on the whole becomes upright", "no",
+      "nobody knows how the foot stands on his palm");
+  row("tilt", &P::tilt_rad, "rad", 0.0, 1.0, "deviation of the hand's tilt: of a clip's, and noise",
+      "no", "an open palm is held level");
+  row("tilt-band", &P::tilt_hz, "Hz", 0.01, 20.0, "highest frequency of that noise", "no",
+      "a guess");
+  row("height", &P::height_m, "m", 0.0, 0.1, "noise of the hand's height", "no", "a guess");
+  row("height-band", &P::height_hz, "Hz", 0.01, 20.0, "highest frequency of that", "no", "a guess");
+  row("place", &P::place_m, "m", -5.0, 5.0, "of the hand's home, drawn for a clip", "no",
+      "before the person, as low as the tip in the image needs");
+}
+
 void add_glove(Table& table) {
   using P = GloveParameters;
   Rows<P> row(table, "glove", &SceneParameters::glove);
@@ -274,7 +310,7 @@ void add_glove(Table& table) {
 Table all_rows() {
   Table table;
   for (const auto add : {add_contact, add_arm, add_fingers, add_grasp, add_objects, add_wave,
-                         add_throw, add_ball, add_pingpong, add_glove})
+                         add_throw, add_ball, add_pingpong, add_balance, add_glove})
     add(table);
   return table;
 }

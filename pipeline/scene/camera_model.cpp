@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "engine/base/random.h"
+#include "pipeline/scene/activity.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -80,6 +81,7 @@ DepthSensor DepthSensor::exact() {
 }
 
 RgbdCamera make_camera(const SceneOptions& options) {
+  const ActivityRow& from = find_activity(options.activity);
   RandomStream random(options.seed, "camera specimen");
   RgbdCamera camera;
   camera.color = specimen(random, options.image_width, options.image_height, 608.0);
@@ -87,9 +89,9 @@ RgbdCamera make_camera(const SceneOptions& options) {
       random.normal(0.0, 5e-4), random.normal(0.0, 5e-4), 0.0;
   camera.depth = specimen(random, options.image_width, options.image_height, 608.0);
   camera.depth_from_color = depth_pose(random);
-  camera.color_from_world =
-      looking_at_person({random.normal(-0.08, 0.02), -1.3, random.normal(1.35, 0.02)},
-                        random.normal(8.0, 1.0) * radians_per_degree);
+  camera.color_from_world = looking_at_person(
+      {random.normal(-0.08, 0.02), -from.camera_distance_m, random.normal(1.35, 0.02)},
+      random.normal(from.camera_pitch_deg, 1.0) * radians_per_degree);
   camera.sensor.scale = random.normal(1.0, 0.004);
   camera.sensor.offset_m = random.normal(0.0, 0.005);
   return camera;

@@ -37,7 +37,8 @@ struct RgbdCamera {
 
 inline constexpr int sensor_width_px = 640;
 
-/// The camera of a recording, 1.3 m before the person: another specimen for each seed.
+/// The camera of a recording, before the person, as the activity needs it: another specimen for
+/// each seed.
 RgbdCamera make_camera(const SceneOptions& options);
 
 /// What the camera says of itself, gravity by its own accelerometer (0.3 degrees off).

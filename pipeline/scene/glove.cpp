@@ -9,6 +9,8 @@
 #include <mutex>
 #include <numbers>
 
+#include "pipeline/scene/motion.h"
+
 namespace touchtrace::scene {
 namespace {
 

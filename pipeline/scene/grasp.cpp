@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 constexpr double grasp_s = 1.4, turn_start_s = -0.7, turn_end_s = -0.1;  // activity's time
 constexpr double weight_lag_s = 0.05;
 constexpr double lever_lag_s = 0.02, shortest_lever_m = 0.01, longest_lever_m = 0.08;
+constexpr double tallest_m = 1.0;  // of what is put on the palm, from there to its centre of mass
 constexpr int thumb = finger_count - 1;
 constexpr std::array<double, thumb> finger_share{0.30, 0.30, 0.25, 0.15};
 
@@ -61,8 +62,8 @@ ObjectSpec as_assumed(ObjectSpec object, const SceneParameters& parameters) {
 /// How far the origin of the object has to be above the palm so that nothing touches.
 double height_over_palm_m(const ObjectSpec& object, const Eigen::Quaterniond& hand_from_object,
                           const Vector3d& place) {
-  double height = 0.0;
-  for (double step = 0.0005; height < 0.2; height += step) {
+  double height = std::max(0.0, -(hand_from_object * object.hold.center_m).z());
+  for (double step = 0.0005; height < tallest_m; height += step) {
     bool free = true;
     for (const Taxel& taxel : hand_model().taxels)
       if (taxel.finger < 0)
@@ -192,7 +193,7 @@ bool Performance::grasp() {
   while (tick_ < 0) advance();
   world_.ball = activity_->serve(sample());
   if (world_.ball) vary_restitution();
-  return in_hand(world_.spec(), sample());
+  return in_hand(world_.spec(), sample()) && !lost();
 }
 
 bool Performance::lost() const { return activity_->lost(sample()); }

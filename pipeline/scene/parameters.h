@@ -91,6 +91,19 @@ struct PingpongParameters {
   Box place_m{-0.20, 0.05, -0.55, -0.45, 1.02, 1.12};  ///< of the blade
 };
 
+/// Noises are deviations, in each direction of the plane, with frequencies up to their band.
+struct BalanceParameters {
+  double delay_s = 0.100, prediction_s = 0.100;  ///< of what is seen; what is made up for
+  double seen_m = 0.004, seen_m_per_s = 0.03, seen_hz = 3.0;     ///< noise of the tip, as seen
+  double tremor = 0.1, tremor_m_per_s2 = 0.15, tremor_hz = 8.0;  ///< of what is wanted; at rest
+  double acceleration_m_per_s2 = 8.0;                            ///< the most
+  double homing_per_s = 2.5;                 ///< rate at which the hand comes home
+  double upright_lag_s = 1.5;                ///< in which what holds on the whole becomes upright
+  double tilt_rad = 0.01, tilt_hz = 1.5;     ///< of the hand: of a clip, and noise
+  double height_m = 0.004, height_hz = 1.0;  ///< of the hand, noise
+  Box place_m{-0.28, -0.16, -0.42, -0.36, 0.86, 0.92};
+};
+
 struct GloveParameters {
   double loading_lag_s = 0.008, unloading_lag_s = 0.030;
   double creep = 0.12, creep_s = 2.0;
@@ -117,6 +130,7 @@ struct SceneParameters {
   ThrowParameters toss;
   BallParameters ball;
   PingpongParameters pingpong;
+  BalanceParameters balance;
   GloveParameters glove;
 };
 

@@ -143,7 +143,8 @@ std::vector<Solid> hand_solids(const SceneSample& sample);
 Solid forearm_solid(const SceneSample& sample);
 std::vector<Solid> object_solids(const ObjectSpec& object, const SceneSample& sample);
 std::vector<Solid> ball_solids(const ObjectSpec& object, const SceneSample& sample);
-/// What is tracked of them: the ball if there is one, otherwise the object.
+/// What is tracked of them: the ball if there is one, the part of the object that holds its tracked
+/// point, or all of it where that is its middle.
 std::vector<Solid> tracked_solids(const ObjectSpec& object, const SceneSample& sample);
 
 }  // namespace touchtrace::scene

@@ -37,6 +37,7 @@ Verification verify_scene() {
       verify_probe(activity, emit);
       verify_objects(activity, emit);
     }
+    verify_balance(emit);
   };
 }
 

@@ -16,6 +16,9 @@ void verify_rendering(const std::string& activity, const std::function<void(Figu
 /// Rows about clips of an activity with every object that it is done with: drops, grip, tosses.
 void verify_objects(const std::string& activity, const std::function<void(Figure)>& emit);
 
+/// Rows about how an umbrella is balanced.
+void verify_balance(const std::function<void(Figure)>& emit);
+
 /// Whether one frame of touch tells where the hand is, which it must not.
 void verify_probe(const std::string& activity, const std::function<void(Figure)>& emit);
 

@@ -1,4 +1,5 @@
 #include "pipeline/scene/hand.h"
+#include "pipeline/scene/solids.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -92,7 +93,12 @@ std::vector<Solid> ball_solids(const ObjectSpec& object, const SceneSample& samp
 }
 
 std::vector<Solid> tracked_solids(const ObjectSpec& object, const SceneSample& sample) {
-  return sample.ball ? ball_solids(object, sample) : object_solids(object, sample);
+  if (sample.ball) return ball_solids(object, sample);
+  std::vector<Solid> solids = object_solids(object, sample);
+  const Vector3d point = tracked_state(object, sample).position_m;
+  if (!object.tracked_m.isZero(0.0))
+    std::erase_if(solids, [&](const Solid& solid) { return distance(solid, point).value_m > 0.0; });
+  return solids;
 }
 
 }  // namespace touchtrace::scene

@@ -11,6 +11,9 @@ namespace touchtrace::scene {
 /// Activities think on this grid, whatever the physics' step.
 inline constexpr double control_interval_s = 1.0 / sample_rate_hz;
 
+/// In the activity's time: until then the other hand keeps a tool from tipping over.
+inline constexpr double steadied_until_s = -0.7;
+
 /// What the person wants at one instant.
 struct Command {
   MotionState hand;

@@ -58,6 +58,7 @@ class Balance : public Activity {
   Lean look(double time_s, const SceneSample& seen);
   Lean predict(Lean lean) const;
   Vector2d wanted_acceleration(const Lean& lean) const;
+  void act(double time_s, Lean lean);
   void move(double time_s, const Vector2d& acceleration);
 
   BalanceParameters balance_;
@@ -141,15 +142,18 @@ void Balance::move(double time_s, const Vector2d& acceleration) {
   hand_.velocity_m_per_s += h * hand_.acceleration_m_per_s2;
 }
 
-Command Balance::command(double time_s, const SceneSample& seen) {
-  Lean lean = look(time_s, seen);
+void Balance::act(double time_s, Lean lean) {
   upright_ += control_interval_s / balance_.upright_lag_s *
               (lean.angle - moved_.front() / gravity_m_per_s2 - upright_);
   lean.angle -= upright_;
+  move(time_s, wanted_acceleration(predict(lean)));
+}
+
+Command Balance::command(double time_s, const SceneSample& seen) {
+  const Lean lean = look(time_s, seen);
   Command command;
   command.hand = hand_;
-  const Vector2d acceleration = wanted_acceleration(predict(lean));
-  move(time_s, acceleration);
+  if (time_s >= steadied_until_s) act(time_s, lean);
   command.hand.acceleration_m_per_s2 = hand_.acceleration_m_per_s2;
   command.hand.position_m.z() += balance_.height_m * height_noise_.at(time_s);
   command.orientation = palm_up(roll_ + balance_.tilt_rad * roll_noise_.at(time_s),

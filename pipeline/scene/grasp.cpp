@@ -125,7 +125,7 @@ void Performance::place_object(const Command& command, RandomStream& random) {
 
 /// The other hand keeps a tool from tipping over while the fingers close around it.
 bool Performance::steadied() const {
-  return world_.spec().role == ObjectRole::tool && tick_ * control_interval_s < turn_start_s;
+  return world_.spec().role == ObjectRole::tool && tick_ * control_interval_s < steadied_until_s;
 }
 
 /// Rubbers are not the same everywhere.

@@ -61,8 +61,10 @@ void print_holds(const nlohmann::json& holds) {
     print_body("object", holds["object"]);
     return;
   }
-  for (const auto& glove : holds["gloves"])
+  for (const auto& glove : holds["gloves"]) {
     print_stream(glove["name"].get<std::string>(), glove, glove_details(glove));
+    if (glove.contains("inertial")) print_stream("inertial", glove["inertial"], "");
+  }
   print_stream("camera", holds["camera"], camera_details(holds["camera"]));
   fmt::print("truth      {}\n", holds["truth"].get<bool>() ? "yes" : "no");
 }

@@ -43,6 +43,9 @@ void describe(OptionSet& set, SimulateOptions& o) {
   set.integer("board-views", s.board_views, "chessboard views for the calibration", 0, 200);
   set.integer("glove", s.glove, "which specimen: each has gains, dead taxels and drift of its own",
               1, 1000);
+  set.flag(
+      "imu", s.inertial_unit,
+      "an inertial unit on the back of the hand: specific force, angular velocity, orientation");
   set.texts("assume", o.assume,
             "NAME=VALUE: what the scene assumes instead (see `touchtrace assumptions`)");
   set.flag("no-images", o.no_images, "glove and truth only, nothing is rendered");
@@ -168,7 +171,7 @@ Verb simulate_verb() {
       "simulate", "simulate somebody with a tactile glove before an RGBD camera",
       {"touchtrace simulate wave.h5 --activity wave --object ball --minutes 2",
        "touchtrace simulate throw.h5 --activity throw --width 640 --height 480 --seed 7",
-       "touchtrace simulate touch.h5 --minutes 10 --no-images",
+       "touchtrace simulate touch.h5 --minutes 10 --no-images --imu",
        "touchtrace simulate wave --object seen --minutes 5 --resume",
        "touchtrace simulate other_glove.h5 --glove 2 --assume glove-gain=0.5 wave-period=0.5:1.5",
        "touchtrace simulate mixed --object bottle-half,my_mug.toml --config scene.toml"},

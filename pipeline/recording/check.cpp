@@ -67,6 +67,11 @@ nlohmann::json describe_glove(const GloveStream& glove, const std::vector<Clip>&
                {"polarity", info.polarity},
                {"nominal_hz", info.rate_hz}});
   json.update(to_json(check_tactile(glove)));
+  if (glove.inertial) {
+    const InertialStream& unit = *glove.inertial;
+    json["inertial"] = to_json(timing_of(unit.sequence, unit.host_time_s, clips));
+    json["inertial"]["nominal_hz"] = unit.rate_hz;
+  }
   return json;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,20 @@ struct GloveInfo {
   int taxels() const { return rows * cols; }
 };
 
+/// The inertial unit of a glove, with its axes along those of the hand's frame. `sequence` counts the
+/// samples by the glove's clock. Each is the mean over the period before it.
+struct InertialStream {
+  double rate_hz = 100.0;           ///< nominal
+  std::array<double, 3> place_m{};  ///< of the unit, in the hand's frame
+  std::vector<std::uint64_t> sequence;            ///< [samples]
+  std::vector<double> host_time_s;                ///< [samples], arrival
+  std::vector<float> specific_force_m_per_s2;     ///< [samples, 3]: acceleration less gravity's
+  std::vector<float> angular_velocity_rad_per_s;  ///< [samples, 3]
+  /// [samples, 4], the unit's own estimate: of the hand in a frame whose z axis points upwards, and
+  /// whose heading starts anywhere and drifts.
+  std::vector<float> orientation_wxyz;
+};
+
 /// The frames of one glove. `sequence` is the device's own frame counter: it goes on through frames
 /// that were lost or not recorded, so it is the glove's clock. `host_time_s` are arrival stamps, with
 /// transport latency and jitter.
@@ -32,6 +47,7 @@ struct GloveStream {
   std::vector<std::uint64_t> sequence;  ///< [frames]
   std::vector<double> host_time_s;      ///< [frames]
   std::vector<std::uint16_t> counts;    ///< [frames, rows, cols]
+  std::optional<InertialStream> inertial = std::nullopt;  ///< none: the glove has no such unit
 
   std::size_t frames() const { return sequence.size(); }
 };

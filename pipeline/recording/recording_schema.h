@@ -65,6 +65,31 @@ void exchange_glove_info(Archive& group, Info& info) {
   group.attribute("polarity", info.polarity);
 }
 
+template <class Archive, class Numbers>
+void exchange_numbers(Archive& group, const std::string& name, Numbers& numbers,
+                      const std::string& axis, const h5::Meaning& meaning) {
+  std::vector<double> values(numbers.begin(), numbers.end());
+  group.array(name, values, {group.axis(axis, numbers.size())}, meaning);
+  if constexpr (!std::is_const_v<Numbers>)
+    std::copy_n(values.begin(), numbers.size(), numbers.begin());
+}
+
+template <class Archive, class Stream>
+void exchange_inertial(Archive& group, Stream& stream) {
+  group.attribute("rate_hz", stream.rate_hz);
+  const h5::Axis sample =
+      group.axis("host_time_s", stream.host_time_s, {"s", "arrival, host clock"});
+  const h5::Axis xyz = group.axis("xyz", 3), wxyz = group.axis("wxyz", 4);
+  exchange_numbers(group, "place", stream.place_m, "xyz", {"m", "of the unit, hand's frame"});
+  group.array("sequence", stream.sequence, {sample}, {"1", "the unit's own sample counter"});
+  group.array("specific_force", stream.specific_force_m_per_s2, {sample, xyz},
+              {"m s-2", "acceleration less gravity's, hand's frame"});
+  group.array("angular_velocity", stream.angular_velocity_rad_per_s, {sample, xyz},
+              {"rad s-1", "hand's frame"});
+  group.array("orientation_wxyz", stream.orientation_wxyz, {sample, wxyz},
+              {"1", "unit quaternion, the unit's own estimate, of the hand in a frame with z up"});
+}
+
 template <class Archive, class Stream>
 void exchange_glove(Archive& group, Stream& stream) {
   exchange_glove_info(group, stream.info);
@@ -79,15 +104,11 @@ void exchange_glove(Archive& group, Stream& stream) {
   group.array("mask", stream.info.mask, {row, col}, {"1", "1 where there is a taxel"});
   group.array("taxel_position", stream.info.taxel_position_m, {row, col, xyz},
               {"m", "place of the taxel in the hand's frame"});
-}
-
-template <class Archive, class Numbers>
-void exchange_numbers(Archive& group, const std::string& name, Numbers& numbers,
-                      const std::string& axis, const h5::Meaning& meaning) {
-  std::vector<double> values(numbers.begin(), numbers.end());
-  group.array(name, values, {group.axis(axis, numbers.size())}, meaning);
-  if constexpr (!std::is_const_v<Numbers>)
-    std::copy_n(values.begin(), numbers.size(), numbers.begin());
+  if constexpr (!std::is_const_v<Stream>)
+    if (group.has("inertial")) stream.inertial.emplace();
+  if (!stream.inertial) return;
+  auto inertial = group.group("inertial");
+  exchange_inertial(inertial, *stream.inertial);
 }
 
 template <class Archive, class Camera>

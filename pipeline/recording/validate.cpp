@@ -67,6 +67,18 @@ void validate_clips(const std::vector<Clip>& clips, const std::string& name) {
   }
 }
 
+void validate_inertial(const InertialStream& unit, const std::string& name) {
+  require(unit.rate_hz > 0.0 && unit.rate_hz <= 1e5, name,
+          fmt::format("a rate of {} Hz", unit.rate_hz));
+  require_finite(std::span<const double>(unit.place_m), name + "/place");
+  require_finite(std::span<const float>(unit.specific_force_m_per_s2), name + "/specific_force");
+  require_finite(std::span<const float>(unit.angular_velocity_rad_per_s),
+                 name + "/angular_velocity");
+  require_finite(std::span<const float>(unit.orientation_wxyz), name + "/orientation_wxyz");
+  require_increasing(unit.sequence, name + "/sequence");
+  require_times(unit.host_time_s, name + "/host_time_s");
+}
+
 void validate_glove(const GloveStream& glove, const std::string& name) {
   const GloveInfo& info = glove.info;
   require(info.rows > 0 && info.rows <= most_taxels_a_side && info.cols > 0 &&
@@ -90,6 +102,7 @@ void validate_glove(const GloveStream& glove, const std::string& name) {
           name, fmt::format("counts beyond the converter's {} bits", info.bits));
   require_increasing(glove.sequence, name + "/sequence");
   require_times(glove.host_time_s, name + "/host_time_s");
+  if (glove.inertial) validate_inertial(*glove.inertial, name + "/inertial");
 }
 
 void validate_camera(const Recording& recording, const std::string& name) {

@@ -307,10 +307,32 @@ void add_glove(Table& table) {
   row("lost", &P::lost, "", 0.0, 0.9, "share of the frames", "no", "a busy host");
 }
 
+void add_inertial(Table& table) {
+  using P = InertialParameters;
+  constexpr const char* sheet = "BMI270's data sheet";
+  Rows<P> row(table, "inertial", &SceneParameters::inertial);
+  row("rate", &P::rate_hz, "Hz", 1.0, 1000.0, "of the unit's samples", sheet, "one of its rates");
+  row("place-x", &P::place_x_m, "m", -0.3, 0.3,
+      "of the unit, from the palm's middle to the fingers", "no", "near the wrist");
+  row("place-z", &P::place_z_m, "m", -0.3, 0.3, "of the unit, out of the palm", "no",
+      "on the back of the hand");
+  row("force-noise", &P::force_noise_g, "g/sqrt(Hz)", 0.0, 0.1, "density", sheet, "");
+  row("force-offset", &P::force_offset_g, "g", 0.0, 1.0, "deviation of each axis", sheet, "");
+  row("force-range", &P::force_range_g, "g", 1.0, 100.0, "to either side, in 16 bits", sheet, "");
+  row("rate-noise", &P::rate_noise_deg_per_s, "deg/s/sqrt(Hz)", 0.0, 10.0, "density", sheet, "");
+  row("rate-offset", &P::rate_offset_deg_per_s, "deg/s", 0.0, 100.0, "deviation of each axis",
+      sheet, "");
+  row("rate-range", &P::rate_range_deg_per_s, "deg/s", 10.0, 1e4, "to either side, in 16 bits",
+      sheet, "");
+  row("levelling", &P::levelling_s, "s", 0.01, 1e4,
+      "in which its vertical follows the specific force", "form: Mahony 2008, value: no",
+      "longer than a movement");
+}
+
 Table all_rows() {
   Table table;
   for (const auto add : {add_contact, add_arm, add_fingers, add_grasp, add_objects, add_wave,
-                         add_throw, add_ball, add_pingpong, add_balance, add_glove})
+                         add_throw, add_ball, add_pingpong, add_balance, add_glove, add_inertial})
     add(table);
   return table;
 }

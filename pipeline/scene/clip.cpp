@@ -5,6 +5,7 @@
 #include "pipeline/scene/activity.h"
 #include "pipeline/scene/glove.h"
 #include "pipeline/scene/grasp.h"
+#include "pipeline/scene/inertial.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -66,8 +67,10 @@ ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s) 
                                          options.object.name, clip, attempt);
     Performance performance(options, name, start_s);
     const bool held = performance.grasp();
-    if (held || attempt >= options.parameters.grasp.attempts)
-      return record(options, performance, start_s);
+    if (!held && attempt < options.parameters.grasp.attempts) continue;
+    ClipMotion motion = record(options, performance, start_s);
+    if (options.inertial_unit) motion.glove.inertial = sense_inertia(motion.samples, options, clip);
+    return motion;
   }
 }
 

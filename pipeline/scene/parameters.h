@@ -120,6 +120,15 @@ struct GloveParameters {
   auto operator<=>(const GloveParameters&) const = default;
 };
 
+/// The inertial unit on the back of the hand; densities a root of hertz.
+struct InertialParameters {
+  double rate_hz = 100.0;
+  double place_x_m = -0.02, place_z_m = -0.03;  ///< hand's frame
+  double force_noise_g = 160e-6, force_offset_g = 0.020, force_range_g = 8.0;
+  double rate_noise_deg_per_s = 0.007, rate_offset_deg_per_s = 0.5, rate_range_deg_per_s = 2000.0;
+  double levelling_s = 5.0;  ///< in which its vertical follows the specific force
+};
+
 struct SceneParameters {
   ContactParameters contact;
   ArmParameters arm;
@@ -132,6 +141,7 @@ struct SceneParameters {
   PingpongParameters pingpong;
   BalanceParameters balance;
   GloveParameters glove;
+  InertialParameters inertial;
 };
 
 }  // namespace touchtrace::scene

@@ -117,7 +117,8 @@ struct SceneOptions {
   int image_width = 320, image_height = 240;
   int board_views = 20;
   std::uint64_t seed = 1;
-  int glove = 1;  ///< another number: another specimen on the same hand
+  int glove = 1;               ///< another number: another specimen on the same hand
+  bool inertial_unit = false;  ///< on the back of the hand
   SceneParameters parameters = {};
 };
 

@@ -55,14 +55,29 @@ class MotionQueue {
   std::deque<std::future<ClipMotion>> ahead_;
 };
 
+template <class Value>
+void append(std::vector<Value>& to, const std::vector<Value>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+void append_inertial(InertialStream& to, const InertialStream& from) {
+  append(to.sequence, from.sequence);
+  append(to.host_time_s, from.host_time_s);
+  append(to.specific_force_m_per_s2, from.specific_force_m_per_s2);
+  append(to.angular_velocity_rad_per_s, from.angular_velocity_rad_per_s);
+  append(to.orientation_wxyz, from.orientation_wxyz);
+}
+
 void append_glove(std::vector<GloveStream>& gloves, const GloveStream& glove) {
-  if (gloves.empty()) gloves.push_back({glove.info, {}, {}, {}});
-  const auto append = [](auto& to, const auto& from) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
-  append(gloves.front().sequence, glove.sequence);
-  append(gloves.front().host_time_s, glove.host_time_s);
-  append(gloves.front().counts, glove.counts);
+  if (gloves.empty()) {
+    gloves.push_back(glove);
+    return;
+  }
+  GloveStream& whole = gloves.front();
+  append(whole.sequence, glove.sequence);
+  append(whole.host_time_s, glove.host_time_s);
+  append(whole.counts, glove.counts);
+  if (glove.inertial) append_inertial(*whole.inertial, *glove.inertial);
 }
 
 SimulationSummary summarize(const Recording& recording) {

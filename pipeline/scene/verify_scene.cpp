@@ -29,6 +29,7 @@ Verification verify_scene() {
       verify_speed(activity, emit);
       verify_rendering(activity, emit);
     }
+    verify_inertial(emit);
     verify_forms(closed_forms(), emit);
     verify_forms(ball_forms(), emit);
     verify_precision(emit);

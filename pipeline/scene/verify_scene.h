@@ -19,6 +19,9 @@ void verify_objects(const std::string& activity, const std::function<void(Figure
 /// Rows about how an umbrella is balanced.
 void verify_balance(const std::function<void(Figure)>& emit);
 
+/// Rows about the inertial unit: at rest, and its angular velocity integrated.
+void verify_inertial(const std::function<void(Figure)>& emit);
+
 /// Whether one frame of touch tells where the hand is, which it must not.
 void verify_probe(const std::string& activity, const std::function<void(Figure)>& emit);
 

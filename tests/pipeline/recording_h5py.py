@@ -35,4 +35,9 @@ with h5py.File(sys.argv[1], "r") as file:
         assert [d.label for d in depth.dims] == ["host_time_s", "y", "x"]
         assert depth.attrs["scale_factor"] == file["camera"].attrs["depth_unit_m"]
         assert depth.chunks[0] == 1
+        if "inertial" in file["glove0"]:
+            unit = file["glove0/inertial"]
+            assert unit["specific_force"].attrs["units"] == b"m s-2"
+            assert unit["orientation_wxyz"].shape == unit["host_time_s"].shape + (4,)
+            print(float(unit["specific_force"][:].sum()))
         print(int(file["glove0/counts"][:].astype("u8").sum()), int(depth[3].astype("u8").sum()))

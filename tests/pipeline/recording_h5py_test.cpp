@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "engine/base/error.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
@@ -41,6 +42,32 @@ TEST(RecordingH5py, EveryDatasetHasUnitsScalesAndChecksums) {
   EXPECT_EQ(opened.status, 0) << opened.output;
   EXPECT_EQ(opened.output, fmt::format("{} {}\n", sum_of(sample.recording.gloves[0].counts),
                                        sum_of(sample.frames[3].depth)));
+}
+
+TEST(RecordingH5py, SoHasTheInertialUnit) {
+  const TemporaryFolder folder;
+  auto sample = sample_recording();
+  InertialStream& unit = sample.recording.gloves[0].inertial.emplace();
+  unit.place_m = {-0.02, 0.0, -0.03};
+  for (unsigned i = 0; i < 5; ++i) {
+    unit.sequence.push_back(100 + i);
+    unit.host_time_s.push_back(10.0 + 0.01 * i);
+    unit.specific_force_m_per_s2.insert(unit.specific_force_m_per_s2.end(), {0.25f, -0.5f, 9.75f});
+    unit.angular_velocity_rad_per_s.insert(unit.angular_velocity_rad_per_s.end(), {1, 2, 3});
+    unit.orientation_wxyz.insert(unit.orientation_wxyz.end(), {1, 0, 0, 0});
+  }
+  write(sample, folder / "a.h5");
+  const Outcome opened = open_in_h5py(folder / "a.h5");
+  EXPECT_EQ(opened.status, 0) << opened.output;
+  EXPECT_TRUE(opened.output.starts_with("47.5\n")) << opened.output;
+  const RecordingReader reader(folder / "a.h5");
+  const auto& read = reader.recording().gloves[0].inertial;
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(read->place_m, unit.place_m);
+  EXPECT_EQ(read->host_time_s, unit.host_time_s);
+  EXPECT_EQ(read->angular_velocity_rad_per_s, unit.angular_velocity_rad_per_s);
+  unit.orientation_wxyz[3] = std::nanf("");
+  EXPECT_THROW(write(sample, folder / "b.h5"), Error);
 }
 
 TEST(RecordingH5py, SoHaveLabels) {

@@ -1,16 +1,20 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
 #include "engine/base/text.h"
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/activity.h"
 #include "pipeline/scene/assumptions.h"
+#include "pipeline/scene/data_sets.h"
 #include "pipeline/scene/object_file.h"
 #include "pipeline/scene/simulate.h"
 
@@ -19,9 +23,12 @@ namespace {
 
 struct SimulateOptions {
   scene::SceneOptions scene;
-  std::string output, object;
+  std::string output, object, dataset;
   std::vector<std::string> assume;
-  bool no_images = false, resume = false;
+  double share = 1.0;
+  bool no_images = false, images = false, resume = false;
+
+  bool rendered() const { return dataset.empty() ? !no_images : images; }
 };
 
 void describe(OptionSet& set, SimulateOptions& o) {
@@ -48,6 +55,12 @@ void describe(OptionSet& set, SimulateOptions& o) {
       "an inertial unit on the back of the hand: specific force, angular velocity, orientation");
   set.texts("assume", o.assume,
             "NAME=VALUE: what the scene assumes instead (see `touchtrace assumptions`)");
+  set.text(
+      "dataset", o.dataset,
+      "'paper': a folder of recordings with activities, objects and frames as in its table, not "
+      "rendered");
+  set.number("share", o.share, "of a data set's frames", 1e-4, 1.0);
+  set.flag("images", o.images, "render a data set, too");
   set.flag("no-images", o.no_images, "glove and truth only, nothing is rendered");
   set.flag("resume", o.resume, "keep the recordings in the folder that these options made");
   set.seed("seed", s.seed, "of every random number");
@@ -67,7 +80,7 @@ nlohmann::json to_json(const scene::SimulationSummary& summary, const std::strin
 
 /// One object, and the recording that is made of it.
 struct Part {
-  scene::ObjectSpec object;
+  scene::SceneOptions scene;
   std::filesystem::path output;
   Provenance provenance;
 };
@@ -89,25 +102,52 @@ std::vector<std::string> object_names(const SimulateOptions& options) {
   return separated(options.object, ',');
 }
 
+Provenance provenance_of(const scene::SceneOptions& scene, const Invocation& invocation,
+                         const std::string& device) {
+  Provenance provenance = start_provenance("touchtrace/recording/1", "simulate");
+  provenance.options = invocation.options;
+  provenance.options["activity"] = scene.activity;
+  provenance.options["object"] = scene.object.name;
+  provenance.options["minutes"] = scene.minutes;
+  provenance.options["seed"] = scene.seed;
+  provenance.options["assume"] = scene::values_json(scene.parameters);
+  provenance.seed = scene.seed;
+  provenance.device = device;
+  return provenance;
+}
+
+std::vector<Part> parts_of_data_set(const SimulateOptions& options, const Invocation& invocation,
+                                    const std::string& device) {
+  if (!options.object.empty())
+    throw usage_error("a data set has objects of its own", "leave out --object or --dataset");
+  std::vector<Part> parts;
+  for (auto& planned :
+       recordings_of(scene::find_data_set(options.dataset), options.scene, options.share)) {
+    Provenance provenance = provenance_of(planned.scene, invocation, device);
+    parts.push_back({std::move(planned.scene), std::filesystem::path(options.output) / planned.file,
+                     std::move(provenance)});
+  }
+  return parts;
+}
+
 std::vector<Part> parts_of(const SimulateOptions& options, const Invocation& invocation,
                            const std::string& device) {
+  if (!options.dataset.empty()) return parts_of_data_set(options, invocation, device);
   std::vector<Part> parts;
   for (const std::string& name : object_names(options))
     for (scene::ObjectSpec& object : objects_of(name, options.scene.activity)) {
-      Provenance provenance = start_provenance("touchtrace/recording/1", "simulate");
-      provenance.options = invocation.options;
-      provenance.options["object"] = object.name;
-      provenance.options["assume"] = scene::values_json(options.scene.parameters);
-      provenance.seed = options.scene.seed;
-      provenance.device = device;
-      if (name.ends_with(".toml")) provenance.add_input(name);
-      if (std::ranges::any_of(parts, [&](const Part& p) { return p.object.name == object.name; }))
+      if (std::ranges::any_of(parts,
+                              [&](const Part& p) { return p.scene.object.name == object.name; }))
         throw usage_error(fmt::format("'{}' is asked for twice", object.name),
                           "name each object once");
-      parts.push_back({std::move(object), options.output, std::move(provenance)});
+      scene::SceneOptions scene = options.scene;
+      scene.object = std::move(object);
+      Provenance provenance = provenance_of(scene, invocation, device);
+      if (name.ends_with(".toml")) provenance.add_input(name);
+      parts.push_back({std::move(scene), options.output, std::move(provenance)});
     }
   if (parts.size() > 1)
-    for (Part& part : parts) part.output /= part.object.name + ".h5";
+    for (Part& part : parts) part.output /= part.scene.object.name + ".h5";
   return parts;
 }
 
@@ -128,14 +168,6 @@ bool is_there(const Part& part, const SimulateOptions& options) {
                     "give those, another folder, or --overwrite without --resume");
 }
 
-scene::SimulationSummary simulate(Part& part, const SimulateOptions& options, Runtime* runtime,
-                                  bool overwrite) {
-  scene::SceneOptions scene = options.scene;
-  scene.object = part.object;
-  return scene::simulate_recording(scene, runtime, part.output, overwrite,
-                                   std::move(part.provenance));
-}
-
 void print_summary(const scene::SimulationSummary& summary, const std::string& output) {
   fmt::print(
       "{}: {} clips ({} dropped the object), {} glove frames, {} camera frames, {} board views\n",
@@ -143,19 +175,28 @@ void print_summary(const scene::SimulationSummary& summary, const std::string& o
       summary.board_views);
 }
 
+std::uint64_t minutes_of(std::span<const Part> parts) {
+  double minutes = 0.0;
+  for (const Part& part : parts) minutes += std::ceil(part.scene.minutes);
+  return static_cast<std::uint64_t>(minutes);
+}
+
 ExitCode run(const SimulateOptions& given, const Invocation& invocation) {
   SimulateOptions options = given;
   options.scene.parameters = scene::assumed(given.assume);
   std::optional<Runtime> runtime;
-  if (!options.no_images) runtime.emplace(usable_device(invocation.device));
+  if (options.rendered()) runtime.emplace(usable_device(invocation.device));
   auto parts = parts_of(options, invocation, runtime ? runtime->device().name : "");
   std::erase_if(parts, [&](const Part& part) { return is_there(part, options); });
   if (!options.resume)
     for (const Part& part : parts) OutputFile(part.output, invocation.overwrite);
   nlohmann::json rows = nlohmann::json::array();
+  Progress progress("simulated minutes", minutes_of(parts));
   for (Part& part : parts) {
     const auto summary =
-        simulate(part, options, runtime ? &*runtime : nullptr, invocation.overwrite);
+        scene::simulate_recording(part.scene, runtime ? &*runtime : nullptr, part.output,
+                                  invocation.overwrite, std::move(part.provenance));
+    if (parts.size() > 1) progress.advance(minutes_of({&part, 1}), part.output.string());
     rows.push_back(to_json(summary, part.output.string()));
     if (!invocation.json) print_summary(summary, part.output.string());
   }
@@ -174,6 +215,7 @@ Verb simulate_verb() {
        "touchtrace simulate touch.h5 --minutes 10 --no-images --imu",
        "touchtrace simulate wave --object seen --minutes 5 --resume",
        "touchtrace simulate other_glove.h5 --glove 2 --assume glove-gain=0.5 wave-period=0.5:1.5",
+       "touchtrace simulate paper --dataset paper --resume",
        "touchtrace simulate mixed --object bottle-half,my_mug.toml --config scene.toml"},
       run);
 }

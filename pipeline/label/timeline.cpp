@@ -18,15 +18,18 @@ double device_time_s(const GloveStream& glove, std::uint64_t sequence) {
          glove.info.rate_hz;
 }
 
-void require_streams(const Recording& recording) {
+void require_glove(const Recording& recording) {
   if (recording.gloves.empty() || recording.gloves.front().frames() == 0)
     throw data_error("the recording has no glove frames: there is nothing to label",
                      "record with the glove connected; run: touchtrace check RECORDING");
+  if (recording.clips.empty())
+    throw data_error("the recording has no clips", "mark at least one stretch with a grasp");
+}
+
+void require_camera(const Recording& recording) {
   if (recording.camera_times.frames() == 0)
     throw data_error("the recording has no camera frames: nothing can be followed",
                      "record with the camera connected; run: touchtrace check RECORDING");
-  if (recording.clips.empty())
-    throw data_error("the recording has no clips", "mark at least one stretch with a grasp");
 }
 
 void require_rate(const ClockFit& clock, const char* stream) {
@@ -43,15 +46,9 @@ double Timeline::glove_time_s(std::uint64_t sequence) const {
   return glove.host_time_s(static_cast<double>(sequence) / glove_rate_hz) - 0.5 * glove_scan_s;
 }
 
-Timeline align(const Recording& recording) {
-  require_streams(recording);
+Timeline align_glove(const Recording& recording) {
+  require_glove(recording);
   Timeline timeline;
-  timeline.camera =
-      fit_clock(recording.camera_times.device_time_s, recording.camera_times.host_time_s);
-  require_rate(timeline.camera, "camera");
-  for (double device_s : recording.camera_times.device_time_s)
-    timeline.camera_time_s.push_back(timeline.camera.host_time_s(device_s));
-
   const auto& stream = recording.gloves.front();
   std::vector<double> device_s;
   for (auto sequence : stream.sequence) device_s.push_back(device_time_s(stream, sequence));
@@ -61,6 +58,17 @@ Timeline align(const Recording& recording) {
   timeline.glove_rate_hz = stream.info.rate_hz;
   timeline.glove.offset_s -=
       timeline.glove.rate * static_cast<double>(stream.sequence.front()) / stream.info.rate_hz;
+  return timeline;
+}
+
+Timeline align(const Recording& recording) {
+  Timeline timeline = align_glove(recording);
+  require_camera(recording);
+  timeline.camera =
+      fit_clock(recording.camera_times.device_time_s, recording.camera_times.host_time_s);
+  require_rate(timeline.camera, "camera");
+  for (double device_s : recording.camera_times.device_time_s)
+    timeline.camera_time_s.push_back(timeline.camera.host_time_s(device_s));
   return timeline;
 }
 

@@ -18,7 +18,9 @@ struct Timeline {
   double glove_time_s(std::uint64_t sequence) const;
 };
 
-/// Throws data_error for a recording without glove or camera frames.
+/// The glove's part of it. Throws data_error for a recording without glove frames or clips.
+Timeline align_glove(const Recording& recording);
+/// Throws data_error for a recording without camera frames, too.
 Timeline align(const Recording& recording);
 
 /// One glove frame to be labelled; index -1: lost on the way.

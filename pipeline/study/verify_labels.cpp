@@ -32,6 +32,8 @@ void emit_object(const std::string& name, const BodyError& error, const Emit& em
   emit(reported(name + ": object velocity RMS", error.aligned_velocity_rms_m_per_s, "m/s"));
   emit(
       reported(name + ": object velocity RMS, latency left in", error.velocity_rms_m_per_s, "m/s"));
+  emit(reported(name + ": object velocity RMS, filtered, latency left in",
+                error.causal_velocity_rms_m_per_s, "m/s"));
   emit(reported(name + ": delay that no stamp shows", 1e3 * error.delay_s, "ms"));
   emit(within(name + ": object positions in their 80 % interval", error.position_coverage, "", 0.78,
               0.82));
@@ -45,6 +47,9 @@ void emit_hand(const std::string& name, const BodyError& error, const Emit& emit
   emit(reported(name + ": hand position RMS about that", 1e3 * error.position_spread_m.norm(),
                 "mm"));
   emit(reported(name + ": hand velocity RMS", error.aligned_velocity_rms_m_per_s, "m/s"));
+  emit(reported(name + ": hand velocity RMS, latency left in", error.velocity_rms_m_per_s, "m/s"));
+  emit(reported(name + ": hand velocity RMS, filtered, latency left in",
+                error.causal_velocity_rms_m_per_s, "m/s"));
 }
 
 void measure_tracker(const std::string& activity, const std::string& tracker,

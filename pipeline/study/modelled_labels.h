@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "pipeline/dataset/dataset.h"
+
+namespace touchtrace::study {
+
+/// How the labels of one body err: the figures of BodyError.
+struct BodyErrorModel {
+  std::array<double, 3> position_m;                  ///< deviations
+  double velocity_m_per_s, causal_velocity_m_per_s;  ///< per axis, less what the delay explains
+};
+
+/// How the vision pipeline errs, for data sets that are too many to be rendered. Its errors are
+/// smooth: band-limited noise of that deviation in place has that one in speed if its band ends at
+/// sqrt(3) velocity / (2 pi position). Filtered states err more in speed, from frame to frame.
+struct LabelErrorModel {
+  BodyErrorModel object, hand;
+  double delay_s;     ///< of the labels
+  double lost_share;  ///< of the labels, not to be trusted
+};
+
+/// As `touchtrace verify labels` measures it with the default tracker: of wave or throw, or of the
+/// one of them that moves more alike.
+const LabelErrorModel& measured_label_error(const std::string& activity);
+
+/// A simulated recording with labels that err like that instead of those of its images. Times are
+/// those that its stamps give. The truth is attached and shifted like that of a session.
+Dataset load_with_modelled_labels(const std::filesystem::path& recording,
+                                  const LabelErrorModel& model, int resolution, std::uint64_t seed);
+
+}  // namespace touchtrace::study

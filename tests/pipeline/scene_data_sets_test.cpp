@@ -1,0 +1,43 @@
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "engine/base/error.h"
+#include "pipeline/scene/activity.h"
+#include "pipeline/scene/data_sets.h"
+
+namespace touchtrace::scene {
+namespace {
+
+TEST(SceneDataSets, HaveTheFramesAskedFor) {
+  const DataSet& paper = find_data_set("paper");
+  std::map<std::string, double> frames;
+  for (const PlannedRecording& recording : recordings_of(paper, {}, 1.0)) {
+    const double arriving = recording.scene.minutes * 60.0 * 15.0 * 0.98;
+    frames[recording.file.parent_path().string()] += arriving;
+  }
+  ASSERT_EQ(frames.size(), paper.parts.size());
+  for (const DataSetPart& part : paper.parts) {
+    const double found = frames.at(part.activity + "/" + part.name);
+    EXPECT_GE(found, part.frames * (1 - 1e-9));
+    EXPECT_LE(found, part.frames * 1.02 + 147.0);
+  }
+}
+
+TEST(SceneDataSets, AskOnlyForWhatCanBeDone) {
+  std::set<std::string> files, activities;
+  for (const PlannedRecording& recording : recordings_of(find_data_set("paper"), {}, 0.01)) {
+    EXPECT_TRUE(files.insert(recording.file.string()).second) << recording.file;
+    EXPECT_TRUE(find_activity(recording.scene.activity).takes(recording.scene.object));
+    activities.insert(recording.scene.activity);
+  }
+  const auto names = activity_names();
+  EXPECT_EQ(activities, std::set<std::string>(names.begin(), names.end()));
+  EXPECT_TRUE(files.contains("throw/seen/ball.h5"));
+  EXPECT_FALSE(files.contains("throw/seen/hammer.h5"));
+  EXPECT_THROW(find_data_set("papers"), Error);
+}
+
+}  // namespace
+}  // namespace touchtrace::scene

@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "pipeline/scene/simulate.h"
+#include "pipeline/study/modelled_labels.h"
+#include "pipeline/study/sensitivity.h"
+#include "tests/pipeline/recording_samples.h"
+
+namespace touchtrace::study {
+namespace {
+
+using testing::TemporaryFolder;
+
+Provenance provenance_of(const SensitivityOptions& options) {
+  Provenance provenance = start_provenance("touchtrace/sensitivity/1", "test");
+  provenance.options = {{"clips", options.clips}, {"only", options.only}};
+  return provenance;
+}
+
+SensitivityOptions small(const std::filesystem::path& output) {
+  SensitivityOptions options;
+  options.output = output.string();
+  options.only = {"glove-noise", "throw-apex"};
+  options.seeds = 2;
+  options.clips = 10;
+  options.updates = 3;
+  options.resolution = 6;
+  options.window = 2;
+  return options;
+}
+
+nlohmann::json cell_of(const nlohmann::json& document, const nlohmann::json& name, double factor,
+                       int seed) {
+  for (const auto& cell : document["cells"])
+    if (cell["assumption"] == name && cell["factor"] == factor && cell["seed"] == seed) return cell;
+  return nullptr;
+}
+
+TEST(StudySensitivity, ComparesHalfAndDoubleOnTheSameRandomNumbers) {
+  const TemporaryFolder folder;
+  Runtime runtime(choose_device(""));
+  SensitivityOptions options = small(folder / "wave.json");
+  const auto found = measure_sensitivity(runtime, options, provenance_of(options), false);
+  ASSERT_EQ(found["cells"].size(), 6u);
+  const auto usual = cell_of(found, nullptr, 1.0, 1), half = cell_of(found, "glove-noise", 0.5, 1),
+             apex = cell_of(found, "throw-apex", 2.0, 1);
+  EXPECT_NE(usual["full"], half["full"]);
+  EXPECT_EQ(usual["without_touch"], half["without_touch"]);  // noise moves no hand
+  EXPECT_EQ(usual["full"], apex["full"]);                    // nothing is thrown
+  EXPECT_NE(usual["full"], cell_of(found, nullptr, 1.0, 2)["full"]);
+  const std::string table = sensitivity_table(found);
+  EXPECT_NE(table.find("| glove-noise | 0.75, 3 |"), std::string::npos) << table;
+  EXPECT_NE(table.find("Nothing changed with: throw-apex."), std::string::npos) << table;
+
+  options.resume = true;
+  options.only = {"glove-noise"};
+  EXPECT_EQ(measure_sensitivity(runtime, options, provenance_of(options), false), found);
+  options.clips = 20;
+  EXPECT_THROW(measure_sensitivity(runtime, options, provenance_of(options), false), Error);
+}
+
+TEST(StudySensitivity, ModelledLabelsErrAsTheirModelSays) {
+  const TemporaryFolder folder;
+  scene::SceneOptions scene;
+  scene.minutes = 5.0;
+  simulate_recording(scene, nullptr, folder / "wave.h5", false,
+                     start_provenance("touchtrace/recording/1", "test"));
+  const LabelErrorModel model{
+      {{0.004, 0.002, 0.006}, 0.05, 0.10}, {{0.005, 0.005, 0.005}, 0.03, 0.03}, 0.0, 0.2};
+  const Dataset data = load_with_modelled_labels(folder / "wave.h5", model, 8, 1);
+  std::array<double, state_size> square{}, causal{};
+  double lost = 0.0;
+  for (int i = 0; i < data.frames(); ++i) {
+    lost += data.trusted[i] ? 0.0 : 1.0 / data.frames();
+    for (int d = 0; d < state_size; ++d) {
+      square[d] += std::pow(data.label[i][d] - data.truth[i][d], 2) / data.frames();
+      causal[d] += std::pow(data.causal_label[i][d] - data.truth[i][d], 2) / data.frames();
+    }
+  }
+  // 30 clips of eight sinusoids each: a tenth.
+  const auto near = [](double found, double wanted) { EXPECT_NEAR(found, wanted, 0.1 * wanted); };
+  for (int axis = 0; axis < 3; ++axis) {
+    near(std::sqrt(square[axis]), model.object.position_m[axis]);
+    near(std::sqrt(square[3 + axis]), 0.05);
+    near(std::sqrt(causal[3 + axis]), 0.10);
+    near(std::sqrt(square[6 + axis]), 0.005);
+    near(std::sqrt(square[9 + axis]), 0.03);
+  }
+  EXPECT_NEAR(lost, 0.2, 0.02);
+}
+
+}  // namespace
+}  // namespace touchtrace::study

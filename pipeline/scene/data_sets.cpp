@@ -37,7 +37,9 @@ const std::vector<DataSet>& data_sets() {
         {"throw", "seen", "seen", 230e3},
         {"throw", "unseen", "unseen", 61e3},
         {"pingpong", "train", "", 15e3},
-        {"pingpong", "test", "", 3e3, 1}}},
+        {"pingpong", "test", "", 3e3, 1},
+        {"balance", "train", "", 15e3},
+        {"balance", "test", "", 3e3, 1}}},
   };
   return table;
 }

@@ -40,6 +40,7 @@ ClipMotion record(const SceneOptions& options, Performance& performance, double 
   ClipMotion clip;
   const int samples = static_cast<int>(std::lround(options.clip_s * sample_rate_hz));
   clip.samples.reserve(samples);
+  const long clamped_before = performance.world().contact().clamp_hits();
   Glove& glove = performance.glove();
   glove.start(start_s);
   for (int i = 0; i < samples; ++i) {
@@ -55,6 +56,7 @@ ClipMotion record(const SceneOptions& options, Performance& performance, double 
     add_impacts(performance.world(), sample.time_s, clip);
   }
   clip.glove = glove.take();
+  clip.clamp_hits = performance.world().contact().clamp_hits() - clamped_before;
   add_flights(clip);
   return clip;
 }

@@ -104,6 +104,7 @@ struct ClipMotion {
   std::vector<Truth::Event> events;
   GloveStream glove;
   bool dropped = false;
+  long clamp_hits = 0;  ///< taxels that were pressed deeper than the contact law is meant for
 };
 
 inline constexpr double sample_rate_hz = 500.0;

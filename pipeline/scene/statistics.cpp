@@ -118,6 +118,7 @@ ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec
   double saturated = 0.0, readings = 0.0;
   for (const ClipMotion& clip : clips) {
     s.drop_share += (clip.dropped ? 1.0 : 0.0) / static_cast<double>(clips.size());
+    s.clamped_clip_share += (clip.clamp_hits > 0) / static_cast<double>(clips.size());
     add_apexes(clip, s.apex_m);
     for (const SceneSample& sample : clip.samples) {
       if (sample.grip_force_n > 0.0) grip_n.push_back(sample.grip_force_n);

@@ -51,8 +51,7 @@ double hardest_grip_n(const ObjectSpec& object) { return std::max(60.0, 120.0 * 
 void verify_bounces(const std::string& what, const std::vector<ClipMotion>& clips,
                     const ObjectSpec& object, const Emit& emit) {
   const BounceStatistics s = bounce_statistics(clips, object);
-  emit(at_least(what + "hits a second", s.rate_hz, "1/s", 1.5));
-  emit(at_most(what + "hits a second", s.rate_hz, "1/s", 3.5));
+  emit(within(what + "hits a second", s.rate_hz, "1/s", 1.5, 3.5));
   emit(at_least(what + "1st percentile of apexes", percentile(s.apex_m, 0.01), "m", 0.09));
   emit(at_most(what + "99th percentile of apexes", percentile(s.apex_m, 0.99), "m", 0.45));
   emit(at_least(what + "hits with the racket braking", s.braking_share, "", 0.5));
@@ -68,6 +67,7 @@ void verify_object(const std::string& activity, const ObjectSpec& object, const 
   emit(at_least(what + "real time on one core", run.simulated_s / run.cpu_s, "x", 60.0));
   emit(at_most(what + "force against m (a - g), relative rms", s.force_residual, "", 1e-3));
   emit(at_most(what + "99th percentile of grip", s.grip_p99_n, "N", hardest_grip_n(object)));
+  emit(at_most(what + "clips pressed beyond the contact's law", s.clamped_clip_share, "", 0.0));
   emit(at_most(what + "saturated readings", s.saturated_share, "", 0.01));
   if (object.ball) verify_bounces(what, run.clips, object, emit);
   if (activity != "throw") return;

@@ -14,9 +14,10 @@ enum class TrackerKind { csrt, component };
 struct Observation {
   bool found = false;
   bool follows_hand = false;  ///< the object was not seen: it is where the hand carries it
-  Eigen::Vector3d position_m, sigma_m;  ///< of the body's centre
-  Eigen::Vector3d surface_m;            ///< centroid of what was seen
-  double visible = 0.0;                 ///< part of the object's disc, 0..1
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero(),
+                  sigma_m = Eigen::Vector3d::Zero();    ///< of the body's centre
+  Eigen::Vector3d surface_m = Eigen::Vector3d::Zero();  ///< centroid of what was seen
+  double visible = 0.0;                                 ///< part of the object's disc, 0..1
   PixelBox box;
 };
 

@@ -67,9 +67,9 @@ void exchange_glove_info(Archive& group, Info& info) {
 
 template <class Archive, class Numbers>
 void exchange_numbers(Archive& group, const std::string& name, Numbers& numbers,
-                      const std::string& axis, const h5::Meaning& meaning) {
+                      const h5::Axis& axis, const h5::Meaning& meaning) {
   std::vector<double> values(numbers.begin(), numbers.end());
-  group.array(name, values, {group.axis(axis, numbers.size())}, meaning);
+  group.array(name, values, {axis}, meaning);
   if constexpr (!std::is_const_v<Numbers>)
     std::copy_n(values.begin(), numbers.size(), numbers.begin());
 }
@@ -80,7 +80,7 @@ void exchange_inertial(Archive& group, Stream& stream) {
   const h5::Axis sample =
       group.axis("host_time_s", stream.host_time_s, {"s", "arrival, host clock"});
   const h5::Axis xyz = group.axis("xyz", 3), wxyz = group.axis("wxyz", 4);
-  exchange_numbers(group, "place", stream.place_m, "xyz", {"m", "of the unit, hand's frame"});
+  exchange_numbers(group, "place", stream.place_m, xyz, {"m", "of the unit, hand's frame"});
   group.array("sequence", stream.sequence, {sample}, {"1", "the unit's own sample counter"});
   group.array("specific_force", stream.specific_force_m_per_s2, {sample, xyz},
               {"m s-2", "acceleration less gravity's, hand's frame"});
@@ -117,8 +117,9 @@ void exchange_camera_info(Archive& group, Camera& camera) {
   group.attribute("height", camera.height);
   group.attribute("rate_hz", camera.rate_hz);
   group.attribute("depth_unit_m", camera.depth_unit_m);
-  exchange_numbers(group, "gravity", camera.gravity, "xyz", {"m s-2", "colour camera's frame"});
-  exchange_numbers(group, "depth_intrinsics", camera.depth_intrinsics, "fx_fy_cx_cy",
+  exchange_numbers(group, "gravity", camera.gravity, group.axis("xyz", 3),
+                   {"m s-2", "colour camera's frame"});
+  exchange_numbers(group, "depth_intrinsics", camera.depth_intrinsics, group.axis("fx_fy_cx_cy", 4),
                    {"1", "of the depth camera as its driver reports them, in pixels; 0: unknown"});
 }
 

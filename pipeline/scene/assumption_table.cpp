@@ -1,3 +1,4 @@
+#include "pipeline/scene/activity.h"
 #include "pipeline/scene/assumptions.h"
 
 namespace touchtrace::scene {
@@ -237,7 +238,7 @@ void add_balance(Table& table) {
   Rows<P> row(table, "balance", &SceneParameters::balance);
   row("delay", &P::delay_s, "s", 0.0, 1.0, "from the tip's motion to the hand's", "Milton 2009",
       "");
-  row("prediction", &P::prediction_s, "s", 0.0, 1.0,
+  row("prediction", &P::prediction_s, "s", control_interval_s, 1.0,
       "over which the person predicts from what his hand did",
       "forward models: Mehta and Schaal 2002, value: no", "he knows his delay");
   row("seen", &P::seen_m, "m", 0.0, 0.1, "noise of the tip's place, as it is seen", "no",

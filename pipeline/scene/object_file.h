@@ -15,8 +15,7 @@ namespace touchtrace::scene {
 ///     toss_apex_m = [0.1, 0.2]             # tosses rise that far; left out: never thrown
 ///
 ///     tracked_m = [0, 0, 0.4]              # its state is that of this point (default: of its
-///     centre
-///                                          # of mass), or of a ball:
+///                                          # centre of mass), or of a ball:
 ///     [ball]                               # a thin hollow sphere that is bounced on it
 ///     radius_m = 0.02
 ///     mass_kg = 0.0027

@@ -84,10 +84,10 @@ std::array<Vector3d, region_lines> separating_lines(const Eigen::Isometry3d& sha
 
 /// By more than a twentieth of a pixel.
 bool moves(const std::vector<std::vector<PaintedSolid>>& instants, std::size_t i) {
-  constexpr double largest_m = 1e-4;
+  constexpr double still_m = 1e-4;
   const auto pose = [&](const auto& solids) { return solids[i].solid.body_from_shape.matrix(); };
   return std::ranges::any_of(instants, [&](const auto& solids) {
-    return !((pose(solids) - pose(instants.front())).cwiseAbs().maxCoeff() <= largest_m);
+    return !((pose(solids) - pose(instants.front())).cwiseAbs().maxCoeff() <= still_m);
   });
 }
 

@@ -1,5 +1,7 @@
 #include <fmt/core.h>
 
+#include <cmath>
+
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/check.h"
 
@@ -18,6 +20,11 @@ void describe(OptionSet& set, CheckOptions& o) {
 }
 
 void print_stream(const std::string& name, const nlohmann::json& stream, const std::string& extra) {
+  if (!std::isfinite(stream["rate_hz"].get<double>())) {
+    fmt::print("{:<10} {} frames, too few for a rate{}\n", name,
+               stream["frames"].get<std::size_t>(), extra);
+    return;
+  }
   fmt::print("{:<10} {} frames, {:.3f} Hz (nominal {:g}), {} lost ({:.2f} %), jitter {:.2f} ms{}\n",
              name, stream["frames"].get<std::size_t>(), stream["rate_hz"].get<double>(),
              stream["nominal_hz"].get<double>(), stream["lost"].get<std::size_t>(),

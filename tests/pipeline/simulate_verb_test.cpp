@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "engine/base/files.h"
 #include "pipeline/cli/verb.h"
 #include "pipeline/scene/activity.h"
@@ -36,6 +38,18 @@ TEST(SimulateVerb, ARoleIsAllItsObjects) {
   for (const scene::ObjectSpec& object : scene::objects())
     EXPECT_EQ(std::filesystem::exists(folder / "unseen" / (object.name + ".h5")),
               object.role == scene::ObjectRole::unseen);
+}
+
+TEST(SimulateVerb, ARecordingWithoutImagesHasNoRateOfThem) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "touch.h5").string();
+  ASSERT_EQ(simulate({file}), 0);
+  const std::array argv{"touchtrace", "check", file.c_str()};
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(cli::run_command_line(static_cast<int>(argv.size()), argv.data()), 0);
+  const std::string said = ::testing::internal::GetCapturedStdout();
+  EXPECT_NE(said.find("camera     0 frames, too few for a rate"), std::string::npos) << said;
+  EXPECT_EQ(said.find("nan"), std::string::npos) << said;
 }
 
 TEST(SimulateVerb, EveryActivityHasAnObjectOfItsOwnChoice) {

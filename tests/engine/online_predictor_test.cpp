@@ -17,7 +17,8 @@ using testing::with_gru;
 /// A model trained a little, and a roll-out that begins at frame `first` of a stream.
 class OnlinePredictorTest : public testing::TrainerTest {
  protected:
-  static constexpr int first = 5, steps = 23;
+  // More than twice the frames that the predictor keeps on the device: it begins anew twice.
+  static constexpr int first = 5, steps = 223;
 
   void prepare(bool touch) { prepare(small_spec(touch)); }
   void prepare(const ModelSpec& spec) {

@@ -1,7 +1,7 @@
 #include <fmt/core.h>
 
 #include "pipeline/cli/verbs.h"
-#include "pipeline/scene/assumptions.h"
+#include "pipeline/scene/base/assumptions.h"
 
 namespace touchtrace::cli {
 namespace {

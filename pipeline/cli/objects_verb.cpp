@@ -1,8 +1,8 @@
 #include <fmt/core.h>
 
 #include "pipeline/cli/verbs.h"
-#include "pipeline/scene/object_file.h"
-#include "pipeline/scene/solids.h"
+#include "pipeline/scene/objects/object_file.h"
+#include "pipeline/scene/objects/solids.h"
 
 namespace touchtrace::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include "pipeline/cli/verbs.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/recording/recording_file.h"
-#include "pipeline/scene/scene.h"
+#include "pipeline/scene/base/scene.h"
 #include "pipeline/study/convolution_options.h"
 #include "pipeline/study/plan.h"
 

@@ -12,11 +12,11 @@
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_file.h"
-#include "pipeline/scene/activity.h"
-#include "pipeline/scene/assumptions.h"
-#include "pipeline/scene/data_sets.h"
-#include "pipeline/scene/object_file.h"
-#include "pipeline/scene/simulate.h"
+#include "pipeline/scene/person/activity.h"
+#include "pipeline/scene/base/assumptions.h"
+#include "pipeline/scene/simulate/data_sets.h"
+#include "pipeline/scene/objects/object_file.h"
+#include "pipeline/scene/simulate/simulate.h"
 
 namespace touchtrace::cli {
 namespace {

@@ -14,7 +14,7 @@
 #include "pipeline/cli/verify_processes.h"
 #include "pipeline/recording/verify_recording.h"
 #include "pipeline/report/figures_page.h"
-#include "pipeline/scene/verify_scene.h"
+#include "pipeline/scene/laboratory/verify_scene.h"
 #include "pipeline/study/verify_labels.h"
 #include "pipeline/study/verify_study.h"
 

@@ -10,7 +10,7 @@
 #include "pipeline/label/timeline.h"
 #include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording_file.h"
-#include "pipeline/scene/motion.h"
+#include "pipeline/scene/base/motion.h"
 #include "pipeline/study/truth.h"
 
 namespace touchtrace::study {

@@ -9,9 +9,9 @@
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "engine/base/scratch_folder.h"
-#include "pipeline/scene/activity.h"
-#include "pipeline/scene/assumptions.h"
-#include "pipeline/scene/simulate.h"
+#include "pipeline/scene/person/activity.h"
+#include "pipeline/scene/base/assumptions.h"
+#include "pipeline/scene/simulate/simulate.h"
 #include "pipeline/study/evaluation.h"
 #include "pipeline/study/modelled_labels.h"
 #include "pipeline/study/training.h"
@@ -86,7 +86,7 @@ class Study {
   void run(const Cell& cell) {
     json row = cell.key();
     if (done(row)) return;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch stopwatch;
     if (cell.assumption) row["value"] = cell.assumption->of(cell.parameters());
     try {
       measure(cell, row);
@@ -94,8 +94,7 @@ class Study {
       if (error.code() != ExitCode::data || !cell.assumption) throw;
       row["failed"] = error.what();
     }
-    row["seconds"] =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    row["seconds"] = stopwatch.wall_seconds();
     document_["cells"].push_back(row);
     write_file(options_.output, document_.dump(1) + "\n", true);
   }
@@ -104,9 +103,9 @@ class Study {
 
  private:
   bool done(const json& key) const {
-    return std::ranges::any_of(document_["cells"], [&](const json& row) {
-      return std::ranges::all_of(key.items(),
-                                 [&](const auto& item) { return row[item.key()] == item.value(); });
+    return std::ranges::any_of(document_.at("cells"), [&](const json& row) {
+      return std::ranges::all_of(
+          key.items(), [&](const auto& item) { return row.at(item.key()) == item.value(); });
     });
   }
 
@@ -137,9 +136,9 @@ class Study {
     const std::string labels = bytes_hash(data.label, data.causal_label, data.trusted, data.truth);
     row[hash_name] = touch ? bytes_hash(labels, data.tactile) : labels;
     for (const json& other : document_["cells"])
-      if (other["seed"] == row["seed"] && other.contains(name) &&
-          other[hash_name] == row[hash_name]) {
-        row[name] = other[name], row["random"] = other["random"];
+      if (other.at("seed") == row["seed"] && other.contains(name) &&
+          other.value(hash_name, json()) == row[hash_name]) {
+        row[name] = other.at(name), row["random"] = other.value("random", json());
         return;
       }
     const ScratchFolder folder;
@@ -170,6 +169,23 @@ class Study {
   json document_;
 };
 
+bool numbers(const json& values) {
+  return values.is_array() && std::ranges::all_of(values, &json::is_number);
+}
+
+/// Whether a cell of a file holds what the study and its table read of it.
+bool is_cell(const json& cell) {
+  const auto of = [&](const char* key) { return cell.value(key, json()); };
+  return cell.is_object() && of("factor").is_number() && of("seed").is_number_integer() &&
+         cell.contains("assumption") &&
+         (of("assumption").is_null() || (of("assumption").is_string() && numbers(of("value"))));
+}
+
+json options_of(const json& document) {
+  const json provenance = document.value("provenance", json());
+  return provenance.is_object() ? provenance.value("options", json()) : json();
+}
+
 /// What is in the file already, if it may be gone on with.
 json document_to_begin_with(const SensitivityOptions& options, Provenance provenance,
                             bool overwrite) {
@@ -183,10 +199,12 @@ json document_to_begin_with(const SensitivityOptions& options, Provenance proven
     return begun;
   }
   json found = json::parse(read_file(options.output), nullptr, false);
-  if (found.is_discarded() || !found.contains("cells") ||
-      found["provenance"]["options"] != begun["provenance"]["options"])
-    throw usage_error(fmt::format("{} was made with other options", options.output),
-                      "give those, another output, or --overwrite without --resume");
+  const json cells = found.is_object() ? found.value("cells", json()) : json();
+  const char* remedy = "give another output, or --overwrite without --resume";
+  if (!cells.is_array() || !std::ranges::all_of(cells, is_cell))
+    throw data_error(fmt::format("{} does not hold the cells of a study", options.output), remedy);
+  if (options_of(found) != options_of(begun))
+    throw usage_error(fmt::format("{} was made with other options", options.output), remedy);
   return found;
 }
 

@@ -13,11 +13,13 @@ using nlohmann::json;
 
 constexpr const char* contenders[] = {"full", "without_touch"};
 
-std::string error_of(const json& row, const char* model) {
-  return row.contains(model) && row[model].is_number()
-             ? fmt::format("{:.3f}", row[model].get<double>())
-             : "-";
+/// NaN where too few clips held the object.
+double error_of(const json& row, const char* model) {
+  const json error = row.is_object() ? row.value(model, json()) : json();
+  return error.is_number() ? error.get<double>() : NAN;
 }
+
+std::string text_of(double error) { return std::isnan(error) ? "-" : fmt::format("{:.3f}", error); }
 
 std::string value_of(const json& row) {
   std::string text;
@@ -29,10 +31,10 @@ std::string value_of(const json& row) {
 
 std::string spread_of(const std::vector<const json*>& seeds, const char* model) {
   double sum = 0.0, square = 0.0;
-  for (const json* row : seeds) sum += (*row)[model].get<double>();
+  for (const json* row : seeds) sum += error_of(*row, model);
   const double n = static_cast<double>(seeds.size()), mean = sum / n;
-  for (const json* row : seeds) square += std::pow((*row)[model].get<double>() - mean, 2);
-  return fmt::format("{:.3f} +- {:.3f}", mean, std::sqrt(square / std::max(1.0, n - 1)));
+  for (const json* row : seeds) square += std::pow(error_of(*row, model) - mean, 2);
+  return fmt::format("{} +- {}", text_of(mean), text_of(std::sqrt(square / std::max(1.0, n - 1))));
 }
 
 /// An assumption's cells; null where it has none.
@@ -50,8 +52,8 @@ struct Row {
 std::string row_text(const std::string& name, const Row& row, const json& usual) {
   std::string text = fmt::format("| {} | {}, {} |", name, value_of(row.half), value_of(row.twice));
   for (const char* model : contenders)
-    text += fmt::format(" {}, {}, {} |", error_of(row.half, model), error_of(usual, model),
-                        error_of(row.twice, model));
+    text += fmt::format(" {}, {}, {} |", text_of(error_of(row.half, model)),
+                        text_of(error_of(usual, model)), text_of(error_of(row.twice, model)));
   return text + "\n";
 }
 

@@ -8,8 +8,8 @@
 #include "engine/cl/runtime.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/label/label.h"
-#include "pipeline/scene/activity.h"
-#include "pipeline/scene/simulate.h"
+#include "pipeline/scene/person/activity.h"
+#include "pipeline/scene/simulate/simulate.h"
 #include "pipeline/study/label_error.h"
 
 namespace touchtrace::study {

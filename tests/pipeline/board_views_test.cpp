@@ -1,11 +1,11 @@
-#include "pipeline/scene/board_views.h"
+#include "pipeline/scene/camera/board_views.h"
 
 #include <gtest/gtest.h>
 
 #include <opencv2/calib3d.hpp>
 
-#include "pipeline/scene/backdrop.h"
-#include "pipeline/scene/renderer.h"
+#include "pipeline/scene/camera/backdrop.h"
+#include "pipeline/scene/camera/renderer.h"
 
 namespace touchtrace::scene {
 namespace {

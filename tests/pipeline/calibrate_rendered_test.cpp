@@ -8,8 +8,8 @@
 #include "engine/cl/device.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/recording/recording_file.h"
-#include "pipeline/scene/camera_clock.h"
-#include "pipeline/scene/video.h"
+#include "pipeline/scene/camera/camera_clock.h"
+#include "pipeline/scene/simulate/video.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {

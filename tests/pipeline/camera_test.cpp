@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/scene/backdrop.h"
-#include "pipeline/scene/camera_clock.h"
-#include "pipeline/scene/renderer.h"
-#include "pipeline/scene/solids.h"
+#include "pipeline/scene/camera/backdrop.h"
+#include "pipeline/scene/camera/camera_clock.h"
+#include "pipeline/scene/camera/renderer.h"
+#include "pipeline/scene/objects/solids.h"
 
 namespace touchtrace::scene {
 namespace {

@@ -5,8 +5,9 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
-#include "pipeline/scene/assumptions.h"
-#include "pipeline/scene/scene.h"
+#include "pipeline/scene/base/assumptions.h"
+#include "pipeline/scene/base/scene.h"
+#include "pipeline/scene/simulate/clip.h"
 
 namespace touchtrace::scene {
 namespace {

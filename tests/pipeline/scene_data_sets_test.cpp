@@ -4,8 +4,8 @@
 #include <set>
 
 #include "engine/base/error.h"
-#include "pipeline/scene/activity.h"
-#include "pipeline/scene/data_sets.h"
+#include "pipeline/scene/person/activity.h"
+#include "pipeline/scene/simulate/data_sets.h"
 
 namespace touchtrace::scene {
 namespace {

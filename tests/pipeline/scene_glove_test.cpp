@@ -4,7 +4,7 @@
 #include <numeric>
 #include <set>
 
-#include "pipeline/scene/glove.h"
+#include "pipeline/scene/glove/glove.h"
 
 namespace touchtrace::scene {
 namespace {

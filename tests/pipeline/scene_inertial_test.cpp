@@ -2,8 +2,9 @@
 
 #include <cmath>
 
-#include "pipeline/scene/inertial.h"
-#include "pipeline/scene/verify_scene.h"
+#include "pipeline/scene/glove/inertial.h"
+#include "pipeline/scene/laboratory/verify_scene.h"
+#include "pipeline/scene/simulate/clip.h"
 
 namespace touchtrace::scene {
 namespace {

@@ -6,10 +6,10 @@
 
 #include "engine/base/error.h"
 #include "engine/base/random.h"
-#include "pipeline/scene/mass.h"
-#include "pipeline/scene/object_file.h"
-#include "pipeline/scene/object_texts.h"
-#include "pipeline/scene/solids.h"
+#include "pipeline/scene/objects/mass.h"
+#include "pipeline/scene/objects/object_file.h"
+#include "pipeline/scene/objects/object_texts.h"
+#include "pipeline/scene/objects/solids.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace::scene {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/scene/closed_forms.h"
-#include "pipeline/scene/laboratory.h"
-#include "pipeline/scene/solids.h"
+#include "pipeline/scene/laboratory/closed_forms.h"
+#include "pipeline/scene/laboratory/laboratory.h"
+#include "pipeline/scene/objects/solids.h"
 
 namespace touchtrace::scene {
 namespace {

@@ -1,4 +1,4 @@
-#include "pipeline/scene/simulate.h"
+#include "pipeline/scene/simulate/simulate.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "engine/base/error.h"
 #include "pipeline/recording/recording_file.h"
-#include "pipeline/scene/camera_clock.h"
-#include "pipeline/scene/camera_model.h"
+#include "pipeline/scene/camera/camera_clock.h"
+#include "pipeline/scene/camera/camera_model.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace::scene {

@@ -4,7 +4,7 @@
 
 #include "engine/base/files.h"
 #include "pipeline/cli/verb.h"
-#include "pipeline/scene/activity.h"
+#include "pipeline/scene/person/activity.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {

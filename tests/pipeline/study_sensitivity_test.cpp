@@ -1,10 +1,11 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
-#include "pipeline/scene/simulate.h"
+#include "pipeline/scene/simulate/simulate.h"
 #include "pipeline/study/modelled_labels.h"
 #include "pipeline/study/sensitivity.h"
 #include "tests/pipeline/recording_samples.h"
@@ -60,6 +61,29 @@ TEST(StudySensitivity, ComparesHalfAndDoubleOnTheSameRandomNumbers) {
   EXPECT_EQ(measure_sensitivity(runtime, options, provenance_of(options), false), found);
   options.clips = 20;
   EXPECT_THROW(measure_sensitivity(runtime, options, provenance_of(options), false), Error);
+}
+
+TEST(StudySensitivity, RefusesToGoOnWithWhatNoStudyWrote) {
+  const TemporaryFolder folder;
+  Runtime runtime(choose_device(""));
+  SensitivityOptions options = small(folder / "wave.json");
+  options.resume = true;
+  for (const char* text :
+       {"", "[]", "3", R"({"cells": 1})", R"({"cells": [1]})", R"({"cells": [{}]})",
+        R"({"cells": [{"assumption": null, "factor": "1", "seed": 1}]})",
+        R"({"cells": [{"assumption": "arm-mass", "factor": 1, "seed": 1, "value": ["x"]}]})"}) {
+    write_file(options.output, text, true);
+    try {
+      measure_sensitivity(runtime, options, provenance_of(options), false);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::data) << text;
+    }
+  }
+  for (const char* provenance : {"1", "[]", "{}", R"({"options": 1})"}) {
+    write_file(options.output, fmt::format(R"({{"cells": [], "provenance": {}}})", provenance), true);
+    EXPECT_THROW(measure_sensitivity(runtime, options, provenance_of(options), false), Error);
+  }
 }
 
 TEST(StudySensitivity, ModelledLabelsErrAsTheirModelSays) {

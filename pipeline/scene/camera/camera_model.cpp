@@ -1,0 +1,125 @@
+#include "pipeline/scene/camera/camera_model.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/base/random.h"
+#include "pipeline/scene/person/activity.h"
+
+namespace touchtrace::scene {
+namespace {
+
+constexpr double radians_per_degree = std::numbers::pi / 180.0;
+constexpr double accelerometer_error_rad = 0.3 * radians_per_degree;
+
+/// A pinhole near the middle of the image; `focal_px` and the spreads hold for 640 pixels of width.
+PinholeCamera specimen(RandomStream& random, int width, int height, double focal_px) {
+  const double size = static_cast<double>(width) / sensor_width_px;
+  PinholeCamera camera;
+  camera.width = width, camera.height = height;
+  camera.fx = size * random.normal(focal_px, 3.0);
+  camera.fy = camera.fx * random.normal(1.0, 0.001);
+  camera.cx = 0.5 * (width - 1) + size * random.normal(0.0, 5.0);
+  camera.cy = 0.5 * (height - 1) + size * random.normal(0.0, 5.0);
+  return camera;
+}
+
+Eigen::Quaterniond small_rotation(RandomStream& random, double deviation_rad) {
+  const Eigen::Vector3d turn(random.normal(), random.normal(), random.normal());
+  const double angle = turn.norm() * deviation_rad;
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn.normalized()));
+}
+
+/// What the depth camera's driver reports: within a thousandth, as factory calibrations are.
+std::array<double, 4> factory_intrinsics(RandomStream random, const PinholeCamera& camera) {
+  constexpr double error = 1e-3;
+  return {camera.fx * random.normal(1.0, error), camera.fy * random.normal(1.0, error),
+          camera.cx + camera.width * random.normal(0.0, error),
+          camera.cy + camera.width * random.normal(0.0, error)};
+}
+
+/// Looks along +y of the world, `pitch_rad` down; camera axes x right, y down, z forward.
+Eigen::Isometry3d looking_at_person(const Eigen::Vector3d& position_m, double pitch_rad) {
+  Eigen::Matrix3d level;
+  level << 1, 0, 0,  //
+      0, 0, -1,      //
+      0, 1, 0;
+  Eigen::Isometry3d camera_from_world = Eigen::Isometry3d::Identity();
+  camera_from_world.linear() = Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitX()) * level;
+  camera_from_world.translation() = -camera_from_world.linear() * position_m;
+  return camera_from_world;
+}
+
+Eigen::Isometry3d depth_pose(RandomStream& random) {
+  Eigen::Isometry3d depth_from_color(small_rotation(random, 0.3 * radians_per_degree));
+  depth_from_color.translation() << 0.025 + random.normal(0.0, 3e-4), random.normal(0.0, 3e-4),
+      random.normal(0.0, 3e-4);
+  return depth_from_color;
+}
+
+nlohmann::json matrix_json(const Eigen::Matrix4d& m) {
+  auto rows = nlohmann::json::array();
+  for (int i = 0; i < 4; ++i) rows.push_back({m(i, 0), m(i, 1), m(i, 2), m(i, 3)});
+  return rows;
+}
+
+nlohmann::json camera_json(const PinholeCamera& camera) {
+  const auto& k = camera.distortion;
+  return {{"width", camera.width},
+          {"height", camera.height},
+          {"intrinsics_px", {camera.fx, camera.fy, camera.cx, camera.cy}},
+          {"distortion_k1_k2_p1_p2_k3", {k[0], k[1], k[2], k[3], k[4]}}};
+}
+
+}  // namespace
+
+DepthSensor DepthSensor::exact() {
+  DepthSensor sensor;
+  sensor.disparity_sigma_px = sensor.disparity_step_px = sensor.shift_sigma_px = 0.0;
+  sensor.holes = false;
+  return sensor;
+}
+
+RgbdCamera make_camera(const SceneOptions& options) {
+  const ActivityRow& from = find_activity(options.activity);
+  RandomStream random(options.seed, "camera specimen");
+  RgbdCamera camera;
+  camera.color = specimen(random, options.image_width, options.image_height, 608.0);
+  camera.color.distortion << random.normal(-0.055, 0.01), random.normal(0.045, 0.01),
+      random.normal(0.0, 5e-4), random.normal(0.0, 5e-4), 0.0;
+  camera.depth = specimen(random, options.image_width, options.image_height, 608.0);
+  camera.depth_from_color = depth_pose(random);
+  camera.color_from_world = looking_at_person(
+      {random.normal(-0.08, 0.02), -from.camera_distance_m, random.normal(1.35, 0.02)},
+      random.normal(from.camera_pitch_deg, 1.0) * radians_per_degree);
+  camera.sensor.scale = random.normal(1.0, 0.004);
+  camera.sensor.offset_m = random.normal(0.0, 0.005);
+  return camera;
+}
+
+CameraInfo camera_info(const RgbdCamera& camera, const SceneOptions& options) {
+  RandomStream random(options.seed, "camera accelerometer");
+  const Eigen::Vector3d down(0.0, 0.0, -gravity_m_per_s2);
+  const Eigen::Quaterniond error = small_rotation(random, accelerometer_error_rad / std::sqrt(3.0));
+  const Eigen::Vector3d gravity = error * (camera.color_from_world.linear() * down);
+  CameraInfo info;
+  info.width = camera.color.width, info.height = camera.color.height;
+  info.depth_unit_m = camera.depth_unit_m;
+  info.depth_intrinsics =
+      factory_intrinsics(RandomStream(options.seed, "factory calibration"), camera.depth);
+  info.gravity = {gravity.x(), gravity.y(), gravity.z()};
+  return info;
+}
+
+nlohmann::json calibration_truth(const RgbdCamera& camera) {
+  return {{"color", camera_json(camera.color)},
+          {"depth", camera_json(camera.depth)},
+          {"depth_from_color", matrix_json(camera.depth_from_color.matrix())},
+          {"color_from_world", matrix_json(camera.color_from_world.matrix())},
+          {"depth_scale", camera.sensor.scale},
+          {"depth_offset_m", camera.sensor.offset_m},
+          {"disparity_sigma_px", camera.sensor.disparity_sigma_px},
+          {"disparity_step_px", camera.sensor.disparity_step_px}};
+}
+
+}  // namespace touchtrace::scene

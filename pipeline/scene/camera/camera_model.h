@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "calib/camera/pinhole.h"
+#include "pipeline/scene/base/scene.h"
+
+namespace touchtrace::scene {
+
+/// A stereo depth sensor. Its pixels are those of a 640 pixels wide image, whatever size it sends.
+struct DepthSensor {
+  double baseline_m = 0.05;
+  double disparity_sigma_px =
+      0.055;  ///< axial noise of 2.1 mm at 1.1 m (Nguyen et al., 3DIMPVT 2012)
+  double disparity_step_px = 0.125;  ///< 0: not quantised
+  double shift_sigma_px = 0.5;       ///< of where a pixel really looks (Handa et al., ICRA 2014)
+  double nearest_m = 0.3, farthest_m = 4.0;
+  bool holes = true;  ///< occlusion shadows and ragged edges are not measured
+  /// True depth = offset + scale * measured depth; what calibration has to find.
+  double scale = 1.0, offset_m = 0.0;
+
+  /// No noise, no steps, no holes and no error: for tests of the geometry.
+  static DepthSensor exact();
+};
+
+/// The RGBD camera as it is; what a user can only estimate.
+struct RgbdCamera {
+  PinholeCamera color, depth;
+  Eigen::Isometry3d color_from_world = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d depth_from_color = Eigen::Isometry3d::Identity();
+  DepthSensor sensor;
+  double depth_unit_m = 0.00025;
+  double exposure_s = 0.008;
+  double color_noise_counts =
+      1.2;  ///< of a pixel of the 640 pixels wide sensor; smaller ones are its means
+};
+
+inline constexpr int sensor_width_px = 640;
+
+/// The camera of a recording, before the person, as the activity needs it: another specimen for
+/// each seed.
+RgbdCamera make_camera(const SceneOptions& options);
+
+/// What the camera says of itself, gravity by its own accelerometer (0.3 degrees off).
+CameraInfo camera_info(const RgbdCamera& camera, const SceneOptions& options);
+
+/// Truth::calibration.
+nlohmann::json calibration_truth(const RgbdCamera& camera);
+
+}  // namespace touchtrace::scene

@@ -1,0 +1,217 @@
+#include "pipeline/scene/glove/glove.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <numbers>
+
+#include "pipeline/scene/base/motion.h"
+
+namespace touchtrace::scene {
+namespace {
+
+constexpr int glove_cells = glove_rows * glove_cols;
+constexpr double largest_count = 1023.0, forgotten_n = 1e-4;
+
+GloveTraits make_traits(int number, const GloveParameters& p) {
+  const std::size_t taxels = hand_model().taxels.size();
+  RandomStream random(static_cast<std::uint64_t>(number), "glove traits");
+  GloveTraits traits;
+  for (std::size_t i = 0; i < taxels; ++i) {
+    const bool dead = random.uniform() < p.dead;
+    const double gain = std::exp(random.normal(0.0, p.gain_deviation));
+    traits.gain.push_back(dead ? 0.0f : static_cast<float>(gain));
+    traits.drift_rad_per_s.push_back(
+        static_cast<float>(2 * std::numbers::pi / draw(random, p.drift_period_s)));
+    traits.drift_phase_rad.push_back(static_cast<float>(random.uniform(0.0, 2 * std::numbers::pi)));
+  }
+  for (int i = 0; i < glove_cells; ++i)
+    traits.baseline_counts.push_back(static_cast<float>(
+        std::max(8.0, random.normal(p.baseline_counts, p.baseline_deviation_counts))));
+  return traits;
+}
+
+/// Nothing of one glove says anything of another.
+std::string stream_name(int number, const char* what) {
+  return number == 1 ? fmt::format("glove {}", what) : fmt::format("glove {} {}", number, what);
+}
+
+/// Where a taxel lies on the open hand.
+Eigen::Vector3d open_position(const Taxel& taxel) {
+  if (taxel.finger < 0) return taxel.position_m;
+  const FingerPose pose = pose_finger(hand_model().fingers[taxel.finger], 0.0);
+  return pose.joint_m[taxel.link] + pose.hand_from_link[taxel.link] * taxel.position_m;
+}
+
+/// Four standard normal numbers of a stream's block: in steps of 2^-32 of the probability, at most
+/// 6.7.
+std::array<double, 4> four_normals(const RandomStream& stream, std::uint64_t block) {
+  const auto words = stream.block(block);
+  std::array<double, 4> normals;
+  for (int i = 0; i < 4; i += 2) {
+    const double radius = std::sqrt(-2.0 * std::log((words[i] + 0.5) * 0x1p-32));
+    const double angle = 2.0 * std::numbers::pi * 0x1p-32 * words[i + 1];
+    normals[i] = radius * std::cos(angle), normals[i + 1] = radius * std::sin(angle);
+  }
+  return normals;
+}
+
+}  // namespace
+
+const GloveTraits& glove_traits(int number, const GloveParameters& parameters) {
+  static std::mutex guard;
+  static std::map<std::pair<int, GloveParameters>, GloveTraits> known;
+  const std::lock_guard lock(guard);
+  const auto [place, is_new] = known.try_emplace({number, parameters});
+  if (is_new) place->second = make_traits(number, parameters);
+  return place->second;
+}
+
+GloveInfo glove_info(int number, const GloveParameters& parameters) {
+  GloveInfo info;
+  info.name = fmt::format("simulated glove {}", number);
+  info.rows = glove_rows;
+  info.cols = glove_cols;
+  info.scan_s = parameters.scan_s;
+  info.baseline_counts = glove_traits(number, parameters).baseline_counts;
+  info.mask.assign(glove_cells, 0);
+  info.taxel_position_m.assign(3 * glove_cells, std::numeric_limits<float>::quiet_NaN());
+  for (const Taxel& taxel : hand_model().taxels) {
+    info.mask[taxel.cell()] = 1;
+    const Eigen::Vector3d p = open_position(taxel);
+    for (int axis = 0; axis < 3; ++axis)
+      info.taxel_position_m[3 * taxel.cell() + axis] = static_cast<float>(p[axis]);
+  }
+  return info;
+}
+
+Glove::Glove(int number, const GloveParameters& parameters, const GloveClock& clock,
+             std::uint64_t seed)
+    : parameters_(parameters),
+      traits_(glove_traits(number, parameters)),
+      clock_(clock),
+      noise_(seed, stream_name(number, "noise")),
+      transport_(seed, stream_name(number, "transport")),
+      pressed_n_(traits_.gain.size(), 0.0),
+      crept_n_(traits_.gain.size(), 0.0),
+      gain_(traits_.gain.size(), 0.0),
+      is_active_(traits_.gain.size(), 0),
+      signal_(glove_cells, 0.0),
+      row_sum_(glove_rows, 0.0),
+      col_sum_(glove_cols, 0.0),
+      frame_(glove_cells, 0) {
+  stream_.info = glove_info(number, parameters);
+  active_.reserve(traits_.gain.size());
+}
+
+double Glove::row_time_s(std::uint64_t frame, int row) const {
+  return clock_.first_frame_s + static_cast<double>(frame) / clock_.rate_hz +
+         parameters_.scan_s * row / glove_rows;
+}
+
+void Glove::start(double time_s) {
+  number_ = static_cast<std::uint64_t>(
+      std::max(0.0, std::ceil((time_s - clock_.first_frame_s) * clock_.rate_hz)));
+  next_row_ = 0;
+  stream_.sequence.clear();
+  stream_.host_time_s.clear();
+  stream_.counts.clear();
+}
+
+void Glove::relax(std::span<const double> force_n, double interval_s) {
+  for (std::size_t i = 0; i < force_n.size(); ++i)
+    if (force_n[i] > 0.0 && !is_active_[i])
+      is_active_[i] = 1, active_.push_back(static_cast<int>(i));
+  const double loading = -std::expm1(-interval_s / parameters_.loading_lag_s);
+  const double unloading = -std::expm1(-interval_s / parameters_.unloading_lag_s);
+  const double creeping = -std::expm1(-interval_s / parameters_.creep_s);
+  for (int i : active_) {
+    pressed_n_[i] +=
+        (force_n[i] > pressed_n_[i] ? loading : unloading) * (force_n[i] - pressed_n_[i]);
+    crept_n_[i] += creeping * (pressed_n_[i] - crept_n_[i]);
+  }
+  std::erase_if(active_, [&](int i) {
+    const bool forgotten = pressed_n_[i] + crept_n_[i] < forgotten_n;
+    if (forgotten) is_active_[i] = 0, pressed_n_[i] = crept_n_[i] = 0.0;
+    return forgotten;
+  });
+}
+
+/// Gains change by less than 3e-5 of themselves while a frame is read.
+void Glove::drift(double time_s) {
+  for (std::size_t i = 0; i < gain_.size(); ++i)
+    gain_[i] = traits_.gain[i] *
+               (1 + parameters_.drift *
+                        std::sin(traits_.drift_rad_per_s[i] * time_s + traits_.drift_phase_rad[i]));
+}
+
+void Glove::measure() {
+  std::ranges::fill(signal_, 0.0);
+  std::ranges::fill(row_sum_, 0.0);
+  std::ranges::fill(col_sum_, 0.0);
+  for (int i : active_) {
+    const Taxel& taxel = hand_model().taxels[i];
+    const double force = gain_[i] * (pressed_n_[i] + parameters_.creep * crept_n_[i]);
+    const double signal = force / (force + parameters_.half_saturation_n);
+    signal_[taxel.cell()] = signal;
+    row_sum_[taxel.row] += signal;
+    col_sum_[taxel.col] += signal;
+  }
+}
+
+void Glove::read_row(int row) {
+  measure();
+  std::array<double, 4> noise{};
+  for (int col = 0; col < glove_cols; ++col) {
+    const int cell = row * glove_cols + col;
+    if (cell % 4 == 0) noise = four_normals(noise_, (number_ * glove_cells + cell) / 4);
+    const double own = signal_[cell];
+    const double leaked = parameters_.cross_talk * (row_sum_[row] + col_sum_[col] - 2 * own);
+    const double read = stream_.info.mask[cell]
+                            ? (own + leaked) / (1 + parameters_.cross_talk * row_sum_[row])
+                            : 0.0;
+    const double counts = traits_.baseline_counts[cell] + parameters_.full_scale_counts * read +
+                          parameters_.noise_counts * noise[cell % 4];
+    frame_[cell] = static_cast<std::uint16_t>(std::lround(std::clamp(counts, 0.0, largest_count)));
+  }
+}
+
+void Glove::finish_frame() {
+  next_row_ = 0;
+  const std::uint64_t draw = 2 * number_;
+  const std::uint64_t sequence = number_++;
+  if (transport_.uniform_at(draw) < clock_.lost_share) return;
+  const double jitter_s = -clock_.jitter_s * std::log1p(-transport_.uniform_at(draw + 1));
+  const double arrival_s = row_time_s(sequence, glove_rows) + clock_.latency_s + jitter_s;
+  const double last_s = stream_.host_time_s.empty() ? -1e300 : stream_.host_time_s.back();
+  stream_.sequence.push_back(sequence);
+  stream_.host_time_s.push_back(std::max(arrival_s, last_s + 1e-5));
+  stream_.counts.insert(stream_.counts.end(), frame_.begin(), frame_.end());
+}
+
+void Glove::sense(std::span<const double> force_n, double time_s, double interval_s) {
+  relax(force_n, interval_s);
+  while (row_time_s(number_, next_row_) <= time_s) {
+    if (next_row_ == 0) drift(time_s);
+    read_row(next_row_);
+    if (++next_row_ == glove_rows) finish_frame();
+  }
+}
+
+GloveStream Glove::take() { return std::move(stream_); }
+
+GloveClock glove_clock(const SceneOptions& options) {
+  const GloveParameters& p = options.parameters.glove;
+  RandomStream random(options.seed, stream_name(options.glove, "clock"));
+  GloveClock clock;
+  clock.rate_hz = 15.0 * (1 + 1e-6 * random.normal(0.0, p.clock_ppm));
+  clock.first_frame_s = -random.uniform(60.0, 120.0);
+  clock.latency_s = p.latency_s, clock.jitter_s = p.jitter_s, clock.lost_share = p.lost;
+  return clock;
+}
+
+}  // namespace touchtrace::scene

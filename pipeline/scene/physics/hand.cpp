@@ -1,0 +1,140 @@
+#include "pipeline/scene/physics/hand.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace touchtrace::scene {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double palm_half_length_m = 0.045, palm_half_width_m = 0.042;
+constexpr double palm_dish_radius_m = 0.13, heel_start_m = -0.010, heel_radius_m = 0.055;
+constexpr double taxel_fan_rad = std::numbers::pi / 3;  // to either side of a finger's palmar line
+
+/// Columns x along the thumb, z out of its pad, chosen so that flexion closes it over the palm.
+Matrix3d thumb_base() {
+  const Vector3d x = Vector3d(-0.25, 0.05, 0.95).normalized(), pad(0.92, 0.35, 0.0);
+  const Vector3d z = (pad - x * x.dot(pad)).normalized();
+  Matrix3d base;
+  base << x, z.cross(x), z;
+  return base;
+}
+
+/// Flexed fingers converge (on the scaphoid), so the planes in which they flex lean towards the
+/// middle.
+Finger long_finger(double y, double length) {
+  constexpr double lean_rad_per_m = 12.0;
+  const Matrix3d lean = Eigen::AngleAxisd(lean_rad_per_m * y, Vector3d::UnitX()).toRotationMatrix();
+  return {{palm_half_length_m, y, -0.003},
+          lean,
+          3,
+          {0.45 * length, 0.30 * length, 0.25 * length},
+          {1.0, 1.15, 0.75},
+          0.0085};
+}
+
+std::array<Finger, finger_count> make_fingers() {
+  return {
+      long_finger(-0.032, 0.075), long_finger(-0.011, 0.083), long_finger(0.011, 0.078),
+      long_finger(0.032, 0.062),
+      Finger{
+          {-0.036, -0.026, 0.006}, thumb_base(), 2, {0.038, 0.032, 0.0}, {1.0, 0.8, 0.0}, 0.010}};
+}
+
+void add_group(HandModel& model, int finger, int link, int first) {
+  const int count = static_cast<int>(model.taxels.size()) - first;
+  Vector3d centre = Vector3d::Zero();
+  for (int i = first; i < first + count; ++i) centre += model.taxels[i].position_m / count;
+  double radius = 0.0;
+  for (int i = first; i < first + count; ++i)
+    radius = std::max(radius, (model.taxels[i].position_m - centre).norm());
+  model.groups.push_back({finger, link, first, count, centre, radius});
+}
+
+/// A shallow dish that rises to thenar and hypothenar at the heel.
+double palm_height_m(double x, double y) {
+  const double heel = std::max(0.0, heel_start_m - x);
+  return (x * x + y * y) / (2 * palm_dish_radius_m) + heel * heel / (2 * heel_radius_m);
+}
+
+/// An eighth of the palm: 7 x 4 of its 14 x 16 taxels.
+void add_palm_part(HandModel& model, int first_row, int first_col) {
+  constexpr int rows = 14, cols = 16, image_row = 18, image_col = 4;
+  constexpr double row_pitch = 2 * palm_half_length_m / rows,
+                   col_pitch = 2 * palm_half_width_m / cols;
+  const int first = static_cast<int>(model.taxels.size());
+  for (int row = first_row; row < first_row + rows / 2; ++row)
+    for (int col = first_col; col < first_col + cols / 4; ++col) {
+      const double x = palm_half_length_m - (row + 0.5) * row_pitch;
+      const double y = (col + 0.5) * col_pitch - palm_half_width_m;
+      model.taxels.push_back({-1,
+                              0,
+                              {x, y, palm_height_m(x, y)},
+                              row_pitch * col_pitch,
+                              image_row + row,
+                              image_col + col});
+    }
+  add_group(model, -1, 0, first);
+}
+
+/// `rows` rings of 6 taxels on the palmar side of a link; the image's rows run from tip to base.
+void add_link(HandModel& model, int finger, int link, int rows, int image_row, int image_col) {
+  constexpr int around = 6;
+  const Finger& f = model.fingers[finger];
+  const double pitch = f.length_m[link] / rows, arc = 2 * taxel_fan_rad / around;
+  const int first = static_cast<int>(model.taxels.size());
+  for (int row = 0; row < rows; ++row)
+    for (int col = 0; col < around; ++col) {
+      const double angle = (col + 0.5) * arc - taxel_fan_rad;
+      const Vector3d position(f.length_m[link] - (row + 0.5) * pitch, f.radius_m * std::sin(angle),
+                              f.radius_m * std::cos(angle));
+      model.taxels.push_back(
+          {finger, link, position, pitch * arc * f.radius_m, image_row + row, image_col + col});
+    }
+  add_group(model, finger, link, first);
+}
+
+HandModel make_hand() {
+  HandModel model{make_fingers(), {}, {}};
+  for (int row : {0, 7})
+    for (int col : {0, 4, 8, 12}) add_palm_part(model, row, col);
+  for (int finger = 0; finger < 4; ++finger)
+    for (int link = 0; link < 3; ++link)
+      add_link(model, finger, link, 5, 5 * (2 - link), 6 * finger);
+  for (int link = 0; link < 2; ++link) add_link(model, 4, link, 8, 16 + 8 * (1 - link), 26);
+  return model;
+}
+
+}  // namespace
+
+const HandModel& hand_model() {
+  static const HandModel model = make_hand();
+  return model;
+}
+
+FingerPose pose_finger(const Finger& finger, double flexion_rad) {
+  FingerPose pose;
+  pose.axis = -finger.hand_from_base.col(1);
+  Vector3d joint = finger.base_m;
+  double angle = 0.0;
+  for (int link = 0; link < finger.links; ++link) {
+    angle += finger.coupling[link] * flexion_rad;
+    const double c = std::cos(angle), s = std::sin(angle);
+    Matrix3d base_from_link;
+    base_from_link << c, 0.0, -s, 0.0, 1.0, 0.0, s, 0.0, c;
+    pose.hand_from_link[link] = finger.hand_from_base * base_from_link;
+    pose.joint_m[link] = joint;
+    joint += finger.length_m[link] * pose.hand_from_link[link].col(0);
+  }
+  return pose;
+}
+
+Vector3d FingerPose::jacobian(const Finger& finger, int link, const Vector3d& point) const {
+  Vector3d arm = Vector3d::Zero();
+  for (int j = 0; j <= link; ++j) arm += finger.coupling[j] * (point - joint_m[j]);
+  return axis.cross(arm);
+}
+
+}  // namespace touchtrace::scene

@@ -1,0 +1,81 @@
+#include "pipeline/scene/simulate/clip.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "pipeline/scene/person/activity.h"
+#include "pipeline/scene/glove/glove.h"
+#include "pipeline/scene/person/performance.h"
+#include "pipeline/scene/glove/inertial.h"
+
+namespace touchtrace::scene {
+namespace {
+
+constexpr double shortest_flight_s = 0.04;
+
+/// Release and catch are the ends of every stretch without contact that is long enough to be a
+/// flight.
+void add_flights(ClipMotion& clip) {
+  double last_touch_s = clip.samples.empty() ? 0.0 : clip.samples.front().time_s;
+  for (const SceneSample& sample : clip.samples) {
+    if (sample.contact_force_n.isZero(0.0)) continue;
+    if (sample.time_s - last_touch_s > shortest_flight_s) {
+      clip.events.push_back({last_touch_s, "release"});
+      clip.events.push_back({sample.time_s, "catch"});
+    }
+    last_touch_s = sample.time_s;
+  }
+}
+
+/// Of ball and object in the last interval.
+void add_impacts(const World& world, double interval_start_s, ClipMotion& clip) {
+  constexpr double slowest_m_per_s = 0.1;  // slower ones are a ball that rolls
+  for (const World::TimedImpact& impact : world.impacts())
+    if (impact.approach_m_per_s > slowest_m_per_s)
+      clip.events.push_back({interval_start_s + impact.after_s, "impact"});
+}
+
+/// Records one clip after a grasp that held; `start_s` on the host's clock is time 0 of the
+/// activity.
+ClipMotion record(const SceneOptions& options, Performance& performance, double start_s) {
+  ClipMotion clip;
+  const int samples = static_cast<int>(std::lround(options.clip_s * sample_rate_hz));
+  clip.samples.reserve(samples);
+  const long clamped_before = performance.world().contact().clamp_hits();
+  Glove& glove = performance.glove();
+  glove.start(start_s);
+  for (int i = 0; i < samples; ++i) {
+    SceneSample sample = performance.sample();
+    sample.time_s = start_s + i * control_interval_s;
+    clip.samples.push_back(sample);
+    if (performance.lost()) {
+      clip.dropped = true;
+      clip.events.push_back({sample.time_s, "drop"});
+      break;
+    }
+    performance.advance();
+    add_impacts(performance.world(), sample.time_s, clip);
+  }
+  clip.glove = glove.take();
+  clip.clamp_hits = performance.world().contact().clamp_hits() - clamped_before;
+  add_flights(clip);
+  return clip;
+}
+
+}  // namespace
+
+ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s) {
+  for (int attempt = 1;; ++attempt) {
+    const std::string name = fmt::format("{} {} clip {} attempt {}", options.activity,
+                                         options.object.name, clip, attempt);
+    Performance performance(options, name, start_s);
+    const bool held = performance.grasp();
+    if (!held && attempt < options.parameters.grasp.attempts) continue;
+    ClipMotion motion = record(options, performance, start_s);
+    if (options.inertial_unit) motion.glove.inertial = sense_inertia(motion.samples, options, clip);
+    return motion;
+  }
+}
+
+}  // namespace touchtrace::scene

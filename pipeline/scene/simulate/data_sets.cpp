@@ -1,0 +1,74 @@
+#include "pipeline/scene/simulate/data_sets.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "engine/base/error.h"
+#include "engine/base/text.h"
+#include "pipeline/scene/person/activity.h"
+
+namespace touchtrace::scene {
+namespace {
+
+std::vector<ObjectSpec> objects_of(const DataSetPart& part) {
+  if (part.objects.empty()) return {default_object(part.activity)};
+  std::vector<ObjectSpec> found;
+  for (const ObjectSpec& object : objects())
+    if (role_name(object.role) == part.objects && find_activity(part.activity).takes(object))
+      found.push_back(object);
+  return found;
+}
+
+double clips_for(double frames, const SceneOptions& scene) {
+  const GloveInfo glove;
+  const double arriving = scene.clip_s * glove.rate_hz * (1.0 - scene.parameters.glove.lost);
+  return std::max(1.0, std::ceil(frames / arriving));
+}
+
+}  // namespace
+
+const std::vector<DataSet>& data_sets() {
+  static const std::vector<DataSet> table{
+      {"paper",
+       "as many frames as the paper's table of its data set has",
+       {{"wave", "seen", "seen", 208e3},
+        {"wave", "unseen", "unseen", 58e3},
+        {"throw", "seen", "seen", 230e3},
+        {"throw", "unseen", "unseen", 61e3},
+        {"pingpong", "train", "", 15e3},
+        {"pingpong", "test", "", 3e3, 1},
+        {"balance", "train", "", 15e3},
+        {"balance", "test", "", 3e3, 1}}},
+  };
+  return table;
+}
+
+const DataSet& find_data_set(const std::string& name) {
+  std::vector<std::string> names;
+  for (const DataSet& row : data_sets()) {
+    if (row.name == name) return row;
+    names.push_back(row.name);
+  }
+  throw usage_error(fmt::format("there is no data set '{}'", name), suggestion(name, names));
+}
+
+std::vector<PlannedRecording> recordings_of(const DataSet& data_set, const SceneOptions& scene,
+                                            double share) {
+  std::vector<PlannedRecording> planned;
+  for (const DataSetPart& part : data_set.parts) {
+    const auto held = objects_of(part);
+    for (const ObjectSpec& object : held) {
+      PlannedRecording& recording = planned.emplace_back(PlannedRecording{scene, {}});
+      recording.scene.activity = part.activity;
+      recording.scene.object = object;
+      recording.scene.seed += static_cast<std::uint64_t>(part.session);
+      const double frames = share * part.frames / static_cast<double>(held.size());
+      recording.scene.minutes = clips_for(frames, scene) * scene.clip_s / 60.0;
+      recording.file = std::filesystem::path(part.activity) / part.name / (object.name + ".h5");
+    }
+  }
+  return planned;
+}
+
+}  // namespace touchtrace::scene

@@ -12,10 +12,10 @@
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_file.h"
-#include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/base/assumptions.h"
-#include "pipeline/scene/simulate/data_sets.h"
 #include "pipeline/scene/objects/object_file.h"
+#include "pipeline/scene/person/activity.h"
+#include "pipeline/scene/simulate/data_sets.h"
 #include "pipeline/scene/simulate/simulate.h"
 
 namespace touchtrace::cli {

@@ -33,8 +33,8 @@ class WholeChain : public ::testing::TestWithParam<const char*> {
   }
 
   void make_labels() {
-    run(std::string("simulate --activity ") + GetParam() +
-        " --minutes 1.2 --seed 5 " + at("scene.h5"));
+    run(std::string("simulate --activity ") + GetParam() + " --minutes 1.2 --seed 5 " +
+        at("scene.h5"));
     run("check " + at("scene.h5"));
     run("calibrate " + at("scene.h5") + " --output " + at("calibration"));
     run("label " + at("scene.h5") + " --calibration " + at("calibration") + " --output " +
@@ -81,6 +81,8 @@ TEST_P(WholeChain, EndsInMetricsAndAReport) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Activities, WholeChain, ::testing::Values("wave", "throw", "pingpong"),
-                         [](const auto& instance) { return std::string(instance.param) + "Scene"; });
+                         [](const auto& instance) {
+                           return std::string(instance.param) + "Scene";
+                         });
 
 }  // namespace

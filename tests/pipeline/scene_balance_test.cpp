@@ -3,12 +3,12 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
-#include "pipeline/scene/camera/visible.h"
-#include "pipeline/scene/person/activity.h"
-#include "pipeline/scene/laboratory/balance_statistics.h"
 #include "pipeline/scene/camera/camera_model.h"
 #include "pipeline/scene/camera/exposure.h"
+#include "pipeline/scene/camera/visible.h"
+#include "pipeline/scene/laboratory/balance_statistics.h"
 #include "pipeline/scene/objects/solids.h"
+#include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/clip.h"
 
 namespace touchtrace::scene {

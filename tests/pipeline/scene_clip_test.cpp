@@ -6,10 +6,10 @@
 
 #include "engine/base/error.h"
 #include "pipeline/scene/camera/visible.h"
+#include "pipeline/scene/laboratory/statistics.h"
+#include "pipeline/scene/objects/solids.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/person/performance.h"
-#include "pipeline/scene/objects/solids.h"
-#include "pipeline/scene/laboratory/statistics.h"
 #include "pipeline/scene/simulate/clip.h"
 
 namespace touchtrace::scene {
@@ -139,7 +139,8 @@ TEST(SceneClip, TheStateIsThatOfTheTrackedPointOrOfTheBall) {
 }
 
 TEST(SceneClip, TossesGoAsHighAsMeantAndAreCaught) {
-  const ClipStatistics s = statistics(perform(options_of("throw", "ball"), 20), find_object("ball"));
+  const ClipStatistics s =
+      statistics(perform(options_of("throw", "ball"), 20), find_object("ball"));
   EXPECT_LE(s.drop_share, 0.05);
   EXPECT_GT(s.apex_m.size(), 60u);
   for (double apex_m : s.apex_m) {

@@ -81,7 +81,8 @@ TEST(StudySensitivity, RefusesToGoOnWithWhatNoStudyWrote) {
     }
   }
   for (const char* provenance : {"1", "[]", "{}", R"({"options": 1})"}) {
-    write_file(options.output, fmt::format(R"({{"cells": [], "provenance": {}}})", provenance), true);
+    write_file(options.output, fmt::format(R"({{"cells": [], "provenance": {}}})", provenance),
+               true);
     EXPECT_THROW(measure_sensitivity(runtime, options, provenance_of(options), false), Error);
   }
 }

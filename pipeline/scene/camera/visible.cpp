@@ -1,7 +1,7 @@
 #include "pipeline/scene/camera/visible.h"
 
-#include "pipeline/scene/physics/hand.h"
 #include "pipeline/scene/objects/solids.h"
+#include "pipeline/scene/physics/hand.h"
 
 namespace touchtrace::scene {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "pipeline/scene/laboratory/closed_forms.h"
 #include "pipeline/scene/base/scene.h"
+#include "pipeline/scene/laboratory/closed_forms.h"
 
 namespace touchtrace::scene {
 

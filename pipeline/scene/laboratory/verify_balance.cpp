@@ -1,6 +1,6 @@
-#include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/laboratory/balance_statistics.h"
 #include "pipeline/scene/laboratory/verify_scene.h"
+#include "pipeline/scene/person/activity.h"
 
 namespace touchtrace::scene {
 

@@ -6,10 +6,10 @@
 #include <thread>
 
 #include "engine/base/provenance.h"
-#include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/laboratory/bounces.h"
 #include "pipeline/scene/laboratory/statistics.h"
 #include "pipeline/scene/laboratory/verify_scene.h"
+#include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/clip.h"
 
 namespace touchtrace::scene {

@@ -1,10 +1,10 @@
 #include <fmt/core.h>
 
 #include "engine/base/provenance.h"
-#include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/camera/exposure.h"
 #include "pipeline/scene/camera/renderer.h"
 #include "pipeline/scene/laboratory/verify_scene.h"
+#include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/clip.h"
 
 namespace touchtrace::scene {

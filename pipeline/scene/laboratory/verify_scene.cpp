@@ -2,10 +2,10 @@
 
 #include <fmt/core.h>
 
+#include "pipeline/scene/base/scene.h"
 #include "pipeline/scene/laboratory/ball_forms.h"
 #include "pipeline/scene/laboratory/closed_forms.h"
 #include "pipeline/scene/laboratory/precision.h"
-#include "pipeline/scene/base/scene.h"
 #include "pipeline/scene/person/activity.h"
 
 namespace touchtrace::scene {

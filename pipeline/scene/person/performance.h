@@ -1,7 +1,7 @@
 #pragma once
 
-#include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/glove/glove.h"
+#include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/physics/world.h"
 
 namespace touchtrace::scene {

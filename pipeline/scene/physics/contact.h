@@ -1,8 +1,8 @@
 #pragma once
 
+#include "pipeline/scene/base/parameters.h"
 #include "pipeline/scene/physics/contact_search.h"
 #include "pipeline/scene/physics/motion_system.h"
-#include "pipeline/scene/base/parameters.h"
 
 namespace touchtrace::scene {
 

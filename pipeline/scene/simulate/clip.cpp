@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/glove/glove.h"
-#include "pipeline/scene/person/performance.h"
 #include "pipeline/scene/glove/inertial.h"
+#include "pipeline/scene/person/activity.h"
+#include "pipeline/scene/person/performance.h"
 
 namespace touchtrace::scene {
 namespace {

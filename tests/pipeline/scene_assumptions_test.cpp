@@ -7,6 +7,9 @@
 #include "engine/base/files.h"
 #include "pipeline/scene/base/assumptions.h"
 #include "pipeline/scene/base/scene.h"
+#include "pipeline/scene/camera/camera_clock.h"
+#include "pipeline/scene/camera/camera_model.h"
+#include "pipeline/scene/camera/visible.h"
 #include "pipeline/scene/simulate/clip.h"
 
 namespace touchtrace::scene {
@@ -92,11 +95,50 @@ TEST(SceneAssumptions, ReachTheirPart) {
     return (usual.samples.back().hand.position_m - other.samples.back().hand.position_m).norm();
   };
   for (const char* setting : {"contact-stiffness=2e7", "arm-mass=4", "finger-damping=0.04",
-                              "grasp-place=0.01", "object-friction=0.5", "wave-replanned=0.5:0.6"})
+                              "grasp-place=0.01", "object-friction=0.5", "wave-replanned=0.5:0.6",
+                              "hand-hollow=0.2", "hand-middle-joint=1.0"})
     EXPECT_GT(moved(clip_of({setting})), 0.0) << setting;
   const ClipMotion noisy = clip_of({"glove-noise=3"});
   EXPECT_EQ(moved(noisy), 0.0);
   EXPECT_NE(noisy.glove.counts, usual.glove.counts);
+}
+
+/// All that a camera is made of.
+nlohmann::json camera_of(const SceneParameters& parameters) {
+  SceneOptions options;
+  options.parameters = parameters;
+  const RgbdCamera camera = make_camera(options);
+  const DepthSensor& depth = camera.sensor;
+  return {calibration_truth(camera),
+          clock_truth(make_camera_clock(options)),
+          camera_info(camera, options).gravity,
+          {camera.exposure_s, camera.color_noise_counts},
+          {depth.baseline_m, depth.shift_sigma_px, depth.nearest_m, depth.farthest_m}};
+}
+
+TEST(SceneAssumptions, EachOfTheCameraReachesIt) {
+  const nlohmann::json usual = camera_of({});
+  int reached = 0;
+  for (const Assumption& row : assumptions()) {
+    SceneParameters changed;
+    scale(changed, row, 0.5);
+    const bool differs = camera_of(changed) != usual;
+    EXPECT_EQ(differs, row.part == "camera") << row.name;
+    reached += differs;
+  }
+  EXPECT_GE(reached, 25);
+}
+
+TEST(SceneAssumptions, TheHandIsSeenAsItIs) {
+  SceneSample fist;
+  fist.flexion_rad.fill(1.0);
+  HandParameters stiff;
+  stiff.last_joint = 0.1;
+  const auto usual = hand_solids(fist), other = hand_solids(fist, hand_model(stiff));
+  ASSERT_EQ(usual.size(), other.size());
+  EXPECT_FALSE(std::ranges::equal(usual, other, [](const Solid& a, const Solid& b) {
+    return a.body_from_shape.matrix() == b.body_from_shape.matrix();
+  }));
 }
 
 TEST(SceneAssumptions, AnotherGloveIsOnTheSameHand) {

@@ -29,6 +29,13 @@ struct ArmParameters {
   }
 };
 
+/// The shape of the hand, and how its joints go together.
+struct HandParameters {
+  double hollow_m = 0.13, heel_m = 0.055;  ///< radii of the palm's dish and of its rise
+  double middle_joint = 1.15, last_joint = 0.75, thumb_joint = 0.8;  ///< a turn of the first
+  auto operator<=>(const HandParameters&) const = default;
+};
+
 /// Of the first joint of each finger.
 struct FingerParameters {
   double inertia_kg_m2 = 5e-5, damping_nm_s_per_rad = 0.02;
@@ -129,9 +136,26 @@ struct InertialParameters {
   double levelling_s = 5.0;  ///< in which its vertical follows the specific force
 };
 
+/// A stereo depth sensor beside a colour camera, before the person. Lengths in pixels are those of
+/// an image 640 pixels wide; deviations are those among specimens.
+struct CameraParameters {
+  double focal_px = 608.0, focal_deviation_px = 3.0, centre_deviation_px = 5.0;
+  double k1 = -0.055, k2 = 0.045, radial_deviation = 0.01, tangential_deviation = 5e-4;
+  double exposure_s = 0.008, noise_counts = 1.2;  ///< of colour
+  double apart_m = 0.025;                         ///< depth's eye from the colour's
+  double baseline_m = 0.05, disparity_sigma_px = 0.055, disparity_step_px = 0.125;
+  double shift_sigma_px = 0.5;  ///< of where a pixel of depth really looks
+  double nearest_m = 0.3, farthest_m = 4.0;
+  double scale_deviation = 0.004, offset_deviation_m = 0.005;  ///< of depth
+  double height_m = 1.35, place_deviation_m = 0.02, pitch_deviation_deg = 1.0;
+  double gravity_deviation_deg = 0.3;  ///< of its accelerometer's vertical
+  double clock_ppm = 30.0, latency_s = 0.018, jitter_s = 0.003, dropped = 0.005;
+};
+
 struct SceneParameters {
   ContactParameters contact;
   ArmParameters arm;
+  HandParameters hand;
   FingerParameters fingers;
   GraspParameters grasp;
   ObjectParameters objects;
@@ -142,6 +166,7 @@ struct SceneParameters {
   BalanceParameters balance;
   GloveParameters glove;
   InertialParameters inertial;
+  CameraParameters camera;
 };
 
 }  // namespace touchtrace::scene

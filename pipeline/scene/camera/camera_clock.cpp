@@ -24,10 +24,12 @@ std::vector<std::uint64_t> CameraClock::frames_between(double start_s, double en
 }
 
 CameraClock make_camera_clock(const SceneOptions& options) {
+  const CameraParameters& p = options.parameters.camera;
   RandomStream random(options.seed, "camera clock");
   CameraClock clock;
   clock.offset_s = random.uniform(5.0, 50.0);
-  clock.drift = random.normal(0.0, 30e-6);
+  clock.drift = random.normal(0.0, 1e-6 * p.clock_ppm);
+  clock.latency_s = p.latency_s, clock.jitter_s = p.jitter_s, clock.drop_share = p.dropped;
   clock.seed = options.seed;
   return clock;
 }

@@ -10,9 +10,9 @@ namespace touchtrace::scene {
 struct CameraClock {
   double period_s = 0.05;  ///< by its own clock
   double offset_s = 0.0, drift = 0.0;
-  double latency_s = 0.018;   ///< least time from the middle of the exposure to the arrival
-  double jitter_s = 0.003;    ///< mean of the exponential part of the latency
-  double drop_share = 0.005;  ///< of the frames; the sequence numbers go on
+  double latency_s = 0.0;   ///< least time from the middle of the exposure to the arrival
+  double jitter_s = 0.0;    ///< mean of the exponential part of the latency
+  double drop_share = 0.0;  ///< of the frames; the sequence numbers go on
   std::uint64_t seed = 0;
 
   double device_time_s(std::uint64_t sequence) const {

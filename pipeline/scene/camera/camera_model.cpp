@@ -10,17 +10,16 @@ namespace touchtrace::scene {
 namespace {
 
 constexpr double radians_per_degree = std::numbers::pi / 180.0;
-constexpr double accelerometer_error_rad = 0.3 * radians_per_degree;
 
-/// A pinhole near the middle of the image; `focal_px` and the spreads hold for 640 pixels of width.
-PinholeCamera specimen(RandomStream& random, int width, int height, double focal_px) {
+/// A pinhole near the middle of the image.
+PinholeCamera specimen(RandomStream& random, int width, int height, const CameraParameters& p) {
   const double size = static_cast<double>(width) / sensor_width_px;
   PinholeCamera camera;
   camera.width = width, camera.height = height;
-  camera.fx = size * random.normal(focal_px, 3.0);
+  camera.fx = size * random.normal(p.focal_px, p.focal_deviation_px);
   camera.fy = camera.fx * random.normal(1.0, 0.001);
-  camera.cx = 0.5 * (width - 1) + size * random.normal(0.0, 5.0);
-  camera.cy = 0.5 * (height - 1) + size * random.normal(0.0, 5.0);
+  camera.cx = 0.5 * (width - 1) + size * random.normal(0.0, p.centre_deviation_px);
+  camera.cy = 0.5 * (height - 1) + size * random.normal(0.0, p.centre_deviation_px);
   return camera;
 }
 
@@ -50,9 +49,9 @@ Eigen::Isometry3d looking_at_person(const Eigen::Vector3d& position_m, double pi
   return camera_from_world;
 }
 
-Eigen::Isometry3d depth_pose(RandomStream& random) {
+Eigen::Isometry3d depth_pose(RandomStream& random, double apart_m) {
   Eigen::Isometry3d depth_from_color(small_rotation(random, 0.3 * radians_per_degree));
-  depth_from_color.translation() << 0.025 + random.normal(0.0, 3e-4), random.normal(0.0, 3e-4),
+  depth_from_color.translation() << apart_m + random.normal(0.0, 3e-4), random.normal(0.0, 3e-4),
       random.normal(0.0, 3e-4);
   return depth_from_color;
 }
@@ -73,6 +72,14 @@ nlohmann::json camera_json(const PinholeCamera& camera) {
 
 }  // namespace
 
+DepthSensor::DepthSensor(const CameraParameters& p)
+    : baseline_m(p.baseline_m),
+      disparity_sigma_px(p.disparity_sigma_px),
+      disparity_step_px(p.disparity_step_px),
+      shift_sigma_px(p.shift_sigma_px),
+      nearest_m(p.nearest_m),
+      farthest_m(p.farthest_m) {}
+
 DepthSensor DepthSensor::exact() {
   DepthSensor sensor;
   sensor.disparity_sigma_px = sensor.disparity_step_px = sensor.shift_sigma_px = 0.0;
@@ -82,25 +89,32 @@ DepthSensor DepthSensor::exact() {
 
 RgbdCamera make_camera(const SceneOptions& options) {
   const ActivityRow& from = find_activity(options.activity);
+  const CameraParameters& p = options.parameters.camera;
   RandomStream random(options.seed, "camera specimen");
   RgbdCamera camera;
-  camera.color = specimen(random, options.image_width, options.image_height, 608.0);
-  camera.color.distortion << random.normal(-0.055, 0.01), random.normal(0.045, 0.01),
-      random.normal(0.0, 5e-4), random.normal(0.0, 5e-4), 0.0;
-  camera.depth = specimen(random, options.image_width, options.image_height, 608.0);
-  camera.depth_from_color = depth_pose(random);
+  camera.color = specimen(random, options.image_width, options.image_height, p);
+  camera.color.distortion << random.normal(p.k1, p.radial_deviation),
+      random.normal(p.k2, p.radial_deviation), random.normal(0.0, p.tangential_deviation),
+      random.normal(0.0, p.tangential_deviation), 0.0;
+  camera.depth = specimen(random, options.image_width, options.image_height, p);
+  camera.depth_from_color = depth_pose(random, p.apart_m);
   camera.color_from_world = looking_at_person(
-      {random.normal(-0.08, 0.02), -from.camera_distance_m, random.normal(1.35, 0.02)},
-      random.normal(from.camera_pitch_deg, 1.0) * radians_per_degree);
-  camera.sensor.scale = random.normal(1.0, 0.004);
-  camera.sensor.offset_m = random.normal(0.0, 0.005);
+      {random.normal(-0.08, p.place_deviation_m), -from.camera_distance_m,
+       random.normal(p.height_m, p.place_deviation_m)},
+      random.normal(from.camera_pitch_deg, p.pitch_deviation_deg) * radians_per_degree);
+  camera.sensor = DepthSensor(p);
+  camera.sensor.scale = random.normal(1.0, p.scale_deviation);
+  camera.sensor.offset_m = random.normal(0.0, p.offset_deviation_m);
+  camera.exposure_s = p.exposure_s, camera.color_noise_counts = p.noise_counts;
   return camera;
 }
 
 CameraInfo camera_info(const RgbdCamera& camera, const SceneOptions& options) {
   RandomStream random(options.seed, "camera accelerometer");
   const Eigen::Vector3d down(0.0, 0.0, -gravity_m_per_s2);
-  const Eigen::Quaterniond error = small_rotation(random, accelerometer_error_rad / std::sqrt(3.0));
+  const double error_rad =
+      options.parameters.camera.gravity_deviation_deg * radians_per_degree / std::sqrt(3.0);
+  const Eigen::Quaterniond error = small_rotation(random, error_rad);
   const Eigen::Vector3d gravity = error * (camera.color_from_world.linear() * down);
   CameraInfo info;
   info.width = camera.color.width, info.height = camera.color.height;

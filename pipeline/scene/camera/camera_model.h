@@ -7,18 +7,18 @@
 
 namespace touchtrace::scene {
 
-/// A stereo depth sensor. Its pixels are those of a 640 pixels wide image, whatever size it sends.
+/// A stereo depth sensor (Nguyen et al., 3DIMPVT 2012; Handa et al., ICRA 2014). Its pixels are
+/// those of a 640 pixels wide image, whatever size it sends.
 struct DepthSensor {
-  double baseline_m = 0.05;
-  double disparity_sigma_px =
-      0.055;  ///< axial noise of 2.1 mm at 1.1 m (Nguyen et al., 3DIMPVT 2012)
-  double disparity_step_px = 0.125;  ///< 0: not quantised
-  double shift_sigma_px = 0.5;       ///< of where a pixel really looks (Handa et al., ICRA 2014)
-  double nearest_m = 0.3, farthest_m = 4.0;
+  double baseline_m, disparity_sigma_px;
+  double disparity_step_px;  ///< 0: not quantised
+  double shift_sigma_px;     ///< of where a pixel really looks
+  double nearest_m, farthest_m;
   bool holes = true;  ///< occlusion shadows and ragged edges are not measured
   /// True depth = offset + scale * measured depth; what calibration has to find.
   double scale = 1.0, offset_m = 0.0;
 
+  explicit DepthSensor(const CameraParameters& parameters = {});
   /// No noise, no steps, no holes and no error: for tests of the geometry.
   static DepthSensor exact();
 };
@@ -30,9 +30,9 @@ struct RgbdCamera {
   Eigen::Isometry3d depth_from_color = Eigen::Isometry3d::Identity();
   DepthSensor sensor;
   double depth_unit_m = 0.00025;
-  double exposure_s = 0.008;
-  double color_noise_counts =
-      1.2;  ///< of a pixel of the 640 pixels wide sensor; smaller ones are its means
+  double exposure_s = CameraParameters{}.exposure_s;
+  /// Of a pixel of the 640 pixels wide sensor; smaller ones are its means.
+  double color_noise_counts = CameraParameters{}.noise_counts;
 };
 
 inline constexpr int sensor_width_px = 640;

@@ -35,13 +35,15 @@ void append(std::vector<PaintedSolid>& scene, const std::vector<PaintedSolid>& s
   scene.insert(scene.end(), solids.begin(), solids.end());
 }
 
-std::vector<PaintedSolid> scene_at(const ClipMotion& motion, const ObjectSpec& object,
+std::vector<PaintedSolid> scene_at(const ClipMotion& motion, const SceneOptions& options,
                                    double time_s) {
+  const ObjectSpec& object = options.object;
   const SceneSample sample = sample_at(motion, time_s);
   std::vector<PaintedSolid> scene = room_solids();
   append(scene, person_solids(time_s));
   append(scene, {forearm_solid(sample)}, sleeve_contrast, sleeve_waves_per_m);
-  append(scene, hand_solids(sample), glove_contrast, glove_waves_per_m);
+  append(scene, hand_solids(sample, hand_model(options.parameters.hand)), glove_contrast,
+         glove_waves_per_m);
   append(scene, object_solids(object, sample), object_contrast, object_waves_per_m);
   append(scene, ball_solids(object, sample), object_contrast, object_waves_per_m);
   return scene;
@@ -109,13 +111,13 @@ SceneSample sample_at(const ClipMotion& motion, double time_s) {
   return sample;
 }
 
-Exposure expose(const ClipMotion& motion, const ObjectSpec& object, double middle_s,
+Exposure expose(const ClipMotion& motion, const SceneOptions& options, double middle_s,
                 double exposure_s) {
   Exposure exposure;
   for (int i = 0; i < color_instants; ++i)
     exposure.color.push_back(
-        scene_at(motion, object, middle_s + exposure_s * ((i + 0.5) / color_instants - 0.5)));
-  exposure.depth = scene_at(motion, object, middle_s);
+        scene_at(motion, options, middle_s + exposure_s * ((i + 0.5) / color_instants - 0.5)));
+  exposure.depth = scene_at(motion, options, middle_s);
   return exposure;
 }
 

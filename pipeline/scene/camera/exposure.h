@@ -7,9 +7,9 @@ namespace touchtrace::scene {
 /// The motion at `time_s`, between its samples; the first or last one outside of them.
 SceneSample sample_at(const ClipMotion& motion, double time_s);
 
-/// What the camera sees during an exposure of `exposure_s` around `middle_s`: room, person, hand
-/// and object.
-Exposure expose(const ClipMotion& motion, const ObjectSpec& object, double middle_s,
+/// What the camera sees of a clip of `options` during an exposure of `exposure_s` around
+/// `middle_s`: room, person, hand and object.
+Exposure expose(const ClipMotion& motion, const SceneOptions& options, double middle_s,
                 double exposure_s);
 
 /// Where a user marks solids in the colour image: their bounds, each side off by up to 3 pixels.

@@ -1,7 +1,6 @@
 #include "pipeline/scene/camera/visible.h"
 
 #include "pipeline/scene/objects/solids.h"
-#include "pipeline/scene/physics/hand.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -57,12 +56,12 @@ void add_finger(std::vector<Solid>& solids, const Isometry3d& world_from_hand, c
 
 }  // namespace
 
-std::vector<Solid> hand_solids(const SceneSample& sample) {
+std::vector<Solid> hand_solids(const SceneSample& sample, const HandModel& hand) {
   const Isometry3d world_from_hand = placed(sample.hand);
   std::vector<Solid> solids;
   add_palm(solids, world_from_hand);
   for (int i = 0; i < finger_count; ++i)
-    add_finger(solids, world_from_hand, hand_model().fingers[i], sample.flexion_rad[i]);
+    add_finger(solids, world_from_hand, hand.fingers[i], sample.flexion_rad[i]);
   const Vector3d heel = world_from_hand * Vector3d(-0.040, 0.0, -0.012);
   solids.push_back(capsule_between(heel, world_from_hand * wrist_in_hand_m, 0.026, glove_color));
   return solids;

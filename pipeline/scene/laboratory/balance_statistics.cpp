@@ -26,9 +26,9 @@ struct BalanceClip {
 Vector2d center_of_pressure(const World& world) {
   Vector2d sum = Vector2d::Zero();
   double force = 0.0;
-  for (std::size_t i = 0; i < hand_model().taxels.size(); ++i) {
-    if (hand_model().taxels[i].finger >= 0) continue;
-    sum += world.contact().force_n()[i] * hand_model().taxels[i].position_m.head<2>();
+  for (std::size_t i = 0; i < world.model().taxels.size(); ++i) {
+    if (world.model().taxels[i].finger >= 0) continue;
+    sum += world.contact().force_n()[i] * world.model().taxels[i].position_m.head<2>();
     force += world.contact().force_n()[i];
   }
   return force > 0.0 ? Vector2d(sum / force) : sum;

@@ -43,7 +43,7 @@ void put_above(World& world, const Vector3d& place_m, double gap_m) {
   double height = 0.0;
   for (bool free = false; !free; height += 1e-5) {
     free = true;
-    for (const Taxel& taxel : hand_model().taxels)
+    for (const Taxel& taxel : world.model().taxels)
       if (taxel.finger < 0)
         free &=
             distance_m(world.spec(), taxel.position_m - place_m - height * Vector3d::UnitZ()) > 0;

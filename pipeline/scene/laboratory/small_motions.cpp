@@ -28,7 +28,7 @@ Vector3d seen_from_object(const World& world, const Taxel& taxel, const SmallMot
   Vector3d in_hand = taxel.position_m;
   if (taxel.finger >= 0) {
     const double flexion = world.flexion_rad[taxel.finger] + q[small_flexion + taxel.finger];
-    const FingerPose pose = pose_finger(hand_model().fingers[taxel.finger], flexion);
+    const FingerPose pose = pose_finger(world.model().fingers[taxel.finger], flexion);
     in_hand = pose.joint_m[taxel.link] + pose.hand_from_link[taxel.link] * in_hand;
   }
   const Vector3d place = world.hand.position_m + world.hand.orientation * in_hand;
@@ -40,8 +40,8 @@ Vector3d seen_from_object(const World& world, const Taxel& taxel, const SmallMot
 std::vector<Spring> springs_of(const World& world, const Touches& touches,
                                const ContactParameters& contact) {
   std::vector<Spring> springs;
-  for (std::size_t i = 0; i < hand_model().taxels.size(); ++i) {
-    const Taxel& taxel = hand_model().taxels[i];
+  for (std::size_t i = 0; i < world.model().taxels.size(); ++i) {
+    const Taxel& taxel = world.model().taxels[i];
     const Vector3d place = seen_from_object(world, taxel, SmallMotion::Zero());
     const Distance d = distance(world.spec(), place);
     if (d.value_m < 0.0)
@@ -105,8 +105,8 @@ Square damping_of(const World& world, const std::vector<Spring>& springs,
 
 }  // namespace
 
-Touches::Touches(const World& world) : touching_(hand_model().taxels.size(), true) {
-  for (const Taxel& taxel : hand_model().taxels)
+Touches::Touches(const World& world) : touching_(world.model().taxels.size(), true) {
+  for (const Taxel& taxel : world.model().taxels)
     place_m_.push_back(seen_from_object(world, taxel, SmallMotion::Zero()));
 }
 
@@ -114,7 +114,7 @@ void Touches::follow(const World& world) {
   for (std::size_t i = 0; i < touching_.size(); ++i) {
     const bool touching = world.contact().force_n()[i] > 0.0;
     if (touching && !touching_[i])
-      place_m_[i] = seen_from_object(world, hand_model().taxels[i], SmallMotion::Zero());
+      place_m_[i] = seen_from_object(world, world.model().taxels[i], SmallMotion::Zero());
     touching_[i] = touching;
   }
 }

@@ -27,7 +27,7 @@ void verify_rendering(const std::string& activity, const std::function<void(Figu
   Renderer renderer(runtime, camera, options.seed);
   const auto render = [&](int frame) {
     const double time_s = first_frame_s + frame * frame_interval_s;
-    renderer.render(expose(motion, options.object, time_s, camera.exposure_s), "camera frame",
+    renderer.render(expose(motion, options, time_s, camera.exposure_s), "camera frame",
                     static_cast<std::uint64_t>(frame));
   };
   render(0);

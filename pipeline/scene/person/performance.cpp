@@ -60,12 +60,12 @@ ObjectSpec as_assumed(ObjectSpec object, const SceneParameters& parameters) {
 }
 
 /// How far the origin of the object has to be above the palm so that nothing touches.
-double height_over_palm_m(const ObjectSpec& object, const Eigen::Quaterniond& hand_from_object,
-                          const Vector3d& place) {
+double height_over_palm_m(const HandModel& hand, const ObjectSpec& object,
+                          const Eigen::Quaterniond& hand_from_object, const Vector3d& place) {
   double height = std::max(0.0, -(hand_from_object * object.hold.center_m).z());
   for (double step = 0.0005; height < tallest_m; height += step) {
     bool free = true;
-    for (const Taxel& taxel : hand_model().taxels)
+    for (const Taxel& taxel : hand.taxels)
       if (taxel.finger < 0)
         free &= distance(object, hand_from_object.conjugate() *
                                      (taxel.position_m - place - height * Vector3d::UnitZ()))
@@ -87,7 +87,8 @@ Performance::Performance(const SceneOptions& options, const std::string& name, d
                          double step_s)
     : grasp_(options.parameters.grasp),
       world_(as_assumed(options.object, options.parameters), options.parameters.arm,
-             options.parameters.contact, {}, options.parameters.fingers),
+             options.parameters.contact, {}, options.parameters.fingers,
+             hand_model(options.parameters.hand)),
       activity_(activity_of(options, {world_.spec(), RandomStream(options.seed, name + " motion"),
                                       options.parameters})),
       restitution_(options.seed, name + " restitution"),
@@ -114,7 +115,7 @@ void Performance::place_object(const Command& command, RandomStream& random) {
   const Eigen::Quaterniond hand_from_object = as_held(hold, grasp_.yaw_rad, random);
   Vector3d place = over - hand_from_object * hold.center_m;
   place.z() = 0.0;
-  const double height = height_over_palm_m(world_.spec(), hand_from_object, place);
+  const double height = height_over_palm_m(world_.model(), world_.spec(), hand_from_object, place);
   world_.hand.position_m = command.hand.position_m;
   world_.hand.orientation = wanted_orientation(command);
   world_.object.position_m =

@@ -56,13 +56,15 @@ struct ContactSums {
 
 }  // namespace
 
-ContactPatch::ContactPatch(const ContactParameters& parameters)
+ContactPatch::ContactPatch(const ContactParameters& parameters, const HandModel& model)
     : parameters_(parameters),
-      force_n_(hand_model().taxels.size(), 0.0),
-      bristle_m_(hand_model().taxels.size(), Vector3d::Zero()),
-      touched_at_(hand_model().taxels.size(), -2) {
-  contacts_.reserve(hand_model().taxels.size());
-  loaded_.reserve(hand_model().taxels.size());
+      model_(&model),
+      search_(model),
+      force_n_(model.taxels.size(), 0.0),
+      bristle_m_(model.taxels.size(), Vector3d::Zero()),
+      touched_at_(model.taxels.size(), -2) {
+  contacts_.reserve(model.taxels.size());
+  loaded_.reserve(model.taxels.size());
 }
 
 void ContactPatch::find(const ObjectSpec& object, const HandFromObject& hand,
@@ -83,7 +85,7 @@ void ContactPatch::find(const ObjectSpec& object, const HandFromObject& hand,
 void ContactPatch::load(const Touch& touch, const Vector3d& velocity, const Vector3d& expected) {
   const ContactParameters& p = parameters_;
   const double depth = std::min(touch.depth_m, p.clamp_m);
-  const double k = p.stiffness_n_per_m3 * hand_model().taxels[touch.taxel].area_m2;
+  const double k = p.stiffness_n_per_m3 * model_->taxels[touch.taxel].area_m2;
   const double rate = -touch.normal.dot(velocity);
   const double hardening = std::max(0.0, depth) / p.hardening_m;
   const double elastic_n = k * depth * (1 + hardening);

@@ -23,7 +23,8 @@ struct RelativeMotion {
 /// object's axes. Forces are linear in the velocities that are solved for, the means over a step.
 class ContactPatch {
  public:
-  explicit ContactPatch(const ContactParameters& parameters = {});
+  explicit ContactPatch(const ContactParameters& parameters = {},
+                        const HandModel& model = hand_model());
 
   /// Finds what touches where things have got to, `looked_s` from now, with the present `motion`,
   /// or may touch `ahead_s` from now, which later calls are about. Coulomb's limit is taken at the
@@ -73,6 +74,7 @@ class ContactPatch {
   void apply(const Contact& contact, const Eigen::Vector3d& velocity, double h);
 
   ContactParameters parameters_;
+  const HandModel* model_;
   TaxelSearch search_;
   std::vector<Contact> contacts_;
   std::vector<double> force_n_;

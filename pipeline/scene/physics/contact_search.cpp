@@ -25,10 +25,11 @@ struct TaxelSearch::Link {
   double coupled = 0.0;
   Vector3d axis = Vector3d::Zero(), pivot_m = Vector3d::Zero();
 
-  Link(const TaxelGroup& group, const HandFromObject& hand, const FingerPose* pose)
+  Link(const HandModel& model, const TaxelGroup& group, const HandFromObject& hand,
+       const FingerPose* pose)
       : finger(group.finger), object_from_link(hand.object_from_hand), origin_m(hand.hand_m) {
     if (!pose) return;
-    const Finger& f = hand_model().fingers[finger];
+    const Finger& f = model.fingers[finger];
     axis = hand.object_from_hand * pose->axis;
     for (int joint = 0; joint <= group.link; ++joint) {
       coupled += f.coupling[joint];
@@ -46,10 +47,11 @@ struct TaxelSearch::Link {
   }
 };
 
-TaxelSearch::TaxelSearch()
-    : taxel_free_until_m_(hand_model().taxels.size(), 0.0),
-      group_free_until_m_(hand_model().groups.size(), 0.0) {
-  touches_.reserve(hand_model().taxels.size());
+TaxelSearch::TaxelSearch(const HandModel& model)
+    : model_(&model),
+      taxel_free_until_m_(model.taxels.size(), 0.0),
+      group_free_until_m_(model.groups.size(), 0.0) {
+  touches_.reserve(model.taxels.size());
 }
 
 const std::vector<Touch>& TaxelSearch::find(const ObjectSpec& object, const HandFromObject& hand,
@@ -59,7 +61,7 @@ const std::vector<Touch>& TaxelSearch::find(const ObjectSpec& object, const Hand
   clearance_m_ = 1.0;
   poses_.fill(std::nullopt);
   follow(hand);
-  for (const TaxelGroup& group : hand_model().groups) search(group, object, hand);
+  for (const TaxelGroup& group : model_->groups) search(group, object, hand);
   return touches_;
 }
 
@@ -75,16 +77,16 @@ void TaxelSearch::follow(const HandFromObject& hand) {
 
 const FingerPose& TaxelSearch::pose(int finger, const HandFromObject& hand) {
   if (!poses_[finger])
-    poses_[finger] = pose_finger(hand_model().fingers[finger], hand.flexion_rad[finger]);
+    poses_[finger] = pose_finger(model_->fingers[finger], hand.flexion_rad[finger]);
   return *poses_[finger];
 }
 
 void TaxelSearch::search(const TaxelGroup& group, const ObjectSpec& object,
                          const HandFromObject& hand) {
   const double travel = travel_m_[group.finger + 1];
-  double& free_until = group_free_until_m_[&group - hand_model().groups.data()];
+  double& free_until = group_free_until_m_[&group - model_->groups.data()];
   if (travel + margin_m_ >= free_until) {
-    const Link link(group, hand, group.finger < 0 ? nullptr : &pose(group.finger, hand));
+    const Link link(*model_, group, hand, group.finger < 0 ? nullptr : &pose(group.finger, hand));
     const double distance = distance_m(object, link.place(group.centre_m));
     free_until = travel + distance - group.radius_m;
     if (travel + margin_m_ >= free_until) look(group, link, object);
@@ -96,7 +98,7 @@ void TaxelSearch::look(const TaxelGroup& group, const Link& link, const ObjectSp
   const double travel = travel_m_[group.finger + 1];
   for (int i = group.first; i < group.first + group.count; ++i) {
     if (travel + margin_m_ < taxel_free_until_m_[i]) continue;
-    const Vector3d place = link.place(hand_model().taxels[i].position_m);
+    const Vector3d place = link.place(model_->taxels[i].position_m);
     const NearestSolid nearest = nearest_solid(object, place);
     if (nearest.distance_m >= margin_m_)
       taxel_free_until_m_[i] = travel + nearest.distance_m;

@@ -26,7 +26,7 @@ struct Touch {
 /// was clear by d is not looked at until it may have moved by d against the object.
 class TaxelSearch {
  public:
-  TaxelSearch();
+  explicit TaxelSearch(const HandModel& model);
 
   /// Taxels inside the object or less than `margin_m` outside.
   const std::vector<Touch>& find(const ObjectSpec& object, const HandFromObject& hand,
@@ -43,6 +43,7 @@ class TaxelSearch {
   void search(const TaxelGroup& group, const ObjectSpec& object, const HandFromObject& hand);
   void look(const TaxelGroup& group, const Link& link, const ObjectSpec& object);
 
+  const HandModel* model_;
   std::vector<Touch> touches_;
   std::array<std::optional<FingerPose>, finger_count> poses_;  ///< those needed so far
   /// Travels at which a taxel or group may touch at the soonest.

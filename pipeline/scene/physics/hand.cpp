@@ -1,6 +1,8 @@
 #include "pipeline/scene/physics/hand.h"
 
 #include <cmath>
+#include <map>
+#include <mutex>
 #include <numbers>
 
 namespace touchtrace::scene {
@@ -10,7 +12,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double palm_half_length_m = 0.045, palm_half_width_m = 0.042;
-constexpr double palm_dish_radius_m = 0.13, heel_start_m = -0.010, heel_radius_m = 0.055;
+constexpr double heel_start_m = -0.010;
 constexpr double taxel_fan_rad = std::numbers::pi / 3;  // to either side of a finger's palmar line
 
 /// Columns x along the thumb, z out of its pad, chosen so that flexion closes it over the palm.
@@ -24,23 +26,22 @@ Matrix3d thumb_base() {
 
 /// Flexed fingers converge (on the scaphoid), so the planes in which they flex lean towards the
 /// middle.
-Finger long_finger(double y, double length) {
+Finger long_finger(double y, double length, const HandParameters& shape) {
   constexpr double lean_rad_per_m = 12.0;
   const Matrix3d lean = Eigen::AngleAxisd(lean_rad_per_m * y, Vector3d::UnitX()).toRotationMatrix();
   return {{palm_half_length_m, y, -0.003},
           lean,
           3,
           {0.45 * length, 0.30 * length, 0.25 * length},
-          {1.0, 1.15, 0.75},
+          {1.0, shape.middle_joint, shape.last_joint},
           0.0085};
 }
 
-std::array<Finger, finger_count> make_fingers() {
-  return {
-      long_finger(-0.032, 0.075), long_finger(-0.011, 0.083), long_finger(0.011, 0.078),
-      long_finger(0.032, 0.062),
-      Finger{
-          {-0.036, -0.026, 0.006}, thumb_base(), 2, {0.038, 0.032, 0.0}, {1.0, 0.8, 0.0}, 0.010}};
+std::array<Finger, finger_count> make_fingers(const HandParameters& shape) {
+  const Finger thumb{{-0.036, -0.026, 0.006},       thumb_base(), 2, {0.038, 0.032, 0.0},
+                     {1.0, shape.thumb_joint, 0.0}, 0.010};
+  return {long_finger(-0.032, 0.075, shape), long_finger(-0.011, 0.083, shape),
+          long_finger(0.011, 0.078, shape), long_finger(0.032, 0.062, shape), thumb};
 }
 
 void add_group(HandModel& model, int finger, int link, int first) {
@@ -54,13 +55,13 @@ void add_group(HandModel& model, int finger, int link, int first) {
 }
 
 /// A shallow dish that rises to thenar and hypothenar at the heel.
-double palm_height_m(double x, double y) {
+double palm_height_m(double x, double y, const HandParameters& shape) {
   const double heel = std::max(0.0, heel_start_m - x);
-  return (x * x + y * y) / (2 * palm_dish_radius_m) + heel * heel / (2 * heel_radius_m);
+  return (x * x + y * y) / (2 * shape.hollow_m) + heel * heel / (2 * shape.heel_m);
 }
 
 /// An eighth of the palm: 7 x 4 of its 14 x 16 taxels.
-void add_palm_part(HandModel& model, int first_row, int first_col) {
+void add_palm_part(HandModel& model, const HandParameters& shape, int first_row, int first_col) {
   constexpr int rows = 14, cols = 16, image_row = 18, image_col = 4;
   constexpr double row_pitch = 2 * palm_half_length_m / rows,
                    col_pitch = 2 * palm_half_width_m / cols;
@@ -71,7 +72,7 @@ void add_palm_part(HandModel& model, int first_row, int first_col) {
       const double y = (col + 0.5) * col_pitch - palm_half_width_m;
       model.taxels.push_back({-1,
                               0,
-                              {x, y, palm_height_m(x, y)},
+                              {x, y, palm_height_m(x, y, shape)},
                               row_pitch * col_pitch,
                               image_row + row,
                               image_col + col});
@@ -96,10 +97,10 @@ void add_link(HandModel& model, int finger, int link, int rows, int image_row, i
   add_group(model, finger, link, first);
 }
 
-HandModel make_hand() {
-  HandModel model{make_fingers(), {}, {}};
+HandModel make_hand(const HandParameters& shape) {
+  HandModel model{make_fingers(shape), {}, {}};
   for (int row : {0, 7})
-    for (int col : {0, 4, 8, 12}) add_palm_part(model, row, col);
+    for (int col : {0, 4, 8, 12}) add_palm_part(model, shape, row, col);
   for (int finger = 0; finger < 4; ++finger)
     for (int link = 0; link < 3; ++link)
       add_link(model, finger, link, 5, 5 * (2 - link), 6 * finger);
@@ -109,9 +110,13 @@ HandModel make_hand() {
 
 }  // namespace
 
-const HandModel& hand_model() {
-  static const HandModel model = make_hand();
-  return model;
+const HandModel& hand_model(const HandParameters& shape) {
+  static std::mutex mutex;
+  static std::map<HandParameters, HandModel> models;
+  const std::lock_guard lock(mutex);
+  const auto known = models.find(shape);
+  return known != models.end() ? known->second
+                               : models.emplace(shape, make_hand(shape)).first->second;
 }
 
 FingerPose pose_finger(const Finger& finger, double flexion_rad) {

@@ -44,8 +44,9 @@ struct HandModel {
   std::vector<TaxelGroup> groups;
 };
 
-/// Palm 224 taxels on a shallow dish, fingers 4 x 90, thumb 96. A right hand of average size.
-const HandModel& hand_model();
+/// Palm 224 taxels on a shallow dish, fingers 4 x 90, thumb 96. A right hand of average size. Of
+/// every shape there is one, which lasts.
+const HandModel& hand_model(const HandParameters& shape = {});
 
 /// Where the links of one finger are at a flexion, in the hand's frame.
 struct FingerPose {

@@ -63,13 +63,15 @@ struct World::Instant {
 };
 
 World::World(const ObjectSpec& spec, const ArmParameters& arm, const ContactParameters& contact,
-             const Implicitness& implicitness, const FingerParameters& fingers)
+             const Implicitness& implicitness, const FingerParameters& fingers,
+             const HandModel& model)
     : object_spec_(spec),
       inverse_inertia_(spec.inertia_kg_m2.inverse()),
       arm_(arm),
+      model_(&model),
       fingers_(fingers),
       implicitness_(implicitness),
-      contact_(contact),
+      contact_(contact, model),
       contact_rate2_per_s2_(contact.stiffness_n_per_m3 * first_patch_m2 / spec.mass_kg),
       object_rate2_per_s2_(contact_rate2_per_s2_) {}
 

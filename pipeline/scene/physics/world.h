@@ -41,7 +41,7 @@ class World {
  public:
   explicit World(const ObjectSpec& object, const ArmParameters& arm = {},
                  const ContactParameters& contact = {}, const Implicitness& implicitness = {},
-                 const FingerParameters& fingers = {});
+                 const FingerParameters& fingers = {}, const HandModel& model = hand_model());
 
   /// One control interval in as many steps as its events need: `step_s` at most while anything
   /// touches, finer in impacts, to the soonest contact in free flight; an impact of the ball ends a
@@ -66,6 +66,7 @@ class World {
   std::span<const TimedImpact> impacts() const { return impacts_; }
   const ObjectSpec& spec() const { return object_spec_; }
   const ContactPatch& contact() const { return contact_; }
+  const HandModel& model() const { return *model_; }
 
  private:
   struct Instant;
@@ -83,6 +84,7 @@ class World {
   ObjectSpec object_spec_;
   Eigen::Matrix3d inverse_inertia_;
   ArmParameters arm_;
+  const HandModel* model_;
   FingerParameters fingers_;
   Implicitness implicitness_;
   ContactPatch contact_;

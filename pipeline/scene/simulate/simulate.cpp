@@ -116,7 +116,7 @@ SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runti
     const double start_s = clip_start_s(options, i);
     recording.clips.push_back(
         {start_s, start_s + options.clip_s, options.object.name, motion.dropped, {}, {}});
-    if (video) video->record_clip(motion, options.object, i, recording);
+    if (video) video->record_clip(motion, i, recording);
     append_glove(recording.gloves, motion.glove);
     append_truth(truth, motion, options.object, i, camera.color_from_world);
     progress.advance();

@@ -33,23 +33,23 @@ void Video::store(RgbdFrame frame, Append append) {
                         [this, append, frame = std::move(frame)] { (writer_.*append)(frame); });
 }
 
-void Video::record_clip(const ClipMotion& motion, const ObjectSpec& object, int clip,
-                        Recording& recording) {
+void Video::record_clip(const ClipMotion& motion, int clip, Recording& recording) {
   Clip& described = recording.clips.back();
   const auto sequences = clock_.frames_between(described.start_s, described.end_s);
   for (std::uint64_t sequence : sequences) {
     throw_if_interrupted();
     const Exposure exposure =
-        expose(motion, object, clock_.true_time_s(sequence), camera_.exposure_s);
+        expose(motion, options_, clock_.true_time_s(sequence), camera_.exposure_s);
     store(renderer_.render(exposure, "camera frame", sequence),
           &RecordingWriter::append_camera_frame);
     append_stamps(recording.camera_times, clock_, sequence);
   }
   if (sequences.empty()) return;
   const SceneSample first = sample_at(motion, clock_.true_time_s(sequences.front()));
-  described.hand_box = mark(hand_solids(first), camera_, options_.seed, clip, "hand");
+  described.hand_box = mark(hand_solids(first, hand_model(options_.parameters.hand)), camera_,
+                            options_.seed, clip, "hand");
   described.object_box =
-      mark(tracked_solids(object, first), camera_, options_.seed, clip, "object");
+      mark(tracked_solids(options_.object, first), camera_, options_.seed, clip, "object");
 }
 
 std::size_t Video::record_still_views(const BoardInfo& board) {

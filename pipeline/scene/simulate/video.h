@@ -19,8 +19,7 @@ class Video {
 
   /// The frames of the recording's last clip: images to the writer; stamps and marked boxes to
   /// `recording`.
-  void record_clip(const ClipMotion& motion, const ObjectSpec& object, int clip,
-                   Recording& recording);
+  void record_clip(const ClipMotion& motion, int clip, Recording& recording);
   /// The empty scene and the chessboard. Returns the number of board views; fewer than asked for
   /// only if there are not enough poses in which the corners are wide enough apart.
   std::size_t record_still_views(const BoardInfo& board);

@@ -4,11 +4,9 @@
 #include <vector>
 
 #include "pipeline/label/scene_model.h"
+#include "pipeline/label/target.h"
 
 namespace touchtrace::label {
-
-/// How targets are followed from frame to frame.
-enum class TrackerKind { csrt, component };
 
 /// One body in one camera frame.
 struct Observation {
@@ -16,8 +14,6 @@ struct Observation {
   bool follows_hand = false;  ///< the object was not seen: it is where the hand carries it
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero(),
                   sigma_m = Eigen::Vector3d::Zero();    ///< of the body's centre
-  Eigen::Vector3d surface_m = Eigen::Vector3d::Zero();  ///< centroid of what was seen
-  double visible = 0.0;                                 ///< part of the object's disc, 0..1
   PixelBox box;
 };
 

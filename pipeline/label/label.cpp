@@ -150,7 +150,8 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   const auto shares = shares_of(tracks);
   require_found(shares);
   const Stopwatch smoothing;
-  const auto bodies = smooth_bodies(tracks, gravity(recording.camera), recording.activity == "pingpong");
+  const auto bodies =
+      smooth_bodies(tracks, gravity(recording.camera), recording.activity == "pingpong");
 
   Labels labels;
   labels.activity = recording.activity;

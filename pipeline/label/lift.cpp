@@ -1,14 +1,13 @@
 #include "pipeline/label/lift.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 namespace touchtrace::label {
 namespace {
 
-constexpr int most_shifts = 12, most_newton_steps = 8;
-constexpr double settled_m = 5e-4, cauchy_m = 0.004;
+constexpr int most_shifts = 12;
+constexpr double settled_m = 5e-4;
 
 /// Centroid and number of the points of `body` within `radius_m` of `center`.
 std::pair<Eigen::Vector3d, std::size_t> local_mean(const Surface& surface, Body body,
@@ -75,33 +74,6 @@ std::optional<Eigen::Vector3d> median_point(const Surface& surface, Body body,
   if (coordinates[0].empty()) return std::nullopt;
   return Eigen::Vector3d(median_of(coordinates[0]), median_of(coordinates[1]),
                          median_of(coordinates[2]));
-}
-
-Eigen::Vector3d sphere_center(const Patch& patch, double radius_m) {
-  Eigen::Vector3d center = patch.centroid_m + 2.0 / 3.0 * radius_m * patch.centroid_m.normalized();
-  const Eigen::Vector3d start = center;
-  for (int i = 0; i < most_newton_steps; ++i) {
-    Eigen::Matrix3d normal =
-        Eigen::Matrix3d::Identity();  // one point's worth of the start: never singular
-    Eigen::Vector3d gradient = center - start;
-    for (const auto& point : patch.points_m) {
-      const Eigen::Vector3d ray = center - point.cast<double>();
-      const double distance = std::max(ray.norm(), 1e-9), residual = distance - radius_m;
-      const double weight = 1.0 / (1.0 + residual * residual / (cauchy_m * cauchy_m));
-      const Eigen::Vector3d direction = ray / distance;
-      normal += weight * direction * direction.transpose();
-      gradient += weight * residual * direction;
-    }
-    const Eigen::Vector3d step = normal.ldlt().solve(gradient);
-    center -= step;
-    if (step.norm() < settled_m / 10.0) break;
-  }
-  return center;
-}
-
-double visible_part(const Patch& patch, double radius_m, const PinholeCamera& camera) {
-  const double radius_px = radius_m / patch.centroid_m.z() * std::sqrt(camera.fx * camera.fy);
-  return std::min(1.0, static_cast<double>(patch.points_m.size()) / (M_PI * radius_px * radius_px));
 }
 
 double silhouette_radius_m(const Patch& patch) {

@@ -24,13 +24,6 @@ std::optional<Patch> find_patch(const Surface& surface, Body body, const Eigen::
 std::optional<Eigen::Vector3d> median_point(const Surface& surface, Body body,
                                             const Eigen::Vector3d& center_m, double gate_m);
 
-/// Centre of a sphere of known radius through a patch seen from the origin: Gauss-Newton with
-/// Cauchy's loss from 2/3 radius behind the centroid, where a wholly visible sphere has its centre.
-Eigen::Vector3d sphere_center(const Patch& patch, double radius_m);
-
-/// Part of the disc of a sphere of `radius_m` at the patch's distance that the patch covers, 0..1.
-double visible_part(const Patch& patch, double radius_m, const PinholeCamera& camera);
-
 /// Radius [m] of the disc whose points spread across the line of sight as the patch's do along its
 /// longer axis: by the middle 80 %, so that stray points do not count.
 double silhouette_radius_m(const Patch& patch);

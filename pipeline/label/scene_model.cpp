@@ -12,8 +12,10 @@ namespace {
 
 constexpr float bin_m = 0.02f, farthest_m = 5.0f, behind_band_m = 0.40f;
 constexpr double torso_part = 0.04;  // of the image that a torso covers at least
-constexpr std::size_t most_background = 15, frames_per_clip = 8, fewest_points = 12;
-constexpr double cluster_radius_m = 0.12, silhouette_quantile = 0.8;
+constexpr std::size_t most_background = 15, frames_per_clip = 8, fewest_points = 12,
+                      most_views = 64;
+constexpr float finger_m = 0.015f;  // what hides an object is a gloved finger at least so thick
+constexpr double cluster_radius_m = 0.12, silhouette_quantile = 0.8, around_radii = 2.5;
 
 std::vector<std::uint16_t> background_depth(const FrameSource& frames) {
   std::vector<std::vector<std::uint16_t>> depths;
@@ -47,24 +49,9 @@ double quantile(std::vector<double> values, double part) {
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
 }
 
-/// The radius of the object's silhouette over frames in which it shows.
-double object_radius(const std::vector<Surface>& surfaces) {
-  std::vector<double> radii;
-  for (const auto& surface : surfaces) {
-    const auto start = median_point(surface, Body::object, Eigen::Vector3d::Zero(), farthest_m);
-    if (!start) continue;
-    if (const auto patch =
-            find_patch(surface, Body::object, *start, cluster_radius_m, fewest_points))
-      radii.push_back(silhouette_radius_m(*patch));
-  }
-  if (radii.empty())
-    throw data_error("the object was not found in any frame by the colours of its box",
-                     "give object boxes that lie on the object in each clip's first frame");
-  return quantile(std::move(radii), silhouette_quantile);
-}
-
 struct Samples {
-  std::map<std::string, std::vector<Surface>> surfaces;  ///< by object
+  std::map<std::string, std::vector<std::pair<std::size_t, Surface>>>
+      surfaces;  ///< by object, with their frames
   std::vector<double> depths =
       std::vector<double>(static_cast<std::size_t>(farthest_m / bin_m) + 1);
   std::size_t frames = 0;
@@ -83,10 +70,62 @@ Samples sample(SceneModel& model, const FrameSource& frames, const std::vector<C
             1.0;
       if (index == clip.first)
         model.colors[clip.object].learn(surface, clip.hand_box, clip.object_box);
-      samples.surfaces[clip.object].push_back(std::move(surface));
+      samples.surfaces[clip.object].emplace_back(index, std::move(surface));
       ++samples.frames;
     }
   return samples;
+}
+
+double fit_cost(const std::vector<SphereView>& views, double radius_m) {
+  double cost = 0.0;
+  for (const auto& view : views) cost += fit_sphere(view, radius_m).cost_m2;
+  return cost;
+}
+
+/// The radius of the sphere that fits all views best, near that of the silhouette.
+double fitted_radius(const std::vector<SphereView>& views, double silhouette_m) {
+  double best = silhouette_m, lowest = std::numeric_limits<double>::infinity();
+  for (double part = 0.6; part <= 1.4; part += 0.02) {
+    const double cost = fit_cost(views, part * silhouette_m);
+    if (cost < lowest) lowest = cost, best = part * silhouette_m;
+  }
+  return best;
+}
+
+/// The object in one of the sampled frames.
+struct Sighting {
+  std::size_t frame;
+  Patch patch;
+};
+
+std::vector<Sighting> sightings_of(const ColorClasses& colors,
+                                   std::vector<std::pair<std::size_t, Surface>>& surfaces) {
+  std::vector<Sighting> result;
+  for (auto& [frame, surface] : surfaces) {
+    colors.assign(surface);
+    const auto start = median_point(surface, Body::object, Eigen::Vector3d::Zero(), farthest_m);
+    if (!start) continue;
+    if (auto patch = find_patch(surface, Body::object, *start, cluster_radius_m, fewest_points))
+      result.push_back({frame, std::move(*patch)});
+  }
+  return result;
+}
+
+/// Of the sphere through what is seen of the object and beside what is seen past it.
+double object_radius(const SceneModel& model, const FrameSource& frames, const std::string& object,
+                     const std::vector<Sighting>& sightings) {
+  if (sightings.empty())
+    throw data_error("the object was not found in any frame by the colours of its box",
+                     "give object boxes that lie on the object in each clip's first frame");
+  std::vector<double> radii;
+  for (const auto& sighting : sightings) radii.push_back(silhouette_radius_m(sighting.patch));
+  const double silhouette_m = quantile(std::move(radii), silhouette_quantile);
+  std::vector<SphereView> views;
+  const std::size_t stride = (sightings.size() + most_views - 1) / most_views;
+  for (std::size_t i = 0; i < sightings.size(); i += stride)
+    views.push_back(model.view_sphere(frames.camera_frame(sightings[i].frame), object,
+                                      sightings[i].patch, silhouette_m));
+  return fitted_radius(views, silhouette_m);
 }
 
 }  // namespace
@@ -100,6 +139,29 @@ Surface SceneModel::see(const RgbdFrame& frame, const std::string& object) const
   return surface;
 }
 
+SphereView SceneModel::view_sphere(const RgbdFrame& frame, const std::string& object,
+                                   const Patch& patch, double radius_m) const {
+  auto around = segmenter.surface_around(frame, patch.centroid_m, around_radii * radius_m);
+  colors.at(object).assign(around);
+  SphereView view{segmenter.depth_eye_m(), patch.points_m, {}};
+  for (const auto& point : around) {
+    if (point.body == Body::object) continue;
+    const Eigen::Vector3f ray = point.position_m - view.eye_m.cast<float>();
+    view.seen_past_m.push_back(point.position_m + finger_m * ray.normalized());
+  }
+  return view;
+}
+
+double SceneModel::hidden_part(const RgbdFrame& frame, const Eigen::Vector3d& center_m,
+                               double radius_m) const {
+  const auto around = segmenter.surface_around(frame, center_m, 0.7 * radius_m);
+  const auto past = std::ranges::count_if(around, [&](const SurfacePoint& point) {
+    return point.position_m.z() > center_m.z() + radius_m;
+  });
+  return around.empty() ? 1.0
+                        : 1.0 - static_cast<double>(past) / static_cast<double>(around.size());
+}
+
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
                        const FrameSource& frames, const std::vector<ClipFrames>& clips) {
   SceneModel model{Segmenter(calibration, camera, background_depth(frames)), 0.0f, {}, {}};
@@ -107,10 +169,9 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
   for (auto& [object, classes] : model.colors) classes.settle();
   model.band_m = band_limit(samples.depths,
                             static_cast<double>(samples.frames) * camera.width * camera.height);
-  for (auto& [object, surfaces] : samples.surfaces) {
-    for (auto& surface : surfaces) model.colors.at(object).assign(surface);
-    model.object_radius_m[object] = object_radius(surfaces);
-  }
+  for (auto& [object, surfaces] : samples.surfaces)
+    model.object_radius_m[object] =
+        object_radius(model, frames, object, sightings_of(model.colors.at(object), surfaces));
   return model;
 }
 

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "pipeline/label/color_classes.h"
+#include "pipeline/label/lift.h"
+#include "pipeline/label/sphere_fit.h"
 #include "pipeline/label/surface.h"
 
 namespace touchtrace::label {
@@ -33,10 +35,17 @@ struct SceneModel {
   /// The frame's surface in front of the band, told apart; coloured points may lie a little behind
   /// it.
   Surface see(const RgbdFrame& frame, const std::string& object) const;
+  /// What the depth camera sees of the object and past it, if it is no larger than `radius_m`.
+  SphereView view_sphere(const RgbdFrame& frame, const std::string& object, const Patch& patch,
+                         double radius_m) const;
+  /// Part of the rays to a sphere's middle that end before they would have passed it, 0..1: a
+  /// sphere that is there and not seen is hidden.
+  double hidden_part(const RgbdFrame& frame, const Eigen::Vector3d& center_m,
+                     double radius_m) const;
 };
 
 /// Background from its frames, the band from the torso's depth over the recording, colours from the
-/// clips' first frames, the object's radius from its silhouettes.
+/// clips' first frames, the object's radius from all it shows.
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
                        const FrameSource& frames, const std::vector<ClipFrames>& clips);
 

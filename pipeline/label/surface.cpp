@@ -36,18 +36,19 @@ std::vector<std::uint16_t> median_depth(const std::vector<std::vector<std::uint1
 Segmenter::Segmenter(const RgbdCalibration& calibration, const CameraInfo& camera,
                      std::vector<std::uint16_t> background_depth)
     : color_(calibration.color),
+      depth_(calibration.depth ? *calibration.depth : calibration.color),
+      depth_from_color_(calibration.depth_from_color),
       width_(camera.width),
       height_(camera.height),
       depth_scale_(calibration.depth_scale * camera.depth_unit_m),
       depth_offset_m_(calibration.depth_offset_m),
       limit_(std::move(background_depth)) {
-  const auto& lens = calibration.depth ? *calibration.depth : calibration.color;
-  const Eigen::Isometry3d color_from_depth = calibration.depth_from_color.inverse();
+  const Eigen::Isometry3d color_from_depth = depth_from_color_.inverse();
   depth_origin_m_ = color_from_depth.translation().cast<float>();
   rays_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   for (int v = 0; v < height_; ++v)
     for (int u = 0; u < width_; ++u)
-      rays_.push_back((color_from_depth.linear() * lens.unproject({u, v})).cast<float>());
+      rays_.push_back((color_from_depth.linear() * depth_.unproject({u, v})).cast<float>());
   for (auto& limit : limit_) {
     const double gap_m =
         std::max(background_gap_m, background_gap_part * limit * camera.depth_unit_m);
@@ -70,31 +71,61 @@ std::vector<std::uint8_t> Segmenter::mask(const RgbdFrame& frame) const {
   return clean;
 }
 
+std::optional<SurfacePoint> Segmenter::lift(const RgbdFrame& frame, std::size_t pixel) const {
+  const Eigen::Vector3f point =
+      depth_origin_m_ + static_cast<float>(corrected_depth_m(frame.depth[pixel])) * rays_[pixel];
+  if (!(point.z() > 0.05f)) return std::nullopt;
+  const Eigen::Vector2d seen = color_.project(point.cast<double>());
+  const auto u = std::lround(seen.x()), v = std::lround(seen.y());
+  if (u < 0 || v < 0 || u >= width_ || v >= height_) return std::nullopt;
+  const auto at = static_cast<std::size_t>(v * width_ + u);
+  return SurfacePoint{point,
+                      static_cast<std::int16_t>(u),
+                      static_cast<std::int16_t>(v),
+                      {frame.color[3 * at], frame.color[3 * at + 1], frame.color[3 * at + 2]}};
+}
+
 Surface Segmenter::moving_surface(const RgbdFrame& frame) const {
   const auto foreground = mask(frame);
   Surface surface;
   std::vector<float> nearest(rays_.size(), std::numeric_limits<float>::infinity());
+  const auto at = [&](const SurfacePoint& point) {
+    return static_cast<std::size_t>(point.v * width_ + point.u);
+  };
   for (std::size_t i = 0; i < foreground.size(); ++i) {
     if (foreground[i] == 0) continue;
-    const auto depth_m = static_cast<float>(corrected_depth_m(frame.depth[i]));
-    const Eigen::Vector3f point = depth_origin_m_ + depth_m * rays_[i];
-    if (!(point.z() > 0.05f)) continue;
-    const Eigen::Vector2d pixel = color_.project(point.cast<double>());
-    const auto u = std::lround(pixel.x()), v = std::lround(pixel.y());
-    if (u < 0 || v < 0 || u >= width_ || v >= height_) continue;
-    const auto at = static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
-                    static_cast<std::size_t>(u);
-    nearest[at] = std::min(nearest[at], point.z());
-    surface.push_back({point,
-                       static_cast<std::int16_t>(u),
-                       static_cast<std::int16_t>(v),
-                       {frame.color[3 * at], frame.color[3 * at + 1], frame.color[3 * at + 2]}});
+    const auto point = lift(frame, i);
+    if (!point) continue;
+    nearest[at(*point)] = std::min(nearest[at(*point)], point->position_m.z());
+    surface.push_back(*point);
   }
   std::erase_if(surface, [&](const SurfacePoint& point) {
-    const auto at = static_cast<std::size_t>(point.v) * static_cast<std::size_t>(width_) +
-                    static_cast<std::size_t>(point.u);
-    return point.position_m.z() > nearest[at] + occlusion_m;
+    return point.position_m.z() > nearest[at(point)] + occlusion_m;
   });
+  return surface;
+}
+
+bool Segmenter::in_picture(const Eigen::Vector3d& position_m) const {
+  if (!(position_m.z() > 0.0)) return false;
+  const Eigen::Vector2d pixel = color_.project(position_m);
+  return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() < width_ && pixel.y() < height_;
+}
+
+Surface Segmenter::surface_around(const RgbdFrame& frame, const Eigen::Vector3d& center_m,
+                                  double radius_m) const {
+  const Eigen::Vector3d center = depth_from_color_ * center_m;
+  const Eigen::Vector2d middle = depth_.project(center);
+  const double half = radius_m / center.z() * depth_.fx;
+  Surface surface;
+  const auto from = [](double edge) { return std::max(0, static_cast<int>(edge)); };
+  const int right = std::min(width_, static_cast<int>(middle.x() + half) + 1);
+  const int bottom = std::min(height_, static_cast<int>(middle.y() + half) + 1);
+  for (int v = from(middle.y() - half); v < bottom; ++v)
+    for (int u = from(middle.x() - half); u < right; ++u) {
+      const auto pixel = static_cast<std::size_t>(v * width_ + u);
+      if (frame.depth[pixel] == 0) continue;
+      if (const auto point = lift(frame, pixel)) surface.push_back(*point);
+    }
   return surface;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "calib/rgbd/calibration.h"
@@ -35,15 +36,25 @@ class Segmenter {
             std::vector<std::uint16_t> background_depth);
 
   Surface moving_surface(const RgbdFrame& frame) const;
+  /// Everything measured by the pixels that look within `radius_m` of `center_m`, the background
+  /// too; nothing is left out that stands behind something else.
+  Surface surface_around(const RgbdFrame& frame, const Eigen::Vector3d& center_m,
+                         double radius_m) const;
+  bool in_picture(const Eigen::Vector3d& position_m) const;
+  /// Where the depth camera stands.
+  Eigen::Vector3d depth_eye_m() const { return depth_origin_m_.cast<double>(); }
   const PinholeCamera& color_camera() const { return color_; }
 
  private:
   std::vector<std::uint8_t> mask(const RgbdFrame& frame) const;
+  /// What a depth pixel measured, or nothing if the colour camera does not look there.
+  std::optional<SurfacePoint> lift(const RgbdFrame& frame, std::size_t pixel) const;
   double corrected_depth_m(std::uint16_t count) const {
     return depth_offset_m_ + depth_scale_ * count;
   }
 
-  PinholeCamera color_;
+  PinholeCamera color_, depth_;
+  Eigen::Isometry3d depth_from_color_;
   int width_, height_;
   double depth_scale_, depth_offset_m_;  ///< metres = offset + scale * count
   Eigen::Vector3f depth_origin_m_;       ///< of the depth camera, in the colour camera's frame

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -12,8 +13,8 @@
 namespace touchtrace::study {
 namespace {
 
-constexpr double impact_m_per_s2 = 40.0, wrong_m = 0.060,
-                 deviations_of_80_percent = 1.2815515655446004;
+constexpr double wrong_m = 0.060, deviations_of_80_percent = 1.2815515655446004;
+constexpr double most_delay_s = 0.064, delay_step_s = 0.008, finest_delay_s = 0.00025;
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -22,9 +23,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 struct Sample {
   Vector6 error;  ///< position, velocity
   Eigen::Vector3d causal_velocity_error;
-  Eigen::Vector3d velocity, acceleration;  ///< true
   Matrix6 covariance;
-  bool lost;
+  bool lost, in_picture;
 };
 
 /// The truth's samples around a time: index of the earlier one and the part of the way to the later
@@ -52,27 +52,32 @@ Eigen::Vector3d interpolate(const std::vector<double>& values, const Place& plac
   return (1.0 - place.part) * row(values, place.index) + place.part * row(values, place.index + 1);
 }
 
-/// By the truth's neighbouring samples, in m/s^2.
-Eigen::Vector3d acceleration(const Truth& truth, const Truth::Body& body, const Place& place) {
-  return (row(body.velocity_m_per_s, place.index + 1) - row(body.velocity_m_per_s, place.index)) /
-         (truth.time_s[place.index + 1] - truth.time_s[place.index]);
+/// Whether the simulated camera looks at a place; a truth without a camera sees everything.
+bool in_picture(const Truth& truth, const Eigen::Vector3d& position) {
+  if (!truth.calibration.contains("color")) return true;
+  const auto& color = truth.calibration.at("color");
+  const auto lens = color.at("intrinsics_px").get<std::array<double, 4>>();
+  const double u = lens[0] * position.x() / position.z() + lens[2],
+               v = lens[1] * position.y() / position.z() + lens[3];
+  return position.z() > 0.0 && u >= 0.0 && v >= 0.0 && u < color.at("width").get<double>() &&
+         v < color.at("height").get<double>();
 }
 
+/// Labels against the truth `delay_s` before their times.
 std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, const Truth& truth,
-                               const Truth::Body& true_body) {
+                               const Truth::Body& true_body, double delay_s) {
   std::vector<Sample> samples;
   for (std::size_t i = 0; i < labels.time_s.size(); ++i) {
-    const auto place = find_place(truth, labels.clip[i], labels.time_s[i]);
+    const auto place = find_place(truth, labels.clip[i], labels.time_s[i] - delay_s);
     if (!place || !std::isfinite(body.position_m[3 * i])) continue;
     Sample sample;
-    const Eigen::Vector3d velocity = interpolate(true_body.velocity_m_per_s, *place);
-    sample.error << row(body.position_m, i) - interpolate(true_body.position_m, *place),
-        row(body.velocity_m_per_s, i) - velocity;
+    const Eigen::Vector3d position = interpolate(true_body.position_m, *place),
+                          velocity = interpolate(true_body.velocity_m_per_s, *place);
+    sample.error << row(body.position_m, i) - position, row(body.velocity_m_per_s, i) - velocity;
     sample.causal_velocity_error = row(body.causal_velocity_m_per_s, i) - velocity;
-    sample.velocity = velocity;
-    sample.acceleration = acceleration(truth, true_body, *place);
     sample.covariance = Eigen::Map<const Matrix6>(&body.covariance[36 * i]);
     sample.lost = body.quality[i] != quality_good;
+    sample.in_picture = in_picture(truth, position);
     samples.push_back(std::move(sample));
   }
   if (samples.empty())
@@ -112,7 +117,8 @@ std::vector<Sample> keep_right(const std::vector<Sample>& samples, BodyError& er
   const double part = 1.0 / static_cast<double>(samples.size());
   for (const auto& sample : samples) {
     const bool wrong = !((sample.error.head<3>() - offset).norm() < wrong_m);
-    error.lost_share += part * sample.lost;
+    error.outside_share += part * !sample.in_picture;
+    error.lost_share += part * (sample.lost && sample.in_picture);
     error.wrong_share += part * wrong;
     error.wrong_unsaid_share += part * (wrong && !sample.lost);
     if (!wrong) right.push_back(sample);
@@ -120,55 +126,83 @@ std::vector<Sample> keep_right(const std::vector<Sample>& samples, BodyError& er
   return right;
 }
 
-/// Labels that are late by d show v(t - d): their error is -d a, fitted where there is no impact.
-double delay_of(const std::vector<Sample>& samples) {
-  double product = 0.0, square = 0.0;
-  for (const auto& sample : samples) {
-    if (!(sample.acceleration.norm() < impact_m_per_s2)) continue;
-    product -= sample.error.tail<3>().dot(sample.acceleration);
-    square += sample.acceleration.squaredNorm();
-  }
-  return square > 0.0 ? product / square : 0.0;
+/// Of the labels' distances from the truth, in which a wrong one counts no more than a wrong one.
+double distance_cost(const std::vector<Sample>& samples) {
+  const Eigen::Vector3d offset = median_offset(samples);
+  double cost = 0.0;
+  for (const auto& sample : samples)
+    cost += std::min((sample.error.head<3>() - offset).squaredNorm(), wrong_m * wrong_m);
+  return cost / static_cast<double>(samples.size());
 }
 
-/// Takes delay and bias out of every sample.
-void align(std::vector<Sample>& samples, BodyError& error) {
-  error.delay_s = delay_of(samples);
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();
-  for (auto& sample : samples) {
-    const bool smooth = sample.acceleration.norm() < impact_m_per_s2;
-    sample.error.head<3>() += error.delay_s * sample.velocity;
-    if (smooth) sample.error.tail<3>() += error.delay_s * sample.acceleration;
-    bias += sample.error.head<3>() / static_cast<double>(samples.size());
+/// The delay at which labels are nearest to the truth, by halving steps.
+double delay_of(const std::function<std::vector<Sample>(double)>& samples_at) {
+  double best_s = 0.0, lowest = distance_cost(samples_at(0.0));
+  const auto look = [&](double delay_s) {
+    const double cost = distance_cost(samples_at(delay_s));
+    if (cost < lowest) lowest = cost, best_s = delay_s;
+  };
+  for (double delay_s = -most_delay_s; delay_s <= most_delay_s; delay_s += delay_step_s)
+    look(delay_s);
+  for (double step_s = 0.5 * delay_step_s; step_s >= finest_delay_s; step_s *= 0.5) {
+    const double middle_s = best_s;
+    look(middle_s - step_s), look(middle_s + step_s);
   }
-  for (auto& sample : samples) sample.error.head<3>() -= bias;
-  error.bias_m = bias;
+  return best_s;
 }
 
-BodyError error_of(const std::vector<Sample>& samples) {
-  BodyError error;
-  auto right = keep_right(samples, error);
-  const double part = 1.0 / std::max(1.0, static_cast<double>(right.size()));
-  Eigen::Vector3d squares = Eigen::Vector3d::Zero(), spread = Eigen::Vector3d::Zero();
-  double velocity = 0.0, causal = 0.0, aligned = 0.0;
+/// Takes the mean out of every sample.
+void remove_bias(std::vector<Sample>& samples, BodyError& error) {
+  for (const auto& sample : samples)
+    error.bias_m += sample.error.head<3>() / static_cast<double>(samples.size());
+  for (auto& sample : samples) sample.error.head<3>() -= error.bias_m;
+}
+
+double mean_part(const std::vector<Sample>& samples) {
+  return 1.0 / std::max(1.0, static_cast<double>(samples.size()));
+}
+
+/// Errors with the delay left in.
+void measure_delayed(const std::vector<Sample>& right, BodyError& error) {
+  const double part = mean_part(right);
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  double velocity = 0.0, causal = 0.0;
   for (const auto& sample : right) {
     squares += part * sample.error.head<3>().cwiseAbs2();
     velocity += part * sample.error.tail<3>().squaredNorm() / 3.0;
     causal += part * sample.causal_velocity_error.squaredNorm() / 3.0;
   }
-  align(right, error);
+  error.position_rms_m = squares.cwiseSqrt();
+  error.velocity_rms_m_per_s = std::sqrt(velocity);
+  error.causal_velocity_rms_m_per_s = std::sqrt(causal);
+}
+
+/// Errors with delay and bias taken out.
+void measure_aligned(std::vector<Sample> right, BodyError& error) {
+  remove_bias(right, error);
+  const double part = mean_part(right);
+  Eigen::Vector3d spread = Eigen::Vector3d::Zero();
+  double velocity = 0.0;
   for (const auto& sample : right) {
     spread += part * sample.error.head<3>().cwiseAbs2();
-    aligned += part * sample.error.tail<3>().squaredNorm() / 3.0;
+    velocity += part * sample.error.tail<3>().squaredNorm() / 3.0;
     error.position_coverage += part * covered(sample, 0);
     error.velocity_coverage += part * covered(sample, 3);
     error.nees += part * sample.error.dot(sample.covariance.ldlt().solve(sample.error)) / 6.0;
   }
-  error.position_rms_m = squares.cwiseSqrt();
   error.position_spread_m = spread.cwiseSqrt();
-  error.velocity_rms_m_per_s = std::sqrt(velocity);
-  error.aligned_velocity_rms_m_per_s = std::sqrt(aligned);
-  error.causal_velocity_rms_m_per_s = std::sqrt(causal);
+  error.aligned_velocity_rms_m_per_s = std::sqrt(velocity);
+}
+
+BodyError error_of(const Labels& labels, const LabelledBody& body, const Truth& truth,
+                   const Truth::Body& true_body) {
+  const auto samples_at = [&](double delay_s) {
+    return samples_of(labels, body, truth, true_body, delay_s);
+  };
+  BodyError error, delayed;
+  error.delay_s = delay_of(samples_at);
+  measure_delayed(keep_right(samples_at(0.0), delayed), error);
+  measure_aligned(keep_right(samples_at(error.delay_s), error), error);
   return error;
 }
 
@@ -177,12 +211,13 @@ std::array<double, 3> numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), 
 }  // namespace
 
 LabelError compare_labels_with_truth(const Labels& labels, const Truth& truth) {
-  return {error_of(samples_of(labels, labels.hand, truth, truth.hand)),
-          error_of(samples_of(labels, labels.object, truth, truth.object))};
+  return {error_of(labels, labels.hand, truth, truth.hand),
+          error_of(labels, labels.object, truth, truth.object)};
 }
 
 void to_json(nlohmann::json& json, const BodyError& error) {
   json = {{"lost_share", error.lost_share},
+          {"outside_share", error.outside_share},
           {"wrong_share", error.wrong_share},
           {"wrong_unsaid_share", error.wrong_unsaid_share},
           {"bias_m", numbers(error.bias_m)},

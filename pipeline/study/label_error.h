@@ -13,15 +13,16 @@ namespace touchtrace::study {
 /// What no recording shows (where a body's middle is, the streams' least latency) is given as bias
 /// and delay; spread, aligned velocity, coverage and NEES are of what is left.
 struct BodyError {
-  double lost_share = 0.0;                           ///< labels that say so
-  double wrong_share = 0.0;                          ///< lost or not
-  double wrong_unsaid_share = 0.0;                   ///< wrong while said to be good
+  double lost_share = 0.0;          ///< labels that say so of a body in the picture
+  double outside_share = 0.0;       ///< of labels while the body's middle was outside the picture
+  double wrong_share = 0.0;         ///< lost or not
+  double wrong_unsaid_share = 0.0;  ///< wrong while said to be good
   Eigen::Vector3d bias_m = Eigen::Vector3d::Zero();  ///< mean error; of the hand: from blob to palm
   Eigen::Vector3d position_rms_m = Eigen::Vector3d::Zero();     ///< bias and delay included
   Eigen::Vector3d position_spread_m = Eigen::Vector3d::Zero();  ///< both removed
   double velocity_rms_m_per_s = 0.0;                            ///< per axis, all three
   double causal_velocity_rms_m_per_s = 0.0;                     ///< of the filtered states
-  double delay_s = 0.0;  ///< of the labels, that fits best: latency that no stamp shows
+  double delay_s = 0.0;  ///< at which the labels lie nearest to the truth: latency no stamp shows
   double aligned_velocity_rms_m_per_s = 0.0;  ///< with that delay removed
   double position_coverage = 0.0;             ///< share of axes within the 80 % interval
   double velocity_coverage = 0.0;

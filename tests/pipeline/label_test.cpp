@@ -43,6 +43,8 @@ class Stage {
            (thrown_ ? Vector3d(Vector3d::Zero()) : motion_.position_at(time_s));
   }
   const SyntheticMotion& motion() const { return motion_; }
+  /// Trousers of the glove's colour, larger than it.
+  void wear_blue() { trousers_ = {20, 30, 160}; }
 
   RgbdFrame look(double time_s, bool person) const {
     RgbdFrame frame{std::vector<std::uint8_t>(3 * width * height),
@@ -54,7 +56,8 @@ class Stage {
         const Vector3d ray = camera().unproject({u, v});
         double depth = 2.5;
         std::array<int, 3> color{120, 120, 110};
-        if (person && std::abs(ray.x()) < 0.15) depth = 1.5, color = {90, 60, 60};
+        if (person && std::abs(ray.x()) < 0.15)
+          depth = 1.5, color = ray.y() > 0.15 ? trousers_ : std::array<int, 3>{90, 60, 60};
         if (person && (ray * hand_m.z() - hand_m).norm() < 0.05)
           depth = hand_m.z(), color = {20, 30, 160};
         const double b = ray.dot(ball_m), q = ray.squaredNorm();
@@ -72,6 +75,7 @@ class Stage {
  private:
   SyntheticMotion motion_;
   bool thrown_;
+  std::array<int, 3> trousers_{90, 60, 60};
 };
 
 PixelBox box_around(const Vector3d& center, double radius_m) {
@@ -155,6 +159,42 @@ TEST_P(LabelTest, FollowsHandAndObject) {
 INSTANTIATE_TEST_SUITE_P(Trackers, LabelTest,
                          ::testing::Combine(::testing::Values("csrt", "component"),
                                             ::testing::Bool()));
+
+TEST(Label, TrousersOfTheGlovesColourDoNotDrawTheHandAway) {
+  Stage stage(false);
+  stage.wear_blue();
+  auto recording = recording_of(stage);
+  auto& times = recording.camera_times;
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < times.frames(); ++i)
+    if (i % 20 < 17) kept.push_back(i);  // three frames are lost each second
+  CameraTimes arrived;
+  for (const auto i : kept) {
+    arrived.sequence.push_back(times.sequence[i]);
+    arrived.device_time_s.push_back(times.device_time_s[i]);
+    arrived.host_time_s.push_back(times.host_time_s[i]);
+  }
+  times = arrived;
+  auto frames = frames_of(stage);
+  const auto all = frames.camera_frame;
+  frames.camera_frame = [&](std::size_t i) { return all(kept[i]); };
+  LabelOptions options;
+  options.tracker = "component";
+  const auto labels = label_recording(recording, frames, calibration(), options);
+  EXPECT_EQ(study::compare_labels_with_truth(labels, truth_of(stage)).hand.wrong_share, 0.0);
+}
+
+TEST(Label, AnErrorIsMeasuredAtTheDelayThatNoStampShows) {
+  const Stage stage(false);
+  auto recording = recording_of(stage);
+  for (auto& time_s : recording.camera_times.host_time_s) time_s += 0.018;
+  LabelOptions options;
+  options.tracker = "component";
+  const auto labels = label_recording(recording, frames_of(stage), calibration(), options);
+  const auto error = study::compare_labels_with_truth(labels, truth_of(stage)).object;
+  EXPECT_NEAR(error.delay_s, 0.018, 0.001);
+  EXPECT_LT(error.aligned_velocity_rms_m_per_s, 0.5 * error.velocity_rms_m_per_s);
+}
 
 TEST(Label, DoesNotDependOnThreads) {
   const Stage stage(true);

@@ -1,0 +1,107 @@
+#include "pipeline/label/target.h"
+
+#include <cmath>
+#include <limits>
+
+namespace touchtrace::label {
+namespace {
+
+constexpr double most_box_shift = 0.4;  // of a box's size, before its tracker is set anew
+constexpr int frames_to_be_lost = 3;
+constexpr double everywhere_m = 10.0;
+
+bool agrees(const PixelBox& tracked, const PixelBox& seen) {
+  const double dx = tracked.x + 0.5 * tracked.width - seen.x - 0.5 * seen.width;
+  const double dy = tracked.y + 0.5 * tracked.height - seen.y - 0.5 * seen.height;
+  const double size = std::max(seen.width, seen.height);
+  return std::hypot(dx, dy) < most_box_shift * size && tracked.width < 2 * size &&
+         2 * tracked.width > seen.width;
+}
+
+}  // namespace
+
+bool Target::is_lost() const { return missed_ >= frames_to_be_lost; }
+
+double Target::gate_m() const { return is_lost() ? everywhere_m : filter_.gate_m(); }
+
+std::optional<Patch> Target::begin(const Surface& surface, const PixelBox& box) const {
+  Surface inside;
+  for (const auto& point : surface)
+    if (contains(box, point)) inside.push_back(point);
+  const auto start = median_point(inside, body_, Eigen::Vector3d::Zero(), everywhere_m);
+  return start ? find_patch(surface, body_, *start, radius_m_, fewest_) : std::nullopt;
+}
+
+std::optional<PixelBox> Target::track(const MaskedImage& image, const PinholeCamera& camera) {
+  if (kind_ != TrackerKind::csrt || !(expected_m().z() > 0.1)) return std::nullopt;
+  const auto pixel = camera.project(expected_m());
+  return tracker_.update(image, pixel.x(), pixel.y());
+}
+
+std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& image,
+                                  const PinholeCamera& camera,
+                                  const std::optional<Eigen::Vector3d>& hint_m) {
+  std::vector<Eigen::Vector3d> starts{expected_m()};
+  if (hint_m) starts.push_back(*hint_m);
+  const auto tracked = track(image, camera);
+  if (tracked)
+    if (const auto in_box = median_in_box(surface, *tracked)) starts.push_back(*in_box);
+  if (const auto middle = median_point(surface, body_, expected_m(), gate_m()))
+    starts.push_back(*middle);
+  const auto patch = best_patch(surface, starts, hint_m);
+  if (!patch) {
+    tracker_.stop();
+    ++missed_;
+    return std::nullopt;
+  }
+  if (kind_ == TrackerKind::csrt && !(tracked && agrees(*tracked, patch->box)))
+    restart(image, patch->box);
+  return patch;
+}
+
+std::optional<Patch> Target::best_patch(const Surface& surface,
+                                        const std::vector<Eigen::Vector3d>& starts,
+                                        const std::optional<Eigen::Vector3d>& hint_m) const {
+  std::optional<Patch> best;
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const auto& start : starts) {
+    auto patch = find_patch(surface, body_, start, radius_m_, fewest_);
+    if (!patch) continue;
+    double off = (patch->centroid_m - expected_m()).norm();
+    if (hint_m) off = std::min(off, (patch->centroid_m - *hint_m).norm());
+    if (off > gate_m() + radius_m_) continue;
+    const double score =
+        std::log(static_cast<double>(patch->points_m.size())) - 8.0 * std::pow(off / gate_m(), 2);
+    if (score > highest) highest = score, best = std::move(patch);
+  }
+  return best;
+}
+
+void Target::start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,
+                   const MaskedImage& image) {
+  filter_.start(position_m, sigma_m);
+  if (kind_ == TrackerKind::csrt && !box.empty()) restart(image, box);
+}
+
+void Target::measure(const Eigen::Vector3d& position_m, double sigma_m) {
+  if ((position_m - expected_m()).norm() > filter_.gate_m() + radius_m_)
+    filter_.start(position_m, sigma_m);
+  else
+    filter_.measure(position_m, sigma_m);
+  missed_ = 0;
+}
+
+std::optional<Eigen::Vector3d> Target::median_in_box(const Surface& surface,
+                                                     const PixelBox& box) const {
+  Surface inside;
+  for (const auto& point : surface)
+    if (point.body == body_ && contains(box, point)) inside.push_back(point);
+  return median_point(inside, body_, expected_m(), gate_m());
+}
+
+void Target::restart(const MaskedImage& image, const PixelBox& box) {
+  tracker_.start(image, {box.x - 1, box.y - 1, box.width + 2, box.height + 2});
+  ++restarts_;
+}
+
+}  // namespace touchtrace::label

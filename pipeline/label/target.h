@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+
+#include "pipeline/label/box_tracker.h"
+#include "pipeline/label/lift.h"
+#include "pipeline/label/target_filter.h"
+
+namespace touchtrace::label {
+
+/// How targets are followed from frame to frame.
+enum class TrackerKind { csrt, component };
+
+/// One body that is followed: where it is expected, its tracker, and how it is told from the rest.
+class Target {
+ public:
+  /// Its points lie within `radius_m` of their middle and are `fewest` at least.
+  Target(Body body, double radius_m, std::size_t fewest, TrackerKind kind)
+      : body_(body), radius_m_(radius_m), fewest_(fewest), kind_(kind) {}
+
+  /// Where a user's box says it is.
+  std::optional<Patch> begin(const Surface& surface, const PixelBox& box) const;
+
+  /// The patch that its place and its size speak for, of those where it is expected, where the
+  /// tracker has it and, if given, at `hint_m`; all must lie within the gate. One that was lost for
+  /// some frames is looked for everywhere.
+  std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
+                            const PinholeCamera& camera,
+                            const std::optional<Eigen::Vector3d>& hint_m);
+
+  /// With an empty `box` its tracker waits until the target is seen.
+  void start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,
+             const MaskedImage& image);
+  void predict(double seconds, bool falling, const Eigen::Vector3d& gravity_m_per_s2) {
+    filter_.predict(seconds, falling, gravity_m_per_s2);
+  }
+  /// Takes a place in; far from where it was expected the filter starts anew.
+  void measure(const Eigen::Vector3d& position_m, double sigma_m);
+
+  double gate_m() const;
+  Eigen::Vector3d expected_m() const { return filter_.position_m(); }
+  /// Times the tracker was set on its target anew.
+  int restarts() const { return restarts_; }
+
+ private:
+  std::optional<PixelBox> track(const MaskedImage& image, const PinholeCamera& camera);
+  std::optional<Patch> best_patch(const Surface& surface,
+                                  const std::vector<Eigen::Vector3d>& starts,
+                                  const std::optional<Eigen::Vector3d>& hint_m) const;
+  std::optional<Eigen::Vector3d> median_in_box(const Surface& surface, const PixelBox& box) const;
+  void restart(const MaskedImage& image, const PixelBox& box);
+  bool is_lost() const;
+
+  TargetFilter filter_;
+  Body body_;
+  double radius_m_;
+  std::size_t fewest_;
+  TrackerKind kind_;
+  BoxTracker tracker_;
+  int restarts_ = 0, missed_ = 0;
+};
+
+}  // namespace touchtrace::label

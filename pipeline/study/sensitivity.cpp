@@ -13,7 +13,7 @@
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/simulate.h"
 #include "pipeline/study/evaluation.h"
-#include "pipeline/study/modelled_labels.h"
+#include "pipeline/study/simulated_labels.h"
 #include "pipeline/study/training.h"
 
 namespace touchtrace::study {
@@ -109,7 +109,7 @@ class Study {
     });
   }
 
-  Session simulated(const Cell& cell, json& row) const {
+  Session simulated(const Cell& cell, json& row) {
     const ScratchFolder folder;
     scene::SceneOptions scene;
     scene.activity = options_.activity;
@@ -119,12 +119,15 @@ class Study {
     scene.seed = static_cast<std::uint64_t>(cell.seed);
     scene.parameters = cell.parameters();
     const fs::path file = folder.path() / "recording.h5";
-    const auto summary = scene::simulate_recording(
-        scene, nullptr, file, false, start_provenance("touchtrace/recording/1", "sensitivity"));
+    const auto summary =
+        scene::simulate_recording(scene, options_.images ? &runtime_ : nullptr, file, false,
+                                  start_provenance("touchtrace/recording/1", "sensitivity"));
     row["dropped_clips"] = summary.dropped_clips;
     return {"simulated",
-            load_with_modelled_labels(file, measured_label_error(options_.activity),
-                                      options_.resolution, scene.seed),
+            options_.images
+                ? load_with_rendered_labels(file, options_.resolution)
+                : load_with_modelled_labels(file, measured_label_error(options_.activity),
+                                            options_.resolution, scene.seed),
             {},
             {}};
   }
@@ -219,6 +222,8 @@ void describe(OptionSet& set, SensitivityOptions& o) {
   set.integer("updates", o.updates, "of the weights, with and without touch", 1, 10'000'000);
   set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 32);
   set.integer("window", o.window, "tactile frames in a window", 1, 32);
+  set.flag("images", o.images,
+           "render, calibrate and label instead of labels that err as measured");
   set.flag("resume", o.resume, "keep the cells that the output has already");
 }
 

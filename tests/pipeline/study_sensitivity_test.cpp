@@ -6,7 +6,7 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "pipeline/scene/simulate/simulate.h"
-#include "pipeline/study/modelled_labels.h"
+#include "pipeline/study/simulated_labels.h"
 #include "pipeline/study/sensitivity.h"
 #include "tests/pipeline/recording_samples.h"
 
@@ -85,6 +85,27 @@ TEST(StudySensitivity, RefusesToGoOnWithWhatNoStudyWrote) {
                true);
     EXPECT_THROW(measure_sensitivity(runtime, options, provenance_of(options), false), Error);
   }
+}
+
+TEST(StudySensitivity, RenderedLabelsAreThoseOfTheVideo) {
+  const TemporaryFolder folder;
+  Runtime runtime(choose_device(""));
+  scene::SceneOptions scene;
+  scene.minutes = 0.2;
+  simulate_recording(scene, &runtime, folder / "wave.h5", false,
+                     start_provenance("touchtrace/recording/1", "test"));
+  const Dataset data = load_with_rendered_labels(folder / "wave.h5", 8);
+  double square_m2 = 0.0, trusted = 0.0;
+  for (int i = 0; i < data.frames(); ++i)
+    if (data.trusted[i]) {
+      square_m2 += std::pow(data.label[i][0] - data.truth[i][0], 2);
+      ++trusted;
+    }
+  EXPECT_GT(trusted, 0.9 * data.frames());
+  EXPECT_GT(trusted, 100.0);
+  const double error_m = std::sqrt(square_m2 / trusted);
+  EXPECT_LT(error_m, 0.010);
+  EXPECT_GT(error_m, 1e-5);  // seen, not known
 }
 
 TEST(StudySensitivity, ModelledLabelsErrAsTheirModelSays) {

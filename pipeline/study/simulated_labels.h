@@ -33,4 +33,8 @@ const LabelErrorModel& measured_label_error(const std::string& activity);
 Dataset load_with_modelled_labels(const std::filesystem::path& recording,
                                   const LabelErrorModel& model, int resolution, std::uint64_t seed);
 
+/// A simulated recording with images, calibrated and labelled like a user's, with the fast tracker;
+/// truth as above. Throws data_error where that would be refused to a user.
+Dataset load_with_rendered_labels(const std::filesystem::path& recording, int resolution);
+
 }  // namespace touchtrace::study

@@ -1,12 +1,15 @@
-#include "pipeline/study/modelled_labels.h"
+#include "pipeline/study/simulated_labels.h"
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "calib/rgbd/calibrate.h"
 #include "engine/base/scratch_folder.h"
+#include "pipeline/acquire/board_views.h"
 #include "pipeline/dataset/load.h"
+#include "pipeline/label/label.h"
 #include "pipeline/label/timeline.h"
 #include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording_file.h"
@@ -111,6 +114,21 @@ Dataset load_with_modelled_labels(const std::filesystem::path& recording,
   attach_truth_at_delay(data, sources, model.delay_s);
   data.label = data.causal_label = data.truth;
   err(data, model, seed);
+  attach_truth(data, sources);
+  shift_truth(data, estimate_offset(data));
+  return data;
+}
+
+Dataset load_with_rendered_labels(const std::filesystem::path& recording, int resolution) {
+  const ScratchFolder folder;
+  const std::vector<LabelledRecording> sources{{recording, folder.path() / "labels.h5"}};
+  label::LabelOptions options;
+  options.tracker = "component";
+  write_labels(sources[0].labels,
+               label::label_recording(RecordingReader(recording),
+                                      calibrate(board_views_of_recording(recording)), options),
+               false);
+  Dataset data = load_dataset(sources, resolution);
   attach_truth(data, sources);
   shift_truth(data, estimate_offset(data));
   return data;

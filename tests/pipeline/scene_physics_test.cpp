@@ -69,7 +69,7 @@ TEST(ScenePhysics, ClosedFormsHold) {
   for (const ClosedForm& form : closed_forms()) {
     EXPECT_LE(form.error(form.step_s), form.largest) << form.name;
     if (form.order > 0.0) {
-      EXPECT_GE(order_of_convergence(form), form.order) << form.name;
+      EXPECT_GE(order_of_convergence(convergence(form)), form.order) << form.name;
     }
   }
 }

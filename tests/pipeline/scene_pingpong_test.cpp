@@ -20,7 +20,7 @@ TEST(ScenePingpong, TheBallDoesWhatFormulasTell) {
   for (const ClosedForm& form : ball_forms()) {
     EXPECT_LE(form.error(form.step_s), form.largest) << form.name;
     if (form.order > 0.0) {
-      EXPECT_GE(order_of_convergence(form), form.order) << form.name;
+      EXPECT_GE(order_of_convergence(convergence(form)), form.order) << form.name;
     }
   }
 }

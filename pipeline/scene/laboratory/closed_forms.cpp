@@ -200,15 +200,20 @@ const std::vector<ClosedForm>& closed_forms() {
   return table;
 }
 
-double order_of_convergence(const ClosedForm& form) {
-  constexpr int halvings = 3;
-  double sum = 0.0, weights = 0.0;
-  for (int i = 0; i <= halvings; ++i) {
-    const double position = i - 0.5 * halvings;
-    sum -= position * std::log2(form.error(form.step_s / (1 << i)));
-    weights += position * position;
+Picture::Curve convergence(const ClosedForm& form) {
+  Picture::Curve curve{"largest step and halves", {}, {}};
+  for (const double share : {1.0, 0.5, 0.25, 0.125}) {
+    curve.x.push_back(share * form.step_s);
+    curve.y.push_back(form.error(curve.x.back()));
   }
-  return sum / weights;
+  return curve;
+}
+
+double order_of_convergence(const Picture::Curve& convergence) {
+  const Eigen::Map<const Eigen::ArrayXd> steps(convergence.x.data(), convergence.x.size()),
+      errors(convergence.y.data(), convergence.y.size());
+  const Eigen::ArrayXd x = steps.log() - steps.log().mean();
+  return (x * errors.log()).sum() / x.square().sum();
 }
 
 }  // namespace touchtrace::scene

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/figure.h"
+
 namespace touchtrace::scene {
 
 /// Something physics can do that a formula tells, too.
@@ -16,7 +18,9 @@ struct ClosedForm {
 };
 const std::vector<ClosedForm>& closed_forms();
 
-/// Slope of log error over log step from `step_s` to an eighth of it, by least squares.
-double order_of_convergence(const ClosedForm& form);
+/// Error over step [s], from `step_s` to an eighth of it by halves.
+Picture::Curve convergence(const ClosedForm& form);
+/// Slope of log error over log step, by least squares.
+double order_of_convergence(const Picture::Curve& convergence);
 
 }  // namespace touchtrace::scene

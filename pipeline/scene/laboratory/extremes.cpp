@@ -60,12 +60,12 @@ struct Grip {
   double force_n, mass_kg, stiffer, step_s;
 };
 
-/// Speed left after 1 s of a closed grip around a block by an arm that stands still.
+/// Speed left after 1.5 s of a closed grip around a block by a hand that stands still.
 double gripped_speed_m_per_s(const Grip& grip) {
   constexpr double lever_m = 0.05;
   ContactParameters contact;
   contact.stiffness_n_per_m3 *= grip.stiffer;
-  World world(block(grip.mass_kg, 0.7, {0.02, 0.045, 0.02}), {}, contact);
+  World world(block(grip.mass_kg, 0.7, {0.02, 0.045, 0.02}), stand(), contact);
   world.flexion_rad.fill(0.6);
   put_above(world, {0.015, 0.0, 0.0}, 0.0);
   Drive drive = keep_still(world);
@@ -82,14 +82,15 @@ void verify_extremes(const std::function<void(Figure)>& emit) {
   for_each_extreme([&](const Extreme& extreme) {
     gain.add(impact_gain(extreme));
     // Without friction nothing comes to rest on a dish.
-    if (extreme.friction > 0.0 && extreme.step_s >= 0.001 && bears(extreme))
+    if (extreme.friction > 0.0 && bears(extreme))
       resting.add(resting_error_of(extreme));
   });
   for (double force_n : {1.0, 10.0, 60.0})
-    for (double mass_kg : {0.005, 0.3})
-      for (double stiffer : {0.1, 1.0, 100.0})
-        for (double step_s : {0.001, 0.010})
-          gripped.add(gripped_speed_m_per_s({force_n, mass_kg, stiffer, step_s}));
+    for (double mass_kg : {0.005, 0.3, 10.0})
+      for (double stiffer : {0.01, 0.1, 1.0, 100.0})
+        for (double step_s : {0.0001, 0.001, 0.010})
+          if (bears({mass_kg, stiffer, 0.7, step_s}))
+            gripped.add(gripped_speed_m_per_s({force_n, mass_kg, stiffer, step_s}));
   emit(at_most("extreme impacts at 10 m/s: energy gained", gain.value, "", 1e-3));
   emit(at_most("extreme blocks at rest: force / weight - 1", resting.value, "", 1e-3));
   emit(at_most("extreme grips, 1 to 60 N: speed left", gripped.value, "m/s", 1e-2));

@@ -16,9 +16,17 @@ using Emit = std::function<void(Figure)>;
 void verify_forms(const std::vector<ClosedForm>& forms, const Emit& emit) {
   for (const ClosedForm& form : forms) {
     const std::string at = fmt::format(", {:g} ms", 1e3 * form.step_s);
-    emit(at_most(form.name + at, form.error(form.step_s), form.unit, form.largest));
-    if (form.order > 0.0)
-      emit(at_least(form.name + ": order in the step", order_of_convergence(form), "", form.order));
+    if (form.order == 0.0) {
+      emit(at_most(form.name + at, form.error(form.step_s), form.unit, form.largest));
+      continue;
+    }
+    const Picture::Curve curve = convergence(form);
+    emit(at_most(form.name + at, curve.y.front(), form.unit, form.largest));
+    Figure order =
+        at_least(form.name + ": order in the step", order_of_convergence(curve), "", form.order);
+    order.picture = {
+        "step / s", "error" + (form.unit.empty() ? "" : " / " + form.unit), true, true, {curve}};
+    emit(std::move(order));
   }
 }
 

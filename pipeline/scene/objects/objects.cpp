@@ -1,9 +1,6 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 
-#include "engine/base/error.h"
-#include "engine/base/text.h"
+#include "engine/base/named.h"
 #include "pipeline/scene/objects/object_file.h"
 #include "pipeline/scene/objects/object_texts.h"
 
@@ -35,12 +32,7 @@ const std::vector<ObjectSpec>& objects() {
 }
 
 const ObjectSpec& find_object(const std::string& name) {
-  std::vector<std::string> names;
-  for (const ObjectSpec& object : objects()) {
-    if (object.name == name) return object;
-    names.push_back(object.name);
-  }
-  throw usage_error(fmt::format("there is no object '{}'", name), suggestion(name, names));
+  return find_named(objects(), "object", name);
 }
 
 }  // namespace touchtrace::scene

@@ -1,9 +1,9 @@
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <numbers>
 
 #include "engine/base/error.h"
+#include "engine/base/named.h"
 #include "engine/base/text.h"
 #include "pipeline/scene/person/activity.h"
 
@@ -39,10 +39,7 @@ std::vector<std::string> activity_names() {
 }
 
 const ActivityRow& find_activity(const std::string& name) {
-  for (const ActivityRow& row : activities())
-    if (row.name == name) return row;
-  throw usage_error(fmt::format("there is no activity '{}'", name),
-                    suggestion(name, activity_names()));
+  return find_named(activities(), "activity", name);
 }
 
 const ObjectSpec& default_object(const std::string& activity) {

@@ -1,11 +1,8 @@
 #include "pipeline/scene/simulate/data_sets.h"
 
-#include <fmt/core.h>
-
 #include <cmath>
 
-#include "engine/base/error.h"
-#include "engine/base/text.h"
+#include "engine/base/named.h"
 #include "pipeline/scene/person/activity.h"
 
 namespace touchtrace::scene {
@@ -45,12 +42,7 @@ const std::vector<DataSet>& data_sets() {
 }
 
 const DataSet& find_data_set(const std::string& name) {
-  std::vector<std::string> names;
-  for (const DataSet& row : data_sets()) {
-    if (row.name == name) return row;
-    names.push_back(row.name);
-  }
-  throw usage_error(fmt::format("there is no data set '{}'", name), suggestion(name, names));
+  return find_named(data_sets(), "data set", name);
 }
 
 std::vector<PlannedRecording> recordings_of(const DataSet& data_set, const SceneOptions& scene,

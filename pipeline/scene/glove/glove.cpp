@@ -124,8 +124,10 @@ void Glove::start(double time_s) {
 
 void Glove::relax(std::span<const double> force_n, double interval_s) {
   for (std::size_t i = 0; i < force_n.size(); ++i)
-    if (force_n[i] > 0.0 && !is_active_[i])
+    if (force_n[i] > 0.0 && !is_active_[i]) {
       is_active_[i] = 1, active_.push_back(static_cast<int>(i));
+      gain_[i] = gain_at(active_.back(), frame_time_s_);
+    }
   const double loading = -std::expm1(-interval_s / parameters_.loading_lag_s);
   const double unloading = -std::expm1(-interval_s / parameters_.unloading_lag_s);
   const double creeping = -std::expm1(-interval_s / parameters_.creep_s);
@@ -141,20 +143,24 @@ void Glove::relax(std::span<const double> force_n, double interval_s) {
   });
 }
 
+double Glove::gain_at(int taxel, double time_s) const {
+  const double phase_rad = traits_.drift_rad_per_s[taxel] * time_s + traits_.drift_phase_rad[taxel];
+  return traits_.gain[taxel] * (1 + parameters_.drift * std::sin(phase_rad));
+}
+
 /// Gains change by less than 3e-5 of themselves while a frame is read.
 void Glove::drift(double time_s) {
-  for (std::size_t i = 0; i < gain_.size(); ++i)
-    gain_[i] = traits_.gain[i] *
-               (1 + parameters_.drift *
-                        std::sin(traits_.drift_rad_per_s[i] * time_s + traits_.drift_phase_rad[i]));
+  frame_time_s_ = time_s;
+  for (int i : active_) gain_[i] = gain_at(i, time_s);
 }
 
 void Glove::measure() {
   std::ranges::fill(signal_, 0.0);
   std::ranges::fill(row_sum_, 0.0);
   std::ranges::fill(col_sum_, 0.0);
+  const std::vector<Taxel>& taxels = hand_model().taxels;
   for (int i : active_) {
-    const Taxel& taxel = hand_model().taxels[i];
+    const Taxel& taxel = taxels[i];
     const double force = gain_[i] * (pressed_n_[i] + parameters_.creep * crept_n_[i]);
     const double signal = force / (force + parameters_.half_saturation_n);
     signal_[taxel.cell()] = signal;

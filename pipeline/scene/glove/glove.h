@@ -39,6 +39,7 @@ class Glove {
 
  private:
   void relax(std::span<const double> force_n, double interval_s);
+  double gain_at(int taxel, double time_s) const;
   void drift(double time_s);
   void measure();
   void read_row(int row);
@@ -51,13 +52,14 @@ class Glove {
   RandomStream noise_, transport_;
   GloveStream stream_;
   std::vector<double> pressed_n_, crept_n_;  ///< per taxel, after lag; and its slow part
-  std::vector<double> gain_;                 ///< per taxel, of the frame being read
+  std::vector<double> gain_;                 ///< of active taxels, in the frame being read
   std::vector<int> active_;                  ///< taxels that carry or remember a force
   std::vector<std::uint8_t> is_active_;
   std::vector<double> signal_, row_sum_, col_sum_;
   std::vector<std::uint16_t> frame_;
   std::uint64_t number_ = 0;  ///< of the frame being read
   int next_row_ = 0;
+  double frame_time_s_ = 0.0;  ///< at which the frame being read began
 };
 
 }  // namespace touchtrace::scene

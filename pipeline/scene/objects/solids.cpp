@@ -2,109 +2,133 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace touchtrace::scene {
 namespace {
 
 using Eigen::Vector3d;
 
-/// Of a point at `offset` from the nearest point of a skeleton, with the skin `radius` away.
-Distance from_skeleton(const Vector3d& offset, double radius) {
-  const double length = offset.norm();
-  return {length - radius, length > 0.0 ? Vector3d(offset / length) : Vector3d::UnitZ()};
+/// Unit vectors along `v`; along z where it is 0.
+Lanes3 direction(const Lanes3& v) {
+  const Lanes length = norm(v);
+  const LaneMask is_some = length > 0.0;
+  return {is_some ? v.x / length : Lanes{}, is_some ? v.y / length : Lanes{},
+          is_some ? v.z / length : all_lanes(1.0)};
 }
 
-Distance box_distance(const Vector3d& half, const Vector3d& p) {
-  const Vector3d excess = p.cwiseAbs() - half;
-  const Vector3d outside = excess.cwiseMax(0.0);
-  const Vector3d sign = p.unaryExpr([](double x) { return x < 0.0 ? -1.0 : 1.0; });
-  if (const double length = outside.norm(); length > 0.0)
-    return {length, outside.cwiseProduct(sign) / length};
-  int face;
-  const double depth = excess.maxCoeff(&face);
-  return {depth, sign[face] * Vector3d::Unit(face)};
+Lanes with_sign(double value, Lanes of) { return of < 0.0 ? all_lanes(-value) : all_lanes(value); }
+
+/// From the nearest point of a capsule's axis.
+Lanes3 from_axis(const Lanes3& p, double half_length) {
+  return {p.x, p.y, p.z - smallest(largest(p.z, all_lanes(-half_length)), all_lanes(half_length))};
 }
 
-Distance cylinder_distance(double radius, double half_length, const Vector3d& p) {
-  const double rho = std::hypot(p.x(), p.y());
-  const Vector3d radial = rho > 0.0 ? Vector3d(p.x() / rho, p.y() / rho, 0.0) : Vector3d::UnitX();
-  const Vector3d axial(0.0, 0.0, p.z() < 0.0 ? -1.0 : 1.0);
-  const double side = rho - radius, end = std::abs(p.z()) - half_length;
-  if (side > 0.0 && end > 0.0) return from_skeleton(side * radial + end * axial, 0.0);
-  return side > end ? Distance{side, radial} : Distance{end, axial};
+Lanes3 box_excess(const Vector3d& half, const Lanes3& p) {
+  return {absolute(p.x) - half.x(), absolute(p.y) - half.y(), absolute(p.z) - half.z()};
 }
 
-double shape_distance_m(const Solid& solid, const Vector3d& p) {
-  const Vector3d& size = solid.size_m;
-  switch (solid.kind) {
-    case ShapeKind::sphere:
-      return p.norm() - size[0];
-    case ShapeKind::capsule:
-      return (p - std::clamp(p.z(), -size[1], size[1]) * Vector3d::UnitZ()).norm() - size[0];
-    case ShapeKind::cylinder: {
-      const double side = std::sqrt(p.x() * p.x() + p.y() * p.y()) - size[0];
-      const double end = std::abs(p.z()) - size[1];
-      return side > 0.0 && end > 0.0 ? std::sqrt(side * side + end * end) : std::max(side, end);
-    }
-    case ShapeKind::box:
-      break;
-  }
-  const Vector3d excess = p.cwiseAbs() - size;
-  const double depth = excess.maxCoeff();
-  return depth > 0.0 ? excess.cwiseMax(0.0).norm() : depth;
+Lanes3 positive(const Lanes3& v) {
+  return {largest(v.x, Lanes{}), largest(v.y, Lanes{}), largest(v.z, Lanes{})};
 }
 
-Distance shape_distance(const Solid& solid, const Vector3d& p) {
-  const Vector3d& size = solid.size_m;
-  switch (solid.kind) {
-    case ShapeKind::sphere:
-      return from_skeleton(p, size[0]);
-    case ShapeKind::capsule:
-      return from_skeleton(p - std::clamp(p.z(), -size[1], size[1]) * Vector3d::UnitZ(), size[0]);
-    case ShapeKind::cylinder:
-      return cylinder_distance(size[0], size[1], p);
-    case ShapeKind::box:
-      break;
-  }
-  return box_distance(size, p);
+Lanes box_distance_m(const Vector3d& half, const Lanes3& p) {
+  const Lanes3 excess = box_excess(half, p);
+  const Lanes depth = largest(largest(excess.x, excess.y), excess.z);
+  return depth > 0.0 ? norm(positive(excess)) : depth;
 }
 
-Vector3d in_shape(const Solid& solid, const Vector3d& point) {
-  return solid.body_from_shape.linear().transpose() * (point - solid.body_from_shape.translation());
+Lanes3 box_normal(const Vector3d& half, const Lanes3& p) {
+  const Lanes3 excess = box_excess(half, p), outside = positive(excess);
+  const LaneMask x = (excess.x >= excess.y) & (excess.x >= excess.z),
+                 y = ~x & (excess.y >= excess.z);
+  const Lanes one = all_lanes(1.0);
+  const Lanes3 face{x ? one : Lanes{}, y ? one : Lanes{}, x | y ? Lanes{} : one};
+  const Lanes3 n = choose(dot(outside, outside) > 0.0, direction(outside), face);
+  return {with_sign(1.0, p.x) * n.x, with_sign(1.0, p.y) * n.y, with_sign(1.0, p.z) * n.z};
+}
+
+/// How far outside of a cylinder's side and beyond its ends.
+struct CylinderExcess {
+  Lanes side, end;
+
+  CylinderExcess(const Vector3d& size, const Lanes3& p)
+      : side(root(p.x * p.x + p.y * p.y) - size[0]), end(absolute(p.z) - size[1]) {}
+  LaneMask past_rim() const { return (side > 0.0) & (end > 0.0); }
+};
+
+Lanes cylinder_distance_m(const Vector3d& size, const Lanes3& p) {
+  const CylinderExcess excess(size, p);
+  return excess.past_rim() ? root(excess.side * excess.side + excess.end * excess.end)
+                           : largest(excess.side, excess.end);
+}
+
+Lanes3 cylinder_normal(const Vector3d& size, const Lanes3& p) {
+  const CylinderExcess excess(size, p);
+  const Lanes rho = excess.side + size[0];
+  const LaneMask is_off = rho > 0.0;
+  const Lanes3 radial{is_off ? p.x / rho : all_lanes(1.0), is_off ? p.y / rho : Lanes{}, Lanes{}};
+  const Lanes3 axial{Lanes{}, Lanes{}, with_sign(1.0, p.z)};
+  const Lanes3 rim = direction(excess.side * radial + excess.end * axial);
+  return choose(excess.past_rim(), rim, choose(excess.side > excess.end, radial, axial));
+}
+
+Lanes3 in_shape(const Solid& solid, const Lanes3& points) {
+  return product(solid.body_from_shape.linear().transpose(),
+                 points - Lanes3::all(solid.body_from_shape.translation()));
 }
 
 }  // namespace
 
-Distance distance(const Solid& solid, const Vector3d& point) {
-  const auto rotation = solid.body_from_shape.linear();
-  const Distance d = shape_distance(solid, in_shape(solid, point));
-  return {d.value_m, rotation * d.normal};
-}
-
-NearestSolid nearest_solid(const ObjectSpec& object, const Vector3d& point) {
-  NearestSolid nearest{&object.solids.front(), {}, 0.0};
-  nearest.point_in_shape_m = in_shape(*nearest.solid, point);
-  nearest.distance_m = shape_distance_m(*nearest.solid, nearest.point_in_shape_m);
-  for (std::size_t i = 1; i < object.solids.size(); ++i) {
-    const Solid& solid = object.solids[i];
-    const Vector3d p = in_shape(solid, point);
-    if (const double d = shape_distance_m(solid, p); d < nearest.distance_m)
-      nearest = {&solid, p, d};
+Lanes distance_m(const Solid& solid, const Lanes3& points) {
+  const Vector3d& size = solid.size_m;
+  const Lanes3 p = in_shape(solid, points);
+  switch (solid.kind) {
+    case ShapeKind::sphere:
+      return norm(p) - size[0];
+    case ShapeKind::capsule:
+      return norm(from_axis(p, size[1])) - size[0];
+    case ShapeKind::cylinder:
+      return cylinder_distance_m(size, p);
+    case ShapeKind::box:
+      break;
   }
-  return nearest;
+  return box_distance_m(size, p);
 }
 
-Vector3d NearestSolid::normal() const {
-  return solid->body_from_shape.linear() * shape_distance(*solid, point_in_shape_m).normal;
+Lanes3 normal(const Solid& solid, const Lanes3& points) {
+  const Lanes3 p = in_shape(solid, points);
+  const auto in_body = [&](const Lanes3& n) { return product(solid.body_from_shape.linear(), n); };
+  switch (solid.kind) {
+    case ShapeKind::sphere:
+      return in_body(direction(p));
+    case ShapeKind::capsule:
+      return in_body(direction(from_axis(p, solid.size_m[1])));
+    case ShapeKind::cylinder:
+      return in_body(cylinder_normal(solid.size_m, p));
+    case ShapeKind::box:
+      break;
+  }
+  return in_body(box_normal(solid.size_m, p));
+}
+
+Distance distance(const Solid& solid, const Vector3d& point) {
+  const Lanes3 points = Lanes3::all(point);
+  return {distance_m(solid, points)[0], normal(solid, points).at(0)};
 }
 
 Distance distance(const ObjectSpec& object, const Vector3d& point) {
-  const NearestSolid nearest = nearest_solid(object, point);
-  return {nearest.distance_m, nearest.normal()};
+  const Solid& nearest = *std::ranges::min_element(object.solids, {}, [&](const Solid& solid) {
+    return distance_m(solid, Lanes3::all(point))[0];
+  });
+  return distance(nearest, point);
 }
 
 double distance_m(const ObjectSpec& object, const Vector3d& point) {
-  return nearest_solid(object, point).distance_m;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const Solid& solid : object.solids)
+    nearest_m = std::min(nearest_m, distance_m(solid, Lanes3::all(point))[0]);
+  return nearest_m;
 }
 
 double bounding_radius_m(const Solid& solid) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pipeline/scene/objects/lanes.h"
 #include "pipeline/scene/objects/object.h"
 
 namespace touchtrace::scene {
@@ -11,22 +12,17 @@ struct Distance {
   Eigen::Vector3d normal;
 };
 
-/// `point` in the frame of the body that carries the solid. Exact outside and inside, except that
-/// near a box's edges outside the normal is that of the nearest point.
+/// Of as many points as there are lanes, in the frame of the body that carries the solid. Exact
+/// outside and inside, except that near a box's edges outside the normal is that of the nearest
+/// point.
+Lanes distance_m(const Solid& solid, const Lanes3& points);
+Lanes3 normal(const Solid& solid, const Lanes3& points);
+
+/// The same of one point.
 Distance distance(const Solid& solid, const Eigen::Vector3d& point);
 
 /// Of the union of the object's solids; `point` in the object's body frame.
 Distance distance(const ObjectSpec& object, const Eigen::Vector3d& point);
-
-/// The same in two steps, since most points need no normal.
-struct NearestSolid {
-  const Solid* solid;
-  Eigen::Vector3d point_in_shape_m;
-  double distance_m;
-
-  Eigen::Vector3d normal() const;  ///< the object's body frame
-};
-NearestSolid nearest_solid(const ObjectSpec& object, const Eigen::Vector3d& point);
 double distance_m(const ObjectSpec& object, const Eigen::Vector3d& point);
 
 /// Of a sphere around the origin of the body frame that holds the solid.

@@ -43,7 +43,7 @@ class Pingpong : public Activity {
   Sighting coming_down(Sighting ball) const;
   Vector3d suitable_tilt(const Vector3d& arriving, const Vector3d& aside, double approach) const;
   Quaterniond orientation(double time_s) const;
-  Vector3d hand_position(double time_s) const;
+  Vector3d hand_position(double time_s, const Quaterniond& orientation) const;
 
   const ObjectSpec& object_;
   const Ball& ball_;
@@ -51,7 +51,8 @@ class Pingpong : public Activity {
   WaveParameters grip_;
   RandomStream random_;
   Vector3d base_m_;
-  double yaw_, base_grip_n_, usual_apex_m_;
+  Quaterniond level_;  ///< of the hand, fingers away from the person and a little aside
+  double base_grip_n_, usual_apex_m_;
   SmoothNoise grip_noise_, speed_noise_;
   std::array<SmoothNoise, 3> place_noise_;
   std::array<SmoothNoise, 2> tilt_noise_;
@@ -74,7 +75,7 @@ Pingpong::Pingpong(ActivityStart start)
       grip_(start.parameters.wave),
       random_(start.random),
       base_m_(draw(random_, pingpong_.place_m)),
-      yaw_(random_.uniform(-0.4, 0.4)),
+      level_(palm_up(0.0, 0.0, random_.uniform(-0.4, 0.4))),
       base_grip_n_(draw(random_, pingpong_.base_grip_n)),
       usual_apex_m_(draw(random_, pingpong_.usual_apex_m)),
       grip_noise_(random_, 1.0),
@@ -205,12 +206,11 @@ Quaterniond Pingpong::orientation(double time_s) const {
   Vector3d up = tilt_.at(time_s).position_m;
   up += Vector3d(pingpong_.tilt_error_rad * tilt_noise_[0].at(time_s),
                  pingpong_.tilt_error_rad * tilt_noise_[1].at(time_s), 1.0);
-  const Quaterniond level = palm_up(0.0, 0.0, yaw_);
-  return Quaterniond::FromTwoVectors(level * normal_, up) * level;
+  return Quaterniond::FromTwoVectors(level_ * normal_, up) * level_;
 }
 
-Vector3d Pingpong::hand_position(double time_s) const {
-  return place_.at(time_s).position_m - orientation(time_s) * blade_m_;
+Vector3d Pingpong::hand_position(double time_s, const Quaterniond& orientation) const {
+  return place_.at(time_s).position_m - orientation * blade_m_;
 }
 
 Command Pingpong::command(double time_s, const SceneSample& seen) {
@@ -219,10 +219,11 @@ Command Pingpong::command(double time_s, const SceneSample& seen) {
   look(time_s, seen);
   if (seen.ball) think(time_s);
   Command command;
-  const Vector3d before = hand_position(time_s - h), now = hand_position(time_s),
-                 after = hand_position(time_s + h);
-  command.hand = {now, (after - before) / (2 * h), (after - 2 * now + before) / (h * h)};
   command.orientation = orientation(time_s);
+  const Vector3d before = hand_position(time_s - h, orientation(time_s - h)),
+                 now = hand_position(time_s, command.orientation),
+                 after = hand_position(time_s + h, orientation(time_s + h));
+  command.hand = {now, (after - before) / (2 * h), (after - 2 * now + before) / (h * h)};
   const Vector3d load =
       place_.at(time_s).acceleration_m_per_s2 + gravity_m_per_s2 * Vector3d::UnitZ();
   command.grip_force_n = (1 + grip_.grip_noise * grip_noise_.at(time_s)) *

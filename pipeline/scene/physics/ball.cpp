@@ -81,8 +81,12 @@ Vector3d impulse_ns(const Matrix3d& compliance, const Vector3d& velocity, const 
   return parting / normal.dot(compliance * sliding) * sliding;
 }
 
+Vector3d in_body(const RigidState& body, const Vector3d& point_m) {
+  return body.orientation.conjugate() * (point_m - body.position_m);
+}
+
 Distance from_surface(const ObjectSpec& object, const RigidState& held, const RigidState& ball) {
-  Distance d = distance(object, held.orientation.conjugate() * (ball.position_m - held.position_m));
+  Distance d = distance(object, in_body(held, ball.position_m));
   d.normal = held.orientation * d.normal;
   return d;
 }
@@ -111,7 +115,7 @@ double free_time_s(const ObjectSpec& object, const RigidState& held, const Rigid
   const auto clear = [&](double seconds) {
     RigidState there = ball;
     fly(*object.ball, there, seconds);
-    return from_surface(object, coasted(held, seconds), there).value_m >
+    return distance_m(object, in_body(coasted(held, seconds), there.position_m)) >
            object.ball->radius_m + 0.5 * unforeseen_m_per_s2 * seconds * seconds;
   };
   if (clear(most_s)) return most_s;

@@ -1,58 +1,27 @@
 #include "pipeline/scene/physics/contact.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "pipeline/scene/physics/contact_sums.h"
 
 namespace touchtrace::scene {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double contact_reach_m = 0.1;  // of most touching places from the centre of mass
 
-Matrix3d cross_matrix(const Vector3d& v) {
-  Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
+Lanes3 velocity_of(const Twist& twist, const Lanes3& place_m) {
+  return Lanes3::all(twist.linear) + cross(Lanes3::all(twist.angular), place_m);
 }
 
-/// Sums over contacts that make the relative motion's 6 x 6 block: of w w' with w = (n, p x n), of
-/// the isotropic parts, and of the forces at rest.
-struct ContactSums {
-  Eigen::Matrix<double, 6, 6> along = Eigen::Matrix<double, 6, 6>::Zero();
-  double gain = 0.0;
-  Vector3d moment = Vector3d::Zero();
-  Matrix3d second = Matrix3d::Zero();
-  Vector3d force = Vector3d::Zero(), torque = Vector3d::Zero();
-
-  void add(const Vector3d& place, const Vector3d& normal, double extra, double isotropic,
-           const Vector3d& push) {
-    Eigen::Matrix<double, 6, 1> w;
-    w << normal, place.cross(normal);
-    along.noalias() += (extra * w) * w.transpose();
-    gain += isotropic;
-    moment += isotropic * place;
-    second.noalias() += (isotropic * place) * place.transpose();
-    force += push;
-    torque += place.cross(push);
-  }
-
-  void add_to(MotionSystem& system, double ahead_s) const {
-    const Matrix3d turned = ahead_s * (along.bottomLeftCorner<3, 3>() + cross_matrix(moment));
-    const Matrix3d shift = ahead_s * (along.topLeftCorner<3, 3>() + gain * Matrix3d::Identity());
-    system.bodies.block<3, 3>(hand_at, hand_at) += shift;
-    system.bodies.block<3, 3>(object_at, hand_at) -= shift;
-    system.bodies.block<3, 3>(object_at, object_at) += shift;
-    system.bodies.block<3, 3>(spin_at, hand_at) -= turned;
-    system.bodies.block<3, 3>(spin_at, object_at) += turned;
-    system.bodies.block<3, 3>(spin_at, spin_at) +=
-        ahead_s *
-        (along.bottomRightCorner<3, 3>() + second.trace() * Matrix3d::Identity() - second);
-    system.momentum.segment<3>(hand_at) += ahead_s * force;
-    system.momentum.segment<3>(object_at) -= ahead_s * force;
-    system.momentum.segment<3>(spin_at) -= ahead_s * torque;
-  }
-};
+/// 1, or less where `v` has to be shortened to `longest`. Most contacts stick: they need no root.
+Lanes clip(const Lanes3& v, Lanes longest) {
+  const Lanes square = dot(v, v);
+  const LaneMask is_longer = square > longest * longest;
+  return any(is_longer) ? (is_longer ? longest / root(square) : all_lanes(1.0)) : all_lanes(1.0);
+}
 
 }  // namespace
 
@@ -67,88 +36,121 @@ ContactPatch::ContactPatch(const ContactParameters& parameters, const HandModel&
   loaded_.reserve(model.taxels.size());
 }
 
+ContactPatch::Contacts::Contacts(const HandModel& model, std::span<const Touch> from,
+                                 double stiffness_n_per_m3) {
+  for (std::size_t lane = 0; lane < lane_count; ++lane) {
+    const bool is_real = lane < from.size();
+    const Touch& touch = from[is_real ? lane : 0];
+    taxel[lane] = touch.taxel;
+    touches[lane] = is_real ? -1 : 0;
+    place_m.set(lane, touch.place_m);
+    normal.set(lane, touch.normal);
+    depth_m[lane] = touch.depth_m;
+    stiffness_n_per_m[lane] = stiffness_n_per_m3 * model.taxels[touch.taxel].area_m2;
+  }
+}
+
+void ContactPatch::Contacts::let_go(int lane) {
+  touches[lane] = 0;
+  normal_n[lane] = normal_gain[lane] = tangent_gain[lane] = 0.0;
+  tangent_n.set(lane, Vector3d::Zero());
+}
+
 void ContactPatch::find(const ObjectSpec& object, const HandFromObject& hand,
                         const RelativeMotion& motion, const RelativeMotion& expected,
                         double looked_s, double ahead_s) {
+  bodies_.clear();
   contacts_.clear();
+  touching_ = 0;
   looked_s_ = looked_s;
   ahead_s_ = ahead_s;
   friction_ = object.friction;
-  const double margin_m =
-      (ahead_s - looked_s) *
-      (motion.linear_m_per_s.norm() + contact_reach_m * motion.angular_rad_per_s.norm() +
-       ahead_s * gravity_m_per_s2);
-  for (const Touch& touch : search_.find(object, hand, margin_m))
-    load(touch, motion.at(touch), expected.at(touch));
+  const double margin_m = (ahead_s - looked_s) * (motion.palm.linear.norm() +
+                                                  contact_reach_m * motion.palm.angular.norm() +
+                                                  ahead_s * gravity_m_per_s2);
+  for (const TouchingBody& body : search_.find(object, hand, margin_m))
+    add(body, motion.of(body.finger, body.with_flexion),
+        expected.of(body.finger, body.with_flexion));
 }
 
-void ContactPatch::load(const Touch& touch, const Vector3d& velocity, const Vector3d& expected) {
+void ContactPatch::add(const TouchingBody& body, const Twist& motion, const Twist& expected) {
+  const auto touches = body.touches;
+  bodies_.push_back({body.finger, body.with_flexion, contacts_.size(), 0});
+  touching_ += static_cast<int>(touches.size());
+  for (std::size_t i = 0; i < touches.size(); i += lane_count) {
+    Contacts& c =
+        contacts_.emplace_back(*model_, touches.subspan(i), parameters_.stiffness_n_per_m3);
+    load(c, velocity_of(motion, c.place_m), velocity_of(expected, c.place_m));
+    for (int lane = 0; lane < lane_count; ++lane)
+      if (!c.touches[lane]) c.let_go(lane);
+    ++bodies_.back().count;
+  }
+}
+
+void ContactPatch::load(Contacts& c, const Lanes3& velocity, const Lanes3& expected) const {
   const ContactParameters& p = parameters_;
-  const double depth = std::min(touch.depth_m, p.clamp_m);
-  const double k = p.stiffness_n_per_m3 * model_->taxels[touch.taxel].area_m2;
-  const double rate = -touch.normal.dot(velocity);
-  const double hardening = std::max(0.0, depth) / p.hardening_m;
-  const double elastic_n = k * depth * (1 + hardening);
-  const double slope = k * (1 + 2 * hardening) * std::max(0.0, 1 + p.dissipation_s_per_m * rate);
-  Contact& c = contacts_.emplace_back();
-  c.touch = touch;
+  const Lanes none{}, depth = smallest(c.depth_m, all_lanes(p.clamp_m)),
+                      rate = -dot(c.normal, velocity);
+  const Lanes hardening = largest(depth, none) / p.hardening_m;
+  const Lanes elastic_n = c.stiffness_n_per_m * depth * (1 + hardening);
+  const Lanes slope =
+      c.stiffness_n_per_m * (1 + 2 * hardening) * largest(1 + p.dissipation_s_per_m * rate, none);
   c.normal_n = elastic_n - looked_s_ * slope * rate;
-  c.normal_gain = ahead_s_ * slope + std::max(0.0, elastic_n) * p.dissipation_s_per_m;
-  c.tangent_k = p.bristle_ratio * k;
-  rub(c, p.dissipation_s_per_m * std::max(0.0, depth), velocity, rate, expected);
+  c.normal_gain = ahead_s_ * slope + p.dissipation_s_per_m * largest(elastic_n, none);
+  c.tangent_k = p.bristle_ratio * c.stiffness_n_per_m;
+  c.bristle_m = across(c.normal, bristles_m(c, velocity, rate));
+  rub(c, p.dissipation_s_per_m * largest(depth, none), expected);
 }
 
-/// A taxel that was clear before has been stretched since its depth was 0. Coulomb's limit clips
-/// the bristle, and then what bristle and damping pull together.
-void ContactPatch::rub(Contact& c, double damping_s, const Vector3d& velocity, double rate,
-                       const Vector3d& expected) {
-  const Vector3d& normal = c.touch.normal;
-  Vector3d& bristle = bristle_m_[c.touch.taxel];
-  if (touched_at_[c.touch.taxel] < step_) {
-    const bool entered = c.touch.depth_m > 0.0 && c.touch.depth_m < 2 * looked_s_ * rate;
-    bristle = (entered ? c.touch.depth_m / rate - looked_s_ : 0.0) * velocity;
-  }
-  bristle -= normal * normal.dot(bristle);
-  const Vector3d creep = expected - normal * normal.dot(expected);
-  const double limit_n = friction_ * std::max(0.0, c.normal_force_n(expected));
-  const auto clip = [&](const Vector3d& force_n) {
-    const double size = force_n.norm();
-    return size > limit_n ? limit_n / size : 1.0;
-  };
-  const Vector3d elastic_n = c.tangent_k * (bristle + ahead_s_ * creep);
-  const double elastic_share = clip(elastic_n);
-  const double damping = c.tangent_k * damping_s;
-  const double share = clip(elastic_share * elastic_n + damping * creep);
+/// Coulomb's limit clips the bristle, and then what bristle and damping pull together.
+void ContactPatch::rub(Contacts& c, Lanes damping_s, const Lanes3& expected) const {
+  const Lanes3 creep = across(c.normal, expected);
+  const Lanes limit_n = friction_ * largest(c.normal_force_n(expected), Lanes{});
+  const Lanes3 elastic_n = c.tangent_k * (c.bristle_m + all_lanes(ahead_s_) * creep);
+  const Lanes elastic_share = clip(elastic_n, limit_n);
+  const Lanes damping = c.tangent_k * damping_s;
+  const Lanes share = clip(elastic_share * elastic_n + damping * creep, limit_n);
   c.tangent_gain = share * (elastic_share * c.tangent_k * ahead_s_ + damping);
-  c.tangent_n = -share * elastic_share * c.tangent_k * bristle;
+  c.tangent_n = -(share * elastic_share * c.tangent_k) * c.bristle_m;
 }
 
-void ContactPatch::add_to(MotionSystem& system, const RelativeMotion& imposed) const {
-  ContactSums sums;
-  for (const Contact& c : contacts_) {
-    const Vector3d& n = c.touch.normal;
-    const double extra = c.normal_gain - c.tangent_gain;
-    const Vector3d known = imposed.at(c.touch);
-    const Vector3d push =
-        (c.normal_n - extra * n.dot(known)) * n + c.tangent_n - c.tangent_gain * known;
-    sums.add(c.touch.place_m, n, extra, c.tangent_gain, push);
-    if (c.touch.finger < 0) continue;
-    const Vector3d& way = c.touch.with_flexion;
-    const Vector3d column = ahead_s_ * (c.tangent_gain * way + extra * n.dot(way) * n);
-    auto bodies = system.columns.col(c.touch.finger);
-    bodies.segment<3>(hand_at) += column;
-    bodies.segment<3>(object_at) -= column;
-    bodies.segment<3>(spin_at) -= c.touch.place_m.cross(column);
-    system.fingers[c.touch.finger] += way.dot(column);
-    system.momentum[fingers_at + c.touch.finger] += ahead_s_ * way.dot(push);
+/// A taxel that was clear before has been stretched since its depth was 0.
+Lanes3 ContactPatch::bristles_m(const Contacts& c, const Lanes3& velocity, Lanes rate) const {
+  const LaneMask entered = (c.depth_m > 0.0) & (c.depth_m < 2 * looked_s_ * rate);
+  Lanes3 bristles = (entered ? c.depth_m / rate - looked_s_ : Lanes{}) * velocity;
+  for (int lane = 0; lane < lane_count; ++lane)
+    if (touched_at_[c.taxel[lane]] >= step_) bristles.set(lane, bristle_m_[c.taxel[lane]]);
+  return bristles;
+}
+
+void ContactPatch::add_to(MotionSystem& system, const Twist& imposed) const {
+  Matrix6d all_resistance = Matrix6d::Zero();
+  Vector6d all_push = Vector6d::Zero();
+  for (const Body& body : bodies_) {
+    ContactSums sums;
+    for (const Contacts& c : of(body))
+      sums.add(c.place_m, c.normal, c.normal_n, c.tangent_n, c.normal_gain - c.tangent_gain,
+               c.tangent_gain);
+    const Matrix6d resistance = ahead_s_ * sums.resistance();
+    const Vector6d push = ahead_s_ * sums.push() - resistance * joined(imposed);
+    if (body.finger >= 0) add_to_finger(system, body.finger, body.with_flexion, resistance, push);
+    all_resistance += resistance;
+    all_push += push;
   }
-  sums.add_to(system, ahead_s_);
+  add_to_bodies(system, all_resistance, all_push);
 }
 
 bool ContactPatch::part(const RelativeMotion& motion) {
-  return std::erase_if(contacts_, [&](const Contact& c) {
-           return c.normal_force_n(motion.at(c.touch)) < 0.0;
-         }) > 0;
+  const int before = touching_;
+  for (const Body& body : bodies_) {
+    const Twist twist = motion.of(body.finger, body.with_flexion);
+    for (Contacts& c : of(body)) {
+      const Lanes force_n = c.normal_force_n(velocity_of(twist, c.place_m));
+      for (int lane = 0; lane < lane_count; ++lane)
+        if (force_n[lane] < 0.0) c.let_go(lane), --touching_;
+    }
+  }
+  return touching_ < before;
 }
 
 void ContactPatch::settle(const RelativeMotion& motion, double h) {
@@ -160,33 +162,43 @@ void ContactPatch::settle(const RelativeMotion& motion, double h) {
   force_on_object_n_.setZero();
   torque_on_object_nm_.setZero();
   fastest_m_per_s_ = 0.0;
-  for (const Contact& c : contacts_) {
-    if (c.touch.depth_m > parameters_.clamp_m) ++clamp_hits_;
-    const Vector3d velocity = motion.at(c.touch);
-    fastest_m_per_s_ = std::max(fastest_m_per_s_, velocity.norm());
-    apply(c, velocity, h);
-  }
+  for (const Body& body : bodies_) settle(body, motion.of(body.finger, body.with_flexion), h);
 }
 
-void ContactPatch::apply(const Contact& c, const Vector3d& velocity, double h) {
-  const Touch& at = c.touch;
-  const double normal_force = std::max(0.0, c.normal_force_n(velocity));
-  const Vector3d creep = velocity - at.normal * at.normal.dot(velocity);
-  const Vector3d on_taxel = normal_force * at.normal + c.tangent_n - c.tangent_gain * creep;
+void ContactPatch::settle(const Body& body, const Twist& twist, double h) {
+  Lanes3 force_n{}, torque_nm{};
+  Lanes speed2{}, normal_n{}, flexion_nm{};
+  for (Contacts& c : of(body)) {
+    const Lanes3 velocity = velocity_of(twist, c.place_m), creep = across(c.normal, velocity);
+    const Lanes pressed_n = largest(c.normal_force_n(velocity), Lanes{});
+    const Lanes3 on_taxel = pressed_n * c.normal + c.tangent_n - c.tangent_gain * creep;
+    force_n += on_taxel;
+    torque_nm += cross(c.place_m, on_taxel);
+    normal_n += pressed_n;
+    flexion_nm += pressed_n * dot(c.normal, velocity_of(body.with_flexion, c.place_m));
+    speed2 = largest(speed2, c.touches ? dot(velocity, velocity) : Lanes{});
+    note(c, pressed_n, creep, h);
+  }
+  force_on_object_n_ -= sum(force_n);
+  torque_on_object_nm_ -= sum(torque_nm);
+  fastest_m_per_s_ = std::max({fastest_m_per_s_, std::sqrt(speed2[0]), std::sqrt(speed2[1])});
+  finger_force_n_[body.finger + 1] += sum(normal_n);
+  finger_torque_nm_[body.finger + 1] -= sum(flexion_nm);
+}
 
-  Vector3d& bristle = bristle_m_[at.taxel];
-  bristle += ahead_s_ * creep;
-  const double longest = friction_ * normal_force / c.tangent_k;
-  if (const double length = bristle.norm(); length > longest) bristle *= longest / length;
-  bristle += (h - ahead_s_) * creep;
-  touched_at_[at.taxel] = step_;
-
-  force_n_[at.taxel] = normal_force;
-  loaded_.push_back(at.taxel);
-  force_on_object_n_ -= on_taxel;
-  torque_on_object_nm_ -= at.place_m.cross(on_taxel);
-  finger_force_n_[at.finger + 1] += normal_force;
-  finger_torque_nm_[at.finger + 1] -= normal_force * at.normal.dot(at.with_flexion);
+void ContactPatch::note(const Contacts& c, Lanes pressed_n, const Lanes3& creep, double h) {
+  Lanes3 bristle = c.bristle_m + all_lanes(ahead_s_) * creep;
+  bristle = clip(bristle, friction_ * pressed_n / c.tangent_k) * bristle +
+            all_lanes(h - ahead_s_) * creep;
+  for (int lane = 0; lane < lane_count; ++lane) {
+    if (!c.touches[lane]) continue;
+    const int taxel = c.taxel[lane];
+    if (c.depth_m[lane] > parameters_.clamp_m) ++clamp_hits_;
+    bristle_m_[taxel] = bristle.at(lane);
+    touched_at_[taxel] = step_;
+    force_n_[taxel] = pressed_n[lane];
+    loaded_.push_back(taxel);
+  }
 }
 
 double ContactPatch::lever_m(int finger) const {

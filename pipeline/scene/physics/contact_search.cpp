@@ -1,6 +1,7 @@
 #include "pipeline/scene/physics/contact_search.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "pipeline/scene/objects/solids.h"
 
@@ -16,36 +17,41 @@ constexpr double hand_reach_m = 0.18, finger_reach_m = 0.20;
 
 }  // namespace
 
-/// A link in the object's axes. A place p on it moves by axis x (coupled p - pivot) with the
-/// flexion.
+/// A link, or the palm, in the object's axes.
 struct TaxelSearch::Link {
-  int finger = -1;
   Matrix3d object_from_link;
   Vector3d origin_m;
-  double coupled = 0.0;
-  Vector3d axis = Vector3d::Zero(), pivot_m = Vector3d::Zero();
 
-  Link(const HandModel& model, const TaxelGroup& group, const HandFromObject& hand,
-       const FingerPose* pose)
-      : finger(group.finger), object_from_link(hand.object_from_hand), origin_m(hand.hand_m) {
+  Link(const TaxelGroup& group, const HandFromObject& hand, const FingerPose* pose)
+      : object_from_link(hand.object_from_hand), origin_m(hand.hand_m) {
     if (!pose) return;
-    const Finger& f = model.fingers[finger];
-    axis = hand.object_from_hand * pose->axis;
-    for (int joint = 0; joint <= group.link; ++joint) {
-      coupled += f.coupling[joint];
-      pivot_m += f.coupling[joint] * (hand.hand_m + hand.object_from_hand * pose->joint_m[joint]);
-    }
     object_from_link = hand.object_from_hand * pose->hand_from_link[group.link];
     origin_m += hand.object_from_hand * pose->joint_m[group.link];
   }
 
-  Vector3d place(const Vector3d& position_m) const {
-    return object_from_link * position_m + origin_m;
-  }
-  Vector3d with_flexion(const Vector3d& place_m) const {
-    return axis.cross(coupled * place_m - pivot_m);
+  Lanes3 places_m(const Lanes3& positions_m) const {
+    return product(object_from_link, positions_m) + Lanes3::all(origin_m);
   }
 };
+
+namespace {
+
+/// Of a link, a radian of the flexion of its finger.
+Twist with_flexion(const HandModel& model, const TaxelGroup& group, const HandFromObject& hand,
+                   const FingerPose* pose) {
+  Twist twist{Vector3d::Zero(), Vector3d::Zero()};
+  if (!pose) return twist;
+  const Finger& finger = model.fingers[group.finger];
+  const Vector3d axis = hand.object_from_hand * pose->axis;
+  for (int joint = 0; joint <= group.link; ++joint) {
+    const Vector3d turn = finger.coupling[joint] * axis;
+    twist.angular += turn;
+    twist.linear -= turn.cross(hand.hand_m + hand.object_from_hand * pose->joint_m[joint]);
+  }
+  return twist;
+}
+
+}  // namespace
 
 TaxelSearch::TaxelSearch(const HandModel& model)
     : model_(&model),
@@ -54,15 +60,16 @@ TaxelSearch::TaxelSearch(const HandModel& model)
   touches_.reserve(model.taxels.size());
 }
 
-const std::vector<Touch>& TaxelSearch::find(const ObjectSpec& object, const HandFromObject& hand,
-                                            double margin_m) {
+const std::vector<TouchingBody>& TaxelSearch::find(const ObjectSpec& object,
+                                                   const HandFromObject& hand, double margin_m) {
   margin_m_ = margin_m;
   touches_.clear();
+  touching_.clear();
   clearance_m_ = 1.0;
   poses_.fill(std::nullopt);
   follow(hand);
   for (const TaxelGroup& group : model_->groups) search(group, object, hand);
-  return touches_;
+  return touching_;
 }
 
 void TaxelSearch::follow(const HandFromObject& hand) {
@@ -86,26 +93,78 @@ void TaxelSearch::search(const TaxelGroup& group, const ObjectSpec& object,
   const double travel = travel_m_[group.finger + 1];
   double& free_until = group_free_until_m_[&group - model_->groups.data()];
   if (travel + margin_m_ >= free_until) {
-    const Link link(*model_, group, hand, group.finger < 0 ? nullptr : &pose(group.finger, hand));
-    const double distance = distance_m(object, link.place(group.centre_m));
-    free_until = travel + distance - group.radius_m;
-    if (travel + margin_m_ >= free_until) look(group, link, object);
+    const FingerPose* finger = group.finger < 0 ? nullptr : &pose(group.finger, hand);
+    const Link link(group, hand, finger);
+    free_until = travel + approach_m(group, link, object);
+    if (travel + margin_m_ >= free_until) {
+      const std::size_t before = touches_.size();
+      look(group, link);
+      if (touches_.size() > before) note(group, with_flexion(*model_, group, hand, finger), before);
+    }
   }
   clearance_m_ = std::clamp(free_until - travel, 0.0, clearance_m_);
 }
 
-void TaxelSearch::look(const TaxelGroup& group, const Link& link, const ObjectSpec& object) {
+/// How far its sphere is from the object; notes the solids that may be nearest to one of its
+/// taxels.
+double TaxelSearch::approach_m(const TaxelGroup& group, const Link& link,
+                               const ObjectSpec& object) {
+  const Lanes3 centre = link.places_m(Lanes3::all(group.centre_m));
+  double nearest_m = std::numeric_limits<double>::infinity();
+  solids_.clear();
+  for (const Solid& solid : object.solids) {
+    const double distance = distance_m(solid, centre)[0];
+    solids_.push_back({&solid, distance});
+    nearest_m = std::min(nearest_m, distance);
+  }
+  std::erase_if(solids_, [&](const NearbySolid& nearby) {
+    return nearby.distance_m > nearest_m + 2 * group.radius_m;
+  });
+  return nearest_m - group.radius_m;
+}
+
+/// Looks at as many taxels at once as there are lanes.
+void TaxelSearch::look(const TaxelGroup& group, const Link& link) {
   const double travel = travel_m_[group.finger + 1];
+  int taxels[lane_count], count = 0;
   for (int i = group.first; i < group.first + group.count; ++i) {
     if (travel + margin_m_ < taxel_free_until_m_[i]) continue;
-    const Vector3d place = link.place(model_->taxels[i].position_m);
-    const NearestSolid nearest = nearest_solid(object, place);
-    if (nearest.distance_m >= margin_m_)
-      taxel_free_until_m_[i] = travel + nearest.distance_m;
-    else
-      touches_.push_back({i, group.finger, -nearest.distance_m, nearest.normal(), place,
-                          link.with_flexion(place)});
+    taxels[count++] = i;
+    if (count == lane_count) look(taxels, count, travel, link), count = 0;
   }
+  if (count > 0) look(taxels, count, travel, link);
+}
+
+void TaxelSearch::look(const int* taxels, int count, double travel, const Link& link) {
+  Lanes3 positions;
+  for (int lane = 0; lane < lane_count; ++lane)
+    positions.set(lane, model_->taxels[taxels[std::min(lane, count - 1)]].position_m);
+  const Lanes3 places = link.places_m(positions);
+  Lanes nearest_m = all_lanes(std::numeric_limits<double>::infinity());
+  for (NearbySolid& nearby : solids_) {
+    const Lanes distance = distance_m(*nearby.solid, places);
+    nearby.is_nearest = distance < nearest_m;
+    nearest_m = smallest(distance, nearest_m);
+  }
+  Lanes3 normals{};
+  if (any(nearest_m < margin_m_))
+    for (const NearbySolid& nearby : solids_)
+      if (any(nearby.is_nearest))
+        normals = choose(nearby.is_nearest, normal(*nearby.solid, places), normals);
+  for (int lane = 0; lane < count; ++lane)
+    if (nearest_m[lane] >= margin_m_)
+      taxel_free_until_m_[taxels[lane]] = travel + nearest_m[lane];
+    else
+      touches_.push_back({taxels[lane], -nearest_m[lane], normals.at(lane), places.at(lane)});
+}
+
+/// The palm's groups are one body.
+void TaxelSearch::note(const TaxelGroup& group, const Twist& with_flexion, std::size_t first) {
+  const std::span touches = std::span<const Touch>(touches_).subspan(first);
+  if (group.finger < 0 && !touching_.empty())
+    touching_.back().touches = {touching_.back().touches.data(), touches.data() + touches.size()};
+  else
+    touching_.push_back({group.finger, with_flexion, touches});
 }
 
 }  // namespace touchtrace::scene

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
+#include "pipeline/scene/objects/solids.h"
 #include "pipeline/scene/physics/hand.h"
 
 namespace touchtrace::scene {
@@ -13,13 +15,28 @@ struct HandFromObject {
   std::array<double, finger_count> flexion_rad{};
 };
 
+/// How a rigid body moves: its place p by linear + angular x p.
+struct Twist {
+  Eigen::Vector3d linear, angular;
+
+  Eigen::Vector3d at(const Eigen::Vector3d& place_m) const {
+    return linear + angular.cross(place_m);
+  }
+};
+
 /// A taxel inside the object or near it, in the object's axes.
 struct Touch {
-  int taxel, finger;             ///< finger -1: the palm
-  double depth_m;                ///< negative: not in contact yet
-  Eigen::Vector3d normal;        ///< out of the object
-  Eigen::Vector3d place_m;       ///< from its centre of mass
-  Eigen::Vector3d with_flexion;  ///< how the place moves with the finger's flexion [m/rad]
+  int taxel;
+  double depth_m;           ///< negative: not in contact yet
+  Eigen::Vector3d normal;   ///< out of the object
+  Eigen::Vector3d place_m;  ///< from its centre of mass
+};
+
+/// What touches of the palm or of one link, which are rigid.
+struct TouchingBody {
+  int finger;          ///< -1: the palm
+  Twist with_flexion;  ///< a radian of the finger's flexion; 0 for the palm
+  std::span<const Touch> touches;
 };
 
 /// Finds what touches. Distances change no faster than their points move, so a taxel or group that
@@ -29,22 +46,32 @@ class TaxelSearch {
   explicit TaxelSearch(const HandModel& model);
 
   /// Taxels inside the object or less than `margin_m` outside.
-  const std::vector<Touch>& find(const ObjectSpec& object, const HandFromObject& hand,
-                                 double margin_m);
+  const std::vector<TouchingBody>& find(const ObjectSpec& object, const HandFromObject& hand,
+                                        double margin_m);
   /// How far hand and object can move against each other before anything may touch [m]; 0 in
   /// contact.
   double clearance_m() const { return clearance_m_; }
 
  private:
   struct Link;
+  struct NearbySolid {
+    const Solid* solid;
+    double distance_m;      ///< of the group's centre
+    LaneMask is_nearest{};  ///< of the solids so far, to the taxels that are looked at
+  };
 
   void follow(const HandFromObject& hand);
   const FingerPose& pose(int finger, const HandFromObject& hand);
   void search(const TaxelGroup& group, const ObjectSpec& object, const HandFromObject& hand);
-  void look(const TaxelGroup& group, const Link& link, const ObjectSpec& object);
+  double approach_m(const TaxelGroup& group, const Link& link, const ObjectSpec& object);
+  void look(const TaxelGroup& group, const Link& link);
+  void look(const int* taxels, int count, double travel, const Link& link);
+  void note(const TaxelGroup& group, const Twist& with_flexion, std::size_t first);
 
   const HandModel* model_;
   std::vector<Touch> touches_;
+  std::vector<TouchingBody> touching_;  ///< spans of them
+  std::vector<NearbySolid> solids_;     ///< those that may be nearest to a taxel of the group
   std::array<std::optional<FingerPose>, finger_count> poses_;  ///< those needed so far
   /// Travels at which a taxel or group may touch at the soonest.
   std::vector<double> taxel_free_until_m_, group_free_until_m_;

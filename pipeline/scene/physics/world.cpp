@@ -53,12 +53,11 @@ struct World::Instant {
         Eigen::Map<const FingerRates>(world.flexion_rate_rad_per_s.data());
   }
 
-  RelativeMotion imposed() const {
-    return {-hand_spin.cross(hand.hand_m), hand_spin, FingerRates::Zero()};
-  }
+  Twist imposed() const { return {-hand_spin.cross(hand.hand_m), hand_spin}; }
   RelativeMotion motion(const Velocity& v) const {
-    return {v.segment<3>(hand_at) - v.segment<3>(object_at) - hand_spin.cross(hand.hand_m),
-            hand_spin - v.segment<3>(spin_at), v.tail<finger_count>()};
+    return {{v.segment<3>(hand_at) - v.segment<3>(object_at) - hand_spin.cross(hand.hand_m),
+             hand_spin - v.segment<3>(spin_at)},
+            v.tail<finger_count>()};
   }
 };
 

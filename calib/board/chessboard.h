@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,15 @@ namespace touchtrace {
 /// A chessboard by its inner corners. Board frame: x along the columns, y along the rows, z = 0,
 /// metres; corner 0 is the origin, corners run along a row first.
 struct Chessboard {
+  /// In the white squares, so that a part of the board suffices: a ChArUco board.
+  struct Markers {
+    std::string dictionary;  ///< one of marker_dictionaries()
+    double side_m;
+  };
+
   int columns = 9, rows = 6;
   double square_m = 0.025;
+  std::optional<Markers> markers = std::nullopt;
 
   int corners() const { return columns * rows; }
   Eigen::Vector3d corner_m(int index) const {
@@ -28,9 +36,14 @@ struct GreyImage {
 /// What one image pair shows of the board.
 struct BoardView {
   std::string name;                         ///< file name, or "view 3"
-  std::vector<Eigen::Vector2d> corners_px;  ///< [corners], colour image
+  std::vector<Eigen::Vector2d> corners_px;  ///< [corners that are seen], colour image
   std::vector<float>
       depth_m;  ///< [height, width] as measured, depth image; 0: no measurement; may be empty
+  std::vector<int> shown = {};  ///< which of the board's corners; empty: all, in their order
+
+  int corner(std::size_t seen) const {
+    return shown.empty() ? static_cast<int>(seen) : shown[seen];
+  }
 };
 
 /// Everything that a calibration starts from; all images have one size.

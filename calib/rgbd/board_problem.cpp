@@ -38,13 +38,11 @@ bool is_fixed(const BoardProblem& problem, int color_index) {
 
 void add_corners(const BoardProblem& problem, std::size_t view, ceres::LossFunction* loss,
                  RgbdParameters& p, ceres::Problem& ceres_problem) {
-  const auto& observations = problem.observations;
-  for (int i = 0; i < observations.board.corners(); ++i)
+  const BoardView& seen = problem.observations.views[view];
+  for (std::size_t i = 0; i < seen.corners_px.size(); ++i)
     ceres_problem.AddResidualBlock(
-        autodiff<CornerError, 2, 9, 6>(
-            {observations.board.corner_m(i),
-             observations.views[view].corners_px[static_cast<std::size_t>(i)],
-             problem.corner_sigma_px}),
+        autodiff<CornerError, 2, 9, 6>({problem.observations.board.corner_m(seen.corner(i)),
+                                        seen.corners_px[i], problem.corner_sigma_px}),
         loss, p.color.data(), p.camera_from_board[view].data());
 }
 
@@ -159,10 +157,10 @@ bool solve(const BoardProblem& problem, RgbdParameters& parameters) {
 std::vector<Eigen::Vector2d> corner_residuals(const BoardObservations& observations,
                                               std::size_t view, const RgbdParameters& p) {
   std::vector<Eigen::Vector2d> residuals;
-  for (int i = 0; i < observations.board.corners(); ++i) {
-    const auto& measured = observations.views[view].corners_px[static_cast<std::size_t>(i)];
+  const BoardView& seen = observations.views[view];
+  for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
     Eigen::Vector2d error = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-    CornerError{observations.board.corner_m(i), measured, 1.0}(
+    CornerError{observations.board.corner_m(seen.corner(i)), seen.corners_px[i], 1.0}(
         p.color.data(), p.camera_from_board[view].data(), error.data());
     residuals.push_back(-error);
   }

@@ -31,12 +31,14 @@ void require_views(const BoardObservations& o, std::ptrdiff_t views, const char*
 
 /// Seen from behind or in a mirror the corners turn the other way, and no pose explains them.
 bool is_mirrored(const BoardView& view, const Chessboard& board) {
-  const auto& corners = view.corners_px;
-  const Eigen::Vector2d along_row =
-      corners[static_cast<std::size_t>(board.columns - 1)] - corners.front();
-  const Eigen::Vector2d along_column =
-      corners[static_cast<std::size_t>(board.corners() - board.columns)] - corners.front();
-  return along_row.x() * along_column.y() - along_row.y() * along_column.x() < 0.0;
+  Eigen::Matrix2Xd on_board(2, view.corners_px.size()), in_image = on_board;
+  for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
+    on_board.col(static_cast<Eigen::Index>(i)) = board.corner_m(view.corner(i)).head<2>();
+    in_image.col(static_cast<Eigen::Index>(i)) = view.corners_px[i];
+  }
+  on_board.colwise() -= on_board.rowwise().mean().eval();
+  // The sign is that of the affine map that fits best.
+  return (in_image * on_board.transpose()).determinant() < 0.0;
 }
 
 void refuse_mirrored_views(const BoardObservations& o) {

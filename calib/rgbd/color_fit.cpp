@@ -42,7 +42,10 @@ double sum_of_squares(const BoardObservations& observations, const std::vector<b
 }
 
 double number_of_coordinates(const BoardObservations& observations, const std::vector<bool>& used) {
-  return 2.0 * observations.board.corners() * static_cast<double>(std::ranges::count(used, true));
+  std::size_t corners = 0;
+  for (std::size_t view = 0; view < used.size(); ++view)
+    if (used[view]) corners += observations.views[view].corners_px.size();
+  return 2.0 * static_cast<double>(corners);
 }
 
 /// Rounds of robust fit; each takes its scale and its outlier views from the one before.

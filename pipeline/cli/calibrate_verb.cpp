@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include "calib/board/markers.h"
 #include "calib/rgbd/calibrate.h"
 #include "engine/base/files.h"
 #include "engine/base/provenance.h"
@@ -13,8 +14,15 @@ namespace {
 struct CalibrateOptions {
   std::string recording, images, output;
   int columns = 9, rows = 6;
-  double square_mm = 25.0;
+  double square_mm = 25.0, marker_mm = 18.0;
+  std::string markers = "none";
 };
+
+std::vector<std::string> kinds_of_markers() {
+  std::vector<std::string> kinds = marker_dictionaries();
+  kinds.insert(kinds.begin(), "none");
+  return kinds;
+}
 
 void describe(OptionSet& set, CalibrateOptions& o) {
   set.optional_input("recording", o.recording, "recording whose chessboard views are used");
@@ -24,6 +32,10 @@ void describe(OptionSet& set, CalibrateOptions& o) {
   set.integer("rows", o.rows, "inner corners along a column of the board, for --images", 3, 100);
   set.number("square-mm", o.square_mm, "side of a square of the board [mm], for --images", 0.1,
              1000.0);
+  set.choice("markers", o.markers,
+             "dictionary of the markers of a ChArUco board, for --images; none: a chessboard",
+             kinds_of_markers());
+  set.number("marker-mm", o.marker_mm, "side of such a marker [mm]", 0.1, 1000.0);
   set.path("output", o.output, "folder for camera.yaml, camera_depth.yaml and calibration.json");
 }
 
@@ -32,7 +44,9 @@ BoardObservations observe(const CalibrateOptions& o) {
     throw usage_error("calibrate needs either a recording or --images",
                       "see touchtrace calibrate --help");
   if (!o.recording.empty()) return board_views_of_recording(o.recording);
-  return board_views_of_images(o.images, {o.columns, o.rows, 1e-3 * o.square_mm});
+  Chessboard board{o.columns, o.rows, 1e-3 * o.square_mm};
+  if (o.markers != "none") board.markers = {o.markers, 1e-3 * o.marker_mm};
+  return board_views_of_images(o.images, board);
 }
 
 Provenance provenance_of(const CalibrateOptions& o, const Invocation& invocation,

@@ -44,6 +44,18 @@ TEST(CalibrateVerb, PhotographsOfOpenCv) {
   EXPECT_FALSE(fs::exists(folder / "left" / "camera_depth.yaml"));
 }
 
+TEST(CalibrateVerb, RefusesMarkersThatCannotBe) {
+  const TemporaryFolder folder;
+  write_grey(folder / "grey.pgm", 320, 240);
+  const auto with = [&](const char* markers, const char* marker_mm) {
+    return run({"--images", (folder / "*.pgm").string(), "--markers", markers, "--marker-mm",
+                marker_mm, "-o", (folder / "out").string()});
+  };
+  EXPECT_EQ(with("5x5_99", "18"), 2);
+  EXPECT_EQ(with("5x5_100", "25"), 2);
+  EXPECT_EQ(with("5x5_100", "18"), 3);  // there is no board
+}
+
 TEST(CalibrateVerb, NeverOverwritesSilently) {
   const TemporaryFolder folder;
   write_file(folder / "out/calibration.json", "precious", false);

@@ -19,7 +19,7 @@
 #endif
 
 ALWAYS_INLINE lanes3 trace(__global const float* solids, const int* visible, int count, lanes x,
-                           lanes y, float3 lamp) {
+                           lanes y) {
   lanes nearest = FAR;
   lanes3 color = {0.0f, 0.0f, 0.0f};
   for (int i = 0; i < count; ++i) {
@@ -28,8 +28,8 @@ ALWAYS_INLINE lanes3 trace(__global const float* solids, const int* visible, int
     const lanes3 d = direction_in_shape(s, x, y);
     const lanes t = hit_solid(s, d);
     const lane_mask nearer = t < nearest;
-    if (!any(nearer)) continue;
-    const lanes light = brightness(s, point_on_ray(s, d, t), lamp);
+    if (!ANY(nearer)) continue;
+    const lanes light = brightness(s, point_on_ray(s, d, t));
     nearest = min(t, nearest);
     color.x = nearer ? light * s[COLOR] : color.x;
     color.y = nearer ? light * s[COLOR + 1] : color.y;
@@ -63,14 +63,14 @@ ALWAYS_INLINE int rays_per_axis(__global const float* solids, const int* visible
 
 // The sum of the light that axis^2 rays through each pixel find.
 ALWAYS_INLINE lanes3 gather(__global const float* solids, int count, int subframes,
-                            const int* visible, int seen, lanes x, lanes y, float2 pitch, int axis,
-                            float3 lamp) {
+                            const int* visible, int seen, lanes x, lanes y, float2 pitch,
+                            int axis) {
   const int samples = axis * axis;
   lanes3 sum = {0.0f, 0.0f, 0.0f};
   for (int i = 0; i < samples; ++i) {
     const float u = (i % axis + 0.5f) / axis - 0.5f, v = (i / axis + 0.5f) / axis - 0.5f;
     __global const float* then = solids + (i * subframes / samples) * count * SOLID_FLOATS;
-    const lanes3 light = trace(then, visible, seen, x + u * pitch.x, y + v * pitch.y, lamp);
+    const lanes3 light = trace(then, visible, seen, x + u * pitch.x, y + v * pitch.y);
     sum.x += light.x, sum.y += light.y, sum.z += light.z;
   }
   return sum;
@@ -79,9 +79,8 @@ ALWAYS_INLINE lanes3 gather(__global const float* solids, int count, int subfram
 __kernel void render_color(__global const float* rays_x, __global const float* rays_y,
                            __global const float4* tiles, __global const float4* strips,
                            __global const float* solids, int count, int subframes,
-                           int samples_per_axis, float2 pitch, float4 lamp_and_gain,
-                           float noise_counts, uint2 key, int width, int height,
-                           __global uchar* color) {
+                           int samples_per_axis, float2 pitch, float gain, float noise_counts,
+                           uint2 key, int width, int height, __global uchar* color) {
   const int column = get_global_id(0), columns = get_global_size(0);
   const int first_row = get_global_id(1) * TILE_ROWS;
   int in_tile[MAX_SOLIDS], in_strip[MAX_SOLIDS];
@@ -98,9 +97,9 @@ __kernel void render_color(__global const float* rays_x, __global const float* r
     const int pixel = row * width + column * LANES;
     const int axis = rays_per_axis(solids, visible, seen, samples_per_axis);
     const lanes3 light = gather(solids, count, subframes, visible, seen, load_lanes(rays_x + pixel),
-                                load_lanes(rays_y + pixel), pitch, axis, lamp_and_gain.xyz);
+                                load_lanes(rays_y + pixel), pitch, axis);
     const philox_block random = philox(pixel, 0, key);
-    const float scale = lamp_and_gain.w / (axis * axis);
+    const float scale = gain / (axis * axis);
     store_pixels(color + 3 * pixel, encode(light.x, scale, noise_counts * nearly_normal(random.w0)),
                  encode(light.y, scale, noise_counts * nearly_normal(random.w1)),
                  encode(light.z, scale, noise_counts * nearly_normal(random.w2)));

@@ -15,6 +15,7 @@ using Eigen::Vector3d;
 constexpr double nearest_plane_m = 0.02;  // NEAR of solids.clh
 constexpr std::size_t region_lines = 16;  // LANES of solids.clh
 constexpr double always = 1e9;
+constexpr float never = 1e30f;  // FAR of solids.clh
 
 Vector3d half_extents(const Solid& solid) {
   const Vector3d& s = solid.size_m;
@@ -91,8 +92,25 @@ bool moves(const std::vector<std::vector<PaintedSolid>>& instants, std::size_t i
   });
 }
 
-void append(std::vector<float>& packed, const PaintedSolid& painted, const SolidBounds& bounds,
-            bool is_moving, const Eigen::Isometry3d& camera_from_world) {
+/// What slab_inverse() of solids.clh wants: in what a ray's direction along an axis is multiplied
+/// with for the inverse of the depth at which it enters, what is added, and twice the same for
+/// where it leaves.
+std::array<float, 4> slab(double camera_at, double half_m) {
+  const auto origin = static_cast<float>(camera_at), half = static_cast<float>(half_m);
+  const float before = std::abs(origin) - half, sign = origin > 0.0f ? -1.0f : 1.0f;
+  if (before <= 0.0f) return {0.0f, never, 1.0f / (half - origin), -1.0f / (half + origin)};
+  const float leaves = sign / (std::abs(origin) + half);
+  return {sign / before, 0.0f, leaves, leaves};
+}
+
+/// A solid in all instants that are rendered.
+struct Appearance {
+  SolidBounds bounds;
+  bool is_moving;
+};
+
+void append(std::vector<float>& packed, const PaintedSolid& painted, const Appearance& seen,
+            const Eigen::Isometry3d& camera_from_world, const Vector3d& lamp) {
   const Solid& solid = painted.solid;
   const Eigen::Isometry3d shape_from_camera = (camera_from_world * solid.body_from_shape).inverse();
   const auto push = [&](double value) { packed.push_back(static_cast<float>(value)); };
@@ -104,14 +122,20 @@ void append(std::vector<float>& packed, const PaintedSolid& painted, const Solid
   for (int i = 0; i < 3; ++i) push(solid.color[i]);
   push(static_cast<int>(painted.pattern));
   for (double value : painted.pattern_values) push(value);
-  for (const float bound :
-       {below(bounds.nearest_m), bounds.x_low, bounds.x_high, bounds.y_low, bounds.y_high})
+  const SolidBounds& b = seen.bounds;
+  for (const float bound : {below(b.nearest_m), b.x_low, b.x_high, b.y_low, b.y_high})
     packed.push_back(bound);
-  push(is_moving);
-  packed.insert(packed.end(), 3, 0.0f);
+  push(seen.is_moving);
+  for (int i = 0; i < 3; ++i) packed.push_back(1.0f / static_cast<float>(solid.size_m[i]));
   const auto lines = separating_lines(shape_from_camera, half_extents(solid));
   for (int i = 0; i < 3; ++i)
     for (const Vector3d& line : lines) push(line[i]);
+  for (int i = 0; i < 3; ++i)
+    for (const float value : slab(shape_from_camera.translation()[i], solid.size_m[i]))
+      packed.push_back(value);
+  const Vector3d to_lamp = solid.body_from_shape.linear().transpose() * lamp;
+  for (int i = 0; i < 3; ++i) push(to_lamp[i]);
+  push(0.0);
 }
 
 using Corners = std::array<Vector3d, 8>;
@@ -166,17 +190,19 @@ SolidBounds projected_bounds(const Solid& solid, const Eigen::Isometry3d& camera
 }
 
 std::vector<float> pack_solids(const std::vector<std::vector<PaintedSolid>>& instants,
-                               const Eigen::Isometry3d& camera_from_world) {
+                               const Eigen::Isometry3d& camera_from_world, const Vector3d& lamp) {
   const auto order = near_first(instants.front(), camera_from_world);
   if (order.size() > max_solids)
     throw failure(fmt::format("{} solids are in view", order.size()),
                   fmt::format("build hand and object of fewer: {} can be rendered", max_solids));
   std::vector<float> packed;
   packed.reserve(instants.size() * order.size() * packed_solid_floats);
+  std::vector<Appearance> seen;
+  for (std::size_t i : order)
+    seen.push_back({bounds_of_all(instants, i, camera_from_world), moves(instants, i)});
   for (const auto& solids : instants)
-    for (std::size_t i : order)
-      append(packed, solids[i], bounds_of_all(instants, i, camera_from_world), moves(instants, i),
-             camera_from_world);
+    for (std::size_t k = 0; k < order.size(); ++k)
+      append(packed, solids[order[k]], seen[k], camera_from_world, lamp);
   return packed;
 }
 

@@ -7,7 +7,7 @@
 namespace touchtrace::scene {
 
 /// Solids as kernels/solids.clh reads them.
-inline constexpr int packed_solid_floats = 80;
+inline constexpr int packed_solid_floats = 96;
 inline constexpr std::size_t max_solids = 96;
 
 /// What rays may hit of a solid: their x' and y' (camera's frame, z' = 1), and the least depth.
@@ -23,8 +23,9 @@ struct SolidBounds {
 SolidBounds projected_bounds(const Solid& solid, const Eigen::Isometry3d& camera_from_world);
 
 /// [instants, solids, packed_solid_floats], near solids first, with bounds that span all instants.
-/// Throws failure if there are more than max_solids.
+/// `lamp` is the direction to it, in the world. Throws failure if there are more than max_solids.
 std::vector<float> pack_solids(const std::vector<std::vector<PaintedSolid>>& instants,
-                               const Eigen::Isometry3d& camera_from_world);
+                               const Eigen::Isometry3d& camera_from_world,
+                               const Eigen::Vector3d& lamp);
 
 }  // namespace touchtrace::scene

@@ -111,23 +111,23 @@ Renderer::Device::Device(Runtime& r, const RgbdCamera& camera)
 
 void Renderer::Device::launch_color(const RgbdCamera& camera, const Exposure& exposure,
                                     cl_uint2 key, int samples_per_axis) {
-  const auto packed = pack_solids(exposure.color, camera.color_from_world);
+  const auto packed = pack_solids(exposure.color, camera.color_from_world, lamp_world);
   if (solids.size() < packed.size()) solids = runtime.allocate<float>(packed.size());
   runtime.write(solids, std::span(packed));
-  const Eigen::Vector3f lamp = (camera.color_from_world.linear() * lamp_world).cast<float>();
   const auto noise = static_cast<float>(camera.color_noise_counts / sensor_px_per_px(camera.color));
   set_arguments(render_color, color_rays.x.handle(), color_rays.y.handle(),
                 color_rays.tiles.handle(), color_rays.strips.handle(), solids.handle(),
                 static_cast<cl_int>(exposure.color.front().size()),
                 static_cast<cl_int>(exposure.color.size()), samples_per_axis, color_rays.pitch,
-                cl_float4{{lamp.x(), lamp.y(), lamp.z(), static_cast<float>(exposure_gain)}}, noise,
-                key, camera.color.width, camera.color.height, color.handle());
+                static_cast<float>(exposure_gain), noise, key, camera.color.width,
+                camera.color.height, color.handle());
   runtime.launch(render_color, color_rays.grid, cl::NDRange(1, 1));
 }
 
 void Renderer::Device::launch_depth(const RgbdCamera& camera,
                                     const std::vector<PaintedSolid>& scene, cl_uint2 key) {
-  const auto packed = pack_solids({scene}, camera.depth_from_color * camera.color_from_world);
+  const auto packed =
+      pack_solids({scene}, camera.depth_from_color * camera.color_from_world, lamp_world);
   if (depth_solids.size() < packed.size()) depth_solids = runtime.allocate<float>(packed.size());
   runtime.write(depth_solids, std::span(packed));
   const int width = camera.depth.width, height = camera.depth.height;

@@ -1,6 +1,6 @@
 // What a stereo sensor tells of the disparities that render_depth.cl left: f b / z + correlated
 // noise, in steps; holes; counts. One work-item a tile of LANES x TILE_ROWS pixels. Needs
-// solids.clh, depth_fields.clh.
+// pixel_lanes.clh, solids.clh, depth_fields.clh.
 
 typedef ushort16 unaligned_counts __attribute__((aligned(2)));
 

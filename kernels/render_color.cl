@@ -11,7 +11,7 @@
 // high of their rays.
 // solids [subframes, count, SOLID_FLOATS], near ones first; bounds span all sub-frames.
 // color [height, width, 3]: RGB.
-// Needs solids.clh, visible_solids.clh, surface.clh, image_noise.clh.
+// Needs pixel_lanes.clh, solids.clh, visible_solids.clh, surface.clh, image_noise.clh.
 //
 // -D TILE_ROWS=8
 #ifndef TILE_ROWS

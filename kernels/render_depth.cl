@@ -2,7 +2,7 @@
 // of them. Two launches, each one work-item a tile of LANES x TILE_ROWS pixels:
 //   depth_noise    white normal fields: shift along x and y, disparity, holes
 //   render_depth   depth along rays shifted by correlated noise (Handa et al., ICRA 2014)
-// Needs solids.clh, visible_solids.clh, image_noise.clh, depth_fields.clh.
+// Needs pixel_lanes.clh, solids.clh, visible_solids.clh, image_noise.clh, depth_fields.clh.
 
 // Launched over the image and one tile more on each side.
 __kernel void depth_noise(uint2 key, int width, int height, __global float* fields) {

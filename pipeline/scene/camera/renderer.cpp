@@ -76,11 +76,13 @@ struct Renderer::Device {
   Buffer<std::uint8_t> color;
   Buffer<std::uint16_t> counts;
   cl::Kernel render_color, depth_noise, render_depth, measure_depth;
+  std::vector<float> packed, depth_packed;  ///< on their way to the device
 
   Device(Runtime& r, const RgbdCamera& camera);
+  void upload(const RgbdCamera& camera, const Exposure& exposure);
   void launch_color(const RgbdCamera& camera, const Exposure& exposure, cl_uint2 key,
                     int samples_per_axis);
-  void launch_depth(const RgbdCamera& camera, const std::vector<PaintedSolid>& scene, cl_uint2 key);
+  void launch_depth(const RgbdCamera& camera, const Exposure& exposure, cl_uint2 key);
   void launch_measurement(const RgbdCamera& camera);
 };
 
@@ -95,10 +97,11 @@ Renderer::Device::Device(Runtime& r, const RgbdCamera& camera)
       color(r.allocate<std::uint8_t>(color_rays.x.size() * 3)),
       counts(r.allocate<std::uint16_t>(depth_rays.x.size())) {
   using Files = std::vector<std::string>;
-  const Files color_files{"solids.clh", "visible_solids.clh", "surface.clh", "image_noise.clh",
-                          "render_color.cl"};
-  const Files depth_files{"solids.clh",       "visible_solids.clh", "image_noise.clh",
-                          "depth_fields.clh", "render_depth.cl",    "measure_depth.cl"};
+  const Files color_files{"pixel_lanes.clh", "solids.clh",      "visible_solids.clh",
+                          "surface.clh",     "image_noise.clh", "render_color.cl"};
+  const Files depth_files{"pixel_lanes.clh", "solids.clh",       "visible_solids.clh",
+                          "image_noise.clh", "depth_fields.clh", "render_depth.cl",
+                          "measure_depth.cl"};
   const auto kernel = [&](const Files& files, const char* name) {
     return r.create(r.kernel(files, name, defines()));
   };
@@ -109,11 +112,19 @@ Renderer::Device::Device(Runtime& r, const RgbdCamera& camera)
   r.queue().enqueueFillBuffer(disparity.handle(), 0.0f, 0, disparity.size() * sizeof(float));
 }
 
+void Renderer::Device::upload(const RgbdCamera& camera, const Exposure& exposure) {
+  packed = pack_solids(exposure.color, camera.color_from_world, lamp_world);
+  depth_packed =
+      pack_solids({exposure.depth}, camera.depth_from_color * camera.color_from_world, lamp_world);
+  if (solids.size() < packed.size()) solids = runtime.allocate<float>(packed.size());
+  if (depth_solids.size() < depth_packed.size())
+    depth_solids = runtime.allocate<float>(depth_packed.size());
+  runtime.queue_write(solids, packed);
+  runtime.queue_write(depth_solids, depth_packed);
+}
+
 void Renderer::Device::launch_color(const RgbdCamera& camera, const Exposure& exposure,
                                     cl_uint2 key, int samples_per_axis) {
-  const auto packed = pack_solids(exposure.color, camera.color_from_world, lamp_world);
-  if (solids.size() < packed.size()) solids = runtime.allocate<float>(packed.size());
-  runtime.write(solids, std::span(packed));
   const auto noise = static_cast<float>(camera.color_noise_counts / sensor_px_per_px(camera.color));
   set_arguments(render_color, color_rays.x.handle(), color_rays.y.handle(),
                 color_rays.tiles.handle(), color_rays.strips.handle(), solids.handle(),
@@ -124,12 +135,8 @@ void Renderer::Device::launch_color(const RgbdCamera& camera, const Exposure& ex
   runtime.launch(render_color, color_rays.grid, cl::NDRange(1, 1));
 }
 
-void Renderer::Device::launch_depth(const RgbdCamera& camera,
-                                    const std::vector<PaintedSolid>& scene, cl_uint2 key) {
-  const auto packed =
-      pack_solids({scene}, camera.depth_from_color * camera.color_from_world, lamp_world);
-  if (depth_solids.size() < packed.size()) depth_solids = runtime.allocate<float>(packed.size());
-  runtime.write(depth_solids, std::span(packed));
+void Renderer::Device::launch_depth(const RgbdCamera& camera, const Exposure& exposure,
+                                    cl_uint2 key) {
   const int width = camera.depth.width, height = camera.depth.height;
   set_arguments(depth_noise, key, width, height, fields.handle());
   runtime.launch(depth_noise, cl::NDRange(depth_rays.grid[0] + 2, depth_rays.grid[1] + 2),
@@ -137,7 +144,8 @@ void Renderer::Device::launch_depth(const RgbdCamera& camera,
   const auto shift =
       static_cast<float>(camera.sensor.shift_sigma_px / sensor_px_per_px(camera.depth));
   set_arguments(render_depth, depth_rays.x.handle(), depth_rays.y.handle(),
-                depth_rays.tiles.handle(), depth_solids.handle(), static_cast<cl_int>(scene.size()),
+                depth_rays.tiles.handle(), depth_solids.handle(),
+                static_cast<cl_int>(exposure.depth.size()),
                 cl_float2{{shift * depth_rays.pitch.s[0], shift * depth_rays.pitch.s[1]}},
                 static_cast<float>(camera.depth.fx * camera.sensor.baseline_m), width, height,
                 fields.handle(), disparity.handle());
@@ -165,8 +173,9 @@ RgbdFrame Renderer::render(const Exposure& exposure, std::string_view stream, st
                            int samples_per_axis) {
   const auto words = RandomStream(seed_, stream).block(number);
   const cl_uint2 key{{words[0], words[1]}};
+  device_->upload(camera_, exposure);
   device_->launch_color(camera_, exposure, key, samples_per_axis);
-  device_->launch_depth(camera_, exposure.depth, key);
+  device_->launch_depth(camera_, exposure, key);
   device_->launch_measurement(camera_);
   return {device_->runtime.download(device_->color), device_->runtime.download(device_->counts)};
 }

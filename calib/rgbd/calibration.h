@@ -33,12 +33,16 @@ struct RgbdCalibration {
 
 /// calibration.json as it is written.
 nlohmann::json calibration_json(const RgbdCalibration& calibration);
+/// The same read back. Throws std::exception on a fault.
+RgbdCalibration calibration_from_json(const nlohmann::json& document);
 
-/// Writes camera.yaml (and camera_depth.yaml), ROS camera_info, and calibration.json with
-/// everything, into `folder`. Refuses files that exist unless `overwrite`.
+/// Writes calibration.json with everything into `folder`, and for other programs camera.yaml (ROS
+/// camera_info), camera_opencv.yaml (cv::FileStorage), both with camera_depth beside them, and
+/// camchain.yaml (kalibr). Refuses files that exist unless `overwrite`.
 void write_calibration(const std::filesystem::path& folder, const RgbdCalibration& calibration,
                        bool overwrite);
-/// Reads what write_calibration wrote. Throws data_error on a fault.
-RgbdCalibration read_calibration(const std::filesystem::path& folder);
+/// Reads what write_calibration wrote, or a YAML file of another program
+/// (foreign_calibration.h). Throws data_error on a fault.
+RgbdCalibration read_calibration(const std::filesystem::path& folder_or_file);
 
 }  // namespace touchtrace

@@ -6,6 +6,7 @@
 
 #include "calib/rgbd/calibration.h"
 #include "calib/rgbd/camera_info.h"
+#include "calib/rgbd/foreign_calibration.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 
@@ -96,7 +97,9 @@ Eigen::Isometry3d isometry_from(const json& value) {
   return pose;
 }
 
-RgbdCalibration calibration_from(const json& value) {
+}  // namespace
+
+RgbdCalibration calibration_from_json(const json& value) {
   require(value.at("schema") == schema, fmt::format("its schema is not {}", schema));
   RgbdCalibration c;
   c.color = camera_from(value.at("color"));
@@ -113,8 +116,6 @@ RgbdCalibration calibration_from(const json& value) {
   c.details = value.at("details");
   return c;
 }
-
-}  // namespace
 
 json calibration_json(const RgbdCalibration& c) {
   return {{"schema", schema},
@@ -134,18 +135,26 @@ void write_calibration(const std::filesystem::path& folder, const RgbdCalibratio
                        bool overwrite) {
   std::map<std::string, std::string> texts;
   texts["camera.yaml"] = camera_info_yaml("color", calibration.color);
-  if (calibration.depth) texts["camera_depth.yaml"] = camera_info_yaml("depth", *calibration.depth);
+  texts["camera_opencv.yaml"] = file_storage_yaml(calibration.color);
+  if (calibration.depth) {
+    texts["camera_depth.yaml"] = camera_info_yaml("depth", *calibration.depth);
+    texts["camera_depth_opencv.yaml"] = file_storage_yaml(*calibration.depth);
+  }
+  texts["camchain.yaml"] = camchain_yaml(calibration);
   texts["calibration.json"] = calibration_json(calibration).dump(1) + "\n";
   for (const auto& [name, text] : texts)
     OutputFile(folder / name, overwrite);  // refuses before any is written
   for (const auto& [name, text] : texts) write_file(folder / name, text, overwrite);
 }
 
-RgbdCalibration read_calibration(const std::filesystem::path& folder) {
-  const auto path = folder / "calibration.json";
+RgbdCalibration read_calibration(const std::filesystem::path& folder_or_file) {
+  const bool is_file = std::filesystem::is_regular_file(folder_or_file);
+  if (is_file && folder_or_file.extension() != ".json")
+    return read_foreign_calibration(folder_or_file);
+  const auto path = is_file ? folder_or_file : folder_or_file / "calibration.json";
   const std::string text = read_file(path, max_bytes);
   try {
-    return calibration_from(json::parse(text));
+    return calibration_from_json(json::parse(text));
   } catch (const std::exception& error) {
     throw data_error(fmt::format("{} is not a usable calibration: {}", path.string(), error.what()),
                      "write it again with `touchtrace calibrate`");

@@ -36,7 +36,9 @@ void describe(OptionSet& set, CalibrateOptions& o) {
              "dictionary of the markers of a ChArUco board, for --images; none: a chessboard",
              kinds_of_markers());
   set.number("marker-mm", o.marker_mm, "side of such a marker [mm]", 0.1, 1000.0);
-  set.path("output", o.output, "folder for camera.yaml, camera_depth.yaml and calibration.json");
+  set.path(
+      "output", o.output,
+      "folder for calibration.json, and camera.yaml, camera_opencv.yaml, camchain.yaml for others");
 }
 
 BoardObservations observe(const CalibrateOptions& o) {

@@ -14,7 +14,9 @@ struct LabelVerbOptions {
 
 void describe(OptionSet& set, LabelVerbOptions& o) {
   set.input("recording", o.recording, "the recording to label");
-  set.path("calibration", o.calibration, "folder that `calibrate` wrote");
+  set.path(
+      "calibration", o.calibration,
+      "folder that `calibrate` wrote, or a camera_info, cv::FileStorage or camchain YAML file");
   set.path("output", o.output, "labels to write, e.g. labels.h5");
   label::describe(set, o.label);
 }

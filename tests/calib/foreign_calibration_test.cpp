@@ -1,0 +1,165 @@
+#include "calib/rgbd/foreign_calibration.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <opencv2/core.hpp>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+
+namespace touchtrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ForeignCalibration : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) /
+              ("foreign_calibration." + std::to_string(getpid()) + "." +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  RgbdCalibration read(const std::string& text) {
+    write_file(folder_ / "foreign.yaml", text, true);
+    return read_calibration(folder_ / "foreign.yaml");
+  }
+  void expect_refused(const std::string& text) {
+    try {
+      read(text);
+      ADD_FAILURE() << "accepted " << text.substr(0, 200);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::data) << text.substr(0, 200);
+    }
+  }
+
+  fs::path folder_;
+};
+
+RgbdCalibration rgbd_pair(double k3 = 0.0) {
+  RgbdCalibration c;
+  c.color.width = 640, c.color.height = 480;
+  c.color.set_parameters({533.1234567890123, 531.0, 342.0, 235.0, -0.28, 0.09, 1e-20, -7e-4, k3});
+  c.depth = c.color;
+  c.depth->fx = 600.5;
+  c.depth_from_color.linear() =
+      Eigen::AngleAxisd(0.01, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
+  c.depth_from_color.translation() << 0.025, 0.001, -0.002;
+  return c;
+}
+
+TEST_F(ForeignCalibration, WhatIsWrittenForOthersIsReadBackToTheBit) {
+  const RgbdCalibration c = rgbd_pair();
+  write_calibration(folder_, c, false);
+  for (const char* name : {"camera.yaml", "camera_opencv.yaml", "camchain.yaml"}) {
+    const RgbdCalibration read = read_calibration(folder_ / name);
+    EXPECT_EQ(read.color.parameters(), c.color.parameters()) << name;
+    EXPECT_EQ(read.color.width, 640) << name;
+    EXPECT_EQ(read.color.height, 480) << name;
+    EXPECT_EQ(read.depth_scale, 1.0) << name;
+  }
+  const RgbdCalibration depth = read_calibration(folder_ / "camera_depth_opencv.yaml");
+  EXPECT_EQ(depth.color.parameters(), c.depth->parameters());
+  EXPECT_FALSE(depth.depth.has_value());
+  const RgbdCalibration chain = read_calibration(folder_ / "camchain.yaml");
+  ASSERT_TRUE(chain.depth.has_value());
+  EXPECT_EQ(chain.depth->parameters(), c.depth->parameters());
+  EXPECT_EQ(chain.depth_from_color.matrix(), c.depth_from_color.matrix());
+}
+
+TEST_F(ForeignCalibration, OpenCvReadsMatrices) {
+  write_calibration(folder_, rgbd_pair(), false);
+  cv::FileStorage storage((folder_ / "camera_opencv.yaml").string(), cv::FileStorage::READ);
+  cv::Mat camera_matrix, distortion;
+  storage["camera_matrix"] >> camera_matrix;
+  storage["distortion_coefficients"] >> distortion;
+  ASSERT_EQ(camera_matrix.size(), cv::Size(3, 3));
+  EXPECT_EQ(camera_matrix.at<double>(0, 0), rgbd_pair().color.fx);
+  EXPECT_EQ(camera_matrix.at<double>(1, 2), rgbd_pair().color.cy);
+  ASSERT_EQ(distortion.total(), 5u);
+  EXPECT_EQ(distortion.at<double>(3), -7e-4);
+}
+
+/// As kalibr's own reader takes it: PyYAML, floats as floats, four coefficients, a 4x4 matrix.
+TEST_F(ForeignCalibration, KalibrReadsTheCamchain) {
+  write_calibration(folder_, rgbd_pair(), false);
+  const std::string script =
+      "import sys, yaml\n"
+      "chain = yaml.safe_load(open(sys.argv[1]))\n"
+      "for name in ('cam0', 'cam1'):\n"
+      "    cam = chain[name]\n"
+      "    assert cam['camera_model'] == 'pinhole' and cam['distortion_model'] == 'radtan'\n"
+      "    assert len(cam['intrinsics']) == 4 and len(cam['distortion_coeffs']) == 4\n"
+      "    assert all(type(x) is float for x in cam['intrinsics'] + cam['distortion_coeffs'])\n"
+      "    assert cam['resolution'] == [640, 480] and cam['rostopic'].startswith('/')\n"
+      "rows = chain['cam1']['T_cn_cnm1']\n"
+      "assert [len(row) for row in rows] == [4] * 4 and rows[3] == [0.0, 0.0, 0.0, 1.0]\n"
+      "assert rows[0][3] == 0.025\n";
+  write_file(folder_ / "read.py", script, false);
+  const std::string command = "/usr/bin/python3 " + (folder_ / "read.py").string() + " " +
+                              (folder_ / "camchain.yaml").string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST_F(ForeignCalibration, FourCoefficientsMakeUpForTheFifth) {
+  const RgbdCalibration five = rgbd_pair(0.05);
+  const std::string text = camchain_yaml(five);
+  const RgbdCalibration four = read(text);
+  EXPECT_EQ(four.color.distortion[4], 0.0);
+  double worst_px = 0.0, dropped_px = 0.0;
+  PinholeCamera dropped = five.color;
+  dropped.distortion[4] = 0.0;
+  for (double u = 0.0; u < 640.0; u += 40.0)
+    for (double v = 0.0; v < 480.0; v += 40.0) {
+      const Eigen::Vector3d ray = five.color.unproject({u, v});
+      ASSERT_TRUE(ray.allFinite());
+      worst_px = std::max(worst_px, (four.color.project(ray) - Eigen::Vector2d(u, v)).norm());
+      dropped_px = std::max(dropped_px, (dropped.project(ray) - Eigen::Vector2d(u, v)).norm());
+    }
+  EXPECT_LT(worst_px, 0.1 * dropped_px);
+  const auto at = text.find(" to ", text.find("k3"));
+  EXPECT_LE(worst_px, std::stod(text.substr(at + 4)) + 1e-3) << text;
+}
+
+TEST_F(ForeignCalibration, RefusesWhatItCannotBe) {
+  write_calibration(folder_, rgbd_pair(), false);
+  const std::string chain = read_file(folder_ / "camchain.yaml"),
+                    info = read_file(folder_ / "camera.yaml");
+  const auto with = [](std::string text, const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  };
+  expect_refused("");
+  expect_refused("- 1\n- 2\n");
+  expect_refused("cam0: 3\n");
+  expect_refused("a: [1, 2\n");
+  expect_refused("camera_matrix: {data: [1, 2]}\n");
+  expect_refused(std::string(5000, '['));
+  expect_refused(std::string("\xff\xfe\x00\x01", 4));
+  expect_refused(with(chain, "radtan", "equidistant"));
+  expect_refused(with(chain, "camera_model: pinhole", "camera_model: omni"));
+  expect_refused(with(chain, "533.1234567890123", "-533.0"));
+  expect_refused(with(chain, "533.1234567890123", ".nan"));
+  expect_refused(with(chain, "[640, 480]", "[640]"));
+  expect_refused(with(chain, "- [0.0, 0.0, 0.0, 1.0]", "- [0.0, 0.0, 1.0, 1.0]"));
+  expect_refused(with(info, "plumb_bob", "rational_polynomial"));
+  expect_refused(with(info, "image_width: 640", "image_width: wide"));
+}
+
+TEST_F(ForeignCalibration, AliasesDoNotExplode) {
+  std::string bomb = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
+  for (int i = 1; i < 12; ++i) {
+    bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [";
+    for (int j = 0; j < 10; ++j) bomb += (j ? ", *a" : "*a") + std::to_string(i - 1);
+    bomb += "]\n";
+  }
+  expect_refused(bomb);
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double fewest_away_m = 0.05;    // from the grip's distance: the object has left the hand
 constexpr double longest_bridge_s = 0.2;  // of lost frames within a flight
-constexpr double least_fall_m = 0.03;     // to a hit, and least rise after it
+constexpr double like_gravity_m_per_s2 = 3.0;  // drag, tilt and a second difference's noise
+constexpr double least_fall_m = 0.03;          // to a hit, and least rise after it
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -85,6 +86,23 @@ std::vector<Flight> guess_bounces(const ClipTrack& track, const Eigen::Vector3d&
   }
   flights.push_back({begin_s, seen.back().time_s + longest_bridge_s});
   return flights;
+}
+
+double falling_part(const std::vector<ClipTrack>& tracks, const Eigen::Vector3d& gravity_m_per_s2) {
+  double frames = 0.0, falling = 0.0;
+  for (const auto& track : tracks)
+    for (std::size_t i = 2; i < track.time_s.size(); ++i) {
+      const auto &a = track.object[i - 2], &b = track.object[i - 1], &c = track.object[i];
+      if (!a.found || !b.found || !c.found) continue;
+      const double before_s = track.time_s[i - 1] - track.time_s[i - 2],
+                   after_s = track.time_s[i] - track.time_s[i - 1];
+      const Eigen::Vector3d acceleration =
+          2.0 / (before_s + after_s) *
+          ((c.position_m - b.position_m) / after_s - (b.position_m - a.position_m) / before_s);
+      frames += 1.0;
+      falling += (acceleration - gravity_m_per_s2).norm() < like_gravity_m_per_s2;
+    }
+  return frames > 0.0 ? falling / frames : 0.0;
 }
 
 }  // namespace touchtrace::label

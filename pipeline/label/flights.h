@@ -13,4 +13,8 @@ std::vector<Flight> guess_flights(const ClipTrack& track);
 /// From one lowest place of the object to the next: of one that always flies, but for hits.
 std::vector<Flight> guess_bounces(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2);
 
+/// Part of all frames in which the object falls freely: the second difference of its place over
+/// three frames is gravity's. 0 if there are no three frames in a row.
+double falling_part(const std::vector<ClipTrack>& tracks, const Eigen::Vector3d& gravity_m_per_s2);
+
 }  // namespace touchtrace::label

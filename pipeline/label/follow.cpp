@@ -14,6 +14,7 @@ namespace touchtrace::label {
 namespace {
 
 constexpr double hand_radius_m = 0.12, hand_sigma_m = 0.004, follow_sigma_m = 0.02;
+constexpr double unseen_sigma_m = 0.03;  // of an object's place in a hand that hides it
 constexpr double hidden = 0.5;  // part of the rays to an object that something hides
 constexpr std::size_t grip_frames = 15;
 constexpr double reach_m =
@@ -21,15 +22,18 @@ constexpr double reach_m =
 constexpr double search_margin = 1.6;  // of the object's radius: what belongs to it
 constexpr std::size_t fewest_hand = 30, fewest_object = 6;
 
-// Points of one surface share much of their error: so many millimetres each, were they independent
-constexpr double point_sigma_m = 0.005, least_sigma_m = 0.0005, most_sigma_m = 0.03;
+// Points of one surface share much of their error: so much each, were they independent. Where the
+// colours of two bodies mix it is more, and the less is seen of a body the more of it is edge.
+constexpr double point_sigma_m = 0.003, edge_part = 0.25;
+constexpr double least_sigma_m = 0.0003, most_sigma_m = 0.03;
 
-/// Deviations of a sphere's centre along the axes.
-Eigen::Vector3d deviations(const Eigen::Matrix3d& information) {
+/// Deviations of a sphere's centre along the axes, of which the part `visible` is seen.
+Eigen::Vector3d deviations(const Eigen::Matrix3d& information, double visible) {
+  const double point_m2 = point_sigma_m * point_sigma_m * (1.0 + edge_part / visible);
   const Eigen::Matrix3d least =
-      Eigen::Matrix3d::Identity() * std::pow(point_sigma_m / most_sigma_m, 2);
+      Eigen::Matrix3d::Identity() * point_m2 / (most_sigma_m * most_sigma_m);
   const Eigen::Vector3d variance = (information + least).inverse().diagonal();
-  return (variance.array() * point_sigma_m * point_sigma_m + least_sigma_m * least_sigma_m).sqrt();
+  return (variance.array() * point_m2 + least_sigma_m * least_sigma_m).sqrt();
 }
 
 Observation observe_hand(const Patch& patch) {
@@ -39,8 +43,11 @@ Observation observe_hand(const Patch& patch) {
 
 Observation observe_object(const Patch& patch, double radius_m, const SceneModel& scene,
                            const RgbdFrame& frame, const std::string& object) {
-  const auto fit = fit_sphere(scene.view_sphere(frame, object, patch, radius_m), radius_m);
-  return {true, false, fit.center_m, deviations(fit.information), patch.box};
+  const auto view = scene.view_sphere(frame, object, patch, radius_m);
+  const auto fit = fit_sphere(view, radius_m);
+  const double visible = static_cast<double>(view.on_m.size()) /
+                         scene.segmenter.disc_pixels(radius_m, fit.center_m.z());
+  return {true, false, fit.center_m, deviations(fit.information, visible), patch.box};
 }
 
 Observation in_hand_at(const Eigen::Vector3d& position_m) {
@@ -91,7 +98,7 @@ class Follower {
         clip_(clip),
         gravity_(gravity),
         kind_(kind),
-        radius_m_(scene.object_radius_m.at(clip.object)),
+        radius_m_(scene.object_sphere.at(clip.object).radius_m),
         hand_(Body::hand, hand_radius_m, fewest_hand, kind),
         object_(Body::object, search_margin * radius_m_, fewest_object, kind) {}
 
@@ -120,9 +127,10 @@ class Follower {
   int restarts() const { return hand_.restarts() + object_.restarts(); }
 
  private:
-  /// Where the object would be in the hand.
+  /// Where the object would be in the hand; nothing of one that has left it.
   std::optional<Eigen::Vector3d> in_hand(const std::optional<Patch>& hand) const {
-    if (!hand || !grip_.known()) return std::nullopt;
+    if (!hand || (away_ && object_.is_lost())) return std::nullopt;
+    if (!grip_.known()) return hand->centroid_m;
     return hand->centroid_m + grip_.object_from_hand_m();
   }
 
@@ -160,7 +168,7 @@ class Follower {
       object_.start(object.position_m, object.sigma_m.maxCoeff(), object.box, image);
       grip_.take_in(object.position_m - hand.position_m);
     } else {
-      object_.start(hand.position_m, hand_radius_m, {}, image);
+      object_.start(hand.position_m, unseen_sigma_m, {}, image);
     }
     started_ = true;
   }
@@ -201,6 +209,7 @@ ClipTrack follow(const SceneModel& scene, const FrameSource& frames, const ClipF
     track.time_s.push_back(frame_time_s[i]);
   }
   follow_hand_before(track);
+  track.object_unevenness_m = scene.object_sphere.at(clip.object).unevenness_m;
   track.restarts = follower.restarts();
   return track;
 }

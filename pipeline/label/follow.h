@@ -13,13 +13,14 @@ struct Observation {
   bool found = false;
   bool follows_hand = false;  ///< the object was not seen: it is where the hand carries it
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero(),
-                  sigma_m = Eigen::Vector3d::Zero();    ///< of the body's centre
+                  sigma_m = Eigen::Vector3d::Zero();  ///< of the body's centre
   PixelBox box;
 };
 
 struct ClipTrack {
   std::vector<double> time_s;             ///< [frames]
   std::vector<Observation> hand, object;  ///< [frames]
+  double object_unevenness_m = 0.0;       ///< deviation of the sphere's centre from the object's
   int restarts = 0;                       ///< times a tracker was set on its target anew
 };
 

@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "pipeline/label/flights.h"
 #include "pipeline/label/follow.h"
 #include "pipeline/label/parallel.h"
 #include "pipeline/label/states.h"
@@ -19,6 +20,8 @@ namespace {
 
 constexpr double enough_found =
     0.5;  // of all frames; less is a failure of the set-up, not of a frame
+/// What falls freely in more of the frames is never held: it bounces. In a throw it is a fifth.
+constexpr double always_falling = 0.5;
 
 Eigen::Vector3d gravity(const CameraInfo& camera) {
   return {camera.gravity[0], camera.gravity[1], camera.gravity[2]};
@@ -109,6 +112,13 @@ nlohmann::json flights_summary(const SmoothedTracks& smoothed) {
   return flights;
 }
 
+nlohmann::json spheres_summary(const SceneModel& scene) {
+  nlohmann::json spheres;
+  for (const auto& [object, sphere] : scene.object_sphere)
+    spheres[object] = {{"radius_m", sphere.radius_m}, {"unevenness_m", sphere.unevenness_m}};
+  return spheres;
+}
+
 nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
                          const Timeline& timeline, const Shares& shares,
                          const SmoothedBodies& bodies) {
@@ -119,7 +129,7 @@ nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
       {"object_follows_share", shares.object_follows},
       {"tracker_restarts", shares.restarts},
       {"band_m", scene.band_m},
-      {"object_radius_m", scene.object_radius_m},
+      {"object_sphere", spheres_summary(scene)},
       {"clocks",
        {{"camera", clock_summary(timeline.camera)},
         {"glove", clock_summary(timeline.glove)},
@@ -150,8 +160,8 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   const auto shares = shares_of(tracks);
   require_found(shares);
   const Stopwatch smoothing;
-  const auto bodies =
-      smooth_bodies(tracks, gravity(recording.camera), recording.activity == "pingpong");
+  const double falling = falling_part(tracks, gravity(recording.camera));
+  const auto bodies = smooth_bodies(tracks, gravity(recording.camera), falling > always_falling);
 
   Labels labels;
   labels.activity = recording.activity;
@@ -160,6 +170,8 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
            labels);
   labels.raw = raw_track(tracks);
   labels.summary = summarize(options, scene, timeline, shares, bodies);
+  labels.summary["object_falling_part"] = falling;
+  labels.summary["object_bounces"] = falling > always_falling;
   labels.summary["seconds"] = {{"learn_scene", learning_s},
                                {"follow", following_s},
                                {"follow_cpu", following_cpu_s},

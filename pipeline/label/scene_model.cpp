@@ -15,7 +15,8 @@ constexpr double torso_part = 0.04;  // of the image that a torso covers at leas
 constexpr std::size_t most_background = 15, frames_per_clip = 8, fewest_points = 12,
                       most_views = 64;
 constexpr float finger_m = 0.015f;  // what hides an object is a gloved finger at least so thick
-constexpr double cluster_radius_m = 0.12, silhouette_quantile = 0.8, around_radii = 2.5;
+constexpr double cluster_radius_m = 0.12, silhouette_quantile = 0.8, around_radii = 2.5,
+                 sensor_noise_m = 0.0015, deviations_of_median = 1.4826;
 
 std::vector<std::uint16_t> background_depth(const FrameSource& frames) {
   std::vector<std::vector<std::uint16_t>> depths;
@@ -111,9 +112,23 @@ std::vector<Sighting> sightings_of(const ColorClasses& colors,
   return result;
 }
 
-/// Of the sphere through what is seen of the object and beside what is seen past it.
-double object_radius(const SceneModel& model, const FrameSource& frames, const std::string& object,
-                     const std::vector<Sighting>& sightings) {
+/// How far the surface is from the sphere, beyond the sensor's own noise: the median distance in
+/// terms of a normal deviation.
+double unevenness(const std::vector<SphereView>& views, double radius_m) {
+  std::vector<double> distances_m;
+  for (const auto& view : views) {
+    const Eigen::Vector3d center = fit_sphere(view, radius_m).center_m;
+    for (const auto& point : view.on_m)
+      distances_m.push_back(std::abs((point.cast<double>() - center).norm() - radius_m));
+  }
+  const double deviation_m = deviations_of_median * quantile(std::move(distances_m), 0.5);
+  return std::sqrt(std::max(0.0, deviation_m * deviation_m - sensor_noise_m * sensor_noise_m));
+}
+
+/// Through what is seen of the object and beside what is seen past it.
+SceneModel::Sphere object_sphere(const SceneModel& model, const FrameSource& frames,
+                                 const std::string& object,
+                                 const std::vector<Sighting>& sightings) {
   if (sightings.empty())
     throw data_error("the object was not found in any frame by the colours of its box",
                      "give object boxes that lie on the object in each clip's first frame");
@@ -125,7 +140,8 @@ double object_radius(const SceneModel& model, const FrameSource& frames, const s
   for (std::size_t i = 0; i < sightings.size(); i += stride)
     views.push_back(model.view_sphere(frames.camera_frame(sightings[i].frame), object,
                                       sightings[i].patch, silhouette_m));
-  return fitted_radius(views, silhouette_m);
+  const double radius_m = fitted_radius(views, silhouette_m);
+  return {radius_m, unevenness(views, radius_m)};
 }
 
 }  // namespace
@@ -170,8 +186,8 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
   model.band_m = band_limit(samples.depths,
                             static_cast<double>(samples.frames) * camera.width * camera.height);
   for (auto& [object, surfaces] : samples.surfaces)
-    model.object_radius_m[object] =
-        object_radius(model, frames, object, sightings_of(model.colors.at(object), surfaces));
+    model.object_sphere[object] =
+        object_sphere(model, frames, object, sightings_of(model.colors.at(object), surfaces));
   return model;
 }
 

@@ -30,7 +30,12 @@ struct SceneModel {
   Segmenter segmenter;
   float band_m = 0.0f;                         ///< nearer than this is hand, arm or object
   std::map<std::string, ColorClasses> colors;  ///< by object
-  std::map<std::string, double> object_radius_m;
+  struct Sphere {
+    double radius_m;  ///< that fits best
+    double
+        unevenness_m;  ///< deviation of the surface from it, and so of its centre from the body's
+  };
+  std::map<std::string, Sphere> object_sphere;
 
   /// The frame's surface in front of the band, told apart; coloured points may lie a little behind
   /// it.
@@ -45,7 +50,7 @@ struct SceneModel {
 };
 
 /// Background from its frames, the band from the torso's depth over the recording, colours from the
-/// clips' first frames, the object's radius from all it shows.
+/// clips' first frames, the sphere that fits the object best from all it shows.
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
                        const FrameSource& frames, const std::vector<ClipFrames>& clips);
 

@@ -12,9 +12,8 @@ namespace {
 /// Before its first frame a body of a person moves at most so fast, so that causal states start
 /// sane.
 constexpr InitialMotion initial_motion{1.5, 15.0};
-/// What part of a body shows changes slowly, and its middle with it: an error that no smoother
-/// sees.
-constexpr double hand_systematic_m = 0.005, object_systematic_m = 0.003;
+/// The hand's visible part, and its middle with it, changes slowly.
+constexpr double hand_systematic_m = 0.005;
 
 using Observations = std::vector<Observation>;
 
@@ -40,11 +39,28 @@ std::uint8_t quality(double time_s, const std::vector<double>& frame_time_s,
   return bits;
 }
 
+/// The variance of what neighbouring measurements have in common and no smoother sees. Of the
+/// object: what the innovations leave of the deviations of what was measured nearest, for its
+/// visible part changes slowly, and its own unevenness.
+Eigen::Vector3d object_systematic_m2(double time_s, const ClipTrack& track,
+                                     double measurement_scale) {
+  Eigen::Vector3d variance = Eigen::Vector3d::Zero();
+  double nearest_s = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < track.time_s.size(); ++i) {
+    const double away_s = std::abs(track.time_s[i] - time_s);
+    if (!track.object[i].found || away_s >= nearest_s) continue;
+    nearest_s = away_s;
+    variance = track.object[i].sigma_m.cwiseAbs2();
+  }
+  const double shared = std::max(0.0, 1.0 - measurement_scale * measurement_scale);
+  return (shared * variance).array() + track.object_unevenness_m * track.object_unevenness_m;
+}
+
 void append(const Eigen::Vector3d& value, std::vector<double>& to) {
   to.insert(to.end(), value.data(), value.data() + 3);
 }
 
-void append_state(const SmoothedTrack& track, double time_s, double systematic_m,
+void append_state(const SmoothedTrack& track, double time_s, const Eigen::Vector3d& systematic_m2,
                   LabelledBody& body) {
   const auto state = track.smoothed(time_s), causal = track.causal(time_s);
   append(state.position_m, body.position_m);
@@ -52,7 +68,7 @@ void append_state(const SmoothedTrack& track, double time_s, double systematic_m
   append(causal.position_m, body.causal_position_m);
   append(causal.velocity_m_per_s, body.causal_velocity_m_per_s);
   auto covariance = state.position_velocity_covariance();
-  covariance.diagonal().head<3>().array() += systematic_m * systematic_m;
+  covariance.diagonal().head<3>() += systematic_m2;
   body.covariance.insert(body.covariance.end(), covariance.data(), covariance.data() + 36);
 }
 
@@ -67,10 +83,10 @@ void append_nothing(LabelledBody& body) {
 }
 
 void append_label(const GloveFrame& frame, const SmoothedTrack& smoothed, const ClipTrack& track,
-                  const Observations& observations, double camera_period_s, double systematic_m,
-                  LabelledBody& body) {
+                  const Observations& observations, double camera_period_s,
+                  const Eigen::Vector3d& systematic_m2, LabelledBody& body) {
   if (smoothed.status != SmoothStatus::converged) return append_nothing(body);
-  append_state(smoothed, frame.time_s, systematic_m, body);
+  append_state(smoothed, frame.time_s, systematic_m2, body);
   body.quality.push_back(quality(frame.time_s, track.time_s, observations, camera_period_s));
 }
 
@@ -119,9 +135,10 @@ void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack
     labels.glove_frame.push_back(frame.index);
     const auto& track = tracks[clip];
     append_label(frame, bodies.hand.tracks[clip], track, track.hand, camera_period_s,
-                 hand_systematic_m, labels.hand);
+                 Eigen::Vector3d::Constant(hand_systematic_m * hand_systematic_m), labels.hand);
     append_label(frame, bodies.object.tracks[clip], track, track.object, camera_period_s,
-                 object_systematic_m, labels.object);
+                 object_systematic_m2(frame.time_s, track, bodies.object.noise.measurement_scale),
+                 labels.object);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -40,6 +41,10 @@ class Segmenter {
   /// too; nothing is left out that stands behind something else.
   Surface surface_around(const RgbdFrame& frame, const Eigen::Vector3d& center_m,
                          double radius_m) const;
+  /// How many depth pixels see a disc of `radius_m` at `depth_m`.
+  double disc_pixels(double radius_m, double depth_m) const {
+    return M_PI * radius_m * radius_m / (depth_m * depth_m) * depth_.fx * depth_.fy;
+  }
   bool in_picture(const Eigen::Vector3d& position_m) const;
   /// Where the depth camera stands.
   Eigen::Vector3d depth_eye_m() const { return depth_origin_m_.cast<double>(); }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double most_box_shift = 0.4;  // of a box's size, before its tracker is set anew
 constexpr int frames_to_be_lost = 3;
-constexpr double everywhere_m = 10.0;
+constexpr double everywhere_m = 10.0, hinted_m = 0.15;
 
 bool agrees(const PixelBox& tracked, const PixelBox& seen) {
   const double dx = tracked.x + 0.5 * tracked.width - seen.x - 0.5 * seen.width;
@@ -69,7 +69,7 @@ std::optional<Patch> Target::best_patch(const Surface& surface,
     if (!patch) continue;
     double off = (patch->centroid_m - expected_m()).norm();
     if (hint_m) off = std::min(off, (patch->centroid_m - *hint_m).norm());
-    if (off > gate_m() + radius_m_) continue;
+    if (off > (is_lost() && hint_m ? hinted_m : gate_m()) + radius_m_) continue;
     const double score =
         std::log(static_cast<double>(patch->points_m.size())) - 8.0 * std::pow(off / gate_m(), 2);
     if (score > highest) highest = score, best = std::move(patch);

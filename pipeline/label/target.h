@@ -23,7 +23,7 @@ class Target {
 
   /// The patch that its place and its size speak for, of those where it is expected, where the
   /// tracker has it and, if given, at `hint_m`; all must lie within the gate. One that was lost for
-  /// some frames is looked for everywhere.
+  /// some frames is looked for around the hint, or everywhere without one.
   std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
                             const PinholeCamera& camera,
                             const std::optional<Eigen::Vector3d>& hint_m);
@@ -38,6 +38,8 @@ class Target {
   void measure(const Eigen::Vector3d& position_m, double sigma_m);
 
   double gate_m() const;
+  /// Not found for some frames.
+  bool is_lost() const;
   Eigen::Vector3d expected_m() const { return filter_.position_m(); }
   /// Times the tracker was set on its target anew.
   int restarts() const { return restarts_; }
@@ -49,7 +51,6 @@ class Target {
                                   const std::optional<Eigen::Vector3d>& hint_m) const;
   std::optional<Eigen::Vector3d> median_in_box(const Surface& surface, const PixelBox& box) const;
   void restart(const MaskedImage& image, const PixelBox& box);
-  bool is_lost() const;
 
   TargetFilter filter_;
   Body body_;

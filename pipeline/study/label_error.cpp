@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -13,7 +14,8 @@
 namespace touchtrace::study {
 namespace {
 
-constexpr double wrong_m = 0.060, deviations_of_80_percent = 1.2815515655446004;
+constexpr double impact_m_per_s2 = 40.0, wrong_m = 0.060,
+                 deviations_of_80_percent = 1.2815515655446004;
 constexpr double most_delay_s = 0.064, delay_step_s = 0.008, finest_delay_s = 0.00025;
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -25,6 +27,7 @@ struct Sample {
   Eigen::Vector3d causal_velocity_error;
   Matrix6 covariance;
   bool lost, in_picture;
+  bool has_true_velocity;  ///< no impact between the truth's samples around it
 };
 
 /// The truth's samples around a time: index of the earlier one and the part of the way to the later
@@ -63,6 +66,13 @@ bool in_picture(const Truth& truth, const Eigen::Vector3d& position) {
          v < color.at("height").get<double>();
 }
 
+/// By the truth's neighbouring samples, in m/s^2.
+double acceleration(const Truth& truth, const Truth::Body& body, const Place& place) {
+  return (row(body.velocity_m_per_s, place.index + 1) - row(body.velocity_m_per_s, place.index))
+             .norm() /
+         (truth.time_s[place.index + 1] - truth.time_s[place.index]);
+}
+
 /// Labels against the truth `delay_s` before their times.
 std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, const Truth& truth,
                                const Truth::Body& true_body, double delay_s) {
@@ -78,6 +88,7 @@ std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, c
     sample.covariance = Eigen::Map<const Matrix6>(&body.covariance[36 * i]);
     sample.lost = body.quality[i] != quality_good;
     sample.in_picture = in_picture(truth, position);
+    sample.has_true_velocity = acceleration(truth, true_body, *place) < impact_m_per_s2;
     samples.push_back(std::move(sample));
   }
   if (samples.empty())
@@ -162,15 +173,21 @@ double mean_part(const std::vector<Sample>& samples) {
   return 1.0 / std::max(1.0, static_cast<double>(samples.size()));
 }
 
+std::vector<Sample> with_true_velocity(const std::vector<Sample>& samples) {
+  std::vector<Sample> result;
+  std::ranges::copy_if(samples, std::back_inserter(result), &Sample::has_true_velocity);
+  return result;
+}
+
 /// Errors with the delay left in.
 void measure_delayed(const std::vector<Sample>& right, BodyError& error) {
-  const double part = mean_part(right);
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (const auto& sample : right) squares += mean_part(right) * sample.error.head<3>().cwiseAbs2();
   double velocity = 0.0, causal = 0.0;
-  for (const auto& sample : right) {
-    squares += part * sample.error.head<3>().cwiseAbs2();
-    velocity += part * sample.error.tail<3>().squaredNorm() / 3.0;
-    causal += part * sample.causal_velocity_error.squaredNorm() / 3.0;
+  const auto known = with_true_velocity(right);
+  for (const auto& sample : known) {
+    velocity += mean_part(known) * sample.error.tail<3>().squaredNorm() / 3.0;
+    causal += mean_part(known) * sample.causal_velocity_error.squaredNorm() / 3.0;
   }
   error.position_rms_m = squares.cwiseSqrt();
   error.velocity_rms_m_per_s = std::sqrt(velocity);
@@ -180,16 +197,18 @@ void measure_delayed(const std::vector<Sample>& right, BodyError& error) {
 /// Errors with delay and bias taken out.
 void measure_aligned(std::vector<Sample> right, BodyError& error) {
   remove_bias(right, error);
-  const double part = mean_part(right);
   Eigen::Vector3d spread = Eigen::Vector3d::Zero();
+  for (const auto& sample : right) spread += mean_part(right) * sample.error.head<3>().cwiseAbs2();
   double velocity = 0.0;
-  for (const auto& sample : right) {
-    spread += part * sample.error.head<3>().cwiseAbs2();
+  const auto known = with_true_velocity(right);
+  const double part = mean_part(known);
+  for (const auto& sample : known) {
     velocity += part * sample.error.tail<3>().squaredNorm() / 3.0;
     error.position_coverage += part * covered(sample, 0);
     error.velocity_coverage += part * covered(sample, 3);
     error.nees += part * sample.error.dot(sample.covariance.ldlt().solve(sample.error)) / 6.0;
   }
+  error.impact_share = 1.0 - static_cast<double>(known.size()) * mean_part(right);
   error.position_spread_m = spread.cwiseSqrt();
   error.aligned_velocity_rms_m_per_s = std::sqrt(velocity);
 }
@@ -218,6 +237,7 @@ LabelError compare_labels_with_truth(const Labels& labels, const Truth& truth) {
 void to_json(nlohmann::json& json, const BodyError& error) {
   json = {{"lost_share", error.lost_share},
           {"outside_share", error.outside_share},
+          {"impact_share", error.impact_share},
           {"wrong_share", error.wrong_share},
           {"wrong_unsaid_share", error.wrong_unsaid_share},
           {"bias_m", numbers(error.bias_m)},

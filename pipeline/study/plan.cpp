@@ -68,7 +68,8 @@ class Planner {
     add("label", "contact events (release, catch)", traits_.flight,
         traits_.flight ? "the object leaves the hand" : only);
     add("label", "impact events", traits_.impacts,
-        traits_.impacts ? "velocity jumps at an impact"
+        traits_.impacts ? "velocity jumps at an impact; looked for if the object falls freely in "
+                          "most frames, whatever the activity is called"
                         : fmt::format("nothing bounces in {}", wishes_.activity));
   }
 

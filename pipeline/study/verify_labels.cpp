@@ -1,5 +1,7 @@
 #include "pipeline/study/verify_labels.h"
 
+#include <fmt/core.h>
+
 #include <filesystem>
 
 #include "calib/rgbd/calibrate.h"
@@ -8,6 +10,7 @@
 #include "engine/cl/runtime.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/label/label.h"
+#include "pipeline/scene/objects/object.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/simulate.h"
 #include "pipeline/study/label_error.h"
@@ -21,6 +24,7 @@ using Emit = std::function<void(Figure)>;
 void emit_object(const std::string& name, const BodyError& error, const Emit& emit) {
   emit(at_most(name + ": object lost or wrong",
                100.0 * (error.lost_share + error.wrong_unsaid_share), "%", 1.5));
+  emit(reported(name + ": object outside the picture", 100.0 * error.outside_share, "%"));
   emit(at_most(name + ": object wrong, said to be right", 100.0 * error.wrong_unsaid_share, "%",
                0.5));
   const char* axes[] = {"x", "y", "depth"};
@@ -52,7 +56,35 @@ void emit_hand(const std::string& name, const BodyError& error, const Emit& emit
                 error.causal_velocity_rms_m_per_s, "m/s"));
 }
 
-void measure_tracker(const std::string& activity, const std::string& tracker,
+/// A recording to be rendered and labelled.
+struct RenderedScene {
+  std::string activity, object;
+  std::uint64_t seed;
+  std::vector<std::string> trackers;
+
+  std::string name() const {
+    return object == scene::default_object(activity).name
+               ? activity
+               : fmt::format("{} of {}", activity, object);
+  }
+};
+
+/// Other objects and seeds are labelled without CSRT, whose time the first ones tell.
+std::vector<RenderedScene> rendered_scenes() {
+  const auto usual = [](const std::string& activity) {
+    return scene::default_object(activity).name;
+  };
+  return {{"wave", usual("wave"), 1, {"csrt", "component"}},
+          {"throw", usual("throw"), 1, {"csrt", "component"}},
+          {"pingpong", usual("pingpong"), 1, {"csrt", "component"}},
+          {"balance", usual("balance"), 2, {"component"}},
+          {"wave", "box", 2, {"component"}},
+          {"wave", "egg", 3, {"component"}},
+          {"throw", "cube", 2, {"component"}},
+          {"throw", "soap", 3, {"component"}}};
+}
+
+void measure_tracker(const RenderedScene& rendered, const std::string& tracker,
                      const fs::path& recording, const RgbdCalibration& calibration,
                      const Emit& emit) {
   label::LabelOptions options;
@@ -60,7 +92,7 @@ void measure_tracker(const std::string& activity, const std::string& tracker,
   const RecordingReader reader(recording);
   const auto labels = label::label_recording(reader, calibration, options);
   const auto error = compare_labels_with_truth(labels, read_truth(recording));
-  const auto name = activity + ", " + tracker;
+  const auto name = rendered.name() + ", " + tracker;
   emit_object(name, error.object, emit);
   emit_hand(name, error.hand, emit);
   const double frames = static_cast<double>(reader.recording().camera_times.frames());
@@ -69,19 +101,20 @@ void measure_tracker(const std::string& activity, const std::string& tracker,
                20.0));
 }
 
-void measure_chain(const std::string& activity, const Emit& emit) {
+void measure_chain(const RenderedScene& rendered, const Emit& emit) {
   const ScratchFolder folder;
-  const auto recording = folder.path() / (activity + ".h5");
+  const auto recording = folder.path() / (rendered.activity + ".h5");
   Runtime runtime(choose_device({}));
   scene::SceneOptions options;
-  options.activity = activity;
-  options.object = scene::default_object(activity);
+  options.activity = rendered.activity;
+  options.object = scene::find_object(rendered.object);
+  options.seed = rendered.seed;
   options.minutes = 0.5;
   scene::simulate_recording(options, &runtime, recording, true,
                             start_provenance("touchtrace/recording/1", "verify"));
   const auto calibration = calibrate(board_views_of_recording(recording));
-  for (const char* tracker : {"csrt", "component"})
-    measure_tracker(activity, tracker, recording, calibration, emit);
+  for (const auto& tracker : rendered.trackers)
+    measure_tracker(rendered, tracker, recording, calibration, emit);
 }
 
 }  // namespace
@@ -89,7 +122,7 @@ void measure_chain(const std::string& activity, const Emit& emit) {
 Verification verify_labels() {
   return [](const Emit& emit) {
     measure_smoothing(emit);
-    for (const char* activity : {"wave", "throw", "pingpong"}) measure_chain(activity, emit);
+    for (const auto& rendered : rendered_scenes()) measure_chain(rendered, emit);
   };
 }
 

@@ -72,6 +72,25 @@ TEST(LabelBounces, HitsAreFoundToMillisecondsAndNotSmoothedOver) {
   EXPECT_GT(error_m(smooth_bodies(tracks, gravity, false)), 3.0 * error_m(bounces));
 }
 
+/// Of an object in a hand that waves, and is thrown 0.4 s in every 2 s.
+ClipTrack waved_and_thrown() {
+  ClipTrack track = bounced();
+  for (std::size_t i = 0; i < track.time_s.size(); ++i) {
+    const double t = std::fmod(track.time_s[i], 2.0), h = t * (0.4 - t);
+    track.object[i].position_m = t < 0.4 ? Vector3d(0.0, -0.5 * 9.81 * h, 1.0)
+                                         : Vector3d(0.08 * std::sin(12.0 * t), 0.0, 1.0);
+  }
+  return track;
+}
+
+TEST(LabelBounces, AreWhatFallsInMostFrames) {
+  EXPECT_GT(falling_part({bounced()}, gravity), 0.65);
+  const double thrown = falling_part({waved_and_thrown()}, gravity);
+  EXPECT_GT(thrown, 0.1);
+  EXPECT_LT(thrown, 0.3);
+  EXPECT_EQ(falling_part({}, gravity), 0.0);
+}
+
 TEST(LabelBounces, NothingSeenIsNothingGuessed) {
   EXPECT_TRUE(guess_bounces({}, gravity).empty());
   ClipTrack lost = bounced();

@@ -21,14 +21,14 @@ namespace {
 
 constexpr double difference_s = 1e-3;
 
-constexpr LabelErrorModel wave_error{{{0.0040, 0.0040, 0.0018}, 0.046, 0.172},
-                                     {{0.0043, 0.0043, 0.0043}, 0.033, 0.162},
-                                     0.016,
+constexpr LabelErrorModel wave_error{{{0.0012, 0.0008, 0.0014}, 0.029, 0.167},
+                                     {{0.0043, 0.0043, 0.0043}, 0.025, 0.161},
+                                     0.018,
                                      0.007};
-constexpr LabelErrorModel throw_error{{{0.0075, 0.0067, 0.0037}, 0.074, 0.226},
-                                      {{0.0054, 0.0054, 0.0054}, 0.047, 0.186},
-                                      0.014,
-                                      0.053};
+constexpr LabelErrorModel throw_error{{{0.0009, 0.0015, 0.0024}, 0.034, 0.187},
+                                      {{0.0053, 0.0053, 0.0053}, 0.041, 0.185},
+                                      0.018,
+                                      0.062};
 
 LabelledBody without_states(std::size_t labels) {
   LabelledBody body;

@@ -4,17 +4,32 @@
 #include <set>
 
 #include "engine/base/error.h"
+#include "pipeline/scene/base/assumptions.h"
 #include "pipeline/scene/person/activity.h"
+#include "pipeline/scene/simulate/clip.h"
 #include "pipeline/scene/simulate/data_sets.h"
 
 namespace touchtrace::scene {
 namespace {
 
+constexpr int whole_frames = 149;  // of 15 a second, each scanned in 30 ms, in a clip of 10 s
+
+TEST(SceneDataSets, CountWholeFramesOnly) {
+  SceneOptions scene;
+  scene.parameters = assumed({"glove-lost=0"});
+  for (int clip = 0; clip < 6; ++clip) {
+    const auto frames = simulate_clip(scene, clip, 12.3 * clip).glove.frames();
+    EXPECT_GE(frames, static_cast<std::size_t>(whole_frames));
+    EXPECT_LE(frames, static_cast<std::size_t>(whole_frames + 1));
+  }
+}
+
 TEST(SceneDataSets, HaveTheFramesAskedFor) {
   const DataSet& paper = find_data_set("paper");
   std::map<std::string, double> frames;
   for (const PlannedRecording& recording : recordings_of(paper, {}, 1.0)) {
-    const double arriving = recording.scene.minutes * 60.0 * 15.0 * 0.98;
+    const double clips = recording.scene.minutes * 60.0 / recording.scene.clip_s;
+    const double arriving = clips * whole_frames * 0.98;
     frames[recording.file.parent_path().string()] += arriving;
   }
   ASSERT_EQ(frames.size(), paper.parts.size());

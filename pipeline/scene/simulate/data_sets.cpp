@@ -18,8 +18,9 @@ std::vector<ObjectSpec> objects_of(const DataSetPart& part) {
 }
 
 double clips_for(double frames, const SceneOptions& scene) {
-  const GloveInfo glove;
-  const double arriving = scene.clip_s * glove.rate_hz * (1.0 - scene.parameters.glove.lost);
+  const GloveParameters& glove = scene.parameters.glove;
+  const double whole = std::floor((scene.clip_s - glove.scan_s) * GloveInfo{}.rate_hz),
+               arriving = std::max(1.0, whole * (1.0 - glove.lost));
   return std::max(1.0, std::ceil(frames / arriving));
 }
 

@@ -169,8 +169,16 @@ void remove_bias(std::vector<Sample>& samples, BodyError& error) {
   for (auto& sample : samples) sample.error.head<3>() -= error.bias_m;
 }
 
-double mean_part(const std::vector<Sample>& samples) {
-  return 1.0 / std::max(1.0, static_cast<double>(samples.size()));
+/// NaN where there is nothing to take the mean of.
+double mean(double sum, const std::vector<Sample>& samples) {
+  return sum / static_cast<double>(samples.size());
+}
+
+/// Of the positions, per axis.
+Eigen::Vector3d rms_m(const std::vector<Sample>& samples) {
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (const auto& sample : samples) squares += sample.error.head<3>().cwiseAbs2();
+  return (squares / static_cast<double>(samples.size())).cwiseSqrt();
 }
 
 std::vector<Sample> with_true_velocity(const std::vector<Sample>& samples) {
@@ -181,36 +189,34 @@ std::vector<Sample> with_true_velocity(const std::vector<Sample>& samples) {
 
 /// Errors with the delay left in.
 void measure_delayed(const std::vector<Sample>& right, BodyError& error) {
-  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
-  for (const auto& sample : right) squares += mean_part(right) * sample.error.head<3>().cwiseAbs2();
   double velocity = 0.0, causal = 0.0;
   const auto known = with_true_velocity(right);
   for (const auto& sample : known) {
-    velocity += mean_part(known) * sample.error.tail<3>().squaredNorm() / 3.0;
-    causal += mean_part(known) * sample.causal_velocity_error.squaredNorm() / 3.0;
+    velocity += sample.error.tail<3>().squaredNorm() / 3.0;
+    causal += sample.causal_velocity_error.squaredNorm() / 3.0;
   }
-  error.position_rms_m = squares.cwiseSqrt();
-  error.velocity_rms_m_per_s = std::sqrt(velocity);
-  error.causal_velocity_rms_m_per_s = std::sqrt(causal);
+  error.position_rms_m = rms_m(right);
+  error.velocity_rms_m_per_s = std::sqrt(mean(velocity, known));
+  error.causal_velocity_rms_m_per_s = std::sqrt(mean(causal, known));
 }
 
 /// Errors with delay and bias taken out.
 void measure_aligned(std::vector<Sample> right, BodyError& error) {
   remove_bias(right, error);
-  Eigen::Vector3d spread = Eigen::Vector3d::Zero();
-  for (const auto& sample : right) spread += mean_part(right) * sample.error.head<3>().cwiseAbs2();
-  double velocity = 0.0;
+  double velocity = 0.0, positions_covered = 0.0, velocities_covered = 0.0, nees = 0.0;
   const auto known = with_true_velocity(right);
-  const double part = mean_part(known);
   for (const auto& sample : known) {
-    velocity += part * sample.error.tail<3>().squaredNorm() / 3.0;
-    error.position_coverage += part * covered(sample, 0);
-    error.velocity_coverage += part * covered(sample, 3);
-    error.nees += part * sample.error.dot(sample.covariance.ldlt().solve(sample.error)) / 6.0;
+    velocity += sample.error.tail<3>().squaredNorm() / 3.0;
+    positions_covered += covered(sample, 0);
+    velocities_covered += covered(sample, 3);
+    nees += sample.error.dot(sample.covariance.ldlt().solve(sample.error)) / 6.0;
   }
-  error.impact_share = 1.0 - static_cast<double>(known.size()) * mean_part(right);
-  error.position_spread_m = spread.cwiseSqrt();
-  error.aligned_velocity_rms_m_per_s = std::sqrt(velocity);
+  error.impact_share = 1.0 - mean(static_cast<double>(known.size()), right);
+  error.position_spread_m = rms_m(right);
+  error.aligned_velocity_rms_m_per_s = std::sqrt(mean(velocity, known));
+  error.position_coverage = mean(positions_covered, known);
+  error.velocity_coverage = mean(velocities_covered, known);
+  error.nees = mean(nees, known);
 }
 
 BodyError error_of(const Labels& labels, const LabelledBody& body, const Truth& truth,

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <filesystem>
 
 #include "calib/rgbd/calibrate.h"
@@ -21,18 +22,26 @@ namespace {
 namespace fs = std::filesystem;
 using Emit = std::function<void(Figure)>;
 
-void emit_object(const std::string& name, const BodyError& error, const Emit& emit) {
+/// The whole flight of a ball on a racket is before the camera, nothing hides it.
+std::array<double, 3> goals_mm(const std::string& activity) {
+  if (activity == "pingpong") return {2.0, 2.0, 2.0};
+  return {5.0, 5.0, 8.0};
+}
+
+void emit_object(const std::string& name, const BodyError& error,
+                 const std::array<double, 3>& most_mm, const Emit& emit) {
   emit(at_most(name + ": object lost or wrong",
                100.0 * (error.lost_share + error.wrong_unsaid_share), "%", 1.5));
   emit(reported(name + ": object outside the picture", 100.0 * error.outside_share, "%"));
   emit(at_most(name + ": object wrong, said to be right", 100.0 * error.wrong_unsaid_share, "%",
                0.5));
   const char* axes[] = {"x", "y", "depth"};
-  const double goals_mm[] = {5.0, 5.0, 8.0};
   for (int axis = 0; axis < 3; ++axis)
-    emit(at_most(name + ": object position RMS, " + axes[axis], 1e3 * error.position_spread_m[axis],
-                 "mm", goals_mm[axis]));
+    emit(at_most(name + ": object position RMS about its bias, " + axes[axis],
+                 1e3 * error.position_spread_m[axis], "mm", most_mm[axis]));
   emit(reported(name + ": object bias", 1e3 * error.bias_m.norm(), "mm"));
+  emit(reported(name + ": labels next to an impact, not judged below", 100.0 * error.impact_share,
+                "%"));
   emit(reported(name + ": object velocity RMS", error.aligned_velocity_rms_m_per_s, "m/s"));
   emit(
       reported(name + ": object velocity RMS, latency left in", error.velocity_rms_m_per_s, "m/s"));
@@ -93,7 +102,7 @@ void measure_tracker(const RenderedScene& rendered, const std::string& tracker,
   const auto labels = label::label_recording(reader, calibration, options);
   const auto error = compare_labels_with_truth(labels, read_truth(recording));
   const auto name = rendered.name() + ", " + tracker;
-  emit_object(name, error.object, emit);
+  emit_object(name, error.object, goals_mm(rendered.activity), emit);
   emit_hand(name, error.hand, emit);
   const double frames = static_cast<double>(reader.recording().camera_times.frames());
   emit(at_most(name + ": processor time of both targets",

@@ -196,6 +196,24 @@ TEST(Label, AnErrorIsMeasuredAtTheDelayThatNoStampShows) {
   EXPECT_LT(error.aligned_velocity_rms_m_per_s, 0.5 * error.velocity_rms_m_per_s);
 }
 
+TEST(Label, WhatNothingTellsIsNoNumber) {
+  const Stage stage(false);
+  LabelOptions options;
+  options.tracker = "component";
+  const auto labels =
+      label_recording(recording_of(stage), frames_of(stage), calibration(), options);
+  auto truth = truth_of(stage);
+  auto& velocity = truth.object.velocity_m_per_s;
+  for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] = i / 3 % 2 ? 10.0 : -10.0;
+  const auto error = study::compare_labels_with_truth(labels, truth).object;
+  EXPECT_EQ(error.impact_share, 1.0);
+  EXPECT_TRUE(std::isfinite(error.position_spread_m.norm()));
+  for (const double unknown : {error.velocity_rms_m_per_s, error.causal_velocity_rms_m_per_s,
+                               error.aligned_velocity_rms_m_per_s, error.position_coverage,
+                               error.velocity_coverage, error.nees})
+    EXPECT_TRUE(std::isnan(unknown));
+}
+
 TEST(Label, DoesNotDependOnThreads) {
   const Stage stage(true);
   auto recording = recording_of(stage);

@@ -103,9 +103,7 @@ void verify_probe(const std::string& activity, const Emit& emit) {
   const Run grasps = perform(activity, object, 64, 3.0);
   const Eigen::Vector3d probe = position_probe_r2(grasps.clips, grasps.clock);
   emit(at_most(what + "place by a linear probe, R^2", probe.head<2>().maxCoeff(), "", 0.1));
-  // A tossed object's phase, which touch is there to tell, goes with the height of the hand.
-  const std::string height = what + "height by a linear probe, R^2";
-  emit(activity == "throw" ? reported(height, probe.z(), "") : at_most(height, probe.z(), "", 0.1));
+  emit(at_most(what + "height by a linear probe, R^2", probe.z(), "", 0.1));
 }
 
 }  // namespace touchtrace::scene

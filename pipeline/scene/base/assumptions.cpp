@@ -9,6 +9,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/text.h"
+#include "pipeline/scene/base/assumption_rows.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -49,7 +50,20 @@ std::string with_unit(const Assumption& assumption) {
   return assumption.unit.empty() ? value : value + " " + assumption.unit;
 }
 
+AssumptionTable all_rows() {
+  AssumptionTable table;
+  for (const auto add : {add_hand_assumptions, add_activities_assumptions, add_glove_assumptions,
+                         add_camera_assumptions})
+    add(table);
+  return table;
+}
+
 }  // namespace
+
+const std::vector<Assumption>& assumptions() {
+  static const AssumptionTable table = all_rows();
+  return table;
+}
 
 std::vector<double> Assumption::of(SceneParameters parameters) const {
   const auto values = numbers(parameters);

@@ -23,7 +23,7 @@ struct Assumption {
   std::vector<double> of(SceneParameters parameters) const;
 };
 
-/// Every assumption, part after part: one row each in assumption_table.cpp.
+/// Every assumption, part after part: one row each in the files assumptions_of_*.cpp.
 const std::vector<Assumption>& assumptions();
 /// Throws usage_error with the nearest name.
 const Assumption& find_assumption(const std::string& name);

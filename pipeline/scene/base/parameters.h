@@ -7,7 +7,7 @@
 namespace touchtrace::scene {
 
 // Every number that the scene assumes, by the part that uses it. Each has a row in
-// assumption_table.cpp that says where it comes from; a test counts them, so all are doubles.
+// an assumptions_of_*.cpp that says where it comes from; a test counts them, so all are doubles.
 
 using Interval = std::array<double, 2>;  ///< from, to
 using Box = std::array<double, 6>;       ///< from, to along the world's x, y and z

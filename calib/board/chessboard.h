@@ -26,6 +26,13 @@ struct Chessboard {
   Eigen::Vector3d corner_m(int index) const {
     return {square_m * (index % columns), square_m * (index / columns), 0.0};
   }
+  /// A warped board bulges by warp_shape . warp [m] along z, mrcal's model: a parabola in each
+  /// direction that is 1 in the middle and 0 at the outer corners.
+  Eigen::Vector2d warp_shape(const Eigen::Vector2d& on_board_m) const {
+    const Eigen::Vector2d side_m(square_m * (columns - 1), square_m * (rows - 1));
+    const Eigen::Array2d place = 2.0 * on_board_m.array() / side_m.array() - 1.0;
+    return 1.0 - place.square();
+  }
 };
 
 struct GreyImage {
@@ -40,6 +47,7 @@ struct BoardView {
   std::vector<float>
       depth_m;  ///< [height, width] as measured, depth image; 0: no measurement; may be empty
   std::vector<int> shown = {};  ///< which of the board's corners; empty: all, in their order
+  double color_time_s = 0.0, depth_time_s = 0.0;  ///< stamps; both 0 where there are none
 
   int corner(std::size_t seen) const {
     return shown.empty() ? static_cast<int>(seen) : shown[seen];

@@ -1,76 +1,84 @@
 #include "calib/rgbd/board_problem.h"
 
 #include <ceres/ceres.h>
-#include <fmt/core.h>
+#include <glog/logging.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/SparseCore>
 #include <algorithm>
-#include <memory>
+#include <limits>
 
+#include "calib/rgbd/ceres_problem.h"
 #include "calib/rgbd/cost_functions.h"
 
 namespace touchtrace {
 namespace {
-
-constexpr const char* color_names[] = {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
-constexpr const char* depth_names[] = {"depth_from_color.rx",
-                                       "depth_from_color.ry",
-                                       "depth_from_color.rz",
-                                       "depth_from_color.tx",
-                                       "depth_from_color.ty",
-                                       "depth_from_color.tz",
-                                       "depth.fx",
-                                       "depth.fy",
-                                       "depth.cx",
-                                       "depth.cy",
-                                       "depth.scale",
-                                       "depth.offset"};
 
 template <class Error, int... sizes>
 ceres::CostFunction* autodiff(Error error) {
   return new ceres::AutoDiffCostFunction<Error, sizes...>(new Error(std::move(error)));
 }
 
-bool is_fixed(const BoardProblem& problem, int color_index) {
-  return std::ranges::find(problem.free_color, color_index) == problem.free_color.end();
+template <int N>
+ceres::CostFunction* prior_of(const std::array<double, N>& mean,
+                              const std::array<double, N>& sigma) {
+  return autodiff<PriorError<N>, N, N>({mean, sigma});
 }
 
+template <class L>
 void add_corners(const BoardProblem& problem, std::size_t view, ceres::LossFunction* loss,
                  RgbdParameters& p, ceres::Problem& ceres_problem) {
+  const Chessboard& board = problem.observations.board;
   const BoardView& seen = problem.observations.views[view];
-  for (std::size_t i = 0; i < seen.corners_px.size(); ++i)
-    ceres_problem.AddResidualBlock(
-        autodiff<CornerError, 2, 9, 6>({problem.observations.board.corner_m(seen.corner(i)),
-                                        seen.corners_px[i], problem.corner_sigma_px}),
-        loss, p.color.data(), p.camera_from_board[view].data());
+  for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
+    const Eigen::Vector3d flat_m = board.corner_m(seen.corner(i));
+    ceres_problem.AddResidualBlock(new CornerCost<L>(flat_m, board.warp_shape(flat_m.head<2>()),
+                                                     seen.corners_px[i], problem.corner_sigma_px),
+                                   loss, p.color.data(), p.camera_from_board[view].data(),
+                                   p.board_warp_m.data());
+  }
 }
 
-void fix_color(const BoardProblem& problem, RgbdParameters& p, ceres::Problem& ceres_problem) {
+template <class L>
+void add_color(const BoardProblem& problem, ceres::LossFunction* loss, RgbdParameters& p,
+               ceres::Problem& ceres_problem) {
+  constexpr int size = 4 + static_cast<int>(L::coefficients.size());
+  for (std::size_t view : used_views(problem))
+    add_corners<L>(problem, view, loss, p, ceres_problem);
+  PriorError<size> prior;
+  std::copy_n(problem.prior.color_mean.begin(), size, prior.mean.begin());
+  std::copy_n(problem.prior.color_sigma.begin(), size, prior.sigma.begin());
+  ceres_problem.AddResidualBlock(autodiff<PriorError<size>, size, size>(prior), nullptr,
+                                 p.color.data());
   std::vector<int> fixed;
-  for (int i = 0; i < 9; ++i)
-    if (is_fixed(problem, i)) fixed.push_back(i);
+  for (int i = 0; i < size; ++i)
+    if (std::ranges::find(problem.free_color, i) == problem.free_color.end()) fixed.push_back(i);
   if (!fixed.empty())
-    ceres_problem.SetManifold(p.color.data(), new ceres::SubsetManifold(9, fixed));
+    ceres_problem.SetManifold(p.color.data(), new ceres::SubsetManifold(size, fixed));
 }
 
 void add_depth(const BoardProblem& problem, ceres::LossFunction* loss, RgbdParameters& p,
                ceres::Problem& ceres_problem) {
   for (const auto& s : problem.samples)
-    ceres_problem.AddResidualBlock(
-        autodiff<DepthError, 1, 6, 6, 4, 2>({s.pixel, s.measured_m, s.sigma_m}), loss,
-        p.camera_from_board[s.view].data(), p.depth_from_color.data(), p.depth.data(),
-        p.depth_correction.data());
+    ceres_problem.AddResidualBlock(autodiff<DepthError, 1, 6, 6, 4, 2, 2, 1>({s}), loss,
+                                   p.camera_from_board[s.view].data(), p.depth_from_color.data(),
+                                   p.depth.data(), p.depth_correction.data(), p.board_warp_m.data(),
+                                   &p.depth_delay_s);
   const auto& prior = problem.prior;
-  ceres_problem.AddResidualBlock(autodiff<PriorError<6>, 6, 6>({{}, prior.pose_sigma}), nullptr,
-                                 p.depth_from_color.data());
-  ceres_problem.AddResidualBlock(
-      autodiff<PriorError<4>, 4, 4>({prior.depth_mean, prior.depth_sigma}), nullptr,
-      p.depth.data());
-  ceres_problem.AddResidualBlock(
-      autodiff<PriorError<2>, 2, 2>({{1.0, 0.0}, prior.correction_sigma}), nullptr,
-      p.depth_correction.data());
+  const auto add_prior = [&](ceres::CostFunction* error, double* block) {
+    ceres_problem.AddResidualBlock(error, nullptr, block);
+  };
+  add_prior(prior_of<6>({}, prior.pose_sigma), p.depth_from_color.data());
+  add_prior(prior_of<4>(prior.depth_mean, prior.depth_sigma), p.depth.data());
+  add_prior(prior_of<2>({1.0, 0.0}, prior.correction_sigma), p.depth_correction.data());
+  if (problem.free_delay)
+    add_prior(prior_of<1>({0.0}, {prior.delay_sigma_s}), &p.depth_delay_s);
+  else
+    ceres_problem.SetParameterBlockConstant(&p.depth_delay_s);
 }
+
+/// Ceres warns on stderr of steps that it then makes shorter.
+void keep_ceres_quiet() { FLAGS_minloglevel = google::GLOG_ERROR; }
+
+}  // namespace
 
 std::vector<std::size_t> used_views(const BoardProblem& problem) {
   std::vector<std::size_t> views;
@@ -82,69 +90,39 @@ std::vector<std::size_t> used_views(const BoardProblem& problem) {
 std::unique_ptr<ceres::Problem> make_problem(const BoardProblem& problem, RgbdParameters& p) {
   auto result = std::make_unique<ceres::Problem>();
   auto* loss = new ceres::HuberLoss(problem.loss_sigmas);
-  const auto views = used_views(problem);
-  for (std::size_t view : views) add_corners(problem, view, loss, p, *result);
-  const auto& prior = problem.prior;
-  result->AddResidualBlock(autodiff<PriorError<9>, 9, 9>({prior.color_mean, prior.color_sigma}),
-                           nullptr, p.color.data());
-  fix_color(problem, p, *result);
+  with_lens(p.lens, [&](auto l) { add_color<decltype(l)>(problem, loss, p, *result); });
+  const double warp_sigma_m = problem.prior.warp_sigma_m;
+  result->AddResidualBlock(prior_of<2>({}, {warp_sigma_m, warp_sigma_m}), nullptr,
+                           p.board_warp_m.data());
   if (!problem.samples.empty()) add_depth(problem, loss, p, *result);
-  if (problem.depth_only) {
+  if (problem.depth_only || problem.fixed_camera) {
     result->SetParameterBlockConstant(p.color.data());
-    for (std::size_t view : views)
+    result->SetParameterBlockConstant(p.board_warp_m.data());
+  }
+  if (problem.depth_only) {
+    for (std::size_t view : used_views(problem))
       result->SetParameterBlockConstant(p.camera_from_board[view].data());
   }
   return result;
 }
 
-/// J with the columns: colour, depth (if any), then the poses.
-Eigen::SparseMatrix<double, Eigen::RowMajor> jacobian(const BoardProblem& problem,
-                                                      RgbdParameters& p) {
-  const auto ceres_problem = make_problem(problem, p);
-  ceres::Problem::EvaluateOptions options;
-  options.parameter_blocks = {p.color.data()};
-  if (!problem.samples.empty())
-    for (double* block : {p.depth_from_color.data(), p.depth.data(), p.depth_correction.data()})
-      options.parameter_blocks.push_back(block);
-  for (std::size_t view : used_views(problem))
-    options.parameter_blocks.push_back(p.camera_from_board[view].data());
-  ceres::CRSMatrix crs;
-  if (!ceres_problem->Evaluate(options, nullptr, nullptr, nullptr, &crs)) return {};
-  return Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>>(
-      crs.num_rows, crs.num_cols, static_cast<Eigen::Index>(crs.values.size()), crs.rows.data(),
-      crs.cols.data(), crs.values.data());
-}
-
-/// d log(exp(r + e) exp(r)^-1) / d e: turns an increment of the angle-axis into a rotation from the
-/// left.
-Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& r) {
-  const double angle = r.norm();
-  Eigen::Matrix3d cross;
-  cross << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
-  if (angle < 1e-6) return Eigen::Matrix3d::Identity() + 0.5 * cross;
-  return Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / (angle * angle) * cross +
-         (angle - std::sin(angle)) / (angle * angle * angle) * cross * cross;
-}
-
-}  // namespace
-
 Eigen::Isometry3d pose_of(const std::array<double, 6>& p) {
-  Eigen::Matrix3d rotation;
-  ceres::AngleAxisToRotationMatrix(p.data(), rotation.data());
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = rotation;
+  pose.linear() = rotation_matrix({p[0], p[1], p[2]});
   pose.translation() << p[3], p[4], p[5];
   return pose;
 }
 
 bool solve(const BoardProblem& problem, RgbdParameters& parameters) {
+  keep_ceres_quiet();
   RgbdParameters trial = parameters;
   const auto ceres_problem = make_problem(problem, trial);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.max_num_iterations = 500;  // Huber's kinks make narrow valleys long
-  options.function_tolerance = 1e-10;
-  options.parameter_tolerance = 1e-10;
+  options.max_num_iterations = problem.most_iterations;
+  options.function_tolerance = problem.tolerance;
+  options.parameter_tolerance = problem.tolerance;
+  options.initial_trust_region_radius = 1e8;  // near Gauss and Newton: half the iterations
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, ceres_problem.get(), &summary);
@@ -158,51 +136,30 @@ std::vector<Eigen::Vector2d> corner_residuals(const BoardObservations& observati
                                               std::size_t view, const RgbdParameters& p) {
   std::vector<Eigen::Vector2d> residuals;
   const BoardView& seen = observations.views[view];
-  for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
-    Eigen::Vector2d error = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-    CornerError{observations.board.corner_m(seen.corner(i)), seen.corners_px[i], 1.0}(
-        p.color.data(), p.camera_from_board[view].data(), error.data());
-    residuals.push_back(-error);
-  }
+  const Eigen::Isometry3d pose = pose_of(p.camera_from_board[view]);
+  const Eigen::Vector2d warp_m(p.board_warp_m[0], p.board_warp_m[1]);
+  with_lens(p.lens, [&](auto l) {
+    for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
+      const Eigen::Vector3d flat_m = observations.board.corner_m(seen.corner(i));
+      const double bulge_m = observations.board.warp_shape(flat_m.head<2>()).dot(warp_m);
+      const Eigen::Vector3d point = pose * (flat_m + bulge_m * Eigen::Vector3d::UnitZ());
+      if (l.sees(point))
+        residuals.push_back(seen.corners_px[i] - project_point<decltype(l)>(p.color.data(), point));
+      else
+        residuals.emplace_back(Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()));
+    }
+  });
   return residuals;
 }
 
 double depth_residual(const DepthSample& sample, const RgbdParameters& p) {
-  return (plane_depth_m(sample.pixel, sample.view, p) - p.depth_correction[1]) /
-             p.depth_correction[0] -
+  return (board_depth_m(sample, p) - p.depth_correction[1]) / p.depth_correction[0] -
          sample.measured_m;
 }
 
-double plane_depth_m(const Eigen::Vector2d& pixel, std::size_t view, const RgbdParameters& p) {
-  return plane_depth(pixel, p.camera_from_board[view].data(), p.depth_from_color.data(),
-                     p.depth.data());
-}
-
-std::vector<std::string> parameter_names(const BoardProblem& problem) {
-  std::vector<std::string> names;
-  for (int i : problem.free_color) names.push_back(fmt::format("color.{}", color_names[i]));
-  if (!problem.samples.empty())
-    names.insert(names.end(), std::begin(depth_names), std::end(depth_names));
-  return names;
-}
-
-Eigen::MatrixXd covariance(const BoardProblem& problem, RgbdParameters parameters) {
-  const auto j = jacobian(problem, parameters);
-  const Eigen::MatrixXd information = Eigen::MatrixXd(j.transpose() * j);
-  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  if (information.size() == 0 || !scale.allFinite()) return {};
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(scale.asDiagonal() * information * scale.asDiagonal());
-  if (cholesky.info() != Eigen::Success) return {};
-  const auto size = static_cast<Eigen::Index>(parameter_names(problem).size());
-  const Eigen::MatrixXd selection = Eigen::MatrixXd::Identity(information.rows(), size);
-  Eigen::MatrixXd marginal = cholesky.solve(selection).topRows(size);
-  marginal = scale.head(size).asDiagonal() * marginal * scale.head(size).asDiagonal();
-  if (problem.samples.empty()) return marginal;
-  const auto first = static_cast<Eigen::Index>(problem.free_color.size());
-  Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(size, size);
-  turn.block<3, 3>(first, first) =
-      left_jacobian(Eigen::Vector3d(parameters.depth_from_color.data()));
-  return turn * marginal * turn.transpose();
+double board_depth_m(const DepthSample& sample, const RgbdParameters& p) {
+  return board_depth(sample, p.camera_from_board[sample.view].data(), p.depth_from_color.data(),
+                     p.depth.data(), p.board_warp_m.data(), p.depth_delay_s);
 }
 
 }  // namespace touchtrace

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/cross_validation.h"
 #include "calib/rgbd/depth_fit.h"
 #include "calib/rgbd/details.h"
 #include "calib/rgbd/prior.h"
@@ -41,11 +42,24 @@ bool is_mirrored(const BoardView& view, const Chessboard& board) {
   return (in_image * on_board.transpose()).determinant() < 0.0;
 }
 
-void refuse_mirrored_views(const BoardObservations& o) {
-  for (const auto& view : o.views)
+void refuse_impossible_views(const BoardObservations& o) {
+  for (const auto& view : o.views) {
+    if (!std::ranges::all_of(view.corners_px, [](const auto& c) { return c.allFinite(); }))
+      throw data_error(fmt::format("{} has a corner that is no number", view.name),
+                       "leave this view out");
     if (is_mirrored(view, o.board))
       throw data_error(fmt::format("{} shows the board from behind or in a mirror", view.name),
                        "leave this view out, or turn mirroring off in the camera's driver");
+  }
+}
+
+/// The same image twice tells nothing new, and would make the covariance too small.
+std::vector<bool> different_views(const BoardObservations& o) {
+  std::vector<bool> different(o.views.size(), true);
+  for (std::size_t view = 0; view < o.views.size(); ++view)
+    for (std::size_t before = 0; before < view && different[view]; ++before)
+      different[view] = o.views[view].corners_px != o.views[before].corners_px;
+  return different;
 }
 
 Error no_convergence() {
@@ -80,23 +94,14 @@ bool solve_jointly(BoardProblem& problem, RgbdParameters& p, DepthNoise& noise) 
   return true;
 }
 
-double rms_of_used(const BoardProblem& problem, const RgbdParameters& p) {
-  std::vector<Eigen::Vector2d> all;
-  for (std::size_t view = 0; view < problem.used.size(); ++view)
-    if (problem.used[view])
-      for (const auto& residual : corner_residuals(problem.observations, view, p))
-        all.push_back(residual);
-  return rms(all);
-}
-
 double depth_rms_m(const std::vector<DepthSample>& samples, const RgbdParameters& p) {
   double squares = 0.0;
   for (const auto& sample : samples) squares += std::pow(depth_residual(sample, p), 2);
   return samples.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(samples.size()));
 }
 
-PinholeCamera depth_camera(const BoardObservations& o, const std::array<double, 4>& intrinsics) {
-  PinholeCamera camera{.width = o.width, .height = o.height};
+Camera depth_camera(const BoardObservations& o, const std::array<double, 4>& intrinsics) {
+  Camera camera{.width = o.width, .height = o.height};
   camera.set_parameters({intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]});
   return camera;
 }
@@ -104,14 +109,17 @@ PinholeCamera depth_camera(const BoardObservations& o, const std::array<double, 
 RgbdCalibration calibration_of(const BoardProblem& problem, const RgbdParameters& p) {
   RgbdCalibration c;
   c.color.width = problem.observations.width, c.color.height = problem.observations.height;
+  c.color.lens = p.lens;
   c.color.set_parameters(p.color);
   if (!problem.samples.empty()) c.depth = depth_camera(problem.observations, p.depth);
   c.depth_from_color = pose_of(p.depth_from_color);
   c.depth_scale = p.depth_correction[0], c.depth_offset_m = p.depth_correction[1];
-  c.rms_px = rms_of_used(problem, p);
+  c.depth_delay_s = p.depth_delay_s;
+  c.board_warp_m = p.board_warp_m;
+  c.rms_px = rms_of_used(problem.observations, problem.used, p);
   c.depth_rms_m = depth_rms_m(problem.samples, p);
-  c.parameters = parameter_names(problem);
-  c.covariance = covariance(problem, p);
+  c.parameters = parameter_names(problem, p.lens);
+  c.covariance = covariance_of_estimate(problem, p);
   if (c.covariance.size() == 0) throw no_convergence();
   return c;
 }
@@ -121,12 +129,12 @@ RgbdCalibration calibration_of(const BoardProblem& problem, const RgbdParameters
 RgbdCalibration calibrate(const BoardObservations& observations,
                           const CalibrateSettings& settings) {
   require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "found");
-  refuse_mirrored_views(observations);
-  BoardProblem problem{observations, {}, {}, color_prior(observations)};
-  const auto radial = settings.radial_coefficients < 0 ? std::vector{0, 2, 3}
-                                                       : std::vector{settings.radial_coefficients};
-  const ColorFit color = fit_color(observations, problem.prior, radial);
+  refuse_impossible_views(observations);
+  const auto different = different_views(observations);
+  require_views(observations, std::ranges::count(different, true), "different");
+  const ColorFit color = fit_color(observations, different, settings.lenses);
   if (!color.converged) throw no_convergence();
+  BoardProblem problem{observations, {}, {}, color_prior(observations, color.parameters.lens)};
   require_views(observations, std::ranges::count(color.used, true), "usable");
   RgbdParameters parameters = color.parameters;
   problem.used = color.used;
@@ -139,7 +147,10 @@ RgbdCalibration calibrate(const BoardObservations& observations,
       !solve_jointly(problem, parameters, noise))
     throw no_convergence();
   RgbdCalibration calibration = calibration_of(problem, parameters);
-  calibration.details = calibration_details({problem, parameters, calibration, color, noise});
+  calibration.details =
+      calibration_details({problem, parameters, calibration, color, noise, different});
+  if (settings.cross_validate)
+    calibration.details["held_out"] = held_out_json(cross_validate(problem, parameters));
   return calibration;
 }
 

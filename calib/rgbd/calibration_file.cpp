@@ -15,7 +15,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* schema = "touchtrace/calibration/1";
 constexpr std::uintmax_t max_bytes = 64u << 20;
 
 json numbers(const double* values, Eigen::Index count) {
@@ -32,11 +31,16 @@ json matrix_json(const Eigen::MatrixXd& matrix) {
   return rows;
 }
 
-json camera_json(const PinholeCamera& camera) {
+json camera_json(const Camera& camera) {
+  json distortion = json::object();
+  const auto names = coefficient_names(camera.lens);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    distortion[names[i]] = camera.distortion[static_cast<Eigen::Index>(i)];
   return {{"width", camera.width},
           {"height", camera.height},
+          {"lens", lens_name(camera.lens)},
           {"intrinsics_px", {camera.fx, camera.fy, camera.cx, camera.cy}},
-          {"distortion_k1_k2_p1_p2_k3", numbers(camera.distortion.data(), 5)}};
+          {"distortion", distortion}};
 }
 
 void require(bool good, const std::string& what) {
@@ -73,15 +77,19 @@ Eigen::MatrixXd matrix(const json& rows, Eigen::Index height, Eigen::Index width
   return result;
 }
 
-PinholeCamera camera_from(const json& value) {
-  PinholeCamera camera;
+Camera camera_from(const json& value) {
+  Camera camera;
   camera.width = image_size(value.at("width"));
   camera.height = image_size(value.at("height"));
   const auto intrinsics = numbers(value.at("intrinsics_px"), 4);
-  const auto distortion = numbers(value.at("distortion_k1_k2_p1_p2_k3"), 5);
+  const std::string lens = value.at("lens");
+  require(lens_of(lens).has_value(), fmt::format("there is no lens '{}'", lens));
+  camera.lens = *lens_of(lens);
   camera.fx = intrinsics[0], camera.fy = intrinsics[1];
   camera.cx = intrinsics[2], camera.cy = intrinsics[3];
-  camera.distortion = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(distortion.data());
+  const auto names = coefficient_names(camera.lens);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    camera.distortion[static_cast<Eigen::Index>(i)] = number(value.at("distortion").at(names[i]));
   require(camera.fx > 0.0 && camera.fy > 0.0, "a focal length is not positive");
   return camera;
 }
@@ -100,7 +108,8 @@ Eigen::Isometry3d isometry_from(const json& value) {
 }  // namespace
 
 RgbdCalibration calibration_from_json(const json& value) {
-  require(value.at("schema") == schema, fmt::format("its schema is not {}", schema));
+  require(value.at("schema") == calibration_schema,
+          fmt::format("its schema is not {}", calibration_schema));
   RgbdCalibration c;
   c.color = camera_from(value.at("color"));
   if (!value.at("depth").is_null()) c.depth = camera_from(value.at("depth"));
@@ -108,6 +117,9 @@ RgbdCalibration calibration_from_json(const json& value) {
   c.depth_scale = number(value.at("depth_scale"));
   require(c.depth_scale > 0.0, "depth_scale is not positive");
   c.depth_offset_m = number(value.at("depth_offset_m"));
+  c.depth_delay_s = number(value.at("depth_delay_s"));
+  const auto warp_m = numbers(value.at("board_warp_m"), 2);
+  c.board_warp_m = {warp_m[0], warp_m[1]};
   c.rms_px = number(value.at("rms_px"));
   c.depth_rms_m = number(value.at("depth_rms_m"));
   c.parameters = value.at("parameters").get<std::vector<std::string>>();
@@ -118,12 +130,14 @@ RgbdCalibration calibration_from_json(const json& value) {
 }
 
 json calibration_json(const RgbdCalibration& c) {
-  return {{"schema", schema},
+  return {{"schema", calibration_schema},
           {"color", camera_json(c.color)},
           {"depth", c.depth ? camera_json(*c.depth) : json()},
           {"depth_from_color", matrix_json(c.depth_from_color.matrix())},
           {"depth_scale", c.depth_scale},
           {"depth_offset_m", c.depth_offset_m},
+          {"depth_delay_s", c.depth_delay_s},
+          {"board_warp_m", c.board_warp_m},
           {"rms_px", c.rms_px},
           {"depth_rms_m", c.depth_rms_m},
           {"parameters", c.parameters},

@@ -1,10 +1,18 @@
 #pragma once
 
-#include <map>
+#include <string>
 
 #include "calib/rgbd/board_problem.h"
 
 namespace touchtrace {
+
+/// One lens tried on the corners.
+struct LensTrial {
+  std::string name;  ///< lens_name(); "none": no radial coefficients
+  double bic = 0.0;  ///< relative to the best; infinite if nothing converged
+  /// Coefficients that the data cannot tell, with the reason; they stay 0.
+  std::vector<std::pair<std::string, std::string>> removed;
+};
 
 /// The colour camera alone.
 struct ColorFit {
@@ -12,16 +20,20 @@ struct ColorFit {
   std::vector<bool> used;        ///< [views]; outlier views are left out
   std::vector<int> free_color;   ///< as BoardProblem::free_color
   double corner_sigma_px = 0.0;  ///< noise of a corner's coordinate
-  int radial_coefficients = 0;   ///< 0, 2: k1 k2, 3: and k3
-  std::map<int, double> bic;     ///< by number of radial coefficients, relative to the best
+  std::string chosen;            ///< name of a trial
+  std::vector<LensTrial> trials;
   bool converged = false;
 };
 
-/// Robust fit, outlier views out, then the best number of radial coefficients of `radial_choices`
-/// (0, 2 or 3) by the Bayesian information criterion. The tangential coefficients stay free under
-/// their prior: set to zero they would turn every pose, with a covariance that does not know it.
-ColorFit fit_color(const BoardObservations& observations, const Prior& prior,
-                   const std::vector<int>& radial_choices);
+/// Robust fit of the views in `usable`, outlier views out, then the lens of `names` (all if empty)
+/// that the Bayesian information criterion prefers; a later one must be better by 2, one of the
+/// other kind (perspective, fisheye) by 10. Coefficients
+/// that the data do not tell are removed from the last on and the rest fitted anew.
+///
+/// "none" and the radial-tangential lenses keep tangential coefficients free under their prior: set
+/// to zero they would turn every pose, with a covariance that does not know it.
+ColorFit fit_color(const BoardObservations& observations, const std::vector<bool>& usable,
+                   const std::vector<std::string>& names);
 
 /// Noise of a corner's coordinate [px] from the residuals of the used views and the degrees of
 /// freedom.
@@ -30,5 +42,9 @@ double corner_noise_px(const BoardObservations& observations, const std::vector<
 
 /// RMS over corners of the residual's length [px], as OpenCV reports it; 0 without residuals.
 double rms(const std::vector<Eigen::Vector2d>& residuals);
+
+/// That over the corners of the used views.
+double rms_of_used(const BoardObservations& observations, const std::vector<bool>& used,
+                   const RgbdParameters& parameters);
 
 }  // namespace touchtrace

@@ -1,59 +1,118 @@
 #pragma once
 
+#include <ceres/jet.h>
 #include <ceres/rotation.h>
+#include <ceres/sized_cost_function.h>
 
 #include <Eigen/Core>
-#include <cmath>
+#include <Eigen/Geometry>
+#include <array>
 
-#include "calib/camera/pinhole.h"
+#include "calib/camera/lens.h"
+#include "calib/rgbd/board_problem.h"
+#include "calib/rgbd/rotation.h"
 
 namespace touchtrace {
 
-/// Pixels, projected minus measured, in units of sigma.
-struct CornerError {
-  Eigen::Vector3d corner_m;
-  Eigen::Vector2d measured_px;
-  double sigma_px;
+/// One corner's pixel through the lens L, projected minus measured, in units of sigma. Parameters:
+/// intrinsics, camera_from_board, the board's warp. The lens is differentiated automatically, what
+/// is before it by hand.
+template <class L>
+class CornerCost final
+    : public ceres::SizedCostFunction<2, 4 + static_cast<int>(L::coefficients.size()), 6, 2> {
+ public:
+  CornerCost(const Eigen::Vector3d& flat_m, const Eigen::Vector2d& warp_shape,
+             const Eigen::Vector2d& measured_px, double sigma_px)
+      : flat_m_(flat_m), warp_shape_(warp_shape), measured_px_(measured_px), sigma_px_(sigma_px) {}
 
-  template <class T>
-  bool operator()(const T* color, const T* camera_from_board, T* residual) const {
-    const Eigen::Matrix<T, 3, 1> corner = corner_m.cast<T>();
-    Eigen::Matrix<T, 3, 1> p;
-    ceres::AngleAxisRotatePoint(camera_from_board, corner.data(), p.data());
-    p += Eigen::Map<const Eigen::Matrix<T, 3, 1>>(camera_from_board + 3);
-    if (!(p.z() > T(0))) return false;
-    Eigen::Map<Eigen::Matrix<T, 2, 1>> error(residual);
-    error = (project_point(color, p) - measured_px.cast<T>()) / T(sigma_px);
+  bool Evaluate(double const* const* parameters, double* residual,
+                double** jacobians) const override {
+    const double *color = parameters[0], *pose = parameters[1];
+    const Eigen::Map<const Eigen::Vector3d> turn(pose), shift(pose + 3);
+    const Eigen::Matrix3d rotation = rotation_matrix(turn);
+    Eigen::Vector3d on_board = flat_m_;
+    on_board.z() += warp_shape_.dot(Eigen::Map<const Eigen::Vector2d>(parameters[2]));
+    const Eigen::Vector3d turned = rotation * on_board, p = turned + shift;
+    if (!L::sees(p)) return false;
+    std::array<Jet, coefficients> k;
+    for (int i = 0; i < coefficients; ++i) k[std::size_t(i)] = Jet(color[4 + i], 3 + i);
+    const Vector2<Jet> bent =
+        L::bend(k.data(), L::spread(Vector3<Jet>(Jet(p.x(), 0), Jet(p.y(), 1), Jet(p.z(), 2))));
+    for (int axis = 0; axis < 2; ++axis)
+      residual[axis] =
+          (color[axis] * bent[axis].a + color[2 + axis] - measured_px_[axis]) / sigma_px_;
+    if (jacobians != nullptr) differentiate(color, turn, rotation, turned, bent, jacobians);
     return true;
   }
+
+ private:
+  static constexpr int coefficients = static_cast<int>(L::coefficients.size());
+  using Jet = ceres::Jet<double, 3 + coefficients>;
+
+  void differentiate(const double* color, const Eigen::Vector3d& turn,
+                     const Eigen::Matrix3d& rotation, const Eigen::Vector3d& turned,
+                     const Vector2<Jet>& bent, double** jacobians) const {
+    Eigen::Matrix<double, 2, 3> by_point;
+    for (int axis = 0; axis < 2; ++axis)
+      by_point.row(axis) = color[axis] / sigma_px_ * bent[axis].v.template head<3>().transpose();
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 4 + coefficients, Eigen::RowMajor>> by_color(
+          jacobians[0]);
+      by_color.setZero();
+      for (int axis = 0; axis < 2; ++axis) {
+        by_color(axis, axis) = bent[axis].a / sigma_px_;
+        by_color(axis, 2 + axis) = 1.0 / sigma_px_;
+        by_color.row(axis).template tail<coefficients>() =
+            color[axis] / sigma_px_ * bent[axis].v.template tail<coefficients>().transpose();
+      }
+    }
+    if (jacobians[1] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> by_pose(jacobians[1]);
+      by_pose.leftCols<3>() = -by_point * cross_matrix(turned) * left_jacobian(turn);
+      by_pose.rightCols<3>() = by_point;
+    }
+    if (jacobians[2] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>> by_warp(jacobians[2]);
+      by_warp = by_point * rotation.col(2) * warp_shape_.transpose();
+    }
+  }
+
+  Eigen::Vector3d flat_m_;
+  Eigen::Vector2d warp_shape_, measured_px_;
+  double sigma_px_;
 };
 
-/// Depth of the board's plane along the ray of depth pixel `pixel`; `depth`: fx fy cx cy.
+/// Depth of the board along the ray of the sample's pixel; `depth`: fx fy cx cy.
 template <class T>
-T plane_depth(const Eigen::Vector2d& pixel, const T* camera_from_board, const T* depth_from_color,
-              const T* depth) {
-  using Vector = Eigen::Matrix<T, 3, 1>;
-  const Vector board_normal(T(0), T(0), T(1));
-  Vector color_normal, normal, origin;
+T board_depth(const DepthSample& sample, const T* camera_from_board, const T* depth_from_color,
+              const T* depth, const T* warp_m, const T& delay_s) {
+  const Vector3<T> board_normal(T(0), T(0), T(1));
+  Vector3<T> color_normal, normal, origin;
   ceres::AngleAxisRotatePoint(camera_from_board, board_normal.data(), color_normal.data());
+  const T later_s = delay_s + T(sample.motion.depth_after_color_s);
+  color_normal += later_s * sample.motion.angular_rad_s.cast<T>().cross(color_normal).eval();
+  const Vector3<T> color_origin = Eigen::Map<const Vector3<T>>(camera_from_board + 3) +
+                                  later_s * sample.motion.linear_m_s.cast<T>();
   ceres::AngleAxisRotatePoint(depth_from_color, color_normal.data(), normal.data());
-  ceres::AngleAxisRotatePoint(depth_from_color, camera_from_board + 3, origin.data());
-  origin += Eigen::Map<const Vector>(depth_from_color + 3);
-  const Vector ray((T(pixel.x()) - depth[2]) / depth[0], (T(pixel.y()) - depth[3]) / depth[1],
-                   T(1));
-  return normal.dot(origin) / normal.dot(ray);
+  ceres::AngleAxisRotatePoint(depth_from_color, color_origin.data(), origin.data());
+  origin += Eigen::Map<const Vector3<T>>(depth_from_color + 3);
+  const Vector3<T> ray((T(sample.pixel.x()) - depth[2]) / depth[0],
+                       (T(sample.pixel.y()) - depth[3]) / depth[1], T(1));
+  const T warp = T(sample.warp_shape.x()) * warp_m[0] + T(sample.warp_shape.y()) * warp_m[1];
+  return (normal.dot(origin) + warp) / normal.dot(ray);
 }
 
 /// Measured depth, model minus measurement, in units of sigma; `correction`: scale, offset.
 struct DepthError {
-  Eigen::Vector2d pixel;
-  double measured_m, sigma_m;
+  DepthSample sample;
 
   template <class T>
   bool operator()(const T* camera_from_board, const T* depth_from_color, const T* depth,
-                  const T* correction, T* residual) const {
-    const T plane = plane_depth(pixel, camera_from_board, depth_from_color, depth);
-    residual[0] = ((plane - correction[1]) / correction[0] - T(measured_m)) / T(sigma_m);
+                  const T* correction, const T* warp_m, const T* delay_s, T* residual) const {
+    const T surface =
+        board_depth(sample, camera_from_board, depth_from_color, depth, warp_m, *delay_s);
+    residual[0] =
+        ((surface - correction[1]) / correction[0] - T(sample.measured_m)) / T(sample.sigma_m);
     return true;
   }
 };

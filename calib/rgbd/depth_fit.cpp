@@ -55,19 +55,20 @@ double board_area_px(const Chessboard& board, const BoardPlane& plane) {
   return 4.0 * centre.x() * centre.y() * plane.camera[0] * plane.camera[1] / (depth * depth);
 }
 
-/// The block's pixels that are on the board; none if one of them is off it.
+/// The block's pixels that are on the board; none if one of them is off it. Inverse depth is what
+/// is linear over a plane's image.
 struct BlockMean {
-  Eigen::Vector2d pixel_sum = Eigen::Vector2d::Zero();
-  double depth_sum = 0.0;
+  Eigen::Vector2d pixel_sum = Eigen::Vector2d::Zero(), board_sum_m = Eigen::Vector2d::Zero();
+  double inverse_sum = 0.0;
   int count = 0;
   bool whole = true;
 
-  void add(const Eigen::Vector2d& pixel, double measured_m, bool inside, double expected_m) {
+  void add(const Eigen::Vector2d& pixel, double measured_m, bool inside,
+           const Eigen::Vector3d& hit) {
     whole = whole && inside;
-    if (!inside || !(measured_m > 0.0) ||
-        std::abs(measured_m - expected_m) > plane_gate * expected_m)
+    if (!inside || !(measured_m > 0.0) || std::abs(measured_m - hit.z()) > plane_gate * hit.z())
       return;
-    pixel_sum += pixel, depth_sum += measured_m, ++count;
+    pixel_sum += pixel, board_sum_m += hit.head<2>(), inverse_sum += 1.0 / measured_m, ++count;
   }
 };
 
@@ -80,7 +81,7 @@ BlockMean block_mean(const BoardObservations& o, std::size_t view, const BoardPl
       const Eigen::Vector3d hit = plane.hit(pixel);
       const auto index = static_cast<std::size_t>(y) * static_cast<std::size_t>(o.width) +
                          static_cast<std::size_t>(x);
-      mean.add(pixel, o.views[view].depth_m[index], on_board(o.board, hit, extent), hit.z());
+      mean.add(pixel, o.views[view].depth_m[index], on_board(o.board, hit, extent), hit);
     }
   return mean;
 }
@@ -112,9 +113,10 @@ void add_samples(const BoardObservations& o, std::size_t view, const RgbdParamet
     for (int x = box.min().x(); x + size <= box.max().x() + 1; x += size) {
       const BlockMean mean = block_mean(o, view, plane, extent, x, y, size);
       if (!mean.whole || 2 * mean.count < size * size) continue;
-      const double depth = mean.depth_sum / mean.count;
-      samples.push_back(
-          {view, mean.pixel_sum / mean.count, depth, DepthNoise{}.effective_sigma_m(depth)});
+      const double depth = mean.count / mean.inverse_sum;
+      samples.push_back({view, mean.pixel_sum / mean.count, depth,
+                         DepthNoise{}.effective_sigma_m(depth),
+                         o.board.warp_shape(mean.board_sum_m / mean.count)});
     }
 }
 
@@ -147,6 +149,11 @@ DepthNoise most_likely_noise(const std::vector<double>& residuals,
 
 double DepthNoise::effective_sigma_m(double depth_m) const {
   return sigma_at_1m * std::pow(depth_m, exponent) * std::sqrt(inflation);
+}
+
+Eigen::Vector3d board_hit(const Eigen::Vector2d& pixel, std::size_t view,
+                          const RgbdParameters& parameters) {
+  return board_plane(view, parameters).hit(pixel);
 }
 
 bool has_depth(const BoardObservations& observations) {
@@ -185,7 +192,7 @@ DepthNoise weigh_samples(std::vector<DepthSample>& samples, const RgbdParameters
   });
   const auto residuals = residuals_of(samples, parameters);
   std::vector<double> depths;
-  for (const auto& s : samples) depths.push_back(plane_depth_m(s.pixel, s.view, parameters));
+  for (const auto& s : samples) depths.push_back(board_depth_m(s, parameters));
   DepthNoise noise = most_likely_noise(residuals, depths);
   for (std::size_t i = 0; i < samples.size(); ++i)
     normalized[i] = residuals[i] / noise.effective_sigma_m(depths[i]);

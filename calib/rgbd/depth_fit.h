@@ -27,6 +27,11 @@ std::vector<DepthSample> depth_samples(const BoardObservations& observations,
                                        const std::vector<bool>& used,
                                        const RgbdParameters& parameters, double extent);
 
+/// Where the ray of a depth pixel meets the flat board: x, y on the board, then the depth in the
+/// depth camera's frame [m].
+Eigen::Vector3d board_hit(const Eigen::Vector2d& pixel, std::size_t view,
+                          const RgbdParameters& parameters);
+
 /// Noise from the residuals; also drops the samples beyond 4 sigma and sets every sample's sigma_m.
 /// Until the poses are settled with the depth, what a whole view has in common counts as their
 /// error.

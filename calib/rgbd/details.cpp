@@ -51,7 +51,15 @@ json view_details(const CalibrationResult& r) {
 json outlier_views(const CalibrationResult& r) {
   json names = json::array();
   for (std::size_t view = 0; view < r.problem.used.size(); ++view)
-    if (!r.problem.used[view]) names.push_back(r.problem.observations.views[view].name);
+    if (!r.problem.used[view] && r.different[view])
+      names.push_back(r.problem.observations.views[view].name);
+  return names;
+}
+
+json duplicate_views(const CalibrationResult& r) {
+  json names = json::array();
+  for (std::size_t view = 0; view < r.different.size(); ++view)
+    if (!r.different[view]) names.push_back(r.problem.observations.views[view].name);
   return names;
 }
 
@@ -60,6 +68,7 @@ std::vector<double> prior_sigmas(const BoardProblem& problem) {
   std::vector<double> sigmas;
   for (int i : problem.free_color)
     sigmas.push_back(problem.prior.color_sigma[static_cast<std::size_t>(i)]);
+  sigmas.insert(sigmas.end(), 2, problem.prior.warp_sigma_m);
   if (problem.samples.empty()) return sigmas;
   const auto append = [&](const auto& values) {
     sigmas.insert(sigmas.end(), values.begin(), values.end());
@@ -67,6 +76,7 @@ std::vector<double> prior_sigmas(const BoardProblem& problem) {
   append(problem.prior.pose_sigma);
   append(problem.prior.depth_sigma);
   append(problem.prior.correction_sigma);
+  if (problem.free_delay) sigmas.push_back(problem.prior.delay_sigma_s);
   return sigmas;
 }
 
@@ -98,10 +108,17 @@ json depth(const CalibrationResult& r) {
           {"bias_sigma_at_1m", depth_bias_deviation_m(r.calibration, 1.0)}};
 }
 
-json bic(const ColorFit& color) {
-  json values = json::object();
-  for (const auto& [radial, value] : color.bic) values[std::to_string(radial)] = value;
-  return values;
+json lenses(const ColorFit& color) {
+  json list = json::array();
+  for (const auto& trial : color.trials) {
+    json removed = json::array();
+    for (const auto& [parameter, why] : trial.removed)
+      removed.push_back({{"parameter", parameter}, {"why", why}});
+    list.push_back({{"name", trial.name},
+                    {"bic", std::isfinite(trial.bic) ? json(trial.bic) : json()},
+                    {"removed", removed}});
+  }
+  return list;
 }
 
 }  // namespace
@@ -111,13 +128,14 @@ json calibration_details(const CalibrationResult& r) {
   const Verdict verdict = judge(r.calibration, used);
   return {{"verdict", grade_name(verdict.grade)},
           {"advice", verdict.advice},
-          {"radial_coefficients", r.color.radial_coefficients},
-          {"radial_bic", bic(r.color)},
+          {"lens", r.color.chosen},
+          {"lenses", lenses(r.color)},
           {"corner_sigma_px", r.problem.corner_sigma_px},
           {"sigmas", sigmas(r.calibration)},
           {"not_told", not_told(r)},
           {"views", view_details(r)},
           {"outlier_views", outlier_views(r)},
+          {"duplicate_views", duplicate_views(r)},
           {"views_without_board", r.problem.observations.views_without_board},
           {"depth", depth(r)}};
 }

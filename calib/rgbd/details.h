@@ -14,15 +14,16 @@ struct CalibrationResult {
   const RgbdCalibration& calibration;
   const ColorFit& color;
   const DepthNoise& noise;
+  const std::vector<bool>& different;  ///< [views]; false for one that repeats another
 };
 
 /// RgbdCalibration::details:
 ///     verdict "GOOD" | "WEAK" | "BAD", advice [..]
-///     radial_coefficients, radial_bic {"0", "2", "3"} relative to the best, corner_sigma_px
-///     sigmas {parameter: deviation}, not_told [{parameter, sigma, prior_sigma}]
+///     lens, lenses [{name, bic relative to the best, removed [{parameter, why}..]}..],
+///     corner_sigma_px, sigmas {parameter: deviation}, not_told [{parameter, sigma, prior_sigma}]
 ///     views [{name, used, rms_px, corners_px [[u, v]..], residuals_px [[du, dv]..], depth_rms_m,
-///     depth_bias_m}] outlier_views [..], views_without_board [..] depth {samples, sigma_at_1m,
-///     exponent, inflation, bias_sigma_at_1m}, null for colour only
+///     depth_bias_m}] outlier_views [..], duplicate_views [..], views_without_board [..] depth
+///     {samples, sigma_at_1m, exponent, inflation, bias_sigma_at_1m}, null for colour only
 /// Residuals are measured minus projected; depth_bias_m is the mean of model minus measured.
 nlohmann::json calibration_details(const CalibrationResult& result);
 

@@ -55,35 +55,64 @@ json parsed(std::string text) {
   return JsonOfYaml().convert(YAML::Load(text));
 }
 
-json camera(const json& width, const json& height, const json& intrinsics, json distortion) {
-  require_foreign(distortion.is_array() &&
-                      (distortion.empty() || distortion.size() == 4 || distortion.size() == 5),
-                  "its distortion does not have 0, 4 or 5 coefficients");
-  while (distortion.size() < 5) distortion.push_back(0.0);
-  return {{"width", width},
-          {"height", height},
-          {"intrinsics_px", intrinsics},
-          {"distortion_k1_k2_p1_p2_k3", distortion}};
+/// The simplest lens that can hold the coefficients and that `fits` takes.
+template <class Fits>
+json camera(const json& width, const json& height, const json& intrinsics, const json& distortion,
+            Fits&& fits) {
+  const std::vector<double> values = distortion;
+  for (const Lens& lens : all_lenses()) {
+    const auto names = coefficient_names(lens);
+    if (!fits(lens)) continue;
+    if (std::any_of(values.begin() + std::min(names.size(), values.size()), values.end(),
+                    [](double value) { return value != 0.0; }))
+      continue;
+    json coefficients = json::object();
+    for (std::size_t i = 0; i < names.size(); ++i)
+      coefficients[names[i]] = i < values.size() ? values[i] : 0.0;
+    return {{"width", width},
+            {"height", height},
+            {"lens", lens_name(lens)},
+            {"intrinsics_px", intrinsics},
+            {"distortion", coefficients}};
+  }
+  throw std::invalid_argument("it has a lens that touchtrace does not know");
 }
 
-/// camera_info and cv::FileStorage agree in what they call things.
+bool has_lens(const std::string& name, const char* ForeignLens::*program) {
+  return std::ranges::any_of(all_lenses(), [&](const Lens& lens) {
+    const char* known = foreign_lens(lens).*program;
+    return known != nullptr && name == known;
+  });
+}
+
+/// camera_info names the lens; cv::FileStorage says at most that it is a fisheye.
 json camera_of_matrices(const json& y) {
-  require_foreign(y.value("distortion_model", "plumb_bob") == "plumb_bob",
-                  "its distortion model is not plumb_bob");
+  const bool fisheye = y.value("fisheye_model", 0.0) != 0.0;
+  const std::string model = y.value("distortion_model", "");
+  require_foreign(model.empty() || has_lens(model, &ForeignLens::ros),
+                  fmt::format("its distortion model is '{}'", model));
   const json& k = y.at("camera_matrix").at("data");
   require_foreign(k.is_array() && k.size() == 9 && k[1] == 0.0, "its camera matrix is none");
   return camera(y.at("image_width"), y.at("image_height"), {k[0], k[4], k[2], k[5]},
-                y.at("distortion_coefficients").at("data"));
+                y.at("distortion_coefficients").at("data"), [&](const Lens& lens) {
+                  return model.empty() ? is_perspective(lens) != fisheye
+                                       : model == foreign_lens(lens).ros;
+                });
 }
 
 json camera_of_camchain(const json& y) {
   require_foreign(y.at("camera_model") == "pinhole", "its camera model is not pinhole");
-  const std::string model = y.at("distortion_model");
-  require_foreign(model == "radtan" || model == "none",
-                  "its distortion model is neither radtan nor none");
+  const bool none = y.at("distortion_model") == "none";
+  const std::string model = none ? "radtan" : y.at("distortion_model").get<std::string>();
+  require_foreign(has_lens(model, &ForeignLens::kalibr),
+                  fmt::format("its distortion model is '{}'", model));
   const json& size = y.at("resolution");
-  return camera(size.at(0), size.at(1), y.at("intrinsics"),
-                model == "none" ? json::array() : y.at("distortion_coeffs"));
+  const json coefficients = none ? json::array() : y.at("distortion_coeffs");
+  require_foreign(none || coefficients.size() == 4, "it does not have four coefficients");
+  return camera(size.at(0), size.at(1), y.at("intrinsics"), coefficients, [&](const Lens& lens) {
+    const char* name = foreign_lens(lens).kalibr;
+    return name != nullptr && model == name;
+  });
 }
 
 json identity() {
@@ -96,12 +125,14 @@ json document_of(const json& y) {
   const bool chain = y.contains("cam0"), pair = y.contains("cam1");
   require_foreign(chain || y.contains("camera_matrix"),
                   "it is neither a camera_info nor a cv::FileStorage nor a camchain");
-  return {{"schema", "touchtrace/calibration/1"},
+  return {{"schema", calibration_schema},
           {"color", chain ? camera_of_camchain(y.at("cam0")) : camera_of_matrices(y)},
           {"depth", pair ? camera_of_camchain(y.at("cam1")) : json()},
           {"depth_from_color", pair ? y.at("cam1").at("T_cn_cnm1") : identity()},
           {"depth_scale", 1.0},
           {"depth_offset_m", 0.0},
+          {"depth_delay_s", 0.0},
+          {"board_warp_m", {0.0, 0.0}},
           {"rms_px", 0.0},
           {"depth_rms_m", 0.0},
           {"parameters", json::array()},
@@ -110,48 +141,56 @@ json document_of(const json& y) {
 }
 
 struct FourCoefficients {
-  std::array<double, 4> values;  ///< k1 k2 p1 p2
-  double worst_px;
+  std::string model;
+  std::array<double, 4> values;
+  double worst_px = 0.0;
 };
 
-/// The distortion is linear in its coefficients: least squares over the rays of a grid of pixels.
-FourCoefficients without_k3(const PinholeCamera& c) {
-  FourCoefficients four{{c.distortion[0], c.distortion[1], c.distortion[2], c.distortion[3]}, 0.0};
-  if (c.distortion[4] == 0.0) return four;
+/// Radtan's k1 k2 p1 p2 that bend rays most as the camera's lens does: the distortion is linear in
+/// them, so least squares over the rays of a grid of pixels.
+FourCoefficients nearest_radtan(const Camera& c) {
   constexpr int cells = 20;
   Eigen::MatrixX4d design = Eigen::MatrixX4d::Zero(2 * (cells + 1) * (cells + 1), 4);
-  Eigen::VectorXd left_out = Eigen::VectorXd::Zero(design.rows());
+  Eigen::VectorXd bent = Eigen::VectorXd::Zero(design.rows());
   Eigen::Index row = 0;
   for (int i = 0; i <= cells; ++i)
     for (int j = 0; j <= cells; ++j, row += 2) {
-      const Eigen::Vector3d ray =
-          c.unproject({(c.width - 1.0) * i / cells, (c.height - 1.0) * j / cells});
+      const Eigen::Vector2d pixel((c.width - 1.0) * i / cells, (c.height - 1.0) * j / cells);
+      const Eigen::Vector3d ray = c.unproject(pixel);
       if (!ray.allFinite()) continue;  // no lens looks there
       const double x = ray.x(), y = ray.y(), r2 = x * x + y * y;
       design.row(row) << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x;
       design.row(row + 1) << y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y;
-      left_out.segment<2>(row) = c.distortion[4] * r2 * r2 * r2 * ray.head<2>();
+      bent.segment<2>(row) << (pixel.x() - c.cx) / c.fx - x, (pixel.y() - c.cy) / c.fy - y;
     }
-  const Eigen::Vector4d change = design.colPivHouseholderQr().solve(left_out);
-  for (int i = 0; i < 4; ++i) four.values[static_cast<std::size_t>(i)] += change[i];
-  const Eigen::VectorXd error = design * change - left_out;
+  const Eigen::Vector4d k = design.colPivHouseholderQr().solve(bent);
+  const Eigen::VectorXd error = design * k - bent;
+  FourCoefficients four{"radtan", {k[0], k[1], k[2], k[3]}};
   for (row = 0; row < error.size(); row += 2)
     four.worst_px = std::max(four.worst_px, std::hypot(c.fx * error[row], c.fy * error[row + 1]));
   return four;
 }
 
-std::string camchain_entry(const char* name, const char* topic, const PinholeCamera& c) {
-  const FourCoefficients four = without_k3(c);
+FourCoefficients four_coefficients(const Camera& c) {
+  const auto& d = c.distortion;
+  const char* model = foreign_lens(c.lens).kalibr;
+  if (model == nullptr && d.tail<4>().isZero(0.0)) model = "radtan";
+  return model != nullptr ? FourCoefficients{model, {d[0], d[1], d[2], d[3]}} : nearest_radtan(c);
+}
+
+std::string camchain_entry(const char* name, const char* topic, const Camera& c) {
+  const FourCoefficients four = four_coefficients(c);
   const auto& d = four.values;
   std::string text = fmt::format("{}:\n", name);
-  if (c.distortion[4] != 0.0)
-    text += fmt::format("  # k3 = {:#} is made up for by the others to {:.3f} px in the image\n",
-                        c.distortion[4], four.worst_px);
+  if (four.worst_px > 0.0)
+    text += fmt::format("  # {} is made up for by four coefficients to {:.3f} px in the image\n",
+                        lens_name(c.lens), four.worst_px);
   return text + fmt::format(
                     "  camera_model: pinhole\n  intrinsics: [{:#}, {:#}, {:#}, {:#}]\n"
-                    "  distortion_model: radtan\n  distortion_coeffs: [{:#}, {:#}, {:#}, {:#}]\n"
+                    "  distortion_model: {}\n  distortion_coeffs: [{:#}, {:#}, {:#}, {:#}]\n"
                     "  resolution: [{}, {}]\n  rostopic: {}\n",
-                    c.fx, c.fy, c.cx, c.cy, d[0], d[1], d[2], d[3], c.width, c.height, topic);
+                    c.fx, c.fy, c.cx, c.cy, four.model, d[0], d[1], d[2], d[3], c.width, c.height,
+                    topic);
 }
 
 }  // namespace
@@ -167,12 +206,14 @@ std::string camchain_yaml(const RgbdCalibration& calibration) {
   return text;
 }
 
-std::string file_storage_yaml(const PinholeCamera& c) {
+std::string file_storage_yaml(const Camera& c) {
   cv::FileStorage storage(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
   const cv::Matx33d camera_matrix(c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0);
-  const cv::Mat distortion(5, 1, CV_64F, const_cast<double*>(c.distortion.data()));
+  const cv::Mat distortion(foreign_lens(c.lens).coefficients, 1, CV_64F,
+                           const_cast<double*>(c.distortion.data()));
   storage << "image_width" << c.width << "image_height" << c.height;
   storage << "camera_matrix" << cv::Mat(camera_matrix) << "distortion_coefficients" << distortion;
+  storage << "fisheye_model" << int(!is_perspective(c.lens));
   return storage.releaseAndGetString();
 }
 

@@ -2,10 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/calib3d.hpp>
+
+#include "calib/camera/camera.h"
+#include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/lens_choice.h"
+#include "calib/rgbd/statistics.h"
 
 namespace touchtrace {
 namespace {
+
+/// Over the width: a fisheye of 180 degrees across has 0.32.
+constexpr double fisheye_focal_lengths[] = {0.2, 0.25, 0.32, 0.4, 0.5, 0.65, 0.8, 1.0};
+constexpr double widest_tangent = 6.0;  ///< 80 degrees: beyond it a ray says little of a pose
 
 std::vector<cv::Point3f> board_points(const BoardView& view, const Chessboard& board) {
   std::vector<cv::Point3f> points;
@@ -30,36 +40,75 @@ double plausible_focal_length(double focal_px, int width) {
                                                                                       : typical_px;
 }
 
-cv::Matx33d initial_camera(const BoardObservations& observations) {
+double focal_length_of_homographies(const BoardObservations& observations) {
   std::vector<std::vector<cv::Point3f>> boards;
   std::vector<std::vector<cv::Point2f>> images;
   for (const auto& view : observations.views) {
     boards.push_back(board_points(view, observations.board));
     images.push_back(image_points(view));
   }
-  cv::Matx33d camera =
+  const cv::Matx33d camera =
       cv::initCameraMatrix2D(boards, images, {observations.width, observations.height}, 1.0);
-  camera(0, 0) = camera(1, 1) = plausible_focal_length(camera(0, 0), observations.width);
-  return camera;
+  return plausible_focal_length(camera(0, 0), observations.width);
 }
 
+/// Of the corners whose rays are not too far to the side.
 std::array<double, 6> initial_pose(const BoardView& view, const Chessboard& board,
-                                   const cv::Matx33d& camera) {
-  cv::Vec3d rotation, translation;
-  cv::solvePnP(board_points(view, board), image_points(view), camera, cv::noArray(), rotation,
-               translation, false, cv::SOLVEPNP_IPPE);
+                                   const Camera& camera) {
+  std::vector<cv::Point3f> on_board;
+  std::vector<cv::Point2f> rays;
+  const auto all = board_points(view, board);
+  for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
+    const Eigen::Vector3d ray = camera.unproject(view.corners_px[i]);
+    if (!(ray.head<2>().norm() < widest_tangent)) continue;
+    on_board.push_back(all[i]);
+    rays.emplace_back(static_cast<float>(ray.x()), static_cast<float>(ray.y()));
+  }
+  cv::Vec3d rotation, translation(0.0, 0.0, 1.0);
+  try {
+    if (rays.size() >= 4)
+      cv::solvePnP(on_board, rays, cv::Matx33d::eye(), cv::noArray(), rotation, translation, false,
+                   cv::SOLVEPNP_IPPE);
+  } catch (const cv::Exception&) {
+    return {0.0, 0.0, 0.0, 0.0, 0.0, 1.0};  // corners in a line, or such
+  }
   return {rotation[0], rotation[1], rotation[2], translation[0], translation[1], translation[2]};
+}
+
+RgbdParameters placed_by(double focal_px, const BoardObservations& o, const Lens& lens) {
+  Camera camera{.width = o.width, .height = o.height};
+  camera.lens = lens;
+  camera.fx = camera.fy = focal_px;
+  camera.cx = 0.5 * (o.width - 1), camera.cy = 0.5 * (o.height - 1);
+  RgbdParameters parameters;
+  parameters.lens = lens;
+  parameters.color = camera.parameters();
+  for (const auto& view : o.views)
+    parameters.camera_from_board.push_back(initial_pose(view, o.board, camera));
+  return parameters;
+}
+
+/// RMS of the median view: one that cannot be placed does not count.
+double typical_rms_px(const BoardObservations& o, const RgbdParameters& parameters) {
+  std::vector<double> values;
+  for (std::size_t view = 0; view < o.views.size(); ++view)
+    values.push_back(rms(corner_residuals(o, view, parameters)));
+  return median(std::move(values));
 }
 
 }  // namespace
 
-RgbdParameters initial_guess(const BoardObservations& observations) {
-  const cv::Matx33d camera = initial_camera(observations);
-  RgbdParameters parameters;
-  parameters.color = {camera(0, 0), camera(1, 1), camera(0, 2), camera(1, 2)};
-  for (const auto& view : observations.views)
-    parameters.camera_from_board.push_back(initial_pose(view, observations.board, camera));
-  return parameters;
+RgbdParameters initial_guess(const BoardObservations& o, const Lens& lens) {
+  if (is_perspective(lens)) return placed_by(focal_length_of_homographies(o), o, lens);
+  RgbdParameters best;
+  double least_px = std::numeric_limits<double>::infinity();
+  for (double over_width : fisheye_focal_lengths) {
+    RgbdParameters trial = placed_by(over_width * o.width, o, lens);
+    const double rms_px = typical_rms_px(o, trial);
+    if (best.camera_from_board.empty() || rms_px < least_px)
+      best = std::move(trial), least_px = rms_px;
+  }
+  return best;
 }
 
 }  // namespace touchtrace

@@ -9,13 +9,13 @@
 #include <thread>
 
 #include "calib/rgbd/calibrate.h"
+#include "calib/rgbd/lens_choice.h"
 #include "calib/rgbd/prior.h"
+#include "engine/base/error.h"
 #include "engine/base/progress.h"
 
 namespace touchtrace {
 namespace {
-
-constexpr Eigen::Index color_parameters = 8;
 
 struct Run {
   Eigen::VectorXd error;
@@ -33,25 +33,33 @@ double normalized_square(const Eigen::VectorXd& error, const Eigen::MatrixXd& co
   return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(error.size());
 }
 
-/// The lens is another one each time, as the prior has it: a covariance with a prior is true on
-/// average over what the prior allows.
-SimulatedBoards another_lens(const SimulatedBoards& boards, RandomStream& random) {
-  const auto& color = boards.truth.color;
-  return with_distortion(boards, {color[4], color[5], random.normal(0.0, tangential_sigma),
-                                  random.normal(0.0, tangential_sigma), color[8]});
+/// Tangential distortion and the board's warp are others each time, as the prior has them: a
+/// covariance with a prior is true on average over what the prior allows.
+SimulatedBoards as_the_prior_has_it(const SimulatedBoards& boards, RandomStream& random) {
+  std::array<double, max_coefficients> lens;
+  std::copy_n(boards.truth.color.begin() + 4, max_coefficients, lens.begin());
+  if (is_perspective(boards.truth.lens))
+    for (int i : {2, 3}) lens[static_cast<std::size_t>(i)] = random.normal(0.0, tangential_sigma);
+  const double warp_m = warp_sigma_m(boards.clean.board);
+  SimulatedBoards other = boards;
+  if (boards.clean.views.front().depth_m.empty())
+    other.truth.board_warp_m = {random.normal(0.0, warp_m), random.normal(0.0, warp_m)};
+  return seen_through(std::move(other), boards.truth.lens, lens);
 }
 
 Run run_once(const SimulatedBoards& all, int index) {
   RandomStream random(static_cast<std::uint64_t>(index), "simulated noise");
-  const SimulatedBoards boards = another_lens(all, random);
+  const SimulatedBoards boards = as_the_prior_has_it(all, random);
   const BoardObservations observations = observe(boards, random);
   const double start_s = thread_seconds();
-  const RgbdCalibration c = calibrate(observations, {.radial_coefficients = 2});
+  const RgbdCalibration c = calibrate(observations, {.lenses = {lens_name(boards.truth.lens)}});
   Run run;
   run.seconds = thread_seconds() - start_s;
   run.names = c.parameters;
   run.error = errors(c, boards.truth);
   run.nees = normalized_square(run.error, c.covariance);
+  const auto color_parameters =
+      static_cast<Eigen::Index>(intrinsic_names(boards.truth.lens).size());
   run.color_nees =
       normalized_square(run.error.head(color_parameters),
                         c.covariance.topLeftCorner(color_parameters, color_parameters));
@@ -92,15 +100,18 @@ MonteCarlo monte_carlo(const SimulatedBoards& boards, int count) {
   MonteCarlo result;
   result.runs = count;
   result.names = runs.front().names;
+  const Eigen::MatrixXd bound = cramer_rao_bound(boards);
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(runs.front().error.size());
   for (const auto& run : runs) {
+    if (run.error.size() != bound.rows())
+      throw failure("the data do not tell a parameter of the simulated lens",
+                    "simulate less noise");
     squares += run.error.cwiseAbs2() / count;
     result.nees += run.nees / count;
     result.color_nees += run.color_nees / count;
     result.solve_seconds += run.seconds / count;
   }
-  const Eigen::VectorXd ratios =
-      (squares.array() / cramer_rao_bound(boards).diagonal().array()).sqrt();
+  const Eigen::VectorXd ratios = (squares.array() / bound.diagonal().array()).sqrt();
   result.rmse_ratio.assign(ratios.begin(), ratios.end());
   return result;
 }

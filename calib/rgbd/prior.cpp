@@ -12,15 +12,23 @@ constexpr double guessed_sigma =
     0.1;  // relative, of the colour camera's intrinsics for the depth camera
 constexpr double pose_sigma_rad = 0.1, pose_sigma_m = 0.1;
 constexpr double scale_sigma = 0.05, offset_sigma_m = 0.05;
+constexpr double delay_sigma_s = 0.1;
 
 }  // namespace
 
-Prior color_prior(const BoardObservations& o) {
+double warp_sigma_m(const Chessboard& board) {
+  return warp_sigma * (board.corner_m(board.corners() - 1) - board.corner_m(0)).norm();
+}
+
+Prior color_prior(const BoardObservations& o, const Lens& lens) {
   Prior prior;
   prior.color_sigma.fill(infinity);
   prior.color_mean[2] = 0.5 * (o.width - 1), prior.color_mean[3] = 0.5 * (o.height - 1);
   prior.color_sigma[2] = prior.color_sigma[3] = centre_sigma * o.width;
-  prior.color_sigma[6] = prior.color_sigma[7] = tangential_sigma;
+  const auto names = coefficient_names(lens);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == "p1" || names[i] == "p2") prior.color_sigma[4 + i] = tangential_sigma;
+  prior.warp_sigma_m = warp_sigma_m(o.board);
   return prior;
 }
 
@@ -34,6 +42,7 @@ void add_depth_prior(const BoardObservations& o, const RgbdParameters& p, Prior&
   prior.pose_sigma = {pose_sigma_rad, pose_sigma_rad, pose_sigma_rad,
                       pose_sigma_m,   pose_sigma_m,   pose_sigma_m};
   prior.correction_sigma = {scale_sigma, offset_sigma_m};
+  prior.delay_sigma_s = delay_sigma_s;
 }
 
 }  // namespace touchtrace

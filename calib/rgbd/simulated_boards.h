@@ -15,20 +15,27 @@ struct SimulatedBoards {
          depth_sigma_at_1m = 0.003;  ///< of one pixel; grows with depth squared
 };
 
-/// A 320x240 camera with f = 305 px and `views` poses of a 9x6 board of 25 mm from 0.35 to 0.9 m.
-SimulatedBoards simulated_boards(int views, bool with_depth);
+/// A 4:3 camera with a field of 55 degrees across (f = 305 px at 320x240), radtan4, and `views`
+/// poses of a 9x6 board of 25 mm from 0.35 to 0.9 m.
+SimulatedBoards simulated_boards(int views, bool with_depth, int width = 320);
 
-/// The same views through a lens with k1 k2 p1 p2 k3.
-SimulatedBoards with_distortion(SimulatedBoards boards, const std::array<double, 5>& distortion);
+/// A fisheye of about 150 degrees across, 640x480, and `views` poses up to 60 degrees to the side.
+SimulatedBoards simulated_fisheye_boards(int views);
+
+/// The same views through another lens.
+SimulatedBoards seen_through(SimulatedBoards boards, const Lens& lens,
+                             const std::array<double, max_coefficients>& coefficients);
+/// The same views of a board that is not flat (colour only).
+SimulatedBoards warped(SimulatedBoards boards, const std::array<double, 2>& warp_m);
 
 /// One noisy realisation; also the factory's depth intrinsics get their error of 0.5 %.
 BoardObservations observe(const SimulatedBoards& boards, RandomStream& random);
 
-/// Estimate minus truth, in the order of RgbdCalibration::parameters, for two or three radial
-/// coefficients; rotation as log(R_estimate R_true').
+/// Estimate minus truth, in the order of RgbdCalibration::parameters; rotation as log(R_estimate
+/// R_true'). The lens must be the truth's.
 Eigen::VectorXd errors(const RgbdCalibration& calibration, const RgbdParameters& truth);
 
-/// The Cramer-Rao bound with k1 k2 p1 p2; the prior's information counts.
+/// The Cramer-Rao bound with all coefficients of the truth's lens; the prior's information counts.
 Eigen::MatrixXd cramer_rao_bound(const SimulatedBoards& boards);
 
 }  // namespace touchtrace

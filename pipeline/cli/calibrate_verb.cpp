@@ -15,13 +15,19 @@ struct CalibrateOptions {
   std::string recording, images, output;
   int columns = 9, rows = 6;
   double square_mm = 25.0, marker_mm = 18.0;
-  std::string markers = "none";
+  std::string markers = "none", lens = "auto";
 };
 
 std::vector<std::string> kinds_of_markers() {
   std::vector<std::string> kinds = marker_dictionaries();
   kinds.insert(kinds.begin(), "none");
   return kinds;
+}
+
+std::vector<std::string> lens_options() {
+  std::vector<std::string> names{"auto"};
+  for (const Lens& lens : all_lenses()) names.push_back(lens_name(lens));
+  return names;
 }
 
 void describe(OptionSet& set, CalibrateOptions& o) {
@@ -36,6 +42,8 @@ void describe(OptionSet& set, CalibrateOptions& o) {
              "dictionary of the markers of a ChArUco board, for --images; none: a chessboard",
              kinds_of_markers());
   set.number("marker-mm", o.marker_mm, "side of such a marker [mm]", 0.1, 1000.0);
+  set.choice("lens", o.lens, "distortion of the colour camera's lens; auto: what the views tell",
+             lens_options());
   set.path(
       "output", o.output,
       "folder for calibration.json, and camera.yaml, camera_opencv.yaml, camchain.yaml for others");
@@ -53,7 +61,7 @@ BoardObservations observe(const CalibrateOptions& o) {
 
 Provenance provenance_of(const CalibrateOptions& o, const Invocation& invocation,
                          const Stopwatch& stopwatch) {
-  auto provenance = start_provenance("touchtrace/calibration/1", "calibrate");
+  auto provenance = start_provenance(calibration_schema, "calibrate");
   provenance.options = invocation.options;
   if (!o.recording.empty()) provenance.add_input(o.recording);
   if (!o.images.empty())
@@ -81,6 +89,27 @@ void print_depth(const RgbdCalibration& c) {
       Eigen::AngleAxisd(c.depth_from_color.linear()).angle() * 180.0 / 3.14159265358979323846);
 }
 
+void print_lens(const RgbdCalibration& c) {
+  const auto& details = c.details;
+  fmt::print("lens      {}; {:.4f} px RMS", details["lens"].get<std::string>(), c.rms_px);
+  const auto& held_out = details["held_out"];
+  fmt::print(", {} px in views held out\n",
+             held_out["held_out_rms_px"].is_number()
+                 ? fmt::format("{:.4f}", held_out["held_out_rms_px"].get<double>())
+                 : "unknown");
+  for (const auto& trial : details["lenses"]) {
+    const auto& bic = trial["bic"];
+    fmt::print("          {:<10} BIC {}", trial["name"].get<std::string>(),
+               bic.is_number() ? fmt::format("{:+.1f}", bic.get<double>()) : "none");
+    for (const auto& removed : trial["removed"])
+      fmt::print("; without {}: {}", removed["parameter"].get<std::string>(),
+                 removed["why"].get<std::string>());
+    fmt::print("\n");
+  }
+  fmt::print("board     bulges by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
+             1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
+}
+
 void print_summary(const RgbdCalibration& c) {
   const auto& details = c.details;
   const auto& sigma = details["sigmas"];
@@ -89,11 +118,12 @@ void print_summary(const RgbdCalibration& c) {
       "{:.2f} px\n",
       c.color.fx, sigma["color.fx"].get<double>(), c.color.fy, sigma["color.fy"].get<double>(),
       c.color.cx, sigma["color.cx"].get<double>(), c.color.cy, sigma["color.cy"].get<double>());
-  fmt::print("lens      {} radial coefficients by BIC, 2 tangential; {:.4f} px RMS\n",
-             details["radial_coefficients"].get<int>(), c.rms_px);
+  print_lens(c);
   if (c.depth) print_depth(c);
   if (!details["outlier_views"].empty())
     fmt::print("outliers  left out: {}\n", list_of(details["outlier_views"]));
+  if (!details["duplicate_views"].empty())
+    fmt::print("twice     {}: counted once\n", list_of(details["duplicate_views"]));
   if (!details["views_without_board"].empty())
     fmt::print("no board  in {}\n", list_of(details["views_without_board"]));
   for (const auto& entry : details["not_told"])
@@ -108,7 +138,9 @@ ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
   const Stopwatch stopwatch;
   const OutputFile refuses_what_exists(std::filesystem::path(options.output) / "calibration.json",
                                        invocation.overwrite);
-  RgbdCalibration calibration = calibrate(observe(options));
+  CalibrateSettings settings{.cross_validate = true};
+  if (options.lens != "auto") settings.lenses = {options.lens};
+  RgbdCalibration calibration = calibrate(observe(options), settings);
   calibration.details["provenance"] = provenance_of(options, invocation, stopwatch);
   write_calibration(options.output, calibration, invocation.overwrite);
   if (invocation.json)

@@ -115,6 +115,7 @@ Surface Segmenter::surface_around(const RgbdFrame& frame, const Eigen::Vector3d&
                                   double radius_m) const {
   const Eigen::Vector3d center = depth_from_color_ * center_m;
   const Eigen::Vector2d middle = depth_.project(center);
+  if (!middle.allFinite()) return {};
   const double half = radius_m / center.z() * depth_.fx;
   Surface surface;
   const auto from = [](double edge) { return std::max(0, static_cast<int>(edge)); };

@@ -48,7 +48,7 @@ class Segmenter {
   bool in_picture(const Eigen::Vector3d& position_m) const;
   /// Where the depth camera stands.
   Eigen::Vector3d depth_eye_m() const { return depth_origin_m_.cast<double>(); }
-  const PinholeCamera& color_camera() const { return color_; }
+  const Camera& color_camera() const { return color_; }
 
  private:
   std::vector<std::uint8_t> mask(const RgbdFrame& frame) const;
@@ -58,7 +58,7 @@ class Segmenter {
     return depth_offset_m_ + depth_scale_ * count;
   }
 
-  PinholeCamera color_, depth_;
+  Camera color_, depth_;
   Eigen::Isometry3d depth_from_color_;
   int width_, height_;
   double depth_scale_, depth_offset_m_;  ///< metres = offset + scale * count

@@ -32,14 +32,14 @@ std::optional<Patch> Target::begin(const Surface& surface, const PixelBox& box) 
   return start ? find_patch(surface, body_, *start, radius_m_, fewest_) : std::nullopt;
 }
 
-std::optional<PixelBox> Target::track(const MaskedImage& image, const PinholeCamera& camera) {
+std::optional<PixelBox> Target::track(const MaskedImage& image, const Camera& camera) {
   if (kind_ != TrackerKind::csrt || !(expected_m().z() > 0.1)) return std::nullopt;
   const auto pixel = camera.project(expected_m());
   return tracker_.update(image, pixel.x(), pixel.y());
 }
 
 std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& image,
-                                  const PinholeCamera& camera,
+                                  const Camera& camera,
                                   const std::optional<Eigen::Vector3d>& hint_m) {
   std::vector<Eigen::Vector3d> starts{expected_m()};
   if (hint_m) starts.push_back(*hint_m);

@@ -24,8 +24,7 @@ class Target {
   /// The patch that its place and its size speak for, of those where it is expected, where the
   /// tracker has it and, if given, at `hint_m`; all must lie within the gate. One that was lost for
   /// some frames is looked for around the hint, or everywhere without one.
-  std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
-                            const PinholeCamera& camera,
+  std::optional<Patch> find(const Surface& surface, const MaskedImage& image, const Camera& camera,
                             const std::optional<Eigen::Vector3d>& hint_m);
 
   /// With an empty `box` its tracker waits until the target is seen.
@@ -45,7 +44,7 @@ class Target {
   int restarts() const { return restarts_; }
 
  private:
-  std::optional<PixelBox> track(const MaskedImage& image, const PinholeCamera& camera);
+  std::optional<PixelBox> track(const MaskedImage& image, const Camera& camera);
   std::optional<Patch> best_patch(const Surface& surface,
                                   const std::vector<Eigen::Vector3d>& starts,
                                   const std::optional<Eigen::Vector3d>& hint_m) const;

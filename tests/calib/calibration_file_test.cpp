@@ -29,12 +29,14 @@ class CalibrationFile : public ::testing::Test {
 RgbdCalibration example() {
   RgbdCalibration c;
   c.color.width = 640, c.color.height = 480;
+  c.color.lens = Radtan4{};
   c.color.set_parameters({533.1234567890123, 531.0, 342.0, 235.0, -0.28, 0.09, 1e-20, -7e-4, 0.0});
   c.depth = c.color;
   c.depth_from_color.linear() =
       Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY()).toRotationMatrix();
   c.depth_from_color.translation() << 0.025, 0.001, -0.002;
   c.depth_scale = 1.01, c.depth_offset_m = -0.003;
+  c.depth_delay_s = 0.011, c.board_warp_m = {3e-4, -1e-4};
   c.rms_px = 0.2, c.depth_rms_m = 0.004;
   c.parameters = {"color.fx", "color.fy"};
   c.covariance = Eigen::Matrix2d{{1.0, 0.1}, {0.1, 2.0}};
@@ -47,12 +49,15 @@ TEST_F(CalibrationFile, ReadsBackWhatWasWritten) {
   write_calibration(folder_, written, false);
   const auto read = read_calibration(folder_);
   EXPECT_EQ(read.color.parameters(), written.color.parameters());
+  EXPECT_EQ(lens_name(read.color.lens), "radtan4");
   EXPECT_EQ(read.color.width, 640);
   ASSERT_TRUE(read.depth.has_value());
   EXPECT_EQ(read.depth->parameters(), written.depth->parameters());
   EXPECT_EQ(read.depth_from_color.matrix(), written.depth_from_color.matrix());
   EXPECT_EQ(read.depth_scale, written.depth_scale);
   EXPECT_EQ(read.depth_offset_m, written.depth_offset_m);
+  EXPECT_EQ(read.depth_delay_s, written.depth_delay_s);
+  EXPECT_EQ(read.board_warp_m, written.board_warp_m);
   EXPECT_EQ(read.parameters, written.parameters);
   EXPECT_EQ(read.covariance, written.covariance);
   EXPECT_EQ(read.details, written.details);
@@ -100,7 +105,9 @@ TEST_F(CalibrationFile, RefusesWhatCannotBeACalibration) {
   expect_refused(folder_, "/color/width", 1e300);
   expect_refused(folder_, "/color/intrinsics_px/0", -1.0);
   expect_refused(folder_, "/color/intrinsics_px/0", nullptr);
-  expect_refused(folder_, "/color/distortion_k1_k2_p1_p2_k3", nlohmann::json::array({1.0}));
+  expect_refused(folder_, "/color/lens", "radtan3");
+  expect_refused(folder_, "/color/distortion", nlohmann::json::object({{"k1", 1.0}}));
+  expect_refused(folder_, "/color/distortion/k1", "far");
   expect_refused(folder_, "/depth_from_color/0/0", 2.0);
   expect_refused(folder_, "/depth_scale", 0.0);
   expect_refused(folder_, "/covariance", nlohmann::json::array());

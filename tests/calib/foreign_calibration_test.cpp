@@ -43,6 +43,7 @@ class ForeignCalibration : public ::testing::Test {
 RgbdCalibration rgbd_pair(double k3 = 0.0) {
   RgbdCalibration c;
   c.color.width = 640, c.color.height = 480;
+  c.color.lens = k3 == 0.0 ? Lens(Radtan4{}) : Lens(Radtan5{});
   c.color.set_parameters({533.1234567890123, 531.0, 342.0, 235.0, -0.28, 0.09, 1e-20, -7e-4, k3});
   c.depth = c.color;
   c.depth->fx = 600.5;
@@ -58,6 +59,7 @@ TEST_F(ForeignCalibration, WhatIsWrittenForOthersIsReadBackToTheBit) {
   for (const char* name : {"camera.yaml", "camera_opencv.yaml", "camchain.yaml"}) {
     const RgbdCalibration read = read_calibration(folder_ / name);
     EXPECT_EQ(read.color.parameters(), c.color.parameters()) << name;
+    EXPECT_EQ(lens_name(read.color.lens), "radtan4") << name;
     EXPECT_EQ(read.color.width, 640) << name;
     EXPECT_EQ(read.color.height, 480) << name;
     EXPECT_EQ(read.depth_scale, 1.0) << name;
@@ -81,6 +83,7 @@ TEST_F(ForeignCalibration, OpenCvReadsMatrices) {
   EXPECT_EQ(camera_matrix.at<double>(0, 0), rgbd_pair().color.fx);
   EXPECT_EQ(camera_matrix.at<double>(1, 2), rgbd_pair().color.cy);
   ASSERT_EQ(distortion.total(), 5u);
+  EXPECT_EQ(static_cast<int>(storage["fisheye_model"]), 0);
   EXPECT_EQ(distortion.at<double>(3), -7e-4);
 }
 
@@ -105,13 +108,41 @@ TEST_F(ForeignCalibration, KalibrReadsTheCamchain) {
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
-TEST_F(ForeignCalibration, FourCoefficientsMakeUpForTheFifth) {
+RgbdCalibration with_lens_of(const Lens& lens, const std::array<double, 8>& coefficients) {
+  RgbdCalibration c = rgbd_pair();
+  c.color.lens = lens;
+  c.color.distortion = Eigen::Map<const Eigen::Matrix<double, 8, 1>>(coefficients.data());
+  c.depth->lens = Undistorted{};
+  c.depth->distortion.setZero();
+  return c;
+}
+
+TEST_F(ForeignCalibration, LensesKeepTheirNames) {
+  const RgbdCalibration fisheye = with_lens_of(Fisheye4{}, {0.02, -0.015, 0.006, -0.001});
+  const RgbdCalibration rational =
+      with_lens_of(Rational8{}, {0.6, 0.1, 0.001, -0.0007, 0.01, 0.9, 0.3, 0.02});
+  for (const RgbdCalibration& c : {fisheye, rational}) {
+    write_calibration(folder_, c, true);
+    std::vector<const char*> names{"camera.yaml", "camera_opencv.yaml"};
+    if (!is_perspective(c.color.lens)) names.push_back("camchain.yaml");
+    for (const char* name : names) {
+      const RgbdCalibration read = read_calibration(folder_ / name);
+      EXPECT_EQ(lens_name(read.color.lens), lens_name(c.color.lens)) << name;
+      EXPECT_EQ(read.color.parameters(), c.color.parameters()) << name;
+    }
+    const auto depth = read_calibration(folder_ / "camchain.yaml").depth;
+    ASSERT_TRUE(depth.has_value());
+    EXPECT_EQ(lens_name(depth->lens), "none");
+  }
+}
+
+TEST_F(ForeignCalibration, FourCoefficientsMakeUpForTheRest) {
   const RgbdCalibration five = rgbd_pair(0.05);
   const std::string text = camchain_yaml(five);
   const RgbdCalibration four = read(text);
   EXPECT_EQ(four.color.distortion[4], 0.0);
   double worst_px = 0.0, dropped_px = 0.0;
-  PinholeCamera dropped = five.color;
+  Camera dropped = five.color;
   dropped.distortion[4] = 0.0;
   for (double u = 0.0; u < 640.0; u += 40.0)
     for (double v = 0.0; v < 480.0; v += 40.0) {
@@ -121,7 +152,7 @@ TEST_F(ForeignCalibration, FourCoefficientsMakeUpForTheFifth) {
       dropped_px = std::max(dropped_px, (dropped.project(ray) - Eigen::Vector2d(u, v)).norm());
     }
   EXPECT_LT(worst_px, 0.1 * dropped_px);
-  const auto at = text.find(" to ", text.find("k3"));
+  const auto at = text.find(" to ", text.find("radtan5"));
   EXPECT_LE(worst_px, std::stod(text.substr(at + 4)) + 1e-3) << text;
 }
 
@@ -141,13 +172,13 @@ TEST_F(ForeignCalibration, RefusesWhatItCannotBe) {
   expect_refused("camera_matrix: {data: [1, 2]}\n");
   expect_refused(std::string(5000, '['));
   expect_refused(std::string("\xff\xfe\x00\x01", 4));
-  expect_refused(with(chain, "radtan", "equidistant"));
+  expect_refused(with(chain, "radtan", "fov"));
   expect_refused(with(chain, "camera_model: pinhole", "camera_model: omni"));
   expect_refused(with(chain, "533.1234567890123", "-533.0"));
   expect_refused(with(chain, "533.1234567890123", ".nan"));
   expect_refused(with(chain, "[640, 480]", "[640]"));
   expect_refused(with(chain, "- [0.0, 0.0, 0.0, 1.0]", "- [0.0, 0.0, 1.0, 1.0]"));
-  expect_refused(with(info, "plumb_bob", "rational_polynomial"));
+  expect_refused(with(info, "plumb_bob", "thin_prism"));
   expect_refused(with(info, "image_width: 640", "image_width: wide"));
 }
 

@@ -19,6 +19,7 @@ using testing::TemporaryFolder;
 
 RgbdParameters parameters_of(const scene::RgbdCamera& camera) {
   RgbdParameters truth;
+  truth.lens = camera.color.lens;
   truth.color = camera.color.parameters();
   std::copy_n(camera.depth.parameters().begin(), 4, truth.depth.begin());
   const Eigen::AngleAxisd turn(camera.depth_from_color.linear());

@@ -20,8 +20,8 @@ constexpr int width = 320, height = 240;
 constexpr double ball_radius_m = 0.035, camera_rate_hz = 20.0, glove_rate_hz = 15.0, seconds = 6.0;
 const Vector3d ball_at(0.0, 0.0, 1.1), hand_from_ball(0.0, 0.07, 0.02);
 
-PinholeCamera camera() {
-  PinholeCamera result;
+Camera camera() {
+  Camera result;
   result.width = width, result.height = height;
   result.fx = result.fy = 300.0;
   result.cx = 159.5, result.cy = 119.5;

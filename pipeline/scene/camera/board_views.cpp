@@ -14,14 +14,14 @@ constexpr double largest_tilt_rad = std::numbers::pi / 4, largest_roll_rad = std
 constexpr double least_square_px = 8.0;
 constexpr int grid_columns = 4, grid_rows = 3;
 
-Eigen::Vector2d position_in_image(RandomStream& random, const PinholeCamera& camera, int view) {
+Eigen::Vector2d position_in_image(RandomStream& random, const Camera& camera, int view) {
   const int cell = view % (grid_columns * grid_rows);
   const double x = (cell % grid_columns + random.uniform()) / grid_columns;
   const double y = (cell / grid_columns + random.uniform()) / grid_rows;
   return {x * camera.width, y * camera.height};
 }
 
-Eigen::Isometry3d draw_pose(RandomStream& random, const PinholeCamera& camera, int view) {
+Eigen::Isometry3d draw_pose(RandomStream& random, const Camera& camera, int view) {
   const Eigen::Vector3d ray = camera.unproject(position_in_image(random, camera, view));
   const double direction = random.uniform(0.0, 2.0 * std::numbers::pi);
   const Eigen::Vector3d axis(std::cos(direction), std::sin(direction), 0.0);
@@ -41,14 +41,14 @@ Eigen::Vector3d square_corner(const BoardInfo& board, int column, int row) {
          Eigen::Vector3d(column - 0.5 * (board.columns + 1), row - 0.5 * (board.rows + 1), 0.0);
 }
 
-bool inside(const PinholeCamera& camera, const Eigen::Vector3d& point) {
+bool inside(const Camera& camera, const Eigen::Vector3d& point) {
   if (point.z() < 0.1) return false;
   const Eigen::Vector2d pixel = camera.project(point);
   return pixel.x() > 1.0 && pixel.y() > 1.0 && pixel.x() < camera.width - 2.0 &&
          pixel.y() < camera.height - 2.0;
 }
 
-double narrowest_square_px(const PinholeCamera& camera, const BoardInfo& board,
+double narrowest_square_px(const Camera& camera, const BoardInfo& board,
                            const Eigen::Isometry3d& pose) {
   double least = camera.width;
   for (int row : {0, board.rows})

@@ -12,9 +12,9 @@ namespace {
 constexpr double radians_per_degree = std::numbers::pi / 180.0;
 
 /// A pinhole near the middle of the image.
-PinholeCamera specimen(RandomStream& random, int width, int height, const CameraParameters& p) {
+Camera specimen(RandomStream& random, int width, int height, const CameraParameters& p) {
   const double size = static_cast<double>(width) / sensor_width_px;
-  PinholeCamera camera;
+  Camera camera;
   camera.width = width, camera.height = height;
   camera.fx = size * random.normal(p.focal_px, p.focal_deviation_px);
   camera.fy = camera.fx * random.normal(1.0, 0.001);
@@ -30,7 +30,7 @@ Eigen::Quaterniond small_rotation(RandomStream& random, double deviation_rad) {
 }
 
 /// What the depth camera's driver reports: within a thousandth, as factory calibrations are.
-std::array<double, 4> factory_intrinsics(RandomStream random, const PinholeCamera& camera) {
+std::array<double, 4> factory_intrinsics(RandomStream random, const Camera& camera) {
   constexpr double error = 1e-3;
   return {camera.fx * random.normal(1.0, error), camera.fy * random.normal(1.0, error),
           camera.cx + camera.width * random.normal(0.0, error),
@@ -62,7 +62,7 @@ nlohmann::json matrix_json(const Eigen::Matrix4d& m) {
   return rows;
 }
 
-nlohmann::json camera_json(const PinholeCamera& camera) {
+nlohmann::json camera_json(const Camera& camera) {
   const auto& k = camera.distortion;
   return {{"width", camera.width},
           {"height", camera.height},
@@ -93,9 +93,10 @@ RgbdCamera make_camera(const SceneOptions& options) {
   RandomStream random(options.seed, "camera specimen");
   RgbdCamera camera;
   camera.color = specimen(random, options.image_width, options.image_height, p);
-  camera.color.distortion << random.normal(p.k1, p.radial_deviation),
+  camera.color.lens = Radtan4{};
+  camera.color.distortion.head<4>() << random.normal(p.k1, p.radial_deviation),
       random.normal(p.k2, p.radial_deviation), random.normal(0.0, p.tangential_deviation),
-      random.normal(0.0, p.tangential_deviation), 0.0;
+      random.normal(0.0, p.tangential_deviation);
   camera.depth = specimen(random, options.image_width, options.image_height, p);
   camera.depth_from_color = depth_pose(random, p.apart_m);
   camera.color_from_world = looking_at_person(

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "calib/camera/pinhole.h"
+#include "calib/camera/camera.h"
 #include "pipeline/scene/base/scene.h"
 
 namespace touchtrace::scene {
@@ -25,7 +25,7 @@ struct DepthSensor {
 
 /// The RGBD camera as it is; what a user can only estimate.
 struct RgbdCamera {
-  PinholeCamera color, depth;
+  Camera color, depth;
   Eigen::Isometry3d color_from_world = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d depth_from_color = Eigen::Isometry3d::Identity();
   DepthSensor sensor;

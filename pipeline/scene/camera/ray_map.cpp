@@ -15,8 +15,8 @@ struct Range {
   void include(float value) { low = std::min(low, value), high = std::max(high, value); }
 };
 
-void append_region(std::vector<float>& regions, const RayMap& map, const PinholeCamera& camera,
-                   int column, int row, int rows, double margin_px) {
+void append_region(std::vector<float>& regions, const RayMap& map, const Camera& camera, int column,
+                   int row, int rows, double margin_px) {
   Range x, y;
   const int last_row = std::min(row + rows, camera.height);
   for (int v = row; v < last_row; ++v)
@@ -31,7 +31,7 @@ void append_region(std::vector<float>& regions, const RayMap& map, const Pinhole
 
 }  // namespace
 
-RayMap make_ray_map(const PinholeCamera& camera, double margin_px) {
+RayMap make_ray_map(const Camera& camera, double margin_px) {
   if (camera.width <= 0 || camera.height <= 0 || camera.width % RayMap::lanes != 0)
     throw usage_error(
         fmt::format("images of {}x{} cannot be rendered", camera.width, camera.height),

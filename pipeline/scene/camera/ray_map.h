@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "calib/camera/pinhole.h"
+#include "calib/camera/camera.h"
 
 namespace touchtrace::scene {
 
@@ -20,6 +20,6 @@ struct RayMap {
 
 /// `margin_px`: how far rays may leave their pixel's centre. Throws usage_error unless the width is
 /// a multiple of 16.
-RayMap make_ray_map(const PinholeCamera& camera, double margin_px);
+RayMap make_ray_map(const Camera& camera, double margin_px);
 
 }  // namespace touchtrace::scene

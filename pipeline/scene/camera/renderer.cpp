@@ -26,7 +26,7 @@ constexpr double largest_normal = 6.0;
 /// Direction to the lamp: above and left of the camera, behind it.
 const Eigen::Vector3d lamp_world = Eigen::Vector3d(-0.45, -0.75, 0.55).normalized();
 
-RayBuffers upload_rays(Runtime& runtime, const PinholeCamera& camera, double margin_px) {
+RayBuffers upload_rays(Runtime& runtime, const Camera& camera, double margin_px) {
   const RayMap map = make_ray_map(camera, margin_px);
   const auto upload = [&](const std::vector<float>& v) { return runtime.upload(std::span(v)); };
   return {upload(map.x),
@@ -38,7 +38,7 @@ RayBuffers upload_rays(Runtime& runtime, const PinholeCamera& camera, double mar
           {{static_cast<float>(1.0 / camera.fx), static_cast<float>(1.0 / camera.fy)}}};
 }
 
-std::size_t padded_size(const PinholeCamera& camera) {
+std::size_t padded_size(const Camera& camera) {
   return static_cast<std::size_t>(camera.width + 2 * halo_px) *
          static_cast<std::size_t>(camera.height + 2 * halo_px);
 }
@@ -56,7 +56,7 @@ void set_arguments(cl::Kernel& kernel, const Arguments&... arguments) {
 }
 
 /// Sensor pixels to one of the image.
-double sensor_px_per_px(const PinholeCamera& camera) {
+double sensor_px_per_px(const Camera& camera) {
   return static_cast<double>(sensor_width_px) / camera.width;
 }
 

@@ -1,0 +1,58 @@
+#include "calib/camera/lens.h"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+namespace touchtrace {
+
+Eigen::Vector3d Equidistant::ray(const Eigen::Vector2d& m) {
+  const double angle = m.norm();
+  if (!(angle < M_PI / 2)) {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    return {nan, nan, 1.0};
+  }
+  const double scale = angle > 0.0 ? std::tan(angle) / angle : 1.0;
+  return {scale * m.x(), scale * m.y(), 1.0};
+}
+
+std::string lens_name(const Lens& lens) {
+  return with_lens(lens, [](auto l) { return l.name; });
+}
+
+std::vector<std::string> coefficient_names(const Lens& lens) {
+  return with_lens(lens, [](auto l) {
+    return std::vector<std::string>(l.coefficients.begin(), l.coefficients.end());
+  });
+}
+
+std::vector<std::string> intrinsic_names(const Lens& lens) {
+  std::vector<std::string> names{"fx", "fy", "cx", "cy"};
+  std::ranges::copy(coefficient_names(lens), std::back_inserter(names));
+  return names;
+}
+
+std::vector<Lens> all_lenses() {
+  return []<std::size_t... i>(std::index_sequence<i...>) {
+    return std::vector<Lens>{std::variant_alternative_t<i, Lens>{}...};
+  }
+  (std::make_index_sequence<std::variant_size_v<Lens>>{});
+}
+
+ForeignLens foreign_lens(const Lens& lens) {
+  return with_lens(lens, [](auto l) { return l.foreign; });
+}
+
+bool is_perspective(const Lens& lens) {
+  return with_lens(lens, [](auto l) { return std::is_base_of_v<Perspective, decltype(l)>; });
+}
+
+std::optional<Lens> lens_of(const std::string& name) {
+  for (const Lens& lens : all_lenses())
+    if (lens_name(lens) == name) return lens;
+  return {};
+}
+
+}  // namespace touchtrace

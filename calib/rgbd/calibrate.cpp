@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/cross_validation.h"
@@ -128,6 +130,8 @@ RgbdCalibration calibration_of(const BoardProblem& problem, const RgbdParameters
 
 RgbdCalibration calibrate(const BoardObservations& observations,
                           const CalibrateSettings& settings) {
+  const auto wall = std::chrono::steady_clock::now();
+  const std::clock_t processor = std::clock();
   require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "found");
   refuse_impossible_views(observations);
   const auto different = different_views(observations);
@@ -149,6 +153,10 @@ RgbdCalibration calibrate(const BoardObservations& observations,
   RgbdCalibration calibration = calibration_of(problem, parameters);
   calibration.details =
       calibration_details({problem, parameters, calibration, color, noise, different});
+  const std::chrono::duration<double> wall_s = std::chrono::steady_clock::now() - wall;
+  calibration.details["solving"] = {
+      {"wall_s", wall_s.count()},
+      {"cpu_s", static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC}};
   if (settings.cross_validate)
     calibration.details["held_out"] = held_out_json(cross_validate(problem, parameters));
   return calibration;

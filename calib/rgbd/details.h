@@ -24,6 +24,8 @@ struct CalibrationResult {
 ///     views [{name, used, rms_px, corners_px [[u, v]..], residuals_px [[du, dv]..], depth_rms_m,
 ///     depth_bias_m}] outlier_views [..], duplicate_views [..], views_without_board [..] depth
 ///     {samples, sigma_at_1m, exponent, inflation, bias_sigma_at_1m}, null for colour only
+///     solving {wall_s, cpu_s}, and of CalibrateSettings::cross_validate held_out {folds,
+///     training_rms_px, held_out_rms_px}; these two are added by calibrate().
 /// Residuals are measured minus projected; depth_bias_m is the mean of model minus measured.
 nlohmann::json calibration_details(const CalibrationResult& result);
 

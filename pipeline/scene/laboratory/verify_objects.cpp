@@ -100,10 +100,14 @@ void verify_speed(const std::string& activity, const Emit& emit) {
 void verify_probe(const std::string& activity, const Emit& emit) {
   const ObjectSpec& object = default_object(activity);
   const std::string what = activity + " " + object.name + ": ";
-  const Run grasps = perform(activity, object, 64, 3.0);
-  const Eigen::Vector3d probe = position_probe_r2(grasps.clips, grasps.clock);
+  const auto probe_of = [&](double clip_s) -> Eigen::Vector3d {
+    const Run grasps = perform(activity, object, 64, clip_s);
+    return position_probe_r2(grasps.clips, grasps.clock);
+  };
+  const Eigen::Vector3d probe = probe_of(10.0), at_first = probe_of(3.0);
   emit(at_most(what + "place by a linear probe, R^2", probe.head<2>().maxCoeff(), "", 0.1));
   emit(at_most(what + "height by a linear probe, R^2", probe.z(), "", 0.1));
+  emit(reported(what + "place, in the first 3 s of clips", at_first.head<2>().maxCoeff(), ""));
 }
 
 }  // namespace touchtrace::scene

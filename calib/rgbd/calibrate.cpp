@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "calib/rgbd/board_motion.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/cross_validation.h"
 #include "calib/rgbd/depth_fit.h"
@@ -146,6 +147,7 @@ RgbdCalibration calibrate(const BoardObservations& observations,
   problem.corner_sigma_px = color.corner_sigma_px;
   add_depth_prior(observations, parameters, problem.prior);
   parameters.depth = problem.prior.depth_mean;
+  problem.free_delay = shows_delay(board_motions(observations, color.used, parameters));
   DepthNoise noise;
   if (has_depth(observations) && place_depth_camera(problem, parameters) &&
       !solve_jointly(problem, parameters, noise))

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "calib/rgbd/board_motion.h"
 #include "calib/rgbd/design_effect.h"
 #include "calib/rgbd/statistics.h"
 
@@ -105,7 +106,8 @@ Eigen::AlignedBox2i covered_pixels(const BoardObservations& o, const BoardPlane&
 }
 
 void add_samples(const BoardObservations& o, std::size_t view, const RgbdParameters& p,
-                 double extent, int size, std::vector<DepthSample>& samples) {
+                 const BoardMotion& motion, double extent, int size,
+                 std::vector<DepthSample>& samples) {
   const BoardPlane plane = board_plane(view, p);
   const auto box = covered_pixels(o, plane);
   if (box.isEmpty()) return;
@@ -116,7 +118,7 @@ void add_samples(const BoardObservations& o, std::size_t view, const RgbdParamet
       const double depth = mean.count / mean.inverse_sum;
       samples.push_back({view, mean.pixel_sum / mean.count, depth,
                          DepthNoise{}.effective_sigma_m(depth),
-                         o.board.warp_shape(mean.board_sum_m / mean.count)});
+                         o.board.warp_shape(mean.board_sum_m / mean.count), motion});
     }
 }
 
@@ -175,10 +177,11 @@ std::vector<DepthSample> depth_samples(const BoardObservations& observations,
                                        const std::vector<bool>& used,
                                        const RgbdParameters& parameters, double extent) {
   const int size = depth_block_px(observations, used, parameters);
+  const auto motions = board_motions(observations, used, parameters);
   std::vector<DepthSample> samples;
   for (std::size_t view = 0; view < used.size(); ++view)
     if (used[view] && !observations.views[view].depth_m.empty())
-      add_samples(observations, view, parameters, extent, size, samples);
+      add_samples(observations, view, parameters, motions[view], extent, size, samples);
   return samples;
 }
 

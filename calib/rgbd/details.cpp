@@ -105,6 +105,7 @@ json depth(const CalibrationResult& r) {
           {"sigma_at_1m", r.noise.sigma_at_1m},
           {"exponent", r.noise.exponent},
           {"inflation", r.noise.inflation},
+          {"delay", r.problem.free_delay ? "estimated" : "removed: the board does not move"},
           {"bias_sigma_at_1m", depth_bias_deviation_m(r.calibration, 1.0)}};
 }
 

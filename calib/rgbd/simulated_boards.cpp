@@ -16,6 +16,7 @@ constexpr int reference_width = 320;
 constexpr double border = 0.025;  ///< of the width
 constexpr double smallest_tilt_cosine = 0.6;
 constexpr double least_axis_cosine = 0.25;  ///< of a corner: 75 degrees to the side
+constexpr double frame_s = 1.0 / 30.0;
 constexpr double nearest_m = 0.35, farthest_m = 0.9;
 
 RgbdParameters true_cameras(double size) {
@@ -130,11 +131,12 @@ void project_again(SimulatedBoards& boards) {
 
 /// What a depth camera without noise measures of the whole plane of the board.
 std::vector<float> clean_depth(const BoardObservations& o, const RgbdParameters& truth,
-                               std::size_t view) {
+                               std::size_t view, const BoardMotion& motion = {}) {
   std::vector<float> depth;
   for (int y = 0; y < o.height; ++y)
     for (int x = 0; x < o.width; ++x) {
-      const double plane_m = board_depth_m({view, Eigen::Vector2d(x, y), 0.0, 1.0}, truth);
+      const double plane_m = board_depth_m(
+          {view, Eigen::Vector2d(x, y), 0.0, 1.0, Eigen::Vector2d::Zero(), motion}, truth);
       const double measured = (plane_m - truth.depth_correction[1]) / truth.depth_correction[0];
       depth.push_back(static_cast<float>(measured > 0.1 && measured < 5.0 ? measured : 0.0));
     }
@@ -157,6 +159,38 @@ SimulatedBoards simulated_boards(int views, bool with_depth, int width) {
   boards.clean.depth_intrinsics = boards.truth.depth;
   for (std::size_t view = 0; view < boards.clean.views.size(); ++view)
     boards.clean.views[view].depth_m = clean_depth(boards.clean, boards.truth, view);
+  return boards;
+}
+
+SimulatedBoards simulated_moving_boards(int views, double delay_s) {
+  SimulatedBoards boards = simulated_boards(views, false);
+  auto& seen = boards.clean.views;
+  auto& poses = boards.truth.camera_from_board;
+  boards.truth.depth_delay_s = delay_s;
+  boards.clean.depth_intrinsics = boards.truth.depth;
+  RandomStream random(1, "simulated motion");
+  std::vector<BoardMotion> motions;
+  for (std::size_t view = 0; view < static_cast<std::size_t>(views); ++view) {
+    BoardMotion motion;
+    for (double& speed : motion.linear_m_s) speed = random.normal(0.0, 0.2);
+    for (double& rate : motion.angular_rad_s) rate = random.normal(0.0, 0.4);
+    motion.depth_after_color_s = random.uniform(-0.01, 0.01);
+    auto later = pose_of(poses[view]);
+    later.translation() += frame_s * motion.linear_m_s;
+    later.linear() = rotation_matrix(frame_s * motion.angular_rad_s) * later.linear();
+    poses.push_back(facing(
+        boards.clean.board, later.linear(),
+        later * (0.5 * boards.clean.board.corner_m(boards.clean.board.corners() - 1)).eval()));
+    seen.push_back({"view " + std::to_string(seen.size()), projected(boards, poses.back()), {}});
+    for (const std::size_t at : {view, seen.size() - 1}) {
+      seen[at].color_time_s = double(view) + (at == view ? 0.0 : frame_s);
+      seen[at].depth_time_s = seen[at].color_time_s + motion.depth_after_color_s;
+    }
+    motions.push_back(motion);
+  }
+  for (std::size_t view = 0; view < seen.size(); ++view)
+    seen[view].depth_m = clean_depth(boards.clean, boards.truth, view,
+                                     motions[view % static_cast<std::size_t>(views)]);
   return boards;
 }
 

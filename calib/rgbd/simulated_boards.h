@@ -22,6 +22,10 @@ SimulatedBoards simulated_boards(int views, bool with_depth, int width = 320);
 /// A fisheye of about 150 degrees across, 640x480, and `views` poses up to 60 degrees to the side.
 SimulatedBoards simulated_fisheye_boards(int views);
 
+/// `views` pairs of views, a video's frame apart, of a board that moves; the depth images show what
+/// is `delay_s` later than their stamps say.
+SimulatedBoards simulated_moving_boards(int views, double delay_s);
+
 /// The same views through another lens.
 SimulatedBoards seen_through(SimulatedBoards boards, const Lens& lens,
                              const std::array<double, max_coefficients>& coefficients);

@@ -10,6 +10,7 @@
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
+#include "pipeline/acquire/tum_folder.h"
 
 namespace touchtrace {
 namespace {
@@ -36,9 +37,7 @@ std::vector<fs::path> matches(const std::string& pattern) {
   return paths;
 }
 
-GreyImage grey_image(const cv::Mat& pixels) {
-  return {pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}};
-}
+}  // namespace
 
 GreyImage read_grey(const fs::path& path) {
   const std::string bytes = read_file(path);
@@ -54,7 +53,7 @@ GreyImage read_grey(const fs::path& path) {
   if (pixels.empty())
     throw data_error(fmt::format("{} is not an image that can be read", path.string()),
                      "remove it from the folder, or give a pattern that leaves it out");
-  return grey_image(pixels);
+  return {pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}};
 }
 
 void require_same_size(const BoardObservations& observations, const GreyImage& image,
@@ -66,9 +65,8 @@ void require_same_size(const BoardObservations& observations, const GreyImage& i
         "give images of one camera at one size");
 }
 
-}  // namespace
-
 std::vector<fs::path> image_files(const std::string& folder_or_pattern) {
+  if (is_tum_folder(folder_or_pattern)) return tum_files(folder_or_pattern);
   const bool folder = fs::is_directory(folder_or_pattern);
   auto files = matches(folder ? folder_or_pattern + "/*" : folder_or_pattern);
   if (folder) std::erase_if(files, [](const fs::path& path) { return !is_image(path); });

@@ -33,7 +33,8 @@ std::vector<std::string> lens_options() {
 void describe(OptionSet& set, CalibrateOptions& o) {
   set.optional_input("recording", o.recording, "recording whose chessboard views are used");
   set.text("images", o.images,
-           "instead of a recording: folder of board images, or a pattern in quotes");
+           "instead of a recording: folder of board images, or a pattern in quotes, or a TUM RGB-D "
+           "folder");
   set.integer("columns", o.columns, "inner corners along a row of the board, for --images", 3, 100);
   set.integer("rows", o.rows, "inner corners along a column of the board, for --images", 3, 100);
   set.number("square-mm", o.square_mm, "side of a square of the board [mm], for --images", 0.1,
@@ -56,7 +57,8 @@ BoardObservations observe(const CalibrateOptions& o) {
   if (!o.recording.empty()) return board_views_of_recording(o.recording);
   Chessboard board{o.columns, o.rows, 1e-3 * o.square_mm};
   if (o.markers != "none") board.markers = {o.markers, 1e-3 * o.marker_mm};
-  return board_views_of_images(o.images, board);
+  return is_tum_folder(o.images) ? board_views_of_tum(o.images, board)
+                                 : board_views_of_images(o.images, board);
 }
 
 Provenance provenance_of(const CalibrateOptions& o, const Invocation& invocation,
@@ -89,6 +91,17 @@ void print_depth(const RgbdCalibration& c) {
       Eigen::AngleAxisd(c.depth_from_color.linear()).angle() * 180.0 / 3.14159265358979323846);
 }
 
+/// By how much depth images are late, or why that is not known.
+void print_delay(const RgbdCalibration& c) {
+  const auto& sigmas = c.details["sigmas"];
+  if (!sigmas.contains("depth.delay"))
+    fmt::print("          delay of the depth images {}\n",
+               c.details["depth"]["delay"].get<std::string>());
+  else
+    fmt::print("          depth images show what is {:.2f} +- {:.2f} ms later than stamped\n",
+               1e3 * c.depth_delay_s, 1e3 * sigmas["depth.delay"].get<double>());
+}
+
 void print_lens(const RgbdCalibration& c) {
   const auto& details = c.details;
   fmt::print("lens      {}; {:.4f} px RMS", details["lens"].get<std::string>(), c.rms_px);
@@ -119,7 +132,7 @@ void print_summary(const RgbdCalibration& c) {
       c.color.fx, sigma["color.fx"].get<double>(), c.color.fy, sigma["color.fy"].get<double>(),
       c.color.cx, sigma["color.cx"].get<double>(), c.color.cy, sigma["color.cy"].get<double>());
   print_lens(c);
-  if (c.depth) print_depth(c);
+  if (c.depth) print_depth(c), print_delay(c);
   if (!details["outlier_views"].empty())
     fmt::print("outliers  left out: {}\n", list_of(details["outlier_views"]));
   if (!details["duplicate_views"].empty())

@@ -56,6 +56,24 @@ TEST(Calibrate, FindsTheTruthWithoutNoise) {
   EXPECT_EQ(c.details["verdict"], "GOOD");
 }
 
+TEST(Calibrate, FindsTheDelayOfTheDepthImages) {
+  const SimulatedBoards boards = simulated_moving_boards(12, 0.021);
+  RandomStream random(14, "noise");
+  const RgbdCalibration c = calibrate(observe(boards, random));
+  ASSERT_EQ(c.parameters.back(), "depth.delay");
+  const double sigma_s = std::sqrt(c.covariance.diagonal().tail<1>()[0]);
+  EXPECT_LT(sigma_s, 2e-3);
+  EXPECT_NEAR(c.depth_delay_s, boards.truth.depth_delay_s, 4.5 * sigma_s);
+}
+
+TEST(Calibrate, LeavesTheDelayOfABoardAtRestOut) {
+  const SimulatedBoards boards = simulated_boards(6, true);
+  RandomStream random(15, "noise");
+  const RgbdCalibration c = calibrate(observe(boards, random));
+  EXPECT_EQ(c.parameters.back(), "depth.offset");
+  EXPECT_EQ(c.depth_delay_s, 0.0);
+}
+
 TEST(Calibrate, IsDeterministic) {
   const SimulatedBoards boards = simulated_boards(8, true);
   RandomStream first(7, "noise"), second(7, "noise");

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
+#include "calib/rgbd/projection_map.h"
 #include "calib/rgbd/verdict.h"
 
 namespace touchtrace {
@@ -46,6 +48,26 @@ json view_details(const CalibrationResult& r) {
     list.push_back(std::move(entry));
   }
   return list;
+}
+
+/// Rows of the grid; null where the lens does not look.
+json projection_map(const RgbdCalibration& calibration) {
+  const Eigen::MatrixXd sigma = projection_sigma_px(calibration);
+  json rows = json::array();
+  for (Eigen::Index i = 0; i < sigma.rows(); ++i) {
+    json row = json::array();
+    for (double value : sigma.row(i)) row.push_back(std::isfinite(value) ? json(value) : json());
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+double coverage_of_used(const CalibrationResult& r) {
+  std::vector<Eigen::Vector2d> corners;
+  for (std::size_t view = 0; view < r.problem.used.size(); ++view)
+    if (r.problem.used[view])
+      std::ranges::copy(r.problem.observations.views[view].corners_px, std::back_inserter(corners));
+  return coverage(r.calibration.color, corners);
 }
 
 json outlier_views(const CalibrationResult& r) {
@@ -133,6 +155,8 @@ json calibration_details(const CalibrationResult& r) {
           {"lenses", lenses(r.color)},
           {"corner_sigma_px", r.problem.corner_sigma_px},
           {"sigmas", sigmas(r.calibration)},
+          {"projection_sigma_px", projection_map(r.calibration)},
+          {"coverage", coverage_of_used(r)},
           {"not_told", not_told(r)},
           {"views", view_details(r)},
           {"outlier_views", outlier_views(r)},

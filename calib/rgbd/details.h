@@ -20,6 +20,7 @@ struct CalibrationResult {
 /// RgbdCalibration::details:
 ///     verdict "GOOD" | "WEAK" | "BAD", advice [..]
 ///     lens, lenses [{name, bic relative to the best, removed [{parameter, why}..]}..],
+///     projection_sigma_px [rows of ImageGrid] (projection_map.h), coverage of the image 0..1,
 ///     corner_sigma_px, sigmas {parameter: deviation}, not_told [{parameter, sigma, prior_sigma}]
 ///     views [{name, used, rms_px, corners_px [[u, v]..], residuals_px [[du, dv]..], depth_rms_m,
 ///     depth_bias_m}] outlier_views [..], duplicate_views [..], views_without_board [..] depth

@@ -1,5 +1,7 @@
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "calib/board/markers.h"
 #include "calib/rgbd/calibrate.h"
 #include "engine/base/files.h"
@@ -119,6 +121,12 @@ void print_lens(const RgbdCalibration& c) {
                  removed["why"].get<std::string>());
     fmt::print("\n");
   }
+  double worst_px = 0.0;
+  for (const auto& row : details["projection_sigma_px"])
+    for (const auto& sigma : row)
+      if (sigma.is_number()) worst_px = std::max(worst_px, sigma.get<double>());
+  fmt::print("image     {:.0f} % covered by boards; pixels are known to {:.2f} px at worst\n",
+             1e2 * details["coverage"].get<double>(), worst_px);
   fmt::print("board     bulges by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
              1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
 }

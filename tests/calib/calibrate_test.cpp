@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "calib/rgbd/monte_carlo.h"
+#include "calib/rgbd/projection_map.h"
 #include "calib/rgbd/simulated_boards.h"
 #include "engine/base/error.h"
 
@@ -72,6 +74,26 @@ TEST(Calibrate, LeavesTheDelayOfABoardAtRestOut) {
   const RgbdCalibration c = calibrate(observe(boards, random));
   EXPECT_EQ(c.parameters.back(), "depth.offset");
   EXPECT_EQ(c.depth_delay_s, 0.0);
+}
+
+/// The corner, the middle of the upper border and the middle of the image are off as predicted.
+TEST(Calibrate, KnowsHowWellItProjects) {
+  constexpr int runs = 60;
+  constexpr Eigen::Index middle = (ImageGrid::rows / 2) * ImageGrid::columns + 4;
+  const SimulatedBoards boards = simulated_boards(15, false, 640);
+  std::map<Eigen::Index, double> ratio{{0, 0.0}, {4, 0.0}, {middle, 0.0}};
+  for (std::uint64_t run = 0; run < runs; ++run) {
+    RandomStream random(run, "projection");
+    const RgbdCalibration c = calibrate(observe(boards, random), {.lenses = {"radtan4"}});
+    const Eigen::MatrixXd sigma = projection_sigma_px(c);
+    const Eigen::VectorXd moved = free_of_turns(c) * errors(c, boards.truth).head(8);
+    for (auto& [pixel, sum] : ratio) {
+      const double deviation = sigma(pixel / ImageGrid::columns, pixel % ImageGrid::columns);
+      sum += moved.segment<2>(2 * pixel).squaredNorm() / (2.0 * deviation * deviation * runs);
+    }
+  }
+  // Two directions that may be one: a mean over `runs` of chi^2 with 1 to 2 degrees of freedom.
+  for (const auto& [pixel, mean] : ratio) EXPECT_NEAR(mean, 1.0, 4.0 * std::sqrt(2.0 / runs));
 }
 
 TEST(Calibrate, IsDeterministic) {

@@ -1,0 +1,90 @@
+#include "calib/rgbd/projection_map.h"
+
+#include <ceres/jet.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "calib/rgbd/rotation.h"
+
+namespace touchtrace {
+namespace {
+
+using Eigen::Index, Eigen::MatrixXd;
+
+/// Pixel by all intrinsics, then by the point.
+using PixelJacobian = Eigen::Matrix<double, 2, max_intrinsics + 3>;
+
+PixelJacobian pixel_jacobian(const Camera& camera, const Eigen::Vector3d& ray) {
+  using Jet = ceres::Jet<double, max_intrinsics + 3>;
+  const auto values = camera.parameters();
+  std::array<Jet, max_intrinsics> intrinsics;
+  for (int i = 0; i < max_intrinsics; ++i)
+    intrinsics[std::size_t(i)] = Jet(values[std::size_t(i)], i);
+  const Vector3<Jet> point(Jet(ray.x(), max_intrinsics), Jet(ray.y(), max_intrinsics + 1),
+                           Jet(ray.z(), max_intrinsics + 2));
+  const Vector2<Jet> pixel = with_lens(camera.lens, [&](auto l) -> Vector2<Jet> {
+    return project_point<decltype(l)>(intrinsics.data(), point);
+  });
+  PixelJacobian jacobian;
+  jacobian << pixel.x().v.transpose(), pixel.y().v.transpose();
+  return jacobian;
+}
+
+/// Of each colour parameter of the covariance, its place in Camera::parameters().
+std::vector<Index> color_parameters(const RgbdCalibration& c) {
+  const auto names = intrinsic_names(c.color.lens);
+  std::vector<Index> places;
+  for (const std::string& parameter : c.parameters)
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (parameter == "color." + names[i]) places.push_back(Index(i));
+  return places;
+}
+
+}  // namespace
+
+MatrixXd free_of_turns(const RgbdCalibration& c) {
+  const auto places = color_parameters(c);
+  constexpr Index pixels = ImageGrid::columns * ImageGrid::rows;
+  MatrixXd by_intrinsics = MatrixXd::Zero(2 * pixels, Index(places.size()));
+  MatrixXd by_turn = MatrixXd::Zero(2 * pixels, 3);
+  for (Index i = 0; i < pixels; ++i) {
+    const Eigen::Vector3d ray = c.color.unproject(
+        ImageGrid::pixel(c.color, int(i % ImageGrid::columns), int(i / ImageGrid::columns)));
+    if (!ray.allFinite()) continue;
+    const PixelJacobian jacobian = pixel_jacobian(c.color, ray);
+    for (std::size_t k = 0; k < places.size(); ++k)
+      by_intrinsics.block<2, 1>(2 * i, Index(k)) = jacobian.col(places[k]);
+    by_turn.middleRows<2>(2 * i) = -jacobian.rightCols<3>() * cross_matrix(ray);
+  }
+  return by_intrinsics - by_turn * by_turn.colPivHouseholderQr().solve(by_intrinsics);
+}
+
+MatrixXd projection_sigma_px(const RgbdCalibration& c) {
+  const MatrixXd jacobian = free_of_turns(c);
+  const MatrixXd covariance = c.covariance.topLeftCorner(jacobian.cols(), jacobian.cols());
+  MatrixXd sigma(ImageGrid::rows, ImageGrid::columns);
+  for (Index i = 0; i < sigma.size(); ++i) {
+    const auto here = jacobian.middleRows<2>(2 * i);
+    const double variance = 0.5 * (here * covariance * here.transpose()).trace();
+    sigma(i / ImageGrid::columns, i % ImageGrid::columns) =
+        here.isZero(0.0) ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(variance);
+  }
+  return sigma;
+}
+
+double coverage(const Camera& camera, const std::vector<Eigen::Vector2d>& corners_px) {
+  constexpr int across = 8, down = 6;
+  std::set<std::pair<int, int>> covered;
+  for (const auto& corner : corners_px) {
+    const int column = static_cast<int>((corner.x() + 0.5) / camera.width * across);
+    const int row = static_cast<int>((corner.y() + 0.5) / camera.height * down);
+    covered.emplace(std::clamp(column, 0, across - 1), std::clamp(row, 0, down - 1));
+  }
+  return static_cast<double>(covered.size()) / (across * down);
+}
+
+}  // namespace touchtrace

@@ -5,15 +5,19 @@
 #include <opencv2/core.hpp>
 #include <opencv2/tracking.hpp>
 
+#include "engine/base/named.h"
+
 namespace touchtrace::label {
 namespace {
 
 constexpr int smallest_crop = 96, smallest_box = 8;
 
-/// CSRT tuned for speed. Depth has masked the background and tells the scale, so a small template,
-/// few scales and no colour names cost no accuracy that labels would show, and save a third of the
-/// time.
-cv::Ptr<cv::TrackerCSRT> fast_csrt() {
+std::shared_ptr<cv::Tracker> csrt() { return cv::TrackerCSRT::create(); }
+std::shared_ptr<cv::Tracker> kcf() { return cv::TrackerKCF::create(); }
+
+/// Depth has masked the background and tells the scale, so a small template, few scales and no
+/// colour names cost no accuracy that labels would show.
+std::shared_ptr<cv::Tracker> fast_csrt() {
   cv::TrackerCSRT::Params params;
   params.template_size = 48;
   params.number_of_scales = 3;
@@ -48,13 +52,23 @@ MaskedImage masked_image(const RgbdFrame& frame, const Surface& surface, int wid
   return image;
 }
 
+const std::vector<TrackerKind>& tracker_kinds() {
+  static const std::vector<TrackerKind> kinds{
+      {"csrt", csrt}, {"csrt-fast", fast_csrt}, {"kcf", kcf}, {"component", nullptr}};
+  return kinds;
+}
+
+const TrackerKind& find_tracker(const std::string& name) {
+  return find_named(tracker_kinds(), "tracker", name);
+}
+
 struct BoxTracker::State {
-  cv::Ptr<cv::TrackerCSRT> tracker;
+  std::shared_ptr<cv::Tracker> tracker;
   int crop_size = 0;
   double left = 0.0, top = 0.0;  ///< of the target's centre in the crop
 };
 
-BoxTracker::BoxTracker() = default;
+BoxTracker::BoxTracker(const TrackerKind& kind) : kind_(&kind) {}
 BoxTracker::~BoxTracker() = default;
 BoxTracker::BoxTracker(BoxTracker&&) noexcept = default;
 BoxTracker& BoxTracker::operator=(BoxTracker&&) noexcept = default;
@@ -62,12 +76,14 @@ BoxTracker& BoxTracker::operator=(BoxTracker&&) noexcept = default;
 void BoxTracker::stop() { state_.reset(); }
 
 void BoxTracker::start(const MaskedImage& image, const PixelBox& box) {
+  if (!kind_->create || box.empty()) return;
+  ++starts_;
   const int width = std::max(box.width, smallest_box), height = std::max(box.height, smallest_box);
   state_ = std::make_unique<State>();
   state_->crop_size = std::max(smallest_crop, 3 * std::max(width, height));
   const int x = box.x + box.width / 2, y = box.y + box.height / 2, half = state_->crop_size / 2;
   state_->left = state_->top = half;
-  state_->tracker = fast_csrt();
+  state_->tracker = kind_->create();
   state_->tracker->init(crop(image, x - half, y - half, state_->crop_size),
                         cv::Rect(half - width / 2, half - height / 2, width, height));
 }

@@ -7,6 +7,10 @@
 
 #include "pipeline/label/surface.h"
 
+namespace cv {
+class Tracker;
+}
+
 namespace touchtrace::label {
 
 /// The colour image where the moving surface is, black elsewhere.
@@ -17,12 +21,23 @@ struct MaskedImage {
 
 MaskedImage masked_image(const RgbdFrame& frame, const Surface& surface, int width, int height);
 
-/// OpenCV's CSRT on a crop of the masked image that moves with the predicted motion: the tracker
-/// itself sees a target that hardly moves, which lifts its speed limit of about 1.5 target sizes a
-/// frame.
+/// How targets are followed from frame to frame.
+struct TrackerKind {
+  std::string name;
+  std::shared_ptr<cv::Tracker> (*create)();  ///< null: without a tracker, by colour and depth
+};
+
+/// From what follows best to what is fastest.
+const std::vector<TrackerKind>& tracker_kinds();
+/// Throws usage_error with the known names.
+const TrackerKind& find_tracker(const std::string& name);
+
+/// One of OpenCV's trackers on a crop of the masked image that moves with the predicted motion: the
+/// tracker itself sees a target that hardly moves, which lifts its speed limit (CSRT: about 1.5
+/// target sizes a frame). Of a kind without a tracker: never finds anything.
 class BoxTracker {
  public:
-  BoxTracker();
+  explicit BoxTracker(const TrackerKind& kind);
   ~BoxTracker();
   BoxTracker(BoxTracker&&) noexcept;
   BoxTracker& operator=(BoxTracker&&) noexcept;
@@ -32,9 +47,13 @@ class BoxTracker {
   /// the tracker gives up or was never started.
   std::optional<PixelBox> update(const MaskedImage& image, double predicted_x, double predicted_y);
   void stop();
+  /// Times it was set on a target.
+  int starts() const { return starts_; }
 
  private:
   struct State;
+  const TrackerKind* kind_;
+  int starts_ = 0;
   std::unique_ptr<State> state_;
 };
 

@@ -58,6 +58,12 @@ void ColorClasses::learn(const Surface& surface, const PixelBox& hand_box,
   }
 }
 
+void ColorClasses::learn_object_from(const Surface& near_hand) {
+  auto& object = counts_[static_cast<std::size_t>(Body::object)];
+  std::ranges::fill(object, 0.0);
+  for (const auto& point : near_hand) object[bin(point.rgb)] += 1.0;
+}
+
 void ColorClasses::settle() {
   const auto rest = density(counts_[0]), hand = density(counts_[1]), object = density(counts_[2]);
   for (std::size_t i = 0; i < table_.size(); ++i) {

@@ -15,7 +15,10 @@ class ColorClasses {
  public:
   /// Counts one frame's colours.
   void learn(const Surface& surface, const PixelBox& hand_box, const PixelBox& object_box);
-  /// To be called once all frames are learnt.
+  /// Of an object that its boxes did not show: takes what was near the hand at other times for
+  /// them. Hand and arm are more frequent elsewhere, so that what is left is the object.
+  void learn_object_from(const Surface& near_hand);
+  /// To be called once all frames are learnt, and again after learning more.
   void settle();
 
   Body of(const std::array<std::uint8_t, 3>& rgb) const { return table_[bin(rgb)]; }

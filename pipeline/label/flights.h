@@ -17,4 +17,7 @@ std::vector<Flight> guess_bounces(const ClipTrack& track, const Eigen::Vector3d&
 /// three frames is gravity's. 0 if there are no three frames in a row.
 double falling_part(const std::vector<ClipTrack>& tracks, const Eigen::Vector3d& gravity_m_per_s2);
 
+/// What falls freely in more of the frames is never held: it bounces. In a throw it is a fifth.
+inline constexpr double falling_part_of_bounces = 0.5;
+
 }  // namespace touchtrace::label

@@ -13,13 +13,12 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr double hand_radius_m = 0.12, hand_sigma_m = 0.004, follow_sigma_m = 0.02;
+constexpr double hand_sigma_m = 0.004, follow_sigma_m = 0.02;
 constexpr double unseen_sigma_m = 0.03;  // of an object's place in a hand that hides it
-constexpr double hidden = 0.5;  // part of the rays to an object that something hides
+constexpr double hidden = 0.5;           // part of the rays to an object that something hides
 constexpr std::size_t grip_frames = 15;
 constexpr double reach_m =
     0.07;  // an object so much farther from the hand than in the grip is away
-constexpr double search_margin = 1.6;  // of the object's radius: what belongs to it
 constexpr std::size_t fewest_hand = 30, fewest_object = 6;
 
 // Points of one surface share much of their error: so much each, were they independent. Where the
@@ -62,7 +61,6 @@ Observation in_hand_at(const Eigen::Vector3d& position_m) {
 /// which it is leaving do not count.
 class Grip {
  public:
-  bool known() const { return !last_.empty(); }
   /// Distance of object and hand when both were first seen.
   double first_m() const { return first_m_; }
 
@@ -93,21 +91,20 @@ class Grip {
 class Follower {
  public:
   Follower(const SceneModel& scene, const ClipFrames& clip, const Eigen::Vector3d& gravity,
-           TrackerKind kind)
+           const TrackerKind& kind)
       : scene_(scene),
         clip_(clip),
         gravity_(gravity),
         kind_(kind),
         radius_m_(scene.object_sphere.at(clip.object).radius_m),
-        hand_(Body::hand, hand_radius_m, fewest_hand, kind),
-        object_(Body::object, search_margin * radius_m_, fewest_object, kind) {}
+        hand_(Body::hand, hand_patch_radius_m, fewest_hand, kind),
+        object_(Body::object, object_patch_radii * radius_m_, fewest_object, kind) {}
 
   void step(const RgbdFrame& frame, double seconds, ClipTrack& track) {
-    const auto surface = scene_.see(frame, clip_.object);
+    const auto surface = scene_.see(frame, clip_.object, expected_hand_m());
     const auto& camera = scene_.segmenter.color_camera();
-    const auto image = kind_ == TrackerKind::csrt
-                           ? masked_image(frame, surface, camera.width, camera.height)
-                           : MaskedImage{};
+    const auto image =
+        kind_.create ? masked_image(frame, surface, camera.width, camera.height) : MaskedImage{};
     std::optional<Patch> hand, object;
     if (!started_) {
       hand = hand_.begin(surface, clip_.hand_box);
@@ -127,10 +124,13 @@ class Follower {
   int restarts() const { return hand_.restarts() + object_.restarts(); }
 
  private:
+  std::optional<Eigen::Vector3d> expected_hand_m() const {
+    return started_ ? std::optional(hand_.expected_m()) : std::nullopt;
+  }
+
   /// Where the object would be in the hand; nothing of one that has left it.
   std::optional<Eigen::Vector3d> in_hand(const std::optional<Patch>& hand) const {
     if (!hand || (away_ && object_.is_lost())) return std::nullopt;
-    if (!grip_.known()) return hand->centroid_m;
     return hand->centroid_m + grip_.object_from_hand_m();
   }
 
@@ -142,64 +142,74 @@ class Follower {
       return;
     }
     if (hand.found) hand_.measure(hand.position_m, hand_sigma_m);
-    if (!object.found && hand.found && !away_) follow_hand(hand, frame, object);
-    if (object.found) object_.measure(object.position_m, object.sigma_m.maxCoeff());
+    if (!object.found && hand.found) {
+      away_ = away_ && !is_back(hand);
+      if (!away_) follow_hand(hand, frame, object);
+    }
+    if (object.follows_hand)
+      object_.hide(object.position_m, follow_sigma_m);
+    else if (object.found)
+      object_.measure(object.position_m, object.sigma_m.maxCoeff());
     if (hand.found && object.found && !object.follows_hand) {
       const Eigen::Vector3d apart = object.position_m - hand.position_m;
-      away_ = grip_.known() && apart.norm() > grip_.first_m() + reach_m;
+      away_ = apart.norm() > grip_.first_m() + reach_m;
       if (!away_) grip_.take_in(apart);
     }
+  }
+
+  /// Whether an object that was away must have come back into the hand.
+  bool is_back(const Observation& hand) const {
+    return (object_.expected_m() - hand.position_m).norm() < grip_.first_m() + reach_m;
   }
 
   /// An object that is not seen is in the hand, if something hides it there and it was not about to
   /// leave the picture.
   void follow_hand(const Observation& hand, const RgbdFrame& frame, Observation& object) {
-    if (!grip_.known() || !scene_.segmenter.in_picture(object_.expected_m())) return;
-    const Eigen::Vector3d place = hand.position_m + grip_.object_from_hand_m();
-    if (scene_.hidden_part(frame, place, radius_m_) < hidden) return;
-    object = in_hand_at(place);
+    if (!scene_.segmenter.in_picture(object_.expected_m())) return;
+    for (const double part : {1.0, 0.67, 0.33, 0.0}) {  // the nearest place that would hide it
+      const Eigen::Vector3d place = hand.position_m + part * grip_.object_from_hand_m();
+      if (scene_.hidden_part(frame, place, radius_m_) < hidden) continue;
+      object = in_hand_at(place);
+      return;
+    }
   }
 
-  /// An object that its box does not show is looked for around the hand.
-  void begin(const Observation& hand, const Observation& object, const MaskedImage& image) {
+  /// An object that does not show in its box is hidden in the hand, and is where its box is.
+  void begin(const Observation& hand, Observation& object, const MaskedImage& image) {
     if (!hand.found) return;
     hand_.start(hand.position_m, hand_sigma_m, hand.box, image);
-    if (object.found) {
+    if (object.found)
       object_.start(object.position_m, object.sigma_m.maxCoeff(), object.box, image);
-      grip_.take_in(object.position_m - hand.position_m);
-    } else {
-      object_.start(hand.position_m, unseen_sigma_m, {}, image);
-    }
+    else
+      start_in_box(hand, object);
+    grip_.take_in(object.position_m - hand.position_m);
     started_ = true;
+  }
+
+  void start_in_box(const Observation& hand, Observation& object) {
+    const auto& box = clip_.object_box;
+    const Eigen::Vector3d ray = scene_.segmenter.color_camera().unproject(
+        {box.x + 0.5 * box.width, box.y + 0.5 * box.height});
+    object = in_hand_at(hand.position_m.z() * ray);
+    object_.start(object.position_m, unseen_sigma_m, {}, {});
+    object_.hide(object.position_m, unseen_sigma_m);
   }
 
   const SceneModel& scene_;
   const ClipFrames& clip_;
   Eigen::Vector3d gravity_;
   Grip grip_;
-  TrackerKind kind_;
+  const TrackerKind& kind_;
   double radius_m_;
   Target hand_, object_;
   bool started_ = false, away_ = false;
 };
 
-/// Until it was first seen the object was in the hand, as it was then.
-void follow_hand_before(ClipTrack& track) {
-  const auto seen = [](const Observation& o) { return o.found; };
-  const auto first = std::ranges::find_if(track.object, seen) - track.object.begin();
-  if (first == std::ssize(track.object)) return;
-  const auto at = static_cast<std::size_t>(first);
-  if (!track.hand[at].found) return;
-  const Eigen::Vector3d offset = track.object[at].position_m - track.hand[at].position_m;
-  for (std::size_t i = 0; i < at; ++i)
-    if (track.hand[i].found) track.object[i] = in_hand_at(track.hand[i].position_m + offset);
-}
-
 }  // namespace
 
 ClipTrack follow(const SceneModel& scene, const FrameSource& frames, const ClipFrames& clip,
                  const std::vector<double>& frame_time_s, const Eigen::Vector3d& gravity_m_per_s2,
-                 TrackerKind tracker) {
+                 const TrackerKind& tracker) {
   Follower follower(scene, clip, gravity_m_per_s2, tracker);
   ClipTrack track;
   for (std::size_t i = clip.first; i < clip.first + clip.count; ++i) {
@@ -208,7 +218,6 @@ ClipTrack follow(const SceneModel& scene, const FrameSource& frames, const ClipF
     follower.step(frames.camera_frame(i), seconds, track);
     track.time_s.push_back(frame_time_s[i]);
   }
-  follow_hand_before(track);
   track.object_unevenness_m = scene.object_sphere.at(clip.object).unevenness_m;
   track.restarts = follower.restarts();
   return track;

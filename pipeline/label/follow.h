@@ -30,6 +30,6 @@ struct ClipTrack {
 /// the gate, which grows while it is lost.
 ClipTrack follow(const SceneModel& scene, const FrameSource& frames, const ClipFrames& clip,
                  const std::vector<double>& frame_time_s, const Eigen::Vector3d& gravity_m_per_s2,
-                 TrackerKind tracker);
+                 const TrackerKind& tracker);
 
 }  // namespace touchtrace::label

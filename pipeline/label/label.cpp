@@ -8,8 +8,10 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "pipeline/label/box_tracker.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/label/follow.h"
+#include "pipeline/label/learn_scene.h"
 #include "pipeline/label/parallel.h"
 #include "pipeline/label/states.h"
 #include "pipeline/label/timeline.h"
@@ -20,8 +22,6 @@ namespace {
 
 constexpr double enough_found =
     0.5;  // of all frames; less is a failure of the set-up, not of a frame
-/// What falls freely in more of the frames is never held: it bounces. In a throw it is a fifth.
-constexpr double always_falling = 0.5;
 
 Eigen::Vector3d gravity(const CameraInfo& camera) {
   return {camera.gravity[0], camera.gravity[1], camera.gravity[2]};
@@ -47,7 +47,7 @@ std::vector<ClipFrames> usable_clips(const Recording& recording, const Timeline&
 std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& frames,
                                   const std::vector<ClipFrames>& clips, const Timeline& timeline,
                                   const Recording& recording, const LabelOptions& options) {
-  const auto kind = options.tracker == "csrt" ? TrackerKind::csrt : TrackerKind::component;
+  const auto& kind = find_tracker(options.tracker);
   std::size_t total = 0;
   for (const auto& clip : clips) total += clip.count;
   Progress progress("following hand and object", total);
@@ -89,6 +89,12 @@ void require_found(const Shares& shares) {
       throw data_error(fmt::format("the {} was lost in {:.0f} % of all frames", body, 100.0 * lost),
                        "check the boxes, the calibration and that the background was recorded "
                        "without the person");
+}
+
+std::vector<std::string> tracker_names() {
+  std::vector<std::string> names;
+  for (const auto& kind : tracker_kinds()) names.push_back(kind.name);
+  return names;
 }
 
 nlohmann::json clock_summary(const ClockFit& clock) {
@@ -142,7 +148,7 @@ nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
 }  // namespace
 
 void describe(OptionSet& set, LabelOptions& o) {
-  set.choice("tracker", o.tracker, "how targets are followed", {"csrt", "component"});
+  set.choice("tracker", o.tracker, "how targets are followed", tracker_names());
   set.integer("threads", o.threads, "clips worked on at a time; 0: one a core", 0, 1024);
 }
 
@@ -161,7 +167,8 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   require_found(shares);
   const Stopwatch smoothing;
   const double falling = falling_part(tracks, gravity(recording.camera));
-  const auto bodies = smooth_bodies(tracks, gravity(recording.camera), falling > always_falling);
+  const auto bodies =
+      smooth_bodies(tracks, gravity(recording.camera), falling > falling_part_of_bounces);
 
   Labels labels;
   labels.activity = recording.activity;
@@ -171,7 +178,7 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   labels.raw = raw_track(tracks);
   labels.summary = summarize(options, scene, timeline, shares, bodies);
   labels.summary["object_falling_part"] = falling;
-  labels.summary["object_bounces"] = falling > always_falling;
+  labels.summary["object_bounces"] = falling > falling_part_of_bounces;
   labels.summary["seconds"] = {{"learn_scene", learning_s},
                                {"follow", following_s},
                                {"follow_cpu", following_cpu_s},
@@ -182,12 +189,18 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
 Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
                        const LabelOptions& options) {
   require_nothing_lacking(lacks_for_labelling(reader), "the recording");
-  std::mutex mutex;  // Debian's HDF5 serves one thread at a time
-  const FrameSource frames{
-      [&](std::size_t i) { return std::lock_guard(mutex), reader.read_camera_frame(i); },
-      [&](std::size_t i) { return std::lock_guard(mutex), reader.read_background(i); },
-      reader.background_frames()};
-  return label_recording(reader.recording(), frames, calibration, options);
+  return label_recording(reader.recording(), frames_of(reader), calibration, options);
+}
+
+FrameSource frames_of(const RecordingReader& reader) {
+  const auto mutex = std::make_shared<std::mutex>();  // Debian's HDF5 serves one thread at a time
+  return {[&reader, mutex](std::size_t i) {
+            return std::lock_guard(*mutex), reader.read_camera_frame(i);
+          },
+          [&reader, mutex](std::size_t i) {
+            return std::lock_guard(*mutex), reader.read_background(i);
+          },
+          reader.background_frames()};
 }
 
 }  // namespace touchtrace::label

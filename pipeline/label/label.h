@@ -27,7 +27,10 @@ void describe(OptionSet& set, LabelOptions& options);
 Labels label_recording(const Recording& recording, const FrameSource& frames,
                        const RgbdCalibration& calibration, const LabelOptions& options);
 
-/// The same of a file; images are read as they are needed.
+/// A recording's images, read as they are needed. The reader must outlive them.
+FrameSource frames_of(const RecordingReader& reader);
+
+/// The same of a file.
 Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
                        const LabelOptions& options);
 

@@ -14,6 +14,9 @@ struct Patch {
   PixelBox box;  ///< around the points' pixels
 };
 
+/// What belongs to a hand, and to an object in terms of its radius.
+inline constexpr double hand_patch_radius_m = 0.12, object_patch_radii = 1.6;
+
 /// The points of `body` in the densest place near `start_m`: mean shift with a ball of `radius_m`.
 /// Nothing if fewer than `fewest` points lie in it.
 std::optional<Patch> find_patch(const Surface& surface, Body body, const Eigen::Vector3d& start_m,

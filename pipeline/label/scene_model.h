@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,10 +37,13 @@ struct SceneModel {
         unevenness_m;  ///< deviation of the surface from it, and so of its centre from the body's
   };
   std::map<std::string, Sphere> object_sphere;
+  std::set<std::string> like_the_hand;  ///< objects that no colour tells from it
 
   /// The frame's surface in front of the band, told apart; coloured points may lie a little behind
-  /// it.
-  Surface see(const RgbdFrame& frame, const std::string& object) const;
+  /// it. An object like the hand is told from it where it is apart from the one near `hand_m`, if
+  /// that is known.
+  Surface see(const RgbdFrame& frame, const std::string& object,
+              const std::optional<Eigen::Vector3d>& hand_m) const;
   /// What the depth camera sees of the object and past it, if it is no larger than `radius_m`.
   SphereView view_sphere(const RgbdFrame& frame, const std::string& object, const Patch& patch,
                          double radius_m) const;
@@ -48,10 +52,5 @@ struct SceneModel {
   double hidden_part(const RgbdFrame& frame, const Eigen::Vector3d& center_m,
                      double radius_m) const;
 };
-
-/// Background from its frames, the band from the torso's depth over the recording, colours from the
-/// clips' first frames, the sphere that fits the object best from all it shows.
-SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
-                       const FrameSource& frames, const std::vector<ClipFrames>& clips);
 
 }  // namespace touchtrace::label

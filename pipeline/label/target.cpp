@@ -8,7 +8,7 @@ namespace {
 
 constexpr double most_box_shift = 0.4;  // of a box's size, before its tracker is set anew
 constexpr int frames_to_be_lost = 3;
-constexpr double everywhere_m = 10.0, hinted_m = 0.15;
+constexpr double everywhere_m = 10.0, hinted_m = 0.15, hidden_m = 0.07;
 
 bool agrees(const PixelBox& tracked, const PixelBox& seen) {
   const double dx = tracked.x + 0.5 * tracked.width - seen.x - 0.5 * seen.width;
@@ -24,6 +24,11 @@ bool Target::is_lost() const { return missed_ >= frames_to_be_lost; }
 
 double Target::gate_m() const { return is_lost() ? everywhere_m : filter_.gate_m(); }
 
+double Target::search_m(bool hinted) const {
+  if (hidden_) return hidden_m;
+  return is_lost() && hinted ? hinted_m : gate_m();
+}
+
 std::optional<Patch> Target::begin(const Surface& surface, const PixelBox& box) const {
   Surface inside;
   for (const auto& point : surface)
@@ -33,7 +38,7 @@ std::optional<Patch> Target::begin(const Surface& surface, const PixelBox& box) 
 }
 
 std::optional<PixelBox> Target::track(const MaskedImage& image, const Camera& camera) {
-  if (kind_ != TrackerKind::csrt || !(expected_m().z() > 0.1)) return std::nullopt;
+  if (!(expected_m().z() > 0.1)) return std::nullopt;
   const auto pixel = camera.project(expected_m());
   return tracker_.update(image, pixel.x(), pixel.y());
 }
@@ -54,8 +59,7 @@ std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& ima
     ++missed_;
     return std::nullopt;
   }
-  if (kind_ == TrackerKind::csrt && !(tracked && agrees(*tracked, patch->box)))
-    restart(image, patch->box);
+  if (!(tracked && agrees(*tracked, patch->box))) restart(image, patch->box);
   return patch;
 }
 
@@ -69,7 +73,7 @@ std::optional<Patch> Target::best_patch(const Surface& surface,
     if (!patch) continue;
     double off = (patch->centroid_m - expected_m()).norm();
     if (hint_m) off = std::min(off, (patch->centroid_m - *hint_m).norm());
-    if (off > (is_lost() && hint_m ? hinted_m : gate_m()) + radius_m_) continue;
+    if (off > search_m(hint_m.has_value()) + radius_m_) continue;
     const double score =
         std::log(static_cast<double>(patch->points_m.size())) - 8.0 * std::pow(off / gate_m(), 2);
     if (score > highest) highest = score, best = std::move(patch);
@@ -80,7 +84,8 @@ std::optional<Patch> Target::best_patch(const Surface& surface,
 void Target::start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,
                    const MaskedImage& image) {
   filter_.start(position_m, sigma_m);
-  if (kind_ == TrackerKind::csrt && !box.empty()) restart(image, box);
+  missed_ = box.empty() ? frames_to_be_lost : 0;
+  if (!box.empty()) restart(image, box);
 }
 
 void Target::measure(const Eigen::Vector3d& position_m, double sigma_m) {
@@ -89,6 +94,12 @@ void Target::measure(const Eigen::Vector3d& position_m, double sigma_m) {
   else
     filter_.measure(position_m, sigma_m);
   missed_ = 0;
+  hidden_ = false;
+}
+
+void Target::hide(const Eigen::Vector3d& position_m, double sigma_m) {
+  measure(position_m, sigma_m);
+  hidden_ = true;
 }
 
 std::optional<Eigen::Vector3d> Target::median_in_box(const Surface& surface,
@@ -101,7 +112,6 @@ std::optional<Eigen::Vector3d> Target::median_in_box(const Surface& surface,
 
 void Target::restart(const MaskedImage& image, const PixelBox& box) {
   tracker_.start(image, {box.x - 1, box.y - 1, box.width + 2, box.height + 2});
-  ++restarts_;
 }
 
 }  // namespace touchtrace::label

@@ -8,15 +8,12 @@
 
 namespace touchtrace::label {
 
-/// How targets are followed from frame to frame.
-enum class TrackerKind { csrt, component };
-
 /// One body that is followed: where it is expected, its tracker, and how it is told from the rest.
 class Target {
  public:
   /// Its points lie within `radius_m` of their middle and are `fewest` at least.
-  Target(Body body, double radius_m, std::size_t fewest, TrackerKind kind)
-      : body_(body), radius_m_(radius_m), fewest_(fewest), kind_(kind) {}
+  Target(Body body, double radius_m, std::size_t fewest, const TrackerKind& kind)
+      : body_(body), radius_m_(radius_m), fewest_(fewest), tracker_(kind) {}
 
   /// Where a user's box says it is.
   std::optional<Patch> begin(const Surface& surface, const PixelBox& box) const;
@@ -24,10 +21,11 @@ class Target {
   /// The patch that its place and its size speak for, of those where it is expected, where the
   /// tracker has it and, if given, at `hint_m`; all must lie within the gate. One that was lost for
   /// some frames is looked for around the hint, or everywhere without one.
-  std::optional<Patch> find(const Surface& surface, const MaskedImage& image, const Camera& camera,
+  std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
+                            const Camera& camera,
                             const std::optional<Eigen::Vector3d>& hint_m);
 
-  /// With an empty `box` its tracker waits until the target is seen.
+  /// With an empty `box` it is lost until it is seen.
   void start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,
              const MaskedImage& image);
   void predict(double seconds, bool falling, const Eigen::Vector3d& gravity_m_per_s2) {
@@ -36,14 +34,19 @@ class Target {
   /// Takes a place in; far from where it was expected the filter starts anew.
   void measure(const Eigen::Vector3d& position_m, double sigma_m);
 
+  /// Nothing shows it, but it is known to be near a place: until it is seen, only there.
+  void hide(const Eigen::Vector3d& position_m, double sigma_m);
+
   double gate_m() const;
   /// Not found for some frames.
   bool is_lost() const;
   Eigen::Vector3d expected_m() const { return filter_.position_m(); }
   /// Times the tracker was set on its target anew.
-  int restarts() const { return restarts_; }
+  int restarts() const { return tracker_.starts(); }
 
  private:
+  /// Farther from where it may be nothing is taken for it.
+  double search_m(bool hinted) const;
   std::optional<PixelBox> track(const MaskedImage& image, const Camera& camera);
   std::optional<Patch> best_patch(const Surface& surface,
                                   const std::vector<Eigen::Vector3d>& starts,
@@ -55,9 +58,9 @@ class Target {
   Body body_;
   double radius_m_;
   std::size_t fewest_;
-  TrackerKind kind_;
   BoxTracker tracker_;
-  int restarts_ = 0, missed_ = 0;
+  int missed_ = 0;
+  bool hidden_ = false;
 };
 
 }  // namespace touchtrace::label

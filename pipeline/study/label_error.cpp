@@ -6,10 +6,10 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
-#include <optional>
 #include <vector>
 
 #include "engine/base/error.h"
+#include "pipeline/study/truth_samples.h"
 
 namespace touchtrace::study {
 namespace {
@@ -26,52 +26,12 @@ struct Sample {
   Vector6 error;  ///< position, velocity
   Eigen::Vector3d causal_velocity_error;
   Matrix6 covariance;
-  bool lost, in_picture;
+  std::uint8_t quality;  ///< LabelQuality
+  bool in_picture;
   bool has_true_velocity;  ///< no impact between the truth's samples around it
+
+  bool lost() const { return (quality & (quality_lost | quality_gap)) != 0; }
 };
-
-/// The truth's samples around a time: index of the earlier one and the part of the way to the later
-/// one.
-struct Place {
-  std::size_t index;
-  double part;
-};
-
-std::optional<Place> find_place(const Truth& truth, std::int32_t clip, double time_s) {
-  const auto [first, last] = std::ranges::equal_range(truth.clip, clip);
-  const auto begin = truth.time_s.begin() + (first - truth.clip.begin());
-  const auto end = truth.time_s.begin() + (last - truth.clip.begin());
-  const auto after = std::upper_bound(begin, end, time_s);
-  if (after == begin || after == end) return std::nullopt;
-  return Place{static_cast<std::size_t>(after - truth.time_s.begin()) - 1,
-               (time_s - *(after - 1)) / (*after - *(after - 1))};
-}
-
-Eigen::Vector3d row(const std::vector<double>& values, std::size_t index) {
-  return Eigen::Map<const Eigen::Vector3d>(&values[3 * index]);
-}
-
-Eigen::Vector3d interpolate(const std::vector<double>& values, const Place& place) {
-  return (1.0 - place.part) * row(values, place.index) + place.part * row(values, place.index + 1);
-}
-
-/// Whether the simulated camera looks at a place; a truth without a camera sees everything.
-bool in_picture(const Truth& truth, const Eigen::Vector3d& position) {
-  if (!truth.calibration.contains("color")) return true;
-  const auto& color = truth.calibration.at("color");
-  const auto lens = color.at("intrinsics_px").get<std::array<double, 4>>();
-  const double u = lens[0] * position.x() / position.z() + lens[2],
-               v = lens[1] * position.y() / position.z() + lens[3];
-  return position.z() > 0.0 && u >= 0.0 && v >= 0.0 && u < color.at("width").get<double>() &&
-         v < color.at("height").get<double>();
-}
-
-/// By the truth's neighbouring samples, in m/s^2.
-double acceleration(const Truth& truth, const Truth::Body& body, const Place& place) {
-  return (row(body.velocity_m_per_s, place.index + 1) - row(body.velocity_m_per_s, place.index))
-             .norm() /
-         (truth.time_s[place.index + 1] - truth.time_s[place.index]);
-}
 
 /// Labels against the truth `delay_s` before their times.
 std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, const Truth& truth,
@@ -86,7 +46,7 @@ std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, c
     sample.error << row(body.position_m, i) - position, row(body.velocity_m_per_s, i) - velocity;
     sample.causal_velocity_error = row(body.causal_velocity_m_per_s, i) - velocity;
     sample.covariance = Eigen::Map<const Matrix6>(&body.covariance[36 * i]);
-    sample.lost = body.quality[i] != quality_good;
+    sample.quality = body.quality[i];
     sample.in_picture = in_picture(truth, position);
     sample.has_true_velocity = acceleration(truth, true_body, *place) < impact_m_per_s2;
     samples.push_back(std::move(sample));
@@ -121,7 +81,7 @@ double covered(const Sample& sample, int first) {
   return count / 3.0;
 }
 
-/// The samples that are not wrong; counts shares on the way.
+/// The samples that are neither lost nor wrong; counts shares on the way.
 std::vector<Sample> keep_right(const std::vector<Sample>& samples, BodyError& error) {
   const Eigen::Vector3d offset = median_offset(samples);
   std::vector<Sample> right;
@@ -129,10 +89,11 @@ std::vector<Sample> keep_right(const std::vector<Sample>& samples, BodyError& er
   for (const auto& sample : samples) {
     const bool wrong = !((sample.error.head<3>() - offset).norm() < wrong_m);
     error.outside_share += part * !sample.in_picture;
-    error.lost_share += part * (sample.lost && sample.in_picture);
-    error.wrong_share += part * wrong;
-    error.wrong_unsaid_share += part * (wrong && !sample.lost);
-    if (!wrong) right.push_back(sample);
+    error.lost_share += part * (sample.lost() && sample.in_picture);
+    error.follows_share += part * ((sample.quality & quality_follows) != 0);
+    error.wrong_share += part * (wrong && !sample.lost());
+    error.wrong_unsaid_share += part * (wrong && sample.quality == quality_good);
+    if (!wrong && !sample.lost()) right.push_back(sample);
   }
   return right;
 }
@@ -243,6 +204,7 @@ LabelError compare_labels_with_truth(const Labels& labels, const Truth& truth) {
 void to_json(nlohmann::json& json, const BodyError& error) {
   json = {{"lost_share", error.lost_share},
           {"outside_share", error.outside_share},
+          {"follows_share", error.follows_share},
           {"impact_share", error.impact_share},
           {"wrong_share", error.wrong_share},
           {"wrong_unsaid_share", error.wrong_unsaid_share},

@@ -9,16 +9,17 @@
 namespace touchtrace::study {
 
 /// How far the labels of one body are from the truth, in the colour camera's frame. Labels further
-/// off than 60 mm (from the truth plus the median offset) are wrong; all else is over the others.
-/// What no recording shows (where a body's middle is, the streams' least latency) is given as bias
-/// and delay; spread, aligned velocity, coverage and NEES are of what is left. Velocities, coverage
-/// and NEES leave out where an impact lies between the truth's samples: its velocity there is not
-/// known.
+/// off than 60 mm (from the truth plus the median offset) are wrong; errors are of all that are
+/// neither lost nor wrong. What no recording shows (where a body's middle is, the streams' least
+/// latency) is given as bias and delay; spread, aligned velocity, coverage and NEES are of what is
+/// left. Velocities, coverage and NEES leave out where an impact lies between the truth's samples:
+/// its velocity there is not known.
 struct BodyError {
-  double lost_share = 0.0;     ///< labels that say so of a body in the picture
+  double lost_share = 0.0;     ///< labels that say so, of a body in the picture
   double outside_share = 0.0;  ///< of labels while the body's middle was outside the picture
+  double follows_share = 0.0;  ///< labels that say that they follow the hand
   double impact_share = 0.0;   ///< of labels with an impact between the truth's samples around it
-  double wrong_share = 0.0;    ///< lost or not
+  double wrong_share = 0.0;    ///< of labels that do not say that they are lost
   double wrong_unsaid_share = 0.0;                   ///< wrong while said to be good
   Eigen::Vector3d bias_m = Eigen::Vector3d::Zero();  ///< mean error; of the hand: from blob to palm
   Eigen::Vector3d position_rms_m = Eigen::Vector3d::Zero();     ///< bias and delay included

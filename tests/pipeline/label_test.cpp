@@ -157,7 +157,8 @@ TEST_P(LabelTest, FollowsHandAndObject) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Trackers, LabelTest,
-                         ::testing::Combine(::testing::Values("csrt", "component"),
+                         ::testing::Combine(::testing::Values("csrt", "csrt-fast", "kcf",
+                                                              "component"),
                                             ::testing::Bool()));
 
 TEST(Label, TrousersOfTheGlovesColourDoNotDrawTheHandAway) {

@@ -8,7 +8,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-const Vector3d glove_color(0.07, 0.09, 0.14), sleeve_color(0.35, 0.12, 0.10);
+const Vector3d sleeve_color(0.35, 0.12, 0.10);
 // The shoulder-side end of the forearm hangs beside the person, who stands at the origin.
 const Vector3d elbow_m(-0.22, -0.02, 1.02);
 const Vector3d wrist_in_hand_m(-0.075, 0.0, -0.014);
@@ -31,7 +31,7 @@ Solid capsule_between(const Vector3d& a, const Vector3d& b, double radius, const
 
 /// The palm and the ridges around its hollow, in the hand's frame.
 void add_palm(std::vector<Solid>& solids, const Isometry3d& world_from_hand) {
-  Solid palm{ShapeKind::box, {0.047, 0.043, 0.012}, Isometry3d::Identity(), glove_color};
+  Solid palm{ShapeKind::box, {0.047, 0.043, 0.012}, Isometry3d::Identity(), glove_color()};
   palm.body_from_shape.translation().z() = -0.012;
   palm.body_from_shape = world_from_hand * palm.body_from_shape;
   solids.push_back(palm);
@@ -40,7 +40,7 @@ void add_palm(std::vector<Solid>& solids, const Isometry3d& world_from_hand) {
                                         Vector3d(-x, y, heel), Vector3d(-x, -y, heel)};
   for (int i = 0; i < 4; ++i)
     solids.push_back(capsule_between(world_from_hand * corners[i],
-                                     world_from_hand * corners[(i + 1) % 4], radius, glove_color));
+                                     world_from_hand * corners[(i + 1) % 4], radius, glove_color()));
 }
 
 void add_finger(std::vector<Solid>& solids, const Isometry3d& world_from_hand, const Finger& finger,
@@ -50,11 +50,13 @@ void add_finger(std::vector<Solid>& solids, const Isometry3d& world_from_hand, c
     const Vector3d end =
         pose.joint_m[link] + finger.length_m[link] * pose.hand_from_link[link].col(0);
     solids.push_back(capsule_between(world_from_hand * pose.joint_m[link], world_from_hand * end,
-                                     finger.radius_m, glove_color));
+                                     finger.radius_m, glove_color()));
   }
 }
 
 }  // namespace
+
+Vector3d glove_color() { return {0.07, 0.09, 0.14}; }
 
 std::vector<Solid> hand_solids(const SceneSample& sample, const HandModel& hand) {
   const Isometry3d world_from_hand = placed(sample.hand);
@@ -63,7 +65,7 @@ std::vector<Solid> hand_solids(const SceneSample& sample, const HandModel& hand)
   for (int i = 0; i < finger_count; ++i)
     add_finger(solids, world_from_hand, hand.fingers[i], sample.flexion_rad[i]);
   const Vector3d heel = world_from_hand * Vector3d(-0.040, 0.0, -0.012);
-  solids.push_back(capsule_between(heel, world_from_hand * wrist_in_hand_m, 0.026, glove_color));
+  solids.push_back(capsule_between(heel, world_from_hand * wrist_in_hand_m, 0.026, glove_color()));
   return solids;
 }
 

@@ -5,6 +5,9 @@
 
 namespace touchtrace::scene {
 
+/// Linear RGB in 0..1.
+Eigen::Vector3d glove_color();
+
 /// What a camera sees of the gloved hand, the forearm, the object and its ball at one instant, each
 /// solid placed in the world (`body_from_shape` is then world_from_shape).
 std::vector<Solid> hand_solids(const SceneSample& sample, const HandModel& hand = hand_model());

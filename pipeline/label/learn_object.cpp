@@ -1,0 +1,191 @@
+#include "pipeline/label/learn_object.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "engine/base/error.h"
+#include "pipeline/label/split.h"
+
+namespace touchtrace::label {
+namespace {
+
+constexpr std::size_t fewest_points = 12, most_starts = 16, most_views = 64;
+constexpr double toss_m = 0.5;
+constexpr double silhouette_quantile = 0.8, sensor_noise_m = 0.0015, deviations_of_median = 1.4826;
+constexpr double often = 0.1;  // of the sampled frames: so seldom is an object wholly hidden
+
+using SampledFrames = std::vector<SampledFrame>;
+
+double quantile(std::vector<double> values, double part) {
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
+}
+
+double fit_cost(const std::vector<SphereView>& views, double radius_m) {
+  double cost = 0.0;
+  for (const auto& view : views) cost += fit_sphere(view, radius_m).cost_m2;
+  return cost;
+}
+
+/// The radius of the sphere that fits all views best, near that of the silhouette.
+double fitted_radius(const std::vector<SphereView>& views, double silhouette_m) {
+  double best = silhouette_m, lowest = std::numeric_limits<double>::infinity();
+  for (double part = 0.6; part <= 1.4; part += 0.02) {
+    const double cost = fit_cost(views, part * silhouette_m);
+    if (cost < lowest) lowest = cost, best = part * silhouette_m;
+  }
+  return best;
+}
+
+/// The object in one of the sampled frames.
+struct Sighting {
+  std::size_t frame;
+  Patch patch;
+};
+
+/// The largest patch of a body, looked for from points all over it.
+std::optional<Patch> largest_patch(const Surface& surface, Body body, double radius_m) {
+  Surface own;
+  std::ranges::copy_if(surface, std::back_inserter(own),
+                       [&](const SurfacePoint& point) { return point.body == body; });
+  std::optional<Patch> largest;
+  for (std::size_t i = 0; i < own.size(); i += 1 + own.size() / most_starts) {
+    auto patch = find_patch(own, body, own[i].position_m.cast<double>(), radius_m, fewest_points);
+    if (patch && (!largest || patch->points_m.size() > largest->points_m.size()))
+      largest = std::move(patch);
+  }
+  return largest;
+}
+
+std::optional<Patch> find_hand(const Surface& surface) {
+  return largest_patch(surface, Body::hand, hand_patch_radius_m);
+}
+
+/// What moves within a toss of the hand; nothing if that is not seen.
+Surface near_hand(const Surface& surface) {
+  Surface near;
+  if (const auto hand = find_hand(surface))
+    std::ranges::copy_if(surface, std::back_inserter(near), [&](const SurfacePoint& point) {
+      return (point.position_m.cast<double>() - hand->centroid_m).norm() < toss_m;
+    });
+  return near;
+}
+
+std::vector<Sighting> sightings_of(const SampledFrames& samples, double radius_m) {
+  std::vector<Sighting> result;
+  for (const auto& sample : samples)
+    if (auto patch =
+            largest_patch(near_hand(sample.surface), Body::object, object_patch_radii * radius_m))
+      result.push_back({sample.index, std::move(*patch)});
+  return result;
+}
+
+void learn_colors(const SampledFrame& first, const std::string& object, ColorClasses& colors) {
+  const auto& [hand_box, object_box] = std::tie(first.clip->hand_box, first.clip->object_box);
+  if (std::ranges::none_of(first.surface, [&](const auto& p) { return contains(object_box, p); }))
+    throw data_error(fmt::format("nothing but background is in the box on the object '{}' in "
+                                 "camera frame {}",
+                                 object, first.index),
+                     "give object boxes that lie on the object in each clip's first frame");
+  colors.learn(first.surface, hand_box, object_box);
+}
+
+void classify(ColorClasses& colors, SampledFrames& samples) {
+  colors.settle();
+  for (auto& sample : samples) colors.assign(sample.surface);
+}
+
+Surface all_near_hand(const SampledFrames& samples) {
+  Surface all;
+  for (const auto& sample : samples)
+    std::ranges::copy(near_hand(sample.surface), std::back_inserter(all));
+  return all;
+}
+
+/// Of a disc as large as the clips' boxes, at the hand's distance: their median.
+double boxed_radius_m(const SceneModel& model, const std::string& object,
+                      const SampledFrames& samples) {
+  std::vector<double> radii;
+  for (const auto& sample : samples) {
+    const auto hand = find_hand(sample.surface);
+    const auto& box = sample.clip->object_box;
+    if (hand && sample.index == sample.clip->first)
+      radii.push_back(0.5 * std::sqrt(static_cast<double>(box.width * box.height)) *
+                      hand->centroid_m.z() / model.segmenter.color_camera().fx);
+  }
+  if (radii.empty())
+    throw data_error(fmt::format("neither '{}' nor the hand was found in the boxes", object),
+                     "give boxes that lie on object and hand in each clip's first frame");
+  return quantile(std::move(radii), 0.5);
+}
+
+/// How far the surface is from the sphere, beyond the sensor's own noise: the median distance in
+/// terms of a normal deviation.
+double unevenness(const std::vector<SphereView>& views, double radius_m) {
+  std::vector<double> distances_m;
+  for (const auto& view : views) {
+    const Eigen::Vector3d center = fit_sphere(view, radius_m).center_m;
+    for (const auto& point : view.on_m)
+      distances_m.push_back(std::abs((point.cast<double>() - center).norm() - radius_m));
+  }
+  const double deviation_m = deviations_of_median * quantile(std::move(distances_m), 0.5);
+  return std::sqrt(std::max(0.0, deviation_m * deviation_m - sensor_noise_m * sensor_noise_m));
+}
+
+/// Through what is seen of the object and beside what is seen past it.
+SceneModel::Sphere object_sphere(const SceneModel& model, const FrameSource& frames,
+                                 const std::string& object,
+                                 const std::vector<Sighting>& sightings) {
+  std::vector<double> radii;
+  for (const auto& sighting : sightings) radii.push_back(silhouette_radius_m(sighting.patch));
+  const double silhouette_m = quantile(std::move(radii), silhouette_quantile);
+  std::vector<SphereView> views;
+  const std::size_t stride = (sightings.size() + most_views - 1) / most_views;
+  for (std::size_t i = 0; i < sightings.size(); i += stride)
+    views.push_back(model.view_sphere(frames.camera_frame(sightings[i].frame), object,
+                                      sightings[i].patch, silhouette_m));
+  const double radius_m = fitted_radius(views, silhouette_m);
+  return {radius_m, unevenness(views, radius_m)};
+}
+
+/// Sightings of an object like the hand: while they are apart.
+std::vector<Sighting> look_beside_the_hand(SampledFrames& samples, double radius_m) {
+  for (auto& sample : samples)
+    if (const auto hand = find_hand(sample.surface))
+      split_from_hand(sample.surface, hand->centroid_m, radius_m);
+  return sightings_of(samples, radius_m);
+}
+
+}  // namespace
+
+void learn_object(SceneModel& model, const FrameSource& frames, const std::string& object,
+                  std::vector<SampledFrame>& samples) {
+  auto& colors = model.colors[object];
+  for (auto& sample : samples) {
+    if (sample.index == sample.clip->first) learn_colors(sample, object, colors);
+    std::erase_if(sample.surface,
+                  [&](const SurfacePoint& p) { return !(p.position_m.z() < model.band_m); });
+  }
+  classify(colors, samples);
+  const double radius_m = boxed_radius_m(model, object, samples);
+  const double enough = often * static_cast<double>(samples.size());
+  auto sightings = sightings_of(samples, radius_m);
+  if (static_cast<double>(sightings.size()) < enough) {
+    colors.learn_object_from(all_near_hand(samples));
+    classify(colors, samples);
+    sightings = sightings_of(samples, radius_m);
+  }
+  if (static_cast<double>(sightings.size()) < enough) {
+    model.like_the_hand.insert(object);
+    model.object_sphere[object] = {radius_m, 0.0};
+    sightings = look_beside_the_hand(samples, radius_m);
+  }
+  if (!sightings.empty())
+    model.object_sphere[object] = object_sphere(model, frames, object, sightings);
+}
+
+}  // namespace touchtrace::label

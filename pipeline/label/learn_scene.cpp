@@ -1,0 +1,81 @@
+#include "pipeline/label/learn_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "engine/base/interrupt.h"
+#include "pipeline/label/learn_object.h"
+
+namespace touchtrace::label {
+namespace {
+
+constexpr float bin_m = 0.02f, farthest_m = 5.0f;
+constexpr double torso_part = 0.04;  // of the image that a torso covers at least
+constexpr std::size_t most_background = 15, frames_per_clip = 8;
+
+std::vector<std::uint16_t> background_depth(const FrameSource& frames) {
+  std::vector<std::vector<std::uint16_t>> depths;
+  for (std::size_t i = 0; i < std::min(most_background, frames.background_frames); ++i)
+    depths.push_back(frames.background(i).depth);
+  return median_depth(depths);
+}
+
+/// Frames spread over a clip, its first among them.
+std::vector<std::size_t> sampled_frames(const ClipFrames& clip) {
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < std::min(frames_per_clip, clip.count); ++i)
+    result.push_back(clip.first + i * clip.count / std::min(frames_per_clip, clip.count));
+  return result;
+}
+
+/// Where the torso begins: from the largest peak of the depths nearer until 10 % of it. Infinite if
+/// nothing as large as a torso is there.
+float band_limit(const std::vector<double>& histogram, double pixels) {
+  const auto peak = std::max_element(histogram.begin(), histogram.end());
+  const auto low = std::max(histogram.begin(), peak - 5),
+             high = std::min(histogram.end(), peak + 6);
+  if (std::accumulate(low, high, 0.0) < torso_part * pixels) return farthest_m;
+  auto edge = peak;
+  while (edge != histogram.begin() && *edge > 0.1 * *peak) --edge;
+  return bin_m * static_cast<float>(edge - histogram.begin() + 1);
+}
+
+struct Samples {
+  std::map<std::string, std::vector<SampledFrame>> frames;  ///< by object
+  std::vector<double> depths =
+      std::vector<double>(static_cast<std::size_t>(farthest_m / bin_m) + 1);
+  double pixels = 0.0;  ///< of all their images
+};
+
+/// Sees a few frames of every clip, and counts depths.
+Samples sample(const SceneModel& model, const FrameSource& frames,
+               const std::vector<ClipFrames>& clips) {
+  Samples samples;
+  for (const auto& clip : clips)
+    for (const auto index : sampled_frames(clip)) {
+      throw_if_interrupted();
+      const auto frame = frames.camera_frame(index);
+      auto surface = model.segmenter.moving_surface(frame);
+      for (const auto& point : surface)
+        samples
+            .depths[static_cast<std::size_t>(std::min(point.position_m.z(), farthest_m) / bin_m)] +=
+            1.0;
+      samples.pixels += static_cast<double>(frame.depth.size());
+      samples.frames[clip.object].push_back({&clip, index, std::move(surface)});
+    }
+  return samples;
+}
+
+}  // namespace
+
+SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
+                       const FrameSource& frames, const std::vector<ClipFrames>& clips) {
+  SceneModel model{Segmenter(calibration, camera, background_depth(frames)), 0.0f, {}, {}, {}};
+  auto samples = sample(model, frames, clips);
+  model.band_m = band_limit(samples.depths, samples.pixels);
+  for (auto& [object, sampled] : samples.frames) learn_object(model, frames, object, sampled);
+  return model;
+}
+
+}  // namespace touchtrace::label

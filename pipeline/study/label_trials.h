@@ -1,0 +1,19 @@
+#pragma once
+
+#include "pipeline/study/label_error.h"
+#include "pipeline/study/rendered_recording.h"
+
+namespace touchtrace::study {
+
+/// What labels of exact positions at the camera's frames would err by: what 20 frames a second
+/// leave to be known, however well a video is seen.
+LabelError error_of_exact_positions(const Recording& recording, const Truth& truth);
+
+/// The picture is covered for a second in the middle of every clip: the most camera frames that it
+/// then takes until the object is found again, within 60 mm of the truth about its bias.
+int frames_to_recover(const RenderedRecording& rendered, const std::string& tracker);
+
+/// The object painted like the glove.
+scene::ObjectSpec like_the_glove(scene::ObjectSpec object);
+
+}  // namespace touchtrace::study

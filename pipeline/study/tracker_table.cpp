@@ -1,0 +1,67 @@
+#include "pipeline/study/tracker_table.h"
+
+#include <fmt/core.h>
+
+#include "pipeline/label/box_tracker.h"
+#include "pipeline/scene/person/activity.h"
+#include "pipeline/study/label_error.h"
+#include "pipeline/study/rendered_recording.h"
+
+namespace touchtrace::study {
+namespace {
+
+using Emit = std::function<void(Figure)>;
+
+/// What one tracker made of one recording.
+struct Trial {
+  double bad_percent, position_mm, cpu_ms_per_frame, times_real_time;
+};
+
+Trial try_tracker(const RenderedRecording& rendered, const std::string& tracker) {
+  const Stopwatch stopwatch;
+  const auto labels = rendered.label(tracker);
+  const double wall_s = stopwatch.wall_seconds(), cpu_s = stopwatch.cpu_seconds();
+  const auto error = compare_labels_with_truth(labels, rendered.truth()).object;
+  const auto& recording = rendered.recording();
+  const double frames = static_cast<double>(recording.camera_times.frames());
+  return {100.0 * (error.lost_share + error.wrong_share), 1e3 * error.position_spread_m.norm(),
+          1e3 * cpu_s / frames, frames / recording.camera.rate_hz / wall_s};
+}
+
+/// Faster than the camera by so much, all of labelling together on two cores.
+double least_times_real_time(const std::string& tracker) {
+  if (tracker == "component") return 10.0;
+  return tracker == "csrt" ? 1.5 : 0.0;
+}
+
+void measure_recording(const std::string& activity, int width, int height, Picture& picture,
+                       const Emit& emit) {
+  const RenderedRecording rendered({activity, scene::default_object(activity), 1, width, height});
+  Picture::Curve curve{fmt::format("{} {}x{}", activity, width, height), {}, {}};
+  for (const auto& kind : label::tracker_kinds()) {
+    const auto trial = try_tracker(rendered, kind.name);
+    const auto name = fmt::format("{}, {}", curve.name, kind.name);
+    emit(reported(name + ": object lost or wrong", trial.bad_percent, "%"));
+    emit(reported(name + ": object position RMS about its bias", trial.position_mm, "mm"));
+    emit(reported(name + ": processor time, all of labelling", trial.cpu_ms_per_frame, "ms/frame"));
+    emit(at_least(name + ": faster than the camera", trial.times_real_time, "x",
+                  least_times_real_time(kind.name)));
+    curve.x.push_back(trial.cpu_ms_per_frame);
+    curve.y.push_back(trial.position_mm);
+  }
+  picture.curves.push_back(std::move(curve));
+}
+
+}  // namespace
+
+void measure_trackers(const Emit& emit) {
+  Picture picture{"processor time [ms/frame]", "object position RMS [mm]", true, false, {}};
+  for (const char* activity : {"wave", "throw", "pingpong"})
+    for (const int width : {320, 640})
+      measure_recording(activity, width, 3 * width / 4, picture, emit);
+  auto table = reported("trackers compared", static_cast<double>(picture.curves.size()), "curves");
+  table.picture = std::move(picture);
+  emit(std::move(table));
+}
+
+}  // namespace touchtrace::study

@@ -13,7 +13,7 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr double hand_sigma_m = 0.004, follow_sigma_m = 0.02;
+constexpr double hand_disc_m = 0.05, hand_sigma_m = 0.004, follow_sigma_m = 0.02;
 constexpr double unseen_sigma_m = 0.03;  // of an object's place in a hand that hides it
 constexpr double hidden = 0.5;           // part of the rays to an object that something hides
 constexpr std::size_t grip_frames = 15;
@@ -97,8 +97,8 @@ class Follower {
         gravity_(gravity),
         kind_(kind),
         radius_m_(scene.object_sphere.at(clip.object).radius_m),
-        hand_(Body::hand, hand_patch_radius_m, fewest_hand, kind),
-        object_(Body::object, object_patch_radii * radius_m_, fewest_object, kind) {}
+        hand_(Body::hand, hand_disc_m, hand_patch_radius_m, fewest_hand, kind),
+        object_(Body::object, radius_m_, object_patch_radii * radius_m_, fewest_object, kind) {}
 
   void step(const RgbdFrame& frame, double seconds, ClipTrack& track) {
     const auto surface = scene_.see(frame, clip_.object, expected_hand_m());
@@ -112,8 +112,8 @@ class Follower {
     } else {
       hand_.predict(seconds, false, gravity_);
       object_.predict(seconds, away_, gravity_);
-      hand = hand_.find(surface, image, camera, std::nullopt);
-      object = object_.find(surface, image, camera, in_hand(hand));
+      hand = hand_.find(surface, image, scene_.segmenter, std::nullopt);
+      object = object_.find(surface, image, scene_.segmenter, in_hand(hand));
     }
     track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
     track.object.push_back(object ? observe_object(*object, radius_m_, scene_, frame, clip_.object)

@@ -9,8 +9,9 @@
 namespace touchtrace::label {
 
 struct LabelOptions {
-  std::string tracker =
-      "csrt";       ///< "csrt": as in the paper; "component": colour and depth alone, much faster
+  /// "csrt": as in the paper; "csrt-fast": smaller template, fewer scales; "kcf"; "component":
+  /// colour and depth alone, much faster.
+  std::string tracker = "csrt-fast";
   int threads = 0;  ///< 0: one a core
 };
 

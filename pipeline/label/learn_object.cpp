@@ -8,13 +8,12 @@
 #include <tuple>
 
 #include "engine/base/error.h"
-#include "pipeline/label/split.h"
 
 namespace touchtrace::label {
 namespace {
 
 constexpr std::size_t fewest_points = 12, most_starts = 16, most_views = 64;
-constexpr double toss_m = 0.5;
+constexpr double toss_m = 0.5, shown_in_some_frames = 0.4;
 constexpr double silhouette_quantile = 0.8, sensor_noise_m = 0.0015, deviations_of_median = 1.4826;
 constexpr double often = 0.1;  // of the sampled frames: so seldom is an object wholly hidden
 
@@ -65,21 +64,27 @@ std::optional<Patch> find_hand(const Surface& surface) {
   return largest_patch(surface, Body::hand, hand_patch_radius_m);
 }
 
-/// What moves within a toss of the hand; nothing if that is not seen.
-Surface near_hand(const Surface& surface) {
+/// What a clip's boxes say of the object: about how large it is, and how far from the hand.
+struct Boxed {
+  double radius_m, from_hand_m;
+};
+
+/// What moves within a toss of where the hand has the object; nothing if no hand is seen.
+Surface near_hand(const Surface& surface, const Boxed& boxed) {
   Surface near;
   if (const auto hand = find_hand(surface))
     std::ranges::copy_if(surface, std::back_inserter(near), [&](const SurfacePoint& point) {
-      return (point.position_m.cast<double>() - hand->centroid_m).norm() < toss_m;
+      return (point.position_m.cast<double>() - hand->centroid_m).norm() <
+             boxed.from_hand_m + toss_m;
     });
   return near;
 }
 
-std::vector<Sighting> sightings_of(const SampledFrames& samples, double radius_m) {
+std::vector<Sighting> sightings_of(const SampledFrames& samples, const Boxed& boxed) {
   std::vector<Sighting> result;
   for (const auto& sample : samples)
-    if (auto patch =
-            largest_patch(near_hand(sample.surface), Body::object, object_patch_radii * radius_m))
+    if (auto patch = largest_patch(near_hand(sample.surface, boxed), Body::object,
+                                   object_patch_radii * boxed.radius_m))
       result.push_back({sample.index, std::move(*patch)});
   return result;
 }
@@ -99,28 +104,41 @@ void classify(ColorClasses& colors, SampledFrames& samples) {
   for (auto& sample : samples) colors.assign(sample.surface);
 }
 
-Surface all_near_hand(const SampledFrames& samples) {
+Surface all_near_hand(const SampledFrames& samples, const Boxed& boxed) {
   Surface all;
   for (const auto& sample : samples)
-    std::ranges::copy(near_hand(sample.surface), std::back_inserter(all));
+    std::ranges::copy(near_hand(sample.surface, boxed), std::back_inserter(all));
   return all;
 }
 
-/// Of a disc as large as the clips' boxes, at the hand's distance: their median.
-double boxed_radius_m(const SceneModel& model, const std::string& object,
-                      const SampledFrames& samples) {
-  std::vector<double> radii;
+/// Medians over the clips whose first frame shows the hand: of a disc as large as the object's box,
+/// at the hand's distance.
+Boxed boxed_object(const SceneModel& model, const std::string& object,
+                   const SampledFrames& samples) {
+  const auto& camera = model.segmenter.color_camera();
+  std::vector<double> radii, distances;
   for (const auto& sample : samples) {
-    const auto hand = find_hand(sample.surface);
     const auto& box = sample.clip->object_box;
-    if (hand && sample.index == sample.clip->first)
-      radii.push_back(0.5 * std::sqrt(static_cast<double>(box.width * box.height)) *
-                      hand->centroid_m.z() / model.segmenter.color_camera().fx);
+    const auto hand = sample.index == sample.clip->first ? find_hand(sample.surface) : std::nullopt;
+    if (!hand) continue;
+    const double z = hand->centroid_m.z();
+    radii.push_back(0.5 * std::sqrt(static_cast<double>(box.width * box.height)) * z / camera.fx);
+    const Eigen::Vector2d middle(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
+    distances.push_back((z * camera.unproject(middle) - hand->centroid_m).norm());
   }
   if (radii.empty())
-    throw data_error(fmt::format("neither '{}' nor the hand was found in the boxes", object),
-                     "give boxes that lie on object and hand in each clip's first frame");
-  return quantile(std::move(radii), 0.5);
+    throw data_error(fmt::format("no hand was found in the boxes of the clips with '{}'", object),
+                     "give boxes that lie on the hand in each clip's first frame");
+  return {quantile(std::move(radii), 0.5), quantile(std::move(distances), 0.5)};
+}
+
+/// The part of its disc that an object shows where it shows most.
+double shown(const SceneModel& model, const std::vector<Sighting>& sightings, double radius_m) {
+  std::vector<double> parts{0.0};
+  for (const auto& [frame, patch] : sightings)
+    parts.push_back(static_cast<double>(patch.points_m.size()) /
+                    model.segmenter.disc_pixels(radius_m, patch.centroid_m.z()));
+  return quantile(std::move(parts), silhouette_quantile);
 }
 
 /// How far the surface is from the sphere, beyond the sensor's own noise: the median distance in
@@ -153,11 +171,12 @@ SceneModel::Sphere object_sphere(const SceneModel& model, const FrameSource& fra
 }
 
 /// Sightings of an object like the hand: while they are apart.
-std::vector<Sighting> look_beside_the_hand(SampledFrames& samples, double radius_m) {
+std::vector<Sighting> look_beside_the_hand(const SceneModel& model, const std::string& object,
+                                           SampledFrames& samples, const Boxed& boxed) {
   for (auto& sample : samples)
     if (const auto hand = find_hand(sample.surface))
-      split_from_hand(sample.surface, hand->centroid_m, radius_m);
-  return sightings_of(samples, radius_m);
+      model.split(sample.surface, object, hand->centroid_m);
+  return sightings_of(samples, boxed);
 }
 
 }  // namespace
@@ -171,18 +190,25 @@ void learn_object(SceneModel& model, const FrameSource& frames, const std::strin
                   [&](const SurfacePoint& p) { return !(p.position_m.z() < model.band_m); });
   }
   classify(colors, samples);
-  const double radius_m = boxed_radius_m(model, object, samples);
+  const auto boxed = boxed_object(model, object, samples);
   const double enough = often * static_cast<double>(samples.size());
-  auto sightings = sightings_of(samples, radius_m);
-  if (static_cast<double>(sightings.size()) < enough) {
-    colors.learn_object_from(all_near_hand(samples));
+  const auto is_told = [&](const std::vector<Sighting>& sightings, double part) {
+    return static_cast<double>(sightings.size()) >= enough &&
+           shown(model, sightings, boxed.radius_m) >= part;
+  };
+  auto sightings = sightings_of(samples, boxed);
+  if (!is_told(sightings, 0.0)) {
+    colors.learn_object_from(all_near_hand(samples, boxed));
     classify(colors, samples);
-    sightings = sightings_of(samples, radius_m);
+    sightings = sightings_of(samples, boxed);
+    if (!is_told(sightings, shown_in_some_frames)) sightings.clear();
   }
-  if (static_cast<double>(sightings.size()) < enough) {
+  if (sightings.empty()) {
     model.like_the_hand.insert(object);
-    model.object_sphere[object] = {radius_m, 0.0};
-    sightings = look_beside_the_hand(samples, radius_m);
+    colors.learn_object_from({});
+    classify(colors, samples);
+    model.object_sphere[object] = {boxed.radius_m, 0.0};
+    sightings = look_beside_the_hand(model, object, samples, boxed);
   }
   if (!sightings.empty())
     model.object_sphere[object] = object_sphere(model, frames, object, sightings);

@@ -41,11 +41,30 @@ float band_limit(const std::vector<double>& histogram, double pixels) {
   return bin_m * static_cast<float>(edge - histogram.begin() + 1);
 }
 
+std::vector<double> depth_counts(const Surface& surface) {
+  std::vector<double> counts(static_cast<std::size_t>(farthest_m / bin_m) + 1);
+  for (const auto& point : surface)
+    counts[static_cast<std::size_t>(std::min(point.position_m.z(), farthest_m) / bin_m)] += 1.0;
+  return counts;
+}
+
+/// Bin by bin: who walks by before the camera is not the person who stands there.
+std::vector<double> median_counts(const std::vector<std::vector<double>>& frames) {
+  std::vector<double> result;
+  for (std::size_t bin = 0; !frames.empty() && bin < frames.front().size(); ++bin) {
+    std::vector<double> counts;
+    for (const auto& frame : frames) counts.push_back(frame[bin]);
+    const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
+    std::nth_element(counts.begin(), middle, counts.end());
+    result.push_back(*middle);
+  }
+  return result;
+}
+
 struct Samples {
   std::map<std::string, std::vector<SampledFrame>> frames;  ///< by object
-  std::vector<double> depths =
-      std::vector<double>(static_cast<std::size_t>(farthest_m / bin_m) + 1);
-  double pixels = 0.0;  ///< of all their images
+  std::vector<std::vector<double>> depths;  ///< of each frame, how many points in each bin
+  double pixels = 0.0;                      ///< of one image
 };
 
 /// Sees a few frames of every clip, and counts depths.
@@ -57,11 +76,8 @@ Samples sample(const SceneModel& model, const FrameSource& frames,
       throw_if_interrupted();
       const auto frame = frames.camera_frame(index);
       auto surface = model.segmenter.moving_surface(frame);
-      for (const auto& point : surface)
-        samples
-            .depths[static_cast<std::size_t>(std::min(point.position_m.z(), farthest_m) / bin_m)] +=
-            1.0;
-      samples.pixels += static_cast<double>(frame.depth.size());
+      samples.depths.push_back(depth_counts(surface));
+      samples.pixels = static_cast<double>(frame.depth.size());
       samples.frames[clip.object].push_back({&clip, index, std::move(surface)});
     }
   return samples;
@@ -73,7 +89,7 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
                        const FrameSource& frames, const std::vector<ClipFrames>& clips) {
   SceneModel model{Segmenter(calibration, camera, background_depth(frames)), 0.0f, {}, {}, {}};
   auto samples = sample(model, frames, clips);
-  model.band_m = band_limit(samples.depths, samples.pixels);
+  model.band_m = band_limit(median_counts(samples.depths), samples.pixels);
   for (auto& [object, sampled] : samples.frames) learn_object(model, frames, object, sampled);
   return model;
 }

@@ -10,6 +10,8 @@ namespace {
 constexpr float behind_band_m = 0.40f;
 constexpr float finger_m = 0.015f;  // what hides an object is a gloved finger at least so thick
 constexpr double around_radii = 2.5;
+constexpr double whole_part =
+    0.5;  // of a disc, that an object shows when it is apart from the hand
 
 }  // namespace
 
@@ -20,9 +22,15 @@ Surface SceneModel::see(const RgbdFrame& frame, const std::string& object,
   std::erase_if(surface, [&](const SurfacePoint& point) {
     return point.position_m.z() > band_m + (point.body == Body::rest ? 0.0f : behind_band_m);
   });
-  if (hand_m && like_the_hand.contains(object))
-    split_from_hand(surface, *hand_m, object_sphere.at(object).radius_m);
+  if (hand_m && like_the_hand.contains(object)) split(surface, object, *hand_m);
   return surface;
+}
+
+void SceneModel::split(Surface& surface, const std::string& object,
+                       const Eigen::Vector3d& hand_m) const {
+  const double radius_m = object_sphere.at(object).radius_m;
+  const double disc = segmenter.disc_pixels(radius_m, hand_m.z());
+  split_from_hand(surface, hand_m, radius_m, static_cast<std::size_t>(whole_part * disc));
 }
 
 SphereView SceneModel::view_sphere(const RgbdFrame& frame, const std::string& object,

@@ -44,6 +44,8 @@ struct SceneModel {
   /// that is known.
   Surface see(const RgbdFrame& frame, const std::string& object,
               const std::optional<Eigen::Vector3d>& hand_m) const;
+  /// The same of a surface whose colours are told already, where the hand is at `hand_m`.
+  void split(Surface& surface, const std::string& object, const Eigen::Vector3d& hand_m) const;
   /// What the depth camera sees of the object and past it, if it is no larger than `radius_m`.
   SphereView view_sphere(const RgbdFrame& frame, const std::string& object, const Patch& patch,
                          double radius_m) const;

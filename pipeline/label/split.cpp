@@ -9,7 +9,7 @@ namespace touchtrace::label {
 namespace {
 
 constexpr float cell_m = 0.015f;  // what lies in neighbouring cells hangs together
-constexpr double most_radii = 1.5;
+constexpr double most_radii = 1.5, hand_reach_m = 0.12;
 
 using Cell = std::array<int, 3>;
 using Indices = std::vector<std::size_t>;
@@ -65,13 +65,16 @@ bool fits_in(const Surface& surface, const Indices& component, double radius_m) 
 
 }  // namespace
 
-void split_from_hand(Surface& surface, const Eigen::Vector3d& hand_m, double radius_m) {
+void split_from_hand(Surface& surface, const Eigen::Vector3d& hand_m, double radius_m,
+                     std::size_t fewest) {
   const auto components = components_of(surface, Body::hand);
   if (components.size() < 2) return;
-  const auto hand = std::ranges::min_element(
-      components, {}, [&](const Indices& c) { return nearest_m(surface, c, hand_m); });
+  const auto hand = std::ranges::max_element(components, {}, [&](const Indices& component) {
+    return nearest_m(surface, component, hand_m) < hand_reach_m ? component.size() : 0;
+  });
   for (const auto& component : components)
-    if (&component != &*hand && fits_in(surface, component, most_radii * radius_m))
+    if (&component != &*hand && component.size() >= fewest &&
+        fits_in(surface, component, most_radii * radius_m))
       for (const auto i : component) surface[i].body = Body::object;
 }
 

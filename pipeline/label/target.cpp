@@ -8,6 +8,8 @@ namespace {
 
 constexpr double most_box_shift = 0.4;  // of a box's size, before its tracker is set anew
 constexpr int frames_to_be_lost = 3;
+constexpr std::size_t starts_everywhere = 16;
+constexpr double shown_far_away = 0.5;  // of a disc, to be taken for a body that may not be there
 constexpr double everywhere_m = 10.0, hinted_m = 0.15, hidden_m = 0.07;
 
 bool agrees(const PixelBox& tracked, const PixelBox& seen) {
@@ -24,9 +26,9 @@ bool Target::is_lost() const { return missed_ >= frames_to_be_lost; }
 
 double Target::gate_m() const { return is_lost() ? everywhere_m : filter_.gate_m(); }
 
-double Target::search_m(bool hinted) const {
+double Target::near_m(bool hinted) const {
   if (hidden_) return hidden_m;
-  return is_lost() && hinted ? hinted_m : gate_m();
+  return is_lost() && hinted ? hinted_m : filter_.gate_m();
 }
 
 std::optional<Patch> Target::begin(const Surface& surface, const PixelBox& box) const {
@@ -43,17 +45,29 @@ std::optional<PixelBox> Target::track(const MaskedImage& image, const Camera& ca
   return tracker_.update(image, pixel.x(), pixel.y());
 }
 
-std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& image,
-                                  const Camera& camera,
-                                  const std::optional<Eigen::Vector3d>& hint_m) {
-  std::vector<Eigen::Vector3d> starts{expected_m()};
-  if (hint_m) starts.push_back(*hint_m);
-  const auto tracked = track(image, camera);
+std::vector<Eigen::Vector3d> Target::starts(const Surface& surface,
+                                            const std::optional<PixelBox>& tracked,
+                                            const std::optional<Eigen::Vector3d>& hint_m) const {
+  std::vector<Eigen::Vector3d> result{expected_m()};
+  if (hint_m) result.push_back(*hint_m);
   if (tracked)
-    if (const auto in_box = median_in_box(surface, *tracked)) starts.push_back(*in_box);
+    if (const auto in_box = median_in_box(surface, *tracked)) result.push_back(*in_box);
   if (const auto middle = median_point(surface, body_, expected_m(), gate_m()))
-    starts.push_back(*middle);
-  const auto patch = best_patch(surface, starts, hint_m);
+    result.push_back(*middle);
+  if (!hidden_ && !is_lost()) return result;
+  Surface own;
+  std::ranges::copy_if(surface, std::back_inserter(own),
+                       [&](const SurfacePoint& point) { return point.body == body_; });
+  for (std::size_t i = 0; i < own.size(); i += 1 + own.size() / starts_everywhere)
+    result.push_back(own[i].position_m.cast<double>());
+  return result;
+}
+
+std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& image,
+                                  const Segmenter& segmenter,
+                                  const std::optional<Eigen::Vector3d>& hint_m) {
+  const auto tracked = track(image, segmenter.color_camera());
+  const auto patch = best_patch(surface, segmenter, starts(surface, tracked, hint_m), hint_m);
   if (!patch) {
     tracker_.stop();
     ++missed_;
@@ -63,7 +77,7 @@ std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& ima
   return patch;
 }
 
-std::optional<Patch> Target::best_patch(const Surface& surface,
+std::optional<Patch> Target::best_patch(const Surface& surface, const Segmenter& segmenter,
                                         const std::vector<Eigen::Vector3d>& starts,
                                         const std::optional<Eigen::Vector3d>& hint_m) const {
   std::optional<Patch> best;
@@ -73,9 +87,12 @@ std::optional<Patch> Target::best_patch(const Surface& surface,
     if (!patch) continue;
     double off = (patch->centroid_m - expected_m()).norm();
     if (hint_m) off = std::min(off, (patch->centroid_m - *hint_m).norm());
-    if (off > search_m(hint_m.has_value()) + radius_m_) continue;
-    const double score =
-        std::log(static_cast<double>(patch->points_m.size())) - 8.0 * std::pow(off / gate_m(), 2);
+    const auto points = static_cast<double>(patch->points_m.size());
+    if (off > near_m(hint_m.has_value()) + radius_m_ &&
+        !((hidden_ || is_lost()) &&
+          points > shown_far_away * segmenter.disc_pixels(disc_m_, patch->centroid_m.z())))
+      continue;
+    const double score = std::log(points) - 8.0 * std::pow(off / gate_m(), 2);
     if (score > highest) highest = score, best = std::move(patch);
   }
   return best;

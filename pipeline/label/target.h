@@ -11,18 +11,20 @@ namespace touchtrace::label {
 /// One body that is followed: where it is expected, its tracker, and how it is told from the rest.
 class Target {
  public:
-  /// Its points lie within `radius_m` of their middle and are `fewest` at least.
-  Target(Body body, double radius_m, std::size_t fewest, const TrackerKind& kind)
-      : body_(body), radius_m_(radius_m), fewest_(fewest), tracker_(kind) {}
+  /// A body of `disc_m` as it is seen from afar. Its points lie within `radius_m` of their middle
+  /// and are `fewest` at least.
+  Target(Body body, double disc_m, double radius_m, std::size_t fewest, const TrackerKind& kind)
+      : body_(body), disc_m_(disc_m), radius_m_(radius_m), fewest_(fewest), tracker_(kind) {}
 
   /// Where a user's box says it is.
   std::optional<Patch> begin(const Surface& surface, const PixelBox& box) const;
 
   /// The patch that its place and its size speak for, of those where it is expected, where the
-  /// tracker has it and, if given, at `hint_m`; all must lie within the gate. One that was lost for
-  /// some frames is looked for around the hint, or everywhere without one.
+  /// tracker has it and, if given, at `hint_m`; all must lie within the gate. One that is hidden or
+  /// was lost for some frames is looked for around the hint, and everywhere; but far from where it
+  /// may be only a patch counts that shows half of it.
   std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
-                            const Camera& camera,
+                            const Segmenter& segmenter,
                             const std::optional<Eigen::Vector3d>& hint_m);
 
   /// With an empty `box` it is lost until it is seen.
@@ -45,10 +47,13 @@ class Target {
   int restarts() const { return tracker_.starts(); }
 
  private:
-  /// Farther from where it may be nothing is taken for it.
-  double search_m(bool hinted) const;
+  /// So near to where it may be anything is taken for it.
+  double near_m(bool hinted) const;
   std::optional<PixelBox> track(const MaskedImage& image, const Camera& camera);
-  std::optional<Patch> best_patch(const Surface& surface,
+  std::vector<Eigen::Vector3d> starts(const Surface& surface,
+                                      const std::optional<PixelBox>& tracked,
+                                      const std::optional<Eigen::Vector3d>& hint_m) const;
+  std::optional<Patch> best_patch(const Surface& surface, const Segmenter& segmenter,
                                   const std::vector<Eigen::Vector3d>& starts,
                                   const std::optional<Eigen::Vector3d>& hint_m) const;
   std::optional<Eigen::Vector3d> median_in_box(const Surface& surface, const PixelBox& box) const;
@@ -56,7 +61,7 @@ class Target {
 
   TargetFilter filter_;
   Body body_;
-  double radius_m_;
+  double disc_m_, radius_m_;
   std::size_t fewest_;
   BoxTracker tracker_;
   int missed_ = 0;

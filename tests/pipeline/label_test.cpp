@@ -8,6 +8,7 @@
 #include "engine/base/error.h"
 #include "engine/base/random.h"
 #include "pipeline/study/label_error.h"
+#include "pipeline/study/label_trials.h"
 
 namespace touchtrace {
 namespace {
@@ -17,7 +18,8 @@ using label::FrameSource;
 using label::LabelOptions;
 
 constexpr int width = 320, height = 240;
-constexpr double ball_radius_m = 0.035, camera_rate_hz = 20.0, glove_rate_hz = 15.0, seconds = 6.0;
+constexpr double ball_radius_m = 0.035, camera_rate_hz = 20.0, glove_rate_hz = 15.0, seconds = 6.0,
+                 hidden_s = 0.5;
 const Vector3d ball_at(0.0, 0.0, 1.1), hand_from_ball(0.0, 0.07, 0.02);
 
 Camera camera() {
@@ -32,15 +34,21 @@ Camera camera() {
 /// colour camera's place.
 class Stage {
  public:
-  explicit Stage(bool thrown)
+  enum class Ball { red, like_the_hand, hidden_at_first };
+
+  explicit Stage(bool thrown, Ball kind = Ball::red)
       : motion_(thrown ? synthetic_throw(seconds + 1.0, 3) : synthetic_wave(seconds + 1.0, 3)),
-        thrown_(thrown) {}
+        kind_(kind) {}
 
   Vector3d ball(double time_s) const { return ball_at + motion_.position_at(time_s); }
-  /// Under the ball in a wave; in a throw it stays where the ball is released.
+  /// Under the ball or, while that flies, on its way from where it left to where it lands.
   Vector3d hand(double time_s) const {
-    return ball_at + hand_from_ball +
-           (thrown_ ? Vector3d(Vector3d::Zero()) : motion_.position_at(time_s));
+    for (const auto& [release_s, landing_s, release_sigma_s, landing_sigma_s] : motion_.flights)
+      if (time_s > release_s && time_s < landing_s) {
+        const double part = (time_s - release_s) / (landing_s - release_s);
+        return hand_from_ball + (1.0 - part) * ball(release_s) + part * ball(landing_s);
+      }
+    return hand_from_ball + ball(time_s);
   }
   const SyntheticMotion& motion() const { return motion_; }
   /// Trousers of the glove's colour, larger than it.
@@ -64,7 +72,7 @@ class Stage {
         const double discriminant =
             b * b - q * (ball_m.squaredNorm() - ball_radius_m * ball_radius_m);
         if (person && discriminant > 0.0 && (b - std::sqrt(discriminant)) / q < depth)
-          depth = (b - std::sqrt(discriminant)) / q, color = {200, 40, 20};
+          depth = (b - std::sqrt(discriminant)) / q, color = ball_color(time_s);
         frame.depth[at] = static_cast<std::uint16_t>(std::lround(1000.0 * depth));
         for (std::size_t c = 0; c < 3; ++c)
           frame.color[3 * at + c] = static_cast<std::uint8_t>(color[c]);
@@ -73,8 +81,15 @@ class Stage {
   }
 
  private:
+  /// A ball that is wholly in the glove looks like it.
+  std::array<int, 3> ball_color(double time_s) const {
+    const bool gloved =
+        kind_ == Ball::like_the_hand || (kind_ == Ball::hidden_at_first && time_s < hidden_s);
+    return gloved ? std::array<int, 3>{20, 30, 160} : std::array<int, 3>{200, 40, 20};
+  }
+
   SyntheticMotion motion_;
-  bool thrown_;
+  Ball kind_;
   std::array<int, 3> trousers_{90, 60, 60};
 };
 
@@ -183,6 +198,43 @@ TEST(Label, TrousersOfTheGlovesColourDoNotDrawTheHandAway) {
   options.tracker = "component";
   const auto labels = label_recording(recording, frames, calibration(), options);
   EXPECT_EQ(study::compare_labels_with_truth(labels, truth_of(stage)).hand.wrong_share, 0.0);
+}
+
+study::BodyError error_with_component(const Stage& stage) {
+  LabelOptions options;
+  options.tracker = "component";
+  return study::compare_labels_with_truth(
+             label_recording(recording_of(stage), frames_of(stage), calibration(), options),
+             truth_of(stage))
+      .object;
+}
+
+TEST(Label, AnObjectThatIsHiddenAtFirstIsKnownOnceItShows) {
+  for (const bool thrown : {false, true}) {
+    SCOPED_TRACE(thrown ? "thrown" : "waved");
+    const auto error = error_with_component(Stage(thrown, Stage::Ball::hidden_at_first));
+    EXPECT_LE(error.lost_share, 0.05);
+    EXPECT_LE(error.wrong_share, 0.02);
+    EXPECT_LT(error.position_spread_m.maxCoeff(), 0.02);  // some of the hand's motion is in it
+  }
+}
+
+TEST(Label, AnObjectLikeTheHandIsSeenInFlightAndSaidToFollowElsewhere) {
+  const auto thrown = error_with_component(Stage(true, Stage::Ball::like_the_hand));
+  EXPECT_LE(thrown.lost_share + thrown.wrong_share, 0.05);
+  EXPECT_EQ(thrown.wrong_unsaid_share, 0.0);
+  EXPECT_GT(thrown.follows_share, 0.2);
+  EXPECT_LT(thrown.follows_share, 0.95);
+  const auto held = error_with_component(Stage(false, Stage::Ball::like_the_hand));
+  EXPECT_LE(held.lost_share + held.wrong_share, 0.05);
+}
+
+TEST(Label, ExactPositionsLeaveTheCamerasRateAsTheOnlyError) {
+  const Stage stage(false);
+  const auto error = study::error_of_exact_positions(recording_of(stage), truth_of(stage));
+  EXPECT_EQ(error.object.lost_share + error.object.wrong_share, 0.0);
+  EXPECT_LT(error.object.position_spread_m.maxCoeff(), 0.001);
+  EXPECT_LT(error.object.aligned_velocity_rms_m_per_s, 0.05);
 }
 
 TEST(Label, AnErrorIsMeasuredAtTheDelayThatNoStampShows) {

@@ -2,7 +2,9 @@
 #include <ceres/gradient_problem.h>
 #include <ceres/gradient_problem_solver.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "calib/smooth/likelihood.h"
@@ -12,10 +14,12 @@ namespace touchtrace {
 namespace {
 
 constexpr double grid_step_s = 0.01, margin_s = 0.35, shortest_flight_s = 0.04;
-constexpr double curvature_step_s = 0.004, largest_deviation_s = 0.02;
 constexpr int grid_half = 6;
+constexpr double posterior_step_s = 0.001;
+constexpr int posterior_half = 30;
 
-/// The stretch of a track around one flight, with its weights.
+/// The stretch of a track around one flight, with its weights. Its jerk stays out: found with the
+/// times that are to be found, it would bear them out.
 WeightedTrack around(const WeightedTrack& track, const Flight& flight) {
   WeightedTrack window;
   for (std::size_t i = 0; i < track.points.size(); ++i) {
@@ -28,43 +32,55 @@ WeightedTrack around(const WeightedTrack& track, const Flight& flight) {
 }
 
 /// -log likelihood of a stretch as a function of one flight's release and landing, in units of time
-/// from the stretch's first point. The other flights stay as they are.
+/// from the stretch's first point. The other flights stay as they are, but for one that begins
+/// where this one lands: it goes on doing so. Where this one begins so itself, its release is not
+/// free.
 class FlightCost {
  public:
-  FlightCost(const WeightedTrack& window, std::vector<Flight> before, std::vector<Flight> after,
-             const MotionNoise<double>& noise, const SmoothOptions& options)
+  FlightCost(const WeightedTrack& window, const Flight& flight, const std::vector<Flight>& before,
+             const std::vector<Flight>& after, const MotionNoise<double>& noise,
+             const SmoothOptions& options)
       : units_(MotionUnits::of({window.points})),
-        track_(window.points, window.weights, units_),
+        track_(window, units_),
         origin_s_(window.points.front().time_s),
         noise_(units_.scaled(noise)),
         gravity_(options.gravity_m_per_s2 / units_.acceleration()),
         initial_(scaled(options.initial, units_)),
         before_(contact_events(before, origin_s_, units_.time_s)),
-        after_(contact_events(after, origin_s_, units_.time_s)) {}
+        after_(contact_events(after, origin_s_, units_.time_s)),
+        begins_with_hit_(!before.empty() && flight.release_s <= before.back().landing_s),
+        ends_with_hit_(!after.empty() && after.front().release_s <= flight.landing_s) {}
+
+  bool release_is_free() const { return !begins_with_hit_; }
 
   /// False for times out of order.
   template <class T>
   bool operator()(const T* times, T* cost) const {
-    const T shortest(shortest_flight_s / units_.time_s);
-    if (times[1] < times[0] + shortest || (!before_.empty() && times[0] < T(before_.back().time)) ||
-        (!after_.empty() && T(after_.front().time) < times[1]))
+    const T release = begins_with_hit_ ? T(before_.back().time) : times[0], &landing = times[1];
+    const auto next = static_cast<std::size_t>(ends_with_hit_);
+    if (landing < release + T(shortest_flight_s / units_.time_s) ||
+        (!before_.empty() && release < T(before_.back().time)) ||
+        (next < after_.size() && T(after_[next].time) < landing))
       return false;
-    *cost = with_events<T>({{times[0], true}, {times[1], false}});
+    *cost = with_events<T>({{release, true}, {landing, false}}, landing);
     return true;
   }
 
-  double without_flight() const { return with_events<double>({}); }
+  double without_flight() const { return with_events<double>({}, after_time()); }
   double penalty() const { return std::log(3.0 * static_cast<double>(track_.size())); }
   double scaled_time(double time_s) const { return (time_s - origin_s_) / units_.time_s; }
   double time_s(double scaled) const { return origin_s_ + scaled * units_.time_s; }
 
  private:
+  double after_time() const { return after_.empty() ? 0.0 : after_.front().time; }
+
   template <class T>
-  T with_events(const std::vector<ContactEvent<T>>& own) const {
+  T with_events(const std::vector<ContactEvent<T>>& own, const T& next_hit) const {
     std::vector<ContactEvent<T>> events;
     for (const auto& event : before_) events.push_back({T(event.time), event.release});
     events.insert(events.end(), own.begin(), own.end());
     for (const auto& event : after_) events.push_back({T(event.time), event.release});
+    if (ends_with_hit_) events[before_.size() + own.size()].time = next_hit;
     return innovation_cost(track_, MotionPrior<T>(noise_.cast<T>(), std::move(events)), gravity_,
                            initial_);
   }
@@ -76,13 +92,15 @@ class FlightCost {
   Eigen::Vector3d gravity_;
   InitialMotion initial_;
   std::vector<ContactEvent<double>> before_, after_;
+  bool begins_with_hit_, ends_with_hit_;
 };
 
 /// The best point of a grid around the guess; the likelihood has kinks where an event passes a
 /// frame.
 double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
   double lowest = std::numeric_limits<double>::infinity();
-  for (int i = -grid_half; i <= grid_half; ++i)
+  const int release_half = cost.release_is_free() ? grid_half : 0;
+  for (int i = -release_half; i <= release_half; ++i)
     for (int j = -grid_half; j <= grid_half; ++j) {
       const double at[] = {cost.scaled_time(guess.release_s + i * grid_step_s),
                            cost.scaled_time(guess.landing_s + j * grid_step_s)};
@@ -92,32 +110,42 @@ double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
   return lowest;
 }
 
-/// Deviation of one event's time from the curvature of the likelihood over a few milliseconds.
-double deviation(const FlightCost& cost, const double* times, int event) {
-  const double unit_s = cost.time_s(1.0) - cost.time_s(0.0), step = curvature_step_s / unit_s;
-  double here = 0.0, values[2] = {0.0, 0.0};
-  bool valid = cost(times, &here);
-  for (int side = 0; side < 2; ++side) {
-    double at[] = {times[0], times[1]};
-    at[event] += side == 0 ? -step : step;
-    valid = valid && cost(at, &values[side]);
+/// What is known of one event's time given the other's: its likelihood over +-30 ms, as equally
+/// likely times.
+LikelyTimes likely_times(const FlightCost& cost, const double* times, int event) {
+  std::vector<double> at_s, likelihood;
+  double best;
+  cost(times, &best);
+  for (int i = -posterior_half; i <= posterior_half; ++i) {
+    double at[] = {times[0], times[1]}, value;
+    at_s.push_back(cost.time_s(at[event]) + i * posterior_step_s);
+    at[event] = cost.scaled_time(at_s.back());
+    likelihood.push_back(cost(at, &value) ? std::exp(best - value) : 0.0);
   }
-  const double curvature = (values[0] + values[1] - 2.0 * here) / (step * step);
-  const double largest = largest_deviation_s / unit_s;
-  return unit_s *
-         (valid && curvature > 0.0 ? std::min(largest, 1.0 / std::sqrt(curvature)) : largest);
+  double total = 0.0;
+  for (double l : likelihood) total += l;
+  LikelyTimes result;
+  double sum = 0.0;
+  std::size_t cell = 0;
+  for (std::size_t k = 0; k < result.size(); ++k) {
+    const double rank = total * (static_cast<double>(k) + 0.5) / static_cast<double>(result.size());
+    while (cell + 1 < likelihood.size() && sum + likelihood[cell] < rank) sum += likelihood[cell++];
+    result[k] = at_s[cell] + posterior_step_s * ((rank - sum) / likelihood[cell] - 0.5);
+  }
+  return result;
 }
 
 /// The flight with its best times, or nothing if the data speak against it.
-std::vector<Flight> refine(const WeightedTrack& track, const Flight& guess,
-                           std::vector<Flight> before, std::vector<Flight> after,
-                           const MotionNoise<double>& noise, const SmoothOptions& options) {
+std::optional<Flight> refine(const WeightedTrack& track, const Flight& guess,
+                             const std::vector<Flight>& before, const std::vector<Flight>& after,
+                             const MotionNoise<double>& noise, const SmoothOptions& options) {
   const auto window = around(track, guess);
-  if (window.points.size() < 3) return {};
-  auto* cost = new FlightCost(window, std::move(before), std::move(after), noise, options);
+  if (window.points.size() < 3) return std::nullopt;
+  auto* cost = new FlightCost(window, guess, before, after, noise, options);
   const ceres::GradientProblem problem(new ceres::AutoDiffFirstOrderFunction<FlightCost, 2>(cost));
   double times[2] = {0.0, 0.0};
-  if (!(search_grid(*cost, guess, times) + cost->penalty() < cost->without_flight())) return {};
+  if (!(search_grid(*cost, guess, times) + cost->penalty() < cost->without_flight()))
+    return std::nullopt;
 
   ceres::GradientProblemSolver::Options solver;
   solver.logging_type = ceres::SILENT;
@@ -127,8 +155,11 @@ std::vector<Flight> refine(const WeightedTrack& track, const Flight& guess,
   double refined[2] = {times[0], times[1]};
   ceres::Solve(solver, problem, refined, &summary);
   if (summary.IsSolutionUsable()) std::copy_n(refined, 2, times);
-  return {{cost->time_s(times[0]), cost->time_s(times[1]), deviation(*cost, times, 0),
-           deviation(*cost, times, 1)}};
+  Flight flight{cost->time_s(times[0]), cost->time_s(times[1])};
+  flight.likely_landings_s = likely_times(*cost, times, 1);
+  flight.likely_releases_s =
+      cost->release_is_free() ? likely_times(*cost, times, 0) : before.back().likely_landings_s;
+  return flight;
 }
 
 }  // namespace
@@ -137,11 +168,15 @@ std::vector<Flight> most_likely_flights(const WeightedTrack& track,
                                         const MotionNoise<double>& noise,
                                         const SmoothOptions& options) {
   std::vector<Flight> found;
-  for (std::size_t i = 0; i < track.flights.size(); ++i) {
-    const auto next = track.flights.begin() + static_cast<std::ptrdiff_t>(i) + 1;
-    const auto flight =
-        refine(track, track.flights[i], found, {next, track.flights.end()}, noise, options);
-    found.insert(found.end(), flight.begin(), flight.end());
+  std::vector<Flight> left = track.flights;
+  while (!left.empty()) {
+    const Flight guess = left.front();
+    left.erase(left.begin());
+    const bool hit = !left.empty() && left.front().release_s <= guess.landing_s;
+    const auto flight = refine(track, guess, found, left, noise, options);
+    if (!flight) continue;
+    found.push_back(*flight);
+    if (hit) left.front().release_s = flight->landing_s;
   }
   return found;
 }

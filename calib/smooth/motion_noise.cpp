@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t fewest_points = 6;
 constexpr double log_deviation = 2.3;  // a factor of 10
+constexpr double least_scale = 1e-3;   // of a body at rest, whose measurements are all the same
 constexpr double usual_swing = 0.5, usual_damping = 0.5;
 
 /// Jerk density, measurement scale and, of a swinging motion, frequency and damping, as logarithms
@@ -28,7 +29,7 @@ class NoiseCost {
         gravity_(options.gravity_m_per_s2 / units.acceleration()),
         initial_(scaled(options.initial, units)) {
     for (const auto& track : tracks) {
-      tracks_.emplace_back(track.points, track.weights, units);
+      tracks_.emplace_back(track, units);
       events_.push_back(contact_events(track.flights, track.points.front().time_s, units.time_s));
     }
   }
@@ -55,7 +56,7 @@ class NoiseCost {
     using std::exp;
     auto noise = noise_.template cast<T>();
     noise.jerk_density = exp(log_noise[0]);
-    noise.measurement_scale = exp(log_noise[1]);
+    noise.measurement_scale = least_scale + exp(log_noise[1]);
     if (motion_ == TouchedMotion::white_jerk) return noise;
     noise.swing_rad_per_s = usual_swing * exp(log_noise[2]);
     noise.swing_damping = usual_damping * exp(log_noise[3]);

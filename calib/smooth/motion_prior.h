@@ -12,15 +12,19 @@ template <class T>
 using Matrix3 = Eigen::Matrix<T, 3, 3>;
 
 /// One axis of a motion over a stretch of time, x = (position, velocity, acceleration):
-///     x+ = F x + g u + w,  w ~ N(0, Q),  g: gravity along the axis.
-/// Scalars are double, or Jet where Ceres wants derivatives.
+///     x+ = F x + g u + w,  w ~ N(0, j Q + Q_free),  g: gravity along the axis.
+/// j, how freely the body moves just then, is 1 unless something says more: Q is the noise of
+/// touch, Q_free that of flights and of their ends. Scalars are double, or Jet where Ceres wants
+/// derivatives.
 template <class T>
 struct Transition {
   Matrix3<T> F = Matrix3<T>::Identity(), Q = Matrix3<T>::Zero();
   Vector3<T> u = Vector3<T>::Zero();
+  Matrix3<T> Q_free = Matrix3<T>::Zero();
 
   Transition then(const Transition& next) const {
-    return {next.F * F, next.F * Q * next.F.transpose() + next.Q, next.F * u + next.u};
+    return {next.F * F, next.F * Q * next.F.transpose() + next.Q, next.F * u + next.u,
+            next.F * Q_free * next.F.transpose() + next.Q_free};
   }
 };
 
@@ -40,23 +44,35 @@ Transition<T> white_jerk(const T& h, const T& density) {
 /// How freely a body moves. Units of Track: metres and seconds.
 template <class T>
 struct MotionNoise {
-  T jerk_density{1.0};       ///< while held or touched [m^2/s^5]
+  T jerk_density{300.0};     ///< while held or touched [m^2/s^5]; a hand has 100 to 500
   T measurement_scale{1.0};  ///< the deviations of measurements are multiplied by it
   /// Velocity swings around zero with this frequency and damping ratio: a hand stays in reach. At 0
   /// it is free, and the prior is white noise on jerk alone.
   T swing_rad_per_s{0.0}, swing_damping{1.0};
   double flight_jerk_density = 0.01;            ///< in free flight [m^2/s^5]
   double flight_acceleration_m_per_s2 = 0.1;    ///< deviation from gravity in flight: drag, tilt
-  double landing_velocity_m_per_s = 1.5;        ///< deviation of the jump at a landing
-  double landing_acceleration_m_per_s2 = 15.0;  ///< likewise
+  double landing_kept = 0.5;                    ///< of the velocity: a hand gives way
+  double landing_velocity_m_per_s = 0.5;        ///< deviation from that
+  double landing_acceleration_m_per_s2 = 10.0;  ///< deviation from none after a landing
 
   template <class U>
   MotionNoise<U> cast() const {
-    return {U(jerk_density),          U(measurement_scale),         U(swing_rad_per_s),
-            U(swing_damping),         flight_jerk_density,          flight_acceleration_m_per_s2,
-            landing_velocity_m_per_s, landing_acceleration_m_per_s2};
+    return {U(jerk_density),  U(measurement_scale),     U(swing_rad_per_s),
+            U(swing_damping), flight_jerk_density,      flight_acceleration_m_per_s2,
+            landing_kept,     landing_velocity_m_per_s, landing_acceleration_m_per_s2};
   }
 };
+
+/// A ball is light enough for drag, up to 1 m/s^2 either way, and turns round at every hit.
+inline MotionNoise<double> bouncing_ball() {
+  MotionNoise<double> noise;
+  noise.flight_jerk_density = 2.0;
+  noise.flight_acceleration_m_per_s2 = 0.5;
+  noise.landing_kept = -1.0;
+  noise.landing_velocity_m_per_s = 1.0;
+  noise.landing_acceleration_m_per_s2 = 15.0;
+  return noise;
+}
 
 /// jerk = -w^2 v - 2 z w a + white noise for `h` seconds: the series of exp(A h) and of its noise
 /// over a part of h that is short for w, doubled until it is h.
@@ -81,7 +97,8 @@ Transition<T> swinging(const T& h, const MotionNoise<T>& noise) {
   return step;
 }
 
-/// Contact ends (the acceleration becomes gravity) or begins (velocity and acceleration jump).
+/// Contact ends (the acceleration becomes gravity) or begins (of the velocity a part is left, the
+/// acceleration is a new one).
 template <class T>
 struct ContactEvent {
   T time;
@@ -122,49 +139,29 @@ class MotionPrior {
 
  private:
   Transition<T> touched_or_not(bool flying, const T& h) const {
-    return flying ? white_jerk(h, T(noise_.flight_jerk_density)) : touched(h);
+    if (!flying) return touched(h);
+    auto step = white_jerk(h, T(noise_.flight_jerk_density));
+    std::swap(step.Q, step.Q_free);
+    return step;
   }
 
   Transition<T> jump(bool release) const {
     const auto square = [](double s) { return T(s * s); };
     Transition<T> step;
+    step.F(2, 2) = T(0);
     if (release) {
-      step.F(2, 2) = T(0);
       step.u[2] = T(1);
-      step.Q(2, 2) = square(noise_.flight_acceleration_m_per_s2);
+      step.Q_free(2, 2) = square(noise_.flight_acceleration_m_per_s2);
     } else {
-      step.Q(1, 1) = square(noise_.landing_velocity_m_per_s);
-      step.Q(2, 2) = square(noise_.landing_acceleration_m_per_s2);
+      step.F(1, 1) = T(noise_.landing_kept);
+      step.Q_free(1, 1) = square(noise_.landing_velocity_m_per_s);
+      step.Q_free(2, 2) = square(noise_.landing_acceleration_m_per_s2);
     }
     return step;
   }
 
   MotionNoise<T> noise_;
   std::vector<ContactEvent<T>> events_;
-};
-
-/// The Kalman filter of one axis.
-template <class T>
-struct AxisState {
-  Vector3<T> mean = Vector3<T>::Zero();
-  Matrix3<T> covariance = Matrix3<T>::Zero();
-
-  AxisState after(const Transition<T>& step, double gravity) const {
-    return {step.F * mean + step.u * T(gravity), step.F * covariance * step.F.transpose() + step.Q};
-  }
-
-  /// Takes in a measured position (Joseph's form); returns -log of its likelihood, without the
-  /// constant.
-  T measure(double position, const T& variance) {
-    using std::log;
-    const T s = covariance(0, 0) + variance, innovation = T(position) - mean[0];
-    const Vector3<T> gain = covariance.col(0) / s;
-    Matrix3<T> keep = Matrix3<T>::Identity();
-    keep.col(0) -= gain;
-    mean += gain * innovation;
-    covariance = (keep * covariance * keep.transpose() + gain * variance * gain.transpose()).eval();
-    return 0.5 * (innovation * innovation / s + log(s));
-  }
 };
 
 }  // namespace touchtrace

@@ -12,24 +12,20 @@ namespace touchtrace {
 /// A track in MotionUnits from its own first time and place: what filters and Ceres see.
 struct ScaledPoint {
   double time;
-  std::array<double, 3> position, sigma;
+  Eigen::Vector3d position, sigma;
 };
 
 struct ScaledTrack : std::vector<ScaledPoint> {
   double extent = 0.0;  ///< largest distance from the first point along an axis
 
-  ScaledTrack(const Track& track, const std::vector<double>& weights, const MotionUnits& units) {
-    reserve(track.size());
-    for (std::size_t i = 0; i < track.size(); ++i) {
-      ScaledPoint point{(track[i].time_s - track.front().time_s) / units.time_s, {}, {}};
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto k = static_cast<Eigen::Index>(axis);
-        point.position[axis] =
-            (track[i].position_m[k] - track.front().position_m[k]) / units.length_m;
-        point.sigma[axis] = track[i].sigma_m[k] / units.length_m / std::sqrt(weights[i]);
-        extent = std::max(extent, std::abs(point.position[axis]));
-      }
-      push_back(point);
+  ScaledTrack(const WeightedTrack& track, const MotionUnits& units) {
+    const auto& first = track.points.front();
+    for (std::size_t i = 0; i < track.points.size(); ++i) {
+      const auto& from = track.points[i];
+      push_back({(from.time_s - first.time_s) / units.time_s,
+                 (from.position_m - first.position_m) / units.length_m,
+                 from.sigma_m / units.length_m / std::sqrt(track.weights[i])});
+      extent = std::max(extent, back().position.cwiseAbs().maxCoeff());
     }
   }
 };
@@ -51,28 +47,43 @@ inline std::vector<ContactEvent<double>> contact_events(const std::vector<Flight
 /// In the track's units.
 InitialMotion scaled(const InitialMotion& initial, const MotionUnits& units);
 
-/// The filter's state before the first measurement of one axis; everything in the track's units.
-AxisState<double> initial_state(const ScaledTrack& track, std::size_t axis,
-                                const InitialMotion& initial);
+/// The filter's state before the first measurement of some axes; everything in the track's units.
+template <int axes>
+BodyState<double, axes> initial_state(const ScaledTrack& track, Eigen::Index first_axis,
+                                      const InitialMotion& initial) {
+  constexpr double wide = 1e3;  // in deviations of a measurement; more is lost to rounding
+  BodyState<double, axes> state;
+  for (Eigen::Index i = 0; i < axes; ++i) {
+    const double spread = std::max(wide * track.front().sigma[first_axis + i], track.extent);
+    state.mean[i] = track.front().position[first_axis + i];
+    state.covariance(i, i) = spread * spread;
+    state.covariance(axes + i, axes + i) = std::pow(std::min(spread, initial.velocity_m_per_s), 2);
+    state.covariance(2 * axes + i, 2 * axes + i) =
+        std::pow(std::min(spread, initial.acceleration_m_per_s2), 2);
+  }
+  return state;
+}
 
-/// -log of the likelihood of a track's innovations under `prior`, without the constant.
+/// -log of the likelihood of a track's innovations under `prior`, axis by axis, without the
+/// constant.
 template <class T>
 T innovation_cost(const ScaledTrack& track, const MotionPrior<T>& prior,
                   const Eigen::Vector3d& gravity, const InitialMotion& initial) {
   std::array<AxisState<T>, 3> now;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto start = initial_state(track, axis, initial);
-    now[axis] = {start.mean.template cast<T>(), start.covariance.template cast<T>()};
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const auto start = initial_state<1>(track, axis, initial);
+    now[static_cast<std::size_t>(axis)] = {start.mean.template cast<T>(),
+                                           start.covariance.template cast<T>()};
   }
   const T scale2 = prior.noise().measurement_scale * prior.noise().measurement_scale;
   T cost(0.0);
   double time = 0.0;
   for (const auto& point : track) {
     const auto step = prior.between(time, point.time);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      now[axis] = now[axis].after(step, gravity[static_cast<Eigen::Index>(axis)]);
-      cost += now[axis].measure(point.position[axis],
-                                T(point.sigma[axis] * point.sigma[axis]) * scale2);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      auto& state = now[static_cast<std::size_t>(axis)];
+      state = state.after(step, gravity[axis]);
+      cost += state.measure(point.position[axis], T(std::pow(point.sigma[axis], 2)) * scale2);
     }
     time = point.time;
   }

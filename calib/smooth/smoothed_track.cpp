@@ -3,27 +3,24 @@
 namespace touchtrace {
 namespace {
 
-Eigen::Vector3d axis_of(const MotionState& state, Eigen::Index axis) {
-  return {state.position_m[axis], state.velocity_m_per_s[axis], state.acceleration_m_per_s2[axis]};
+using Vector9 = Eigen::Matrix<double, 9, 1>;
+
+Vector9 vector_of(const MotionState& state) {
+  Vector9 result;
+  result << state.position_m, state.velocity_m_per_s, state.acceleration_m_per_s2;
+  return result;
 }
 
 /// The mean of equally likely states, with their spread in its covariance.
 MotionState mean_of(const std::vector<MotionState>& states) {
   const double part = 1.0 / static_cast<double>(states.size());
-  MotionState mean = states.front();
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    Eigen::Vector3d center = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (const auto& state : states) center += part * axis_of(state, axis);
-    for (const auto& state : states) {
-      const Eigen::Vector3d off = axis_of(state, axis) - center;
-      covariance +=
-          part * (state.covariance[static_cast<std::size_t>(axis)] + off * off.transpose());
-    }
-    mean.position_m[axis] = center[0];
-    mean.velocity_m_per_s[axis] = center[1];
-    mean.acceleration_m_per_s2[axis] = center[2];
-    mean.covariance[static_cast<std::size_t>(axis)] = covariance;
+  Vector9 center = Vector9::Zero();
+  for (const auto& state : states) center += part * vector_of(state);
+  MotionState mean{center.head<3>(), center.segment<3>(3), center.tail<3>(), {}};
+  mean.covariance.setZero();
+  for (const auto& state : states) {
+    const Vector9 off = vector_of(state) - center;
+    mean.covariance += part * (state.covariance + off * off.transpose());
   }
   return mean;
 }

@@ -9,6 +9,7 @@ namespace touchtrace {
 namespace {
 
 constexpr double standard_gravity = 9.81;
+constexpr double ball_drag_per_m = 0.126;  // half of air's density * .45 * area / 2.7 g
 
 /// Writes a motion piece by piece.
 class MotionWriter {
@@ -44,6 +45,22 @@ class MotionWriter {
       add(start + duration * (from * s + change * 0.5 * (s - std::sin(M_PI * s) / M_PI)),
           from + change * 0.5 * (1.0 - std::cos(M_PI * s)));
     }
+  }
+
+  /// A ball under gravity and drag until it falls below `height` (along y, downwards); then it is
+  /// hit and has the velocity `next`.
+  void bounce(double height, const Eigen::Vector3d& next) {
+    const Eigen::Vector3d g(0.0, standard_gravity, 0.0);
+    const auto acceleration = [&](const Eigen::Vector3d& v) {
+      return Eigen::Vector3d(g - ball_drag_per_m * v.norm() * v);
+    };
+    const double release = now_s(), h = SyntheticMotion::step_s;
+    do {
+      const Eigen::Vector3d middle = velocity() + 0.5 * h * acceleration(velocity());
+      add(position() + h * middle, velocity() + h * acceleration(middle));
+    } while (velocity().y() < 0.0 || position().y() < height);
+    motion_.velocity_m_per_s.back() = next;
+    motion_.flights.push_back({release, now_s()});
   }
 
   /// Under gravity, then a landing that leaves `kept` of the velocity.
@@ -116,6 +133,19 @@ SyntheticMotion synthetic_throw(double seconds, std::uint64_t seed) {
     writer.accelerate(Eigen::Vector3d::Zero(), random.uniform(0.1, 0.2));
     writer.reach(Eigen::Vector3d::Zero(), random.uniform(0.4, 0.8));
   }
+  return writer.take();
+}
+
+SyntheticMotion synthetic_pingpong(double seconds, std::uint64_t seed) {
+  RandomStream random(seed, "synthetic pingpong");
+  MotionWriter writer;
+  const auto aim = [&]() -> Eigen::Vector3d {
+    const double speed = std::sqrt(2.0 * standard_gravity * random.uniform(0.12, 0.42));
+    return Eigen::Vector3d(random.uniform(-0.2, 0.2), -speed, random.uniform(-0.2, 0.2)) -
+           0.5 * Eigen::Vector3d(writer.position().x(), 0.0, writer.position().z());
+  };
+  writer.accelerate(aim(), 0.15);
+  while (writer.shorter_than(seconds)) writer.bounce(random.uniform(-0.05, 0.05), aim());
   return writer.take();
 }
 

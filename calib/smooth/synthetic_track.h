@@ -25,6 +25,9 @@ SyntheticMotion synthetic_wave(double seconds, std::uint64_t seed);
 /// A ball thrown up 10-42 cm along -y and caught at 35-60 % of its speed, every 1.5 s or so.
 SyntheticMotion synthetic_throw(double seconds, std::uint64_t seed);
 
+/// A ball of 2.7 g that is hit up 12-42 cm again and again, within reach.
+SyntheticMotion synthetic_pingpong(double seconds, std::uint64_t seed);
+
 /// `motion` as a camera of `rate_hz` measures it, with white noise of `sigma_m`.
 Track measure(const SyntheticMotion& motion, double rate_hz, double sigma_m, std::uint64_t seed);
 

@@ -2,9 +2,10 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <variant>
 #include <vector>
 
-#include "calib/smooth/motion_prior.h"
+#include "calib/smooth/body_state.h"
 
 namespace touchtrace {
 
@@ -17,20 +18,34 @@ struct TrackPoint {
 /// In order of time; equal times are allowed.
 using Track = std::vector<TrackPoint>;
 
-/// Free flight, from the end of contact to its beginning.
+/// Equally likely times of an event, in order; all 0 where only a guess is known.
+using LikelyTimes = std::array<double, 8>;
+
+/// Free flight, from the end of contact to its beginning. One that begins when the one before it
+/// lands begins with a hit.
 struct Flight {
   double release_s, landing_s;
-  double release_sigma_s = 0.0, landing_sigma_s = 0.0;  ///< deviations
+  LikelyTimes likely_releases_s{}, likely_landings_s{};
 };
 
-/// Where a body is and how it moves, and how well that is known. Axes are independent.
+/// A track with all that is believed of it.
+struct WeightedTrack {
+  Track points;
+  std::vector<double> weights;  ///< [points] in (0, 1]: they divide the variances
+  std::vector<Flight> flights;
+  /// [points] Covariance of the jerk up to each point, over the noise's density; empty: the
+  /// identity, and axes are independent.
+  std::vector<Eigen::Matrix3d> jerk = {};
+};
+
+/// Where a body is and how it moves, and how well that is known.
 struct MotionState {
   Eigen::Vector3d position_m, velocity_m_per_s, acceleration_m_per_s2;
-  std::array<Eigen::Matrix3d, 3>
-      covariance;  ///< of (position, velocity, acceleration), axis by axis
+  /// Of (position, velocity, acceleration), three axes each.
+  Eigen::Matrix<double, 9, 9> covariance;
 
-  /// [6, 6] of (position, velocity).
-  Eigen::Matrix<double, 6, 6> position_velocity_covariance() const;
+  /// [3, 3] of one axis' (position, velocity, acceleration).
+  Eigen::Matrix3d axis_covariance(Eigen::Index axis) const;
 };
 
 /// Metres and seconds to the units in which numbers are of order one: t / h, p / s from an origin.
@@ -49,15 +64,16 @@ struct InitialMotion {
   double velocity_m_per_s, acceleration_m_per_s2;  ///< deviations around zero
 };
 
+struct ScaledTrack;
+
 /// A smoothed motion: knots at the measurements, states in between by the same prior, exactly.
 /// Filter and Rauch-Tung-Striebel smoother in O(n); covariances are sums of squares, never
 /// differences.
 class Trajectory {
  public:
   Trajectory() = default;
-  /// `weights` [points] in (0, 1] divide the variances. `track` must not be empty.
-  Trajectory(const Track& track, const std::vector<double>& weights,
-             const std::vector<Flight>& flights, const MotionNoise<double>& noise,
+  /// `track` must not be empty.
+  Trajectory(const WeightedTrack& track, const MotionNoise<double>& noise,
              const Eigen::Vector3d& gravity_m_per_s2, const InitialMotion& initial);
 
   bool empty() const { return times_.empty(); }
@@ -68,26 +84,49 @@ class Trajectory {
   MotionState smoothed(double time_s) const;
   /// From the measurements up to `time_s` only; before the first: as `smoothed`.
   MotionState causal(double time_s) const;
+  /// As `smoothed`, at a measurement; of equal times each has its own.
+  MotionState at_knot(std::size_t knot) const;
+  /// [points] The covariance that is to be expected, given all measurements, of the jerk up to
+  /// each point, in the units of WeightedTrack::jerk; zero where a flight or nothing says so.
+  std::vector<Eigen::Matrix3d> expected_jerk() const;
   /// False if a number overflowed or a covariance is not positive.
   bool finite() const;
 
  private:
-  using Axes = std::array<AxisState<double>, 3>;
+  /// Axes one by one where they are independent, else all together.
+  template <int axes>
+  using Bodies = std::array<BodyState<double, axes>, 3 / axes>;
+  template <int axes>
+  struct Knots {
+    std::vector<Bodies<axes>> filtered, smoothed;
+  };
 
-  void run_filter(const Track& track, const std::vector<double>& weights,
-                  const InitialMotion& initial);
-  void run_smoother();
+  template <int axes>
+  void run(const ScaledTrack& points, const InitialMotion& initial);
+  template <int axes>
+  Bodies<axes> after(const Bodies<axes>& bodies, double from, double to) const;
+  template <int axes>
+  Bodies<axes> before(const Bodies<axes>& filtered, double from, double to,
+                      const Bodies<axes>& later) const;
+  template <int axes>
+  Bodies<axes> filtered_at(const Knots<axes>& knots, double time) const;
+  template <int axes>
+  Bodies<axes> smoothed_at(const Knots<axes>& knots, double time) const;
+  template <int axes>
+  Bodies<axes> before_the_first(const Knots<axes>& knots, double time) const;
+  template <int axes>
+  MotionState in_metres(const Bodies<axes>& bodies) const;
+  template <int axes>
+  Eigen::Matrix<double, axes, axes> jerk(double time, std::size_t body) const;
   std::size_t knot_before(double time) const;
-  Axes filtered_at(std::size_t knot, double time) const;
-  Axes smoothed_at(double time) const;
-  MotionState in_metres(const Axes& axes) const;
 
   MotionUnits units_;
   double origin_s_ = 0.0;
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero(), gravity_ = Eigen::Vector3d::Zero();
   MotionPrior<double> prior_{{}, {}};
   std::vector<double> times_;
-  std::vector<Axes> filtered_, smoothed_;
+  std::vector<Eigen::Matrix3d> jerk_;
+  std::variant<Knots<1>, Knots<3>> knots_;
 };
 
 }  // namespace touchtrace

@@ -67,7 +67,7 @@ void append_state(const SmoothedTrack& track, double time_s, const Eigen::Vector
   append(state.velocity_m_per_s, body.velocity_m_per_s);
   append(causal.position_m, body.causal_position_m);
   append(causal.velocity_m_per_s, body.causal_velocity_m_per_s);
-  auto covariance = state.position_velocity_covariance();
+  Eigen::Matrix<double, 6, 6> covariance = state.covariance.topLeftCorner<6, 6>();
   covariance.diagonal().head<3>() += systematic_m2;
   body.covariance.insert(body.covariance.end(), covariance.data(), covariance.data() + 36);
 }
@@ -98,14 +98,6 @@ void append_observation(const Observation& seen, std::vector<double>& position,
   append(seen.found ? seen.sigma_m : nothing, sigma);
 }
 
-/// A ball is light enough for drag, up to 1 m/s^2 either way, and turns round at every hit.
-MotionNoise<double> bouncing(MotionNoise<double> noise) {
-  noise.flight_jerk_density = 2.0;
-  noise.flight_acceleration_m_per_s2 = 0.5;
-  noise.landing_velocity_m_per_s = 4.0;
-  return noise;
-}
-
 }  // namespace
 
 SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
@@ -120,9 +112,8 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
   SmoothOptions options;
   options.gravity_m_per_s2 = gravity_m_per_s2;
   options.initial = initial_motion;
-  options.noise.jerk_density = 300.0;
   auto hands = smooth(hand, std::vector<std::vector<Flight>>(tracks.size()), options);
-  if (bounces) options.noise = bouncing(options.noise);
+  if (bounces) options.noise = bouncing_ball();
   return {std::move(hands), smooth(object, flights, options)};
 }
 

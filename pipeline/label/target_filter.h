@@ -1,6 +1,8 @@
 #pragma once
 
-#include "calib/smooth/motion_prior.h"
+#include <array>
+
+#include "calib/smooth/body_state.h"
 
 namespace touchtrace::label {
 

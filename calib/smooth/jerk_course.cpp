@@ -1,0 +1,102 @@
+#include <cmath>
+
+#include "calib/smooth/robust_pass.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr int rounds = 12;
+constexpr double window_points = 2.5;  // deviation of the window
+constexpr int reach_points = 10;
+/// An interval counts with its three orders; the mean of all as one interval, at a tenth.
+constexpr double interval_weight = 3.0, prior_weight = 3.0, prior_part = 0.1;
+
+/// E[w r^2] E[1 / w] / 3 of the weights w of find_weights at normal residuals r: with it the
+/// variances that the weights leave are on average those of the measurements.
+constexpr double robust_share = 0.923;
+
+using Jerks = std::vector<Eigen::Matrix3d>;
+
+bool is_known(const Eigen::Matrix3d& jerk) { return jerk.trace() > 0.0; }
+
+/// The mean over all intervals; the identity if there are none.
+Eigen::Matrix3d mean_of(const std::vector<Jerks>& tracks) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  double count = 0.0;
+  for (const auto& jerks : tracks)
+    for (const auto& jerk : jerks) sum += jerk, count += is_known(jerk);
+  return count > 0.0 ? Eigen::Matrix3d(sum / count) : Eigen::Matrix3d::Identity();
+}
+
+Jerks averaged(const Jerks& expected, const Eigen::Matrix3d& of_all) {
+  Jerks result;
+  const int count = static_cast<int>(expected.size());
+  for (int k = 0; k < count; ++k) {
+    Eigen::Matrix3d sum = prior_weight * prior_part * of_all;
+    double weights = prior_weight;
+    for (int i = std::max(0, k - reach_points); i <= std::min(count - 1, k + reach_points); ++i) {
+      const auto& jerk = expected[static_cast<std::size_t>(i)];
+      if (!is_known(jerk)) continue;
+      const double weight = interval_weight * std::exp(-0.5 * std::pow((i - k) / window_points, 2));
+      sum += weight * jerk, weights += weight;
+    }
+    result.push_back(sum / weights);
+  }
+  return result;
+}
+
+/// Sum over points and axes of the squared residual that is to be expected, in deviations.
+double expected_squares(const WeightedTrack& track, const Trajectory& trajectory,
+                        double measurement_scale) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < track.points.size(); ++i) {
+    const auto state = trajectory.at_knot(i);
+    const Eigen::Vector3d square = (state.position_m - track.points[i].position_m).cwiseAbs2() +
+                                   state.covariance.diagonal().head<3>();
+    sum += track.weights[i] *
+           square.cwiseQuotient((measurement_scale * track.points[i].sigma_m).cwiseAbs2()).sum();
+  }
+  return sum;
+}
+
+}  // namespace
+
+double predictive_cost(const std::vector<WeightedTrack>& tracks, const MotionNoise<double>& noise,
+                       const SmoothOptions& options) {
+  double cost = 0.0;
+  for (const auto& track : tracks) {
+    const auto trajectory = pass(track, noise, options);
+    for (std::size_t i = 0; i < track.points.size(); ++i) {
+      const auto state = trajectory.at_knot(i);
+      const Eigen::Array3d variance =
+          (noise.measurement_scale * track.points[i].sigma_m).array().square() / track.weights[i];
+      // what the measurement itself does not explain; rounding must not leave less than nothing
+      const Eigen::Array3d left =
+          (variance - state.covariance.diagonal().head<3>().array()).max(1e-6 * variance);
+      const Eigen::Array3d residual = (track.points[i].position_m - state.position_m).array();
+      cost += 0.5 * (residual.square() / left + (variance.square() / left).log()).sum();
+    }
+  }
+  return cost;
+}
+
+void find_jerk(std::vector<WeightedTrack>& tracks, MotionNoise<double>& noise,
+               const SmoothOptions& options) {
+  for (auto& track : tracks) track.jerk.resize(track.points.size(), Eigen::Matrix3d::Identity());
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<Jerks> expected;
+    double squares = 1.0, count = 1.0;  // one that is as it was said to be: the scale stays above 0
+    for (auto& track : tracks) {
+      const auto trajectory = pass(track, noise, options);
+      expected.push_back(trajectory.expected_jerk());
+      squares += expected_squares(track, trajectory, noise.measurement_scale);
+      count += 3.0 * static_cast<double>(track.points.size());
+      if (options.robust) reweight(track, trajectory, noise.measurement_scale);
+    }
+    const auto of_all = mean_of(expected);
+    for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].jerk = averaged(expected[i], of_all);
+    noise.measurement_scale *= std::sqrt(squares / (options.robust ? robust_share * count : count));
+  }
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,40 @@
+#include "calib/smooth/robust_pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace touchtrace {
+namespace {
+
+constexpr double cauchy_scale = 4.0, weight_tolerance = 1e-4;
+constexpr int most_passes = 100;
+
+}  // namespace
+
+Trajectory pass(const WeightedTrack& track, const MotionNoise<double>& noise,
+                const SmoothOptions& options) {
+  return {track, noise, options.gravity_m_per_s2, options.initial};
+}
+
+double reweight(WeightedTrack& track, const Trajectory& trajectory, double measurement_scale) {
+  double change = 0.0;
+  for (std::size_t i = 0; i < track.points.size(); ++i) {
+    const auto& point = track.points[i];
+    const Eigen::Vector3d residual = (trajectory.at_knot(i).position_m - point.position_m)
+                                         .cwiseQuotient(measurement_scale * point.sigma_m);
+    const double weight = 1.0 / (1.0 + residual.squaredNorm() / (cauchy_scale * cauchy_scale));
+    change = std::max(change, std::abs(weight - std::exchange(track.weights[i], weight)));
+  }
+  return change;
+}
+
+bool find_weights(WeightedTrack& track, const MotionNoise<double>& noise,
+                  const SmoothOptions& options) {
+  for (int i = 0; i < most_passes; ++i)
+    if (reweight(track, pass(track, noise, options), noise.measurement_scale) < weight_tolerance)
+      return true;
+  return false;
+}
+
+}  // namespace touchtrace

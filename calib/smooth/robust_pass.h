@@ -1,0 +1,31 @@
+#pragma once
+
+#include "calib/smooth/smooth.h"
+
+namespace touchtrace {
+
+/// The linear pass over a track with its weights, flights and jerk as they are.
+Trajectory pass(const WeightedTrack& track, const MotionNoise<double>& noise,
+                const SmoothOptions& options);
+
+/// Sets the weights to those of Cauchy's loss at the residuals of `trajectory`; returns the largest
+/// change.
+double reweight(WeightedTrack& track, const Trajectory& trajectory, double measurement_scale);
+
+/// Gauss-Newton on the robust loss: least squares with new weights until they stay. False if they
+/// do not.
+bool find_weights(WeightedTrack& track, const MotionNoise<double>& noise,
+                  const SmoothOptions& options);
+
+/// Finds how freely a body moves from point to point, and in which direction: the `jerk` of every
+/// track, with the weights and the measurement scale that belong to it, by expectation and
+/// maximisation. What is expected of each jerk is averaged with its neighbours', in a Gaussian
+/// window, and with a little of the mean of all, which keeps rest from being absolute.
+void find_jerk(std::vector<WeightedTrack>& tracks, MotionNoise<double>& noise,
+               const SmoothOptions& options);
+
+/// -log of the likelihood of every measurement given all others, without the constant.
+double predictive_cost(const std::vector<WeightedTrack>& tracks, const MotionNoise<double>& noise,
+                       const SmoothOptions& options);
+
+}  // namespace touchtrace

@@ -9,9 +9,9 @@
 namespace touchtrace {
 namespace {
 
-constexpr double frame_s = 0.05, seconds = 10.0, usual_density = 300.0;
+constexpr double frame_s = 0.05, track_s = 10.0, usual_density = 300.0;
 
-Track wave() { return measure(synthetic_wave(seconds, 1), 1.0 / frame_s, 0.002, 1); }
+Track wave() { return measure(synthetic_wave(track_s, 1), 1.0 / frame_s, 0.002, 1); }
 
 SmoothOptions linear(double jerk_density) {
   SmoothOptions options;
@@ -34,7 +34,7 @@ double difference_in_units(double meters, double units_of_time, double origin_s)
   const auto other = smooth(rescaled(wave(), meters, units_of_time, origin_s),
                             linear(usual_density * meters * meters / std::pow(units_of_time, 5)));
   double worst = 0.0;
-  for (double t = 0.3; t < seconds - 1.0; t += 0.0731) {
+  for (double t = 0.3; t < track_s - 1.0; t += 0.0731) {
     const auto a = other.smoothed(origin_s + units_of_time * t), b = reference.smoothed(t);
     worst = std::max({worst, (a.position_m / meters - b.position_m).norm(),
                       (a.velocity_m_per_s * units_of_time / meters - b.velocity_m_per_s).norm()});

@@ -155,8 +155,8 @@ void measure_flights(const std::string& name, SyntheticMotion (*make)(double, st
   SmoothOptions options;
   options.noise = noise;
   const auto smoothed = smooth(data.tracks, data.flights, options);
-  emit_errors(name + ", 2 mm, all frames", data, smoothed, true, {}, emit);
-  emit_errors(name + ", 2 mm, 5 ms from impacts", data, smoothed, false, goal, emit);
+  emit_errors(name + ", 2 mm, all frames", data, smoothed, true, goal, emit);
+  emit_errors(name + ", 2 mm, 5 ms from impacts", data, smoothed, false, {}, emit);
   emit_intervals(name + ", 2 mm", data, smoothed, emit);
 }
 

@@ -24,7 +24,7 @@ struct LabelErrorModel {
   double lost_share;  ///< of the labels, not to be trusted
 };
 
-/// As `touchtrace verify labels` measures it with the default tracker: of wave or throw, or of the
+/// As `touchtrace verify labels` measures it of balls over three seeds: of wave or throw, or of the
 /// one of them that moves more alike.
 const LabelErrorModel& measured_label_error(const std::string& activity);
 

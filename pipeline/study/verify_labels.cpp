@@ -128,7 +128,7 @@ void measure_scenes(const Emit& emit) {
 void measure_occlusion(const Emit& emit) {
   for (const char* activity : {"wave", "throw", "pingpong"}) {
     const RenderedRecording rendered({activity, scene::default_object(activity), first_seed});
-    for (const char* tracker : {"csrt", "component"})
+    for (const char* tracker : {"csrt-fast", "component"})
       emit(at_most(fmt::format("{}, {}: frames to find the object again after a second's occlusion",
                                activity, tracker),
                    frames_to_recover(rendered, tracker), "frames", 3.0));

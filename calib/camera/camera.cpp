@@ -12,6 +12,13 @@ constexpr int max_iterations = 50;
 constexpr double tolerance = 1e-14;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+template <class L>
+Eigen::Vector2d pixel_of(L lens, const std::array<double, max_intrinsics>& intrinsics,
+                         const Eigen::Vector3d& point_m) {
+  if (!lens.sees(point_m)) return {nan, nan};
+  return project_point<L>(intrinsics.data(), point_m);
+}
+
 /// What `L` bends to `distorted`, or NaN.
 template <class L>
 Eigen::Vector2d straightened(const double* coefficients, const Eigen::Vector2d& distorted) {
@@ -46,9 +53,16 @@ void Camera::set_parameters(const std::array<double, max_intrinsics>& values) {
 }
 
 Eigen::Vector2d Camera::project(const Eigen::Vector3d& point_m) const {
-  return with_lens(lens, [&](auto l) -> Eigen::Vector2d {
-    if (!l.sees(point_m)) return {nan, nan};
-    return project_point<decltype(l)>(parameters().data(), point_m);
+  const auto intrinsics = parameters();
+  return with_lens(lens, [&](auto l) { return pixel_of(l, intrinsics, point_m); });
+}
+
+void Camera::project(std::span<const Eigen::Vector3f> points_m,
+                     std::span<Eigen::Vector2d> pixels) const {
+  const auto intrinsics = parameters();
+  with_lens(lens, [&](auto l) {
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+      pixels[i] = pixel_of(l, intrinsics, points_m[i].cast<double>());
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <span>
 
 #include "calib/camera/lens.h"
 
@@ -19,6 +20,8 @@ struct Camera {
 
   /// Camera-frame point [m] to pixel; NaN for a point that the lens does not see.
   Eigen::Vector2d project(const Eigen::Vector3d& point_m) const;
+  /// As many points as `pixels` has room for.
+  void project(std::span<const Eigen::Vector3f> points_m, std::span<Eigen::Vector2d> pixels) const;
   /// Pixel to the ray (x', y', 1); the distortion is inverted by Newton iterations. NaN where the
   /// model cannot be inverted, which happens far outside the image under strong distortion, and
   /// where a fisheye looks 90 degrees and more to the side.

@@ -23,20 +23,37 @@ std::vector<double> smoothed(const std::vector<double>& counts, std::size_t stri
   return result;
 }
 
-std::size_t level_of(double value, double low, double high, std::size_t levels) {
+std::uint8_t level_of(double value, double low, double high, std::size_t levels) {
   const double part = (value - low) / (high - low) * static_cast<double>(levels);
-  return static_cast<std::size_t>(std::clamp(part, 0.0, static_cast<double>(levels) - 0.5));
+  return static_cast<std::uint8_t>(std::clamp(part, 0.0, static_cast<double>(levels) - 0.5));
 }
 
 }  // namespace
 
+/// Every colour is looked up; by the sum of its channels, so that neighbours share cache lines.
+struct ColorClasses::Levels {
+  static constexpr std::size_t values = 256, sums = 3 * (values - 1) + 1;
+
+  Levels() {
+    constexpr double dark = 8.0;  // keeps the chromaticity of nearly black pixels from jumping
+    for (std::size_t i = 0; i < sums; ++i) {
+      const double sum = static_cast<double>(i) + 3.0 * dark;
+      bright[i] = level_of(std::log(sum), std::log(24.0), std::log(789.0), brightness_levels);
+      for (std::size_t value = 0; value < values; ++value)
+        chroma[i][value] =
+            level_of((static_cast<double>(value) + dark) / sum, 0.05, 0.85, chroma_levels);
+    }
+  }
+
+  std::array<std::array<std::uint8_t, values>, sums> chroma;
+  std::array<std::uint8_t, sums> bright;
+};
+
 std::size_t ColorClasses::bin(const std::array<std::uint8_t, 3>& rgb) {
-  constexpr double dark = 8.0;  // keeps the chromaticity of nearly black pixels from jumping
-  const double sum = rgb[0] + rgb[1] + rgb[2] + 3.0 * dark;
-  const auto red = level_of((rgb[0] + dark) / sum, 0.05, 0.85, chroma_levels);
-  const auto green = level_of((rgb[1] + dark) / sum, 0.05, 0.85, chroma_levels);
-  const auto bright = level_of(std::log(sum), std::log(24.0), std::log(789.0), brightness_levels);
-  return (bright * chroma_levels + green) * chroma_levels + red;
+  static const Levels levels;
+  const auto sum = static_cast<std::size_t>(rgb[0] + rgb[1] + rgb[2]);
+  const auto& chroma = levels.chroma[sum];
+  return (levels.bright[sum] * chroma_levels + chroma[rgb[1]]) * chroma_levels + chroma[rgb[0]];
 }
 
 std::vector<double> ColorClasses::density(const std::vector<double>& counts) {

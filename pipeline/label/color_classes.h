@@ -28,6 +28,8 @@ class ColorClasses {
   static constexpr std::size_t chroma_levels = 32, brightness_levels = 4;
   static constexpr std::size_t bins = chroma_levels * chroma_levels * brightness_levels;
 
+  struct Levels;
+
   static std::size_t bin(const std::array<std::uint8_t, 3>& rgb);
   static std::vector<double> density(const std::vector<double>& counts);
 

@@ -95,16 +95,14 @@ class Follower {
       : scene_(scene),
         clip_(clip),
         gravity_(gravity),
-        kind_(kind),
         radius_m_(scene.object_sphere.at(clip.object).radius_m),
         hand_(Body::hand, hand_disc_m, hand_patch_radius_m, fewest_hand, kind),
         object_(Body::object, radius_m_, object_patch_radii * radius_m_, fewest_object, kind) {}
 
-  void step(const RgbdFrame& frame, double seconds, ClipTrack& track) {
-    const auto surface = scene_.see(frame, clip_.object, expected_hand_m());
-    const auto& camera = scene_.segmenter.color_camera();
-    const auto image =
-        kind_.create ? masked_image(frame, surface, camera.width, camera.height) : MaskedImage{};
+  void step(SeenFrame seen, double seconds, ClipTrack& track) {
+    auto& [frame, surface, image] = seen;
+    if (started_ && scene_.like_the_hand.contains(clip_.object))
+      scene_.split(surface, clip_.object, hand_.expected_m());
     std::optional<Patch> hand, object;
     if (!started_) {
       hand = hand_.begin(surface, clip_.hand_box);
@@ -124,10 +122,6 @@ class Follower {
   int restarts() const { return hand_.restarts() + object_.restarts(); }
 
  private:
-  std::optional<Eigen::Vector3d> expected_hand_m() const {
-    return started_ ? std::optional(hand_.expected_m()) : std::nullopt;
-  }
-
   /// Where the object would be in the hand; nothing of one that has left it.
   std::optional<Eigen::Vector3d> in_hand(const std::optional<Patch>& hand) const {
     if (!hand || (away_ && object_.is_lost())) return std::nullopt;
@@ -199,7 +193,6 @@ class Follower {
   const ClipFrames& clip_;
   Eigen::Vector3d gravity_;
   Grip grip_;
-  const TrackerKind& kind_;
   double radius_m_;
   Target hand_, object_;
   bool started_ = false, away_ = false;
@@ -207,15 +200,15 @@ class Follower {
 
 }  // namespace
 
-ClipTrack follow(const SceneModel& scene, const FrameSource& frames, const ClipFrames& clip,
-                 const std::vector<double>& frame_time_s, const Eigen::Vector3d& gravity_m_per_s2,
-                 const TrackerKind& tracker) {
+ClipTrack follow(const SceneModel& scene, const std::function<SeenFrame()>& next,
+                 const ClipFrames& clip, const std::vector<double>& frame_time_s,
+                 const Eigen::Vector3d& gravity_m_per_s2, const TrackerKind& tracker) {
   Follower follower(scene, clip, gravity_m_per_s2, tracker);
   ClipTrack track;
   for (std::size_t i = clip.first; i < clip.first + clip.count; ++i) {
     throw_if_interrupted();
     const double seconds = i > clip.first ? frame_time_s[i] - frame_time_s[i - 1] : 0.0;
-    follower.step(frames.camera_frame(i), seconds, track);
+    follower.step(next(), seconds, track);
     track.time_s.push_back(frame_time_s[i]);
   }
   track.object_unevenness_m = scene.object_sphere.at(clip.object).unevenness_m;

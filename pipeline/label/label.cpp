@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <mutex>
 #include <opencv2/core/utility.hpp>
 
 #include "engine/base/error.h"
@@ -44,6 +43,16 @@ std::vector<ClipFrames> usable_clips(const Recording& recording, const Timeline&
   return clips;
 }
 
+SeenFrame see(const SceneModel& scene, const FrameSource& frames, const TrackerKind& kind,
+              const ClipFrames& clip, std::size_t index) {
+  SeenFrame seen{frames.camera_frame(index), {}, {}};
+  seen.surface = scene.see(seen.frame, clip.object);
+  const auto& camera = scene.segmenter.color_camera();
+  if (kind.create) seen.image = masked_image(seen.frame, seen.surface, camera.width, camera.height);
+  return seen;
+}
+
+/// Clips are the parallel work; threads that find none left see frames ahead for those that do.
 std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& frames,
                                   const std::vector<ClipFrames>& clips, const Timeline& timeline,
                                   const Recording& recording, const LabelOptions& options) {
@@ -52,12 +61,18 @@ std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& fr
   for (const auto& clip : clips) total += clip.count;
   Progress progress("following hand and object", total);
   std::vector<ClipTrack> tracks(clips.size());
-  cv::setNumThreads(1);  // clips are the parallel work
-  for_each_index(clips.size(), options.threads, [&](std::size_t i) {
-    if (clips[i].count == 0) return;
-    tracks[i] =
-        follow(scene, frames, clips[i], timeline.camera_time_s, gravity(recording.camera), kind);
-    progress.advance(clips[i].count);
+  FramesAhead ahead(clips, [&](const ClipFrames& clip, std::size_t index) {
+    return see(scene, frames, kind, clip, index);
+  });
+  cv::setNumThreads(1);
+  const std::size_t helpers = thread_count(options.threads);
+  for_each_index(clips.size() + helpers, options.threads, [&](std::size_t i) {
+    if (i >= clips.size()) return ahead.help();
+    FramesAhead::Reader reader(ahead, i);
+    const auto next = [&] { return progress.advance(), reader.next(); };
+    if (clips[i].count > 0)
+      tracks[i] =
+          follow(scene, next, clips[i], timeline.camera_time_s, gravity(recording.camera), kind);
   });
   return tracks;
 }
@@ -158,7 +173,7 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   require_background(frames);
   const auto clips = usable_clips(recording, timeline);
   const Stopwatch learning;
-  const auto scene = learn_scene(calibration, recording.camera, frames, clips);
+  const auto scene = learn_scene(calibration, recording.camera, frames, clips, options.threads);
   const double learning_s = learning.wall_seconds();
   const Stopwatch following;
   const auto tracks = follow_all(scene, frames, clips, timeline, recording, options);
@@ -193,13 +208,8 @@ Labels label_recording(const RecordingReader& reader, const RgbdCalibration& cal
 }
 
 FrameSource frames_of(const RecordingReader& reader) {
-  const auto mutex = std::make_shared<std::mutex>();  // Debian's HDF5 serves one thread at a time
-  return {[&reader, mutex](std::size_t i) {
-            return std::lock_guard(*mutex), reader.read_camera_frame(i);
-          },
-          [&reader, mutex](std::size_t i) {
-            return std::lock_guard(*mutex), reader.read_background(i);
-          },
+  return {[&reader](std::size_t i) { return reader.read_camera_frame(i); },
+          [&reader](std::size_t i) { return reader.read_background(i); },
           reader.background_frames()};
 }
 

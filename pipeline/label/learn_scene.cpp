@@ -6,6 +6,7 @@
 
 #include "engine/base/interrupt.h"
 #include "pipeline/label/learn_object.h"
+#include "pipeline/label/parallel.h"
 
 namespace touchtrace::label {
 namespace {
@@ -14,10 +15,11 @@ constexpr float bin_m = 0.02f, farthest_m = 5.0f;
 constexpr double torso_part = 0.04;  // of the image that a torso covers at least
 constexpr std::size_t most_background = 15, frames_per_clip = 8;
 
-std::vector<std::uint16_t> background_depth(const FrameSource& frames) {
-  std::vector<std::vector<std::uint16_t>> depths;
-  for (std::size_t i = 0; i < std::min(most_background, frames.background_frames); ++i)
-    depths.push_back(frames.background(i).depth);
+std::vector<std::uint16_t> background_depth(const FrameSource& frames, int threads) {
+  std::vector<std::vector<std::uint16_t>> depths(
+      std::min(most_background, frames.background_frames));
+  for_each_index(depths.size(), threads,
+                 [&](std::size_t i) { depths[i] = frames.background(i).depth; });
   return median_depth(depths);
 }
 
@@ -61,36 +63,35 @@ std::vector<double> median_counts(const std::vector<std::vector<double>>& frames
   return result;
 }
 
-struct Samples {
-  std::map<std::string, std::vector<SampledFrame>> frames;  ///< by object
-  std::vector<std::vector<double>> depths;  ///< of each frame, how many points in each bin
-  double pixels = 0.0;                      ///< of one image
-};
-
-/// Sees a few frames of every clip, and counts depths.
-Samples sample(const SceneModel& model, const FrameSource& frames,
-               const std::vector<ClipFrames>& clips) {
-  Samples samples;
+/// A few frames of every clip.
+std::vector<SampledFrame> sample(const SceneModel& model, const FrameSource& frames,
+                                 const std::vector<ClipFrames>& clips, int threads) {
+  std::vector<SampledFrame> samples;
   for (const auto& clip : clips)
-    for (const auto index : sampled_frames(clip)) {
-      throw_if_interrupted();
-      const auto frame = frames.camera_frame(index);
-      auto surface = model.segmenter.moving_surface(frame);
-      samples.depths.push_back(depth_counts(surface));
-      samples.pixels = static_cast<double>(frame.depth.size());
-      samples.frames[clip.object].push_back({&clip, index, std::move(surface)});
-    }
+    for (const auto index : sampled_frames(clip)) samples.push_back({&clip, index, {}});
+  for_each_index(samples.size(), threads, [&](std::size_t i) {
+    throw_if_interrupted();
+    samples[i].surface = model.segmenter.moving_surface(frames.camera_frame(samples[i].index));
+  });
   return samples;
 }
 
 }  // namespace
 
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
-                       const FrameSource& frames, const std::vector<ClipFrames>& clips) {
-  SceneModel model{Segmenter(calibration, camera, background_depth(frames)), 0.0f, {}, {}, {}};
-  auto samples = sample(model, frames, clips);
-  model.band_m = band_limit(median_counts(samples.depths), samples.pixels);
-  for (auto& [object, sampled] : samples.frames) learn_object(model, frames, object, sampled);
+                       const FrameSource& frames, const std::vector<ClipFrames>& clips,
+                       int threads) {
+  SceneModel model{
+      Segmenter(calibration, camera, background_depth(frames, threads)), 0.0f, {}, {}, {}};
+  auto samples = sample(model, frames, clips, threads);
+  std::vector<std::vector<double>> depths;
+  std::map<std::string, std::vector<SampledFrame>> by_object;
+  for (auto& seen : samples) {
+    depths.push_back(depth_counts(seen.surface));
+    by_object[seen.clip->object].push_back(std::move(seen));
+  }
+  model.band_m = band_limit(median_counts(depths), camera.width * camera.height);
+  for (auto& [object, sampled] : by_object) learn_object(model, frames, object, sampled);
   return model;
 }
 

@@ -9,6 +9,11 @@
 
 namespace touchtrace::label {
 
+std::size_t thread_count(int threads) {
+  return threads > 0 ? static_cast<std::size_t>(threads)
+                     : std::max(1u, std::thread::hardware_concurrency());
+}
+
 void for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
   std::atomic<std::size_t> next{0};
   std::exception_ptr failed;
@@ -22,11 +27,10 @@ void for_each_index(std::size_t count, int threads, const std::function<void(std
         next = count;
       }
   };
-  const auto cores = threads > 0 ? static_cast<std::size_t>(threads)
-                                 : std::max(1u, std::thread::hardware_concurrency());
   {
     std::vector<std::jthread> workers;
-    for (std::size_t i = 1; i < std::min(cores, count); ++i) workers.emplace_back(run);
+    for (std::size_t i = 1; i < std::min(thread_count(threads), count); ++i)
+      workers.emplace_back(run);
     run();
   }
   if (failed) std::rethrow_exception(failed);

@@ -15,15 +15,14 @@ constexpr double whole_part =
 
 }  // namespace
 
-Surface SceneModel::see(const RgbdFrame& frame, const std::string& object,
-                        const std::optional<Eigen::Vector3d>& hand_m) const {
-  auto surface = segmenter.moving_surface(frame);
-  colors.at(object).assign(surface);
-  std::erase_if(surface, [&](const SurfacePoint& point) {
-    return point.position_m.z() > band_m + (point.body == Body::rest ? 0.0f : behind_band_m);
+Surface SceneModel::see(const RgbdFrame& frame, const std::string& object) const {
+  const auto& classes = colors.at(object);
+  return segmenter.moving_surface(frame, [&](Surface& points) {
+    classes.assign(points);
+    std::erase_if(points, [&](const SurfacePoint& point) {
+      return point.position_m.z() > band_m + (point.body == Body::rest ? 0.0f : behind_band_m);
+    });
   });
-  if (hand_m && like_the_hand.contains(object)) split(surface, object, *hand_m);
-  return surface;
 }
 
 void SceneModel::split(Surface& surface, const std::string& object,

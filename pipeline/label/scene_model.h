@@ -39,12 +39,10 @@ struct SceneModel {
   std::map<std::string, Sphere> object_sphere;
   std::set<std::string> like_the_hand;  ///< objects that no colour tells from it
 
-  /// The frame's surface in front of the band, told apart; coloured points may lie a little behind
-  /// it. An object like the hand is told from it where it is apart from the one near `hand_m`, if
-  /// that is known.
-  Surface see(const RgbdFrame& frame, const std::string& object,
-              const std::optional<Eigen::Vector3d>& hand_m) const;
-  /// The same of a surface whose colours are told already, where the hand is at `hand_m`.
+  /// The frame's surface in front of the band, told apart by colour; coloured points may lie a
+  /// little behind it.
+  Surface see(const RgbdFrame& frame, const std::string& object) const;
+  /// Tells an object like the hand from it where it is apart from the one near `hand_m`.
   void split(Surface& surface, const std::string& object, const Eigen::Vector3d& hand_m) const;
   /// What the depth camera sees of the object and past it, if it is no larger than `radius_m`.
   SphereView view_sphere(const RgbdFrame& frame, const std::string& object, const Patch& patch,

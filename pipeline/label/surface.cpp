@@ -4,12 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/label/foreground.h"
+
 namespace touchtrace::label {
 namespace {
 
 constexpr double background_gap_m = 0.06, background_gap_part = 0.04;
 constexpr float occlusion_m =
     0.05f;  // a point so far behind another of the same pixel is not seen there
+constexpr float closest_m = 0.05f;  // nothing nearer is believed
 
 }  // namespace
 
@@ -49,6 +52,7 @@ Segmenter::Segmenter(const RgbdCalibration& calibration, const CameraInfo& camer
   for (int v = 0; v < height_; ++v)
     for (int u = 0; u < width_; ++u)
       rays_.push_back((color_from_depth.linear() * depth_.unproject({u, v})).cast<float>());
+  limit_.resize(rays_.size());
   for (auto& limit : limit_) {
     const double gap_m =
         std::max(background_gap_m, background_gap_part * limit * camera.depth_unit_m);
@@ -56,51 +60,52 @@ Segmenter::Segmenter(const RgbdCalibration& calibration, const CameraInfo& camer
   }
 }
 
-std::vector<std::uint8_t> Segmenter::mask(const RgbdFrame& frame) const {
-  std::vector<std::uint8_t> raw(frame.depth.size()), clean(frame.depth.size(), 0);
-  for (std::size_t i = 0; i < raw.size(); ++i)
-    raw[i] = frame.depth[i] > 0 && (limit_.empty() || limit_[i] == 0 || frame.depth[i] < limit_[i]);
-  const auto w = static_cast<std::size_t>(width_);
-  for (std::size_t v = 1; v + 1 < static_cast<std::size_t>(height_); ++v)
-    for (std::size_t u = 1; u + 1 < w; ++u) {
-      const std::uint8_t* p = &raw[v * w + u];
-      const int neighbours =
-          p[-1] + p[1] + p[w] + p[w - 1] + p[w + 1] + *(p - w) + *(p - w - 1) + *(p - w + 1);
-      clean[v * w + u] = p[0] != 0 && neighbours >= 4;
+void Segmenter::lift(const RgbdFrame& frame, std::span<const std::size_t> pixels,
+                     Surface& to) const {
+  constexpr std::size_t block = 64;
+  std::array<Eigen::Vector3f, block> points;
+  std::array<Eigen::Vector2d, block> seen;
+  for (; !pixels.empty(); pixels = pixels.subspan(std::min(block, pixels.size()))) {
+    std::size_t count = 0;
+    for (const auto pixel : pixels.first(std::min(block, pixels.size()))) {
+      points[count] = depth_origin_m_ +
+                      static_cast<float>(corrected_depth_m(frame.depth[pixel])) * rays_[pixel];
+      count += points[count].z() > closest_m;
     }
-  return clean;
+    color_.project(std::span(points).first(count), std::span(seen).first(count));
+    for (std::size_t i = 0; i < count; ++i)
+      if (is_in_picture(seen[i])) to.push_back(colored(frame, points[i], seen[i]));
+  }
 }
 
-std::optional<SurfacePoint> Segmenter::lift(const RgbdFrame& frame, std::size_t pixel) const {
-  const Eigen::Vector3f point =
-      depth_origin_m_ + static_cast<float>(corrected_depth_m(frame.depth[pixel])) * rays_[pixel];
-  if (!(point.z() > 0.05f)) return std::nullopt;
-  const Eigen::Vector2d seen = color_.project(point.cast<double>());
-  const auto u = std::lround(seen.x()), v = std::lround(seen.y());
-  if (u < 0 || v < 0 || u >= width_ || v >= height_) return std::nullopt;
-  const auto at = static_cast<std::size_t>(v * width_ + u);
-  return SurfacePoint{point,
-                      static_cast<std::int16_t>(u),
-                      static_cast<std::int16_t>(v),
-                      {frame.color[3 * at], frame.color[3 * at + 1], frame.color[3 * at + 2]}};
-}
-
-Surface Segmenter::moving_surface(const RgbdFrame& frame) const {
-  const auto foreground = mask(frame);
-  Surface surface;
-  std::vector<float> nearest(rays_.size(), std::numeric_limits<float>::infinity());
-  const auto at = [&](const SurfacePoint& point) {
-    return static_cast<std::size_t>(point.v * width_ + point.u);
+SurfacePoint Segmenter::colored(const RgbdFrame& frame, const Eigen::Vector3f& position_m,
+                                const Eigen::Vector2d& seen) const {
+  const auto nearest = [](double coordinate) {
+    return static_cast<std::int16_t>(coordinate + 0.5);
   };
-  for (std::size_t i = 0; i < foreground.size(); ++i) {
-    if (foreground[i] == 0) continue;
-    const auto point = lift(frame, i);
-    if (!point) continue;
-    nearest[at(*point)] = std::min(nearest[at(*point)], point->position_m.z());
-    surface.push_back(*point);
+  SurfacePoint point{position_m, nearest(seen.x()), nearest(seen.y()), {}};
+  std::copy_n(&frame.color[3 * color_pixel(point)], 3, point.rgb.begin());
+  return point;
+}
+
+Surface Segmenter::moving_surface(const RgbdFrame& frame,
+                                  const std::function<void(Surface&)>& sift) const {
+  thread_local std::vector<float> nearest;  // new pages for every image would cost as much again
+  nearest.assign(rays_.size(), std::numeric_limits<float>::infinity());
+  Foreground foreground(frame.depth, limit_, width_);
+  Surface surface, row;
+  for (std::size_t v = 1; v + 1 < static_cast<std::size_t>(height_); ++v) {
+    row.clear();
+    lift(frame, foreground.row(v), row);
+    for (const auto& point : row) {
+      float& depth = nearest[color_pixel(point)];
+      depth = std::min(depth, point.position_m.z());
+    }
+    sift(row);
+    surface.insert(surface.end(), row.begin(), row.end());
   }
   std::erase_if(surface, [&](const SurfacePoint& point) {
-    return point.position_m.z() > nearest[at(point)] + occlusion_m;
+    return point.position_m.z() > nearest[color_pixel(point)] + occlusion_m;
   });
   return surface;
 }
@@ -118,15 +123,16 @@ Surface Segmenter::surface_around(const RgbdFrame& frame, const Eigen::Vector3d&
   if (!middle.allFinite()) return {};
   const double half = radius_m / center.z() * depth_.fx;
   Surface surface;
+  std::vector<std::size_t> measured;
   const auto from = [](double edge) { return std::max(0, static_cast<int>(edge)); };
   const int right = std::min(width_, static_cast<int>(middle.x() + half) + 1);
   const int bottom = std::min(height_, static_cast<int>(middle.y() + half) + 1);
   for (int v = from(middle.y() - half); v < bottom; ++v)
     for (int u = from(middle.x() - half); u < right; ++u) {
       const auto pixel = static_cast<std::size_t>(v * width_ + u);
-      if (frame.depth[pixel] == 0) continue;
-      if (const auto point = lift(frame, pixel)) surface.push_back(*point);
+      if (frame.depth[pixel] > 0) measured.push_back(pixel);
     }
+  lift(frame, measured, surface);
   return surface;
 }
 

@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <optional>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "calib/rgbd/calibration.h"
@@ -36,7 +37,9 @@ class Segmenter {
   Segmenter(const RgbdCalibration& calibration, const CameraInfo& camera,
             std::vector<std::uint16_t> background_depth);
 
-  Surface moving_surface(const RgbdFrame& frame) const;
+  /// `sift` may change and take out points; it gets them row by row.
+  Surface moving_surface(
+      const RgbdFrame& frame, const std::function<void(Surface&)>& sift = [](Surface&) {}) const;
   /// Everything measured by the pixels that look within `radius_m` of `center_m`, the background
   /// too; nothing is left out that stands behind something else.
   Surface surface_around(const RgbdFrame& frame, const Eigen::Vector3d& center_m,
@@ -51,9 +54,18 @@ class Segmenter {
   const Camera& color_camera() const { return color_; }
 
  private:
-  std::vector<std::uint8_t> mask(const RgbdFrame& frame) const;
-  /// What a depth pixel measured, or nothing if the colour camera does not look there.
-  std::optional<SurfacePoint> lift(const RgbdFrame& frame, std::size_t pixel) const;
+  /// Appends what the pixels of a depth image measured where the colour camera looks.
+  void lift(const RgbdFrame& frame, std::span<const std::size_t> pixels, Surface& to) const;
+  /// Whether the nearest pixel is one of the colour image's.
+  bool is_in_picture(const Eigen::Vector2d& seen) const {
+    return seen.x() > -0.5 && seen.y() > -0.5 && seen.x() < width_ - 0.5 &&
+           seen.y() < height_ - 0.5;
+  }
+  SurfacePoint colored(const RgbdFrame& frame, const Eigen::Vector3f& position_m,
+                       const Eigen::Vector2d& seen) const;
+  std::size_t color_pixel(const SurfacePoint& point) const {
+    return static_cast<std::size_t>(point.v * width_ + point.u);
+  }
   double corrected_depth_m(std::uint16_t count) const {
     return depth_offset_m_ + depth_scale_ * count;
   }

@@ -80,8 +80,9 @@ class ArrayReader {
   void check_layout();
   void check_filters(hid_t creation);
   void check_chunks(hsize_t file_bytes) const;
-  std::vector<std::uint8_t> stored_chunk(hsize_t chunk, std::uint32_t& skipped_filters) const;
-  std::vector<std::uint8_t> decoded_chunk(hsize_t chunk) const;
+  /// Until the thread's next call.
+  std::span<const std::uint8_t> stored_chunk(hsize_t chunk, std::uint32_t& skipped_filters) const;
+  void decode(hsize_t chunk, std::span<std::uint8_t> raw) const;
 
   std::string name_;
   std::vector<hsize_t> shape_;

@@ -102,20 +102,21 @@ void ArrayReader::check_chunks(hsize_t file_bytes) const {
   }
 }
 
-std::vector<std::uint8_t> ArrayReader::stored_chunk(hsize_t chunk,
-                                                    std::uint32_t& skipped_filters) const {
+std::span<const std::uint8_t> ArrayReader::stored_chunk(hsize_t chunk,
+                                                        std::uint32_t& skipped_filters) const {
+  thread_local std::vector<std::uint8_t> stored;  // new pages for every image cost much of its time
   std::vector<hsize_t> offset(shape_.size(), 0);
   offset[0] = chunk * chunk_rows_;
   const LibraryLock lock;
   hsize_t bytes = 0;
   check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), name_);
-  std::vector<std::uint8_t> stored(bytes);
+  stored.resize(bytes);
   check(H5Dread_chunk(dataset_, H5P_DEFAULT, offset.data(), &skipped_filters, stored.data()),
         name_);
   return stored;
 }
 
-std::vector<std::uint8_t> ArrayReader::decoded_chunk(hsize_t chunk) const {
+void ArrayReader::decode(hsize_t chunk, std::span<std::uint8_t> raw) const {
   std::uint32_t skipped = 0;
   const auto stored = stored_chunk(chunk, skipped);
   ChunkFilters filters{1, false, false};
@@ -125,21 +126,26 @@ std::vector<std::uint8_t> ArrayReader::decoded_chunk(hsize_t chunk) const {
     if (pipeline_[i] == H5Z_FILTER_DEFLATE) filters.deflate = true;
     if (pipeline_[i] == H5Z_FILTER_FLETCHER32) filters.fletcher32 = true;
   }
-  std::vector<std::uint8_t> raw(chunk_rows_ * row_bytes_);
   const auto fault = filters.fletcher32 ? decode_chunk(stored, filters, raw)
                                         : std::optional<std::string>("it carries no checksum");
   if (fault)
     throw H5Error(
         fmt::format("{}: the chunk of row {} is damaged: {}", name_, chunk * chunk_rows_, *fault));
-  return raw;
 }
 
 void ArrayReader::read(hsize_t first, std::span<std::uint8_t> out) const {
+  const std::size_t chunk_bytes = chunk_rows_ * row_bytes_;
+  std::vector<std::uint8_t> raw;
   for (hsize_t row = first; !out.empty();) {
-    const hsize_t chunk = row / chunk_rows_, inside = row % chunk_rows_;
-    const auto raw = decoded_chunk(chunk);
-    const std::size_t bytes = std::min<std::size_t>(out.size(), raw.size() - inside * row_bytes_);
-    std::memcpy(out.data(), raw.data() + inside * row_bytes_, bytes);
+    const hsize_t chunk = row / chunk_rows_, inside = row % chunk_rows_ * row_bytes_;
+    const std::size_t bytes = std::min<std::size_t>(out.size(), chunk_bytes - inside);
+    if (bytes == chunk_bytes) {
+      decode(chunk, out.first(bytes));
+    } else {
+      raw.resize(chunk_bytes);
+      decode(chunk, raw);
+      std::memcpy(out.data(), raw.data() + inside, bytes);
+    }
     out = out.subspan(bytes);
     row += bytes / row_bytes_;
   }

@@ -87,6 +87,16 @@ TEST_P(EveryLens, SeesStraightAhead) {
   EXPECT_TRUE(camera_.project({1e-9, -1e-9, 1.0}).allFinite());
 }
 
+TEST_P(EveryLens, ProjectsManyPointsAsOne) {
+  RandomStream random(4, "points");
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 20; ++i) points.push_back(point_before(random).cast<float>());
+  std::vector<Eigen::Vector2d> pixels(points.size());
+  camera_.project(points, pixels);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_EQ(pixels[i], camera_.project(points[i].cast<double>()));
+}
+
 TEST_P(EveryLens, IsFoundByItsName) {
   const auto found = lens_of(lens_name(GetParam()));
   ASSERT_TRUE(found.has_value());

@@ -277,10 +277,26 @@ TEST(Label, DoesNotDependOnThreads) {
   LabelOptions options;
   options.threads = 1;
   const auto one = label_recording(recording, frames_of(stage), calibration(), options);
-  options.threads = 2;
-  const auto two = label_recording(recording, frames_of(stage), calibration(), options);
-  EXPECT_EQ(one.object.position_m, two.object.position_m);
-  EXPECT_EQ(one.hand.covariance, two.hand.covariance);
+  options.threads = 4;
+  const auto four = label_recording(recording, frames_of(stage), calibration(), options);
+  EXPECT_EQ(one.object.position_m, four.object.position_m);
+  EXPECT_EQ(one.hand.covariance, four.hand.covariance);
+}
+
+TEST(Label, EndsWithTheImageThatCannotBeRead) {
+  const Stage stage(false);
+  auto frames = frames_of(stage);
+  const auto sound = frames.camera_frame;
+  frames.camera_frame = [&](std::size_t i) {
+    if (i == 50) throw data_error("image 50 is damaged", "copy it again");
+    return sound(i);
+  };
+  for (const int threads : {1, 4}) {
+    LabelOptions options;
+    options.tracker = "component";
+    options.threads = threads;
+    EXPECT_THROW(label_recording(recording_of(stage), frames, calibration(), options), Error);
+  }
 }
 
 TEST(Label, SaysWhatIsMissing) {

@@ -21,11 +21,13 @@ class Foreground {
 
  private:
   void mark(std::size_t v);
+  void gather(std::size_t first);
 
   const std::vector<std::uint16_t>&depth_, &limit_;
   std::size_t width_;
   std::array<std::vector<std::uint8_t>, 3> before_;  ///< [width], of the last three rows
   std::vector<std::uint8_t> columns_;                ///< [width], their sum
+  std::vector<std::uint8_t> clean_;                  ///< [width, rounded up to blocks]
   std::vector<std::size_t> pixels_;
 };
 

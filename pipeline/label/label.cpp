@@ -182,8 +182,8 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   require_found(shares);
   const Stopwatch smoothing;
   const double falling = falling_part(tracks, gravity(recording.camera));
-  const auto bodies =
-      smooth_bodies(tracks, gravity(recording.camera), falling > falling_part_of_bounces);
+  const auto bodies = smooth_bodies(tracks, gravity(recording.camera),
+                                    falling > falling_part_of_bounces, options.threads);
 
   Labels labels;
   labels.activity = recording.activity;

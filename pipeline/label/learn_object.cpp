@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "engine/base/error.h"
+#include "pipeline/label/parallel.h"
 
 namespace touchtrace::label {
 namespace {
@@ -30,14 +31,27 @@ double fit_cost(const std::vector<SphereView>& views, double radius_m) {
   return cost;
 }
 
-/// The radius of the sphere that fits all views best, near that of the silhouette.
-double fitted_radius(const std::vector<SphereView>& views, double silhouette_m) {
-  double best = silhouette_m, lowest = std::numeric_limits<double>::infinity();
-  for (double part = 0.6; part <= 1.4; part += 0.02) {
-    const double cost = fit_cost(views, part * silhouette_m);
-    if (cost < lowest) lowest = cost, best = part * silhouette_m;
-  }
-  return best;
+/// Which of `radii_m` fits all views best.
+std::size_t best_radius(const std::vector<SphereView>& views, const std::vector<double>& radii_m,
+                        int threads) {
+  std::vector<double> costs(radii_m.size());
+  for_each_index(radii_m.size(), threads,
+                 [&](std::size_t i) { costs[i] = fit_cost(views, radii_m[i]); });
+  return static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
+}
+
+/// The radius of the sphere that fits all views best, near that of the silhouette: to one of
+/// `steps` per silhouette's radius, by way of every fourth.
+double fitted_radius(const std::vector<SphereView>& views, double silhouette_m, int threads) {
+  constexpr int steps = 50, least = 30, most = 70, coarse = 4;
+  const auto best_of = [&](int first, int last, int stride) {
+    std::vector<double> radii_m;
+    for (int i = first; i <= last; i += stride) radii_m.push_back(silhouette_m / steps * i);
+    return first + stride * static_cast<int>(best_radius(views, radii_m, threads));
+  };
+  const int near = best_of(least, most, coarse);
+  return silhouette_m / steps *
+         best_of(std::max(least, near - coarse + 1), std::min(most, near + coarse - 1), 1);
 }
 
 /// The object in one of the sampled frames.
@@ -156,17 +170,18 @@ double unevenness(const std::vector<SphereView>& views, double radius_m) {
 
 /// Through what is seen of the object and beside what is seen past it.
 SceneModel::Sphere object_sphere(const SceneModel& model, const FrameSource& frames,
-                                 const std::string& object,
-                                 const std::vector<Sighting>& sightings) {
+                                 const std::string& object, const std::vector<Sighting>& sightings,
+                                 int threads) {
   std::vector<double> radii;
   for (const auto& sighting : sightings) radii.push_back(silhouette_radius_m(sighting.patch));
   const double silhouette_m = quantile(std::move(radii), silhouette_quantile);
-  std::vector<SphereView> views;
   const std::size_t stride = (sightings.size() + most_views - 1) / most_views;
-  for (std::size_t i = 0; i < sightings.size(); i += stride)
-    views.push_back(model.view_sphere(frames.camera_frame(sightings[i].frame), object,
-                                      sightings[i].patch, silhouette_m));
-  const double radius_m = fitted_radius(views, silhouette_m);
+  std::vector<SphereView> views((sightings.size() + stride - 1) / stride);
+  for_each_index(views.size(), threads, [&](std::size_t i) {
+    const auto& [frame, patch] = sightings[i * stride];
+    views[i] = model.view_sphere(frames.camera_frame(frame), object, patch, silhouette_m);
+  });
+  const double radius_m = fitted_radius(views, silhouette_m, threads);
   return {radius_m, unevenness(views, radius_m)};
 }
 
@@ -182,7 +197,7 @@ std::vector<Sighting> look_beside_the_hand(const SceneModel& model, const std::s
 }  // namespace
 
 void learn_object(SceneModel& model, const FrameSource& frames, const std::string& object,
-                  std::vector<SampledFrame>& samples) {
+                  std::vector<SampledFrame>& samples, int threads) {
   auto& colors = model.colors[object];
   for (auto& sample : samples) {
     if (sample.index == sample.clip->first) learn_colors(sample, object, colors);
@@ -211,7 +226,7 @@ void learn_object(SceneModel& model, const FrameSource& frames, const std::strin
     sightings = look_beside_the_hand(model, object, samples, boxed);
   }
   if (!sightings.empty())
-    model.object_sphere[object] = object_sphere(model, frames, object, sightings);
+    model.object_sphere[object] = object_sphere(model, frames, object, sightings, threads);
 }
 
 }  // namespace touchtrace::label

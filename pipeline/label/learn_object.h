@@ -16,6 +16,6 @@ struct SampledFrame {
 /// colour tells from the hand is noted as such. Throws data_error if none was seen of it and no
 /// hand either.
 void learn_object(SceneModel& model, const FrameSource& frames, const std::string& object,
-                  std::vector<SampledFrame>& samples);
+                  std::vector<SampledFrame>& samples, int threads);
 
 }  // namespace touchtrace::label

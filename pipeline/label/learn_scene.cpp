@@ -91,7 +91,7 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
     by_object[seen.clip->object].push_back(std::move(seen));
   }
   model.band_m = band_limit(median_counts(depths), camera.width * camera.height);
-  for (auto& [object, sampled] : by_object) learn_object(model, frames, object, sampled);
+  for (auto& [object, sampled] : by_object) learn_object(model, frames, object, sampled, threads);
   return model;
 }
 

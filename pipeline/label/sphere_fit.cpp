@@ -15,42 +15,68 @@ constexpr double still_m = 5e-5;
 // behind the centroid: of a sphere that is wholly visible, and of one that shows at its rim only
 constexpr std::array<double, 2> start_radii{2.0 / 3.0, 0.1};
 
-/// Gauss-Newton's sums over all points and rays at one centre.
-class Sums {
- public:
-  Sums(const SphereView& view, double radius_m, const Eigen::Vector3d& center, double cauchy)
-      : center_(center), radius_m_(radius_m), square_(cauchy * cauchy) {
-    for (const auto& point : view.on_m) {
-      const Eigen::Vector3d off = center - point.cast<double>();
-      add(off, off.norm() - radius_m);
-    }
+/// A view as every step of a fit needs it.
+struct Rays {
+  explicit Rays(const SphereView& view) : eye_m(view.eye_m) {
+    for (const auto& point : view.on_m) on_m.push_back(point.cast<double>());
     for (const auto& end : view.seen_past_m) {
-      const Eigen::Vector3d off = center - nearest_on_ray(view.eye_m, end.cast<double>());
-      if (const double distance = off.norm(); distance < radius_m) add(off, distance - radius_m);
+      const Eigen::Vector3d ray = end.cast<double>() - eye_m;
+      past.push_back({ray.normalized(), ray.norm()});
     }
   }
 
+  struct Ray {
+    Eigen::Vector3d direction;
+    double length_m;
+  };
+  Eigen::Vector3d eye_m;
+  std::vector<Eigen::Vector3d> on_m;
+  std::vector<Ray> past;
+};
+
+/// Calls use(center - place on the surface or nearest on a ray, its length) of all points and of
+/// the rays that enter the sphere.
+template <class Use>
+void for_each_offset(const Rays& rays, double radius_m, const Eigen::Vector3d& center, Use&& use) {
+  for (const auto& point : rays.on_m) {
+    const Eigen::Vector3d off = center - point;
+    use(off, off.norm());
+  }
+  const Eigen::Vector3d from_eye = center - rays.eye_m;
+  for (const auto& [direction, length_m] : rays.past) {
+    const Eigen::Vector3d off =
+        from_eye - std::clamp(from_eye.dot(direction), 0.0, length_m) * direction;
+    const double square = off.squaredNorm();
+    if (square < radius_m * radius_m) use(off, std::sqrt(square));
+  }
+}
+
+struct Sums {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double cost = 0.0;
-
- private:
-  Eigen::Vector3d nearest_on_ray(const Eigen::Vector3d& eye, const Eigen::Vector3d& end) const {
-    const Eigen::Vector3d ray = end - eye;
-    return eye + std::clamp((center_ - eye).dot(ray) / ray.squaredNorm(), 0.0, 1.0) * ray;
-  }
-
-  void add(const Eigen::Vector3d& off, double residual) {
-    const Eigen::Vector3d direction = off / std::max(off.norm(), 1e-9);
-    const double weight = 1.0 / (1.0 + residual * residual / square_);
-    normal += weight * direction * direction.transpose();
-    gradient += weight * residual * direction;
-    cost += 0.5 * square_ * std::log1p(residual * residual / square_);
-  }
-
-  Eigen::Vector3d center_;
-  double radius_m_, square_;
 };
+
+/// Gauss-Newton's sums over all points and rays at one centre.
+Sums sums_at(const Rays& rays, double radius_m, const Eigen::Vector3d& center, double cauchy) {
+  Sums sums;
+  for_each_offset(rays, radius_m, center, [&](const Eigen::Vector3d& off, double length) {
+    const double residual = length - radius_m, inverse = 1.0 / std::max(length, 1e-9);
+    const double weight = cauchy * cauchy / (cauchy * cauchy + residual * residual);
+    const Eigen::Vector3d weighted = weight * inverse * off;
+    sums.normal.noalias() += inverse * weighted * off.transpose();
+    sums.gradient += residual * weighted;
+  });
+  return sums;
+}
+
+double cost_at(const Rays& rays, double radius_m, const Eigen::Vector3d& center, double cauchy) {
+  const double square = cauchy * cauchy;
+  double cost = 0.0;
+  for_each_offset(rays, radius_m, center, [&](const Eigen::Vector3d&, double length) {
+    cost += 0.5 * square * std::log1p(std::pow(length - radius_m, 2) / square);
+  });
+  return cost;
+}
 
 Eigen::Vector3d centroid(const std::vector<Eigen::Vector3f>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -59,13 +85,12 @@ Eigen::Vector3d centroid(const std::vector<Eigen::Vector3f>& points) {
 }
 
 /// Gauss-Newton from `start`.
-SphereFit descend(const SphereView& view, double radius_m, const Eigen::Vector3d& start) {
+SphereFit descend(const Rays& rays, double radius_m, const Eigen::Vector3d& start) {
   SphereFit fit;
   fit.center_m = start;
   for (const double cauchy : cauchy_steps_m)
     for (int i = 0; i < most_fit_steps; ++i) {
-      const Sums sums(view, radius_m, fit.center_m, cauchy);
-      fit.cost_m2 = sums.cost;
+      const Sums sums = sums_at(rays, radius_m, fit.center_m, cauchy);
       fit.information = sums.normal;
       // one point's worth of the start: never singular
       const Eigen::Vector3d step = (sums.normal + Eigen::Matrix3d::Identity())
@@ -74,18 +99,20 @@ SphereFit descend(const SphereView& view, double radius_m, const Eigen::Vector3d
       fit.center_m -= step;
       if (step.norm() < still_m) break;
     }
+  fit.cost_m2 = cost_at(rays, radius_m, fit.center_m, cauchy_steps_m.back());
   return fit;
 }
 
 }  // namespace
 
 SphereFit fit_sphere(const SphereView& view, double radius_m) {
+  const Rays rays(view);
   const Eigen::Vector3d middle = centroid(view.on_m);
   const Eigen::Vector3d ray = (middle - view.eye_m).normalized();
   SphereFit best;
   best.cost_m2 = std::numeric_limits<double>::infinity();
   for (const double part : start_radii) {
-    const auto fit = descend(view, radius_m, middle + part * radius_m * ray);
+    const auto fit = descend(rays, radius_m, middle + part * radius_m * ray);
     if (fit.cost_m2 < best.cost_m2) best = fit;
   }
   return best;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pipeline/label/flights.h"
+#include "pipeline/label/parallel.h"
 
 namespace touchtrace::label {
 namespace {
@@ -101,7 +102,7 @@ void append_observation(const Observation& seen, std::vector<double>& position,
 }  // namespace
 
 SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
-                             const Eigen::Vector3d& gravity_m_per_s2, bool bounces) {
+                             const Eigen::Vector3d& gravity_m_per_s2, bool bounces, int threads) {
   std::vector<Track> hand, object;
   std::vector<std::vector<Flight>> flights;
   for (const auto& track : tracks) {
@@ -109,12 +110,19 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
     object.push_back(track_of(track.time_s, track.object));
     flights.push_back(bounces ? guess_bounces(track, gravity_m_per_s2) : guess_flights(track));
   }
-  SmoothOptions options;
-  options.gravity_m_per_s2 = gravity_m_per_s2;
-  options.initial = initial_motion;
-  auto hands = smooth(hand, std::vector<std::vector<Flight>>(tracks.size()), options);
-  if (bounces) options.noise = bouncing_ball();
-  return {std::move(hands), smooth(object, flights, options)};
+  SmoothOptions of_hand;
+  of_hand.gravity_m_per_s2 = gravity_m_per_s2;
+  of_hand.initial = initial_motion;
+  SmoothOptions of_object = of_hand;
+  if (bounces) of_object.noise = bouncing_ball();
+  SmoothedBodies bodies;
+  for_each_index(2, threads, [&](std::size_t body) {
+    if (body == 0)
+      bodies.object = smooth(object, flights, of_object);
+    else
+      bodies.hand = smooth(hand, std::vector<std::vector<Flight>>(tracks.size()), of_hand);
+  });
+  return bodies;
 }
 
 void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack>& tracks,

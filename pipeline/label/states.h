@@ -14,10 +14,12 @@ struct SmoothedBodies {
   SmoothedTracks hand, object;
 };
 
-/// Smooths both bodies. Flights are guessed where the object leaves the hand; nothing flies,
-/// nothing is searched. With `bounces` the object flies always, but for the moments of hits.
+/// Smooths both bodies, on `threads` (0: one a core). Flights are guessed where the object leaves
+/// the hand; nothing flies, nothing is searched. With `bounces` the object flies always, but for
+/// the moments of hits.
 SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
-                             const Eigen::Vector3d& gravity_m_per_s2, bool bounces);
+                             const Eigen::Vector3d& gravity_m_per_s2, bool bounces,
+                             int threads = 1);
 
 /// Both bodies' states at every glove frame, and their quality.
 void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack>& tracks,

@@ -28,12 +28,13 @@ void add_corners(const BoardProblem& problem, std::size_t view, ceres::LossFunct
                  RgbdParameters& p, ceres::Problem& ceres_problem) {
   const Chessboard& board = problem.observations.board;
   const BoardView& seen = problem.observations.views[view];
+  const auto rotation = std::make_shared<ViewRotation>();
   for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
     const Eigen::Vector3d flat_m = board.corner_m(seen.corner(i));
-    ceres_problem.AddResidualBlock(new CornerCost<L>(flat_m, board.warp_shape(flat_m.head<2>()),
-                                                     seen.corners_px[i], problem.corner_sigma_px),
-                                   loss, p.color.data(), p.camera_from_board[view].data(),
-                                   p.board_warp_m.data());
+    ceres_problem.AddResidualBlock(
+        new CornerCost<L>(flat_m, board.warp_shape(flat_m.head<2>()), seen.corners_px[i],
+                          problem.corner_sigma_px, rotation),
+        loss, p.color.data(), p.camera_from_board[view].data(), p.board_warp_m.data());
   }
 }
 

@@ -87,8 +87,13 @@ double board_depth_m(const DepthSample& sample, const RgbdParameters& parameters
 
 /// Names of the parameters that covariance() speaks of, in its order.
 std::vector<std::string> parameter_names(const BoardProblem& problem, const Lens& lens);
-/// Inverse of J'J at `parameters`, board poses marginalised out; empty if it is singular.
-Eigen::MatrixXd covariance(const BoardProblem& problem, RgbdParameters parameters);
+/// J'J at `parameters`, of parameter_names() and behind them the poses; empty if it cannot be
+/// evaluated.
+Eigen::MatrixXd information(const BoardProblem& problem, RgbdParameters parameters);
+/// Inverse of an information, all but its first `size` marginalised out; empty if it is singular.
+Eigen::MatrixXd marginal_covariance(const Eigen::MatrixXd& information, Eigen::Index size);
+/// That of parameter_names() at `parameters`, rotations from the left.
+Eigen::MatrixXd covariance(const BoardProblem& problem, const RgbdParameters& parameters);
 
 /// The covariance of an estimate, from the information J'J where the estimate is. Noisy tilts of
 /// the boards make that information too large: they look like more tilt than there is. So it is

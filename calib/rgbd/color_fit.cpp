@@ -118,43 +118,64 @@ bool explains(const BoardProblem& problem, const RgbdParameters& parameters) {
          much_worse * std::sqrt(2.0) * problem.corner_sigma_px;
 }
 
-bool remove_untold(BoardProblem& problem, const RgbdParameters& parameters, LensTrial& trial) {
-  const auto untold = untold_coefficient(problem, parameters);
-  if (!untold) return false;
-  trial.removed.emplace_back(untold->name, untold->why);
-  std::erase(problem.free_color, untold->index);
-  return true;
+bool remove_untold(BoardProblem& problem, const RgbdParameters& parameters, LensTrial& trial,
+                   std::size_t most) {
+  auto untold = untold_coefficients(problem, parameters);
+  if (untold.size() > most) untold.resize(most);
+  for (auto& [index, name, why] : untold) {
+    trial.removed.emplace_back(std::move(name), std::move(why));
+    std::erase(problem.free_color, index);
+  }
+  return !untold.empty();
+}
+
+/// A lens of the same kind with the same free coefficients is the same lens: each has those of the
+/// simpler ones in the same places.
+const Fitted* same_lens(const std::vector<Fitted>& earlier, const Lens& lens,
+                        const std::vector<int>& free_color) {
+  const auto same = std::ranges::find_if(earlier, [&](const Fitted& fitted) {
+    return fitted.free_color == free_color &&
+           is_perspective(fitted.parameters.lens) == is_perspective(lens);
+  });
+  return same == earlier.end() ? nullptr : &*same;
 }
 
 /// Solves from `start` for the free coefficients alone; if `start` shows already which those are,
 /// before the fit wanders off. Leaves those in problem.free_color.
-bool solve_for_told(BoardProblem& problem, const RgbdParameters& start, RgbdParameters& parameters,
+bool solve_for_told(BoardProblem& problem, const RgbdParameters& start,
+                    const std::vector<Fitted>& earlier, RgbdParameters& parameters,
                     LensTrial& trial) {
   for (;;) {
     throw_if_interrupted();
-    while (explains(problem, start) && remove_untold(problem, start, trial)) {
+    if (explains(problem, start)) remove_untold(problem, start, trial, max_coefficients);
+    if (const Fitted* same = same_lens(earlier, start.lens, problem.free_color)) {
+      parameters = same->parameters;
+      parameters.lens = start.lens;
+      return true;
     }
     parameters = start;
     for (int i = 4; i < max_intrinsics; ++i)
       if (std::ranges::find(problem.free_color, i) == problem.free_color.end())
         parameters.color[static_cast<std::size_t>(i)] = 0.0;
     const bool converged = solve(problem, parameters);
-    if (!remove_untold(problem, parameters, trial)) return converged;
+    if (!remove_untold(problem, parameters, trial, 1)) return converged;
   }
 }
 
+/// `earlier`: what other lenses came to.
 Fitted fit_lens(BoardProblem& problem, const LensChoice& choice, RgbdParameters start,
-                LensTrial& trial) {
+                const std::vector<Fitted>& earlier, LensTrial& trial) {
   Fitted fitted;
   start.lens = choice.lens;
   problem.prior = color_prior(problem.observations, choice.lens);
   problem.free_color = choice.free_color;
   problem.most_iterations = most_trial_iterations;
-  if (!solve_for_told(problem, start, fitted.parameters, trial)) return fitted;
+  if (!solve_for_told(problem, start, earlier, fitted.parameters, trial)) return fitted;
   fitted.free_color = problem.free_color;
   const double count = number_of_coordinates(problem.observations, problem.used);
-  const double squares = std::max(
-      sum_of_squares(problem.observations, problem.used, fitted.parameters), count * 1e-24);
+  const double squares =
+      std::max(sum_of_squares(problem.observations, problem.used, fitted.parameters),
+               count * smallest_sigma_px * smallest_sigma_px);
   fitted.bic = count * std::log(squares / count) +
                static_cast<double>(fitted.free_color.size()) * std::log(count);
   return fitted;
@@ -214,9 +235,10 @@ ColorFit fit_color(const BoardObservations& observations, const std::vector<bool
   BoardProblem problem{observations, fit.used, {}, {}};
   problem.corner_sigma_px = settled.better().sigma_px;
   double best = unbounded;
+  std::vector<Fitted> earlier;
   for (const LensChoice& choice : choices) {
     LensTrial trial{lens_name(choice.named), 0.0, {}};
-    const Fitted fitted = fit_lens(problem, choice, settled.start_of(choice.lens), trial);
+    const Fitted fitted = fit_lens(problem, choice, settled.start_of(choice.lens), earlier, trial);
     trial.bic = fitted.bic;
     if (std::isfinite(fitted.bic) && fitted.bic < best - asked_of(choice.lens, fit)) {
       best = fitted.bic;
@@ -224,6 +246,7 @@ ColorFit fit_color(const BoardObservations& observations, const std::vector<bool
       fit.chosen = trial.name, fit.converged = true;
     }
     fit.trials.push_back(std::move(trial));
+    if (std::isfinite(fitted.bic)) earlier.push_back(fitted);
   }
   for (auto& trial : fit.trials) trial.bic -= best;
   if (fit.converged)

@@ -7,12 +7,31 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <limits>
+#include <memory>
 
 #include "calib/camera/lens.h"
 #include "calib/rgbd/board_problem.h"
 #include "calib/rgbd/rotation.h"
 
 namespace touchtrace {
+
+/// A view's rotation, worked out once for all of its corners. For one thread.
+class ViewRotation {
+ public:
+  void take(const Eigen::Vector3d& turn) {
+    if (turn == turn_) return;
+    turn_ = turn;
+    matrix = rotation_matrix(turn);
+    jacobian = left_jacobian(turn);
+  }
+
+  Eigen::Matrix3d matrix, jacobian;  ///< as rotation_matrix and left_jacobian give them
+
+ private:
+  Eigen::Vector3d turn_ =
+      Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());  // equals none
+};
 
 /// One corner's pixel through the lens L, projected minus measured, in units of sigma. Parameters:
 /// intrinsics, camera_from_board, the board's warp. The lens is differentiated automatically, what
@@ -22,17 +41,22 @@ class CornerCost final
     : public ceres::SizedCostFunction<2, 4 + static_cast<int>(L::coefficients.size()), 6, 2> {
  public:
   CornerCost(const Eigen::Vector3d& flat_m, const Eigen::Vector2d& warp_shape,
-             const Eigen::Vector2d& measured_px, double sigma_px)
-      : flat_m_(flat_m), warp_shape_(warp_shape), measured_px_(measured_px), sigma_px_(sigma_px) {}
+             const Eigen::Vector2d& measured_px, double sigma_px,
+             std::shared_ptr<ViewRotation> rotation)
+      : flat_m_(flat_m),
+        warp_shape_(warp_shape),
+        measured_px_(measured_px),
+        sigma_px_(sigma_px),
+        rotation_(std::move(rotation)) {}
 
   bool Evaluate(double const* const* parameters, double* residual,
                 double** jacobians) const override {
     const double *color = parameters[0], *pose = parameters[1];
     const Eigen::Map<const Eigen::Vector3d> turn(pose), shift(pose + 3);
-    const Eigen::Matrix3d rotation = rotation_matrix(turn);
+    rotation_->take(turn);
     Eigen::Vector3d on_board = flat_m_;
     on_board.z() += warp_shape_.dot(Eigen::Map<const Eigen::Vector2d>(parameters[2]));
-    const Eigen::Vector3d turned = rotation * on_board, p = turned + shift;
+    const Eigen::Vector3d turned = rotation_->matrix * on_board, p = turned + shift;
     if (!L::sees(p)) return false;
     std::array<Jet, coefficients> k;
     for (int i = 0; i < coefficients; ++i) k[std::size_t(i)] = Jet(color[4 + i], 3 + i);
@@ -41,7 +65,7 @@ class CornerCost final
     for (int axis = 0; axis < 2; ++axis)
       residual[axis] =
           (color[axis] * bent[axis].a + color[2 + axis] - measured_px_[axis]) / sigma_px_;
-    if (jacobians != nullptr) differentiate(color, turn, rotation, turned, bent, jacobians);
+    if (jacobians != nullptr) differentiate(color, turned, bent, jacobians);
     return true;
   }
 
@@ -49,9 +73,8 @@ class CornerCost final
   static constexpr int coefficients = static_cast<int>(L::coefficients.size());
   using Jet = ceres::Jet<double, 3 + coefficients>;
 
-  void differentiate(const double* color, const Eigen::Vector3d& turn,
-                     const Eigen::Matrix3d& rotation, const Eigen::Vector3d& turned,
-                     const Vector2<Jet>& bent, double** jacobians) const {
+  void differentiate(const double* color, const Eigen::Vector3d& turned, const Vector2<Jet>& bent,
+                     double** jacobians) const {
     Eigen::Matrix<double, 2, 3> by_point;
     for (int axis = 0; axis < 2; ++axis)
       by_point.row(axis) = color[axis] / sigma_px_ * bent[axis].v.template head<3>().transpose();
@@ -68,18 +91,19 @@ class CornerCost final
     }
     if (jacobians[1] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> by_pose(jacobians[1]);
-      by_pose.leftCols<3>() = -by_point * cross_matrix(turned) * left_jacobian(turn);
+      by_pose.leftCols<3>() = -by_point * cross_matrix(turned) * rotation_->jacobian;
       by_pose.rightCols<3>() = by_point;
     }
     if (jacobians[2] != nullptr) {
       Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>> by_warp(jacobians[2]);
-      by_warp = by_point * rotation.col(2) * warp_shape_.transpose();
+      by_warp = by_point * rotation_->matrix.col(2) * warp_shape_.transpose();
     }
   }
 
   Eigen::Vector3d flat_m_;
   Eigen::Vector2d warp_shape_, measured_px_;
   double sigma_px_;
+  std::shared_ptr<ViewRotation> rotation_;
 };
 
 /// Depth of the board along the ray of the sample's pixel; `depth`: fx fy cx cy.

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 #include "calib/rgbd/board_problem.h"
 #include "calib/rgbd/ceres_problem.h"
@@ -38,6 +39,31 @@ std::vector<double*> blocks_of(const BoardProblem& problem, RgbdParameters& p) {
   return blocks;
 }
 
+/// Rows from `first` on that touch the same columns: the corners of a view.
+int rows_alike(const ceres::CRSMatrix& crs, int first) {
+  const auto begin = [&](int row) { return crs.cols.begin() + crs.rows[std::size_t(row)]; };
+  int last = first + 1;
+  while (last < crs.num_rows &&
+         std::equal(begin(first), begin(first + 1), begin(last), begin(last + 1)))
+    ++last;
+  return last - first;
+}
+
+MatrixXd square_of(const ceres::CRSMatrix& crs) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  MatrixXd sum = MatrixXd::Zero(crs.num_cols, crs.num_cols);
+  for (int row = 0, count; row < crs.num_rows; row += count) {
+    count = rows_alike(crs, row);
+    const int begin = crs.rows[std::size_t(row)], width = crs.rows[std::size_t(row) + 1] - begin;
+    const Eigen::Map<const RowMajor> part(crs.values.data() + begin, count, width);
+    const MatrixXd square = part.transpose() * part;
+    const int* cols = crs.cols.data() + begin;
+    for (int a = 0; a < width; ++a)
+      for (int b = 0; b < width; ++b) sum(cols[a], cols[b]) += square(a, b);
+  }
+  return sum;
+}
+
 /// J'J over blocks_of(); empty if it cannot be evaluated.
 MatrixXd information(const ceres::Problem& problem, const std::vector<double*>& blocks) {
   ceres::Problem::EvaluateOptions options;
@@ -45,12 +71,7 @@ MatrixXd information(const ceres::Problem& problem, const std::vector<double*>& 
   ceres::CRSMatrix crs;
   if (!const_cast<ceres::Problem&>(problem).Evaluate(options, nullptr, nullptr, nullptr, &crs))
     return {};
-  MatrixXd sum = MatrixXd::Zero(crs.num_cols, crs.num_cols);
-  for (std::size_t row = 0; row + 1 < crs.rows.size(); ++row)
-    for (auto a = std::size_t(crs.rows[row]); a < std::size_t(crs.rows[row + 1]); ++a)
-      for (auto b = std::size_t(crs.rows[row]); b <= a; ++b)
-        sum(crs.cols[a], crs.cols[b]) += crs.values[a] * crs.values[b];
-  return sum.selfadjointView<Eigen::Lower>();
+  return square_of(crs);
 }
 
 /// Cholesky of the information with its diagonal scaled to 1.
@@ -124,10 +145,18 @@ std::vector<std::string> parameter_names(const BoardProblem& problem, const Lens
   return names;
 }
 
-MatrixXd covariance(const BoardProblem& problem, RgbdParameters p) {
+MatrixXd information(const BoardProblem& problem, RgbdParameters p) {
+  return information(*make_problem(problem, p), blocks_of(problem, p));
+}
+
+MatrixXd marginal_covariance(const MatrixXd& information, Eigen::Index size) {
+  const ScaledInverse inverse(information);
+  return inverse.good ? inverse.marginal(size) : MatrixXd();
+}
+
+MatrixXd covariance(const BoardProblem& problem, const RgbdParameters& p) {
   const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
-  const ScaledInverse inverse(information(*make_problem(problem, p), blocks_of(problem, p)));
-  return inverse.good ? turned(problem, p, inverse.marginal(size)) : MatrixXd();
+  return turned(problem, p, marginal_covariance(information(problem, p), size));
 }
 
 MatrixXd covariance_of_estimate(const BoardProblem& problem, const RgbdParameters& estimate) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "engine/base/error.h"
 #include "engine/base/text.h"
@@ -52,6 +53,44 @@ double effect(const RgbdParameters& p, std::size_t i, double step, const Eigen::
   });
 }
 
+bool has_prior(const Prior& prior, int index) {
+  return index < 4 || std::isfinite(prior.color_sigma[static_cast<std::size_t>(index)]);
+}
+
+/// The place in `free` of the last coefficient that only the data tell.
+std::optional<std::size_t> last_without_prior(const Prior& prior, const std::vector<int>& free) {
+  for (std::size_t at = free.size(); at-- > 0;)
+    if (!has_prior(prior, free[at])) return at;
+  return {};
+}
+
+/// Of the `free` coefficients with the covariance `c`; empty if all are told.
+std::string what_is_open(const Prior& prior, const RgbdParameters& p, const std::vector<int>& free,
+                         const Eigen::MatrixXd& c, const Eigen::Vector2d& m) {
+  if (c.size() == 0) return "the equations for it are singular";
+  const auto names = coefficient_names(p.lens);
+  std::string open;
+  for (std::size_t at = 0; at < free.size(); ++at) {
+    if (has_prior(prior, free[at])) continue;
+    const auto coefficient = static_cast<std::size_t>(free[at] - 4);
+    const double sigma = std::sqrt(c(Eigen::Index(at), Eigen::Index(at)));
+    if (!(effect(p, coefficient, sigma, m) <= most_effect) ||
+        !(effect(p, coefficient, -sigma, m) <= most_effect))
+      open += fmt::format("{}{} is known to +-{:.3g} only", open.empty() ? "" : ", ",
+                          names[coefficient], sigma);
+  }
+  return open;
+}
+
+/// An information once its parameter `at` is known.
+Eigen::MatrixXd without(const Eigen::MatrixXd& information, Eigen::Index at) {
+  if (information.size() == 0) return information;
+  std::vector<Eigen::Index> rest;
+  for (Eigen::Index i = 0; i < information.rows(); ++i)
+    if (i != at) rest.push_back(i);
+  return information(rest, rest);
+}
+
 }  // namespace
 
 LensChoice lens_choice(const std::string& name) {
@@ -69,31 +108,21 @@ std::vector<LensChoice> lens_choices(const std::vector<std::string>& names) {
   return choices;
 }
 
-std::optional<Untold> untold_coefficient(const BoardProblem& problem, const RgbdParameters& p) {
-  const Eigen::MatrixXd c = covariance(problem, p);
+std::vector<Untold> untold_coefficients(const BoardProblem& problem, const RgbdParameters& p) {
+  Eigen::MatrixXd all = information(problem, p);
   const Eigen::Vector2d m = outermost(problem, p);
-  const auto names = coefficient_names(p.lens);
-  std::optional<Untold> last;
-  std::string open;
-  for (std::size_t at = 0; at < problem.free_color.size(); ++at) {
-    const int index = problem.free_color[at];
-    if (index < 4 || std::isfinite(problem.prior.color_sigma[static_cast<std::size_t>(index)]))
-      continue;
-    const auto coefficient = static_cast<std::size_t>(index - 4);
-    last = {index, names[coefficient], {}};
-    if (c.size() == 0) {
-      open = "the equations for it are singular";
-      continue;
-    }
-    const double sigma = std::sqrt(c(Eigen::Index(at), Eigen::Index(at)));
-    if (!(effect(p, coefficient, sigma, m) <= most_effect) ||
-        !(effect(p, coefficient, -sigma, m) <= most_effect))
-      open += fmt::format("{}{} is known to +-{:.3g} only", open.empty() ? "" : ", ",
-                          names[coefficient], sigma);
+  std::vector<Untold> untold;
+  std::vector<int> free = problem.free_color;
+  while (const auto last = last_without_prior(problem.prior, free)) {
+    const auto c = marginal_covariance(all, static_cast<Eigen::Index>(free.size()));
+    const std::string why = what_is_open(problem.prior, p, free, c, m);
+    if (why.empty()) break;
+    const int index = free[*last];
+    untold.push_back({index, coefficient_names(p.lens)[static_cast<std::size_t>(index - 4)], why});
+    free.erase(free.begin() + static_cast<std::ptrdiff_t>(*last));
+    all = without(all, static_cast<Eigen::Index>(*last));
   }
-  if (!last || open.empty()) return {};
-  last->why = open;
-  return last;
+  return untold;
 }
 
 }  // namespace touchtrace

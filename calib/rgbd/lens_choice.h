@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,10 +23,10 @@ struct Untold {
   std::string name, why;
 };
 
-/// The last free coefficient if the data leave one so open that its deviation alone would move the
-/// outermost corner by its whole distance from the centre. Coefficients with a prior are told by
-/// that.
-std::optional<Untold> untold_coefficient(const BoardProblem& problem,
-                                         const RgbdParameters& parameters);
+/// While the data leave a coefficient so open that its deviation alone would move the outermost
+/// corner by its whole distance from the centre, the last free one is untold. Coefficients with a
+/// prior are told by that.
+std::vector<Untold> untold_coefficients(const BoardProblem& problem,
+                                        const RgbdParameters& parameters);
 
 }  // namespace touchtrace

@@ -3,12 +3,13 @@
 #include "engine/base/files.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/label/label.h"
+#include "pipeline/recording/tum_trajectory.h"
 
 namespace touchtrace::cli {
 namespace {
 
 struct LabelVerbOptions {
-  std::string recording, calibration, output;
+  std::string recording, calibration, output, trajectories;
   label::LabelOptions label;
 };
 
@@ -18,6 +19,8 @@ void describe(OptionSet& set, LabelVerbOptions& o) {
       "calibration", o.calibration,
       "folder that `calibrate` wrote, or a camera_info, cv::FileStorage or camchain YAML file");
   set.path("output", o.output, "labels to write, e.g. labels.h5");
+  set.text("trajectories", o.trajectories,
+           "folder for hand.txt and object.txt, TUM trajectories as evo reads them");
   label::describe(set, o.label);
 }
 
@@ -33,18 +36,29 @@ void print_summary(const Labels& labels, const std::string& output) {
              s["clocks"]["glove"]["drift_ppm"].get<double>(), s["flights"].size());
 }
 
+/// Refuses early what may not be written.
+void require_writable(const LabelVerbOptions& options, bool overwrite) {
+  const OutputFile labels(options.output, overwrite);
+  if (options.trajectories.empty()) return;
+  for (const auto& path : tum_trajectory_files(options.trajectories))
+    const OutputFile file(path, overwrite);
+}
+
 ExitCode run(const LabelVerbOptions& options, const Invocation& invocation) {
   const Stopwatch stopwatch;
-  const OutputFile output(options.output,
-                          invocation.overwrite);  // refuses early what may not be written
+  require_writable(options, invocation.overwrite);
   auto provenance = start_provenance("touchtrace/labels/1", "label");
   provenance.options = invocation.options;
   provenance.add_input(options.recording);
-  auto labels = label::label_recording(RecordingReader(options.recording),
-                                       read_calibration(options.calibration), options.label);
+  const RecordingReader reader(options.recording);
+  auto labels =
+      label::label_recording(reader, read_calibration(options.calibration), options.label);
   stopwatch.stop(provenance);
   labels.provenance = std::move(provenance);
   write_labels(options.output, labels, invocation.overwrite);
+  if (!options.trajectories.empty())
+    write_tum_trajectories(options.trajectories, labels, reader.recording().epoch_unix_s,
+                           invocation.overwrite);
   if (invocation.json)
     fmt::print("{}\n", labels.summary.dump(2));
   else
@@ -59,7 +73,8 @@ Verb label_verb() {
       "label", "follow hand and object in a recording and write their states at every glove frame",
       {"touchtrace label wave.h5 --calibration camera --output labels.h5",
        "touchtrace label wave.h5 --calibration camera --output labels.h5 --tracker component "
-       "--json"},
+       "--json",
+       "touchtrace label wave.h5 --calibration camera --output labels.h5 --trajectories tum"},
       run);
 }
 

@@ -28,6 +28,8 @@ json data_of(const json& document, const std::string& name) {
             {"verdict", details.at("verdict")},
             {"advice", details.at("advice")},
             {"sigmas", details.at("sigmas")},
+            {"projection_sigma_px", details.value("projection_sigma_px", json::array())},
+            {"coverage", details.value("coverage", json())},
             {"views", json::array()},
             {"corners", json::array()},
             {"provenance", details.value("provenance", json::object())}};

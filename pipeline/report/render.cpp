@@ -7,9 +7,9 @@ namespace touchtrace::report {
 namespace {
 
 /// In the order in which they build on each other.
-constexpr const char* scripts[] = {"dom.js",     "chart.js",   "paths.js",
-                                   "tactile.js", "results.js", "rollouts.js",
-                                   "labels.js",  "figures.js", "main.js"};
+constexpr const char* scripts[] = {"dom.js",     "chart.js",    "paths.js",  "tactile.js",
+                                   "results.js", "rollouts.js", "labels.js", "calibration.js",
+                                   "figures.js", "main.js"};
 
 void put(std::string& page, const std::string& place, const std::string& text) {
   page.replace(page.find(place), place.size(), text);

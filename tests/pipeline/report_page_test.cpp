@@ -83,8 +83,8 @@ TEST_F(ReportPage, EveryPartIsEmbedded) {
   for (const char* token :
        {"function resultSection", "function exampleSection", "function horizonSection",
         "function runTimeSection", "function labelErrorSection", "function smoothingSection",
-        "function calibrationSection", "function figuresSection", "function provenanceSection",
-        "build();", "prefers-color-scheme"})
+        "function calibrationSection", "function uncertaintyMap", "function figuresSection",
+        "function provenanceSection", "build();", "prefers-color-scheme"})
     EXPECT_NE(page.find(token), std::string::npos) << token;
 }
 
@@ -133,6 +133,28 @@ TEST_F(ReportPage, BadFiguresAreDataErrors) {
     inputs.figures = {write("bad.figures.json", text)};
     EXPECT_THROW(report::report_data(inputs), Error) << text;
   }
+}
+
+TEST_F(ReportPage, CalibrationsBringTheirUncertainty) {
+  json document{{"color", {{"width", 640}, {"height", 480}}},
+                {"rms_px", 0.25},
+                {"depth_rms_m", 0.001},
+                {"details",
+                 {{"verdict", "GOOD"},
+                  {"advice", json::array()},
+                  {"sigmas", json::object()},
+                  {"projection_sigma_px", {{0.1, 0.123456789}, {nullptr, 0.3}}},
+                  {"coverage", 0.9},
+                  {"views", json::array()}}}};
+  report::ReportInputs inputs;
+  inputs.calibrations = {write("calibration.json", document.dump())};
+  const json with = report::report_data(inputs).at("calibrations")[0];
+  EXPECT_EQ(with.at("projection_sigma_px"), json({{0.1, 0.12346}, {nullptr, 0.3}}));
+  EXPECT_EQ(with.at("coverage"), 0.9);
+  for (const char* key : {"projection_sigma_px", "coverage"}) document["details"].erase(key);
+  inputs.calibrations = {write("calibration.json", document.dump())};
+  const json older = report::report_data(inputs).at("calibrations")[0];
+  EXPECT_TRUE(older.at("projection_sigma_px").empty());
 }
 
 TEST_F(ReportPage, WhatIsMissingIsLeftOut) {

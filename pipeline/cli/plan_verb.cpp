@@ -7,6 +7,8 @@
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/cli/verbs.h"
 #include "pipeline/dataset/tactile_image.h"
+#include "pipeline/label/label.h"
+#include "pipeline/recording/check.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/base/scene.h"
 #include "pipeline/study/convolution_options.h"
@@ -53,6 +55,8 @@ void read_recording(const std::string& path, study::PlanWishes& wishes) {
   wishes.activity = recording.activity;
   wishes.objects.assign(objects.begin(), objects.end());
   wishes.simulated = false;
+  if (lacks_for_labelling(reader).empty())
+    wishes.tracker = study::choose_tracker(recording, label::frames_of(reader));
   if (!recording.gloves.empty())
     wishes.live = live_cells(recording.gloves.front().info, wishes.rows, wishes.cols);
 }

@@ -45,8 +45,8 @@ class Planner {
   }
 
  private:
-  void add(const char* stage, const char* part, bool included, std::string why) {
-    plan_.items.push_back({stage, part, included, std::move(why)});
+  void add(const char* stage, std::string part, bool included, std::string why) {
+    plan_.items.push_back({stage, std::move(part), included, std::move(why)});
   }
 
   void plan_data() {
@@ -65,6 +65,8 @@ class Planner {
   void plan_labels() {
     const std::string only = fmt::format("nothing flies in {}", wishes_.activity);
     add("label", "hand and object tracks", true, "the state holds both (equation 2)");
+    const auto& [tracker, why] = wishes_.tracker;
+    add("label", "--tracker " + tracker, true, why);
     add("label", "contact events (release, catch)", traits_.flight,
         traits_.flight ? "the object leaves the hand" : only);
     add("label", "impact events", traits_.impacts,

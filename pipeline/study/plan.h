@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/model/touch_encoder.h"
+#include "pipeline/study/tracker_choice.h"
 
 namespace touchtrace::study {
 
@@ -21,6 +22,7 @@ struct PlanWishes {
   int tactile_kernel = 3;
   std::array<int, 3> tactile_strides{2, 2, 2};
   LiveTaxels live = {};  ///< empty: not known yet
+  TrackerChoice tracker = usual_tracker();
 };
 
 struct PlanItem {

@@ -9,6 +9,7 @@
 #include "engine/base/random.h"
 #include "pipeline/study/label_error.h"
 #include "pipeline/study/label_trials.h"
+#include "pipeline/study/tracker_choice.h"
 
 namespace touchtrace {
 namespace {
@@ -281,6 +282,16 @@ TEST(Label, DoesNotDependOnThreads) {
   const auto four = label_recording(recording, frames_of(stage), calibration(), options);
   EXPECT_EQ(one.object.position_m, four.object.position_m);
   EXPECT_EQ(one.hand.covariance, four.hand.covariance);
+}
+
+TEST(Label, ATrackerIsProposedByTheColours) {
+  const auto proposed = [](Stage::Ball ball) {
+    const Stage stage(false, ball);
+    return study::choose_tracker(recording_of(stage), frames_of(stage)).tracker;
+  };
+  EXPECT_EQ(proposed(Stage::Ball::red), "component");
+  EXPECT_EQ(proposed(Stage::Ball::like_the_hand), "csrt-fast");
+  EXPECT_EQ(proposed(Stage::Ball::hidden_at_first), "csrt-fast");
 }
 
 TEST(Label, EndsWithTheImageThatCannotBeRead) {

@@ -1,0 +1,84 @@
+#include "pipeline/study/tracker_choice.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+
+#include "pipeline/label/color_classes.h"
+#include "pipeline/label/timeline.h"
+
+namespace touchtrace::study {
+namespace {
+
+constexpr std::size_t most_clips = 8;  // of an object
+// Of the object's boxes, which hold fingers and background, too: 5 to 74 % of simulated objects
+// that show in them, 0 % of one of the glove's colour.
+constexpr double told_apart = 0.03;
+
+struct Boxed {
+  label::Surface image;  ///< all pixels, without their places in space
+  label::ClipFrames clip;
+};
+
+label::Surface pixels_of(const RgbdFrame& frame, const CameraInfo& camera) {
+  label::Surface pixels;
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) {
+      const auto at = 3 * static_cast<std::size_t>(v * camera.width + u);
+      pixels.push_back({Eigen::Vector3f::Zero(),
+                        static_cast<std::int16_t>(u),
+                        static_cast<std::int16_t>(v),
+                        {frame.color[at], frame.color[at + 1], frame.color[at + 2]}});
+    }
+  return pixels;
+}
+
+/// First frames of clips that have boxes, by object.
+std::map<std::string, std::vector<Boxed>> boxed_frames(const Recording& recording,
+                                                       const label::FrameSource& frames) {
+  std::map<std::string, std::vector<Boxed>> result;
+  for (const auto& clip : label::clip_frames(recording, label::align(recording))) {
+    auto& of_object = result[clip.object];
+    if (clip.count > 0 && !clip.hand_box.empty() && !clip.object_box.empty() &&
+        of_object.size() < most_clips)
+      of_object.push_back({pixels_of(frames.camera_frame(clip.first), recording.camera), clip});
+  }
+  return result;
+}
+
+/// The part of an object's boxes whose colours are the object's alone.
+double own_colors(const std::vector<Boxed>& frames) {
+  label::ColorClasses colors;
+  for (const auto& [image, clip] : frames) colors.learn(image, clip.hand_box, clip.object_box);
+  colors.settle();
+  double all = 0.0, own = 0.0;
+  for (const auto& [image, clip] : frames)
+    for (const auto& pixel : image)
+      if (contains(clip.object_box, pixel))
+        all += 1.0, own += colors.of(pixel.rgb) == label::Body::object;
+  return all > 0.0 ? own / all : 0.0;
+}
+
+}  // namespace
+
+TrackerChoice usual_tracker() {
+  return {"csrt-fast", "whether colours tell hand and object apart is known when the recording is"};
+}
+
+TrackerChoice choose_tracker(const Recording& recording, const label::FrameSource& frames) {
+  std::string least;
+  double share = 1.0;
+  for (const auto& [object, boxed] : boxed_frames(recording, frames)) {
+    if (boxed.empty())
+      return {"csrt-fast", fmt::format("no box shows the colours of '{}'", object)};
+    if (const double own = own_colors(boxed); own <= share) share = own, least = object;
+  }
+  const auto seen =
+      fmt::format("{:.0f} % of the box on '{}' has colours of its own", 100.0 * share, least);
+  if (share >= told_apart)
+    return {"component", seen + ": colour and depth suffice, several times faster"};
+  return {"csrt-fast", seen + ": shape must tell it from the hand"};
+}
+
+}  // namespace touchtrace::study

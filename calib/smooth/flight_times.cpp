@@ -15,8 +15,11 @@ namespace {
 
 constexpr double grid_step_s = 0.01, margin_s = 0.35, shortest_flight_s = 0.04;
 constexpr int grid_half = 6;
-constexpr double posterior_step_s = 0.001;
-constexpr int posterior_half = 30;
+constexpr double scan_step_s = 0.001, least_deviation_s = 1e-4;
+constexpr int scan_half = 30;
+/// Of likely times, in deviations: at this spacing the trapezoid rule is exact to 1e-15 for a bell,
+/// and what lies beyond 4.5 is as good as impossible.
+constexpr double spacing_deviations = 0.75;
 
 /// The stretch of a track around one flight, with its weights. Its jerk stays out: found with the
 /// times that are to be found, it would bear them out.
@@ -110,42 +113,50 @@ double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
   return lowest;
 }
 
-/// What is known of one event's time given the other's: its likelihood over +-30 ms, as equally
-/// likely times.
-LikelyTimes likely_times(const FlightCost& cost, const double* times, int event) {
-  std::vector<double> at_s, likelihood;
-  double best;
+/// One event's time given the other's: `likelihood` of evenly spaced times.
+template <std::size_t count>
+void scan(const FlightCost& cost, const double* times, int event, double center_s, double step_s,
+          std::array<double, count>& time_s, std::array<double, count>& likelihood) {
+  double best, total = 0.0;
   cost(times, &best);
-  for (int i = -posterior_half; i <= posterior_half; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
+    time_s[i] = center_s + (static_cast<double>(i) - static_cast<double>(count / 2)) * step_s;
     double at[] = {times[0], times[1]}, value;
-    at_s.push_back(cost.time_s(at[event]) + i * posterior_step_s);
-    at[event] = cost.scaled_time(at_s.back());
-    likelihood.push_back(cost(at, &value) ? std::exp(best - value) : 0.0);
+    at[event] = cost.scaled_time(time_s[i]);
+    likelihood[i] = cost(at, &value) ? std::exp(best - value) : 0.0;
+    total += likelihood[i];
   }
-  double total = 0.0;
-  for (double l : likelihood) total += l;
+  for (double& l : likelihood) l /= total;
+}
+
+/// What is known of one event's time given the other's, from its mean and deviation within +-30 ms.
+LikelyTimes likely_times(const FlightCost& cost, const double* times, int event) {
+  std::array<double, 2 * scan_half + 1> time_s, likelihood;
+  scan(cost, times, event, cost.time_s(times[event]), scan_step_s, time_s, likelihood);
+  double mean = 0.0, variance = 0.0;
+  for (std::size_t i = 0; i < time_s.size(); ++i) mean += likelihood[i] * time_s[i];
+  for (std::size_t i = 0; i < time_s.size(); ++i)
+    variance += likelihood[i] * std::pow(time_s[i] - mean, 2);
   LikelyTimes result;
-  double sum = 0.0;
-  std::size_t cell = 0;
-  for (std::size_t k = 0; k < result.size(); ++k) {
-    const double rank = total * (static_cast<double>(k) + 0.5) / static_cast<double>(result.size());
-    while (cell + 1 < likelihood.size() && sum + likelihood[cell] < rank) sum += likelihood[cell++];
-    result[k] = at_s[cell] + posterior_step_s * ((rank - sum) / likelihood[cell] - 0.5);
-  }
+  scan(cost, times, event, mean,
+       spacing_deviations * std::max(least_deviation_s, std::sqrt(variance)), result.time_s,
+       result.likelihood);
   return result;
 }
 
 /// The flight with its best times, or nothing if the data speak against it.
 std::optional<Flight> refine(const WeightedTrack& track, const Flight& guess,
                              const std::vector<Flight>& before, const std::vector<Flight>& after,
-                             const MotionNoise<double>& noise, const SmoothOptions& options) {
+                             const MotionNoise<double>& noise, const SmoothOptions& options,
+                             Doubtful doubtful) {
   const auto window = around(track, guess);
   if (window.points.size() < 3) return std::nullopt;
   auto* cost = new FlightCost(window, guess, before, after, noise, options);
   const ceres::GradientProblem problem(new ceres::AutoDiffFirstOrderFunction<FlightCost, 2>(cost));
   double times[2] = {0.0, 0.0};
-  if (!(search_grid(*cost, guess, times) + cost->penalty() < cost->without_flight()))
-    return std::nullopt;
+  const double most = doubtful == Doubtful::keep ? std::numeric_limits<double>::infinity()
+                                                 : cost->without_flight() - cost->penalty();
+  if (!(search_grid(*cost, guess, times) < most)) return std::nullopt;
 
   ceres::GradientProblemSolver::Options solver;
   solver.logging_type = ceres::SILENT;
@@ -156,9 +167,9 @@ std::optional<Flight> refine(const WeightedTrack& track, const Flight& guess,
   ceres::Solve(solver, problem, refined, &summary);
   if (summary.IsSolutionUsable()) std::copy_n(refined, 2, times);
   Flight flight{cost->time_s(times[0]), cost->time_s(times[1])};
-  flight.likely_landings_s = likely_times(*cost, times, 1);
-  flight.likely_releases_s =
-      cost->release_is_free() ? likely_times(*cost, times, 0) : before.back().likely_landings_s;
+  flight.likely_landings = likely_times(*cost, times, 1);
+  flight.likely_releases =
+      cost->release_is_free() ? likely_times(*cost, times, 0) : before.back().likely_landings;
   return flight;
 }
 
@@ -166,14 +177,14 @@ std::optional<Flight> refine(const WeightedTrack& track, const Flight& guess,
 
 std::vector<Flight> most_likely_flights(const WeightedTrack& track,
                                         const MotionNoise<double>& noise,
-                                        const SmoothOptions& options) {
+                                        const SmoothOptions& options, Doubtful doubtful) {
   std::vector<Flight> found;
   std::vector<Flight> left = track.flights;
   while (!left.empty()) {
     const Flight guess = left.front();
     left.erase(left.begin());
     const bool hit = !left.empty() && left.front().release_s <= guess.landing_s;
-    const auto flight = refine(track, guess, found, left, noise, options);
+    const auto flight = refine(track, guess, found, left, noise, options, doubtful);
     if (!flight) continue;
     found.push_back(*flight);
     if (hit) left.front().release_s = flight->landing_s;

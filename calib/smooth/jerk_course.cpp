@@ -11,10 +11,6 @@ constexpr int reach_points = 10;
 /// An interval counts with its three orders; the mean of all as one interval, at a tenth.
 constexpr double interval_weight = 3.0, prior_weight = 3.0, prior_part = 0.1;
 
-/// E[w r^2] E[1 / w] / 3 of the weights w of find_weights at normal residuals r: with it the
-/// variances that the weights leave are on average those of the measurements.
-constexpr double robust_share = 0.923;
-
 using Jerks = std::vector<Eigen::Matrix3d>;
 
 bool is_known(const Eigen::Matrix3d& jerk) { return jerk.trace() > 0.0; }

@@ -15,9 +15,9 @@ constexpr double log_deviation = 2.3;  // a factor of 10
 constexpr double least_scale = 1e-3;   // of a body at rest, whose measurements are all the same
 constexpr double usual_swing = 0.5, usual_damping = 0.5;
 
-/// Jerk density, measurement scale and, of a swinging motion, frequency and damping, as logarithms
-/// of multiples of what is usual.
-constexpr int most_parameters = 4;
+/// Jerk density, measurement scale and, of a swinging motion, frequency and damping, or else how it
+/// is thrown and flies, as logarithms of multiples of what is usual.
+constexpr int most_parameters = 5;
 
 /// -log likelihood as a function of these logarithms.
 class NoiseCost {
@@ -49,7 +49,7 @@ class NoiseCost {
     return true;
   }
 
-  int parameters() const { return motion_ == TouchedMotion::swinging ? most_parameters : 2; }
+  int parameters() const { return motion_ == TouchedMotion::swinging ? 4 : 5; }
 
   template <class T>
   MotionNoise<T> noise(const T* log_noise) const {
@@ -57,9 +57,14 @@ class NoiseCost {
     auto noise = noise_.template cast<T>();
     noise.jerk_density = exp(log_noise[0]);
     noise.measurement_scale = least_scale + exp(log_noise[1]);
-    if (motion_ == TouchedMotion::white_jerk) return noise;
-    noise.swing_rad_per_s = usual_swing * exp(log_noise[2]);
-    noise.swing_damping = usual_damping * exp(log_noise[3]);
+    if (motion_ == TouchedMotion::swinging) {
+      noise.swing_rad_per_s = usual_swing * exp(log_noise[2]);
+      noise.swing_damping = usual_damping * exp(log_noise[3]);
+    } else {
+      noise.throw_jerk_density *= exp(log_noise[2]);
+      noise.throw_s *= exp(log_noise[3]);
+      noise.flight_drag_per_s *= exp(log_noise[4]);
+    }
     return noise;
   }
 

@@ -7,8 +7,6 @@
 namespace touchtrace {
 
 template <class T>
-using Vector3 = Eigen::Matrix<T, 3, 1>;
-template <class T>
 using Matrix3 = Eigen::Matrix<T, 3, 3>;
 
 /// One axis of a motion over a stretch of time, x = (position, velocity, acceleration):
@@ -19,7 +17,7 @@ using Matrix3 = Eigen::Matrix<T, 3, 3>;
 template <class T>
 struct Transition {
   Matrix3<T> F = Matrix3<T>::Identity(), Q = Matrix3<T>::Zero();
-  Vector3<T> u = Vector3<T>::Zero();
+  Eigen::Matrix<T, 3, 1> u = Eigen::Matrix<T, 3, 1>::Zero();
   Matrix3<T> Q_free = Matrix3<T>::Zero();
 
   Transition then(const Transition& next) const {
@@ -49,25 +47,32 @@ struct MotionNoise {
   /// Velocity swings around zero with this frequency and damping ratio: a hand stays in reach. At 0
   /// it is free, and the prior is white noise on jerk alone.
   T swing_rad_per_s{0.0}, swing_damping{1.0};
-  double flight_jerk_density = 0.01;            ///< in free flight [m^2/s^5]
-  double flight_acceleration_m_per_s2 = 0.1;    ///< deviation from gravity in flight: drag, tilt
-  double landing_kept = 0.5;                    ///< of the velocity: a hand gives way
+  /// In touch, but within `throw_s` of a flight: nothing that a hand does is as sudden as throwing
+  /// and catching.
+  T throw_jerk_density{1000.0}, throw_s{0.2};
+  T flight_drag_per_s{0.05};                    ///< deceleration in flight, of the velocity
+  double flight_jerk_density = 0.01;            ///< in flight, beyond drag [m^2/s^5]
+  double flight_acceleration_m_per_s2 = 0.1;    ///< deviation from gravity and drag: tilt
+  double landing_kept = 0.5;                    ///< of the velocity: none to all, a hand gives way
   double landing_velocity_m_per_s = 0.5;        ///< deviation from that
   double landing_acceleration_m_per_s2 = 10.0;  ///< deviation from none after a landing
 
   template <class U>
   MotionNoise<U> cast() const {
-    return {U(jerk_density),  U(measurement_scale),     U(swing_rad_per_s),
-            U(swing_damping), flight_jerk_density,      flight_acceleration_m_per_s2,
-            landing_kept,     landing_velocity_m_per_s, landing_acceleration_m_per_s2};
+    return {U(jerk_density),      U(measurement_scale),     U(swing_rad_per_s),
+            U(swing_damping),     U(throw_jerk_density),    U(throw_s),
+            U(flight_drag_per_s), flight_jerk_density,      flight_acceleration_m_per_s2,
+            landing_kept,         landing_velocity_m_per_s, landing_acceleration_m_per_s2};
   }
 };
 
-/// A ball is light enough for drag, up to 1 m/s^2 either way, and turns round at every hit.
+/// A ball is light enough for drag, and turns round at every hit. Drag goes by the square of the
+/// velocity: at 3 m/s the linear one is up to 0.3 m/s^2 off, and changes its sign within 0.2 s.
 inline MotionNoise<double> bouncing_ball() {
   MotionNoise<double> noise;
-  noise.flight_jerk_density = 2.0;
-  noise.flight_acceleration_m_per_s2 = 0.5;
+  noise.flight_drag_per_s = 0.2;
+  noise.flight_jerk_density = 0.1;
+  noise.flight_acceleration_m_per_s2 = 0.15;
   noise.landing_kept = -1.0;
   noise.landing_velocity_m_per_s = 1.0;
   noise.landing_acceleration_m_per_s2 = 15.0;
@@ -97,6 +102,18 @@ Transition<T> swinging(const T& h, const MotionNoise<T>& noise) {
   return step;
 }
 
+/// Free flight but for gravity: jerk = -drag a + white noise, as it follows from v' = g - drag v.
+/// The series of exp(-drag h) is good to (drag h)^4 / 24.
+template <class T>
+Transition<T> flying(const T& h, const MotionNoise<T>& noise) {
+  auto step = white_jerk(h, T(noise.flight_jerk_density));
+  const T x = -noise.flight_drag_per_s * h, third = 1.0 + x / 3.0 * (1.0 + x / 4.0),
+          half = 1.0 + x / 2.0 * third;
+  step.F(0, 2) *= third, step.F(1, 2) *= half, step.F(2, 2) = 1.0 + x * half;
+  std::swap(step.Q, step.Q_free);
+  return step;
+}
+
 /// Contact ends (the acceleration becomes gravity) or begins (of the velocity a part is left, the
 /// acceleration is a new one).
 template <class T>
@@ -111,23 +128,35 @@ template <class T>
 class MotionPrior {
  public:
   /// `events` in order of time, release and landing in turn.
-  MotionPrior(const MotionNoise<T>& noise, std::vector<ContactEvent<T>> events)
-      : noise_(noise), events_(std::move(events)) {}
+  MotionPrior(const MotionNoise<T>& noise, const std::vector<ContactEvent<T>>& events)
+      : noise_(noise) {
+    const T& reach = noise.throw_s;
+    const auto rests_before = [&](std::size_t i) {
+      return i == 0 || i == events.size() || events[i - 1].time + reach < events[i].time - reach;
+    };
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      const auto& [time, release] = events[i];
+      if (release && rests_before(i)) turns_.push_back({time - reach, Mode::throwing});
+      const Mode mode = release ? Mode::flying : Mode::throwing;
+      turns_.push_back({time, mode, mode});
+      if (!release && rests_before(i + 1)) turns_.push_back({time + reach, Mode::held});
+    }
+  }
 
   /// From `from` to `to` >= `from`; an event at `to` is part of it, one at `from` is not.
   Transition<T> between(double from, double to) const {
-    auto event = std::upper_bound(events_.begin(), events_.end(), T(from),
-                                  [](const T& t, const ContactEvent<T>& e) { return t < e.time; });
-    bool flying = event != events_.begin() && std::prev(event)->release;
-    if (event == events_.end() || T(to) < event->time) return touched_or_not(flying, T(to - from));
+    auto turn = std::upper_bound(turns_.begin(), turns_.end(), T(from),
+                                 [](const T& t, const Turn& e) { return t < e.time; });
+    Mode mode = turn == turns_.begin() ? Mode::held : std::prev(turn)->mode;
+    if (turn == turns_.end() || T(to) < turn->time) return during(mode, T(to - from));
     Transition<T> total;
     T now(from);
-    for (; event != events_.end() && !(T(to) < event->time); ++event) {
-      total = total.then(touched_or_not(flying, event->time - now)).then(jump(event->release));
-      flying = event->release;
-      now = event->time;
+    for (; turn != turns_.end() && !(T(to) < turn->time); ++turn) {
+      total = total.then(during(mode, turn->time - now)).then(jump(turn->jump));
+      mode = turn->mode;
+      now = turn->time;
     }
-    return total.then(touched_or_not(flying, T(to) - now));
+    return total.then(during(mode, T(to) - now));
   }
 
   /// For `h` seconds in touch.
@@ -138,19 +167,27 @@ class MotionPrior {
   const MotionNoise<T>& noise() const { return noise_; }
 
  private:
-  Transition<T> touched_or_not(bool flying, const T& h) const {
-    if (!flying) return touched(h);
-    auto step = white_jerk(h, T(noise_.flight_jerk_density));
-    std::swap(step.Q, step.Q_free);
-    return step;
+  enum class Mode { held, throwing, flying };
+  /// What a motion is from a time on; a flight begins and ends with a jump.
+  struct Turn {
+    T time;
+    Mode mode, jump = Mode::held;
+  };
+
+  Transition<T> during(Mode mode, const T& h) const {
+    if (mode == Mode::held) return touched(h);
+    if (mode == Mode::throwing) return white_jerk(h, noise_.throw_jerk_density);
+    return flying(h, noise_);
   }
 
-  Transition<T> jump(bool release) const {
+  Transition<T> jump(Mode into) const {
     const auto square = [](double s) { return T(s * s); };
     Transition<T> step;
+    if (into == Mode::held) return step;
     step.F(2, 2) = T(0);
-    if (release) {
+    if (into == Mode::flying) {
       step.u[2] = T(1);
+      step.F(2, 1) = -noise_.flight_drag_per_s;
       step.Q_free(2, 2) = square(noise_.flight_acceleration_m_per_s2);
     } else {
       step.F(1, 1) = T(noise_.landing_kept);
@@ -161,7 +198,7 @@ class MotionPrior {
   }
 
   MotionNoise<T> noise_;
-  std::vector<ContactEvent<T>> events_;
+  std::vector<Turn> turns_;
 };
 
 }  // namespace touchtrace

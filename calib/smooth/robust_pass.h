@@ -4,6 +4,10 @@
 
 namespace touchtrace {
 
+/// E[w r^2] E[1 / w] / 3 of the weights w of find_weights at normal residuals r: with it the
+/// variances that the weights leave are on average those of the measurements.
+constexpr double robust_share = 0.923;
+
 /// The linear pass over a track with its weights, flights and jerk as they are.
 Trajectory pass(const WeightedTrack& track, const MotionNoise<double>& noise,
                 const SmoothOptions& options);

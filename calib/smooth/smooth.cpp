@@ -23,19 +23,16 @@ SmoothStatus check(const Track& track) {
   return SmoothStatus::converged;
 }
 
-/// One trajectory for each of the likely landings of a flight, all flights at once: they are far
-/// enough apart. Its releases come in another order, but for hits, which are one event.
+/// One trajectory for each of the likely times of a flight's events, all flights at once: they are
+/// far enough apart.
 std::vector<Trajectory> trajectories_of(WeightedTrack track, const MotionNoise<double>& noise,
                                         const SmoothOptions& options) {
   if (track.flights.empty()) return {pass(track, noise, options)};
-  constexpr std::size_t count = std::tuple_size_v<LikelyTimes>, stride = 3;
   std::vector<Trajectory> result;
-  const auto flights = track.flights;
-  for (std::size_t k = 0; k < count; ++k) {
-    for (std::size_t i = 0; i < flights.size(); ++i) {
-      const bool hit = i > 0 && flights[i].release_s <= flights[i - 1].landing_s;
-      track.flights[i].landing_s = flights[i].likely_landings_s[k];
-      track.flights[i].release_s = flights[i].likely_releases_s[hit ? k : (stride * k + 1) % count];
+  for (std::size_t k = 0; k < LikelyTimes::count; ++k) {
+    for (auto& flight : track.flights) {
+      flight.release_s = flight.likely_releases.time_s[k];
+      flight.landing_s = flight.likely_landings.time_s[k];
     }
     result.push_back(pass(track, noise, options));
   }
@@ -67,7 +64,7 @@ SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const Smoot
 void find_flights(std::vector<WeightedTrack>& tracks, const MotionNoise<double>& noise,
                   const SmoothOptions& options) {
   for (auto& track : tracks) {
-    track.flights = most_likely_flights(track, noise, options);
+    track.flights = most_likely_flights(track, noise, options, Doubtful::drop);
     if (options.robust) find_weights(track, noise, options);
   }
 }
@@ -81,17 +78,23 @@ MotionNoise<double> with_course(std::vector<WeightedTrack>& tracks,
     find_jerk(changing, noise, options);
     find_flights(changing, noise, options);
   }
-  if (!(predictive_cost(changing, noise, options) < predictive_cost(tracks, constant, options)))
-    return constant;
-  tracks = std::move(changing);
+  if (predictive_cost(changing, noise, options) < predictive_cost(tracks, constant, options)) {
+    tracks = std::move(changing);
+    return noise;
+  }
+  noise = constant;
+  if (options.robust) noise.measurement_scale /= std::sqrt(robust_share);
   return noise;
 }
 
-/// Noise, flights and weights in turn: twice with one jerk density for all, then, where there was
-/// enough to find it, with its course.
+/// Flights, noise and weights in turn: first the flights, for noise would make up for a wrong guess
+/// of their times, and is needed to doubt them; at last, where there was enough to find it, with
+/// the course of the jerk.
 MotionNoise<double> find_noise(std::vector<WeightedTrack>& tracks, const SmoothOptions& options) {
   auto noise = options.noise;
   bool found = false;
+  for (auto& track : tracks)
+    track.flights = most_likely_flights(track, noise, options, Doubtful::keep);
   for (int round = 0; round < 2; ++round) {
     if (options.fit_noise) {
       const auto likely = most_likely_noise(tracks, options, TouchedMotion::white_jerk);

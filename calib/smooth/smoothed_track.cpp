@@ -1,5 +1,10 @@
 #include "calib/smooth/smoothed_track.h"
 
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
 namespace touchtrace {
 namespace {
 
@@ -11,16 +16,17 @@ Vector9 vector_of(const MotionState& state) {
   return result;
 }
 
-/// The mean of equally likely states, with their spread in its covariance.
-MotionState mean_of(const std::vector<MotionState>& states) {
-  const double part = 1.0 / static_cast<double>(states.size());
+/// The mean of states that are as likely as `parts` say, with their spread in its covariance.
+template <std::size_t count>
+MotionState mean_of(const std::array<MotionState, count>& states,
+                    const std::array<double, count>& parts) {
   Vector9 center = Vector9::Zero();
-  for (const auto& state : states) center += part * vector_of(state);
+  for (std::size_t k = 0; k < count; ++k) center += parts[k] * vector_of(states[k]);
   MotionState mean{center.head<3>(), center.segment<3>(3), center.tail<3>(), {}};
   mean.covariance.setZero();
-  for (const auto& state : states) {
-    const Vector9 off = vector_of(state) - center;
-    mean.covariance += part * (state.covariance + off * off.transpose());
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector9 off = vector_of(states[k]) - center;
+    mean.covariance += parts[k] * (states[k].covariance + off * off.transpose());
   }
   return mean;
 }
@@ -43,11 +49,22 @@ const char* name_of(SmoothStatus status) {
   return "unknown";
 }
 
+const LikelyTimes& SmoothedTrack::nearest_event(double time_s) const {
+  const LikelyTimes* nearest = nullptr;
+  double least_s = std::numeric_limits<double>::infinity();
+  for (const auto& flight : flights)
+    for (const auto& [event_s, likely] : {std::pair{flight.release_s, &flight.likely_releases},
+                                          {flight.landing_s, &flight.likely_landings}})
+      if (const double away_s = std::abs(event_s - time_s); away_s < least_s)
+        least_s = away_s, nearest = likely;
+  return *nearest;
+}
+
 MotionState SmoothedTrack::smoothed(double time_s) const {
   if (trajectories.size() == 1) return trajectories.front().smoothed(time_s);
-  std::vector<MotionState> states;
-  for (const auto& trajectory : trajectories) states.push_back(trajectory.smoothed(time_s));
-  return mean_of(states);
+  std::array<MotionState, LikelyTimes::count> states;
+  for (std::size_t k = 0; k < states.size(); ++k) states[k] = trajectories[k].smoothed(time_s);
+  return mean_of(states, nearest_event(time_s).likelihood);
 }
 
 }  // namespace touchtrace

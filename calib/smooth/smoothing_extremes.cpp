@@ -20,14 +20,6 @@ SmoothOptions linear(double jerk_density) {
   return options;
 }
 
-Track rescaled(const Track& track, double meters, double units_of_time, double origin_s) {
-  Track result;
-  for (const auto& p : track)
-    result.push_back(
-        {origin_s + units_of_time * p.time_s, meters * p.position_m, meters * p.sigma_m});
-  return result;
-}
-
 /// The largest distance of the motion in other units, given in metres and seconds.
 double difference_in_units(double meters, double units_of_time, double origin_s) {
   const auto reference = smooth(wave(), linear(usual_density));

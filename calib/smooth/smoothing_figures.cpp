@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "calib/smooth/clock.h"
-#include "calib/smooth/smooth.h"
-#include "calib/smooth/synthetic_track.h"
+#include "calib/smooth/event_bound.h"
+#include "calib/smooth/smoothing_sample.h"
 #include "engine/base/provenance.h"
 #include "engine/base/random.h"
 
@@ -18,30 +18,7 @@ namespace {
 
 using Emit = std::function<void(Figure)>;
 
-constexpr double rate_hz = 20.0, noise_m = 0.002, clip_s = 40.0, edge_s = 0.5, impact_s = 0.005;
-constexpr int clips = 6;
-
-struct Sample {
-  std::vector<SyntheticMotion> motions;
-  std::vector<Track> tracks;
-  std::vector<std::vector<Flight>> flights;  ///< as labelling guesses them: 30 ms off
-};
-
-Sample sample(SyntheticMotion (*make)(double, std::uint64_t)) {
-  Sample result;
-  for (std::uint64_t seed = 0; seed < clips; ++seed) {
-    result.motions.push_back(make(clip_s, seed));
-    result.tracks.push_back(measure(result.motions.back(), rate_hz, noise_m, seed));
-    auto& flights = result.flights.emplace_back(result.motions.back().flights);
-    for (std::size_t i = 0; i < flights.size(); ++i) {
-      const bool hit =
-          i > 0 && flights[i].release_s <= result.motions.back().flights[i - 1].landing_s;
-      flights[i].landing_s -= 0.03;
-      flights[i].release_s = hit ? flights[i - 1].landing_s : flights[i].release_s + 0.03;
-    }
-  }
-  return result;
-}
+constexpr double edge_s = 0.5, impact_s = 0.005;
 
 /// Velocity is two-valued at an impact, and next to it whoever errs by a millisecond errs wholly.
 bool is_next_to_impact(const SyntheticMotion& motion, double time_s) {
@@ -52,12 +29,12 @@ bool is_next_to_impact(const SyntheticMotion& motion, double time_s) {
 
 /// RMS of an estimate of velocity at the camera's frames, a track's ends left out.
 template <class Velocity>
-double velocity_rms(const Sample& data, bool with_impacts, Velocity&& velocity) {
+double velocity_rms(const SmoothingSample& data, bool with_impacts, Velocity&& velocity) {
   double squares = 0.0, count = 0.0;
   for (std::size_t clip = 0; clip < data.tracks.size(); ++clip)
     for (std::size_t i = 0; i < data.tracks[clip].size(); ++i) {
       const double t = data.tracks[clip][i].time_s;
-      if (t < edge_s || t > clip_s - edge_s) continue;
+      if (t < edge_s || t > SmoothingSample::clip_s - edge_s) continue;
       if (!with_impacts && is_next_to_impact(data.motions[clip], t)) continue;
       squares += (velocity(clip, i) - data.motions[clip].velocity_at(t)).squaredNorm();
       count += 3.0;
@@ -66,10 +43,11 @@ double velocity_rms(const Sample& data, bool with_impacts, Velocity&& velocity) 
 }
 
 /// Derivative at the middle of a least-squares polynomial over 2 `half` + 1 frames.
-double savitzky_golay_rms(const Sample& data, bool with_impacts, int half, int degree) {
+double savitzky_golay_rms(const SmoothingSample& data, bool with_impacts, int half, int degree) {
   Eigen::MatrixXd powers(2 * half + 1, degree + 1);
   for (int i = -half; i <= half; ++i)
-    for (int j = 0; j <= degree; ++j) powers(i + half, j) = std::pow(i / rate_hz, j);
+    for (int j = 0; j <= degree; ++j)
+      powers(i + half, j) = std::pow(i / SmoothingSample::rate_hz, j);
   const Eigen::VectorXd taps =
       powers.completeOrthogonalDecomposition().pseudoInverse().row(1).transpose();
   return velocity_rms(data, with_impacts, [&](std::size_t clip, std::size_t at) {
@@ -81,7 +59,7 @@ double savitzky_golay_rms(const Sample& data, bool with_impacts, int half, int d
 }
 
 /// The best window and degree, as only an oracle knows them.
-double best_savitzky_golay_rms(const Sample& data, bool with_impacts) {
+double best_savitzky_golay_rms(const SmoothingSample& data, bool with_impacts) {
   double best = savitzky_golay_rms(data, with_impacts, 1, 2);  // the central difference
   for (int half = 2; half <= 6; ++half)
     for (int degree = 2; degree <= 4; ++degree)
@@ -90,7 +68,7 @@ double best_savitzky_golay_rms(const Sample& data, bool with_impacts) {
 }
 
 /// Rauch, Tung and Striebel with one jerk density for all, the best as only an oracle knows it.
-double best_constant_rms(const Sample& data, bool with_impacts) {
+double best_constant_rms(const SmoothingSample& data, bool with_impacts) {
   double best = std::numeric_limits<double>::infinity();
   for (double decade = 0.5; decade <= 5.0; decade += 0.5) {
     SmoothOptions options;
@@ -105,8 +83,10 @@ double best_constant_rms(const Sample& data, bool with_impacts) {
   return best;
 }
 
-void emit_errors(const std::string& name, const Sample& data, const SmoothedTracks& smoothed,
-                 bool with_impacts, std::optional<double> goal, const Emit& emit) {
+/// Returns the best peer's error.
+double emit_errors(const std::string& name, const SmoothingSample& data,
+                   const SmoothedTracks& smoothed, bool with_impacts, std::optional<double> goal,
+                   const Emit& emit) {
   const double ours = velocity_rms(data, with_impacts, [&](std::size_t clip, std::size_t i) {
     return smoothed.tracks[clip].smoothed(data.tracks[clip][i].time_s).velocity_m_per_s;
   });
@@ -118,15 +98,42 @@ void emit_errors(const std::string& name, const Sample& data, const SmoothedTrac
   const double ratio = ours / std::min(golay, constant);
   const std::string title = name + ": smoothed over best peer";
   emit(goal ? at_most(title, ratio, "", *goal) : reported(title, ratio, ""));
+  return std::min(golay, constant);
+}
+
+/// What no estimate of impacts' times can go below.
+void emit_bound(const std::string& name, const SmoothingSample& data,
+                const MotionNoise<double>& noise, double peer, const Emit& emit) {
+  SmoothOptions options;
+  std::vector<Trajectory> known;
+  for (std::size_t clip = 0; clip < data.tracks.size(); ++clip)
+    known.emplace_back(
+        WeightedTrack{data.tracks[clip], std::vector<double>(data.tracks[clip].size(), 1.0),
+                      data.motions[clip].flights},
+        noise, options.gravity_m_per_s2, options.initial);
+  const double known_rms = velocity_rms(data, false, [&](std::size_t clip, std::size_t i) {
+    return known[clip].smoothed(data.tracks[clip][i].time_s).velocity_m_per_s;
+  });
+  double squares = 0.0, deviations = 0.0, seen = 0.0;
+  for (std::size_t clip = 0; clip < data.tracks.size(); ++clip) {
+    const auto least_s =
+        least_landing_deviations_s(data.motions[clip], data.tracks[clip], noise, options);
+    squares += std::pow(least_velocity_rms(known_rms, data.motions[clip], least_s), 2);
+    for (double deviation_s : least_s)
+      if (std::isfinite(deviation_s)) deviations += deviation_s, ++seen;
+  }
+  emit(reported(name + ": impacts' times, Cramer-Rao, mean", 1e3 * deviations / seen, "ms"));
+  emit(reported(name + ": least ratio that these leave",
+                std::sqrt(squares / SmoothingSample::clips) / peer, ""));
 }
 
 /// Shares of positions and velocities within their 80 % intervals, and NEES over its six.
-void emit_intervals(const std::string& name, const Sample& data, const SmoothedTracks& smoothed,
-                    const Emit& emit) {
+void emit_intervals(const std::string& name, const SmoothingSample& data,
+                    const SmoothedTracks& smoothed, const Emit& emit) {
   constexpr double deviations_of_80_percent = 1.28155;
   double position = 0.0, velocity = 0.0, nees = 0.0, count = 0.0;
   for (std::size_t clip = 0; clip < data.tracks.size(); ++clip)
-    for (double t = edge_s; t < clip_s - edge_s; t += 0.0671, count += 1.0) {
+    for (double t = edge_s; t < SmoothingSample::clip_s - edge_s; t += 0.0671, count += 1.0) {
       const auto state = smoothed.tracks[clip].smoothed(t);
       Eigen::Matrix<double, 6, 1> error;
       error << state.position_m - data.motions[clip].position_at(t),
@@ -143,7 +150,7 @@ void emit_intervals(const std::string& name, const Sample& data, const SmoothedT
 }
 
 void measure_wave(const Emit& emit) {
-  const auto data = sample(synthetic_wave);
+  const auto data = smoothing_sample(synthetic_wave);
   const auto smoothed = smooth(data.tracks, data.flights, {});
   emit_errors("wave, 2 mm", data, smoothed, true, 0.8, emit);
   emit_intervals("wave, 2 mm", data, smoothed, emit);
@@ -151,11 +158,12 @@ void measure_wave(const Emit& emit) {
 
 void measure_flights(const std::string& name, SyntheticMotion (*make)(double, std::uint64_t),
                      const MotionNoise<double>& noise, double goal, const Emit& emit) {
-  const auto data = sample(make);
+  const auto data = smoothing_sample(make);
   SmoothOptions options;
   options.noise = noise;
   const auto smoothed = smooth(data.tracks, data.flights, options);
-  emit_errors(name + ", 2 mm, all frames", data, smoothed, true, goal, emit);
+  const double peer = emit_errors(name + ", 2 mm, all frames", data, smoothed, true, goal, emit);
+  emit_bound(name + ", 2 mm", data, smoothed.noise, peer, emit);
   emit_errors(name + ", 2 mm, 5 ms from impacts", data, smoothed, false, {}, emit);
   emit_intervals(name + ", 2 mm", data, smoothed, emit);
 }
@@ -165,7 +173,7 @@ enum class Spoilt { heavy_tails, correlated, gaps };
 /// Wave with errors as labelling has them: Student's t of four degrees; half of the variance with
 /// neighbours, over 0.2 s; a second lost in every five.
 void measure_spoilt(const std::string& name, Spoilt how, const Emit& emit) {
-  auto data = sample(synthetic_wave);
+  auto data = smoothing_sample(synthetic_wave);
   for (std::size_t clip = 0; clip < data.tracks.size(); ++clip) {
     RandomStream random(clip, "spoilt track");
     const auto normal = [&] {
@@ -173,14 +181,15 @@ void measure_spoilt(const std::string& name, Spoilt how, const Emit& emit) {
     };
     Track track;
     Eigen::Vector3d common = normal();
-    const double kept = std::exp(-1.0 / (rate_hz * 0.2));
+    const double kept = std::exp(-1.0 / (SmoothingSample::rate_hz * 0.2));
     for (auto point : data.tracks[clip]) {
       const Eigen::Vector3d white = normal();
       common = kept * common + std::sqrt(1.0 - kept * kept) * normal();
       const double chi2 = normal().squaredNorm() + std::pow(random.normal(), 2);
-      Eigen::Vector3d error = noise_m * white;
+      Eigen::Vector3d error = SmoothingSample::noise_m * white;
       if (how == Spoilt::heavy_tails) error *= std::sqrt(2.0 / chi2);  // of deviation 1
-      if (how == Spoilt::correlated) error = noise_m * std::sqrt(0.5) * (white + common);
+      if (how == Spoilt::correlated)
+        error = SmoothingSample::noise_m * std::sqrt(0.5) * (white + common);
       point.position_m = data.motions[clip].position_at(point.time_s) + error;
       if (how != Spoilt::gaps || std::fmod(point.time_s, 5.0) > 1.0) track.push_back(point);
     }
@@ -211,7 +220,8 @@ void measure_clock(const Emit& emit) {
 }
 
 void measure_speed(const std::string& name, double knots, double most_s, const Emit& emit) {
-  const auto track = measure(synthetic_wave(knots / rate_hz, 1), rate_hz, noise_m, 1);
+  const auto track = measure(synthetic_wave(knots / SmoothingSample::rate_hz, 1),
+                             SmoothingSample::rate_hz, SmoothingSample::noise_m, 1);
   const double unknown = std::numeric_limits<double>::infinity();
   const Stopwatch stopwatch;
   const Trajectory trajectory({track, std::vector<double>(track.size(), 1.0), {}}, {},

@@ -162,4 +162,12 @@ Track measure(const SyntheticMotion& motion, double rate_hz, double sigma_m, std
   return track;
 }
 
+Track rescaled(const Track& track, double meters, double seconds, double origin_s) {
+  Track result;
+  for (const auto& point : track)
+    result.push_back(
+        {origin_s + seconds * point.time_s, meters * point.position_m, meters * point.sigma_m});
+  return result;
+}
+
 }  // namespace touchtrace

@@ -31,4 +31,8 @@ SyntheticMotion synthetic_pingpong(double seconds, std::uint64_t seed);
 /// `motion` as a camera of `rate_hz` measures it, with white noise of `sigma_m`.
 Track measure(const SyntheticMotion& motion, double rate_hz, double sigma_m, std::uint64_t seed);
 
+/// `track` in other units, of which a metre has `meters` and a second `seconds`, from `origin_s`
+/// on.
+Track rescaled(const Track& track, double meters, double seconds, double origin_s);
+
 }  // namespace touchtrace

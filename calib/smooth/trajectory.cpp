@@ -72,6 +72,9 @@ MotionNoise<double> scaled_by(const MotionNoise<double>& noise, double length, d
   const double jerk = std::pow(time, 5) / (length * length), acceleration = time * time / length;
   result.jerk_density *= jerk;
   result.swing_rad_per_s *= time;
+  result.throw_jerk_density *= jerk;
+  result.flight_drag_per_s *= time;
+  result.throw_s /= time;
   result.flight_jerk_density *= jerk;
   result.flight_acceleration_m_per_s2 *= acceleration;
   result.landing_velocity_m_per_s *= time / length;

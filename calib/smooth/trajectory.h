@@ -18,14 +18,18 @@ struct TrackPoint {
 /// In order of time; equal times are allowed.
 using Track = std::vector<TrackPoint>;
 
-/// Equally likely times of an event, in order; all 0 where only a guess is known.
-using LikelyTimes = std::array<double, 8>;
+/// Times that an event may have had, evenly spaced, and how likely each is: sums over them are
+/// integrals by the trapezoid rule. Where only a guess is known nothing is likely.
+struct LikelyTimes {
+  static constexpr std::size_t count = 13;
+  std::array<double, count> time_s{}, likelihood{};  ///< these sum to 1
+};
 
 /// Free flight, from the end of contact to its beginning. One that begins when the one before it
 /// lands begins with a hit.
 struct Flight {
   double release_s, landing_s;
-  LikelyTimes likely_releases_s{}, likely_landings_s{};
+  LikelyTimes likely_releases{}, likely_landings{};
 };
 
 /// A track with all that is believed of it.

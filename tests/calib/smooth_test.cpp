@@ -18,14 +18,6 @@ SmoothOptions fixed_noise(double jerk_density) {
   return options;
 }
 
-Track rescaled(const Track& track, double meters, double seconds, double origin_s) {
-  Track result;
-  for (const auto& point : track)
-    result.push_back(
-        {origin_s + seconds * point.time_s, meters * point.position_m, meters * point.sigma_m});
-  return result;
-}
-
 /// Largest differences of position and velocity from `reference`, in its units, at times in between
 /// knots.
 std::pair<double, double> difference(const SmoothedTrack& rescaled, const SmoothedTrack& reference,
@@ -224,6 +216,32 @@ TEST(Smooth, FindsReleaseAndLanding) {
   for (std::size_t i = 0; i < guess.size(); ++i)
     squares += std::pow(found.flights[i].landing_s - motion.flights[i].landing_s, 2);
   EXPECT_LT(std::sqrt(squares / static_cast<double>(guess.size())), 0.015);
+}
+
+TEST(Smooth, KnowsHowWellItKnowsImpacts) {
+  const auto motion = synthetic_pingpong(40.0, 1);
+  auto guess = motion.flights;
+  for (auto& flight : guess) flight.release_s += 0.02, flight.landing_s += 0.02;
+  SmoothOptions options;
+  options.noise = bouncing_ball();
+  const auto track = measure(motion, 20.0, 0.002, 1);
+  const auto found = smooth({track}, {guess}, options).tracks.front();
+  ASSERT_EQ(found.flights.size(), motion.flights.size());
+  double squares = 0.0, expected = 0.0;
+  for (std::size_t i = 0; i + 1 < found.flights.size(); ++i) {  // the last lands after the track
+    const auto& likely = found.flights[i].likely_landings;
+    double total = 0.0;
+    for (std::size_t k = 0; k < LikelyTimes::count; ++k) {
+      total += likely.likelihood[k];
+      expected += likely.likelihood[k] * std::pow(likely.time_s[k] - found.flights[i].landing_s, 2);
+    }
+    EXPECT_NEAR(total, 1.0, 1e-12);
+    squares += std::pow(found.flights[i].landing_s - motion.flights[i].landing_s, 2);
+  }
+  // some 85 impacts: the ratio of variances has a deviation of sqrt(2 / 85) = 0.15; 3 of these, and
+  // the drag that is not linear
+  EXPECT_GT(squares / expected, 0.5);
+  EXPECT_LT(squares / expected, 1.7);
 }
 
 TEST(Smooth, DropsAFlightThatDidNotHappen) {

@@ -57,6 +57,22 @@ TEST(Swinging, ForgetsWhereItStarted) {
   EXPECT_NEAR(step.Q(1, 1) / (100.0 / (4.0 * 0.5 * std::pow(12.0, 3))), 1.0, 1e-9);
 }
 
+/// v' = g - c v from v = 0 after a release: the fall to terminal velocity, in many steps and in
+/// one.
+TEST(Flying, FallsAsDragLetsIt) {
+  MotionNoise<double> noise;
+  noise.flight_drag_per_s = 0.3;
+  const MotionPrior<double> prior(noise, {{0.0, true}});
+  const double g = 9.81, c = noise.flight_drag_per_s, h = 0.5;
+  for (int steps : {1, 50}) {
+    auto fall = prior.between(-1e-9, 0.0);
+    for (int i = 0; i < steps; ++i)
+      fall = fall.then(prior.between(h * i / steps, h * (i + 1) / steps));
+    EXPECT_NEAR(fall.u[1] * g, g / c * (1.0 - std::exp(-c * h)), 1e-4) << steps;
+    EXPECT_NEAR(fall.u[0] * g, g / c * (h - (1.0 - std::exp(-c * h)) / c), 1e-4) << steps;
+  }
+}
+
 double causal_velocity_rms(const SyntheticMotion& motion, const SmoothedTrack& smoothed) {
   double sum = 0.0, count = 0.0;
   for (double t = 1.0; t < 19.0; t += 0.0667, ++count)

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <array>
+
 #include "pipeline/label/box_tracker.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/study/label_error.h"
@@ -11,6 +13,9 @@ namespace touchtrace::study {
 namespace {
 
 using Emit = std::function<void(Figure)>;
+
+constexpr std::array activities{"wave", "throw", "pingpong"};
+constexpr std::array widths{320, 640};
 
 /// What one tracker made of one recording.
 struct Trial {
@@ -35,11 +40,12 @@ double least_times_real_time(const std::string& tracker) {
 }
 
 void measure_recording(const std::string& activity, int width, int height, Picture& picture,
-                       const Emit& emit) {
+                       const Emit& emit, Progress& progress) {
   const RenderedRecording rendered({activity, scene::default_object(activity), 1, width, height});
   Picture::Curve curve{fmt::format("{} {}x{}", activity, width, height), {}, {}};
   for (const auto& kind : label::tracker_kinds()) {
     const auto trial = try_tracker(rendered, kind.name);
+    progress.advance();
     const auto name = fmt::format("{}, {}", curve.name, kind.name);
     emit(reported(name + ": object lost or wrong", trial.bad_percent, "%"));
     emit(reported(name + ": object position RMS about its bias", trial.position_mm, "mm"));
@@ -54,11 +60,15 @@ void measure_recording(const std::string& activity, int width, int height, Pictu
 
 }  // namespace
 
-void measure_trackers(const Emit& emit) {
+std::uint64_t tracker_trials() {
+  return activities.size() * widths.size() * label::tracker_kinds().size();
+}
+
+void measure_trackers(const Emit& emit, Progress& progress) {
   Picture picture{"processor time [ms/frame]", "object position RMS [mm]", true, false, {}};
-  for (const char* activity : {"wave", "throw", "pingpong"})
-    for (const int width : {320, 640})
-      measure_recording(activity, width, 3 * width / 4, picture, emit);
+  for (const char* activity : activities)
+    for (const int width : widths)
+      measure_recording(activity, width, 3 * width / 4, picture, emit, progress);
   auto table = reported("trackers compared", static_cast<double>(picture.curves.size()), "curves");
   table.picture = std::move(picture);
   emit(std::move(table));

@@ -19,6 +19,23 @@ using Emit = std::function<void(Figure)>;
 
 constexpr std::uint64_t first_seed = 1, seeds = 3;
 
+struct Scene {
+  const char *activity, *object;  ///< null: what suits the activity
+};
+constexpr std::array<Scene, 10> scenes{{{"wave", nullptr},
+                                        {"throw", nullptr},
+                                        {"pingpong", nullptr},
+                                        {"balance", nullptr},
+                                        {"wave", "box"},
+                                        {"wave", "egg"},
+                                        {"wave", "can"},
+                                        {"throw", "cube"},
+                                        {"throw", "soap"},
+                                        {"throw", "can"}}};
+constexpr std::array covered_activities{"wave", "throw", "pingpong"};
+constexpr std::array gloved_activities{"wave", "throw"};
+constexpr std::array followed_under_cover{"csrt-fast", "component"};
+
 /// The whole flight of a ball on a racket is before the camera, nothing hides it.
 std::array<double, 3> goals_mm(const std::string& activity) {
   if (activity == "pingpong") return {2.0, 2.0, 2.0};
@@ -105,38 +122,40 @@ void emit_hand(const std::string& name, const Errors& errors, const Emit& emit) 
 
 /// An activity with one object over all seeds, without a tracker: what trackers add is in a table
 /// of its own.
-void measure_scene(const std::string& activity, const std::string& object, const Emit& emit) {
+void measure_scene(const std::string& activity, const std::string& object, const Emit& emit,
+                   Progress& progress) {
   Errors of_object, of_hand, floor;
   for (std::uint64_t seed = first_seed; seed < first_seed + seeds; ++seed) {
     const RenderedRecording rendered({activity, scene::find_object(object), seed});
     const auto error = compare_labels_with_truth(rendered.label("component"), rendered.truth());
     of_object.add(error.object), of_hand.add(error.hand);
     floor.add(error_of_exact_positions(rendered.recording(), rendered.truth()).object);
+    progress.advance();
   }
   const auto name = fmt::format("{} of {}", activity, object);
   emit_object(name, of_object, floor, goals_mm(activity), emit);
   emit_hand(name, of_hand, emit);
 }
 
-void measure_scenes(const Emit& emit) {
-  for (const char* activity : {"wave", "throw", "pingpong", "balance"})
-    measure_scene(activity, scene::default_object(activity).name, emit);
-  for (const char* object : {"box", "egg", "can"}) measure_scene("wave", object, emit);
-  for (const char* object : {"cube", "soap", "can"}) measure_scene("throw", object, emit);
+void measure_scenes(const Emit& emit, Progress& progress) {
+  for (const auto& [activity, object] : scenes)
+    measure_scene(activity, object ? object : scene::default_object(activity).name, emit, progress);
 }
 
-void measure_occlusion(const Emit& emit) {
-  for (const char* activity : {"wave", "throw", "pingpong"}) {
+void measure_occlusion(const Emit& emit, Progress& progress) {
+  for (const char* activity : covered_activities) {
     const RenderedRecording rendered({activity, scene::default_object(activity), first_seed});
-    for (const char* tracker : {"csrt-fast", "component"})
+    for (const char* tracker : followed_under_cover) {
       emit(at_most(fmt::format("{}, {}: frames to find the object again after a second's occlusion",
                                activity, tracker),
                    frames_to_recover(rendered, tracker), "frames", 3.0));
+      progress.advance();
+    }
   }
 }
 
-void measure_like_the_glove(const Emit& emit) {
-  for (const char* activity : {"wave", "throw"}) {
+void measure_like_the_glove(const Emit& emit, Progress& progress) {
+  for (const char* activity : gloved_activities) {
     const RenderedRecording rendered(
         {activity, like_the_glove(scene::default_object(activity)), first_seed});
     const auto error =
@@ -146,6 +165,7 @@ void measure_like_the_glove(const Emit& emit) {
                  5.0));
     emit(at_most(name + ": wrong, said to be right", 100.0 * error.wrong_unsaid_share, "%", 0.5));
     emit(reported(name + ": said to follow the hand", 100.0 * error.follows_share, "%"));
+    progress.advance();
   }
 }
 
@@ -154,10 +174,14 @@ void measure_like_the_glove(const Emit& emit) {
 Verification verify_labels() {
   return [](const Emit& emit) {
     measure_smoothing(emit);
-    measure_scenes(emit);
-    measure_occlusion(emit);
-    measure_like_the_glove(emit);
-    measure_trackers(emit);
+    Progress progress("recordings labelled",
+                      seeds * scenes.size() +
+                          covered_activities.size() * followed_under_cover.size() +
+                          gloved_activities.size() + tracker_trials());
+    measure_scenes(emit, progress);
+    measure_occlusion(emit, progress);
+    measure_like_the_glove(emit, progress);
+    measure_trackers(emit, progress);
   };
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "calib/rgbd/statistics.h"
+
 namespace touchtrace::label {
 namespace {
 
@@ -11,12 +13,6 @@ constexpr double fewest_away_m = 0.05;    // from the grip's distance: the objec
 constexpr double longest_bridge_s = 0.2;  // of lost frames within a flight
 constexpr double like_gravity_m_per_s2 = 3.0;  // drag, tilt and a second difference's noise
 constexpr double least_fall_m = 0.03;          // to a hit, and least rise after it
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Distance of hand and object in every frame; NaN where one was not seen.
 std::vector<double> distances(const ClipTrack& track) {

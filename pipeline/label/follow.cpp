@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/rgbd/statistics.h"
 #include "engine/base/interrupt.h"
 #include "pipeline/label/box_tracker.h"
 #include "pipeline/label/lift.h"
@@ -75,9 +76,7 @@ class Grip {
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       std::vector<double> values;
       for (const auto& offset : last_) values.push_back(offset[axis]);
-      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      result[axis] = *middle;
+      result[axis] = median(std::move(values));
     }
     return result;
   }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <tuple>
 
+#include "calib/rgbd/statistics.h"
 #include "engine/base/error.h"
 #include "pipeline/label/parallel.h"
 
@@ -15,7 +16,7 @@ namespace {
 
 constexpr std::size_t fewest_points = 12, most_starts = 16, most_views = 64;
 constexpr double toss_m = 0.5, shown_in_some_frames = 0.4;
-constexpr double silhouette_quantile = 0.8, sensor_noise_m = 0.0015, deviations_of_median = 1.4826;
+constexpr double silhouette_quantile = 0.8, sensor_noise_m = 0.0015;
 constexpr double often = 0.1;  // of the sampled frames: so seldom is an object wholly hidden
 
 using SampledFrames = std::vector<SampledFrame>;
@@ -74,8 +75,9 @@ std::optional<Patch> largest_patch(const Surface& surface, Body body, double rad
   return largest;
 }
 
-std::optional<Patch> find_hand(const Surface& surface) {
-  return largest_patch(surface, Body::hand, hand_patch_radius_m);
+std::optional<Eigen::Vector3d> find_hand(const Surface& surface) {
+  const auto patch = largest_patch(surface, Body::hand, hand_patch_radius_m);
+  return patch ? std::optional(patch->centroid_m) : std::nullopt;
 }
 
 /// What a clip's boxes say of the object: about how large it is, and how far from the hand.
@@ -84,12 +86,11 @@ struct Boxed {
 };
 
 /// What moves within a toss of where the hand has the object; nothing if no hand is seen.
-Surface near_hand(const Surface& surface, const Boxed& boxed) {
+Surface near_hand(const SampledFrame& sample, const Boxed& boxed) {
   Surface near;
-  if (const auto hand = find_hand(surface))
-    std::ranges::copy_if(surface, std::back_inserter(near), [&](const SurfacePoint& point) {
-      return (point.position_m.cast<double>() - hand->centroid_m).norm() <
-             boxed.from_hand_m + toss_m;
+  if (sample.hand_m)
+    std::ranges::copy_if(sample.surface, std::back_inserter(near), [&](const SurfacePoint& point) {
+      return (point.position_m.cast<double>() - *sample.hand_m).norm() < boxed.from_hand_m + toss_m;
     });
   return near;
 }
@@ -97,7 +98,7 @@ Surface near_hand(const Surface& surface, const Boxed& boxed) {
 std::vector<Sighting> sightings_of(const SampledFrames& samples, const Boxed& boxed) {
   std::vector<Sighting> result;
   for (const auto& sample : samples)
-    if (auto patch = largest_patch(near_hand(sample.surface, boxed), Body::object,
+    if (auto patch = largest_patch(near_hand(sample, boxed), Body::object,
                                    object_patch_radii * boxed.radius_m))
       result.push_back({sample.index, std::move(*patch)});
   return result;
@@ -115,13 +116,16 @@ void learn_colors(const SampledFrame& first, const std::string& object, ColorCla
 
 void classify(ColorClasses& colors, SampledFrames& samples) {
   colors.settle();
-  for (auto& sample : samples) colors.assign(sample.surface);
+  for (auto& sample : samples) {
+    colors.assign(sample.surface);
+    sample.hand_m = find_hand(sample.surface);
+  }
 }
 
 Surface all_near_hand(const SampledFrames& samples, const Boxed& boxed) {
   Surface all;
   for (const auto& sample : samples)
-    std::ranges::copy(near_hand(sample.surface, boxed), std::back_inserter(all));
+    std::ranges::copy(near_hand(sample, boxed), std::back_inserter(all));
   return all;
 }
 
@@ -133,17 +137,16 @@ Boxed boxed_object(const SceneModel& model, const std::string& object,
   std::vector<double> radii, distances;
   for (const auto& sample : samples) {
     const auto& box = sample.clip->object_box;
-    const auto hand = sample.index == sample.clip->first ? find_hand(sample.surface) : std::nullopt;
-    if (!hand) continue;
-    const double z = hand->centroid_m.z();
+    if (sample.index != sample.clip->first || !sample.hand_m) continue;
+    const double z = sample.hand_m->z();
     radii.push_back(0.5 * std::sqrt(static_cast<double>(box.width * box.height)) * z / camera.fx);
     const Eigen::Vector2d middle(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
-    distances.push_back((z * camera.unproject(middle) - hand->centroid_m).norm());
+    distances.push_back((z * camera.unproject(middle) - *sample.hand_m).norm());
   }
   if (radii.empty())
     throw data_error(fmt::format("no hand was found in the boxes of the clips with '{}'", object),
                      "give boxes that lie on the hand in each clip's first frame");
-  return {quantile(std::move(radii), 0.5), quantile(std::move(distances), 0.5)};
+  return {median(std::move(radii)), median(std::move(distances))};
 }
 
 /// The part of its disc that an object shows where it shows most.
@@ -162,9 +165,9 @@ double unevenness(const std::vector<SphereView>& views, double radius_m) {
   for (const auto& view : views) {
     const Eigen::Vector3d center = fit_sphere(view, radius_m).center_m;
     for (const auto& point : view.on_m)
-      distances_m.push_back(std::abs((point.cast<double>() - center).norm() - radius_m));
+      distances_m.push_back((point.cast<double>() - center).norm() - radius_m);
   }
-  const double deviation_m = deviations_of_median * quantile(std::move(distances_m), 0.5);
+  const double deviation_m = robust_deviation(std::move(distances_m));
   return std::sqrt(std::max(0.0, deviation_m * deviation_m - sensor_noise_m * sensor_noise_m));
 }
 
@@ -189,8 +192,7 @@ SceneModel::Sphere object_sphere(const SceneModel& model, const FrameSource& fra
 std::vector<Sighting> look_beside_the_hand(const SceneModel& model, const std::string& object,
                                            SampledFrames& samples, const Boxed& boxed) {
   for (auto& sample : samples)
-    if (const auto hand = find_hand(sample.surface))
-      model.split(sample.surface, object, hand->centroid_m);
+    if (sample.hand_m) model.split(sample.surface, object, *sample.hand_m);
   return sightings_of(samples, boxed);
 }
 

@@ -9,6 +9,7 @@ struct SampledFrame {
   const ClipFrames* clip;
   std::size_t index;
   Surface surface;
+  std::optional<Eigen::Vector3d> hand_m = std::nullopt;  ///< as the colours tell
 };
 
 /// Colours from the boxes in the clips' first frames or, if they hide the object, from what moves

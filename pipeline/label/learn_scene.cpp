@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "calib/rgbd/statistics.h"
 #include "engine/base/interrupt.h"
 #include "pipeline/label/learn_object.h"
 #include "pipeline/label/parallel.h"
@@ -56,9 +57,7 @@ std::vector<double> median_counts(const std::vector<std::vector<double>>& frames
   for (std::size_t bin = 0; !frames.empty() && bin < frames.front().size(); ++bin) {
     std::vector<double> counts;
     for (const auto& frame : frames) counts.push_back(frame[bin]);
-    const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
-    std::nth_element(counts.begin(), middle, counts.end());
-    result.push_back(*middle);
+    result.push_back(median(std::move(counts)));
   }
   return result;
 }

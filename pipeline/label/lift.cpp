@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/rgbd/statistics.h"
+
 namespace touchtrace::label {
 namespace {
 
@@ -39,12 +41,6 @@ Patch gather(const Surface& surface, Body body, const Eigen::Vector3d& center, d
   return patch;
 }
 
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 std::optional<Patch> find_patch(const Surface& surface, Body body, const Eigen::Vector3d& start_m,
@@ -72,8 +68,8 @@ std::optional<Eigen::Vector3d> median_point(const Surface& surface, Body body,
       coordinates[axis].push_back(point.position_m[static_cast<Eigen::Index>(axis)]);
   }
   if (coordinates[0].empty()) return std::nullopt;
-  return Eigen::Vector3d(median_of(coordinates[0]), median_of(coordinates[1]),
-                         median_of(coordinates[2]));
+  return Eigen::Vector3d(median(std::move(coordinates[0])), median(std::move(coordinates[1])),
+                         median(std::move(coordinates[2])));
 }
 
 double silhouette_radius_m(const Patch& patch) {

@@ -101,7 +101,7 @@ std::optional<Patch> Target::best_patch(const Surface& surface, const Segmenter&
 void Target::start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,
                    const MaskedImage& image) {
   filter_.start(position_m, sigma_m);
-  missed_ = box.empty() ? frames_to_be_lost : 0;
+  missed_ = 0;
   if (!box.empty()) restart(image, box);
 }
 

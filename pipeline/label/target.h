@@ -27,7 +27,7 @@ class Target {
                             const Segmenter& segmenter,
                             const std::optional<Eigen::Vector3d>& hint_m);
 
-  /// With an empty `box` it is lost until it is seen.
+  /// With an empty `box` its tracker waits until the target is seen.
   void start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,
              const MaskedImage& image);
   void predict(double seconds, bool falling, const Eigen::Vector3d& gravity_m_per_s2) {

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <vector>
 
+#include "calib/rgbd/statistics.h"
 #include "engine/base/error.h"
 #include "pipeline/study/truth_samples.h"
 
@@ -55,12 +56,6 @@ std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, c
     throw data_error("no label lies within the truth's clips",
                      "compare labels with the recording they were made of");
   return samples;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 Eigen::Vector3d median_offset(const std::vector<Sample>& samples) {

@@ -85,11 +85,11 @@ LabelError error_of_exact_positions(const Recording& recording, const Truth& tru
   return compare_labels_with_truth(labels, truth);
 }
 
-int frames_to_recover(const RenderedRecording& rendered, const std::string& tracker) {
+double frames_to_recover(const RenderedRecording& rendered, const std::string& tracker) {
   const auto covers = cover_the_middles(rendered.recording());
   const auto labels = rendered.label(tracker, covers);
   const auto errors = object_errors(labels, rendered.truth());
-  int most = 0;
+  double most = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t clip = 0; clip < covers.size(); ++clip) {
     if (rendered.recording().clips[clip].dropped) continue;
     int frames = 0;
@@ -98,7 +98,7 @@ int frames_to_recover(const RenderedRecording& rendered, const std::string& trac
       if (labels.raw.time_s[i] < covers[clip].to_s) continue;
       if (++frames; errors[i].norm() < found_m) break;
     }
-    most = std::max(most, frames);
+    most = std::fmax(most, frames);
   }
   return most;
 }

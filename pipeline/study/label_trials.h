@@ -10,8 +10,8 @@ namespace touchtrace::study {
 LabelError error_of_exact_positions(const Recording& recording, const Truth& truth);
 
 /// The picture is covered for a second in the middle of every clip: the most camera frames that it
-/// then takes until the object is found again, within 60 mm of the truth about its bias.
-int frames_to_recover(const RenderedRecording& rendered, const std::string& tracker);
+/// then takes until the object is found again, within 60 mm of the truth; NaN if no clip shows it.
+double frames_to_recover(const RenderedRecording& rendered, const std::string& tracker);
 
 /// The object painted like the glove.
 scene::ObjectSpec like_the_glove(scene::ObjectSpec object);

@@ -2,10 +2,8 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 
 #include "calib/smooth/smoothing_figures.h"
 #include "pipeline/scene/person/activity.h"

@@ -3,23 +3,28 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "calib/rgbd/statistics.h"
 #include "engine/base/interrupt.h"
 #include "pipeline/label/box_tracker.h"
 #include "pipeline/label/lift.h"
+#include "pipeline/label/pose_tracker.h"
 #include "pipeline/label/sphere_fit.h"
 #include "pipeline/label/target_filter.h"
 
 namespace touchtrace::label {
 namespace {
 
-constexpr double hand_disc_m = 0.05, hand_sigma_m = 0.004, follow_sigma_m = 0.02;
-constexpr double unseen_sigma_m = 0.03;  // of an object's place in a hand that hides it
+constexpr double hand_disc_m = 0.05, hand_sigma_m = 0.004;
+// Of an object's place in a hand that hides it, as the hand has it now and as the first box says;
+// and how that place shakes from frame to frame.
+constexpr double in_hand_sigma_m = 0.02, unseen_sigma_m = 0.03, hidden_sigma_m = 0.005;
 constexpr double hidden = 0.5;           // part of the rays to an object that something hides
 constexpr std::size_t grip_frames = 15;
 constexpr double reach_m =
-    0.07;  // an object so much farther from the hand than in the grip is away
+    0.07;                        // an object so much farther from the hand than in the grip is away
+constexpr double reaches = 2.0;  // from a visible end of an object to its other end
 constexpr std::size_t fewest_hand = 30, fewest_object = 6;
 
 // Points of one surface share much of their error: so much each, were they independent. Where the
@@ -27,7 +32,7 @@ constexpr std::size_t fewest_hand = 30, fewest_object = 6;
 constexpr double point_sigma_m = 0.003, edge_part = 0.25;
 constexpr double least_sigma_m = 0.0003, most_sigma_m = 0.03;
 
-/// Deviations of a sphere's centre along the axes, of which the part `visible` is seen.
+/// Deviations of a body's centre along the axes, of which the part `visible` is seen.
 Eigen::Vector3d deviations(const Eigen::Matrix3d& information, double visible) {
   const double point_m2 = point_sigma_m * point_sigma_m * (1.0 + edge_part / visible);
   const Eigen::Matrix3d least =
@@ -41,20 +46,11 @@ Observation observe_hand(const Patch& patch) {
       true, false, patch.centroid_m, {hand_sigma_m, hand_sigma_m, 1.5 * hand_sigma_m}, patch.box};
 }
 
-Observation observe_object(const Patch& patch, double radius_m, const SceneModel& scene,
-                           const RgbdFrame& frame, const std::string& object) {
-  const auto view = scene.view_sphere(frame, object, patch, radius_m);
-  const auto fit = fit_sphere(view, radius_m);
-  const double visible = static_cast<double>(view.on_m.size()) /
-                         scene.segmenter.disc_pixels(radius_m, fit.center_m.z());
-  return {true, false, fit.center_m, deviations(fit.information, visible), patch.box};
-}
-
 Observation in_hand_at(const Eigen::Vector3d& position_m) {
   Observation object;
   object.found = object.follows_hand = true;
   object.position_m = position_m;
-  object.sigma_m.setConstant(follow_sigma_m);
+  object.sigma_m.setConstant(hidden_sigma_m);
   return object;
 }
 
@@ -94,9 +90,12 @@ class Follower {
       : scene_(scene),
         clip_(clip),
         gravity_(gravity),
-        radius_m_(scene.object_sphere.at(clip.object).radius_m),
+        shape_(scene.object_shape.at(clip.object)),
         hand_(Body::hand, hand_disc_m, hand_patch_radius_m, fewest_hand, kind),
-        object_(Body::object, radius_m_, object_patch_radii * radius_m_, fewest_object, kind) {}
+        object_(Body::object, shape_.radius_m, object_patch_radii * shape_.radius_m, fewest_object,
+                kind) {
+    if (shape_.box) pose_.emplace(*shape_.box);
+  }
 
   void step(SeenFrame seen, double seconds, ClipTrack& track) {
     auto& [frame, surface, image] = seen;
@@ -113,14 +112,31 @@ class Follower {
       object = object_.find(surface, image, scene_.segmenter, in_hand(hand));
     }
     track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
-    track.object.push_back(object ? observe_object(*object, radius_m_, scene_, frame, clip_.object)
-                                  : Observation{});
+    unseen_s_ += seconds;
+    track.object.push_back(object ? observe_object(*object, frame) : Observation{});
     take_in(track.hand.back(), track.object.back(), frame, image);
   }
 
   int restarts() const { return hand_.restarts() + object_.restarts(); }
 
  private:
+  Observation observe_object(const Patch& patch, const RgbdFrame& frame) {
+    const auto view =
+        scene_.view_body(frame, clip_.object, patch, reaches * shape_.reach_m(), pose_.has_value());
+    Eigen::Vector3d center_m;
+    Eigen::Matrix3d information;
+    if (pose_) {
+      const auto fit = pose_->see(view, std::exchange(unseen_s_, 0.0));
+      center_m = fit.center_m(), information = fit.center_information();
+    } else {
+      const auto fit = fit_sphere(view, shape_.radius_m);
+      center_m = fit.center_m, information = fit.information;
+    }
+    const double visible = static_cast<double>(view.on_m.size()) /
+                           scene_.segmenter.disc_pixels(shape_.radius_m, center_m.z());
+    return {true, false, center_m, deviations(information, visible), patch.box};
+  }
+
   /// Where the object would be in the hand; nothing of one that has left it.
   std::optional<Eigen::Vector3d> in_hand(const std::optional<Patch>& hand) const {
     if (!hand || (away_ && object_.is_lost())) return std::nullopt;
@@ -140,7 +156,7 @@ class Follower {
       if (!away_) follow_hand(hand, frame, object);
     }
     if (object.follows_hand)
-      object_.hide(object.position_m, follow_sigma_m);
+      object_.hide(object.position_m, in_hand_sigma_m);
     else if (object.found)
       object_.measure(object.position_m, object.sigma_m.maxCoeff());
     if (hand.found && object.found && !object.follows_hand) {
@@ -161,7 +177,7 @@ class Follower {
     if (!scene_.segmenter.in_picture(object_.expected_m())) return;
     for (const double part : {1.0, 0.67, 0.33, 0.0}) {  // the nearest place that would hide it
       const Eigen::Vector3d place = hand.position_m + part * grip_.object_from_hand_m();
-      if (scene_.hidden_part(frame, place, radius_m_) < hidden) continue;
+      if (scene_.hidden_part(frame, place, shape_.radius_m) < hidden) continue;
       object = in_hand_at(place);
       return;
     }
@@ -192,7 +208,9 @@ class Follower {
   const ClipFrames& clip_;
   Eigen::Vector3d gravity_;
   Grip grip_;
-  double radius_m_;
+  const ObjectShape& shape_;
+  std::optional<PoseTracker> pose_;  ///< of an object that is no sphere
+  double unseen_s_ = 0.0;            ///< since the object was seen
   Target hand_, object_;
   bool started_ = false, away_ = false;
 };
@@ -210,7 +228,7 @@ ClipTrack follow(const SceneModel& scene, const std::function<SeenFrame()>& next
     follower.step(next(), seconds, track);
     track.time_s.push_back(frame_time_s[i]);
   }
-  track.object_unevenness_m = scene.object_sphere.at(clip.object).unevenness_m;
+  track.object_unevenness_m = scene.object_shape.at(clip.object).unevenness_m;
   track.restarts = follower.restarts();
   return track;
 }

@@ -133,11 +133,19 @@ nlohmann::json flights_summary(const SmoothedTracks& smoothed) {
   return flights;
 }
 
-nlohmann::json spheres_summary(const SceneModel& scene) {
-  nlohmann::json spheres;
-  for (const auto& [object, sphere] : scene.object_sphere)
-    spheres[object] = {{"radius_m", sphere.radius_m}, {"unevenness_m", sphere.unevenness_m}};
-  return spheres;
+nlohmann::json shapes_summary(const SceneModel& scene) {
+  nlohmann::json shapes;
+  for (const auto& [object, shape] : scene.object_shape) {
+    shapes[object] = {{"unevenness_m", shape.unevenness_m}};
+    if (shape.box) {
+      const Eigen::Vector3d half = shape.box->half_extents_m();
+      shapes[object]["half_extents_m"] = {half.x(), half.y(), half.z()};
+      shapes[object]["edge_radius_m"] = shape.box->radius_m;
+    } else {
+      shapes[object]["radius_m"] = shape.radius_m;
+    }
+  }
+  return shapes;
 }
 
 nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
@@ -150,7 +158,7 @@ nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
       {"object_follows_share", shares.object_follows},
       {"tracker_restarts", shares.restarts},
       {"band_m", scene.band_m},
-      {"object_sphere", spheres_summary(scene)},
+      {"object_shape", shapes_summary(scene)},
       {"clocks",
        {{"camera", clock_summary(timeline.camera)},
         {"glove", clock_summary(timeline.glove)},

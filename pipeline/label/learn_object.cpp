@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t fewest_points = 12, most_starts = 16, most_views = 64;
 constexpr double toss_m = 0.5, shown_in_some_frames = 0.4;
-constexpr double silhouette_quantile = 0.8, sensor_noise_m = 0.0015;
+constexpr double silhouette_quantile = 0.8, around_radii = 2.5;
 constexpr double often = 0.1;  // of the sampled frames: so seldom is an object wholly hidden
 
 using SampledFrames = std::vector<SampledFrame>;
@@ -24,35 +24,6 @@ using SampledFrames = std::vector<SampledFrame>;
 double quantile(std::vector<double> values, double part) {
   std::ranges::sort(values);
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
-}
-
-double fit_cost(const std::vector<SphereView>& views, double radius_m) {
-  double cost = 0.0;
-  for (const auto& view : views) cost += fit_sphere(view, radius_m).cost_m2;
-  return cost;
-}
-
-/// Which of `radii_m` fits all views best.
-std::size_t best_radius(const std::vector<SphereView>& views, const std::vector<double>& radii_m,
-                        int threads) {
-  std::vector<double> costs(radii_m.size());
-  for_each_index(radii_m.size(), threads,
-                 [&](std::size_t i) { costs[i] = fit_cost(views, radii_m[i]); });
-  return static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
-}
-
-/// The radius of the sphere that fits all views best, near that of the silhouette: to one of
-/// `steps` per silhouette's radius, by way of every fourth.
-double fitted_radius(const std::vector<SphereView>& views, double silhouette_m, int threads) {
-  constexpr int steps = 50, least = 30, most = 70, coarse = 4;
-  const auto best_of = [&](int first, int last, int stride) {
-    std::vector<double> radii_m;
-    for (int i = first; i <= last; i += stride) radii_m.push_back(silhouette_m / steps * i);
-    return first + stride * static_cast<int>(best_radius(views, radii_m, threads));
-  };
-  const int near = best_of(least, most, coarse);
-  return silhouette_m / steps *
-         best_of(std::max(least, near - coarse + 1), std::min(most, near + coarse - 1), 1);
 }
 
 /// The object in one of the sampled frames.
@@ -158,34 +129,21 @@ double shown(const SceneModel& model, const std::vector<Sighting>& sightings, do
   return quantile(std::move(parts), silhouette_quantile);
 }
 
-/// How far the surface is from the sphere, beyond the sensor's own noise: the median distance in
-/// terms of a normal deviation.
-double unevenness(const std::vector<SphereView>& views, double radius_m) {
-  std::vector<double> distances_m;
-  for (const auto& view : views) {
-    const Eigen::Vector3d center = fit_sphere(view, radius_m).center_m;
-    for (const auto& point : view.on_m)
-      distances_m.push_back((point.cast<double>() - center).norm() - radius_m);
-  }
-  const double deviation_m = robust_deviation(std::move(distances_m));
-  return std::sqrt(std::max(0.0, deviation_m * deviation_m - sensor_noise_m * sensor_noise_m));
-}
-
 /// Through what is seen of the object and beside what is seen past it.
-SceneModel::Sphere object_sphere(const SceneModel& model, const FrameSource& frames,
-                                 const std::string& object, const std::vector<Sighting>& sightings,
-                                 int threads) {
+ObjectShape object_shape(const SceneModel& model, const FrameSource& frames,
+                         const std::string& object, const std::vector<Sighting>& sightings,
+                         int threads) {
   std::vector<double> radii;
   for (const auto& sighting : sightings) radii.push_back(silhouette_radius_m(sighting.patch));
   const double silhouette_m = quantile(std::move(radii), silhouette_quantile);
   const std::size_t stride = (sightings.size() + most_views - 1) / most_views;
-  std::vector<SphereView> views((sightings.size() + stride - 1) / stride);
+  std::vector<BodyView> views((sightings.size() + stride - 1) / stride);
   for_each_index(views.size(), threads, [&](std::size_t i) {
     const auto& [frame, patch] = sightings[i * stride];
-    views[i] = model.view_sphere(frames.camera_frame(frame), object, patch, silhouette_m);
+    views[i] = model.view_body(frames.camera_frame(frame), object, patch,
+                               around_radii * silhouette_m, true);
   });
-  const double radius_m = fitted_radius(views, silhouette_m, threads);
-  return {radius_m, unevenness(views, radius_m)};
+  return learn_shape(views, silhouette_m, threads);
 }
 
 /// Sightings of an object like the hand: while they are apart.
@@ -224,11 +182,11 @@ void learn_object(SceneModel& model, const FrameSource& frames, const std::strin
     model.like_the_hand.insert(object);
     colors.learn_object_from({});
     classify(colors, samples);
-    model.object_sphere[object] = {boxed.radius_m, 0.0};
+    model.object_shape[object] = {boxed.radius_m, std::nullopt, 0.0};
     sightings = look_beside_the_hand(model, object, samples, boxed);
   }
   if (!sightings.empty())
-    model.object_sphere[object] = object_sphere(model, frames, object, sightings, threads);
+    model.object_shape[object] = object_shape(model, frames, object, sightings, threads);
 }
 
 }  // namespace touchtrace::label

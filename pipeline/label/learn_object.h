@@ -13,7 +13,7 @@ struct SampledFrame {
 };
 
 /// Colours from the boxes in the clips' first frames or, if they hide the object, from what moves
-/// near the hand in others; the sphere that fits best from all that it shows. An object that no
+/// near the hand in others; its shape from all that it shows. An object that no
 /// colour tells from the hand is noted as such. Throws data_error if none was seen of it and no
 /// hand either.
 void learn_object(SceneModel& model, const FrameSource& frames, const std::string& object,

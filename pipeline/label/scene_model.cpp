@@ -9,7 +9,6 @@ namespace {
 
 constexpr float behind_band_m = 0.40f;
 constexpr float finger_m = 0.015f;  // what hides an object is a gloved finger at least so thick
-constexpr double around_radii = 2.5;
 constexpr double whole_part =
     0.5;  // of a disc, that an object shows when it is apart from the hand
 
@@ -27,26 +26,25 @@ Surface SceneModel::see(const RgbdFrame& frame, const std::string& object) const
 
 void SceneModel::split(Surface& surface, const std::string& object,
                        const Eigen::Vector3d& hand_m) const {
-  const double radius_m = object_sphere.at(object).radius_m;
+  const double radius_m = object_shape.at(object).radius_m;
   const double disc = segmenter.disc_pixels(radius_m, hand_m.z());
   split_from_hand(surface, hand_m, radius_m, static_cast<std::size_t>(whole_part * disc));
 }
 
-SphereView SceneModel::view_sphere(const RgbdFrame& frame, const std::string& object,
-                                   const Patch& patch, double radius_m) const {
-  auto around = segmenter.surface_around(frame, patch.centroid_m, around_radii * radius_m);
+BodyView SceneModel::view_body(const RgbdFrame& frame, const std::string& object,
+                               const Patch& patch, double reach_m, bool whole) const {
+  auto around = segmenter.surface_around(frame, patch.centroid_m, reach_m);
   colors.at(object).assign(around);
-  SphereView view{segmenter.depth_eye_m(), patch.points_m, {}};
-  const bool alike = like_the_hand.contains(object);
-  const auto is_own = [&](const SurfacePoint& point) {
-    if (!alike) return point.body == Body::object;
-    return point.body == Body::hand && (point.position_m.cast<double>() - patch.centroid_m).norm() <
-                                           object_patch_radii * radius_m;
-  };
+  BodyView view{segmenter.depth_eye_m(), patch.points_m, {}};
+  const Body own = like_the_hand.contains(object) ? Body::hand : Body::object;
+  const bool gather = whole && own == Body::object;
+  if (gather) view.on_m.clear();
   for (const auto& point : around) {
-    if (is_own(point)) continue;
     const Eigen::Vector3f ray = point.position_m - view.eye_m.cast<float>();
-    view.seen_past_m.push_back(point.position_m + finger_m * ray.normalized());
+    if (point.body != own)
+      view.seen_past_m.push_back(point.position_m + finger_m * ray.normalized());
+    else if (gather && (point.position_m.cast<double>() - patch.centroid_m).norm() < reach_m)
+      view.on_m.push_back(point.position_m);
   }
   return view;
 }

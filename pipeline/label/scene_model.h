@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/label/body_view.h"
 #include "pipeline/label/color_classes.h"
+#include "pipeline/label/learn_shape.h"
 #include "pipeline/label/lift.h"
-#include "pipeline/label/sphere_fit.h"
 #include "pipeline/label/surface.h"
 
 namespace touchtrace::label {
@@ -31,12 +32,7 @@ struct SceneModel {
   Segmenter segmenter;
   float band_m = 0.0f;                         ///< nearer than this is hand, arm or object
   std::map<std::string, ColorClasses> colors;  ///< by object
-  struct Sphere {
-    double radius_m;  ///< that fits best
-    double
-        unevenness_m;  ///< deviation of the surface from it, and so of its centre from the body's
-  };
-  std::map<std::string, Sphere> object_sphere;
+  std::map<std::string, ObjectShape> object_shape;
   std::set<std::string> like_the_hand;  ///< objects that no colour tells from it
 
   /// The frame's surface in front of the band, told apart by colour; coloured points may lie a
@@ -44,9 +40,11 @@ struct SceneModel {
   Surface see(const RgbdFrame& frame, const std::string& object) const;
   /// Tells an object like the hand from it where it is apart from the one near `hand_m`.
   void split(Surface& surface, const std::string& object, const Eigen::Vector3d& hand_m) const;
-  /// What the depth camera sees of the object and past it, if it is no larger than `radius_m`.
-  SphereView view_sphere(const RgbdFrame& frame, const std::string& object, const Patch& patch,
-                         double radius_m) const;
+  /// What the depth camera sees of the object and past it, within `reach_m` of the patch's middle.
+  /// Of the object, the patch or, where it is to be seen `whole`, all that has its colours: a long
+  /// one shows on both sides of the hand.
+  BodyView view_body(const RgbdFrame& frame, const std::string& object, const Patch& patch,
+                     double reach_m, bool whole) const;
   /// Part of the rays to a sphere's middle that end before they would have passed it, 0..1: a
   /// sphere that is there and not seen is hidden.
   double hidden_part(const RgbdFrame& frame, const Eigen::Vector3d& center_m,

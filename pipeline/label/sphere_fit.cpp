@@ -9,7 +9,6 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr std::array<double, 2> cauchy_steps_m{0.016, 0.004};  // wide, then as noise asks for
 constexpr int most_fit_steps = 12;
 constexpr double still_m = 5e-5;
 // behind the centroid: of a sphere that is wholly visible, and of one that shows at its rim only
@@ -17,7 +16,7 @@ constexpr std::array<double, 2> start_radii{2.0 / 3.0, 0.1};
 
 /// A view as every step of a fit needs it.
 struct Rays {
-  explicit Rays(const SphereView& view) : eye_m(view.eye_m) {
+  explicit Rays(const BodyView& view) : eye_m(view.eye_m) {
     for (const auto& point : view.on_m) on_m.push_back(point.cast<double>());
     for (const auto& end : view.seen_past_m) {
       const Eigen::Vector3d ray = end.cast<double>() - eye_m;
@@ -34,20 +33,23 @@ struct Rays {
   std::vector<Ray> past;
 };
 
-/// Calls use(center - place on the surface or nearest on a ray, its length) of all points and of
-/// the rays that enter the sphere.
+/// Calls use(center - place on the surface or nearest on a ray, its length, distance from where it
+/// should be) of all points and of the rays that enter the sphere.
 template <class Use>
 void for_each_offset(const Rays& rays, double radius_m, const Eigen::Vector3d& center, Use&& use) {
   for (const auto& point : rays.on_m) {
     const Eigen::Vector3d off = center - point;
-    use(off, off.norm());
+    const double length = off.norm();
+    use(off, length, length - radius_m);
   }
   const Eigen::Vector3d from_eye = center - rays.eye_m;
   for (const auto& [direction, length_m] : rays.past) {
     const Eigen::Vector3d off =
         from_eye - std::clamp(from_eye.dot(direction), 0.0, length_m) * direction;
     const double square = off.squaredNorm();
-    if (square < radius_m * radius_m) use(off, std::sqrt(square));
+    if (square >= radius_m * radius_m) continue;
+    const double length = std::sqrt(square);
+    use(off, length, length - radius_m);
   }
 }
 
@@ -57,23 +59,24 @@ struct Sums {
 };
 
 /// Gauss-Newton's sums over all points and rays at one centre.
-Sums sums_at(const Rays& rays, double radius_m, const Eigen::Vector3d& center, double cauchy) {
+Sums sums_at(const Rays& rays, double radius_m, const Eigen::Vector3d& center,
+             const RobustLoss& loss) {
   Sums sums;
-  for_each_offset(rays, radius_m, center, [&](const Eigen::Vector3d& off, double length) {
-    const double residual = length - radius_m, inverse = 1.0 / std::max(length, 1e-9);
-    const double weight = cauchy * cauchy / (cauchy * cauchy + residual * residual);
-    const Eigen::Vector3d weighted = weight * inverse * off;
-    sums.normal.noalias() += inverse * weighted * off.transpose();
-    sums.gradient += residual * weighted;
-  });
+  for_each_offset(rays, radius_m, center,
+                  [&](const Eigen::Vector3d& off, double length, double residual) {
+                    const double inverse = 1.0 / std::max(length, 1e-9);
+                    const Eigen::Vector3d weighted = loss.weight(residual) * inverse * off;
+                    sums.normal.noalias() += inverse * weighted * off.transpose();
+                    sums.gradient += residual * weighted;
+                  });
   return sums;
 }
 
-double cost_at(const Rays& rays, double radius_m, const Eigen::Vector3d& center, double cauchy) {
-  const double square = cauchy * cauchy;
+double cost_at(const Rays& rays, double radius_m, const Eigen::Vector3d& center,
+               const RobustLoss& loss) {
   double cost = 0.0;
-  for_each_offset(rays, radius_m, center, [&](const Eigen::Vector3d&, double length) {
-    cost += 0.5 * square * std::log1p(std::pow(length - radius_m, 2) / square);
+  for_each_offset(rays, radius_m, center, [&](const Eigen::Vector3d&, double, double residual) {
+    cost += loss.cost(residual);
   });
   return cost;
 }
@@ -88,9 +91,9 @@ Eigen::Vector3d centroid(const std::vector<Eigen::Vector3f>& points) {
 SphereFit descend(const Rays& rays, double radius_m, const Eigen::Vector3d& start) {
   SphereFit fit;
   fit.center_m = start;
-  for (const double cauchy : cauchy_steps_m)
+  for (const double width_m : {rough_width_m, fine_width_m})
     for (int i = 0; i < most_fit_steps; ++i) {
-      const Sums sums = sums_at(rays, radius_m, fit.center_m, cauchy);
+      const Sums sums = sums_at(rays, radius_m, fit.center_m, {width_m});
       fit.information = sums.normal;
       // one point's worth of the start: never singular
       const Eigen::Vector3d step = (sums.normal + Eigen::Matrix3d::Identity())
@@ -99,13 +102,13 @@ SphereFit descend(const Rays& rays, double radius_m, const Eigen::Vector3d& star
       fit.center_m -= step;
       if (step.norm() < still_m) break;
     }
-  fit.cost_m2 = cost_at(rays, radius_m, fit.center_m, cauchy_steps_m.back());
+  fit.cost_m2 = cost_at(rays, radius_m, fit.center_m, {fine_width_m});
   return fit;
 }
 
 }  // namespace
 
-SphereFit fit_sphere(const SphereView& view, double radius_m) {
+SphereFit fit_sphere(const BodyView& view, double radius_m) {
   const Rays rays(view);
   const Eigen::Vector3d middle = centroid(view.on_m);
   const Eigen::Vector3d ray = (middle - view.eye_m).normalized();

@@ -15,8 +15,11 @@ namespace {
 constexpr InitialMotion initial_motion{1.5, 15.0};
 /// The hand's visible part, and its middle with it, changes slowly.
 constexpr double hand_systematic_m = 0.005;
+/// An object that is hidden is where the hand has it but for so much, which turns with the hand.
+constexpr double hidden_systematic_m = 0.02, hidden_systematic_s = 0.4;
 
 using Observations = std::vector<Observation>;
+using Variances = Eigen::Matrix<double, 6, 1>;  // of position and velocity
 
 Track track_of(const std::vector<double>& time_s, const Observations& observations) {
   Track track;
@@ -42,26 +45,33 @@ std::uint8_t quality(double time_s, const std::vector<double>& frame_time_s,
 
 /// The variance of what neighbouring measurements have in common and no smoother sees. Of the
 /// object: what the innovations leave of the deviations of what was measured nearest, for its
-/// visible part changes slowly, and its own unevenness.
-Eigen::Vector3d object_systematic_m2(double time_s, const ClipTrack& track,
-                                     double measurement_scale) {
-  Eigen::Vector3d variance = Eigen::Vector3d::Zero();
+/// visible part changes slowly; its own unevenness; and where the hand hides it.
+Variances object_systematic(double time_s, const ClipTrack& track, double measurement_scale) {
+  const Observation* nearest = nullptr;
   double nearest_s = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < track.time_s.size(); ++i) {
     const double away_s = std::abs(track.time_s[i] - time_s);
     if (!track.object[i].found || away_s >= nearest_s) continue;
     nearest_s = away_s;
-    variance = track.object[i].sigma_m.cwiseAbs2();
+    nearest = &track.object[i];
   }
+  Variances variances = Variances::Zero();
+  variances.head<3>().setConstant(track.object_unevenness_m * track.object_unevenness_m);
+  if (!nearest) return variances;
   const double shared = std::max(0.0, 1.0 - measurement_scale * measurement_scale);
-  return (shared * variance).array() + track.object_unevenness_m * track.object_unevenness_m;
+  variances.head<3>() += shared * nearest->sigma_m.cwiseAbs2();
+  if (nearest->follows_hand) {
+    variances.head<3>().array() += std::pow(hidden_systematic_m, 2);
+    variances.tail<3>().array() += std::pow(hidden_systematic_m / hidden_systematic_s, 2);
+  }
+  return variances;
 }
 
 void append(const Eigen::Vector3d& value, std::vector<double>& to) {
   to.insert(to.end(), value.data(), value.data() + 3);
 }
 
-void append_state(const SmoothedTrack& track, double time_s, const Eigen::Vector3d& systematic_m2,
+void append_state(const SmoothedTrack& track, double time_s, const Variances& systematic,
                   LabelledBody& body) {
   const auto state = track.smoothed(time_s), causal = track.causal(time_s);
   append(state.position_m, body.position_m);
@@ -69,7 +79,7 @@ void append_state(const SmoothedTrack& track, double time_s, const Eigen::Vector
   append(causal.position_m, body.causal_position_m);
   append(causal.velocity_m_per_s, body.causal_velocity_m_per_s);
   Eigen::Matrix<double, 6, 6> covariance = state.covariance.topLeftCorner<6, 6>();
-  covariance.diagonal().head<3>() += systematic_m2;
+  covariance.diagonal() += systematic;
   body.covariance.insert(body.covariance.end(), covariance.data(), covariance.data() + 36);
 }
 
@@ -85,9 +95,9 @@ void append_nothing(LabelledBody& body) {
 
 void append_label(const GloveFrame& frame, const SmoothedTrack& smoothed, const ClipTrack& track,
                   const Observations& observations, double camera_period_s,
-                  const Eigen::Vector3d& systematic_m2, LabelledBody& body) {
+                  const Variances& systematic, LabelledBody& body) {
   if (smoothed.status != SmoothStatus::converged) return append_nothing(body);
-  append_state(smoothed, frame.time_s, systematic_m2, body);
+  append_state(smoothed, frame.time_s, systematic, body);
   body.quality.push_back(quality(frame.time_s, track.time_s, observations, camera_period_s));
 }
 
@@ -127,6 +137,8 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
 
 void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack>& tracks,
               const SmoothedBodies& bodies, double camera_period_s, Labels& labels) {
+  Variances hand_systematic = Variances::Zero();
+  hand_systematic.head<3>().setConstant(hand_systematic_m * hand_systematic_m);
   for (const auto& frame : frames) {
     const auto clip = static_cast<std::size_t>(frame.clip);
     labels.time_s.push_back(frame.time_s);
@@ -134,9 +146,9 @@ void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack
     labels.glove_frame.push_back(frame.index);
     const auto& track = tracks[clip];
     append_label(frame, bodies.hand.tracks[clip], track, track.hand, camera_period_s,
-                 Eigen::Vector3d::Constant(hand_systematic_m * hand_systematic_m), labels.hand);
+                 hand_systematic, labels.hand);
     append_label(frame, bodies.object.tracks[clip], track, track.object, camera_period_s,
-                 object_systematic_m2(frame.time_s, track, bodies.object.noise.measurement_scale),
+                 object_systematic(frame.time_s, track, bodies.object.noise.measurement_scale),
                  labels.object);
   }
 }

@@ -10,7 +10,7 @@ constexpr double most_box_shift = 0.4;  // of a box's size, before its tracker i
 constexpr int frames_to_be_lost = 3;
 constexpr std::size_t starts_everywhere = 16;
 constexpr double shown_far_away = 0.5;  // of a disc, to be taken for a body that may not be there
-constexpr double everywhere_m = 10.0, hinted_m = 0.15, hidden_m = 0.07;
+constexpr double everywhere_m = 10.0, hinted_m = 0.15, hidden_m = 0.04;
 
 bool agrees(const PixelBox& tracked, const PixelBox& seen) {
   const double dx = tracked.x + 0.5 * tracked.width - seen.x - 0.5 * seen.width;

@@ -1,0 +1,99 @@
+#include "pipeline/label/body_fit.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/label/pose_descent.h"
+
+namespace touchtrace::label {
+namespace {
+
+constexpr int most_steps = 20, rough_steps = 10;
+constexpr std::size_t rough_points = 150, kept_starts = 5;
+constexpr int rotations = 32;  // of a box each is four: half turns about its axes look the same
+constexpr double unknown_rad = 3.0;
+constexpr double seen_depth = 0.67;  // of a body's extent, from what is seen of it to its middle
+
+/// Whether a ray comes so near to the origin.
+bool passes(const Eigen::Vector3d& eye, const Eigen::Vector3d& end, double reach_m) {
+  const Eigen::Vector3d along = end - eye;
+  const double part = std::clamp(-eye.dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (eye + part * along).squaredNorm() < reach_m * reach_m;
+}
+
+std::vector<Eigen::Vector3f> some_of(const std::vector<Eigen::Vector3f>& points, std::size_t most) {
+  const std::size_t stride = 1 + points.size() / most;
+  std::vector<Eigen::Vector3f> some;
+  for (std::size_t i = 0; i < points.size(); i += stride) some.push_back(points[i]);
+  return some;
+}
+
+/// Evenly spread over all rotations (super-Fibonacci spirals; Alexa, CVPR 2022).
+Eigen::Quaterniond spread_rotation(int index) {
+  constexpr double phi = 1.4142135623730951, psi = 1.5337511687552043;
+  const double s = index + 0.5, t = s / rotations;
+  const double r = std::sqrt(t), other = std::sqrt(1.0 - t);
+  const double alpha = 2.0 * M_PI * s / phi, beta = 2.0 * M_PI * s / psi;
+  return {other * std::cos(beta), r * std::sin(alpha), r * std::cos(alpha), other * std::sin(beta)};
+}
+
+/// From all rotations, with a wide loss and few points; the best first.
+std::vector<BodyFit> rough_fits(const BodyView& view, const RoundedBox& box) {
+  const Eigen::Vector3d center = likely_center(view, box);
+  const auto rough = thinned(view, center, box.circumradius_m(), rough_points);
+  std::vector<BodyFit> fits;
+  for (int i = 0; i < rotations; ++i) {
+    Eigen::Isometry3d start(spread_rotation(i));
+    start.pretranslate(center);
+    fits.push_back(descend(rough, box, {start, unknown_rad}, rough_width_m, rough_steps));
+  }
+  std::ranges::sort(fits, {}, &BodyFit::cost_m2);
+  return fits;
+}
+
+}  // namespace
+
+Eigen::Matrix3d BodyFit::center_information() const {
+  const Eigen::Matrix3d across = information.topRightCorner<3, 3>();
+  return information.topLeftCorner<3, 3>() -
+         across * information.bottomRightCorner<3, 3>().inverse() * across.transpose();
+}
+
+Eigen::Vector3d likely_center(const BodyView& view, const RoundedBox& box) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& point : view.on_m) middle += point.cast<double>();
+  middle /= static_cast<double>(view.on_m.size());
+  const double behind = seen_depth * (box.radius_m + box.inner_m.mean());
+  return middle + behind * (middle - view.eye_m).normalized();
+}
+
+BodyView thinned(const BodyView& view, const Eigen::Vector3d& center_m, double reach_m,
+                 std::size_t most) {
+  const Eigen::Vector3d eye = view.eye_m - center_m;
+  std::vector<Eigen::Vector3f> passing;
+  for (const auto& end : view.seen_past_m)
+    if (passes(eye, end.cast<double>() - center_m, reach_m)) passing.push_back(end);
+  return {view.eye_m, some_of(view.on_m, most), some_of(passing, most)};
+}
+
+BodyFit fit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isometry3d& start,
+                 double rotation_sigma_rad) {
+  const auto rough = descend(view, box, {start, rotation_sigma_rad}, rough_width_m, most_steps);
+  return descend(view, box, {rough.camera_from_body, rotation_sigma_rad}, fine_width_m, most_steps);
+}
+
+BodyFit fit_body_anyhow(const BodyView& view, const RoundedBox& box) {
+  const auto starts = rough_fits(view, box);
+  BodyFit best;
+  best.cost_m2 = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < kept_starts; ++i) {
+    const auto fit =
+        descend(view, box, {starts[i].camera_from_body, unknown_rad}, fine_width_m, most_steps);
+    if (fit.cost_m2 < best.cost_m2) best = fit;
+  }
+  return best;
+}
+
+}  // namespace touchtrace::label

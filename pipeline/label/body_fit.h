@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "pipeline/label/body_view.h"
+#include "pipeline/label/rounded_box.h"
+
+namespace touchtrace::label {
+
+/// A rounded box in one view.
+struct BodyFit {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+  Eigen::Isometry3d camera_from_body = Eigen::Isometry3d::Identity();
+  /// Of its centre [m] and its rotation [rad], both along the camera's axes, per m^2 of residual;
+  /// what was known before is in it.
+  Matrix6 information = Matrix6::Zero();
+  double cost_m2 = 0.0;  ///< loss of all distances from the surface
+
+  Eigen::Vector3d center_m() const { return camera_from_body.translation(); }
+  /// Of the centre alone, whatever the rotation is.
+  Eigen::Matrix3d center_information() const;
+};
+
+/// Behind the middle of what is seen.
+Eigen::Vector3d likely_center(const BodyView& view, const RoundedBox& box);
+
+/// A view with at most so many points and rays, spread evenly; of the rays only those that pass
+/// within `reach_m` of `center_m`.
+BodyView thinned(const BodyView& view, const Eigen::Vector3d& center_m, double reach_m,
+                 std::size_t most);
+
+/// Place and rotation of a body of known shape near `start`: Levenberg-Marquardt with a robust
+/// loss, wide at first, of the distances between surface and points and of the depths to which rays
+/// enter it. Its rotation is known before to `rotation_sigma_rad`. `on_m` must not be empty.
+BodyFit fit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isometry3d& start,
+                 double rotation_sigma_rad);
+
+/// The same where nothing is known of the rotation: the best from rotations all around.
+BodyFit fit_body_anyhow(const BodyView& view, const RoundedBox& box);
+
+}  // namespace touchtrace::label

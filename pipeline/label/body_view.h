@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace touchtrace::label {
+
+/// What a depth image tells of a body: points on its surface, and rays from the camera to other
+/// surfaces, none of which can pass through it. The rays to what lies beside it hold the silhouette
+/// where it shows; those that end on fingers before it hold nothing but that it is behind them.
+struct BodyView {
+  Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< where all rays begin
+  std::vector<Eigen::Vector3f> on_m;                ///< points on the body
+  std::vector<Eigen::Vector3f> seen_past_m;         ///< ends of rays that do not enter it
+};
+
+/// Geman and McClure's loss of a distance: that of strays stays below half the square of `width`.
+struct RobustLoss {
+  double width_m;
+
+  double cost(double distance_m) const {
+    return 0.5 * distance_m * distance_m * inlying(distance_m);
+  }
+  double weight(double distance_m) const { return inlying(distance_m) * inlying(distance_m); }
+
+ private:
+  double inlying(double distance_m) const {
+    return width_m * width_m / (width_m * width_m + distance_m * distance_m);
+  }
+};
+
+/// Widths of the losses of a fit: first so that it finds its way, then as noise asks for.
+inline constexpr double rough_width_m = 0.016, fine_width_m = 0.004;
+
+}  // namespace touchtrace::label

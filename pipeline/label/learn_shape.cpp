@@ -1,0 +1,109 @@
+#include "pipeline/label/learn_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/rgbd/statistics.h"
+#include "pipeline/label/body_fit.h"
+#include "pipeline/label/learn_box.h"
+#include "pipeline/label/parallel.h"
+#include "pipeline/label/sphere_fit.h"
+
+namespace touchtrace::label {
+namespace {
+
+constexpr std::size_t most_box_views = 32, box_points = 500;
+constexpr double box_passing_radii = 1.5;
+constexpr double sensor_noise_m = 0.0015;
+constexpr double uneven_m = 0.0015;   // no sphere is so rough
+constexpr double much_better = 0.33;  // part of the sphere's unevenness
+
+double fit_cost(const std::vector<BodyView>& views, double radius_m) {
+  double cost = 0.0;
+  for (const auto& view : views) cost += fit_sphere(view, radius_m).cost_m2;
+  return cost;
+}
+
+/// Which of `radii_m` fits all views best.
+std::size_t best_radius(const std::vector<BodyView>& views, const std::vector<double>& radii_m,
+                        int threads) {
+  std::vector<double> costs(radii_m.size());
+  for_each_index(radii_m.size(), threads,
+                 [&](std::size_t i) { costs[i] = fit_cost(views, radii_m[i]); });
+  return static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
+}
+
+/// The radius of the sphere that fits all views best, near that of the silhouette: to one of
+/// `steps` per silhouette's radius, by way of every fourth.
+double fitted_radius(const std::vector<BodyView>& views, double silhouette_m, int threads) {
+  constexpr int steps = 50, least = 30, most = 70, coarse = 4;
+  const auto best_of = [&](int first, int last, int stride) {
+    std::vector<double> radii_m;
+    for (int i = first; i <= last; i += stride) radii_m.push_back(silhouette_m / steps * i);
+    return first + stride * static_cast<int>(best_radius(views, radii_m, threads));
+  };
+  const int near = best_of(least, most, coarse);
+  return silhouette_m / steps *
+         best_of(std::max(least, near - coarse + 1), std::min(most, near + coarse - 1), 1);
+}
+
+using Distances = std::vector<double>;
+
+Distances from_sphere(const BodyView& view, double radius_m) {
+  const Eigen::Vector3d center = fit_sphere(view, radius_m).center_m;
+  Distances result;
+  for (const auto& point : view.on_m)
+    result.push_back((point.cast<double>() - center).norm() - radius_m);
+  return result;
+}
+
+Distances from_box(const BodyView& view, const RoundedBox& box) {
+  const auto some =
+      thinned(view, likely_center(view, box), box_passing_radii * box.circumradius_m(), box_points);
+  const Eigen::Isometry3d body_from_camera = fit_body_anyhow(some, box).camera_from_body.inverse();
+  Distances result;
+  for (const auto& point : view.on_m)
+    result.push_back(surface_distance(box, body_from_camera * point.cast<double>()).distance_m);
+  return result;
+}
+
+/// How far points are from a shape.
+template <class DistancesOf>
+double deviation(const std::vector<BodyView>& views, int threads, DistancesOf&& distances_of) {
+  std::vector<Distances> of_views(views.size());
+  for_each_index(views.size(), threads,
+                 [&](std::size_t i) { of_views[i] = distances_of(views[i]); });
+  Distances all;
+  for (const auto& some : of_views) all.insert(all.end(), some.begin(), some.end());
+  return robust_deviation(std::move(all));
+}
+
+double beyond_noise(double deviation_m) {
+  return std::sqrt(std::max(0.0, deviation_m * deviation_m - sensor_noise_m * sensor_noise_m));
+}
+
+std::vector<BodyView> some_of(const std::vector<BodyView>& views) {
+  std::vector<BodyView> some;
+  const std::size_t stride = (views.size() + most_box_views - 1) / most_box_views;
+  for (std::size_t i = 0; i < views.size(); i += stride) some.push_back(views[i]);
+  return some;
+}
+
+}  // namespace
+
+ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m, int threads) {
+  const double radius_m = fitted_radius(views, silhouette_m, threads);
+  const ObjectShape sphere{radius_m, std::nullopt,
+                           beyond_noise(deviation(views, threads, [&](const BodyView& view) {
+                             return from_sphere(view, radius_m);
+                           }))};
+  if (sphere.unevenness_m < uneven_m) return sphere;
+  const auto few = some_of(views);
+  const auto box = learn_box(few, radius_m, threads);
+  const double deviation_m =
+      deviation(few, threads, [&](const BodyView& view) { return from_box(view, box); });
+  if (beyond_noise(deviation_m) > much_better * sphere.unevenness_m) return sphere;
+  return {radius_m, box, deviation_m};
+}
+
+}  // namespace touchtrace::label

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pipeline/label/body_view.h"
+#include "pipeline/label/rounded_box.h"
+
+namespace touchtrace::label {
+
+/// What stands for an object.
+struct ObjectShape {
+  double radius_m = 0.0;          ///< of the sphere that fits best
+  std::optional<RoundedBox> box;  ///< if no sphere stands for it
+  /// Deviation of the surface from it, and so of its middle from the body's: of a sphere beyond the
+  /// sensor's noise, of a box all of it, for its extents are learnt no better.
+  double unevenness_m = 0.0;
+
+  /// No point of the object is farther than this from its middle.
+  double reach_m() const { return box ? box->circumradius_m() : radius_m; }
+};
+
+/// The sphere that fits all views best, near that of the silhouette; or a rounded box, if the
+/// surface is uneven and it fits much better. There must be views, each with points. The result
+/// does not depend on the number of threads.
+ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m, int threads);
+
+}  // namespace touchtrace::label

@@ -1,0 +1,129 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/label/learn_shape.h"
+#include "pipeline/label/pose_tracker.h"
+#include "tests/pipeline/drawn_body.h"
+
+namespace touchtrace::label {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+const RoundedBox soap{{0.012, 0.025, 0.037}, 0.003}, ball{{0.0, 0.0, 0.0}, 0.028};
+
+bool fingers_hide(double x, double) {
+  constexpr double finger_m = 0.012, between_fingers_m = 0.028, first_m = -0.09;
+  return std::fmod(x - first_m, between_fingers_m) < finger_m;
+}
+
+Isometry3d pose_of(double x_rad, double y_rad, double z_rad) {
+  Isometry3d pose(AngleAxisd(x_rad, Vector3d::UnitX()) * AngleAxisd(y_rad, Vector3d::UnitY()) *
+                  AngleAxisd(z_rad, Vector3d::UnitZ()));
+  pose.pretranslate(drawn_at);
+  return pose;
+}
+
+/// As a hand turns it about.
+std::vector<BodyView> views_of(const RoundedBox& box, const Hides& hides, int count) {
+  std::vector<BodyView> views;
+  for (int i = 0; i < count; ++i)
+    views.push_back(
+        draw(box, pose_of(0.9 * i, 0.4 * i, 0.7 * i), hides, static_cast<std::uint64_t>(i + 1)));
+  return views;
+}
+
+TEST(LabelBody, DistanceFromARoundedBoxIsTrue) {
+  const RoundedBox box{{0.01, 0.02, 0.03}, 0.005};
+  EXPECT_NEAR(surface_distance(box, {0.025, 0.0, 0.0}).distance_m, 0.010, 1e-12);
+  EXPECT_NEAR(surface_distance(box, {0.013, 0.024, 0.03}).distance_m, 0.0, 1e-12);  // 3-4-5
+  EXPECT_NEAR(surface_distance(box, {-0.004, 0.0, 0.0}).distance_m, -0.011, 1e-12);
+  EXPECT_NEAR(
+      (surface_distance(box, {-0.013, -0.024, 0.0}).outward - Vector3d(-0.6, -0.8, 0.0)).norm(),
+      0.0, 1e-12);
+}
+
+TEST(LabelBody, ARaysDeepestPointIsFoundOrItPassesBy) {
+  const auto deepest = deepest_point(soap, {0.01, -1.0, 0.0}, {0.01, 1.0, 0.0});
+  ASSERT_TRUE(deepest);
+  EXPECT_NEAR(surface_distance(soap, *deepest).distance_m, 0.01 - 0.015, 1e-4);
+  EXPECT_FALSE(deepest_point(soap, {0.016, -1.0, 0.0}, {0.016, 1.0, 0.0}));
+  EXPECT_FALSE(deepest_point(soap, {0.0, -1.0, 0.0}, {0.0, -0.1, 0.0}));  // ends before it
+}
+
+TEST(LabelBody, ABoxIsFoundFromNothingKnown) {
+  for (int i = 0; i < 6; ++i) {
+    const auto pose = pose_of(0.5 + 0.9 * i, 0.3 + 0.4 * i, 0.7 * i);
+    const auto fit = fit_body_anyhow(draw(soap, pose, nothing_hides), soap);
+    EXPECT_LT((fit.center_m() - drawn_at).norm(), 0.002) << "pose " << i;
+  }
+}
+
+TEST(LabelBody, FingersBeforeABoxDoNotMoveIt) {
+  const auto view = draw(soap, pose_of(0.6, 0.3, 1.2), fingers_hide);
+  EXPECT_LT((fit_body_anyhow(view, soap).center_m() - drawn_at).norm(), 0.002);
+  EXPECT_GT((centroid(view) - drawn_at).norm(), 0.01);
+}
+
+TEST(LabelBody, WhatIsSeenLessIsKnownLess) {
+  const auto pose = pose_of(0.6, 0.3, 1.2);
+  const auto half = [](double x, double) { return x < 0.0; };
+  const auto known = [&](const Hides& hides) {
+    return fit_body_anyhow(draw(soap, pose, hides), soap).center_information().trace();
+  };
+  EXPECT_GT(known(nothing_hides), 1.3 * known(half));
+}
+
+TEST(LabelBody, ATurningBoxIsFollowedAndFoundAgain) {
+  PoseTracker tracker(soap);
+  constexpr double frame_s = 0.05, turn_rad = 0.25;
+  for (int i = 0; i < 25; ++i) {
+    if (i > 8 && i < 20) continue;  // unseen
+    const auto view = draw(soap, pose_of(turn_rad * i, 0.3, 1.2), fingers_hide,
+                           static_cast<std::uint64_t>(i + 1));
+    const double since_s = i == 20 ? 12 * frame_s : frame_s;
+    EXPECT_LT((tracker.see(view, since_s).center_m() - drawn_at).norm(), 0.003) << "frame " << i;
+  }
+}
+
+TEST(LabelBody, TwoViewsOfOneMomentAreNoFault) {
+  PoseTracker tracker(soap);
+  const auto view = draw(soap, pose_of(0.6, 0.3, 1.2), nothing_hides);
+  tracker.see(view, 0.0);
+  EXPECT_LT((tracker.see(view, 0.0).center_m() - drawn_at).norm(), 0.002);
+}
+
+TEST(LabelBody, AShapeIsLearntFromHowItShows) {
+  const auto shape = learn_shape(views_of(soap, fingers_hide, 16), 0.035, 1);
+  ASSERT_TRUE(shape.box);
+  Vector3d half = shape.box->half_extents_m();
+  std::ranges::sort(half);
+  EXPECT_LT((half - Vector3d(0.015, 0.028, 0.040)).cwiseAbs().maxCoeff(), 0.003);
+  EXPECT_LT(shape.unevenness_m, 2.0 * drawn_noise_m);
+}
+
+TEST(LabelBody, ABallStaysASphere) {
+  const auto shape = learn_shape(views_of(ball, fingers_hide, 16), 0.027, 1);
+  EXPECT_FALSE(shape.box);
+  EXPECT_NEAR(shape.radius_m, ball.radius_m, 0.0015);
+}
+
+TEST(LabelBody, WhatIsLearntDoesNotDependOnThreads) {
+  const auto views = views_of(soap, fingers_hide, 6);
+  const auto one = learn_shape(views, 0.035, 1), three = learn_shape(views, 0.035, 3);
+  ASSERT_TRUE(one.box && three.box);
+  EXPECT_EQ(one.box->inner_m, three.box->inner_m);
+  EXPECT_EQ(one.unevenness_m, three.unevenness_m);
+}
+
+TEST(LabelBody, OnePointIsEnoughForAnAnswer) {
+  const BodyView view{{}, {{0.0f, 0.0f, 1.0f}}, {}};
+  EXPECT_TRUE(fit_body_anyhow(view, soap).center_m().allFinite());
+  EXPECT_TRUE(learn_shape({view}, 0.03, 1).radius_m > 0.0);
+}
+
+}  // namespace
+}  // namespace touchtrace::label

@@ -67,7 +67,8 @@ struct MotionNoise {
 };
 
 /// A ball is light enough for drag, and turns round at every hit. Drag goes by the square of the
-/// velocity: at 3 m/s the linear one is up to 0.3 m/s^2 off, and changes its sign within 0.2 s.
+/// velocity: at 2.2 m/s the linear one is 0.15 m/s^2 off, and changes by 0.2 m/s^2 in the 0.45 s of
+/// a flight, as noise of 0.2^2 / 0.45 m^2/s^5 does.
 inline MotionNoise<double> bouncing_ball() {
   MotionNoise<double> noise;
   noise.flight_drag_per_s = 0.2;

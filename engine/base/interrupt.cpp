@@ -26,7 +26,8 @@ void catch_interrupts() {
 bool interrupted() noexcept { return stop_asked.load(std::memory_order_relaxed); }
 
 void throw_if_interrupted() {
-  if (interrupted()) throw Error(ExitCode::interrupted, "interrupted", "run the same command again");
+  if (interrupted())
+    throw Error(ExitCode::interrupted, "interrupted", "run the same command again");
 }
 
 }  // namespace touchtrace

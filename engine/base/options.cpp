@@ -37,7 +37,8 @@ void OptionSet::flag(std::string name, bool& target, std::string help) {
 }
 
 void OptionSet::integer(std::string name, int& target, std::string help, int minimum, int maximum) {
-  options_.push_back({std::move(name), &target, std::move(help), double(minimum), double(maximum), {}});
+  options_.push_back(
+      {std::move(name), &target, std::move(help), double(minimum), double(maximum), {}});
 }
 
 void OptionSet::seed(std::string name, std::uint64_t& target, std::string help) {

@@ -13,17 +13,17 @@ struct Option {
   using Target = std::variant<bool*, int*, std::uint64_t*, double*, std::string*,
                               std::vector<std::string>*, std::vector<double>*>;
 
-  std::string name;                  ///< "learning-rate": the flag --learning-rate, the key learning_rate
-  Target target;                     ///< the member that it sets
-  std::string help;                  ///< one line, with the unit
-  double minimum, maximum;           ///< of numbers, both allowed
+  std::string name;         ///< "learning-rate": the flag --learning-rate, the key learning_rate
+  Target target;            ///< the member that it sets
+  std::string help;         ///< one line, with the unit
+  double minimum, maximum;  ///< of numbers, both allowed
   std::vector<std::string> choices;  ///< of strings; empty: any
   bool required = false;
-  bool positional = false;           ///< given without its flag, in the order of description
+  bool positional = false;  ///< given without its flag, in the order of description
 };
 
-/// The one description of an options struct. From it follow the flags, the keys of the configuration
-/// file, --help, validation and the options in the provenance.
+/// The one description of an options struct. From it follow the flags, the keys of the
+/// configuration file, --help, validation and the options in the provenance.
 ///
 ///     struct LabelOptions { std::string tracker = "csrt"; };
 ///     void describe(OptionSet& set, LabelOptions& o) {
@@ -38,7 +38,8 @@ class OptionSet {
   void numbers(std::string name, std::vector<double>& target, std::string help);
   void text(std::string name, std::string& target, std::string help);
   void texts(std::string name, std::vector<std::string>& target, std::string help);
-  void choice(std::string name, std::string& target, std::string help, std::vector<std::string> choices);
+  void choice(std::string name, std::string& target, std::string help,
+              std::vector<std::string> choices);
   void path(std::string name, std::string& target, std::string help);
   void paths(std::string name, std::vector<std::string>& target, std::string help);
   void input(std::string name, std::string& target, std::string help);
@@ -50,7 +51,8 @@ class OptionSet {
 
   /// Every option's present value, by key (dashes become underscores).
   nlohmann::json values() const;
-  /// Throws usage_error if a value is out of range, not a choice, not finite, or required and empty.
+  /// Throws usage_error if a value is out of range, not a choice, not finite, or required and
+  /// empty.
   void validate() const;
 
  private:

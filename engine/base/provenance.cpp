@@ -36,11 +36,16 @@ std::string Provenance::input_hash(const std::filesystem::path& path) const {
 }
 
 void to_json(nlohmann::json& json, const Provenance& p) {
-  json = {{"schema", p.schema},       {"verb", p.verb},
-          {"options", p.options},     {"seed", p.seed},
-          {"inputs", nlohmann::json::array()}, {"device", p.device},
-          {"wall_seconds", p.wall_seconds},    {"cpu_seconds", p.cpu_seconds},
-          {"version", p.version},     {"created", p.created}};
+  json = {{"schema", p.schema},
+          {"verb", p.verb},
+          {"options", p.options},
+          {"seed", p.seed},
+          {"inputs", nlohmann::json::array()},
+          {"device", p.device},
+          {"wall_seconds", p.wall_seconds},
+          {"cpu_seconds", p.cpu_seconds},
+          {"version", p.version},
+          {"created", p.created}};
   for (const auto& input : p.inputs)
     json["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
 }
@@ -50,7 +55,8 @@ void from_json(const nlohmann::json& json, Provenance& p) {
   p.verb = json.at("verb");
   p.options = json.at("options");
   p.seed = json.at("seed");
-  for (const auto& input : json.at("inputs")) p.inputs.push_back({input.at("path"), input.at("sha256")});
+  for (const auto& input : json.at("inputs"))
+    p.inputs.push_back({input.at("path"), input.at("sha256")});
   p.device = json.at("device");
   p.wall_seconds = json.at("wall_seconds");
   p.cpu_seconds = json.at("cpu_seconds");
@@ -68,11 +74,14 @@ Provenance start_provenance(std::string schema, std::string verb) {
 }
 
 Stopwatch::Stopwatch()
-    : wall_start_s_(seconds_of(CLOCK_MONOTONIC)), cpu_start_s_(seconds_of(CLOCK_PROCESS_CPUTIME_ID)) {}
+    : wall_start_s_(seconds_of(CLOCK_MONOTONIC)),
+      cpu_start_s_(seconds_of(CLOCK_PROCESS_CPUTIME_ID)) {}
 
 double Stopwatch::wall_seconds() const { return seconds_of(CLOCK_MONOTONIC) - wall_start_s_; }
 
-double Stopwatch::cpu_seconds() const { return seconds_of(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_; }
+double Stopwatch::cpu_seconds() const {
+  return seconds_of(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_;
+}
 
 void Stopwatch::stop(Provenance& provenance) const {
   provenance.wall_seconds = wall_seconds();

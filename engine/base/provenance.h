@@ -14,15 +14,15 @@ struct Provenance {
     std::string path, sha256;
   };
 
-  std::string schema;           ///< what the artefact is and its version, e.g. "touchtrace/labels/1"
-  std::string verb;             ///< the verb that made it
-  nlohmann::json options;       ///< every option's value, defaults included
+  std::string schema;      ///< what the artefact is and its version, e.g. "touchtrace/labels/1"
+  std::string verb;        ///< the verb that made it
+  nlohmann::json options;  ///< every option's value, defaults included
   std::uint64_t seed = 0;
   std::vector<Input> inputs;
-  std::string device;           ///< OpenCL device, empty where none was used
+  std::string device;  ///< OpenCL device, empty where none was used
   double wall_seconds = 0.0, cpu_seconds = 0.0;
-  std::string version;          ///< of touchtrace
-  std::string created;          ///< UTC, ISO 8601
+  std::string version;  ///< of touchtrace
+  std::string created;  ///< UTC, ISO 8601
 
   void add_input(const std::filesystem::path& path);
   /// The recorded hash of the first input whose file name is `path`'s; empty if there is none.

@@ -12,8 +12,8 @@ std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
 
 /// A named stream of random numbers: Philox 4x32-10 (Salmon et al., SC'11), counter-based.
 ///
-/// Streams of different names or seeds are independent, and every number can be had by its index, so
-/// results depend neither on the order of draws nor on the number of threads. The same on every
+/// Streams of different names or seeds are independent, and every number can be had by its index,
+/// so results depend neither on the order of draws nor on the number of threads. The same on every
 /// platform, unlike the distributions of <random>.
 class RandomStream {
  public:

@@ -11,8 +11,8 @@ namespace touchtrace {
 /// machine does not show; else of wall time.
 double device_clock_s(const Runtime& runtime);
 
-/// Device time of a call, which queues any number of launches. Constructing it does the call several
-/// times unmeasured.
+/// Device time of a call, which queues any number of launches. Constructing it does the call
+/// several times unmeasured.
 class TimedCall {
  public:
   /// Measurements take at least `shortest_s`, with as many calls as that needs.

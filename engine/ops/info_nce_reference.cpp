@@ -25,7 +25,8 @@ Rows rows_of(const InfoNceProblem& problem) {
 /// temperature.
 Rows factors_of(Rows rows, float temperature) {
   for (auto& row : rows) {
-    const double scale = temperature > 0 ? 1.0 / (length(row) * std::sqrt(double{temperature})) : 1.0;
+    const double scale =
+        temperature > 0 ? 1.0 / (length(row) * std::sqrt(double{temperature})) : 1.0;
     for (double& value : row) value *= scale;
   }
   return rows;

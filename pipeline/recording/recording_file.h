@@ -13,14 +13,15 @@ namespace touchtrace {
 ///
 /// - `/`: Conventions, schema, activity, epoch_unix_s, provenance (JSON)
 /// - `/clips`: start_s, end_s, object, dropped, hand_box[n,4], object_box[n,4]
-/// - `/glove0`, `/glove1`: sequence, host_time_s, counts[n,rows,cols], baseline, mask, taxel_position
+/// - `/glove0`, `/glove1`: sequence, host_time_s, counts[n,rows,cols], baseline, mask,
+/// taxel_position
 /// - `/camera`: sequence, device_time_s, host_time_s, color[n,h,w,3], depth[n,h,w]
 /// - `/background`: color, depth of the empty scene
 /// - `/board`: color, depth of the chessboard in many poses
 /// - `/truth`: simulated recordings only
 
-/// Writes a recording; the file appears, whole, with `finish`. The glove streams, clips and truth are
-/// given at once, images one at a time.
+/// Writes a recording; the file appears, whole, with `finish`. The glove streams, clips and truth
+/// are given at once, images one at a time.
 class RecordingWriter {
  public:
   RecordingWriter(const std::filesystem::path& path, const CameraInfo& camera, bool overwrite);
@@ -38,8 +39,9 @@ class RecordingWriter {
   std::unique_ptr<File> file_;
 };
 
-/// Opens a recording and checks it: schema, shapes, checksums as they are read, finite and increasing
-/// times. Every fault is a data_error that says what is wrong and what to do. Untrusted files are safe.
+/// Opens a recording and checks it: schema, shapes, checksums as they are read, finite and
+/// increasing times. Every fault is a data_error that says what is wrong and what to do. Untrusted
+/// files are safe.
 class RecordingReader {
  public:
   explicit RecordingReader(const std::filesystem::path& path);

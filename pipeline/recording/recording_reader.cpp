@@ -90,7 +90,8 @@ Truth read_truth(const std::filesystem::path& path) {
 }
 
 bool has_truth(const std::filesystem::path& path) {
-  return h5::read_untrusted(path, [&] { return h5::open_root(path, recording_schema).has("truth"); });
+  return h5::read_untrusted(path,
+                            [&] { return h5::open_root(path, recording_schema).has("truth"); });
 }
 
 }  // namespace touchtrace

@@ -9,8 +9,8 @@
 namespace touchtrace::report {
 
 /// What the page shows of a calibration.json: {name, width, height, rms_px, depth_rms_m, verdict,
-/// advice, sigmas {parameter: deviation}, projection_sigma_px [rows][columns] and coverage (of files
-/// that have them), views [{name, rms_px}], corners [[u, v, du, dv]...] in pixels}, and its
+/// advice, sigmas {parameter: deviation}, projection_sigma_px [rows][columns] and coverage (of
+/// files that have them), views [{name, rms_px}], corners [[u, v, du, dv]...] in pixels}, and its
 /// provenance. Throws data_error if the file is something else.
 nlohmann::json calibration_data(const std::filesystem::path& path);
 

@@ -23,10 +23,10 @@ void describe(OptionSet& set, SensitivityOptions& options);
 
 /// What the scene's assumptions do to what is learnt. For each assumption, halved and doubled (as
 /// far as its range goes): simulates clips of the activity's default object, gives them labels that
-/// err as the vision pipeline's do or, with `images`, renders what that labels (simulated_labels.h),
-/// trains with and without touch, and rolls out on held-out clips against the truth. All cells of a
-/// seed share their random numbers; what a change does not reach is not trained again. The
-/// document, kept in `options.output` from cell to cell, has
+/// err as the vision pipeline's do or, with `images`, renders what that labels
+/// (simulated_labels.h), trains with and without touch, and rolls out on held-out clips against the
+/// truth. All cells of a seed share their random numbers; what a change does not reach is not
+/// trained again. The document, kept in `options.output` from cell to cell, has
 ///   cells   rows {assumption, factor, seed, value, dropped_clips, full, without_touch, random}:
 ///           L1@50 in units of the cell's own deviations; null where too few clips held the object
 /// Throws usage_error for an assumption that there is not.

@@ -34,8 +34,8 @@ class Interrupt : public ::testing::Test {
   void expect_interrupted(const std::string& arguments, double after_s) {
     const auto before = names();
     // Without --foreground the program would get the signal twice, and the second kills it at once.
-    const auto result =
-        run_program(arguments, "timeout --foreground --preserve-status -s INT " + std::to_string(after_s) + " ");
+    const auto result = run_program(arguments, "timeout --foreground --preserve-status -s INT " +
+                                                   std::to_string(after_s) + " ");
     EXPECT_EQ(result.exit_code, 130) << arguments << "\n" << result.output;
     EXPECT_EQ(names(), before) << arguments;
   }

@@ -66,8 +66,9 @@ class BrokenTraining : public ::testing::Test {
       // waits until the process is gone, and so are its claims on temporary files.
       // --preserve-status: a run that ends just as its time is up has ended well.
       const auto limit_s = std::to_string(moment_s(seed) * (1.0 + 0.2 * start));
-      const auto result = run_program(train("killed") + (resume ? " --resume" : ""),
-                                      "timeout --foreground --preserve-status -s KILL " + limit_s + " ");
+      const auto result =
+          run_program(train("killed") + (resume ? " --resume" : ""),
+                      "timeout --foreground --preserve-status -s KILL " + limit_s + " ");
       if (result.exit_code == killed)
         ++kills;
       else

@@ -38,7 +38,8 @@ class TemporaryFolder {
 
 /// Writes a file at once, without the care that an output deserves.
 inline void put(const std::filesystem::path& path, std::string_view bytes) {
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 /// What a recording is made of, for a test to bend before it is written.

@@ -6,8 +6,8 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "pipeline/scene/simulate/simulate.h"
-#include "pipeline/study/simulated_labels.h"
 #include "pipeline/study/sensitivity.h"
+#include "pipeline/study/simulated_labels.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace::study {

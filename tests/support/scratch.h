@@ -13,7 +13,8 @@ namespace touchtrace::testing {
 /// tests of other checkouts.
 inline std::filesystem::path scratch_folder() {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  std::string name = std::string("touchtrace_") + test->test_suite_name() + "_" + test->name() + "_";
+  std::string name =
+      std::string("touchtrace_") + test->test_suite_name() + "_" + test->name() + "_";
   const auto executable = std::filesystem::read_symlink("/proc/self/exe").string();
   name += std::to_string(std::hash<std::string>()(executable));
   std::ranges::replace(name, '/', '_');

@@ -40,7 +40,8 @@ void add_palm(std::vector<Solid>& solids, const Isometry3d& world_from_hand) {
                                         Vector3d(-x, y, heel), Vector3d(-x, -y, heel)};
   for (int i = 0; i < 4; ++i)
     solids.push_back(capsule_between(world_from_hand * corners[i],
-                                     world_from_hand * corners[(i + 1) % 4], radius, glove_color()));
+                                     world_from_hand * corners[(i + 1) % 4], radius,
+                                     glove_color()));
 }
 
 void add_finger(std::vector<Solid>& solids, const Isometry3d& world_from_hand, const Finger& finger,

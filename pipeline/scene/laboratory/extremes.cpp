@@ -82,8 +82,7 @@ void verify_extremes(const std::function<void(Figure)>& emit) {
   for_each_extreme([&](const Extreme& extreme) {
     gain.add(impact_gain(extreme));
     // Without friction nothing comes to rest on a dish.
-    if (extreme.friction > 0.0 && bears(extreme))
-      resting.add(resting_error_of(extreme));
+    if (extreme.friction > 0.0 && bears(extreme)) resting.add(resting_error_of(extreme));
   });
   for (double force_n : {1.0, 10.0, 60.0})
     for (double mass_kg : {0.005, 0.3, 10.0})

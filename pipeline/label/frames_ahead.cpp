@@ -1,6 +1,7 @@
 #include "pipeline/label/frames_ahead.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace touchtrace::label {
@@ -8,20 +9,23 @@ namespace {
 
 constexpr std::size_t most_ahead = 4;  // of a clip: memory is bounded, a slow frame waited for
 
+bool is_first_seen(const std::deque<std::future<SeenFrame>>& ahead) {
+  return !ahead.empty() &&
+         ahead.front().wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
 }  // namespace
 
 FramesAhead::FramesAhead(const std::vector<ClipFrames>& clips, See see) : see_(std::move(see)) {
   for (const auto& clip : clips) clips_.push_back({&clip, clip.first, clip.first + clip.count, {}});
 }
 
+/// Rather than wait for a frame that another thread is at, sees one after it.
 SeenFrame FramesAhead::next(std::size_t index) {
   std::unique_lock lock(mutex_);
   Clip& clip = clips_[index];
-  if (clip.ahead.empty()) {
-    const std::size_t frame = clip.begun++;
-    lock.unlock();
-    return see_(*clip.frames, frame);
-  }
+  while (!is_first_seen(clip.ahead) && clip.begun < clip.end && clip.ahead.size() < most_ahead)
+    see_one(clip, lock);
   auto seen = std::move(clip.ahead.front());
   clip.ahead.pop_front();
   changed_.notify_all();
@@ -44,24 +48,22 @@ FramesAhead::Clip* FramesAhead::neediest() {
   return result;
 }
 
-FramesAhead::Task FramesAhead::begin(Clip& clip) {
-  Task task([this, &clip, frame = clip.begun++] { return see_(*clip.frames, frame); });
+void FramesAhead::see_one(Clip& clip, std::unique_lock<std::mutex>& lock) {
+  std::packaged_task<SeenFrame()> task(
+      [this, &clip, frame = clip.begun++] { return see_(*clip.frames, frame); });
   clip.ahead.push_back(task.get_future());
-  return task;
+  lock.unlock();
+  task();
+  lock.lock();
 }
 
 void FramesAhead::help() {
   std::unique_lock lock(mutex_);
-  while (Clip* clip = neediest()) {
-    if (clip->ahead.size() >= most_ahead) {
+  while (Clip* clip = neediest())
+    if (clip->ahead.size() < most_ahead)
+      see_one(*clip, lock);
+    else
       changed_.wait(lock);
-      continue;
-    }
-    auto task = begin(*clip);
-    lock.unlock();
-    task();
-    lock.lock();
-  }
 }
 
 }  // namespace touchtrace::label

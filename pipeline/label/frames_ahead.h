@@ -53,13 +53,13 @@ class FramesAhead {
     std::size_t begun, end;                    ///< begun: the first that nobody sees yet
     std::deque<std::future<SeenFrame>> ahead;  ///< of those before it, what was not taken yet
   };
-  using Task = std::packaged_task<SeenFrame()>;
 
   SeenFrame next(std::size_t clip);
   void close(std::size_t clip);
   /// The clip that will be out of frames first; null if none needs any more.
   Clip* neediest();
-  Task begin(Clip& clip);
+  /// A clip's first frame that nobody sees yet, without the lock.
+  void see_one(Clip& clip, std::unique_lock<std::mutex>& lock);
 
   See see_;
   std::deque<Clip> clips_;

@@ -13,7 +13,7 @@ namespace {
 constexpr int rounds = 3, most_iterations = 25;
 constexpr std::size_t view_points = 300;
 constexpr double least_radius_m = 0.002, passing_radii = 2.0;
-constexpr double compactness = 1.0;  // points' worth of each extent: holds those that nothing shows
+constexpr double compactness = 1.0;  // points' worth of each half extent: holds what nothing shows
 
 template <class Scalar>
 using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
@@ -87,16 +87,30 @@ struct RayDepth {
 struct Compactness {
   template <class Scalar>
   bool operator()(const Scalar* shape, Scalar* residual) const {
-    for (int i = 0; i < 3; ++i) residual[i] = Scalar(compactness) * shape[i];
+    for (int i = 0; i < 3; ++i) residual[i] = Scalar(compactness) * (shape[i] + shape[3]);
     return true;
   }
+};
+
+/// RobustLoss, of squares: as poses are fitted.
+class SquaresLoss : public ceres::LossFunction {
+ public:
+  void Evaluate(double square, double out[3]) const override {
+    const double inlying = width2_ / (width2_ + square);
+    out[0] = inlying * square;
+    out[1] = inlying * inlying;
+    out[2] = -2.0 * inlying * inlying * inlying / width2_;
+  }
+
+ private:
+  double width2_ = fine_width_m * fine_width_m;
 };
 
 template <class Residual>
 void add(ceres::Problem& problem, Residual* residual, Shape& shape, Pose& pose) {
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Residual, 1, 4, 4, 3>(residual),
-                           new ceres::CauchyLoss(fine_width_m), shape.data(),
-                           pose.rotation.coeffs().data(), pose.place_m.data());
+                           new SquaresLoss, shape.data(), pose.rotation.coeffs().data(),
+                           pose.place_m.data());
 }
 
 void add_view(ceres::Problem& problem, const BodyView& view, Shape& shape, Pose& pose) {

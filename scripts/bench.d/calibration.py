@@ -15,6 +15,8 @@ import time
 import cv2
 import numpy as np
 
+import figures
+
 PHOTOGRAPHS = "/usr/share/doc/opencv-doc/examples/data"
 COLUMNS, ROWS, SQUARE_M, FOLDS = 9, 6, 0.025, 10
 OPENCV = {"radtan4": cv2.CALIB_FIX_K3, "radtan5": 0, "rational8": cv2.CALIB_RATIONAL_MODEL}
@@ -118,15 +120,9 @@ def main():
         parser.error("the sample photographs of OpenCV are missing: apt-get install opencv-doc")
     if not os.access(options.touchtrace, os.X_OK):
         parser.error(f"{options.touchtrace} is missing: run cmake --preset release && cmake --build --preset release")
-    rows, mrcal = [], Mrcal()
-    for side in ("left", "right"):
-        for figure in figures_of(options, side, mrcal):
-            rows.append(figure)
-            print(f"{figure['name']:<52} {figure['value']:>12.6g} {figure['unit']:<6} {figure['goal']:<10} "
-                  f"{'holds' if figure['holds'] else 'FALLS SHORT'}", flush=True, file=sys.stderr if options.json else sys.stdout)
-    if options.json:
-        print(json.dumps(dict(figures=rows)))
-    return 0 if all(r["holds"] for r in rows) else 3
+    mrcal = Mrcal()
+    all_figures = (figure for side in ("left", "right") for figure in figures_of(options, side, mrcal))
+    return figures.emit(all_figures, 52, options.json)
 
 
 if __name__ == "__main__":

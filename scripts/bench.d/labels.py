@@ -11,6 +11,7 @@ import time
 
 import numpy as np
 
+import figures
 from smoothing_peers import PEERS
 
 GOALS = {"wave": 0.8, "throw": 0.5, "pingpong": 0.05}
@@ -90,15 +91,8 @@ def main():
     options = parser.parse_args()
     if not os.access(options.smoothing_tracks, os.X_OK):
         parser.error(f"{options.smoothing_tracks} is missing: run cmake --preset release && cmake --build --preset release")
-    rows = []
-    for activity in GOALS:
-        for figure in figures_of(options, activity):
-            rows.append(figure)
-            print(f"{figure['name']:<78} {figure['value']:>12.6g} {figure['unit']:<6} {figure['goal']:<10} "
-                  f"{'holds' if figure['holds'] else 'FALLS SHORT'}", flush=True, file=sys.stderr if options.json else sys.stdout)
-    if options.json:
-        print(json.dumps(dict(figures=rows)))
-    return 0 if all(r["holds"] for r in rows) else 3
+    all_figures = (figure for activity in GOALS for figure in figures_of(options, activity))
+    return figures.emit(all_figures, 78, options.json)
 
 
 if __name__ == "__main__":

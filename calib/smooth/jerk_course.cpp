@@ -45,10 +45,10 @@ Jerks averaged(const Jerks& expected, const Eigen::Matrix3d& of_all) {
 double expected_squares(const WeightedTrack& track, const Trajectory& trajectory,
                         double measurement_scale) {
   double sum = 0.0;
+  const auto foretold = trajectory.foretold();
   for (std::size_t i = 0; i < track.points.size(); ++i) {
-    const auto state = trajectory.at_knot(i);
-    const Eigen::Vector3d square = (state.position_m - track.points[i].position_m).cwiseAbs2() +
-                                   state.covariance.diagonal().head<3>();
+    const Eigen::Vector3d square =
+        (foretold[i].position_m - track.points[i].position_m).cwiseAbs2() + foretold[i].variance_m2;
     sum += track.weights[i] *
            square.cwiseQuotient((measurement_scale * track.points[i].sigma_m).cwiseAbs2()).sum();
   }
@@ -61,15 +61,13 @@ double predictive_cost(const std::vector<WeightedTrack>& tracks, const MotionNoi
                        const SmoothOptions& options) {
   double cost = 0.0;
   for (const auto& track : tracks) {
-    const auto trajectory = pass(track, noise, options);
+    const auto foretold = pass(track, noise, options).foretold();
     for (std::size_t i = 0; i < track.points.size(); ++i) {
-      const auto state = trajectory.at_knot(i);
       const Eigen::Array3d variance =
           (noise.measurement_scale * track.points[i].sigma_m).array().square() / track.weights[i];
       // what the measurement itself does not explain; rounding must not leave less than nothing
-      const Eigen::Array3d left =
-          (variance - state.covariance.diagonal().head<3>().array()).max(1e-6 * variance);
-      const Eigen::Array3d residual = (track.points[i].position_m - state.position_m).array();
+      const Eigen::Array3d left = (variance - foretold[i].variance_m2.array()).max(1e-6 * variance);
+      const Eigen::Array3d residual = (track.points[i].position_m - foretold[i].position_m).array();
       cost += 0.5 * (residual.square() / left + (variance.square() / left).log()).sum();
     }
   }

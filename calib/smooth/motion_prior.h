@@ -12,17 +12,19 @@ using Matrix3 = Eigen::Matrix<T, 3, 3>;
 /// One axis of a motion over a stretch of time, x = (position, velocity, acceleration):
 ///     x+ = F x + g u + w,  w ~ N(0, j Q + Q_free),  g: gravity along the axis.
 /// j, how freely the body moves just then, is 1 unless something says more: Q is the noise of
-/// touch, Q_free that of flights and of their ends. Scalars are double, or Jet where Ceres wants
+/// touch, Q_free that of flights and of their ends. Of the correlated part of a measurement's error
+/// `error_kept` is left, and the rest is new. Scalars are double, or Jet where Ceres wants
 /// derivatives.
 template <class T>
 struct Transition {
   Matrix3<T> F = Matrix3<T>::Identity(), Q = Matrix3<T>::Zero();
   Eigen::Matrix<T, 3, 1> u = Eigen::Matrix<T, 3, 1>::Zero();
   Matrix3<T> Q_free = Matrix3<T>::Zero();
+  T error_kept{1.0};
 
   Transition then(const Transition& next) const {
     return {next.F * F, next.F * Q * next.F.transpose() + next.Q, next.F * u + next.u,
-            next.F * Q_free * next.F.transpose() + next.Q_free};
+            next.F * Q_free * next.F.transpose() + next.Q_free, error_kept * next.error_kept};
   }
 };
 
@@ -43,7 +45,10 @@ Transition<T> white_jerk(const T& h, const T& density) {
 template <class T>
 struct MotionNoise {
   T jerk_density{300.0};     ///< while held or touched [m^2/s^5]; a hand has 100 to 500
-  T measurement_scale{1.0};  ///< the deviations of measurements are multiplied by it
+  T measurement_scale{1.0};  ///< of white errors: the deviations of measurements over the track's
+  /// The same of errors that neighbours have in common; e^(-t / correlation_s) of one is left
+  /// after t. Such errors of rendered labels have 0.15 to 1.6 s.
+  T correlated_scale{0.0}, correlation_s{0.3};
   /// Velocity swings around zero with this frequency and damping ratio: a hand stays in reach. At 0
   /// it is free, and the prior is white noise on jerk alone.
   T swing_rad_per_s{0.0}, swing_damping{1.0};
@@ -57,12 +62,28 @@ struct MotionNoise {
   double landing_velocity_m_per_s = 0.5;        ///< deviation from that
   double landing_acceleration_m_per_s2 = 10.0;  ///< deviation from none after a landing
 
+  /// What white and correlated errors leave of the variances of measurements, of 1.
+  T left_share() const {
+    const T told = measurement_scale * measurement_scale + correlated_scale * correlated_scale;
+    return told < T(1) ? T(1) - told : T(0);
+  }
+
   template <class U>
   MotionNoise<U> cast() const {
-    return {U(jerk_density),      U(measurement_scale),     U(swing_rad_per_s),
-            U(swing_damping),     U(throw_jerk_density),    U(throw_s),
-            U(flight_drag_per_s), flight_jerk_density,      flight_acceleration_m_per_s2,
-            landing_kept,         landing_velocity_m_per_s, landing_acceleration_m_per_s2};
+    return {U(jerk_density),
+            U(measurement_scale),
+            U(correlated_scale),
+            U(correlation_s),
+            U(swing_rad_per_s),
+            U(swing_damping),
+            U(throw_jerk_density),
+            U(throw_s),
+            U(flight_drag_per_s),
+            flight_jerk_density,
+            flight_acceleration_m_per_s2,
+            landing_kept,
+            landing_velocity_m_per_s,
+            landing_acceleration_m_per_s2};
   }
 };
 
@@ -146,18 +167,10 @@ class MotionPrior {
 
   /// From `from` to `to` >= `from`; an event at `to` is part of it, one at `from` is not.
   Transition<T> between(double from, double to) const {
-    auto turn = std::upper_bound(turns_.begin(), turns_.end(), T(from),
-                                 [](const T& t, const Turn& e) { return t < e.time; });
-    Mode mode = turn == turns_.begin() ? Mode::held : std::prev(turn)->mode;
-    if (turn == turns_.end() || T(to) < turn->time) return during(mode, T(to - from));
-    Transition<T> total;
-    T now(from);
-    for (; turn != turns_.end() && !(T(to) < turn->time); ++turn) {
-      total = total.then(during(mode, turn->time - now)).then(jump(turn->jump));
-      mode = turn->mode;
-      now = turn->time;
-    }
-    return total.then(during(mode, T(to) - now));
+    using std::exp;
+    auto step = moved(from, to);
+    if (noise_.correlated_scale > T(0)) step.error_kept = exp((from - to) / noise_.correlation_s);
+    return step;
   }
 
   /// For `h` seconds in touch.
@@ -174,6 +187,21 @@ class MotionPrior {
     T time;
     Mode mode, jump = Mode::held;
   };
+
+  Transition<T> moved(double from, double to) const {
+    auto turn = std::upper_bound(turns_.begin(), turns_.end(), T(from),
+                                 [](const T& t, const Turn& e) { return t < e.time; });
+    Mode mode = turn == turns_.begin() ? Mode::held : std::prev(turn)->mode;
+    if (turn == turns_.end() || T(to) < turn->time) return during(mode, T(to - from));
+    Transition<T> total;
+    T now(from);
+    for (; turn != turns_.end() && !(T(to) < turn->time); ++turn) {
+      total = total.then(during(mode, turn->time - now)).then(jump(turn->jump));
+      mode = turn->mode;
+      now = turn->time;
+    }
+    return total.then(during(mode, T(to) - now));
+  }
 
   Transition<T> during(Mode mode, const T& h) const {
     if (mode == Mode::held) return touched(h);

@@ -19,9 +19,10 @@ Trajectory pass(const WeightedTrack& track, const MotionNoise<double>& noise,
 
 double reweight(WeightedTrack& track, const Trajectory& trajectory, double measurement_scale) {
   double change = 0.0;
+  const auto foretold = trajectory.foretold();
   for (std::size_t i = 0; i < track.points.size(); ++i) {
     const auto& point = track.points[i];
-    const Eigen::Vector3d residual = (trajectory.at_knot(i).position_m - point.position_m)
+    const Eigen::Vector3d residual = (foretold[i].position_m - point.position_m)
                                          .cwiseQuotient(measurement_scale * point.sigma_m);
     const double weight = 1.0 / (1.0 + residual.squaredNorm() / (cauchy_scale * cauchy_scale));
     change = std::max(change, std::abs(weight - std::exchange(track.weights[i], weight)));

@@ -12,7 +12,9 @@ namespace touchtrace {
 /// A track in MotionUnits from its own first time and place: what filters and Ceres see.
 struct ScaledPoint {
   double time;
-  Eigen::Vector3d position, sigma;
+  Eigen::Vector3d position;
+  Eigen::Vector3d sigma;         ///< with the weight
+  Eigen::Vector3d stated_sigma;  ///< without
 };
 
 struct ScaledTrack : std::vector<ScaledPoint> {
@@ -24,7 +26,8 @@ struct ScaledTrack : std::vector<ScaledPoint> {
       const auto& from = track.points[i];
       push_back({(from.time_s - first.time_s) / units.time_s,
                  (from.position_m - first.position_m) / units.length_m,
-                 from.sigma_m / units.length_m / std::sqrt(track.weights[i])});
+                 from.sigma_m / units.length_m / std::sqrt(track.weights[i]),
+                 from.sigma_m / units.length_m});
       extent = std::max(extent, back().position.cwiseAbs().maxCoeff());
     }
   }
@@ -48,11 +51,13 @@ inline std::vector<ContactEvent<double>> contact_events(const std::vector<Flight
 InitialMotion scaled(const InitialMotion& initial, const MotionUnits& units);
 
 /// The filter's state before the first measurement of some axes; everything in the track's units.
-template <int axes>
-BodyState<double, axes> initial_state(const ScaledTrack& track, Eigen::Index first_axis,
-                                      const InitialMotion& initial) {
+template <class Body>
+Body initial_state(const ScaledTrack& track, Eigen::Index first_axis,
+                   const InitialMotion& initial) {
   constexpr double wide = 1e3;  // in deviations of a measurement; more is lost to rounding
-  BodyState<double, axes> state;
+  constexpr int axes = Body::axes;
+  Body state;
+  if constexpr (Body::correlated) state.covariance.diagonal().template tail<axes>().setOnes();
   for (Eigen::Index i = 0; i < axes; ++i) {
     const double spread = std::max(wide * track.front().sigma[first_axis + i], track.extent);
     state.mean[i] = track.front().position[first_axis + i];
@@ -64,14 +69,12 @@ BodyState<double, axes> initial_state(const ScaledTrack& track, Eigen::Index fir
   return state;
 }
 
-/// -log of the likelihood of a track's innovations under `prior`, axis by axis, without the
-/// constant.
-template <class T>
-T innovation_cost(const ScaledTrack& track, const MotionPrior<T>& prior,
-                  const Eigen::Vector3d& gravity, const InitialMotion& initial) {
-  std::array<AxisState<T>, 3> now;
+template <class T, Errors errors>
+T innovation_cost_with(const ScaledTrack& track, const MotionPrior<T>& prior,
+                       const Eigen::Vector3d& gravity, const InitialMotion& initial) {
+  std::array<BodyState<T, 1, errors>, 3> now;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const auto start = initial_state<1>(track, axis, initial);
+    const auto start = initial_state<BodyState<double, 1, errors>>(track, axis, initial);
     now[static_cast<std::size_t>(axis)] = {start.mean.template cast<T>(),
                                            start.covariance.template cast<T>()};
   }
@@ -83,11 +86,22 @@ T innovation_cost(const ScaledTrack& track, const MotionPrior<T>& prior,
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       auto& state = now[static_cast<std::size_t>(axis)];
       state = state.after(step, gravity[axis]);
-      cost += state.measure(point.position[axis], T(std::pow(point.sigma[axis], 2)) * scale2);
+      cost += state.measure(point.position[axis], T(std::pow(point.sigma[axis], 2)) * scale2,
+                            prior.noise().correlated_scale * point.stated_sigma[axis]);
     }
     time = point.time;
   }
   return cost;
+}
+
+/// -log of the likelihood of a track's innovations under `prior`, axis by axis, without the
+/// constant.
+template <class T>
+T innovation_cost(const ScaledTrack& track, const MotionPrior<T>& prior,
+                  const Eigen::Vector3d& gravity, const InitialMotion& initial) {
+  if (prior.noise().correlated_scale > T(0))
+    return innovation_cost_with<T, Errors::correlated>(track, prior, gravity, initial);
+  return innovation_cost_with<T, Errors::white>(track, prior, gravity, initial);
 }
 
 }  // namespace touchtrace

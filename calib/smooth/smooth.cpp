@@ -11,6 +11,10 @@
 namespace touchtrace {
 namespace {
 
+/// Of the variance; where errors are white, long tails and what a motion's noise exaggerates leave
+/// up to a fifth.
+constexpr double least_correlated_share = 0.25;
+
 bool is_finite(const TrackPoint& point) {
   return std::isfinite(point.time_s) && point.position_m.allFinite() && point.sigma_m.allFinite() &&
          point.sigma_m.minCoeff() > 0.0;
@@ -87,6 +91,23 @@ MotionNoise<double> with_course(std::vector<WeightedTrack>& tracks,
   return noise;
 }
 
+/// The noise with errors that neighbours have in common, if the white ones leave much of the
+/// deviations that the tracks state. Innovations cannot tell them: in the band of such errors a
+/// hand's motion is a hundred times as strong.
+MotionNoise<double> with_correlated_errors(std::vector<WeightedTrack>& tracks,
+                                           MotionNoise<double> noise,
+                                           const SmoothOptions& options) {
+  if (noise.left_share() < least_correlated_share) return noise;
+  noise.correlated_scale = std::sqrt(noise.left_share());
+  if (!tracks.front().jerk.empty()) {
+    find_jerk(tracks, noise, options);
+    noise.correlated_scale = 0.0;
+    noise.correlated_scale = std::sqrt(noise.left_share());
+  }
+  find_flights(tracks, noise, options);
+  return noise;
+}
+
 /// Flights, noise and weights in turn: first the flights, for noise would make up for a wrong guess
 /// of their times, and is needed to doubt them; at last, where there was enough to find it, with
 /// the course of the jerk.
@@ -102,7 +123,8 @@ MotionNoise<double> find_noise(std::vector<WeightedTrack>& tracks, const SmoothO
     }
     find_flights(tracks, noise, options);
   }
-  return found ? with_course(tracks, noise, options) : noise;
+  if (!found) return noise;
+  return with_correlated_errors(tracks, with_course(tracks, noise, options), options);
 }
 
 /// As find_noise, of filters that know of no flights. They extrapolate, and the acceleration that

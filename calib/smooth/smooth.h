@@ -12,7 +12,9 @@ struct SmoothOptions {
   InitialMotion initial{std::numeric_limits<double>::infinity(),
                         std::numeric_limits<double>::infinity()};
   MotionNoise<double> noise;
-  /// Jerk density and measurement scale by the likelihood of the innovations; else as in `noise`.
+  /// Jerk density and measurement scale by the likelihood of the innovations, and where these leave
+  /// a quarter of the variances that the tracks state, that is of errors that neighbours have in
+  /// common; else as in `noise`.
   bool fit_noise = true;
   /// Cauchy's loss of the whitened distance, c^2 log(1 + r^2 / c^2) with c = 4; else least squares.
   bool robust = true;

@@ -187,10 +187,9 @@ void measure_flights(const std::string& name, SyntheticMotion (*make)(double, st
 
 enum class Spoilt { heavy_tails, correlated, gaps };
 
-/// Wave with errors as labelling has them: Student's t of four degrees; half of the variance with
-/// neighbours, over 0.2 s; a second lost in every five.
-void measure_spoilt(const std::string& name, Spoilt how, const Emit& emit) {
-  auto data = smoothing_sample(synthetic_wave);
+/// Errors as labelling has them: Student's t of four degrees; half of the variance with neighbours,
+/// over 0.2 s; a second lost in every five.
+SmoothingSample spoilt(SmoothingSample data, Spoilt how) {
   for (std::size_t clip = 0; clip < data.tracks.size(); ++clip) {
     RandomStream random(clip, "spoilt track");
     const auto normal = [&] {
@@ -212,7 +211,15 @@ void measure_spoilt(const std::string& name, Spoilt how, const Emit& emit) {
     }
     data.tracks[clip] = track;
   }
-  emit_intervals("wave, " + name, data, smooth(data.tracks, data.flights, {}), emit);
+  return data;
+}
+
+void measure_spoilt(const std::string& name, const SmoothingSample& sample, Spoilt how,
+                    const MotionNoise<double>& noise, const Emit& emit) {
+  const auto data = spoilt(sample, how);
+  SmoothOptions options;
+  options.noise = noise;
+  emit_intervals(name, data, smooth(data.tracks, data.flights, options), emit);
 }
 
 void measure_clock(const Emit& emit) {
@@ -254,9 +261,14 @@ void measure_smoothing(const Emit& emit) {
   measure_wave(emit);
   measure_flights("throw", synthetic_throw, {}, 0.5, emit);
   measure_flights("pingpong", synthetic_pingpong, bouncing_ball(), 0.05, emit);
-  measure_spoilt("heavy tails", Spoilt::heavy_tails, emit);
-  measure_spoilt("correlated errors", Spoilt::correlated, emit);
-  measure_spoilt("gaps", Spoilt::gaps, emit);
+  const auto wave = smoothing_sample(synthetic_wave);
+  measure_spoilt("wave, heavy tails", wave, Spoilt::heavy_tails, {}, emit);
+  measure_spoilt("wave, correlated errors", wave, Spoilt::correlated, {}, emit);
+  measure_spoilt("throw, correlated errors", smoothing_sample(synthetic_throw), Spoilt::correlated,
+                 {}, emit);
+  measure_spoilt("pingpong, correlated errors", smoothing_sample(synthetic_pingpong),
+                 Spoilt::correlated, bouncing_ball(), emit);
+  measure_spoilt("wave, gaps", wave, Spoilt::gaps, {}, emit);
   measure_extremes(emit);
   measure_clock(emit);
   measure_speed("100k", 1e5, 0.2, emit);

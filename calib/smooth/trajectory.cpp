@@ -1,12 +1,12 @@
 #include "calib/smooth/trajectory.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "calib/smooth/scaled_track.h"
+#include "calib/smooth/step_back.h"
 
 namespace touchtrace {
 namespace {
@@ -18,55 +18,6 @@ double median(std::vector<double> values, double otherwise) {
   return *middle;
 }
 
-/// P^-1 of a covariance whose diagonal spans many orders of magnitude.
-template <int n>
-Eigen::Matrix<double, n, n> inverse(const Eigen::Matrix<double, n, n>& p) {
-  using Square = Eigen::Matrix<double, n, n>;
-  const Eigen::Matrix<double, n, 1> scale =
-      p.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Square correlation = scale.asDiagonal() * p * scale.asDiagonal();
-  const Square inverted = correlation.ldlt().solve(Square::Identity());
-  return scale.asDiagonal() * inverted * scale.asDiagonal();
-}
-
-/// One step of Rauch, Tung and Striebel: `filtered` given what is known `later`.
-template <int axes>
-BodyState<double, axes> step_back(const BodyState<double, axes>& filtered,
-                                  const Transition<double>& step,
-                                  const Eigen::Matrix<double, axes, 1>& gravity,
-                                  const Eigen::Matrix<double, axes, axes>& jerk,
-                                  const BodyState<double, axes>& later) {
-  using Body = BodyState<double, axes>;
-  using Square = typename Body::Square;
-  const Body predicted = filtered.after(step, gravity, jerk);
-  const Square F = Body::spread(step.F);
-  const Square gain = filtered.covariance * F.transpose() * inverse<3 * axes>(predicted.covariance);
-  const Square keep = Square::Identity() - gain * F;
-  return {filtered.mean + gain * (later.mean - predicted.mean),
-          keep * filtered.covariance * keep.transpose() +
-              gain * (Body::noise(step, jerk) + later.covariance) * gain.transpose()};
-}
-
-/// What a step's noise is to be expected to be, given the states before and after it, as the
-/// covariance of a jerk: E[w w'] = m m' + (I - L) Q (I - L)' + L (F P F' + P+) L', L = Q (F P F' +
-/// Q)^-1, m = L (x+ - F x), with its three orders whitened and averaged.
-Eigen::Matrix3d jerk_of(const BodyState<double, 3>& filtered, const Transition<double>& step,
-                        const Eigen::Matrix3d& jerk, const BodyState<double, 3>& later) {
-  using Body = BodyState<double, 3>;
-  using Square = Body::Square;
-  const auto predicted = filtered.after(step, Eigen::Vector3d::Zero(), jerk);
-  const Square Q = Body::noise(step, jerk), L = Q * inverse<9>(predicted.covariance),
-               keep = Square::Identity() - L;
-  const Body::Vector mean = L * (later.mean - predicted.mean);
-  const Square square = mean * mean.transpose() + keep * Q * keep.transpose() +
-                        L * (predicted.covariance - Q + later.covariance) * L.transpose();
-  const Eigen::Matrix3d white = inverse<3>(step.Q);
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) sum += white(i, j) * square.block<3, 3>(3 * i, 3 * j);
-  return (sum + sum.transpose()) / 6.0;
-}
-
 MotionNoise<double> scaled_by(const MotionNoise<double>& noise, double length, double time) {
   MotionNoise<double> result = noise;
   const double jerk = std::pow(time, 5) / (length * length), acceleration = time * time / length;
@@ -75,6 +26,7 @@ MotionNoise<double> scaled_by(const MotionNoise<double>& noise, double length, d
   result.throw_jerk_density *= jerk;
   result.flight_drag_per_s *= time;
   result.throw_s /= time;
+  result.correlation_s /= time;
   result.flight_jerk_density *= jerk;
   result.flight_acceleration_m_per_s2 *= acceleration;
   result.landing_velocity_m_per_s *= time / length;
@@ -82,9 +34,15 @@ MotionNoise<double> scaled_by(const MotionNoise<double>& noise, double length, d
   return result;
 }
 
-template <int axes>
+template <class Body>
 constexpr Eigen::Index first_axis(std::size_t body) {
-  return axes * static_cast<Eigen::Index>(body);
+  return Body::axes * static_cast<Eigen::Index>(body);
+}
+
+/// Of the axes of the body that is `body`th of them.
+template <class Body>
+typename Body::Place of_body(const Eigen::Vector3d& values, std::size_t body) {
+  return values.segment<Body::axes>(first_axis<Body>(body));
 }
 
 }  // namespace
@@ -130,63 +88,75 @@ Trajectory::Trajectory(const WeightedTrack& track, const MotionNoise<double>& no
       jerk_(track.jerk) {
   const ScaledTrack points(track, units_);
   for (const auto& point : points) times_.push_back(point.time);
-  if (jerk_.empty())
-    run<1>(points, scaled(initial, units_));
+  if (noise.correlated_scale > 0.0)
+    run<Errors::correlated>(points, scaled(initial, units_));
   else
-    run<3>(points, scaled(initial, units_));
+    run<Errors::white>(points, scaled(initial, units_));
 }
 
-template <int axes>
+template <Errors errors>
 void Trajectory::run(const ScaledTrack& points, const InitialMotion& initial) {
-  auto& knots = knots_.emplace<Knots<axes>>();
+  if (errors == Errors::correlated)
+    for (const auto& point : points)
+      correlated_sigma_.push_back(prior_.noise().correlated_scale * point.stated_sigma);
+  if (jerk_.empty())
+    run_bodies<Axis<errors>>(points, initial);
+  else
+    run_bodies<Whole<errors>>(points, initial);
+}
+
+template <class Body>
+void Trajectory::run_bodies(const ScaledTrack& points, const InitialMotion& initial) {
+  auto& knots = knots_.emplace<Knots<Body>>();
   const double scale = prior_.noise().measurement_scale;
-  Bodies<axes> now;
+  Bodies<Body> now;
   for (std::size_t body = 0; body < now.size(); ++body)
-    now[body] = initial_state<axes>(points, first_axis<axes>(body), initial);
+    now[body] = initial_state<Body>(points, first_axis<Body>(body), initial);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    now = after<axes>(now, times_[k > 0 ? k - 1 : 0], times_[k]);
-    for (std::size_t body = 0; body < now.size(); ++body) {
-      const auto first = first_axis<axes>(body);
-      now[body].measure(points[k].position.template segment<axes>(first),
-                        (scale * points[k].sigma.template segment<axes>(first)).cwiseAbs2());
-    }
+    now = after<Body>(now, times_[k > 0 ? k - 1 : 0], times_[k]);
+    for (std::size_t body = 0; body < now.size(); ++body)
+      cost_ += now[body].measure(of_body<Body>(points[k].position, body),
+                                 of_body<Body>((scale * points[k].sigma).cwiseAbs2(), body),
+                                 of_body<Body>(correlated_sigma(k), body));
     knots.filtered.push_back(now);
   }
   knots.smoothed = knots.filtered;
   for (std::size_t k = times_.size() - 1; k-- > 0;)
     knots.smoothed[k] =
-        before<axes>(knots.filtered[k], times_[k], times_[k + 1], knots.smoothed[k + 1]);
+        before<Body>(knots.filtered[k], times_[k], times_[k + 1], knots.smoothed[k + 1]);
 }
 
-template <int axes>
-Eigen::Matrix<double, axes, axes> Trajectory::jerk(double time, std::size_t body) const {
-  if (jerk_.empty()) return Eigen::Matrix<double, axes, axes>::Identity();
+Eigen::Vector3d Trajectory::correlated_sigma(std::size_t knot) const {
+  return correlated_sigma_.empty() ? Eigen::Vector3d::Zero() : correlated_sigma_[knot];
+}
+
+template <class Body>
+typename Body::Between Trajectory::jerk(double time, std::size_t body) const {
+  if (jerk_.empty()) return Body::Between::Identity();
   const auto up_to = std::lower_bound(times_.begin(), times_.end(), time) - times_.begin();
   const auto knot = std::min(static_cast<std::size_t>(up_to), jerk_.size() - 1);
-  const auto first = first_axis<axes>(body);
-  return jerk_[knot].block<axes, axes>(first, first);
+  const auto first = first_axis<Body>(body);
+  return jerk_[knot].block<Body::axes, Body::axes>(first, first);
 }
 
-template <int axes>
-Trajectory::Bodies<axes> Trajectory::after(const Bodies<axes>& bodies, double from,
+template <class Body>
+Trajectory::Bodies<Body> Trajectory::after(const Bodies<Body>& bodies, double from,
                                            double to) const {
   const auto step = prior_.between(from, to);
-  Bodies<axes> result;
+  Bodies<Body> result;
   for (std::size_t body = 0; body < bodies.size(); ++body)
-    result[body] = bodies[body].after(step, gravity_.segment<axes>(first_axis<axes>(body)),
-                                      jerk<axes>(to, body));
+    result[body] = bodies[body].after(step, of_body<Body>(gravity_, body), jerk<Body>(to, body));
   return result;
 }
 
-template <int axes>
-Trajectory::Bodies<axes> Trajectory::before(const Bodies<axes>& filtered, double from, double to,
-                                            const Bodies<axes>& later) const {
+template <class Body>
+Trajectory::Bodies<Body> Trajectory::before(const Bodies<Body>& filtered, double from, double to,
+                                            const Bodies<Body>& later) const {
   const auto step = prior_.between(from, to);
-  Bodies<axes> result;
+  Bodies<Body> result;
   for (std::size_t body = 0; body < filtered.size(); ++body)
-    result[body] =
-        step_back<axes>(filtered[body], step, gravity_.segment<axes>(first_axis<axes>(body)),
-                        jerk<axes>(to, body), later[body]);
+    result[body] = step_back<Body>(filtered[body], step, of_body<Body>(gravity_, body),
+                                   jerk<Body>(to, body), later[body]);
   return result;
 }
 
@@ -195,41 +165,44 @@ std::size_t Trajectory::knot_before(double time) const {
   return static_cast<std::size_t>(after - times_.begin()) - 1;
 }
 
-template <int axes>
-Trajectory::Bodies<axes> Trajectory::filtered_at(const Knots<axes>& knots, double time) const {
+template <class Body>
+Trajectory::Bodies<Body> Trajectory::filtered_at(const Knots<Body>& knots, double time) const {
   const auto knot = knot_before(time);
-  return after<axes>(knots.filtered[knot], times_[knot], time);
+  return after<Body>(knots.filtered[knot], times_[knot], time);
 }
 
 /// x(t) = F^-1 (x0 - w)
-template <int axes>
-Trajectory::Bodies<axes> Trajectory::before_the_first(const Knots<axes>& knots, double time) const {
-  using Body = BodyState<double, axes>;
+template <class Body>
+Trajectory::Bodies<Body> Trajectory::before_the_first(const Knots<Body>& knots, double time) const {
   const auto step = prior_.touched(times_.front() - time);
-  const typename Body::Square back = Body::spread(step.F.inverse());
-  Bodies<axes> result = knots.smoothed.front();
+  auto backwards = step;
+  backwards.F = step.F.inverse().eval();
+  const typename Body::Square back = Body::transition(backwards);
+  Bodies<Body> result = knots.smoothed.front();
   for (std::size_t body = 0; body < result.size(); ++body) {
     const auto& from = knots.smoothed.front()[body];
     result[body] = {
         back * from.mean,
-        back * (from.covariance + Body::noise(step, jerk<axes>(time, body))) * back.transpose()};
+        back * (from.covariance + Body::noise(step, jerk<Body>(time, body))) * back.transpose()};
   }
   return result;
 }
 
-template <int axes>
-Trajectory::Bodies<axes> Trajectory::smoothed_at(const Knots<axes>& knots, double time) const {
-  if (time < times_.front()) return before_the_first<axes>(knots, time);
+template <class Body>
+Trajectory::Bodies<Body> Trajectory::smoothed_at(const Knots<Body>& knots, double time) const {
+  if (time < times_.front()) return before_the_first<Body>(knots, time);
   const auto knot = knot_before(time);
-  const auto filtered = filtered_at<axes>(knots, time);
+  const auto filtered = filtered_at<Body>(knots, time);
   if (knot + 1 == times_.size()) return filtered;
-  return before<axes>(filtered, time, times_[knot + 1], knots.smoothed[knot + 1]);
+  return before<Body>(filtered, time, times_[knot + 1], knots.smoothed[knot + 1]);
 }
 
 MotionState Trajectory::smoothed(double time_s) const {
   const double time = (time_s - origin_s_) / units_.time_s;
   return std::visit(
-      [&]<int axes>(const Knots<axes>& knots) { return in_metres<axes>(smoothed_at(knots, time)); },
+      [&]<class Body>(const Knots<Body>& knots) {
+        return in_metres<Body>(smoothed_at(knots, time));
+      },
       knots_);
 }
 
@@ -237,36 +210,67 @@ MotionState Trajectory::causal(double time_s) const {
   const double time = (time_s - origin_s_) / units_.time_s;
   if (time < times_.front()) return smoothed(time_s);
   return std::visit(
-      [&]<int axes>(const Knots<axes>& knots) { return in_metres<axes>(filtered_at(knots, time)); },
+      [&]<class Body>(const Knots<Body>& knots) {
+        return in_metres<Body>(filtered_at(knots, time));
+      },
       knots_);
 }
 
-MotionState Trajectory::at_knot(std::size_t knot) const {
-  return std::visit(
-      [&]<int axes>(const Knots<axes>& knots) { return in_metres<axes>(knots.smoothed[knot]); },
+std::vector<ForetoldPoint> Trajectory::foretold() const {
+  std::vector<ForetoldPoint> result;
+  std::visit(
+      [&]<class Body>(const Knots<Body>& knots) {
+        for (std::size_t k = 0; k < times_.size(); ++k)
+          result.push_back(foretold<Body>(knots.smoothed[k], k));
+      },
       knots_);
-}
-
-std::vector<Eigen::Matrix3d> Trajectory::expected_jerk() const {
-  const auto& knots = std::get<Knots<3>>(knots_);
-  std::vector<Eigen::Matrix3d> result(times_.size(), Eigen::Matrix3d::Zero());
-  for (std::size_t k = 1; k < times_.size(); ++k) {
-    const auto step = prior_.between(times_[k - 1], times_[k]);
-    if (step.Q_free.isZero(0.0) && times_[k] > times_[k - 1])
-      result[k] = jerk_of(knots.filtered[k - 1][0], step, jerk_[k], knots.smoothed[k][0]);
-  }
   return result;
 }
 
-template <int axes>
-MotionState Trajectory::in_metres(const Bodies<axes>& bodies) const {
+template <class Body>
+ForetoldPoint Trajectory::foretold(const Bodies<Body>& bodies, std::size_t knot) const {
+  constexpr int axes = Body::axes;
+  ForetoldPoint point;
+  for (std::size_t body = 0; body < bodies.size(); ++body) {
+    const auto first = first_axis<Body>(body);
+    const auto sigma = of_body<Body>(correlated_sigma(knot), body);
+    const auto& [mean, covariance] = bodies[body];
+    point.position_m.segment<axes>(first) = Body::template measured<1>(mean, sigma);
+    point.variance_m2.segment<axes>(first) =
+        Body::template measured<axes>(
+            Body::template measured<Body::size>(covariance, sigma).transpose(), sigma)
+            .diagonal();
+  }
+  const double length_m = units_.length_m;
+  return {origin_m_ + length_m * point.position_m, length_m * length_m * point.variance_m2};
+}
+
+std::vector<Eigen::Matrix3d> Trajectory::expected_jerk() const {
+  std::vector<Eigen::Matrix3d> result(times_.size(), Eigen::Matrix3d::Zero());
+  std::visit(
+      [&]<class Body>(const Knots<Body>& knots) {
+        if constexpr (Body::axes == 3)
+          for (std::size_t k = 1; k < times_.size(); ++k) {
+            const auto step = prior_.between(times_[k - 1], times_[k]);
+            if (step.Q_free.isZero(0.0) && times_[k] > times_[k - 1])
+              result[k] = touchtrace::expected_jerk(knots.filtered[k - 1][0], step, jerk_[k],
+                                                    knots.smoothed[k][0]);
+          }
+      },
+      knots_);
+  return result;
+}
+
+template <class Body>
+MotionState Trajectory::in_metres(const Bodies<Body>& bodies) const {
+  constexpr int axes = Body::axes;
   const double s = units_.length_m, h = units_.time_s;
   const Eigen::Vector3d unit(s, s / h, s / (h * h));
   Eigen::Matrix3d mean;  // a column an order
   MotionState state;
   state.covariance.setZero();
   for (std::size_t body = 0; body < bodies.size(); ++body) {
-    const auto first = first_axis<axes>(body);
+    const auto first = first_axis<Body>(body);
     for (int i = 0; i < 3; ++i) {
       mean.block<axes, 1>(first, i) = unit[i] * bodies[body].mean.template segment<axes>(axes * i);
       for (int j = 0; j < 3; ++j)

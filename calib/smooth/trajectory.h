@@ -9,7 +9,7 @@
 
 namespace touchtrace {
 
-/// One measured position, with the deviation of each axis.
+/// One measured position, with the deviation of each axis, of all its errors together.
 struct TrackPoint {
   double time_s;
   Eigen::Vector3d position_m, sigma_m;
@@ -68,6 +68,11 @@ struct InitialMotion {
   double velocity_m_per_s, acceleration_m_per_s2;  ///< deviations around zero
 };
 
+/// A measurement as the others and itself foretell it, correlated errors and all.
+struct ForetoldPoint {
+  Eigen::Vector3d position_m, variance_m2;
+};
+
 struct ScaledTrack;
 
 /// A smoothed motion: knots at the measurements, states in between by the same prior, exactly.
@@ -88,8 +93,10 @@ class Trajectory {
   MotionState smoothed(double time_s) const;
   /// From the measurements up to `time_s` only; before the first: as `smoothed`.
   MotionState causal(double time_s) const;
-  /// As `smoothed`, at a measurement; of equal times each has its own.
-  MotionState at_knot(std::size_t knot) const;
+  /// [points] What each measurement should have been but for its white error.
+  std::vector<ForetoldPoint> foretold() const;
+  /// -log of the likelihood of the innovations, without the constant.
+  double cost() const { return cost_; }
   /// [points] The covariance that is to be expected, given all measurements, of the jerk up to
   /// each point, in the units of WeightedTrack::jerk; zero where a flight or nothing says so.
   std::vector<Eigen::Matrix3d> expected_jerk() const;
@@ -98,30 +105,39 @@ class Trajectory {
 
  private:
   /// Axes one by one where they are independent, else all together.
-  template <int axes>
-  using Bodies = std::array<BodyState<double, axes>, 3 / axes>;
-  template <int axes>
+  template <class Body>
+  using Bodies = std::array<Body, 3 / Body::axes>;
+  template <class Body>
   struct Knots {
-    std::vector<Bodies<axes>> filtered, smoothed;
+    std::vector<Bodies<Body>> filtered, smoothed;
   };
+  template <Errors errors>
+  using Axis = BodyState<double, 1, errors>;
+  template <Errors errors>
+  using Whole = BodyState<double, 3, errors>;
 
-  template <int axes>
+  template <Errors errors>
   void run(const ScaledTrack& points, const InitialMotion& initial);
-  template <int axes>
-  Bodies<axes> after(const Bodies<axes>& bodies, double from, double to) const;
-  template <int axes>
-  Bodies<axes> before(const Bodies<axes>& filtered, double from, double to,
-                      const Bodies<axes>& later) const;
-  template <int axes>
-  Bodies<axes> filtered_at(const Knots<axes>& knots, double time) const;
-  template <int axes>
-  Bodies<axes> smoothed_at(const Knots<axes>& knots, double time) const;
-  template <int axes>
-  Bodies<axes> before_the_first(const Knots<axes>& knots, double time) const;
-  template <int axes>
-  MotionState in_metres(const Bodies<axes>& bodies) const;
-  template <int axes>
-  Eigen::Matrix<double, axes, axes> jerk(double time, std::size_t body) const;
+  template <class Body>
+  void run_bodies(const ScaledTrack& points, const InitialMotion& initial);
+  template <class Body>
+  Bodies<Body> after(const Bodies<Body>& bodies, double from, double to) const;
+  template <class Body>
+  Bodies<Body> before(const Bodies<Body>& filtered, double from, double to,
+                      const Bodies<Body>& later) const;
+  template <class Body>
+  Bodies<Body> filtered_at(const Knots<Body>& knots, double time) const;
+  template <class Body>
+  Bodies<Body> smoothed_at(const Knots<Body>& knots, double time) const;
+  template <class Body>
+  Bodies<Body> before_the_first(const Knots<Body>& knots, double time) const;
+  template <class Body>
+  MotionState in_metres(const Bodies<Body>& bodies) const;
+  template <class Body>
+  ForetoldPoint foretold(const Bodies<Body>& bodies, std::size_t knot) const;
+  Eigen::Vector3d correlated_sigma(std::size_t knot) const;
+  template <class Body>
+  typename Body::Between jerk(double time, std::size_t body) const;
   std::size_t knot_before(double time) const;
 
   MotionUnits units_;
@@ -129,8 +145,12 @@ class Trajectory {
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero(), gravity_ = Eigen::Vector3d::Zero();
   MotionPrior<double> prior_{{}, {}};
   std::vector<double> times_;
+  std::vector<Eigen::Vector3d> correlated_sigma_;
   std::vector<Eigen::Matrix3d> jerk_;
-  std::variant<Knots<1>, Knots<3>> knots_;
+  std::variant<Knots<Axis<Errors::white>>, Knots<Whole<Errors::white>>,
+               Knots<Axis<Errors::correlated>>, Knots<Whole<Errors::correlated>>>
+      knots_;
+  double cost_ = 0.0;
 };
 
 }  // namespace touchtrace

@@ -44,9 +44,10 @@ std::uint8_t quality(double time_s, const std::vector<double>& frame_time_s,
 }
 
 /// The variance of what neighbouring measurements have in common and no smoother sees. Of the
-/// object: what the innovations leave of the deviations of what was measured nearest, for its
-/// visible part changes slowly; its own unevenness; and where the hand hides it.
-Variances object_systematic(double time_s, const ClipTrack& track, double measurement_scale) {
+/// object: what smoothing leaves of the deviations of what was measured nearest, for its visible
+/// part changes slowly; its own unevenness; and where the hand hides it.
+Variances object_systematic(double time_s, const ClipTrack& track,
+                            const MotionNoise<double>& noise) {
   const Observation* nearest = nullptr;
   double nearest_s = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < track.time_s.size(); ++i) {
@@ -58,8 +59,7 @@ Variances object_systematic(double time_s, const ClipTrack& track, double measur
   Variances variances = Variances::Zero();
   variances.head<3>().setConstant(track.object_unevenness_m * track.object_unevenness_m);
   if (!nearest) return variances;
-  const double shared = std::max(0.0, 1.0 - measurement_scale * measurement_scale);
-  variances.head<3>() += shared * nearest->sigma_m.cwiseAbs2();
+  variances.head<3>() += noise.left_share() * nearest->sigma_m.cwiseAbs2();
   if (nearest->follows_hand) {
     variances.head<3>().array() += std::pow(hidden_systematic_m, 2);
     variances.tail<3>().array() += std::pow(hidden_systematic_m / hidden_systematic_s, 2);
@@ -148,8 +148,7 @@ void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack
     append_label(frame, bodies.hand.tracks[clip], track, track.hand, camera_period_s,
                  hand_systematic, labels.hand);
     append_label(frame, bodies.object.tracks[clip], track, track.object, camera_period_s,
-                 object_systematic(frame.time_s, track, bodies.object.noise.measurement_scale),
-                 labels.object);
+                 object_systematic(frame.time_s, track, bodies.object.noise), labels.object);
   }
 }
 

@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "calib/smooth/smooth.h"
+#include "calib/smooth/synthetic_track.h"
+#include "engine/base/random.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr double frame_s = 0.05, stated_m = 0.002, correlation_s = 0.3;
+
+MotionNoise<double> correlated_noise() {
+  MotionNoise<double> noise;
+  noise.measurement_scale = 0.8;
+  noise.correlated_scale = 0.6;
+  noise.correlation_s = correlation_s;
+  return noise;
+}
+
+/// One axis of a smoothing problem by its normal equations, all knots (p, v, a, error) at once.
+struct Dense {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd vector;
+
+  explicit Dense(const Track& track, const MotionNoise<double>& noise)
+      : information(Eigen::MatrixXd::Zero(size(track), size(track))),
+        vector(Eigen::VectorXd::Zero(size(track))) {
+    // a filter starts from a thousand deviations of a measurement in its units of time
+    constexpr double start_m = 1e3 * stated_m;
+    information.diagonal().head<4>() << std::pow(start_m, -2), std::pow(start_m / frame_s, -2),
+        std::pow(start_m / (frame_s * frame_s), -2), 1.0;
+    vector[0] = track.front().position_m.x() / (start_m * start_m);
+    for (std::size_t k = 0; k < track.size(); ++k) {
+      measure(k, track[k], noise);
+      if (k > 0) move(k, track[k].time_s - track[k - 1].time_s, noise);
+    }
+  }
+
+ private:
+  static Eigen::Index size(const Track& track) { return 4 * std::ssize(track); }
+
+  void measure(std::size_t k, const TrackPoint& point, const MotionNoise<double>& noise) {
+    const Eigen::Vector4d h(1.0, 0.0, 0.0, noise.correlated_scale * point.sigma_m.x());
+    const double variance = std::pow(noise.measurement_scale * point.sigma_m.x(), 2);
+    const auto at = 4 * static_cast<Eigen::Index>(k);
+    information.block<4, 4>(at, at) += h * h.transpose() / variance;
+    vector.segment<4>(at) += h * point.position_m.x() / variance;
+  }
+
+  void move(std::size_t k, double h_s, const MotionNoise<double>& noise) {
+    const auto step = white_jerk(h_s, noise.jerk_density);
+    const double kept = std::exp(-h_s / noise.correlation_s);
+    Eigen::Matrix4d F = Eigen::Matrix4d::Zero(), Q = Eigen::Matrix4d::Zero();
+    F.topLeftCorner<3, 3>() = step.F, F(3, 3) = kept;
+    Q.topLeftCorner<3, 3>() = step.Q, Q(3, 3) = 1.0 - kept * kept;
+    Eigen::Matrix<double, 4, 8> difference;
+    difference << -F, Eigen::Matrix4d::Identity();
+    const auto from = 4 * static_cast<Eigen::Index>(k - 1);
+    information.block<8, 8>(from, from) += difference.transpose() * Q.inverse() * difference;
+  }
+};
+
+/// `motion` with white and correlated errors, together of the deviation `stated_m`.
+Track measure_correlated(const SyntheticMotion& motion, double share, std::uint64_t seed) {
+  RandomStream random(seed, "correlated errors");
+  const auto normal = [&] {
+    return Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+  };
+  const double kept = std::exp(-frame_s / correlation_s);
+  Eigen::Vector3d common = normal();
+  auto track = measure(motion, 1.0 / frame_s, stated_m * std::sqrt(1.0 - share), seed);
+  for (auto& point : track) {
+    common = kept * common + std::sqrt(1.0 - kept * kept) * normal();
+    point.position_m += stated_m * std::sqrt(share) * common;
+    point.sigma_m.setConstant(stated_m);
+  }
+  return track;
+}
+
+TEST(CorrelatedErrors, AreSolvedAsByTheNormalEquations) {
+  auto track = measure(synthetic_wave(1.0, 2), 1.0 / frame_s, stated_m, 2);
+  track.erase(track.begin() + 7, track.begin() + 10);
+  track[4].sigma_m *= 3.0;
+  SmoothOptions options;
+  options.fit_noise = options.robust = false;
+  options.noise = correlated_noise();
+  const auto smoothed = smooth(track, options);
+  const Dense dense(track, options.noise);
+  const Eigen::LDLT<Eigen::MatrixXd> solver(dense.information);
+  const Eigen::VectorXd mean = solver.solve(dense.vector);
+  const Eigen::MatrixXd covariance =
+      solver.solve(Eigen::MatrixXd::Identity(mean.size(), mean.size()));
+  for (std::size_t k = 0; k < track.size(); ++k) {
+    const auto state = smoothed.smoothed(track[k].time_s);
+    const auto at = 4 * static_cast<Eigen::Index>(k);
+    EXPECT_NEAR(state.position_m.x(), mean[at], 1e-6 * stated_m) << k;
+    EXPECT_NEAR(state.velocity_m_per_s.x(), mean[at + 1], 1e-6 * stated_m / frame_s) << k;
+    EXPECT_NEAR(state.covariance(0, 0) / covariance(at, at), 1.0, 1e-6) << k;
+    EXPECT_NEAR(state.covariance(3, 3) / covariance(at + 1, at + 1), 1.0, 1e-6) << k;
+  }
+}
+
+TEST(CorrelatedErrors, AreFoundWhereInnovationsLeaveThem) {
+  std::vector<Track> white, correlated;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    const auto motion = synthetic_wave(20.0, seed);
+    white.push_back(measure(motion, 1.0 / frame_s, stated_m, seed));
+    correlated.push_back(measure_correlated(motion, 0.5, seed));
+  }
+  const std::vector<std::vector<Flight>> none(white.size());
+  EXPECT_EQ(smooth(white, none, {}).noise.correlated_scale, 0.0);
+  const auto noise = smooth(correlated, none, {}).noise;
+  // 3600 innovations know the scale to 1.2 %; the correlated part's own innovations, half of it in
+  // 0.3 s, are a fifth of the white's
+  EXPECT_NEAR(noise.measurement_scale, std::sqrt(0.5), 0.08);
+  EXPECT_NEAR(noise.correlated_scale, std::sqrt(0.5), 0.08);
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -150,5 +150,18 @@ TEST(SceneAssumptions, AnotherGloveIsOnTheSameHand) {
   EXPECT_EQ(two.glove.info.name, "simulated glove 2");
 }
 
+/// However busy the host is.
+TEST(SceneAssumptions, FramesOfTheCameraArriveInOrder) {
+  SceneOptions options;
+  options.parameters.camera.jitter_s *= 10.0;
+  const CameraClock clock = make_camera_clock(options);
+  double last_s = clock.arrival_s(0);
+  for (std::uint64_t frame = 1; frame < 20000; ++frame) {
+    const double now_s = clock.arrival_s(frame);
+    ASSERT_GT(now_s, last_s) << frame;
+    last_s = now_s;
+  }
+}
+
 }  // namespace
 }  // namespace touchtrace::scene

@@ -1,14 +1,21 @@
 #include "pipeline/scene/camera/camera_clock.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/base/random.h"
 
 namespace touchtrace::scene {
+namespace {
+
+constexpr double longest_wait_share = 0.9;  // of a period, so that frames arrive in order
+
+}  // namespace
 
 double CameraClock::arrival_s(std::uint64_t sequence) const {
   const double unit = RandomStream(seed, "camera latency").uniform_at(sequence);
-  return true_time_s(sequence) + latency_s - jitter_s * std::log1p(-unit);
+  const double wait_s = std::min(-jitter_s * std::log1p(-unit), longest_wait_share * period_s);
+  return true_time_s(sequence) + latency_s + wait_s;
 }
 
 bool CameraClock::dropped(std::uint64_t sequence) const {

@@ -49,47 +49,58 @@ void add_apexes(const ClipMotion& clip, std::vector<double>& apex_m) {
 }
 
 constexpr int folds = 4;
+constexpr double flag_counts = 1e3;  // so large that no ridge matters to it
 
-/// Tactile frames less the baseline, with a one at the end, and the hand's positions at their
-/// scans, of every fourth clip.
+/// What is probed of every fourth clip's frames, with a one at the end, and the hand's positions at
+/// their scans.
 struct Fold {
   MatrixXd frames, positions;
 };
 
-Vector3d hand_position_at(const ClipMotion& clip, double time_s) {
-  const double at = std::round((time_s - clip.samples.front().time_s) * sample_rate_hz);
+/// In the middle of a frame's scan.
+const SceneSample& sample_at(const ClipMotion& clip, const GloveClock& clock, std::size_t frame) {
+  const double scan_start_s =
+      clock.first_frame_s + static_cast<double>(clip.glove.sequence[frame]) / clock.rate_hz;
+  const double at = std::round(
+      (scan_start_s + 0.5 * clip.glove.info.scan_s - clip.samples.front().time_s) * sample_rate_hz);
   const double last = static_cast<double>(clip.samples.size() - 1);
-  return clip.samples[static_cast<std::size_t>(std::clamp(at, 0.0, last))].hand.position_m;
+  return clip.samples[static_cast<std::size_t>(std::clamp(at, 0.0, last))];
 }
 
-void add_clip(const ClipMotion& clip, const GloveClock& clock, Index row, Fold& fold) {
+bool touches(const SceneSample& sample) { return !sample.contact_force_n.isZero(0.0); }
+
+/// Readings less the baseline, or whether anything is touched.
+Eigen::RowVectorXd probed_of(const ClipMotion& clip, std::size_t frame, bool touched,
+                             const Probe& probe) {
+  if (probe.sees == Probe::Sees::whether_touched)
+    return Eigen::RowVectorXd::Constant(1, touched ? flag_counts : 0.0);
   const GloveStream& glove = clip.glove;
-  const Index cells = glove.info.taxels();
-  for (std::size_t frame = 0; frame < glove.frames(); ++frame, ++row) {
-    for (Index cell = 0; cell < cells; ++cell) {
-      const auto c = static_cast<std::size_t>(cell);
-      fold.frames(row, cell) =
-          glove.counts[frame * glove.info.mask.size() + c] - glove.info.baseline_counts[c];
-    }
-    fold.frames(row, cells) = 1.0;
-    const double scan_start_s =
-        clock.first_frame_s + static_cast<double>(glove.sequence[frame]) / clock.rate_hz;
-    fold.positions.row(row) =
-        hand_position_at(clip, scan_start_s + 0.5 * glove.info.scan_s).transpose();
+  Eigen::RowVectorXd readings(glove.info.taxels());
+  for (Index cell = 0; cell < readings.size(); ++cell) {
+    const auto c = static_cast<std::size_t>(cell);
+    readings[cell] =
+        glove.counts[frame * glove.info.mask.size() + c] - glove.info.baseline_counts[c];
   }
+  return readings;
 }
 
-Fold collect(const std::vector<ClipMotion>& clips, const GloveClock& clock, std::size_t first) {
+Fold collect(const std::vector<ClipMotion>& clips, const GloveClock& clock, std::size_t first,
+             const Probe& probe) {
   Index rows = 0;
   for (std::size_t i = first; i < clips.size(); i += folds)
     rows += static_cast<Index>(clips[i].glove.frames());
-  Fold fold{MatrixXd(rows, clips.front().glove.info.taxels() + 1), MatrixXd(rows, 3)};
+  const Index columns = probe.sees == Probe::Sees::readings ? clips.front().glove.info.taxels() : 1;
+  Fold fold{MatrixXd::Ones(rows, columns + 1), MatrixXd(rows, 3)};
   Index row = 0;
-  for (std::size_t i = first; i < clips.size(); i += folds) {
-    add_clip(clips[i], clock, row, fold);
-    row += static_cast<Index>(clips[i].glove.frames());
-  }
-  return fold;
+  for (std::size_t i = first; i < clips.size(); i += folds)
+    for (std::size_t frame = 0; frame < clips[i].glove.frames(); ++frame) {
+      const SceneSample& sample = sample_at(clips[i], clock, frame);
+      const bool touched = touches(sample);
+      if (probe.only_touched && !touched) continue;
+      fold.frames.row(row).head(columns) = probed_of(clips[i], frame, touched, probe);
+      fold.positions.row(row++) = sample.hand.position_m.transpose();
+    }
+  return {fold.frames.topRows(row), fold.positions.topRows(row)};
 }
 
 /// Squared errors at each axis on one fold of a ridge regression on the others; `frames` are
@@ -135,14 +146,15 @@ ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec
   return s;
 }
 
-Vector3d position_probe_r2(const std::vector<ClipMotion>& clips, const GloveClock& clock) {
+Vector3d position_probe_r2(const std::vector<ClipMotion>& clips, const GloveClock& clock,
+                           const Probe& probe) {
   constexpr std::array<double, 3> ridge_counts{1.5, 15.0, 150.0};  // a frame
   std::array<Fold, folds> parts;
   std::array<MatrixXd, folds> normal, wanted;
   Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
   double frames = 0.0;
   for (int i = 0; i < folds; ++i) {
-    parts[i] = collect(clips, clock, static_cast<std::size_t>(i));
+    parts[i] = collect(clips, clock, static_cast<std::size_t>(i), probe);
     normal[i] = parts[i].frames.transpose() * parts[i].frames;
     wanted[i] = parts[i].frames.transpose() * parts[i].positions;
     middle += parts[i].positions.colwise().sum();

@@ -97,16 +97,27 @@ void verify_speed(const std::string& activity, const Emit& emit) {
                 simulated_s / stopwatch.wall_seconds(), "x", 300.0));
 }
 
+/// Whoever feels whether he holds something knows where in a toss he is, and so how high. That much
+/// is no leak; what readings tell beyond it, while the object is held, might be one.
+void verify_probe_of_tosses(const std::string& what, const Run& run, const Emit& emit) {
+  const auto height = [&](const Probe& probe) {
+    return position_probe_r2(run.clips, run.clock, probe).z();
+  };
+  emit(reported(what + "height by whether anything is touched, R^2",
+                height({Probe::Sees::whether_touched}), ""));
+  emit(reported(what + "height by a linear probe of frames in touch, R^2",
+                height({Probe::Sees::readings, true}), ""));
+}
+
 void verify_probe(const std::string& activity, const Emit& emit) {
   const ObjectSpec& object = default_object(activity);
   const std::string what = activity + " " + object.name + ": ";
-  const auto probe_of = [&](double clip_s) -> Eigen::Vector3d {
-    const Run grasps = perform(activity, object, 64, clip_s);
-    return position_probe_r2(grasps.clips, grasps.clock);
-  };
-  const Eigen::Vector3d probe = probe_of(10.0), at_first = probe_of(3.0);
+  const Run run = perform(activity, object, 64, 10.0), brief = perform(activity, object, 64, 3.0);
+  const Eigen::Vector3d probe = position_probe_r2(run.clips, run.clock),
+                        at_first = position_probe_r2(brief.clips, brief.clock);
   emit(at_most(what + "place by a linear probe, R^2", probe.head<2>().maxCoeff(), "", 0.1));
   emit(at_most(what + "height by a linear probe, R^2", probe.z(), "", 0.1));
+  if (activity == "throw") verify_probe_of_tosses(what, run, emit);
   emit(reported(what + "place, in the first 3 s of clips", at_first.head<2>().maxCoeff(), ""));
 }
 

@@ -21,14 +21,14 @@ namespace {
 
 constexpr double difference_s = 1e-3;
 
-constexpr LabelErrorModel wave_error{{{0.0019, 0.0011, 0.0024}, 0.021, 0.147},
+constexpr LabelErrorModel wave_error{{{0.0023, 0.0012, 0.0025}, 0.0192, 0.147},
                                      {{0.0051, 0.0051, 0.0051}, 0.020, 0.135},
                                      0.018,
-                                     0.053};
-constexpr LabelErrorModel throw_error{{{0.0013, 0.0009, 0.0018}, 0.028, 0.177},
+                                     0.052};
+constexpr LabelErrorModel throw_error{{{0.0015, 0.0010, 0.0016}, 0.0260, 0.177},
                                       {{0.0045, 0.0045, 0.0045}, 0.038, 0.178},
                                       0.018,
-                                      0.033};
+                                      0.009};
 
 LabelledBody without_states(std::size_t labels) {
   LabelledBody body;

@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <array>
 
 #include "pipeline/label/body_fit.h"
@@ -10,7 +11,8 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr int rounds = 3, most_iterations = 25;
+constexpr int rounds = 3, more_rounds = 6, most_iterations = 25;
+constexpr double helped = 0.995;  // part of the cost that a round which helped leaves
 constexpr std::size_t view_points = 300;
 constexpr double least_radius_m = 0.002, passing_radii = 2.0;
 constexpr double compactness = 1.0;  // points' worth of each half extent: holds what nothing shows
@@ -95,6 +97,8 @@ struct Compactness {
 /// RobustLoss, of squares: as poses are fitted.
 class SquaresLoss : public ceres::LossFunction {
  public:
+  explicit SquaresLoss(double width_m) : width2_(width_m * width_m) {}
+
   void Evaluate(double square, double out[3]) const override {
     const double inlying = width2_ / (width2_ + square);
     out[0] = inlying * square;
@@ -103,30 +107,56 @@ class SquaresLoss : public ceres::LossFunction {
   }
 
  private:
-  double width2_ = fine_width_m * fine_width_m;
+  double width2_;
 };
 
 template <class Residual>
-void add(ceres::Problem& problem, Residual* residual, Shape& shape, Pose& pose) {
+void add(ceres::Problem& problem, Residual* residual, double width_m, Shape& shape, Pose& pose) {
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Residual, 1, 4, 4, 3>(residual),
-                           new SquaresLoss, shape.data(), pose.rotation.coeffs().data(),
+                           new SquaresLoss(width_m), shape.data(), pose.rotation.coeffs().data(),
                            pose.place_m.data());
 }
 
-void add_view(ceres::Problem& problem, const BodyView& view, Shape& shape, Pose& pose) {
+void add_view(ceres::Problem& problem, const BodyView& view, double width_m, Shape& shape,
+              Pose& pose) {
   for (const auto& point : view.on_m)
-    add(problem, new PointDistance{point.cast<double>()}, shape, pose);
+    add(problem, new PointDistance{point.cast<double>()}, width_m, shape, pose);
   for (const auto& end : view.seen_past_m)
-    add(problem, new RayDepth{view.eye_m, end.cast<double>()}, shape, pose);
+    add(problem, new RayDepth{view.eye_m, end.cast<double>()}, width_m, shape, pose);
   problem.SetManifold(pose.rotation.coeffs().data(), new ceres::EigenQuaternionManifold);
 }
 
+/// A shape and how all views fit it; its compactness is part of the cost.
+struct Learnt {
+  RoundedBox box;
+  std::vector<BodyFit> fits;
+  double cost_m2 = 0.0;
+};
+
+Learnt fitted(const std::vector<BodyView>& views, const RoundedBox& box, int threads) {
+  Learnt learnt{box, std::vector<BodyFit>(views.size())};
+  for_each_index(views.size(), threads,
+                 [&](std::size_t i) { learnt.fits[i] = fit_body_anyhow(views[i], box); });
+  learnt.cost_m2 = 0.5 * (compactness * box.half_extents_m()).squaredNorm();
+  for (const auto& fit : learnt.fits) learnt.cost_m2 += fit.cost_m2;
+  return learnt;
+}
+
+std::vector<Pose> poses_of(const std::vector<BodyFit>& fits) {
+  std::vector<Pose> poses;
+  for (const auto& [pose, information, cost] : fits)
+    poses.push_back({Eigen::Quaterniond(pose.linear()), pose.translation()});
+  return poses;
+}
+
 /// Shape and poses together, from poses that are right but for the shape.
-RoundedBox refine(const std::vector<BodyView>& views, const RoundedBox& start,
-                  std::vector<Pose> poses) {
-  Shape shape{start.inner_m.x(), start.inner_m.y(), start.inner_m.z(), start.radius_m};
+RoundedBox refine(const std::vector<BodyView>& views, const Learnt& start, double width_m) {
+  Shape shape{start.box.inner_m.x(), start.box.inner_m.y(), start.box.inner_m.z(),
+              start.box.radius_m};
+  auto poses = poses_of(start.fits);
   ceres::Problem problem;
-  for (std::size_t i = 0; i < views.size(); ++i) add_view(problem, views[i], shape, poses[i]);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    add_view(problem, views[i], width_m, shape, poses[i]);
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Compactness, 3, 4>(new Compactness),
                            nullptr, shape.data());
   for (int i = 0; i < 3; ++i) problem.SetParameterLowerBound(shape.data(), i, 0.0);
@@ -140,25 +170,47 @@ RoundedBox refine(const std::vector<BodyView>& views, const RoundedBox& start,
   return box_of(shape);
 }
 
-std::vector<Pose> poses_of(const std::vector<BodyView>& views, const RoundedBox& box, int threads) {
-  std::vector<Pose> poses(views.size());
-  for_each_index(views.size(), threads, [&](std::size_t i) {
-    const auto pose = fit_body_anyhow(views[i], box).camera_from_body;
-    poses[i] = {Eigen::Quaterniond(pose.linear()), pose.translation()};
-  });
-  return poses;
+/// Where a search for a shape begins: half extents and radius in radii of the sphere, and the width
+/// of the first round's loss. A narrow one does not see what is far from where it begins, a wide
+/// one grows to strays: which was right only the end tells.
+struct Start {
+  std::array<double, 3> inner;
+  double edge, width_m;
+};
+constexpr std::array<Start, 3> starts{{{{0.2, 0.4, 0.7}, 0.5, fine_width_m},
+                                       {{0.3, 0.3, 0.3}, 0.5, fine_width_m},
+                                       {{0.1, 0.8, 1.1}, 0.3, rough_width_m}}};
+
+Learnt learn_from(const Start& start, const std::vector<BodyView>& views, double radius_m) {
+  auto at =
+      fitted(views, {radius_m * Eigen::Vector3d(start.inner.data()), radius_m * start.edge}, 1);
+  double width_m = start.width_m;
+  for (int round = 0; round < rounds; ++round, width_m = std::max(fine_width_m, 0.5 * width_m))
+    at = fitted(views, refine(views, at, width_m), 1);
+  return at;
+}
+
+/// More rounds, as long as they help.
+RoundedBox settled(const std::vector<BodyView>& views, Learnt at, int threads) {
+  for (int round = 0; round < more_rounds; ++round) {
+    auto next = fitted(views, refine(views, at, fine_width_m), threads);
+    if (!(next.cost_m2 < helped * at.cost_m2)) break;
+    at = std::move(next);
+  }
+  return at.box;
 }
 
 }  // namespace
 
 RoundedBox learn_box(const std::vector<BodyView>& views, double radius_m, int threads) {
-  RoundedBox box{radius_m * Eigen::Vector3d(0.2, 0.4, 0.7), 0.5 * radius_m};
   std::vector<BodyView> thin;
   for (const auto& view : views)
-    thin.push_back(thinned(view, likely_center(view, box), passing_radii * radius_m, view_points));
-  for (int round = 0; round < rounds; ++round)
-    box = refine(thin, box, poses_of(thin, box, threads));
-  return box;
+    thin.push_back(thinned(view, likely_center(view, {Eigen::Vector3d::Zero(), radius_m}),
+                           passing_radii * radius_m, view_points));
+  std::array<Learnt, starts.size()> learnt;
+  for_each_index(starts.size(), threads,
+                 [&](std::size_t i) { learnt[i] = learn_from(starts[i], thin, radius_m); });
+  return settled(thin, *std::ranges::min_element(learnt, {}, &Learnt::cost_m2), threads);
 }
 
 }  // namespace touchtrace::label

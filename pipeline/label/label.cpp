@@ -178,7 +178,9 @@ void describe(OptionSet& set, LabelOptions& o) {
 
 Labels label_recording(const Recording& recording, const FrameSource& frames,
                        const RgbdCalibration& calibration, const LabelOptions& options) {
-  const auto timeline = align(recording);
+  auto timeline = align(recording);
+  // places come from depth images
+  for (double& time_s : timeline.camera_time_s) time_s += calibration.depth_delay_s;
   require_background(frames);
   const auto clips = usable_clips(recording, timeline);
   const Stopwatch learning;
@@ -198,7 +200,7 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   labels.activity = recording.activity;
   labels.clips = recording.clips;
   resample(glove_frames(recording, timeline), tracks, bodies, 1.0 / recording.camera.rate_hz,
-           labels);
+           CalibrationError(calibration), labels);
   labels.raw = raw_track(tracks);
   labels.summary = summarize(options, scene, timeline, shares, bodies);
   labels.summary["object_falling_part"] = falling;

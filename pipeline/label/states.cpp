@@ -72,7 +72,7 @@ void append(const Eigen::Vector3d& value, std::vector<double>& to) {
 }
 
 void append_state(const SmoothedTrack& track, double time_s, const Variances& systematic,
-                  LabelledBody& body) {
+                  const CalibrationError& calibration, LabelledBody& body) {
   const auto state = track.smoothed(time_s), causal = track.causal(time_s);
   append(state.position_m, body.position_m);
   append(state.velocity_m_per_s, body.velocity_m_per_s);
@@ -80,6 +80,7 @@ void append_state(const SmoothedTrack& track, double time_s, const Variances& sy
   append(causal.velocity_m_per_s, body.causal_velocity_m_per_s);
   Eigen::Matrix<double, 6, 6> covariance = state.covariance.topLeftCorner<6, 6>();
   covariance.diagonal() += systematic;
+  covariance += calibration.covariance(state.position_m, state.velocity_m_per_s);
   body.covariance.insert(body.covariance.end(), covariance.data(), covariance.data() + 36);
 }
 
@@ -95,9 +96,10 @@ void append_nothing(LabelledBody& body) {
 
 void append_label(const GloveFrame& frame, const SmoothedTrack& smoothed, const ClipTrack& track,
                   const Observations& observations, double camera_period_s,
-                  const Variances& systematic, LabelledBody& body) {
+                  const Variances& systematic, const CalibrationError& calibration,
+                  LabelledBody& body) {
   if (smoothed.status != SmoothStatus::converged) return append_nothing(body);
-  append_state(smoothed, frame.time_s, systematic, body);
+  append_state(smoothed, frame.time_s, systematic, calibration, body);
   body.quality.push_back(quality(frame.time_s, track.time_s, observations, camera_period_s));
 }
 
@@ -136,7 +138,8 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
 }
 
 void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack>& tracks,
-              const SmoothedBodies& bodies, double camera_period_s, Labels& labels) {
+              const SmoothedBodies& bodies, double camera_period_s,
+              const CalibrationError& calibration, Labels& labels) {
   Variances hand_systematic = Variances::Zero();
   hand_systematic.head<3>().setConstant(hand_systematic_m * hand_systematic_m);
   for (const auto& frame : frames) {
@@ -146,9 +149,10 @@ void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack
     labels.glove_frame.push_back(frame.index);
     const auto& track = tracks[clip];
     append_label(frame, bodies.hand.tracks[clip], track, track.hand, camera_period_s,
-                 hand_systematic, labels.hand);
+                 hand_systematic, calibration, labels.hand);
     append_label(frame, bodies.object.tracks[clip], track, track.object, camera_period_s,
-                 object_systematic(frame.time_s, track, bodies.object.noise), labels.object);
+                 object_systematic(frame.time_s, track, bodies.object.noise), calibration,
+                 labels.object);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "calib/smooth/smooth.h"
+#include "pipeline/label/calibration_error.h"
 #include "pipeline/label/follow.h"
 #include "pipeline/label/timeline.h"
 #include "pipeline/recording/labels.h"
@@ -21,9 +22,11 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
                              const Eigen::Vector3d& gravity_m_per_s2, bool bounces,
                              int threads = 1);
 
-/// Both bodies' states at every glove frame, and their quality.
+/// Both bodies' states at every glove frame, with what the calibration may be off in their
+/// covariance, and their quality.
 void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack>& tracks,
-              const SmoothedBodies& bodies, double camera_period_s, Labels& labels);
+              const SmoothedBodies& bodies, double camera_period_s,
+              const CalibrationError& calibration, Labels& labels);
 
 /// What was measured, clip after clip.
 RawTrack raw_track(const std::vector<ClipTrack>& tracks);

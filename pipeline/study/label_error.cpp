@@ -118,11 +118,10 @@ double delay_of(const std::function<std::vector<Sample>(double)>& samples_at) {
   return best_s;
 }
 
-/// Takes the mean out of every sample.
-void remove_bias(std::vector<Sample>& samples, BodyError& error) {
-  for (const auto& sample : samples)
-    error.bias_m += sample.error.head<3>() / static_cast<double>(samples.size());
-  for (auto& sample : samples) sample.error.head<3>() -= error.bias_m;
+Eigen::Vector3d mean_offset(const std::vector<Sample>& samples) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& sample : samples) sum += sample.error.head<3>();
+  return sum / static_cast<double>(samples.size());
 }
 
 /// NaN where there is nothing to take the mean of.
@@ -130,10 +129,10 @@ double mean(double sum, const std::vector<Sample>& samples) {
   return sum / static_cast<double>(samples.size());
 }
 
-/// Of the positions, per axis.
-Eigen::Vector3d rms_m(const std::vector<Sample>& samples) {
+/// Of the positions about a bias, per axis.
+Eigen::Vector3d rms_m(const std::vector<Sample>& samples, const Eigen::Vector3d& bias_m) {
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
-  for (const auto& sample : samples) squares += sample.error.head<3>().cwiseAbs2();
+  for (const auto& sample : samples) squares += (sample.error.head<3>() - bias_m).cwiseAbs2();
   return (squares / static_cast<double>(samples.size())).cwiseSqrt();
 }
 
@@ -151,14 +150,13 @@ void measure_delayed(const std::vector<Sample>& right, BodyError& error) {
     velocity += sample.error.tail<3>().squaredNorm() / 3.0;
     causal += sample.causal_velocity_error.squaredNorm() / 3.0;
   }
-  error.position_rms_m = rms_m(right);
+  error.position_rms_m = rms_m(right, Eigen::Vector3d::Zero());
   error.velocity_rms_m_per_s = std::sqrt(mean(velocity, known));
   error.causal_velocity_rms_m_per_s = std::sqrt(mean(causal, known));
 }
 
-/// Errors with delay and bias taken out.
-void measure_aligned(std::vector<Sample> right, BodyError& error) {
-  remove_bias(right, error);
+/// Errors with the delay taken out. A bias stays in what covariances are judged by.
+void measure_aligned(const std::vector<Sample>& right, BodyError& error) {
   double velocity = 0.0, positions_covered = 0.0, velocities_covered = 0.0, nees = 0.0;
   const auto known = with_true_velocity(right);
   for (const auto& sample : known) {
@@ -168,7 +166,8 @@ void measure_aligned(std::vector<Sample> right, BodyError& error) {
     nees += sample.error.dot(sample.covariance.ldlt().solve(sample.error)) / 6.0;
   }
   error.impact_share = 1.0 - mean(static_cast<double>(known.size()), right);
-  error.position_spread_m = rms_m(right);
+  error.bias_m = mean_offset(right);
+  error.position_spread_m = rms_m(right, error.bias_m);
   error.aligned_velocity_rms_m_per_s = std::sqrt(mean(velocity, known));
   error.position_coverage = mean(positions_covered, known);
   error.velocity_coverage = mean(velocities_covered, known);

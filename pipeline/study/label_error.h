@@ -11,9 +11,10 @@ namespace touchtrace::study {
 /// How far the labels of one body are from the truth, in the colour camera's frame. Labels further
 /// off than 60 mm (from the truth plus the median offset) are wrong; errors are of all that are
 /// neither lost nor wrong. What no recording shows (where a body's middle is, the streams' least
-/// latency) is given as bias and delay; spread, aligned velocity, coverage and NEES are of what is
-/// left. Velocities, coverage and NEES leave out where an impact lies between the truth's samples:
-/// its velocity there is not known.
+/// latency) is given as bias and delay; spread and aligned velocity are of what is left. Coverage
+/// and NEES have the bias in them, as covariances have; of the hand, whose bias is from blob to
+/// palm, they mean nothing. Velocities, coverage and NEES leave out where an impact lies between
+/// the truth's samples: its velocity there is not known.
 struct BodyError {
   double lost_share = 0.0;     ///< labels that say so, of a body in the picture
   double outside_share = 0.0;  ///< of labels while the body's middle was outside the picture

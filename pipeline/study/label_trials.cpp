@@ -81,7 +81,7 @@ LabelError error_of_exact_positions(const Recording& recording, const Truth& tru
   labels.clips = recording.clips;
   label::resample(label::glove_frames(recording, timeline), tracks,
                   label::smooth_bodies(tracks, gravity, bounces), 1.0 / recording.camera.rate_hz,
-                  labels);
+                  label::CalibrationError({}), labels);
   return compare_labels_with_truth(labels, truth);
 }
 

@@ -14,7 +14,7 @@ struct RenderedScene {
   std::string activity;
   scene::ObjectSpec object;
   std::uint64_t seed = 1;
-  int width = 320, height = 240;
+  int width = 640, height = 480;
 };
 
 /// Stretches of video in which something stands before the camera.

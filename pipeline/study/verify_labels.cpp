@@ -71,6 +71,15 @@ class Errors {
   std::vector<BodyError> errors_;
 };
 
+/// Whether covariances are true.
+void emit_covariance(const std::string& name, const Errors& errors, const Emit& emit) {
+  emit(within(name + ": object positions in their 80 % interval",
+              errors.mean(&BodyError::position_coverage), "", 0.78, 0.82));
+  emit(within(name + ": object velocities in their 80 % interval",
+              errors.mean(&BodyError::velocity_coverage), "", 0.78, 0.82));
+  emit(within(name + ": object NEES", errors.mean(&BodyError::nees), "", 0.8, 1.2));
+}
+
 void emit_object(const std::string& name, const Errors& errors, const Errors& floor,
                  const std::array<double, 3>& most_mm, const Emit& emit) {
   const auto percent = [&](double BodyError::*share) { return 100.0 * errors.mean(share); };
@@ -99,11 +108,7 @@ void emit_object(const std::string& name, const Errors& errors, const Errors& fl
                 errors.rms(&BodyError::causal_velocity_rms_m_per_s), "m/s"));
   emit(
       reported(name + ": delay that no stamp shows", 1e3 * errors.mean(&BodyError::delay_s), "ms"));
-  emit(within(name + ": object positions in their 80 % interval",
-              errors.mean(&BodyError::position_coverage), "", 0.78, 0.82));
-  emit(within(name + ": object velocities in their 80 % interval",
-              errors.mean(&BodyError::velocity_coverage), "", 0.78, 0.82));
-  emit(within(name + ": object NEES", errors.mean(&BodyError::nees), "", 0.8, 1.2));
+  emit_covariance(name, errors, emit);
 }
 
 void emit_hand(const std::string& name, const Errors& errors, const Emit& emit) {
@@ -120,13 +125,13 @@ void emit_hand(const std::string& name, const Errors& errors, const Emit& emit) 
 
 /// An activity with one object over all seeds, without a tracker: what trackers add is in a table
 /// of its own.
-void measure_scene(const std::string& activity, const std::string& object, const Emit& emit,
-                   Progress& progress) {
+void measure_scene(const std::string& activity, const std::string& object, Errors& of_all,
+                   const Emit& emit, Progress& progress) {
   Errors of_object, of_hand, floor;
   for (std::uint64_t seed = first_seed; seed < first_seed + seeds; ++seed) {
     const RenderedRecording rendered({activity, scene::find_object(object), seed});
     const auto error = compare_labels_with_truth(rendered.label("component"), rendered.truth());
-    of_object.add(error.object), of_hand.add(error.hand);
+    of_object.add(error.object), of_hand.add(error.hand), of_all.add(error.object);
     floor.add(error_of_exact_positions(rendered.recording(), rendered.truth()).object);
     progress.advance();
   }
@@ -136,8 +141,11 @@ void measure_scene(const std::string& activity, const std::string& object, const
 }
 
 void measure_scenes(const Emit& emit, Progress& progress) {
+  Errors of_all;
   for (const auto& [activity, object] : scenes)
-    measure_scene(activity, object ? object : scene::default_object(activity).name, emit, progress);
+    measure_scene(activity, object ? object : scene::default_object(activity).name, of_all, emit,
+                  progress);
+  emit_covariance("all scenes", of_all, emit);
 }
 
 void measure_occlusion(const Emit& emit, Progress& progress) {

@@ -210,6 +210,20 @@ study::BodyError error_with_component(const Stage& stage) {
       .object;
 }
 
+TEST(Label, PlacesBelongToTheTimeOfWhatDepthImagesShow) {
+  const Stage stage(false);
+  LabelOptions options;
+  options.tracker = "component";
+  const auto delay_s = [&](const RgbdCalibration& calibration) {
+    const auto labels =
+        label_recording(recording_of(stage), frames_of(stage), calibration, options);
+    return study::compare_labels_with_truth(labels, truth_of(stage)).object.delay_s;
+  };
+  auto late = calibration();
+  late.depth_delay_s = 0.015;
+  EXPECT_NEAR(delay_s(late) - delay_s(calibration()), 0.015, 0.001);
+}
+
 TEST(Label, AnObjectThatIsHiddenAtFirstIsKnownOnceItShows) {
   for (const bool thrown : {false, true}) {
     SCOPED_TRACE(thrown ? "thrown" : "waved");

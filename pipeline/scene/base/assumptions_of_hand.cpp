@@ -8,8 +8,8 @@ void add_contact(AssumptionTable& table) {
   AssumptionRows<P> row(table, "contact", &SceneParameters::contact);
   row("stiffness", &P::stiffness_n_per_m3, "N/m^3", 1e5, 1e9, "k of the foundation",
       "form: Johnson 1985, value: no", "a 170 g ball sinks 1-2 mm into palm and glove");
-  row("hardening", &P::hardening_m, "m", 1e-4, 1.0, "d0 of the foundation", "no",
-      "a 170 g ball sinks 1-2 mm into palm and glove");
+  row("hardening", &P::hardening_m, "m", 5e-4, 1.0, "l of the foundation",
+      "form: Pawluk and Howe 1999, value: no", "a 170 g ball sinks 1-2 mm into palm and glove");
   row("dissipation", &P::dissipation_s_per_m, "s/m", 0.0, 100.0, "c of the foundation",
       "form: Hunt and Crossley 1975, value: no",
       "a ball dropped from 5 cm rebounds to about 7 % of its height");

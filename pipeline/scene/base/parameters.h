@@ -12,10 +12,11 @@ namespace touchtrace::scene {
 using Interval = std::array<double, 2>;  ///< from, to
 using Box = std::array<double, 6>;       ///< from, to along the world's x, y and z
 
-/// Winkler foundation under every taxel, as soft tissue and glove: f = k d (1 + d / d0) (1 + c d'),
-/// friction a bristle of 0.7 k with the same relative damping, clipped at the Coulomb limit.
+/// Winkler foundation under every taxel, as soft tissue and glove, which stiffens exponentially
+/// (Pawluk and Howe 1999): f = k l (exp(d / l) - 1) (1 + c d'); friction a bristle of 0.7 k with
+/// the same relative damping, clipped at the Coulomb limit.
 struct ContactParameters {
-  double stiffness_n_per_m3 = 1e7, hardening_m = 0.003, dissipation_s_per_m = 3.0;
+  double stiffness_n_per_m3 = 1e7, hardening_m = 0.0015, dissipation_s_per_m = 3.0;
   double bristle_ratio = 0.7;
   double clamp_m = 0.008;  ///< deeper than this the law is not meant; counted
 };

@@ -11,6 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double creeping_m_per_s = 0.002;
 constexpr double grasp_s = 1.4, turn_start_s = -0.7, turn_end_s = -0.1;  // activity's time
 constexpr double weight_lag_s = 0.05;
 constexpr double lever_lag_s = 0.02, shortest_lever_m = 0.01, longest_lever_m = 0.08;
@@ -178,6 +179,7 @@ Drive Performance::drive_to(const Command& command) {
 
 void Performance::advance() {
   const Command command = activity_->command(tick_ * control_interval_s, sample());
+  gripping_ = command.closed_grip;
   world_.advance(drive_to(command), control_interval_s, step_s_);
   if (steadied()) {
     world_.object.orientation = put_orientation_;
@@ -189,12 +191,20 @@ void Performance::advance() {
                control_interval_s);
 }
 
+/// What creeps out of a closed hand has not been got hold of.
+bool Performance::creeping() const {
+  const RigidState &held = world_.object, &hand = world_.hand;
+  const Vector3d carried = hand.velocity_m_per_s +
+                           hand.angular_velocity_rad_per_s.cross(held.position_m - hand.position_m);
+  return gripping_ && (held.velocity_m_per_s - carried).norm() > creeping_m_per_s;
+}
+
 bool Performance::grasp() {
   glove_.start(start_s_);
   while (tick_ < 0) advance();
   world_.ball = activity_->serve(sample());
   if (world_.ball) vary_restitution();
-  return in_hand(world_.spec(), sample()) && !lost();
+  return in_hand(world_.spec(), sample()) && !creeping() && !lost();
 }
 
 bool Performance::lost() const { return activity_->lost(sample()); }

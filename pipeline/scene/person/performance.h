@@ -32,6 +32,7 @@ class Performance {
   Eigen::Quaterniond wanted_orientation(const Command& command) const;
   void vary_restitution();
   bool steadied() const;
+  bool creeping() const;
   void place_object(const Command& command, RandomStream& random);
 
   GraspParameters grasp_;
@@ -47,6 +48,7 @@ class Performance {
   std::array<double, finger_count> lever_m_, rest_rad_;
   /// Of the hand while it takes the object; of the object as it is put there.
   Eigen::Quaterniond taking_orientation_ = Eigen::Quaterniond::Identity(), put_orientation_;
+  bool gripping_ = false;
 };
 
 }  // namespace touchtrace::scene

@@ -11,6 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double contact_reach_m = 0.1;  // of most touching places from the centre of mass
+constexpr double least_way = 1e-3;       // of the hardening's depth, for a chord
 
 Lanes3 velocity_of(const Twist& twist, const Lanes3& place_m) {
   return Lanes3::all(twist.linear) + cross(Lanes3::all(twist.angular), place_m);
@@ -21,6 +22,22 @@ Lanes clip(const Lanes3& v, Lanes longest) {
   const Lanes square = dot(v, v);
   const LaneMask is_longer = square > longest * longest;
   return any(is_longer) ? (is_longer ? longest / root(square) : all_lanes(1.0)) : all_lanes(1.0);
+}
+
+/// e^x - 1 by Taylor's series at x / 32, doubled five times: to 1e-7 of itself for x from 0 to 5.
+Lanes exponential_less_one(Lanes x) {
+  const Lanes y = x / 32;
+  Lanes e = 1 + y * (1.0 / 6);
+  for (const double share : {1.0 / 5, 1.0 / 4, 1.0 / 3, 1.0 / 2}) e = 1 + share * y * e;
+  e *= y;
+  for (int doubling = 0; doubling < 5; ++doubling) e *= e + 2;
+  return e;
+}
+
+/// Depth in which springs that do not harden would press as much; negative where nothing touches.
+Lanes linear_depth_m(Lanes depth_m, double hardening_m) {
+  return smallest(depth_m, Lanes{}) +
+         hardening_m * exponential_less_one(largest(depth_m, Lanes{}) / hardening_m);
 }
 
 }  // namespace
@@ -87,14 +104,20 @@ void ContactPatch::add(const TouchingBody& body, const Twist& motion, const Twis
   }
 }
 
+/// Where contacts get deeper, stiffness is that of the chord to where they are expected to get. The
+/// tangent there foresees too little force, and what gets too deep is thrown out again.
 void ContactPatch::load(Contacts& c, const Lanes3& velocity, const Lanes3& expected) const {
   const ContactParameters& p = parameters_;
-  const Lanes none{}, depth = smallest(c.depth_m, all_lanes(p.clamp_m)),
-                      rate = -dot(c.normal, velocity);
-  const Lanes hardening = largest(depth, none) / p.hardening_m;
-  const Lanes elastic_n = c.stiffness_n_per_m * depth * (1 + hardening);
+  const Lanes none{}, clamp = all_lanes(p.clamp_m), rate = -dot(c.normal, velocity);
+  const Lanes depth = smallest(c.depth_m, clamp),
+              reached = smallest(depth - ahead_s_ * dot(c.normal, expected), clamp);
+  const Lanes linear = linear_depth_m(depth, p.hardening_m), way = reached - depth;
+  const Lanes hardened = way > least_way * p.hardening_m
+                             ? (linear_depth_m(reached, p.hardening_m) - linear) / way
+                             : 1 + largest(linear, none) / p.hardening_m;
+  const Lanes elastic_n = c.stiffness_n_per_m * linear;
   const Lanes slope =
-      c.stiffness_n_per_m * (1 + 2 * hardening) * largest(1 + p.dissipation_s_per_m * rate, none);
+      c.stiffness_n_per_m * hardened * largest(1 + p.dissipation_s_per_m * rate, none);
   c.normal_n = elastic_n - looked_s_ * slope * rate;
   c.normal_gain = ahead_s_ * slope + p.dissipation_s_per_m * largest(elastic_n, none);
   c.tangent_k = p.bristle_ratio * c.stiffness_n_per_m;

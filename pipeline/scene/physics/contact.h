@@ -42,6 +42,7 @@ class ContactPatch {
   /// sums.
   void settle(const RelativeMotion& motion, double h);
 
+  const ContactParameters& parameters() const { return parameters_; }
   bool touching() const { return touching_ > 0; }
   double clearance_m() const { return search_.clearance_m(); }
   std::span<const double> force_n() const { return force_n_; }  ///< normal, of every taxel

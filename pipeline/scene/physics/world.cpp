@@ -11,11 +11,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double impact_error_m_per_s = 0.1, finest_share = 16.0;  // of the step in impacts
-constexpr double first_patch_m2 = 3e-4;                            // expected of a first contact
+constexpr double impact_m_per_s = 0.1;         // slower, and any step will do
+constexpr double impact_error_m_per_s = 0.05;  // in the speed after an impact
+constexpr double finest_share = 32.0;          // of the step in impacts
+constexpr double finger_length_m = 0.08;
+constexpr double first_patch_m2 = 3e-4;   // expected of a first contact
 constexpr double impact_s = 1e-3;         // a racket's rubber and a ball touch that long
 constexpr double shortest_step_s = 1e-7;  // to an impact of the ball
-constexpr int most_tries = 4;             // at finding which contacts part
 
 Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vector3d& rotation) {
   return rotation.isZero(0.0) ? orientation : (rotation_by(rotation) * orientation).normalized();
@@ -142,13 +144,12 @@ void World::step(const Drive& drive, double h) {
   add_fingers(drive, at, masses);
   add_arm(drive, at, masses);
   Velocity mean;
-  int tries = 0;
   do {
     MotionSystem system = masses;
     contact_.add_to(system, at.imposed());
     mean = system.solve();
     note_rates(masses, system, at.ahead_s);
-  } while (contact_.part(at.motion(mean)) && ++tries < most_tries);
+  } while (contact_.part(at.motion(mean)));
   contact_.settle(at.motion(mean), h);
   acceleration_ = (mean - at.present) / at.ahead_s;
   hand.angular_velocity_rad_per_s = drive.angular_velocity_rad_per_s;
@@ -191,18 +192,27 @@ Eigen::Vector3d World::force_on_object_n() const {
   return world_from_contact_ * contact_.force_on_object_n();
 }
 
-/// Impacts are followed closely enough for the speed after them: the rule's error in it is about
-/// (rate step)^2 of the speed.
+/// Of fingers that touch nothing yet.
+double World::closing_m_per_s() const {
+  double rate = 0.0;
+  for (int i = 0; i < finger_count; ++i)
+    if (contact_.normal_force_n(i) == 0.0) rate = std::max(rate, flexion_rate_rad_per_s[i]);
+  return finger_length_m * rate;
+}
+
+/// Impacts are followed closely enough for the speed after them, the rule's error in which is about
+/// (rate step)^2 of the speed, and for the tissue, which a finger must not run through either.
 double World::next_step(double step_s) const {
   const bool touching = contact_.touching();
+  const double closing = closing_m_per_s(), hardening_m = contact_.parameters().hardening_m;
   const double speed = touching ? contact_.fastest_m_per_s()
                                 : (object.velocity_m_per_s - hand.velocity_m_per_s).norm();
-  const double fine =
-      speed < impact_error_m_per_s
-          ? step_s
-          : std::clamp(std::sqrt(impact_error_m_per_s / (object_rate2_per_s2_ * speed)),
-                       step_s / finest_share, step_s);
-  return touching ? fine : std::max(fine, contact_.clearance_m() / (speed + 1e-9));
+  double fine = std::min(step_s, hardening_m / closing);
+  if (speed >= impact_m_per_s)
+    fine = std::min({fine, std::sqrt(impact_error_m_per_s / (object_rate2_per_s2_ * speed)),
+                     0.5 * hardening_m / speed});
+  fine = std::max(fine, step_s / finest_share);
+  return touching ? fine : std::max(fine, contact_.clearance_m() / (speed + closing + 1e-9));
 }
 
 double World::until_impact(double step_s) const {

@@ -77,6 +77,7 @@ class World {
   double implicitness(double h) const;
   void note_rates(const MotionSystem& masses, const MotionSystem& system, double ahead_s);
   void move(const Velocity& mean, const Instant& at, double h);
+  double closing_m_per_s() const;
   double next_step(double step_s) const;
   double until_impact(double step_s) const;
   void meet_ball(double after_s);

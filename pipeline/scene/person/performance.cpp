@@ -191,12 +191,12 @@ void Performance::advance() {
                control_interval_s);
 }
 
-/// What creeps out of a closed hand has not been got hold of.
+/// What creeps out of a closed hand has not been got hold of. A racket swings already.
 bool Performance::creeping() const {
   const RigidState &held = world_.object, &hand = world_.hand;
   const Vector3d carried = hand.velocity_m_per_s +
                            hand.angular_velocity_rad_per_s.cross(held.position_m - hand.position_m);
-  return gripping_ && (held.velocity_m_per_s - carried).norm() > creeping_m_per_s;
+  return gripping_ && !world_.ball && (held.velocity_m_per_s - carried).norm() > creeping_m_per_s;
 }
 
 bool Performance::grasp() {

@@ -45,6 +45,10 @@ typename Body::Place of_body(const Eigen::Vector3d& values, std::size_t body) {
   return values.segment<Body::axes>(first_axis<Body>(body));
 }
 
+/// What a measurement is off by more than most (the median of MotionUnits) is its own: another part
+/// of the body shows. As a multiple of its neighbours' errors it would pull at them.
+constexpr double usual_sigma = 1.0;
+
 }  // namespace
 
 MotionUnits MotionUnits::of(const std::vector<Track>& tracks) {
@@ -98,7 +102,8 @@ template <Errors errors>
 void Trajectory::run(const ScaledTrack& points, const InitialMotion& initial) {
   if (errors == Errors::correlated)
     for (const auto& point : points)
-      correlated_sigma_.push_back(prior_.noise().correlated_scale * point.stated_sigma);
+      correlated_sigma_.push_back(prior_.noise().correlated_scale *
+                                  point.stated_sigma.cwiseMin(usual_sigma));
   if (jerk_.empty())
     run_bodies<Axis<errors>>(points, initial);
   else
@@ -108,7 +113,6 @@ void Trajectory::run(const ScaledTrack& points, const InitialMotion& initial) {
 template <class Body>
 void Trajectory::run_bodies(const ScaledTrack& points, const InitialMotion& initial) {
   auto& knots = knots_.emplace<Knots<Body>>();
-  const double scale = prior_.noise().measurement_scale;
   Bodies<Body> now;
   for (std::size_t body = 0; body < now.size(); ++body)
     now[body] = initial_state<Body>(points, first_axis<Body>(body), initial);
@@ -116,7 +120,7 @@ void Trajectory::run_bodies(const ScaledTrack& points, const InitialMotion& init
     now = after<Body>(now, times_[k > 0 ? k - 1 : 0], times_[k]);
     for (std::size_t body = 0; body < now.size(); ++body)
       cost_ += now[body].measure(of_body<Body>(points[k].position, body),
-                                 of_body<Body>((scale * points[k].sigma).cwiseAbs2(), body),
+                                 of_body<Body>(own_variance(points[k]), body),
                                  of_body<Body>(correlated_sigma(k), body));
     knots.filtered.push_back(now);
   }
@@ -124,6 +128,14 @@ void Trajectory::run_bodies(const ScaledTrack& points, const InitialMotion& init
   for (std::size_t k = times_.size() - 1; k-- > 0;)
     knots.smoothed[k] =
         before<Body>(knots.filtered[k], times_[k], times_[k + 1], knots.smoothed[k + 1]);
+}
+
+Eigen::Vector3d Trajectory::own_variance(const ScaledPoint& point) const {
+  const auto& noise = prior_.noise();
+  const Eigen::Vector3d white = noise.measurement_scale * point.sigma,
+                        unusual = (point.stated_sigma.array().square() - usual_sigma * usual_sigma)
+                                      .cwiseMax(0.0);
+  return white.cwiseAbs2() + noise.correlated_scale * noise.correlated_scale * unusual;
 }
 
 Eigen::Vector3d Trajectory::correlated_sigma(std::size_t knot) const {

@@ -73,6 +73,7 @@ struct ForetoldPoint {
   Eigen::Vector3d position_m, variance_m2;
 };
 
+struct ScaledPoint;
 struct ScaledTrack;
 
 /// A smoothed motion: knots at the measurements, states in between by the same prior, exactly.
@@ -135,6 +136,8 @@ class Trajectory {
   MotionState in_metres(const Bodies<Body>& bodies) const;
   template <class Body>
   ForetoldPoint foretold(const Bodies<Body>& bodies, std::size_t knot) const;
+  /// Variance of the errors of a measurement that no neighbour has.
+  Eigen::Vector3d own_variance(const ScaledPoint& point) const;
   Eigen::Vector3d correlated_sigma(std::size_t knot) const;
   template <class Body>
   typename Body::Between jerk(double time, std::size_t body) const;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "calib/smooth/smooth.h"
@@ -21,6 +22,7 @@ MotionNoise<double> correlated_noise() {
 }
 
 /// One axis of a smoothing problem by its normal equations, all knots (p, v, a, error) at once.
+/// What a measurement's deviation is beyond the usual one it has for itself.
 struct Dense {
   Eigen::MatrixXd information;
   Eigen::VectorXd vector;
@@ -43,8 +45,11 @@ struct Dense {
   static Eigen::Index size(const Track& track) { return 4 * std::ssize(track); }
 
   void measure(std::size_t k, const TrackPoint& point, const MotionNoise<double>& noise) {
-    const Eigen::Vector4d h(1.0, 0.0, 0.0, noise.correlated_scale * point.sigma_m.x());
-    const double variance = std::pow(noise.measurement_scale * point.sigma_m.x(), 2);
+    const double sigma_m = point.sigma_m.x(), shared_m = std::min(sigma_m, stated_m);
+    const Eigen::Vector4d h(1.0, 0.0, 0.0, noise.correlated_scale * shared_m);
+    const double variance =
+        std::pow(noise.measurement_scale * sigma_m, 2) +
+        std::pow(noise.correlated_scale, 2) * (sigma_m * sigma_m - shared_m * shared_m);
     const auto at = 4 * static_cast<Eigen::Index>(k);
     information.block<4, 4>(at, at) += h * h.transpose() / variance;
     vector.segment<4>(at) += h * point.position_m.x() / variance;

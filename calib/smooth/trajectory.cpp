@@ -119,9 +119,9 @@ void Trajectory::run_bodies(const ScaledTrack& points, const InitialMotion& init
   for (std::size_t k = 0; k < points.size(); ++k) {
     now = after<Body>(now, times_[k > 0 ? k - 1 : 0], times_[k]);
     for (std::size_t body = 0; body < now.size(); ++body)
-      cost_ += now[body].measure(of_body<Body>(points[k].position, body),
-                                 of_body<Body>(own_variance(points[k]), body),
-                                 of_body<Body>(correlated_sigma(k), body));
+      now[body].measure(of_body<Body>(points[k].position, body),
+                        of_body<Body>(own_variance(points[k]), body),
+                        of_body<Body>(correlated_sigma(k), body));
     knots.filtered.push_back(now);
   }
   knots.smoothed = knots.filtered;

@@ -96,8 +96,6 @@ class Trajectory {
   MotionState causal(double time_s) const;
   /// [points] What each measurement should have been but for its white error.
   std::vector<ForetoldPoint> foretold() const;
-  /// -log of the likelihood of the innovations, without the constant.
-  double cost() const { return cost_; }
   /// [points] The covariance that is to be expected, given all measurements, of the jerk up to
   /// each point, in the units of WeightedTrack::jerk; zero where a flight or nothing says so.
   std::vector<Eigen::Matrix3d> expected_jerk() const;
@@ -153,7 +151,6 @@ class Trajectory {
   std::variant<Knots<Axis<Errors::white>>, Knots<Whole<Errors::white>>,
                Knots<Axis<Errors::correlated>>, Knots<Whole<Errors::correlated>>>
       knots_;
-  double cost_ = 0.0;
 };
 
 }  // namespace touchtrace

@@ -21,14 +21,14 @@ namespace {
 
 constexpr double difference_s = 1e-3;
 
-constexpr LabelErrorModel wave_error{{{0.0023, 0.0012, 0.0025}, 0.0192, 0.147},
-                                     {{0.0051, 0.0051, 0.0051}, 0.020, 0.135},
+constexpr LabelErrorModel wave_error{{{0.0008, 0.0006, 0.0013}, 0.0125, 0.136},
+                                     {{0.0051, 0.0051, 0.0051}, 0.021, 0.131},
                                      0.018,
-                                     0.052};
-constexpr LabelErrorModel throw_error{{{0.0015, 0.0010, 0.0016}, 0.0260, 0.177},
-                                      {{0.0045, 0.0045, 0.0045}, 0.038, 0.178},
+                                     0.002};
+constexpr LabelErrorModel throw_error{{{0.0006, 0.0006, 0.0008}, 0.0240, 0.171},
+                                      {{0.0044, 0.0044, 0.0044}, 0.034, 0.171},
                                       0.018,
-                                      0.009};
+                                      0.025};
 
 LabelledBody without_states(std::size_t labels) {
   LabelledBody body;

@@ -40,10 +40,10 @@ WeightedTrack around(const WeightedTrack& track, const Flight& flight) {
 /// free.
 class FlightCost {
  public:
-  FlightCost(const WeightedTrack& window, const Flight& flight, const std::vector<Flight>& before,
-             const std::vector<Flight>& after, const MotionNoise<double>& noise,
-             const SmoothOptions& options)
-      : units_(MotionUnits::of({window.points})),
+  FlightCost(const WeightedTrack& window, const MotionUnits& units, const Flight& flight,
+             const std::vector<Flight>& before, const std::vector<Flight>& after,
+             const MotionNoise<double>& noise, const SmoothOptions& options)
+      : units_(units),
         track_(window, units_),
         origin_s_(window.points.front().time_s),
         noise_(units_.scaled(noise)),
@@ -145,13 +145,13 @@ LikelyTimes likely_times(const FlightCost& cost, const double* times, int event)
 }
 
 /// The flight with its best times, or nothing if the data speak against it.
-std::optional<Flight> refine(const WeightedTrack& track, const Flight& guess,
-                             const std::vector<Flight>& before, const std::vector<Flight>& after,
-                             const MotionNoise<double>& noise, const SmoothOptions& options,
-                             Doubtful doubtful) {
+std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& units,
+                             const Flight& guess, const std::vector<Flight>& before,
+                             const std::vector<Flight>& after, const MotionNoise<double>& noise,
+                             const SmoothOptions& options, Doubtful doubtful) {
   const auto window = around(track, guess);
   if (window.points.size() < 3) return std::nullopt;
-  auto* cost = new FlightCost(window, guess, before, after, noise, options);
+  auto* cost = new FlightCost(window, units, guess, before, after, noise, options);
   const ceres::GradientProblem problem(new ceres::AutoDiffFirstOrderFunction<FlightCost, 2>(cost));
   double times[2] = {0.0, 0.0};
   const double most = doubtful == Doubtful::keep ? std::numeric_limits<double>::infinity()
@@ -178,13 +178,14 @@ std::optional<Flight> refine(const WeightedTrack& track, const Flight& guess,
 std::vector<Flight> most_likely_flights(const WeightedTrack& track,
                                         const MotionNoise<double>& noise,
                                         const SmoothOptions& options, Doubtful doubtful) {
+  const auto units = MotionUnits::of({track.points});
   std::vector<Flight> found;
   std::vector<Flight> left = track.flights;
   while (!left.empty()) {
     const Flight guess = left.front();
     left.erase(left.begin());
     const bool hit = !left.empty() && left.front().release_s <= guess.landing_s;
-    const auto flight = refine(track, guess, found, left, noise, options, doubtful);
+    const auto flight = refine(track, units, guess, found, left, noise, options, doubtful);
     if (!flight) continue;
     found.push_back(*flight);
     if (hit) left.front().release_s = flight->landing_s;

@@ -42,15 +42,14 @@ Jerks averaged(const Jerks& expected, const Eigen::Matrix3d& of_all) {
 }
 
 /// Sum over points and axes of the squared residual that is to be expected, in deviations.
-double expected_squares(const WeightedTrack& track, const Trajectory& trajectory,
-                        double measurement_scale) {
+double expected_squares(const WeightedTrack& track, const Trajectory& trajectory) {
   double sum = 0.0;
   const auto foretold = trajectory.foretold();
   for (std::size_t i = 0; i < track.points.size(); ++i) {
+    const auto& [position_m, variance_m2, own_variance_m2] = foretold[i];
     const Eigen::Vector3d square =
-        (foretold[i].position_m - track.points[i].position_m).cwiseAbs2() + foretold[i].variance_m2;
-    sum += track.weights[i] *
-           square.cwiseQuotient((measurement_scale * track.points[i].sigma_m).cwiseAbs2()).sum();
+        (position_m - track.points[i].position_m).cwiseAbs2() + variance_m2;
+    sum += track.weights[i] * square.cwiseQuotient(own_variance_m2).sum();
   }
   return sum;
 }
@@ -63,8 +62,7 @@ double predictive_cost(const std::vector<WeightedTrack>& tracks, const MotionNoi
   for (const auto& track : tracks) {
     const auto foretold = pass(track, noise, options).foretold();
     for (std::size_t i = 0; i < track.points.size(); ++i) {
-      const Eigen::Array3d variance =
-          (noise.measurement_scale * track.points[i].sigma_m).array().square() / track.weights[i];
+      const Eigen::Array3d variance = foretold[i].own_variance_m2.array() / track.weights[i];
       // what the measurement itself does not explain; rounding must not leave less than nothing
       const Eigen::Array3d left = (variance - foretold[i].variance_m2.array()).max(1e-6 * variance);
       const Eigen::Array3d residual = (track.points[i].position_m - foretold[i].position_m).array();
@@ -83,9 +81,9 @@ void find_jerk(std::vector<WeightedTrack>& tracks, MotionNoise<double>& noise,
     for (auto& track : tracks) {
       const auto trajectory = pass(track, noise, options);
       expected.push_back(trajectory.expected_jerk());
-      squares += expected_squares(track, trajectory, noise.measurement_scale);
+      squares += expected_squares(track, trajectory);
       count += 3.0 * static_cast<double>(track.points.size());
-      if (options.robust) reweight(track, trajectory, noise.measurement_scale);
+      if (options.robust) reweight(track, trajectory);
     }
     const auto of_all = mean_of(expected);
     for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].jerk = averaged(expected[i], of_all);

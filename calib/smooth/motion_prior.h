@@ -46,9 +46,9 @@ template <class T>
 struct MotionNoise {
   T jerk_density{300.0};     ///< while held or touched [m^2/s^5]; a hand has 100 to 500
   T measurement_scale{1.0};  ///< of white errors: the deviations of measurements over the track's
-  /// The same of errors that neighbours have in common, but no more than of the track's median
-  /// deviation: what a measurement is uncertain by beyond that is its own. e^(-t / correlation_s)
-  /// of one is left after t; such errors of rendered labels have 0.15 to 1.6 s.
+  /// The same of errors that neighbours have in common, but no more than of the median deviation
+  /// of the track's axis: what a measurement is uncertain by beyond that is its own. e^(-t /
+  /// correlation_s) of one is left after t; such errors of rendered labels have 0.15 to 1.6 s.
   T correlated_scale{0.0}, correlation_s{0.3};
   /// Velocity swings around zero with this frequency and damping ratio: a hand stays in reach. At 0
   /// it is free, and the prior is white noise on jerk alone.

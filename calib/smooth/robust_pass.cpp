@@ -17,14 +17,14 @@ Trajectory pass(const WeightedTrack& track, const MotionNoise<double>& noise,
   return {track, noise, options.gravity_m_per_s2, options.initial};
 }
 
-double reweight(WeightedTrack& track, const Trajectory& trajectory, double measurement_scale) {
+double reweight(WeightedTrack& track, const Trajectory& trajectory) {
   double change = 0.0;
   const auto foretold = trajectory.foretold();
   for (std::size_t i = 0; i < track.points.size(); ++i) {
-    const auto& point = track.points[i];
-    const Eigen::Vector3d residual = (foretold[i].position_m - point.position_m)
-                                         .cwiseQuotient(measurement_scale * point.sigma_m);
-    const double weight = 1.0 / (1.0 + residual.squaredNorm() / (cauchy_scale * cauchy_scale));
+    const auto& [position_m, variance_m2, own_variance_m2] = foretold[i];
+    const double square =
+        (position_m - track.points[i].position_m).cwiseAbs2().cwiseQuotient(own_variance_m2).sum();
+    const double weight = 1.0 / (1.0 + square / (cauchy_scale * cauchy_scale));
     change = std::max(change, std::abs(weight - std::exchange(track.weights[i], weight)));
   }
   return change;
@@ -33,8 +33,7 @@ double reweight(WeightedTrack& track, const Trajectory& trajectory, double measu
 bool find_weights(WeightedTrack& track, const MotionNoise<double>& noise,
                   const SmoothOptions& options) {
   for (int i = 0; i < most_passes; ++i)
-    if (reweight(track, pass(track, noise, options), noise.measurement_scale) < weight_tolerance)
-      return true;
+    if (reweight(track, pass(track, noise, options)) < weight_tolerance) return true;
   return false;
 }
 

@@ -14,7 +14,7 @@ Trajectory pass(const WeightedTrack& track, const MotionNoise<double>& noise,
 
 /// Sets the weights to those of Cauchy's loss at the residuals of `trajectory`; returns the largest
 /// change.
-double reweight(WeightedTrack& track, const Trajectory& trajectory, double measurement_scale);
+double reweight(WeightedTrack& track, const Trajectory& trajectory);
 
 /// Gauss-Newton on the robust loss: least squares with new weights until they stay. False if they
 /// do not.

@@ -9,14 +9,31 @@
 
 namespace touchtrace {
 
-/// A track in MotionUnits from its own first time and place: what filters and Ceres see.
+/// A measurement in MotionUnits. What it is off by more than is usual is its own: another part of
+/// the body shows. As a multiple of its neighbours' errors it would pull at them.
 struct ScaledPoint {
   double time;
-  Eigen::Vector3d position;
-  Eigen::Vector3d sigma;         ///< with the weight
-  Eigen::Vector3d stated_sigma;  ///< without
+  Eigen::Vector3d position, sigma;
+  Eigen::Vector3d usual_sigma;  ///< no more than `sigma`
+  double weight;
+
+  /// Deviation of the errors that its neighbours have, too.
+  template <class T>
+  Eigen::Matrix<T, 3, 1> correlated_sigma(const MotionNoise<T>& noise) const {
+    return noise.correlated_scale * usual_sigma.cast<T>();
+  }
+
+  /// Variance of the errors that no neighbour has, before the weight divides it.
+  template <class T>
+  Eigen::Matrix<T, 3, 1> own_variance(const MotionNoise<T>& noise) const {
+    const T white = noise.measurement_scale * noise.measurement_scale,
+            correlated = noise.correlated_scale * noise.correlated_scale;
+    const Eigen::Vector3d variance = sigma.cwiseAbs2(), usual = usual_sigma.cwiseAbs2();
+    return white * variance.cast<T>() + correlated * (variance - usual).cast<T>();
+  }
 };
 
+/// A track from its own first time and place: what filters and Ceres see.
 struct ScaledTrack : std::vector<ScaledPoint> {
   double extent = 0.0;  ///< largest distance from the first point along an axis
 
@@ -24,10 +41,10 @@ struct ScaledTrack : std::vector<ScaledPoint> {
     const auto& first = track.points.front();
     for (std::size_t i = 0; i < track.points.size(); ++i) {
       const auto& from = track.points[i];
+      const Eigen::Vector3d sigma = from.sigma_m / units.length_m;
       push_back({(from.time_s - first.time_s) / units.time_s,
-                 (from.position_m - first.position_m) / units.length_m,
-                 from.sigma_m / units.length_m / std::sqrt(track.weights[i]),
-                 from.sigma_m / units.length_m});
+                 (from.position_m - first.position_m) / units.length_m, sigma,
+                 sigma.cwiseMin(units.usual_sigma), track.weights[i]});
       extent = std::max(extent, back().position.cwiseAbs().maxCoeff());
     }
   }
@@ -78,16 +95,16 @@ T innovation_cost_with(const ScaledTrack& track, const MotionPrior<T>& prior,
     now[static_cast<std::size_t>(axis)] = {start.mean.template cast<T>(),
                                            start.covariance.template cast<T>()};
   }
-  const T scale2 = prior.noise().measurement_scale * prior.noise().measurement_scale;
   T cost(0.0);
   double time = 0.0;
   for (const auto& point : track) {
     const auto step = prior.between(time, point.time);
+    const Eigen::Matrix<T, 3, 1> variance = point.own_variance(prior.noise()) / T(point.weight),
+                                 correlated = point.correlated_sigma(prior.noise());
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       auto& state = now[static_cast<std::size_t>(axis)];
       state = state.after(step, gravity[axis]);
-      cost += state.measure(point.position[axis], T(std::pow(point.sigma[axis], 2)) * scale2,
-                            prior.noise().correlated_scale * point.stated_sigma[axis]);
+      cost += state.measure(point.position[axis], variance[axis], correlated[axis]);
     }
     time = point.time;
   }

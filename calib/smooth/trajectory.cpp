@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "calib/smooth/scaled_track.h"
 #include "calib/smooth/step_back.h"
@@ -45,21 +46,23 @@ typename Body::Place of_body(const Eigen::Vector3d& values, std::size_t body) {
   return values.segment<Body::axes>(first_axis<Body>(body));
 }
 
-/// What a measurement is off by more than most (the median of MotionUnits) is its own: another part
-/// of the body shows. As a multiple of its neighbours' errors it would pull at them.
-constexpr double usual_sigma = 1.0;
-
 }  // namespace
 
 MotionUnits MotionUnits::of(const std::vector<Track>& tracks) {
-  std::vector<double> spacings, sigmas;
+  std::vector<double> spacings;
+  std::array<std::vector<double>, 3> sigmas;
   for (const auto& track : tracks)
     for (std::size_t i = 0; i < track.size(); ++i) {
-      for (double sigma : track[i].sigma_m) sigmas.push_back(sigma);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        sigmas[axis].push_back(track[i].sigma_m[static_cast<Eigen::Index>(axis)]);
       if (i > 0 && track[i].time_s > track[i - 1].time_s)
         spacings.push_back(track[i].time_s - track[i - 1].time_s);
     }
-  return {median(spacings, 1.0), median(sigmas, 1.0)};
+  Eigen::Vector3d usual_m;
+  std::ranges::transform(sigmas, usual_m.begin(),
+                         [](auto& of_axis) { return median(std::move(of_axis), 1.0); });
+  const double length_m = median({usual_m.begin(), usual_m.end()}, 1.0);
+  return {median(std::move(spacings), 1.0), length_m, usual_m / length_m};
 }
 
 MotionNoise<double> MotionUnits::scaled(const MotionNoise<double>& noise) const {
@@ -91,7 +94,11 @@ Trajectory::Trajectory(const WeightedTrack& track, const MotionNoise<double>& no
       prior_(units_.scaled(noise), contact_events(track.flights, origin_s_, units_.time_s)),
       jerk_(track.jerk) {
   const ScaledTrack points(track, units_);
-  for (const auto& point : points) times_.push_back(point.time);
+  for (const auto& point : points) {
+    times_.push_back(point.time);
+    correlated_sigma_.push_back(point.correlated_sigma(prior_.noise()));
+    own_variance_.push_back(point.own_variance(prior_.noise()));
+  }
   if (noise.correlated_scale > 0.0)
     run<Errors::correlated>(points, scaled(initial, units_));
   else
@@ -100,10 +107,6 @@ Trajectory::Trajectory(const WeightedTrack& track, const MotionNoise<double>& no
 
 template <Errors errors>
 void Trajectory::run(const ScaledTrack& points, const InitialMotion& initial) {
-  if (errors == Errors::correlated)
-    for (const auto& point : points)
-      correlated_sigma_.push_back(prior_.noise().correlated_scale *
-                                  point.stated_sigma.cwiseMin(usual_sigma));
   if (jerk_.empty())
     run_bodies<Axis<errors>>(points, initial);
   else
@@ -120,26 +123,14 @@ void Trajectory::run_bodies(const ScaledTrack& points, const InitialMotion& init
     now = after<Body>(now, times_[k > 0 ? k - 1 : 0], times_[k]);
     for (std::size_t body = 0; body < now.size(); ++body)
       now[body].measure(of_body<Body>(points[k].position, body),
-                        of_body<Body>(own_variance(points[k]), body),
-                        of_body<Body>(correlated_sigma(k), body));
+                        of_body<Body>(own_variance_[k] / points[k].weight, body),
+                        of_body<Body>(correlated_sigma_[k], body));
     knots.filtered.push_back(now);
   }
   knots.smoothed = knots.filtered;
   for (std::size_t k = times_.size() - 1; k-- > 0;)
     knots.smoothed[k] =
         before<Body>(knots.filtered[k], times_[k], times_[k + 1], knots.smoothed[k + 1]);
-}
-
-Eigen::Vector3d Trajectory::own_variance(const ScaledPoint& point) const {
-  const auto& noise = prior_.noise();
-  const Eigen::Vector3d white = noise.measurement_scale * point.sigma,
-                        unusual = (point.stated_sigma.array().square() - usual_sigma * usual_sigma)
-                                      .cwiseMax(0.0);
-  return white.cwiseAbs2() + noise.correlated_scale * noise.correlated_scale * unusual;
-}
-
-Eigen::Vector3d Trajectory::correlated_sigma(std::size_t knot) const {
-  return correlated_sigma_.empty() ? Eigen::Vector3d::Zero() : correlated_sigma_[knot];
 }
 
 template <class Body>
@@ -245,7 +236,7 @@ ForetoldPoint Trajectory::foretold(const Bodies<Body>& bodies, std::size_t knot)
   ForetoldPoint point;
   for (std::size_t body = 0; body < bodies.size(); ++body) {
     const auto first = first_axis<Body>(body);
-    const auto sigma = of_body<Body>(correlated_sigma(knot), body);
+    const auto sigma = of_body<Body>(correlated_sigma_[knot], body);
     const auto& [mean, covariance] = bodies[body];
     point.position_m.segment<axes>(first) = Body::template measured<1>(mean, sigma);
     point.variance_m2.segment<axes>(first) =
@@ -253,8 +244,9 @@ ForetoldPoint Trajectory::foretold(const Bodies<Body>& bodies, std::size_t knot)
             Body::template measured<Body::size>(covariance, sigma).transpose(), sigma)
             .diagonal();
   }
-  const double length_m = units_.length_m;
-  return {origin_m_ + length_m * point.position_m, length_m * length_m * point.variance_m2};
+  const double length_m = units_.length_m, length_m2 = length_m * length_m;
+  return {origin_m_ + length_m * point.position_m, length_m2 * point.variance_m2,
+          length_m2 * own_variance_[knot]};
 }
 
 std::vector<Eigen::Matrix3d> Trajectory::expected_jerk() const {

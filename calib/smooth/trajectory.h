@@ -55,8 +55,9 @@ struct MotionState {
 /// Metres and seconds to the units in which numbers are of order one: t / h, p / s from an origin.
 struct MotionUnits {
   double time_s = 1.0, length_m = 1.0;
+  Eigen::Vector3d usual_sigma = Eigen::Vector3d::Ones();  ///< of each axis, in such units
 
-  /// The median spacing and the median deviation of `tracks`.
+  /// The median spacing of `tracks`, and the median deviations of the axes and of these.
   static MotionUnits of(const std::vector<Track>& tracks);
   MotionNoise<double> scaled(const MotionNoise<double>& noise) const;
   MotionNoise<double> unscaled(const MotionNoise<double>& noise) const;
@@ -71,9 +72,9 @@ struct InitialMotion {
 /// A measurement as the others and itself foretell it, correlated errors and all.
 struct ForetoldPoint {
   Eigen::Vector3d position_m, variance_m2;
+  Eigen::Vector3d own_variance_m2;  ///< of the rest of its error, before its weight divides it
 };
 
-struct ScaledPoint;
 struct ScaledTrack;
 
 /// A smoothed motion: knots at the measurements, states in between by the same prior, exactly.
@@ -94,7 +95,7 @@ class Trajectory {
   MotionState smoothed(double time_s) const;
   /// From the measurements up to `time_s` only; before the first: as `smoothed`.
   MotionState causal(double time_s) const;
-  /// [points] What each measurement should have been but for its white error.
+  /// [points] What each measurement should have been but for the error that no neighbour has.
   std::vector<ForetoldPoint> foretold() const;
   /// [points] The covariance that is to be expected, given all measurements, of the jerk up to
   /// each point, in the units of WeightedTrack::jerk; zero where a flight or nothing says so.
@@ -134,9 +135,6 @@ class Trajectory {
   MotionState in_metres(const Bodies<Body>& bodies) const;
   template <class Body>
   ForetoldPoint foretold(const Bodies<Body>& bodies, std::size_t knot) const;
-  /// Variance of the errors of a measurement that no neighbour has.
-  Eigen::Vector3d own_variance(const ScaledPoint& point) const;
-  Eigen::Vector3d correlated_sigma(std::size_t knot) const;
   template <class Body>
   typename Body::Between jerk(double time, std::size_t body) const;
   std::size_t knot_before(double time) const;
@@ -146,7 +144,7 @@ class Trajectory {
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero(), gravity_ = Eigen::Vector3d::Zero();
   MotionPrior<double> prior_{{}, {}};
   std::vector<double> times_;
-  std::vector<Eigen::Vector3d> correlated_sigma_;
+  std::vector<Eigen::Vector3d> correlated_sigma_, own_variance_;
   std::vector<Eigen::Matrix3d> jerk_;
   std::variant<Knots<Axis<Errors::white>>, Knots<Whole<Errors::white>>,
                Knots<Axis<Errors::correlated>>, Knots<Whole<Errors::correlated>>>

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/smooth/smooth.h"
+#include "calib/smooth/robust_pass.h"
 #include "calib/smooth/synthetic_track.h"
 #include "engine/base/random.h"
 
@@ -68,12 +68,14 @@ struct Dense {
   }
 };
 
+Eigen::Vector3d draw_normal(RandomStream& random) {
+  return {random.normal(), random.normal(), random.normal()};
+}
+
 /// `motion` with white and correlated errors, together of the deviation `stated_m`.
 Track measure_correlated(const SyntheticMotion& motion, double share, std::uint64_t seed) {
   RandomStream random(seed, "correlated errors");
-  const auto normal = [&] {
-    return Eigen::Vector3d(random.normal(), random.normal(), random.normal());
-  };
+  const auto normal = [&] { return draw_normal(random); };
   const double kept = std::exp(-frame_s / correlation_s);
   Eigen::Vector3d common = normal();
   auto track = measure(motion, 1.0 / frame_s, stated_m * std::sqrt(1.0 - share), seed);
@@ -122,6 +124,65 @@ TEST(CorrelatedErrors, AreFoundWhereInnovationsLeaveThem) {
   // 0.3 s, are a fifth of the white's
   EXPECT_NEAR(noise.measurement_scale, std::sqrt(0.5), 0.08);
   EXPECT_NEAR(noise.correlated_scale, std::sqrt(0.5), 0.08);
+}
+
+/// White errors of this scale leave most of the stated variances to correlated ones.
+MotionNoise<double> mostly_correlated() {
+  auto noise = correlated_noise();
+  noise.measurement_scale = 0.3;
+  noise.correlated_scale = std::sqrt(1.0 - 0.3 * 0.3);
+  return noise;
+}
+
+TEST(CorrelatedErrors, ABadlySeenFrameIsWeighedByItsWholeDeviation) {
+  auto track = measure(synthetic_wave(3.0, 4), 1.0 / frame_s, 0.3 * stated_m, 4);
+  for (auto& point : track) point.sigma_m.setConstant(stated_m);
+  track[30].sigma_m *= 10.0;
+  track[30].position_m.x() += 10.0 * stated_m;
+  SmoothOptions options;
+  options.fit_noise = false;
+  options.noise = mostly_correlated();
+  const auto smoothed = smooth(track, options);
+  // one deviation off by Cauchy's weight of 4; its neighbours know its place to two of theirs
+  const auto weight = [](double deviations) { return 1.0 / (1.0 + std::pow(deviations / 4.0, 2)); };
+  EXPECT_GT(smoothed.weights[30], weight(1.2));
+  EXPECT_LT(smoothed.weights[30], weight(0.8));
+}
+
+TEST(CorrelatedErrors, BadlySeenFramesDoNotRaiseTheScaleOfTheRest) {
+  const auto truth = mostly_correlated();
+  std::vector<WeightedTrack> tracks;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    auto track =
+        measure_correlated(synthetic_wave(20.0, seed), std::pow(truth.correlated_scale, 2), seed);
+    RandomStream random(seed, "badly seen");
+    for (std::size_t i = 0; i < track.size(); i += 3) {
+      track[i].sigma_m *= 5.0;
+      track[i].position_m += stated_m * std::sqrt(5.0 * 5.0 - 1.0) * draw_normal(random);
+    }
+    tracks.push_back({track, std::vector<double>(track.size(), 1.0), {}});
+  }
+  auto noise = truth;
+  SmoothOptions options;
+  options.robust = false;
+  find_jerk(tracks, noise, options);
+  // 2400 white errors know it to 1.5 %, and the course of the jerk takes up a little of them
+  EXPECT_NEAR(noise.measurement_scale, truth.measurement_scale, 0.05);
+}
+
+TEST(CorrelatedErrors, AnAxisThatIsLessExactThanOthersIsNotUnusual) {
+  auto track = measure(synthetic_wave(3.0, 5), 1.0 / frame_s, stated_m, 5), along = track;
+  for (auto& point : track) point.sigma_m.setConstant(3.0 * stated_m);
+  for (auto& point : along) point.sigma_m.z() = 3.0 * stated_m;
+  SmoothOptions options;
+  options.fit_noise = options.robust = false;
+  options.noise = correlated_noise();
+  const auto all = smooth(track, options), depth = smooth(along, options);
+  for (const auto& point : track) {
+    const auto a = all.smoothed(point.time_s), b = depth.smoothed(point.time_s);
+    EXPECT_NEAR(a.position_m.z(), b.position_m.z(), 1e-6 * stated_m) << point.time_s;
+    EXPECT_NEAR(a.covariance(2, 2) / b.covariance(2, 2), 1.0, 1e-6) << point.time_s;
+  }
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "pipeline/scene/base/scene.h"
-#include "pipeline/scene/glove/glove.h"
 
 namespace touchtrace::scene {
 
@@ -19,17 +18,5 @@ struct ClipStatistics {
 double percentile(std::vector<double> values, double share);
 
 ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec& object);
-
-/// What a linear probe is given of a frame, and of which frames.
-struct Probe {
-  enum class Sees { readings, whether_touched } sees = Sees::readings;
-  bool only_touched = false;  ///< frames in which hand and object touch
-};
-
-/// R^2 of a ridge regression from one tactile frame to the hand's position [x, y, z]: every fourth
-/// clip is held out in turn. About 0 or less if touch does not tell the place. The best of three
-/// ridges for each axis, so that the probe does not fail by fitting too closely.
-Eigen::Vector3d position_probe_r2(const std::vector<ClipMotion>& clips, const GloveClock& clock,
-                                  const Probe& probe = {});
 
 }  // namespace touchtrace::scene

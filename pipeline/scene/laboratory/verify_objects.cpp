@@ -7,6 +7,7 @@
 
 #include "engine/base/provenance.h"
 #include "pipeline/scene/laboratory/bounces.h"
+#include "pipeline/scene/laboratory/probe.h"
 #include "pipeline/scene/laboratory/statistics.h"
 #include "pipeline/scene/laboratory/verify_scene.h"
 #include "pipeline/scene/person/activity.h"
@@ -97,16 +98,27 @@ void verify_speed(const std::string& activity, const Emit& emit) {
                 simulated_s / stopwatch.wall_seconds(), "x", 300.0));
 }
 
-/// Whoever feels whether he holds something knows where in a toss he is, and so how high. That much
-/// is no leak; what readings tell beyond it, while the object is held, might be one.
+/// Whoever feels whether he holds something, or opens his hand, knows where in a toss he is, and so
+/// how high. What a frame tells beyond that would be a leak.
 void verify_probe_of_tosses(const std::string& what, const Run& run, const Emit& emit) {
-  const auto height = [&](const Probe& probe) {
-    return position_probe_r2(run.clips, run.clock, probe).z();
+  const auto height = [&](Clue clue, std::optional<Clue> beyond = std::nullopt) {
+    return position_probe_r2(run.clips, run.clock, clue, beyond).z();
   };
-  emit(reported(what + "height by whether anything is touched, R^2",
-                height({Probe::Sees::whether_touched}), ""));
-  emit(reported(what + "height by a linear probe of frames in touch, R^2",
-                height({Probe::Sees::readings, true}), ""));
+  emit(reported(what + "height by whether anything is touched, R^2", height(Clue::whether_touched),
+                ""));
+  emit(reported(what + "height by the phase of the toss, R^2", height(Clue::phase), ""));
+  emit(at_most(what + "height by a linear probe, beyond the phase, R^2",
+               height(Clue::readings, Clue::phase), "", 0.1));
+}
+
+/// A foot's pressure tells how a stick leans, and a hand is where the lean sends it.
+void verify_probe_of_balance(const std::string& what, const Run& run, const Emit& emit) {
+  const auto place = [&](Clue clue, std::optional<Clue> beyond = std::nullopt) {
+    return position_probe_r2(run.clips, run.clock, clue, beyond).head<2>().maxCoeff();
+  };
+  emit(reported(what + "place by the lean, R^2", place(Clue::lean), ""));
+  emit(at_most(what + "place by a linear probe, beyond the lean, R^2",
+               place(Clue::readings, Clue::lean), "", 0.1));
 }
 
 void verify_probe(const std::string& activity, const Emit& emit) {
@@ -118,6 +130,7 @@ void verify_probe(const std::string& activity, const Emit& emit) {
   emit(at_most(what + "place by a linear probe, R^2", probe.head<2>().maxCoeff(), "", 0.1));
   emit(at_most(what + "height by a linear probe, R^2", probe.z(), "", 0.1));
   if (activity == "throw") verify_probe_of_tosses(what, run, emit);
+  if (activity == "balance") verify_probe_of_balance(what, run, emit);
   emit(reported(what + "place, in the first 3 s of clips", at_first.head<2>().maxCoeff(), ""));
 }
 

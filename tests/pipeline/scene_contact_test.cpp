@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "engine/base/random.h"
+#include "pipeline/scene/objects/lane_turns.h"
 #include "pipeline/scene/objects/solids.h"
 #include "pipeline/scene/physics/contact_sums.h"
 
@@ -11,6 +14,19 @@ using Eigen::Vector3d;
 
 Vector3d some_vector(RandomStream& random, double size) {
   return size * Vector3d(random.normal(), random.normal(), random.normal());
+}
+
+TEST(SceneLanes, TurnsAreSinesAndCosines) {
+  RandomStream random(1, "angles");
+  for (double size : {1e-3, 1.0, 30.0, 1e5})
+    for (int i = 0; i < 10000; ++i) {
+      const Lanes angle{random.uniform(-size, size), random.uniform(-size, size)};
+      const LaneTurns found = turns(angle);
+      for (int lane = 0; lane < lane_count; ++lane) {
+        EXPECT_NEAR(found.sine[lane], std::sin(angle[lane]), 3e-16) << angle[lane];
+        EXPECT_NEAR(found.cosine[lane], std::cos(angle[lane]), 3e-16) << angle[lane];
+      }
+    }
 }
 
 TEST(SceneSolids, PointsAtOnceAreAsEachAlone) {
@@ -98,7 +114,7 @@ TEST(SceneContact, TheSearchFindsEveryTaxelThatTouches) {
       const HandFromObject hand = some_hand(random);
       std::vector<bool> touches(hand_model().taxels.size(), false);
       for (const TouchingBody& body : search.find(object, hand, margin_m))
-        for (const Touch& touch : body.touches) {
+        for (const Touch& touch : search.touches(body)) {
           touches[touch.taxel] = true, ++found;
           const PlacedTaxel taxel = placed(hand_model().taxels[touch.taxel], hand, radians);
           const Distance d = distance(object, touch.place_m);

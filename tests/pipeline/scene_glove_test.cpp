@@ -17,6 +17,13 @@ GloveClock lossless() {
   return clock;
 }
 
+/// Control interval `i` under these forces.
+void feel(Glove& glove, const std::vector<double>& force_n, int i) {
+  std::vector<int> loaded(force_n.size());
+  std::iota(loaded.begin(), loaded.end(), 0);
+  glove.sense({force_n, loaded}, i * interval_s, interval_s);
+}
+
 /// A live taxel of glove 1 with a gain near 1.
 std::size_t some_taxel() {
   const auto& gain = glove_traits(1).gain;
@@ -58,7 +65,7 @@ TEST(SceneGlove, ReadsItsBaselineWhenNothingTouches) {
   Glove glove(1, {}, lossless(), 5);
   const std::vector<double> force_n(680, 0.0);
   glove.start(0.0);
-  for (int i = 1; i <= 500; ++i) glove.sense(force_n, i * interval_s, interval_s);
+  for (int i = 1; i <= 500; ++i) feel(glove, force_n, i);
   const GloveStream stream = glove.take();
   ASSERT_GE(stream.frames(), 14u);
   double square = 0.0;
@@ -77,7 +84,7 @@ TEST(SceneGlove, LoadsWithLagAndCreepAndSaturates) {
   std::vector<double> force_n(680, 0.0);
   force_n[taxel] = applied_n;
   glove.start(0.0);
-  for (int i = 1; i <= 3000; ++i) glove.sense(force_n, i * interval_s, interval_s);
+  for (int i = 1; i <= 3000; ++i) feel(glove, force_n, i);
   const GloveStream stream = glove.take();
   const GloveTraits& traits = glove_traits(1);
   const Taxel& where = hand_model().taxels[taxel];
@@ -101,7 +108,7 @@ TEST(SceneGlove, CountsFramesThroughPausesAndLosses) {
   Glove glove(1, {}, clock, options.seed);
   const std::vector<double> force_n(680, 0.0);
   glove.start(0.0);
-  for (int i = 1; i <= 30000; ++i) glove.sense(force_n, i * interval_s, interval_s);
+  for (int i = 1; i <= 30000; ++i) feel(glove, force_n, i);
   const GloveStream stream = glove.take();
   const double sent = static_cast<double>(stream.sequence.back() - stream.sequence.front() + 1);
   EXPECT_NEAR(1.0 - static_cast<double>(stream.frames()) / sent, clock.lost_share, 0.015);
@@ -128,8 +135,8 @@ TEST(SceneGlove, AFrameDoesNotDependOnWhenRecordingBegan) {
   Glove early(1, {}, clock, 7), late(1, {}, clock, 7);
   early.start(0.0);
   late.start(1.0);
-  for (int i = 1; i <= 1000; ++i) early.sense(force_n, i * interval_s, interval_s);
-  for (int i = 501; i <= 1000; ++i) late.sense(force_n, i * interval_s, interval_s);
+  for (int i = 1; i <= 1000; ++i) feel(early, force_n, i);
+  for (int i = 501; i <= 1000; ++i) feel(late, force_n, i);
   const GloveStream all = early.take(), part = late.take();
   ASSERT_EQ(all.sequence.back(), part.sequence.back());
   EXPECT_TRUE(std::equal(part.counts.rbegin(), part.counts.rend(), all.counts.rbegin()));

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "pipeline/scene/laboratory/closed_forms.h"
@@ -182,6 +183,23 @@ TEST(ScenePhysics, ExtremesStayFiniteAndGainNoEnergy) {
           EXPECT_LE(energy_j(world), before + 1e-3 * std::abs(before))
               << mass_kg << ' ' << stiffer << ' ' << friction << ' ' << h;
         }
+}
+
+/// The copy's contacts are its own: it goes on to the same bits when the other one is long gone.
+TEST(ScenePhysics, ACopyGoesOnAsTheOther) {
+  auto world = std::make_unique<World>(block(0.2, 0.7, {0.03, 0.03, 0.02}), stand());
+  put_above(*world, Vector3d::Zero(), 1e-6);
+  const Drive drive = keep_still(*world);
+  run(*world, drive, 0.1, 0.002);
+  ASSERT_TRUE(world->contact().touching());
+  World copy = *world;
+  run(*world, drive, 0.1, 0.002);
+  const RigidState other = world->object;
+  world.reset();
+  run(copy, drive, 0.1, 0.002);
+  EXPECT_TRUE(copy.contact().touching());
+  EXPECT_EQ(copy.object.position_m, other.position_m);
+  EXPECT_EQ(copy.object.velocity_m_per_s, other.velocity_m_per_s);
 }
 
 TEST(ScenePhysics, DepthBeyondTheLawIsCounted) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/scene/objects/lane_turns.h"
+
 namespace touchtrace::scene {
 
 Quintic::Quintic(const MotionState& from, const MotionState& to, double start_s, double duration_s)
@@ -56,9 +58,10 @@ SmoothNoise::SmoothNoise(RandomStream& random, double bandwidth_hz) {
 }
 
 double SmoothNoise::at(double time_s) const {
-  double sum = 0.0;
-  for (int i = 0; i < terms; ++i) sum += std::sin(rate_rad_per_s_[i] * time_s + phase_rad_[i]);
-  return sum * std::sqrt(2.0 / terms);
+  Lanes all{};
+  for (int i = 0; i < terms; i += lane_count)
+    all += turns(lanes_of(&rate_rad_per_s_[i]) * time_s + lanes_of(&phase_rad_[i])).sine;
+  return sum(all) * std::sqrt(2.0 / terms);
 }
 
 }  // namespace touchtrace::scene

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "pipeline/scene/base/motion.h"
+#include "pipeline/scene/objects/lane_turns.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -51,13 +52,13 @@ Eigen::Vector3d open_position(const Taxel& taxel) {
 /// 6.7.
 std::array<double, 4> four_normals(const RandomStream& stream, std::uint64_t block) {
   const auto words = stream.block(block);
-  std::array<double, 4> normals;
-  for (int i = 0; i < 4; i += 2) {
-    const double radius = std::sqrt(-2.0 * std::log((words[i] + 0.5) * 0x1p-32));
-    const double angle = 2.0 * std::numbers::pi * 0x1p-32 * words[i + 1];
-    normals[i] = radius * std::cos(angle), normals[i + 1] = radius * std::sin(angle);
-  }
-  return normals;
+  const auto surprise = [&](int i) { return -2.0 * std::log((words[i] + 0.5) * 0x1p-32); };
+  const Lanes radius = root(Lanes{surprise(0), surprise(2)});
+  const LaneTurns angle =
+      turns(2.0 * std::numbers::pi * 0x1p-32 *
+            Lanes{static_cast<double>(words[1]), static_cast<double>(words[3])});
+  const Lanes x = radius * angle.cosine, y = radius * angle.sine;
+  return {x[0], y[0], x[1], y[1]};
 }
 
 }  // namespace
@@ -122,25 +123,29 @@ void Glove::start(double time_s) {
   stream_.counts.clear();
 }
 
-void Glove::relax(std::span<const double> force_n, double interval_s) {
-  for (std::size_t i = 0; i < force_n.size(); ++i)
-    if (force_n[i] > 0.0 && !is_active_[i]) {
-      is_active_[i] = 1, active_.push_back(static_cast<int>(i));
-      gain_[i] = gain_at(active_.back(), frame_time_s_);
+void Glove::relax(const TaxelForces& forces, double interval_s) {
+  for (int i : forces.loaded)
+    if (forces.force_n[i] > 0.0 && !is_active_[i]) {
+      is_active_[i] = 1, active_.push_back(i);
+      gain_[i] = gain_at(i, frame_time_s_);
     }
   const double loading = -std::expm1(-interval_s / parameters_.loading_lag_s);
   const double unloading = -std::expm1(-interval_s / parameters_.unloading_lag_s);
   const double creeping = -std::expm1(-interval_s / parameters_.creep_s);
-  for (int i : active_) {
-    pressed_n_[i] +=
-        (force_n[i] > pressed_n_[i] ? loading : unloading) * (force_n[i] - pressed_n_[i]);
-    crept_n_[i] += creeping * (pressed_n_[i] - crept_n_[i]);
-  }
   std::erase_if(active_, [&](int i) {
-    const bool forgotten = pressed_n_[i] + crept_n_[i] < forgotten_n;
-    if (forgotten) is_active_[i] = 0, pressed_n_[i] = crept_n_[i] = 0.0;
-    return forgotten;
+    double &pressed = pressed_n_[i], &crept = crept_n_[i];
+    const double more = forces.force_n[i] - pressed;
+    pressed += (more > 0.0 ? loading : unloading) * more;
+    crept += creeping * (pressed - crept);
+    const bool is_forgotten = pressed + crept < forgotten_n;
+    if (is_forgotten) forget(i);
+    return is_forgotten;
   });
+}
+
+void Glove::forget(int taxel) {
+  is_active_[taxel] = 0;
+  pressed_n_[taxel] = crept_n_[taxel] = signal_[hand_model().taxels[taxel].cell()] = 0.0;
 }
 
 double Glove::gain_at(int taxel, double time_s) const {
@@ -155,7 +160,6 @@ void Glove::drift(double time_s) {
 }
 
 void Glove::measure() {
-  std::ranges::fill(signal_, 0.0);
   std::ranges::fill(row_sum_, 0.0);
   std::ranges::fill(col_sum_, 0.0);
   const std::vector<Taxel>& taxels = hand_model().taxels;
@@ -170,7 +174,6 @@ void Glove::measure() {
 }
 
 void Glove::read_row(int row) {
-  measure();
   std::array<double, 4> noise{};
   for (int col = 0; col < glove_cols; ++col) {
     const int cell = row * glove_cols + col;
@@ -199,10 +202,11 @@ void Glove::finish_frame() {
   stream_.counts.insert(stream_.counts.end(), frame_.begin(), frame_.end());
 }
 
-void Glove::sense(std::span<const double> force_n, double time_s, double interval_s) {
-  relax(force_n, interval_s);
-  while (row_time_s(number_, next_row_) <= time_s) {
+void Glove::sense(const TaxelForces& forces, double time_s, double interval_s) {
+  relax(forces, interval_s);
+  for (bool is_measured = false; row_time_s(number_, next_row_) <= time_s; is_measured = true) {
     if (next_row_ == 0) drift(time_s);
+    if (next_row_ == 0 || !is_measured) measure();
     read_row(next_row_);
     if (++next_row_ == glove_rows) finish_frame();
   }

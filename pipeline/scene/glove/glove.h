@@ -23,6 +23,12 @@ struct GloveClock {
 };
 GloveClock glove_clock(const SceneOptions& options);
 
+/// Normal forces.
+struct TaxelForces {
+  std::span<const double> force_n;  ///< of every taxel
+  std::span<const int> loaded;      ///< taxels where it may be other than 0
+};
+
 /// Quasi-static taxel forces in, frames out. Times are the host's clock.
 class Glove {
  public:
@@ -30,7 +36,7 @@ class Glove {
 
   /// Moves the sensing material on by `interval_s` (always the same) under these normal forces,
   /// then reads every row that is due up to `time_s`.
-  void sense(std::span<const double> force_n, double time_s, double interval_s);
+  void sense(const TaxelForces& forces, double time_s, double interval_s);
   /// Starts with the first frame whose scan begins at `time_s` or later; what was recorded is
   /// forgotten.
   void start(double time_s);
@@ -38,7 +44,8 @@ class Glove {
   GloveStream take();
 
  private:
-  void relax(std::span<const double> force_n, double interval_s);
+  void relax(const TaxelForces& forces, double interval_s);
+  void forget(int taxel);
   double gain_at(int taxel, double time_s) const;
   void drift(double time_s);
   void measure();

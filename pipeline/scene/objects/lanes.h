@@ -12,12 +12,13 @@ using LaneMask = decltype(Lanes{} < Lanes{});
 inline constexpr int lane_count = 2;
 
 inline Lanes all_lanes(double value) { return Lanes{value, value}; }
+inline Lanes lanes_of(const double* values) { return Lanes{values[0], values[1]}; }
 inline Lanes largest(Lanes a, Lanes b) { return a > b ? a : b; }
 inline Lanes smallest(Lanes a, Lanes b) { return a < b ? a : b; }
 inline Lanes root(Lanes a) { return Lanes{std::sqrt(a[0]), std::sqrt(a[1])}; }
 inline Lanes absolute(Lanes a) { return largest(a, -a); }
 inline double sum(Lanes a) { return a[0] + a[1]; }
-inline bool any(LaneMask a) { return a[0] || a[1]; }
+inline bool any(LaneMask a) { return (a[0] | a[1]) != 0; }
 
 struct Lanes3 {
   Lanes x, y, z;

@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 Lanes3 direction(const Lanes3& v) {
   const Lanes length = norm(v);
   const LaneMask is_some = length > 0.0;
-  return {is_some ? v.x / length : Lanes{}, is_some ? v.y / length : Lanes{},
-          is_some ? v.z / length : all_lanes(1.0)};
+  const Lanes inverse = is_some ? 1.0 / length : Lanes{};
+  return {inverse * v.x, inverse * v.y, is_some ? inverse * v.z : all_lanes(1.0)};
 }
 
 Lanes with_sign(double value, Lanes of) { return of < 0.0 ? all_lanes(-value) : all_lanes(value); }

@@ -187,7 +187,8 @@ void Performance::advance() {
   }
   if (!world_.impacts().empty()) vary_restitution();
   ++tick_;
-  glove_.sense(world_.contact().force_n(), start_s_ + tick_ * control_interval_s,
+  const ContactPatch& contact = world_.contact();
+  glove_.sense({contact.force_n(), contact.loaded()}, start_s_ + tick_ * control_interval_s,
                control_interval_s);
 }
 

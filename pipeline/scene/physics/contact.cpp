@@ -11,7 +11,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double contact_reach_m = 0.1;  // of most touching places from the centre of mass
-constexpr double least_way = 1e-3;       // of the hardening's depth, for a chord
 
 Lanes3 velocity_of(const Twist& twist, const Lanes3& place_m) {
   return Lanes3::all(twist.linear) + cross(Lanes3::all(twist.angular), place_m);
@@ -24,20 +23,29 @@ Lanes clip(const Lanes3& v, Lanes longest) {
   return any(is_longer) ? (is_longer ? longest / root(square) : all_lanes(1.0)) : all_lanes(1.0);
 }
 
-/// e^x - 1 by Taylor's series at x / 32, doubled five times: to 1e-7 of itself for x from 0 to 5.
-Lanes exponential_less_one(Lanes x) {
-  const Lanes y = x / 32;
-  Lanes e = 1 + y * (1.0 / 6);
-  for (const double share : {1.0 / 5, 1.0 / 4, 1.0 / 3, 1.0 / 2}) e = 1 + share * y * e;
-  e *= y;
-  for (int doubling = 0; doubling < 5; ++doubling) e *= e + 2;
+constexpr double series_end = 1.0 / 3;
+
+/// (e^x - 1) / x by Taylor's series: to 1e-8 of itself for x from 0 to `series_end`.
+Lanes mean_growth_by_series(Lanes x) {
+  const Lanes z = x * x;
+  return (1 + x * (1.0 / 2)) +
+         z * ((1.0 / 6 + x * (1.0 / 24)) + z * ((1.0 / 120 + x * (1.0 / 720)) + z * (1.0 / 5040)));
+}
+
+/// e^x - 1, doubled four times from x / 16: to 5e-8 of itself for x from 0 to 16 `series_end`, 1e-5
+/// for twice that.
+Lanes growth(Lanes x) {
+  const Lanes y = x * (1.0 / 16);
+  Lanes e = y * mean_growth_by_series(y);
+  for (int doubling = 0; doubling < 4; ++doubling) e *= e + 2;
   return e;
 }
 
-/// Depth in which springs that do not harden would press as much; negative where nothing touches.
-Lanes linear_depth_m(Lanes depth_m, double hardening_m) {
-  return smallest(depth_m, Lanes{}) +
-         hardening_m * exponential_less_one(largest(depth_m, Lanes{}) / hardening_m);
+/// (e^x - 1) / x, as well. Few contacts get much deeper in a step.
+Lanes mean_growth(Lanes x) {
+  const LaneMask is_long = x > series_end;
+  const Lanes by_series = mean_growth_by_series(x);
+  return any(is_long) ? (is_long ? growth(x) / x : by_series) : by_series;
 }
 
 }  // namespace
@@ -91,7 +99,7 @@ void ContactPatch::find(const ObjectSpec& object, const HandFromObject& hand,
 }
 
 void ContactPatch::add(const TouchingBody& body, const Twist& motion, const Twist& expected) {
-  const auto touches = body.touches;
+  const auto touches = search_.touches(body);
   bodies_.push_back({body.finger, body.with_flexion, contacts_.size(), 0});
   touching_ += static_cast<int>(touches.size());
   for (std::size_t i = 0; i < touches.size(); i += lane_count) {
@@ -108,16 +116,19 @@ void ContactPatch::add(const TouchingBody& body, const Twist& motion, const Twis
 /// tangent there foresees too little force, and what gets too deep is thrown out again.
 void ContactPatch::load(Contacts& c, const Lanes3& velocity, const Lanes3& expected) const {
   const ContactParameters& p = parameters_;
+  const double per_m = 1.0 / p.hardening_m;
   const Lanes none{}, clamp = all_lanes(p.clamp_m), rate = -dot(c.normal, velocity);
-  const Lanes depth = smallest(c.depth_m, clamp),
+  const Lanes depth = smallest(c.depth_m, clamp), pressed = largest(depth, none),
               reached = smallest(depth - ahead_s_ * dot(c.normal, expected), clamp);
-  const Lanes linear = linear_depth_m(depth, p.hardening_m), way = reached - depth;
-  const Lanes hardened = way > least_way * p.hardening_m
-                             ? (linear_depth_m(reached, p.hardening_m) - linear) / way
-                             : 1 + largest(linear, none) / p.hardening_m;
-  const Lanes elastic_n = c.stiffness_n_per_m * linear;
+  const Lanes harder = growth(per_m * pressed);
+  Lanes chord = mean_growth(per_m * largest(reached - pressed, none));
+  if (const LaneMask is_apart = depth < 0.0; any(is_apart)) {  // until then nothing hardens
+    const Lanes share = largest(reached, none) / largest(reached - depth, all_lanes(1e-12));
+    chord = is_apart ? 1 + share * (chord - 1) : chord;
+  }
+  const Lanes elastic_n = c.stiffness_n_per_m * (smallest(depth, none) + p.hardening_m * harder);
   const Lanes slope =
-      c.stiffness_n_per_m * hardened * largest(1 + p.dissipation_s_per_m * rate, none);
+      c.stiffness_n_per_m * (1 + harder) * chord * largest(1 + p.dissipation_s_per_m * rate, none);
   c.normal_n = elastic_n - looked_s_ * slope * rate;
   c.normal_gain = ahead_s_ * slope + p.dissipation_s_per_m * largest(elastic_n, none);
   c.tangent_k = p.bristle_ratio * c.stiffness_n_per_m;

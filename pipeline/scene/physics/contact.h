@@ -46,6 +46,7 @@ class ContactPatch {
   bool touching() const { return touching_ > 0; }
   double clearance_m() const { return search_.clearance_m(); }
   std::span<const double> force_n() const { return force_n_; }  ///< normal, of every taxel
+  std::span<const int> loaded() const { return loaded_; }       ///< taxels that touch
   /// Of the hand, about the centre of mass; the object's axes.
   const Eigen::Vector3d& force_on_object_n() const { return force_on_object_n_; }
   const Eigen::Vector3d& torque_on_object_nm() const { return torque_on_object_nm_; }

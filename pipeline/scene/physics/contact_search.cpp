@@ -55,8 +55,10 @@ Twist with_flexion(const HandModel& model, const TaxelGroup& group, const HandFr
 
 TaxelSearch::TaxelSearch(const HandModel& model)
     : model_(&model),
+      due_(model.taxels.size()),
       taxel_free_until_m_(model.taxels.size(), 0.0),
-      group_free_until_m_(model.groups.size(), 0.0) {
+      group_free_until_m_(model.groups.size(), 0.0),
+      group_touched_(model.groups.size(), 0) {
   touches_.reserve(model.taxels.size());
 }
 
@@ -88,19 +90,26 @@ const FingerPose& TaxelSearch::pose(int finger, const HandFromObject& hand) {
   return *poses_[finger];
 }
 
+/// Of a group that touched a single solid, the sphere would tell nothing.
 void TaxelSearch::search(const TaxelGroup& group, const ObjectSpec& object,
                          const HandFromObject& hand) {
   const double travel = travel_m_[group.finger + 1];
-  double& free_until = group_free_until_m_[&group - model_->groups.data()];
+  const auto index = static_cast<std::size_t>(&group - model_->groups.data());
+  double& free_until = group_free_until_m_[index];
   if (travel + margin_m_ >= free_until) {
     const FingerPose* finger = group.finger < 0 ? nullptr : &pose(group.finger, hand);
     const Link link(group, hand, finger);
-    free_until = travel + approach_m(group, link, object);
-    if (travel + margin_m_ >= free_until) {
-      const std::size_t before = touches_.size();
-      look(group, link);
-      if (touches_.size() > before) note(group, with_flexion(*model_, group, hand, finger), before);
-    }
+    if (!group_touched_[index] || object.solids.size() > 1)
+      free_until = travel + approach_m(group, link, object);
+    else
+      solids_.assign(1, {&object.solids.front(), 0.0});
+    const std::size_t before = touches_.size();
+    const bool may_touch = travel + margin_m_ >= free_until;
+    if (may_touch) look(group, link);
+    const bool touches = touches_.size() > before;
+    if (touches) note(group, with_flexion(*model_, group, hand, finger), before);
+    if (group_touched_[index] && !touches) free_until = travel + approach_m(group, link, object);
+    group_touched_[index] = touches;
   }
   clearance_m_ = std::clamp(free_until - travel, 0.0, clearance_m_);
 }
@@ -125,14 +134,14 @@ double TaxelSearch::approach_m(const TaxelGroup& group, const Link& link,
 
 /// Looks at as many taxels at once as there are lanes.
 void TaxelSearch::look(const TaxelGroup& group, const Link& link) {
-  const double travel = travel_m_[group.finger + 1];
-  int taxels[lane_count], count = 0;
+  const double travel = travel_m_[group.finger + 1], reach = travel + margin_m_;
+  int due = 0;
   for (int i = group.first; i < group.first + group.count; ++i) {
-    if (travel + margin_m_ < taxel_free_until_m_[i]) continue;
-    taxels[count++] = i;
-    if (count == lane_count) look(taxels, count, travel, link), count = 0;
+    due_[due] = i;
+    due += reach >= taxel_free_until_m_[i];
   }
-  if (count > 0) look(taxels, count, travel, link);
+  for (int i = 0; i < due; i += lane_count)
+    look(&due_[i], std::min(lane_count, due - i), travel, link);
 }
 
 void TaxelSearch::look(const int* taxels, int count, double travel, const Link& link) {
@@ -160,11 +169,9 @@ void TaxelSearch::look(const int* taxels, int count, double travel, const Link& 
 
 /// The palm's groups are one body.
 void TaxelSearch::note(const TaxelGroup& group, const Twist& with_flexion, std::size_t first) {
-  const std::span touches = std::span<const Touch>(touches_).subspan(first);
-  if (group.finger < 0 && !touching_.empty())
-    touching_.back().touches = {touching_.back().touches.data(), touches.data() + touches.size()};
-  else
-    touching_.push_back({group.finger, with_flexion, touches});
+  if (group.finger >= 0 || touching_.empty())
+    touching_.push_back({group.finger, with_flexion, first, 0});
+  touching_.back().count = touches_.size() - touching_.back().first;
 }
 
 }  // namespace touchtrace::scene

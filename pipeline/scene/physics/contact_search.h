@@ -34,9 +34,9 @@ struct Touch {
 
 /// What touches of the palm or of one link, which are rigid.
 struct TouchingBody {
-  int finger;          ///< -1: the palm
-  Twist with_flexion;  ///< a radian of the finger's flexion; 0 for the palm
-  std::span<const Touch> touches;
+  int finger;                ///< -1: the palm
+  Twist with_flexion;        ///< a radian of the finger's flexion; 0 for the palm
+  std::size_t first, count;  ///< of its touches
 };
 
 /// Finds what touches. Distances change no faster than their points move, so a taxel or group that
@@ -48,6 +48,10 @@ class TaxelSearch {
   /// Taxels inside the object or less than `margin_m` outside.
   const std::vector<TouchingBody>& find(const ObjectSpec& object, const HandFromObject& hand,
                                         double margin_m);
+  /// Until the next search.
+  std::span<const Touch> touches(const TouchingBody& body) const {
+    return std::span(touches_).subspan(body.first, body.count);
+  }
   /// How far hand and object can move against each other before anything may touch [m]; 0 in
   /// contact.
   double clearance_m() const { return clearance_m_; }
@@ -70,11 +74,13 @@ class TaxelSearch {
 
   const HandModel* model_;
   std::vector<Touch> touches_;
-  std::vector<TouchingBody> touching_;  ///< spans of them
-  std::vector<NearbySolid> solids_;     ///< those that may be nearest to a taxel of the group
+  std::vector<TouchingBody> touching_;
+  std::vector<NearbySolid> solids_;  ///< those that may be nearest to a taxel of the group
+  std::vector<int> due_;             ///< taxels of the group that may touch
   std::array<std::optional<FingerPose>, finger_count> poses_;  ///< those needed so far
   /// Travels at which a taxel or group may touch at the soonest.
   std::vector<double> taxel_free_until_m_, group_free_until_m_;
+  std::vector<std::uint8_t> group_touched_;          ///< when last looked at
   std::array<double, finger_count + 1> travel_m_{};  ///< against the object, of palm and fingers
   HandFromObject last_;
   double clearance_m_ = 0.0, margin_m_ = 0.0;

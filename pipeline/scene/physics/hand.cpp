@@ -5,6 +5,8 @@
 #include <mutex>
 #include <numbers>
 
+#include "pipeline/scene/objects/lane_turns.h"
+
 namespace touchtrace::scene {
 namespace {
 
@@ -123,13 +125,16 @@ FingerPose pose_finger(const Finger& finger, double flexion_rad) {
   FingerPose pose;
   pose.axis = -finger.hand_from_base.col(1);
   Vector3d joint = finger.base_m;
-  double angle = 0.0;
+  const auto& coupling = finger.coupling;
+  const double middle = coupling[0] + coupling[1];
+  const LaneTurns first = turns(flexion_rad * Lanes{coupling[0], middle}),
+                  last = turns(all_lanes(flexion_rad * (middle + coupling[2])));
+  const double sines[]{first.sine[0], first.sine[1], last.sine[0]},
+      cosines[]{first.cosine[0], first.cosine[1], last.cosine[0]};
   for (int link = 0; link < finger.links; ++link) {
-    angle += finger.coupling[link] * flexion_rad;
-    const double c = std::cos(angle), s = std::sin(angle);
-    Matrix3d base_from_link;
-    base_from_link << c, 0.0, -s, 0.0, 1.0, 0.0, s, 0.0, c;
-    pose.hand_from_link[link] = finger.hand_from_base * base_from_link;
+    const double c = cosines[link], s = sines[link];
+    const auto x = finger.hand_from_base.col(0), z = finger.hand_from_base.col(2);
+    pose.hand_from_link[link] << c * x + s * z, finger.hand_from_base.col(1), c * z - s * x;
     pose.joint_m[link] = joint;
     joint += finger.length_m[link] * pose.hand_from_link[link].col(0);
   }

@@ -1,33 +1,38 @@
 #include "pipeline/scene/physics/motion_system.h"
 
-#include <cmath>
-
 namespace touchtrace::scene {
 namespace {
 
 using Bodies = Eigen::Matrix<double, fingers_at, fingers_at>;
 using BodyVelocity = Eigen::Matrix<double, fingers_at, 1>;
 
-/// Cholesky's factor in place of the lower triangle of a positive definite matrix. Eigen's is made
-/// for sizes that are not known while it is compiled.
+/// L D L' in place of the lower triangle of a positive definite matrix; on the diagonal D's
+/// inverse. Eigen's is made for sizes that are not known while it is compiled.
 void factorize(Bodies& a) {
+#pragma GCC unroll 9
   for (int k = 0; k < fingers_at; ++k) {
-    const double diagonal = std::sqrt(a(k, k)), inverse = 1.0 / diagonal;
-    a(k, k) = diagonal;
-    for (int i = k + 1; i < fingers_at; ++i) a(i, k) *= inverse;
-    for (int j = k + 1; j < fingers_at; ++j)
-      for (int i = j; i < fingers_at; ++i) a(i, j) -= a(j, k) * a(i, k);
+    const double inverse = 1.0 / a(k, k);
+    a(k, k) = inverse;
+#pragma GCC unroll 9
+    for (int j = k + 1; j < fingers_at; ++j) {
+      const double share = inverse * a(j, k);
+#pragma GCC unroll 9
+      for (int i = j; i < fingers_at; ++i) a(i, j) -= share * a(i, k);
+      a(j, k) = share;
+    }
   }
 }
 
 void solve_in_place(const Bodies& factor, BodyVelocity& x) {
-  for (int k = 0; k < fingers_at; ++k) {
-    x[k] /= factor(k, k);
+#pragma GCC unroll 9
+  for (int k = 0; k < fingers_at; ++k)
+#pragma GCC unroll 9
     for (int i = k + 1; i < fingers_at; ++i) x[i] -= x[k] * factor(i, k);
-  }
+#pragma GCC unroll 9
   for (int k = fingers_at; k-- > 0;) {
+    x[k] *= factor(k, k);
+#pragma GCC unroll 9
     for (int i = k + 1; i < fingers_at; ++i) x[k] -= factor(i, k) * x[i];
-    x[k] /= factor(k, k);
   }
 }
 
@@ -48,8 +53,7 @@ Velocity MotionSystem::solve() const {
   for (int i = 0; i < finger_count; ++i) {
     if (columns.col(i).isZero(0.0)) continue;
     const BodyVelocity share = columns.col(i) / fingers[i];
-    for (int j = 0; j < fingers_at; ++j)
-      reduced.col(j).tail(fingers_at - j) -= share[j] * columns.col(i).tail(fingers_at - j);
+    reduced.noalias() -= columns.col(i) * share.transpose();
     right -= momentum[fingers_at + i] * share;
   }
   factorize(reduced);

@@ -46,24 +46,16 @@ struct BodyState {
 
   /// `jerk`: how freely the axes move, see Transition.
   static Square noise(const Transition<T>& step, const Between& jerk) {
-    Square Q = Square::Zero();
-    Q.template topLeftCorner<motion, motion>() =
-        kronecker<T, axes>(step.Q, jerk) + spread(step.Q_free);
-    if constexpr (correlated)
-      Q.diagonal().template tail<axes>().setConstant(1.0 - step.error_kept * step.error_kept);
-    return Q;
+    return with_new_errors(step, kronecker<T, axes>(step.Q, jerk) + spread(step.Q_free));
   }
 
   BodyState after(const Transition<T>& step, const Place& gravity, const Between& jerk) const {
-    const Square F = transition(step);
-    BodyState next{F * mean, F * covariance * F.transpose() + noise(step, jerk)};
-    for (int order = 0; order < 3; ++order)
-      next.mean.template segment<axes>(axes * order) += step.u[order] * gravity;
-    return next;
+    return after_with(step, gravity, noise(step, jerk));
   }
 
+  /// Freely.
   BodyState after(const Transition<T>& step, double gravity) const requires(axes == 1) {
-    return after(step, Place(T(gravity)), Between::Identity());
+    return after_with(step, Place(T(gravity)), with_new_errors(step, step.Q + step.Q_free));
   }
 
   /// What is measured of `x` [size, n], a state or several: positions with their correlated errors,
@@ -90,15 +82,11 @@ struct BodyState {
     const auto lower = root.template triangularView<Eigen::Lower>();
     const Eigen::Matrix<T, axes, size> half = lower.solve(with_state);
     const Place innovation = lower.solve(position - measured<1>(mean, correlated_sigma));
-    const Eigen::Matrix<T, size, axes> gain = lower.transpose().solve(half).transpose();
-    Square keep = Square::Identity();
-    keep.template leftCols<axes>() -= gain;
-    if constexpr (correlated)
-      keep.template rightCols<axes>() -= gain * correlated_sigma.asDiagonal();
+    const Gain gain = lower.transpose().solve(half).transpose();
     mean += half.transpose() * innovation;
-    covariance =
-        (keep * covariance * keep.transpose() + gain * variance.asDiagonal() * gain.transpose())
-            .eval();
+    const Square kept_once = kept(covariance, gain, correlated_sigma);
+    covariance = kept(kept_once.transpose(), gain, correlated_sigma) +
+                 gain * variance.asDiagonal() * gain.transpose();
     T cost = 0.5 * innovation.squaredNorm();
     for (int i = 0; i < axes; ++i) cost += log(root(i, i));
     return cost;
@@ -110,8 +98,43 @@ struct BodyState {
   }
 
  private:
-  static Eigen::Matrix<T, motion, motion> spread(const Matrix3<T>& orders) {
+  using Gain = Eigen::Matrix<T, size, axes>;
+  using Motion = Eigen::Matrix<T, motion, motion>;
+
+  static Motion spread(const Matrix3<T>& orders) {
+    if constexpr (axes == 1) return orders;
     return kronecker<T, axes>(orders, Between::Identity());
+  }
+
+  static Square with_new_errors(const Transition<T>& step, const Motion& noise) {
+    if constexpr (!correlated) return noise;
+    Square Q = Square::Zero();
+    Q.template topLeftCorner<motion, motion>() = noise;
+    Q.diagonal().template tail<axes>().setConstant(1.0 - step.error_kept * step.error_kept);
+    return Q;
+  }
+
+  BodyState after_with(const Transition<T>& step, const Place& gravity, const Square& noise) const {
+    const Square F = transition(step);
+    BodyState next{F * mean, F * covariance * F.transpose() + noise};
+    for (int order = 0; order < 3; ++order)
+      next.mean.template segment<axes>(axes * order) += step.u[order] * gravity;
+    return next;
+  }
+
+  /// x (I - gain H)', of which most columns are those of x: H sees positions and their errors.
+  static Square kept(const Square& x, const Gain& gain, const Place& correlated_sigma) {
+    constexpr int unseen = motion - axes;
+    Gain keep = -gain;
+    keep.template topRows<axes>().diagonal().array() += T(1.0);
+    Square result = x.template leftCols<axes>().lazyProduct(keep.transpose());
+    result.template middleCols<unseen>(axes) += x.template middleCols<unseen>(axes);
+    if constexpr (correlated) {
+      keep = -gain * correlated_sigma.asDiagonal();
+      keep.template bottomRows<axes>().diagonal().array() += T(1.0);
+      result += x.template rightCols<axes>().lazyProduct(keep.transpose());
+    }
+    return result;
   }
 };
 

@@ -1,6 +1,8 @@
 #include <cmath>
+#include <numeric>
 
 #include "calib/smooth/robust_pass.h"
+#include "engine/base/parallel.h"
 
 namespace touchtrace {
 namespace {
@@ -58,36 +60,41 @@ double expected_squares(const WeightedTrack& track, const Trajectory& trajectory
 
 double predictive_cost(const std::vector<WeightedTrack>& tracks, const MotionNoise<double>& noise,
                        const SmoothOptions& options) {
-  double cost = 0.0;
-  for (const auto& track : tracks) {
+  std::vector<double> costs(tracks.size());
+  for_each_index(tracks.size(), options.threads, [&](std::size_t k) {
+    const auto& track = tracks[k];
     const auto foretold = pass(track, noise, options).foretold();
     for (std::size_t i = 0; i < track.points.size(); ++i) {
       const Eigen::Array3d variance = foretold[i].own_variance_m2.array() / track.weights[i];
       // what the measurement itself does not explain; rounding must not leave less than nothing
       const Eigen::Array3d left = (variance - foretold[i].variance_m2.array()).max(1e-6 * variance);
       const Eigen::Array3d residual = (track.points[i].position_m - foretold[i].position_m).array();
-      cost += 0.5 * (residual.square() / left + (variance.square() / left).log()).sum();
+      costs[k] += 0.5 * (residual.square() / left + (variance.square() / left).log()).sum();
     }
-  }
-  return cost;
+  });
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
 
 void find_jerk(std::vector<WeightedTrack>& tracks, MotionNoise<double>& noise,
                const SmoothOptions& options) {
-  for (auto& track : tracks) track.jerk.resize(track.points.size(), Eigen::Matrix3d::Identity());
+  double count = 1.0;  // and one square that is as it was said to be: the scale stays above 0
+  for (auto& track : tracks) {
+    track.jerk.resize(track.points.size(), Eigen::Matrix3d::Identity());
+    count += 3.0 * static_cast<double>(track.points.size());
+  }
   for (int round = 0; round < rounds; ++round) {
-    std::vector<Jerks> expected;
-    double squares = 1.0, count = 1.0;  // one that is as it was said to be: the scale stays above 0
-    for (auto& track : tracks) {
-      const auto trajectory = pass(track, noise, options);
-      expected.push_back(trajectory.expected_jerk());
-      squares += expected_squares(track, trajectory);
-      count += 3.0 * static_cast<double>(track.points.size());
-      if (options.robust) reweight(track, trajectory);
-    }
+    std::vector<Jerks> expected(tracks.size());
+    std::vector<double> squares(tracks.size());
+    for_each_index(tracks.size(), options.threads, [&](std::size_t i) {
+      const auto trajectory = pass(tracks[i], noise, options);
+      expected[i] = trajectory.expected_jerk();
+      squares[i] = expected_squares(tracks[i], trajectory);
+      if (options.robust) reweight(tracks[i], trajectory);
+    });
     const auto of_all = mean_of(expected);
     for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].jerk = averaged(expected[i], of_all);
-    noise.measurement_scale *= std::sqrt(squares / (options.robust ? robust_share * count : count));
+    noise.measurement_scale *= std::sqrt(std::accumulate(squares.begin(), squares.end(), 1.0) /
+                                         (options.robust ? robust_share * count : count));
   }
 }
 

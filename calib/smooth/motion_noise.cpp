@@ -2,10 +2,13 @@
 #include <ceres/gradient_problem.h>
 #include <ceres/gradient_problem_solver.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "calib/smooth/likelihood.h"
 #include "calib/smooth/scaled_track.h"
+#include "engine/base/parallel.h"
 
 namespace touchtrace {
 namespace {
@@ -15,19 +18,22 @@ constexpr double log_deviation = 2.3;  // a factor of 10
 constexpr double least_scale = 1e-3;   // of a body at rest, whose measurements are all the same
 constexpr double usual_swing = 0.5, usual_damping = 0.5;
 
-/// Jerk density, measurement scale and, of a swinging motion, frequency and damping, or else how it
-/// is thrown and flies, as logarithms of multiples of what is usual.
-constexpr int most_parameters = 5;
+/// Jerk density, measurement scale and, of a swinging motion, frequency and damping, or of one with
+/// flights how it is thrown and flies, as logarithms of multiples of what is usual.
+constexpr int of_any = 2, of_swinging = 4, of_flying = 5;
 
-/// -log likelihood as a function of these logarithms.
+/// -log likelihood as a function of these logarithms, if errors are white: what neighbours have in
+/// common is told from what such errors leave.
 class NoiseCost {
  public:
   NoiseCost(const std::vector<WeightedTrack>& tracks, const SmoothOptions& options,
             const MotionUnits& units, TouchedMotion motion)
       : noise_(units.scaled(options.noise)),
         motion_(motion),
+        threads_(options.threads),
         gravity_(options.gravity_m_per_s2 / units.acceleration()),
         initial_(scaled(options.initial, units)) {
+    noise_.correlated_scale = 0.0;
     for (const auto& track : tracks) {
       tracks_.emplace_back(track, units);
       events_.push_back(contact_events(track.flights, track.points.front().time_s, units.time_s));
@@ -36,20 +42,25 @@ class NoiseCost {
 
   template <class T>
   bool operator()(const T* log_noise, T* cost) const {
-    *cost = T(0);
-    for (int i = 1; i < parameters(); ++i)
-      *cost += 0.5 * log_noise[i] * log_noise[i] / (log_deviation * log_deviation);
     const auto noise = this->noise(log_noise);
-    for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    std::vector<T> costs(tracks_.size());
+    for_each_index(tracks_.size(), threads_, [&](std::size_t i) {
       std::vector<ContactEvent<T>> events;
       for (const auto& event : events_[i]) events.push_back({T(event.time), event.release});
-      *cost +=
-          innovation_cost(tracks_[i], MotionPrior<T>(noise, std::move(events)), gravity_, initial_);
-    }
+      costs[i] = innovation_cost_with<T, Errors::white>(
+          tracks_[i], MotionPrior<T>(noise, std::move(events)), gravity_, initial_);
+    });
+    *cost = std::accumulate(costs.begin(), costs.end(), T(0));
+    for (int i = 1; i < parameters(); ++i)
+      *cost += 0.5 * log_noise[i] * log_noise[i] / (log_deviation * log_deviation);
     return true;
   }
 
-  int parameters() const { return motion_ == TouchedMotion::swinging ? 4 : 5; }
+  int parameters() const {
+    if (motion_ == TouchedMotion::swinging) return of_swinging;
+    const auto stays = [](const auto& events) { return events.empty(); };
+    return std::ranges::all_of(events_, stays) ? of_any : of_flying;
+  }
 
   template <class T>
   MotionNoise<T> noise(const T* log_noise) const {
@@ -60,7 +71,7 @@ class NoiseCost {
     if (motion_ == TouchedMotion::swinging) {
       noise.swing_rad_per_s = usual_swing * exp(log_noise[2]);
       noise.swing_damping = usual_damping * exp(log_noise[3]);
-    } else {
+    } else if (parameters() == of_flying) {
       noise.throw_jerk_density *= exp(log_noise[2]);
       noise.throw_s *= exp(log_noise[3]);
       noise.flight_drag_per_s *= exp(log_noise[4]);
@@ -71,6 +82,7 @@ class NoiseCost {
  private:
   MotionNoise<double> noise_;
   TouchedMotion motion_;
+  int threads_;
   Eigen::Vector3d gravity_;
   InitialMotion initial_;
   std::vector<ScaledTrack> tracks_;
@@ -81,12 +93,20 @@ class NoiseCost {
 double best_log_density(const NoiseCost& cost) {
   double best = 0.0, lowest = std::numeric_limits<double>::infinity();
   for (int decade = -12; decade <= 24; ++decade) {
-    const double at[most_parameters] = {decade * std::log(10.0)};
+    const double at[of_flying] = {decade * std::log(10.0)};
     double value;
     cost(at, &value);
     if (value < lowest) lowest = value, best = at[0];
   }
   return best;
+}
+
+ceres::FirstOrderFunction* differentiated(NoiseCost* cost) {
+  if (cost->parameters() == of_any)
+    return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_any>(cost);
+  if (cost->parameters() == of_swinging)
+    return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_swinging>(cost);
+  return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_flying>(cost);
 }
 
 }  // namespace
@@ -101,9 +121,8 @@ std::optional<MotionNoise<double>> most_likely_noise(const std::vector<WeightedT
 
   const auto units = MotionUnits::of(points);
   auto* cost = new NoiseCost(tracks, options, units, motion);
-  double log_noise[most_parameters] = {best_log_density(*cost)};
-  const ceres::GradientProblem problem(
-      new ceres::AutoDiffFirstOrderFunction<NoiseCost, most_parameters>(cost));
+  double log_noise[of_flying] = {best_log_density(*cost)};
+  const ceres::GradientProblem problem(differentiated(cost));
   ceres::GradientProblemSolver::Options solver;
   solver.logging_type = ceres::SILENT;
   solver.line_search_direction_type = ceres::BFGS;

@@ -7,6 +7,7 @@
 
 #include "calib/smooth/likelihood.h"
 #include "calib/smooth/robust_pass.h"
+#include "engine/base/parallel.h"
 
 namespace touchtrace {
 namespace {
@@ -67,10 +68,11 @@ SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const Smoot
 /// Flights and weights, each given the others and the noise.
 void find_flights(std::vector<WeightedTrack>& tracks, const MotionNoise<double>& noise,
                   const SmoothOptions& options) {
-  for (auto& track : tracks) {
+  for_each_index(tracks.size(), options.threads, [&](std::size_t i) {
+    auto& track = tracks[i];
     track.flights = most_likely_flights(track, noise, options, Doubtful::drop);
     if (options.robust) find_weights(track, noise, options);
-  }
+  });
 }
 
 /// The noise with the course of its jerk, where that foretells measurements better.
@@ -114,8 +116,9 @@ MotionNoise<double> with_correlated_errors(std::vector<WeightedTrack>& tracks,
 MotionNoise<double> find_noise(std::vector<WeightedTrack>& tracks, const SmoothOptions& options) {
   auto noise = options.noise;
   bool found = false;
-  for (auto& track : tracks)
-    track.flights = most_likely_flights(track, noise, options, Doubtful::keep);
+  for_each_index(tracks.size(), options.threads, [&](std::size_t i) {
+    tracks[i].flights = most_likely_flights(tracks[i], noise, options, Doubtful::keep);
+  });
   for (int round = 0; round < 2; ++round) {
     if (options.fit_noise) {
       const auto likely = most_likely_noise(tracks, options, TouchedMotion::white_jerk);
@@ -154,8 +157,9 @@ SmoothedTracks smooth(const std::vector<Track>& tracks,
   }
   result.noise = find_noise(usable, options);
   result.causal_noise = find_causal_noise(usable, result.noise, options);
-  for (std::size_t k = 0; k < usable.size(); ++k)
+  for_each_index(usable.size(), options.threads, [&](std::size_t k) {
     result.tracks[index[k]] = finish(std::move(usable[k]), result, options);
+  });
   return result;
 }
 

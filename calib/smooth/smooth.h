@@ -18,6 +18,7 @@ struct SmoothOptions {
   bool fit_noise = true;
   /// Cauchy's loss of the whitened distance, c^2 log(1 + r^2 / c^2) with c = 4; else least squares.
   bool robust = true;
+  int threads = 0;  ///< tracks worked on at a time, 0: one a core; the result is the same
 };
 
 struct SmoothedTracks {

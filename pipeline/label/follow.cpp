@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -20,7 +21,7 @@ constexpr double hand_disc_m = 0.05, hand_sigma_m = 0.004;
 // Of an object's place in a hand that hides it, as the hand has it now and as the first box says;
 // and how that place shakes from frame to frame.
 constexpr double in_hand_sigma_m = 0.02, unseen_sigma_m = 0.03, hidden_sigma_m = 0.005;
-constexpr double hidden = 0.5;           // part of the rays to an object that something hides
+constexpr double hidden = 0.5;  // part of the rays to an object that something hides
 constexpr std::size_t grip_frames = 15;
 constexpr double reach_m =
     0.07;                        // an object so much farther from the hand than in the grip is away
@@ -85,9 +86,10 @@ class Grip {
 /// Hand and object of one clip.
 class Follower {
  public:
-  Follower(const SceneModel& scene, const ClipFrames& clip, const Eigen::Vector3d& gravity,
-           const TrackerKind& kind)
+  Follower(const SceneModel& scene, FramesAhead::Reader& frames, const ClipFrames& clip,
+           const Eigen::Vector3d& gravity, const TrackerKind& kind)
       : scene_(scene),
+        frames_(frames),
         clip_(clip),
         gravity_(gravity),
         shape_(scene.object_shape.at(clip.object)),
@@ -108,8 +110,9 @@ class Follower {
     } else {
       hand_.predict(seconds, false, gravity_);
       object_.predict(seconds, away_, gravity_);
-      hand = hand_.find(surface, image, scene_.segmenter, std::nullopt);
-      object = object_.find(surface, image, scene_.segmenter, in_hand(hand));
+      const auto [hand_box, object_box] = tracked(image);
+      hand = hand_.find(surface, image, hand_box, scene_.segmenter, std::nullopt);
+      object = object_.find(surface, image, object_box, scene_.segmenter, in_hand(hand));
     }
     track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
     unseen_s_ += seconds;
@@ -120,6 +123,15 @@ class Follower {
   int restarts() const { return hand_.restarts() + object_.restarts(); }
 
  private:
+  /// The trackers' boxes on hand and object.
+  std::array<std::optional<PixelBox>, 2> tracked(const MaskedImage& image) {
+    const auto& camera = scene_.segmenter.color_camera();
+    std::array<std::optional<PixelBox>, 2> boxes;
+    frames_.both([&] { boxes[0] = hand_.track(image, camera); },
+                 [&] { boxes[1] = object_.track(image, camera); });
+    return boxes;
+  }
+
   Observation observe_object(const Patch& patch, const RgbdFrame& frame) {
     const auto view =
         scene_.view_body(frame, clip_.object, patch, reaches * shape_.reach_m(), pose_.has_value());
@@ -205,6 +217,7 @@ class Follower {
   }
 
   const SceneModel& scene_;
+  FramesAhead::Reader& frames_;
   const ClipFrames& clip_;
   Eigen::Vector3d gravity_;
   Grip grip_;
@@ -217,15 +230,15 @@ class Follower {
 
 }  // namespace
 
-ClipTrack follow(const SceneModel& scene, const std::function<SeenFrame()>& next,
-                 const ClipFrames& clip, const std::vector<double>& frame_time_s,
-                 const Eigen::Vector3d& gravity_m_per_s2, const TrackerKind& tracker) {
-  Follower follower(scene, clip, gravity_m_per_s2, tracker);
+ClipTrack follow(const SceneModel& scene, FramesAhead::Reader& frames, const ClipFrames& clip,
+                 const std::vector<double>& frame_time_s, const Eigen::Vector3d& gravity_m_per_s2,
+                 const TrackerKind& tracker) {
+  Follower follower(scene, frames, clip, gravity_m_per_s2, tracker);
   ClipTrack track;
   for (std::size_t i = clip.first; i < clip.first + clip.count; ++i) {
     throw_if_interrupted();
     const double seconds = i > clip.first ? frame_time_s[i] - frame_time_s[i - 1] : 0.0;
-    follower.step(next(), seconds, track);
+    follower.step(frames.next(), seconds, track);
     track.time_s.push_back(frame_time_s[i]);
   }
   track.object_unevenness_m = scene.object_shape.at(clip.object).unevenness_m;

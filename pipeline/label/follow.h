@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -29,9 +28,9 @@ struct ClipTrack {
 /// Follows hand and object through a clip. Each has a Kalman filter, with gravity once the object
 /// is away from the hand; the tracker looks where the filter predicts; its box is believed if the
 /// body's points lie in it within the gate, else the body is looked for by colour and depth within
-/// the gate, which grows while it is lost. `next` gives the clip's frames in turn.
-ClipTrack follow(const SceneModel& scene, const std::function<SeenFrame()>& next,
-                 const ClipFrames& clip, const std::vector<double>& frame_time_s,
-                 const Eigen::Vector3d& gravity_m_per_s2, const TrackerKind& tracker);
+/// the gate, which grows while it is lost.
+ClipTrack follow(const SceneModel& scene, FramesAhead::Reader& frames, const ClipFrames& clip,
+                 const std::vector<double>& frame_time_s, const Eigen::Vector3d& gravity_m_per_s2,
+                 const TrackerKind& tracker);
 
 }  // namespace touchtrace::label

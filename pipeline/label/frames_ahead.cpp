@@ -16,7 +16,8 @@ bool is_first_seen(const std::deque<std::future<SeenFrame>>& ahead) {
 
 }  // namespace
 
-FramesAhead::FramesAhead(const std::vector<ClipFrames>& clips, See see) : see_(std::move(see)) {
+FramesAhead::FramesAhead(const std::vector<ClipFrames>& clips, See see)
+    : see_(std::move(see)), followed_(clips.size()) {
   for (const auto& clip : clips) clips_.push_back({&clip, clip.first, clip.first + clip.count, {}});
 }
 
@@ -37,6 +38,7 @@ void FramesAhead::close(std::size_t index) {
   const std::lock_guard lock(mutex_);
   clips_[index].begun = clips_[index].end;
   clips_[index].ahead.clear();
+  --followed_;
   changed_.notify_all();
 }
 
@@ -57,13 +59,43 @@ void FramesAhead::see_one(Clip& clip, std::unique_lock<std::mutex>& lock) {
   lock.lock();
 }
 
+/// What nobody has begun by the time that the rest is done is done here, too.
+void FramesAhead::both(const std::function<void()>& one, const std::function<void()>& other) {
+  const auto offered = std::make_shared<Work>(one);
+  Work own(other);
+  auto one_done = offered->get_future(), other_done = own.get_future();
+  std::unique_lock lock(mutex_);
+  offered_.push_back(offered);
+  changed_.notify_all();
+  lock.unlock();
+  own();
+  lock.lock();
+  const bool is_left = std::erase(offered_, offered) > 0;
+  lock.unlock();
+  if (is_left) (*offered)();
+  one_done.get();
+  other_done.get();
+}
+
+void FramesAhead::take_over(std::unique_lock<std::mutex>& lock) {
+  const auto work = std::move(offered_.front());
+  offered_.pop_front();
+  lock.unlock();
+  (*work)();
+  lock.lock();
+}
+
 void FramesAhead::help() {
   std::unique_lock lock(mutex_);
-  while (Clip* clip = neediest())
-    if (clip->ahead.size() < most_ahead)
+  while (followed_ > 0) {
+    Clip* clip = neediest();
+    if (!offered_.empty())
+      take_over(lock);
+    else if (clip && clip->ahead.size() < most_ahead)
       see_one(*clip, lock);
     else
       changed_.wait(lock);
+  }
 }
 
 }  // namespace touchtrace::label

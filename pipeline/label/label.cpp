@@ -6,12 +6,12 @@
 #include <opencv2/core/utility.hpp>
 
 #include "engine/base/error.h"
+#include "engine/base/parallel.h"
 #include "engine/base/progress.h"
 #include "pipeline/label/box_tracker.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/label/follow.h"
 #include "pipeline/label/learn_scene.h"
-#include "pipeline/label/parallel.h"
 #include "pipeline/label/states.h"
 #include "pipeline/label/timeline.h"
 #include "pipeline/recording/check.h"
@@ -62,6 +62,7 @@ std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& fr
   Progress progress("following hand and object", total);
   std::vector<ClipTrack> tracks(clips.size());
   FramesAhead ahead(clips, [&](const ClipFrames& clip, std::size_t index) {
+    progress.advance();
     return see(scene, frames, kind, clip, index);
   });
   cv::setNumThreads(1);
@@ -69,10 +70,9 @@ std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& fr
   for_each_index(clips.size() + helpers, options.threads, [&](std::size_t i) {
     if (i >= clips.size()) return ahead.help();
     FramesAhead::Reader reader(ahead, i);
-    const auto next = [&] { return progress.advance(), reader.next(); };
     if (clips[i].count > 0)
       tracks[i] =
-          follow(scene, next, clips[i], timeline.camera_time_s, gravity(recording.camera), kind);
+          follow(scene, reader, clips[i], timeline.camera_time_s, gravity(recording.camera), kind);
   });
   return tracks;
 }

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/base/parallel.h"
+#include "engine/base/progress.h"
 #include "pipeline/label/body_fit.h"
-#include "pipeline/label/parallel.h"
 
 namespace touchtrace::label {
 namespace {
@@ -181,19 +182,23 @@ constexpr std::array<Start, 3> starts{{{{0.2, 0.4, 0.7}, 0.5, fine_width_m},
                                        {{0.3, 0.3, 0.3}, 0.5, fine_width_m},
                                        {{0.1, 0.8, 1.1}, 0.3, rough_width_m}}};
 
-Learnt learn_from(const Start& start, const std::vector<BodyView>& views, double radius_m) {
-  auto at =
-      fitted(views, {radius_m * Eigen::Vector3d(start.inner.data()), radius_m * start.edge}, 1);
+Learnt learn_from(const Start& start, const std::vector<BodyView>& views, double radius_m,
+                  int threads, Progress& progress) {
+  auto at = fitted(views, {radius_m * Eigen::Vector3d(start.inner.data()), radius_m * start.edge},
+                   threads);
   double width_m = start.width_m;
-  for (int round = 0; round < rounds; ++round, width_m = std::max(fine_width_m, 0.5 * width_m))
-    at = fitted(views, refine(views, at, width_m), 1);
+  for (int round = 0; round < rounds; ++round, width_m = std::max(fine_width_m, 0.5 * width_m)) {
+    at = fitted(views, refine(views, at, width_m), threads);
+    progress.advance();
+  }
   return at;
 }
 
 /// More rounds, as long as they help.
-RoundedBox settled(const std::vector<BodyView>& views, Learnt at, int threads) {
+RoundedBox settled(const std::vector<BodyView>& views, Learnt at, int threads, Progress& progress) {
   for (int round = 0; round < more_rounds; ++round) {
     auto next = fitted(views, refine(views, at, fine_width_m), threads);
+    progress.advance();
     if (!(next.cost_m2 < helped * at.cost_m2)) break;
     at = std::move(next);
   }
@@ -207,10 +212,13 @@ RoundedBox learn_box(const std::vector<BodyView>& views, double radius_m, int th
   for (const auto& view : views)
     thin.push_back(thinned(view, likely_center(view, {Eigen::Vector3d::Zero(), radius_m}),
                            passing_radii * radius_m, view_points));
+  Progress progress("learning the object's shape", rounds * starts.size() + more_rounds);
   std::array<Learnt, starts.size()> learnt;
-  for_each_index(starts.size(), threads,
-                 [&](std::size_t i) { learnt[i] = learn_from(starts[i], thin, radius_m); });
-  return settled(thin, *std::ranges::min_element(learnt, {}, &Learnt::cost_m2), threads);
+  // each on all threads: those of starts that are done help with the last
+  for_each_index(starts.size(), threads, [&](std::size_t i) {
+    learnt[i] = learn_from(starts[i], thin, radius_m, threads, progress);
+  });
+  return settled(thin, *std::ranges::min_element(learnt, {}, &Learnt::cost_m2), threads, progress);
 }
 
 }  // namespace touchtrace::label

@@ -9,7 +9,7 @@
 
 #include "calib/rgbd/statistics.h"
 #include "engine/base/error.h"
-#include "pipeline/label/parallel.h"
+#include "engine/base/parallel.h"
 
 namespace touchtrace::label {
 namespace {

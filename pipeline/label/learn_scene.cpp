@@ -6,8 +6,8 @@
 
 #include "calib/rgbd/statistics.h"
 #include "engine/base/interrupt.h"
+#include "engine/base/parallel.h"
 #include "pipeline/label/learn_object.h"
-#include "pipeline/label/parallel.h"
 
 namespace touchtrace::label {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "calib/rgbd/statistics.h"
+#include "engine/base/parallel.h"
 #include "pipeline/label/body_fit.h"
 #include "pipeline/label/learn_box.h"
-#include "pipeline/label/parallel.h"
 #include "pipeline/label/sphere_fit.h"
 
 namespace touchtrace::label {

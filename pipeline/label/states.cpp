@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/base/parallel.h"
 #include "pipeline/label/flights.h"
-#include "pipeline/label/parallel.h"
 
 namespace touchtrace::label {
 namespace {
@@ -125,6 +125,7 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
   SmoothOptions of_hand;
   of_hand.gravity_m_per_s2 = gravity_m_per_s2;
   of_hand.initial = initial_motion;
+  of_hand.threads = threads;
   SmoothOptions of_object = of_hand;
   if (bounces) of_object.noise = bouncing_ball();
   SmoothedBodies bodies;

@@ -64,9 +64,9 @@ std::vector<Eigen::Vector3d> Target::starts(const Surface& surface,
 }
 
 std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& image,
+                                  const std::optional<PixelBox>& tracked,
                                   const Segmenter& segmenter,
                                   const std::optional<Eigen::Vector3d>& hint_m) {
-  const auto tracked = track(image, segmenter.color_camera());
   const auto patch = best_patch(surface, segmenter, starts(surface, tracked, hint_m), hint_m);
   if (!patch) {
     tracker_.stop();

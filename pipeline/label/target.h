@@ -19,12 +19,15 @@ class Target {
   /// Where a user's box says it is.
   std::optional<Patch> begin(const Surface& surface, const PixelBox& box) const;
 
-  /// The patch that its place and its size speak for, of those where it is expected, where the
-  /// tracker has it and, if given, at `hint_m`; all must lie within the gate. One that is hidden or
+  /// Its tracker's box around where it is expected.
+  std::optional<PixelBox> track(const MaskedImage& image, const Camera& camera);
+
+  /// The patch that its place and its size speak for, of those where it is expected, where it is
+  /// `tracked` and, if given, at `hint_m`; all must lie within the gate. One that is hidden or
   /// was lost for some frames is looked for around the hint, and everywhere; but far from where it
   /// may be only a patch counts that shows half of it.
   std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
-                            const Segmenter& segmenter,
+                            const std::optional<PixelBox>& tracked, const Segmenter& segmenter,
                             const std::optional<Eigen::Vector3d>& hint_m);
 
   /// With an empty `box` its tracker waits until the target is seen.
@@ -49,7 +52,6 @@ class Target {
  private:
   /// So near to where it may be anything is taken for it.
   double near_m(bool hinted) const;
-  std::optional<PixelBox> track(const MaskedImage& image, const Camera& camera);
   std::vector<Eigen::Vector3d> starts(const Surface& surface,
                                       const std::optional<PixelBox>& tracked,
                                       const std::optional<Eigen::Vector3d>& hint_m) const;

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <functional>
 
-namespace touchtrace::label {
+namespace touchtrace {
 
 /// One a core for 0.
 std::size_t thread_count(int threads);
@@ -12,4 +12,4 @@ std::size_t thread_count(int threads);
 /// this order. The first exception ends the rest and is thrown again here.
 void for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
 
-}  // namespace touchtrace::label
+}  // namespace touchtrace

@@ -1,4 +1,4 @@
-#include "pipeline/label/parallel.h"
+#include "engine/base/parallel.h"
 
 #include <algorithm>
 #include <atomic>
@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace touchtrace::label {
+namespace touchtrace {
 
 std::size_t thread_count(int threads) {
   return threads > 0 ? static_cast<std::size_t>(threads)
@@ -36,4 +36,4 @@ void for_each_index(std::size_t count, int threads, const std::function<void(std
   if (failed) std::rethrow_exception(failed);
 }
 
-}  // namespace touchtrace::label
+}  // namespace touchtrace

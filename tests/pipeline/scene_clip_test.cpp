@@ -88,6 +88,7 @@ TEST(SceneClip, HeldObjectsAreGrippedAsByAPerson) {
     EXPECT_LT(s.grip_p99_n, std::max(60.0, 120.0 * object.mass_kg)) << object.name;
     EXPECT_LT(s.force_residual, 1e-6) << object.name;
     EXPECT_LT(s.saturated_share, 0.01) << object.name;
+    EXPECT_EQ(s.clamped_clip_share, 0.0) << object.name;
     EXPECT_GE(s.lowest_object_m, -0.25) << object.name;
   }
   EXPECT_EQ(held, 16.0);
@@ -100,6 +101,7 @@ TEST(SceneClip, ThrownObjectsAreCaught) {
     if (!object.toss_apex_m) continue;
     const ClipStatistics s = statistics(perform(options_of("throw", object.name), 4), object);
     EXPECT_LE(s.drop_share, 0.25) << object.name;
+    EXPECT_EQ(s.clamped_clip_share, 0.0) << object.name;
     EXPECT_GE(s.apex_m.size(), 12u) << object.name;
     EXPECT_LT(std::ranges::max(s.apex_m), 1.1 * (*object.toss_apex_m)[1]) << object.name;
     dropped += s.drop_share, ++thrown;

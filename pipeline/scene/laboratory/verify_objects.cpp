@@ -112,13 +112,16 @@ void verify_probe_of_tosses(const std::string& what, const Run& run, const Emit&
 }
 
 /// A foot's pressure tells how a stick leans, and a hand is where the lean sends it.
-void verify_probe_of_balance(const std::string& what, const Run& run, const Emit& emit) {
-  const auto place = [&](Clue clue, std::optional<Clue> beyond = std::nullopt) {
-    return position_probe_r2(run.clips, run.clock, clue, beyond).head<2>().maxCoeff();
+void verify_probe_of_balance(const std::string& what, const Run& run, const Run& brief,
+                             const Emit& emit) {
+  const auto place = [](const Run& of, Clue clue, std::optional<Clue> beyond = std::nullopt) {
+    return position_probe_r2(of.clips, of.clock, clue, beyond).head<2>().maxCoeff();
   };
-  emit(reported(what + "place by the lean, R^2", place(Clue::lean), ""));
+  emit(reported(what + "place by the lean, R^2", place(run, Clue::lean), ""));
   emit(at_most(what + "place by a linear probe, beyond the lean, R^2",
-               place(Clue::readings, Clue::lean), "", 0.1));
+               place(run, Clue::readings, Clue::lean), "", 0.1));
+  emit(reported(what + "place, in the first 3 s of clips, beyond the lean",
+                place(brief, Clue::readings, Clue::lean), ""));
 }
 
 void verify_probe(const std::string& activity, const Emit& emit) {
@@ -130,7 +133,7 @@ void verify_probe(const std::string& activity, const Emit& emit) {
   emit(at_most(what + "place by a linear probe, R^2", probe.head<2>().maxCoeff(), "", 0.1));
   emit(at_most(what + "height by a linear probe, R^2", probe.z(), "", 0.1));
   if (activity == "throw") verify_probe_of_tosses(what, run, emit);
-  if (activity == "balance") verify_probe_of_balance(what, run, emit);
+  if (activity == "balance") verify_probe_of_balance(what, run, brief, emit);
   emit(reported(what + "place, in the first 3 s of clips", at_first.head<2>().maxCoeff(), ""));
 }
 

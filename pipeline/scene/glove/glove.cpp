@@ -185,7 +185,7 @@ void Glove::read_row(int row) {
                             : 0.0;
     const double counts = traits_.baseline_counts[cell] + parameters_.full_scale_counts * read +
                           parameters_.noise_counts * noise[cell % 4];
-    frame_[cell] = static_cast<std::uint16_t>(std::lround(std::clamp(counts, 0.0, largest_count)));
+    frame_[cell] = static_cast<std::uint16_t>(std::clamp(counts, 0.0, largest_count) + 0.5);
   }
 }
 

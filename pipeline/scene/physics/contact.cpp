@@ -63,16 +63,24 @@ ContactPatch::ContactPatch(const ContactParameters& parameters, const HandModel&
 
 ContactPatch::Contacts::Contacts(const HandModel& model, std::span<const Touch> from,
                                  double stiffness_n_per_m3) {
-  for (std::size_t lane = 0; lane < lane_count; ++lane) {
-    const bool is_real = lane < from.size();
+  // In registers: loading at once what was just stored lane by lane would take long.
+  Lanes3 places_m, normals;
+  Lanes depths_m, areas_m2;
+  LaneMask are_real;
+#pragma GCC unroll 2
+  for (int lane = 0; lane < lane_count; ++lane) {
+    const bool is_real = lane < std::ssize(from);
     const Touch& touch = from[is_real ? lane : 0];
     taxel[lane] = touch.taxel;
-    touches[lane] = is_real ? -1 : 0;
-    place_m.set(lane, touch.place_m);
-    normal.set(lane, touch.normal);
-    depth_m[lane] = touch.depth_m;
-    stiffness_n_per_m[lane] = stiffness_n_per_m3 * model.taxels[touch.taxel].area_m2;
+    are_real[lane] = is_real ? -1 : 0;
+    places_m.set(lane, touch.place_m);
+    normals.set(lane, touch.normal);
+    depths_m[lane] = touch.depth_m;
+    areas_m2[lane] = model.taxels[touch.taxel].area_m2;
   }
+  touches = are_real;
+  place_m = places_m, normal = normals;
+  depth_m = depths_m, stiffness_n_per_m = stiffness_n_per_m3 * areas_m2;
 }
 
 void ContactPatch::Contacts::let_go(int lane) {
@@ -151,10 +159,14 @@ void ContactPatch::rub(Contacts& c, Lanes damping_s, const Lanes3& expected) con
 /// A taxel that was clear before has been stretched since its depth was 0.
 Lanes3 ContactPatch::bristles_m(const Contacts& c, const Lanes3& velocity, Lanes rate) const {
   const LaneMask entered = (c.depth_m > 0.0) & (c.depth_m < 2 * looked_s_ * rate);
-  Lanes3 bristles = (entered ? c.depth_m / rate - looked_s_ : Lanes{}) * velocity;
-  for (int lane = 0; lane < lane_count; ++lane)
-    if (touched_at_[c.taxel[lane]] >= step_) bristles.set(lane, bristle_m_[c.taxel[lane]]);
-  return bristles;
+  LaneMask is_old;
+  Lanes3 old_m;
+#pragma GCC unroll 2
+  for (int lane = 0; lane < lane_count; ++lane) {
+    is_old[lane] = touched_at_[c.taxel[lane]] >= step_ ? -1 : 0;
+    old_m.set(lane, bristle_m_[c.taxel[lane]]);
+  }
+  return choose(is_old, old_m, (entered ? c.depth_m / rate - looked_s_ : Lanes{}) * velocity);
 }
 
 void ContactPatch::add_to(MotionSystem& system, const Twist& imposed) const {

@@ -146,6 +146,7 @@ void TaxelSearch::look(const TaxelGroup& group, const Link& link) {
 
 void TaxelSearch::look(const int* taxels, int count, double travel, const Link& link) {
   Lanes3 positions;
+#pragma GCC unroll 2
   for (int lane = 0; lane < lane_count; ++lane)
     positions.set(lane, model_->taxels[taxels[std::min(lane, count - 1)]].position_m);
   const Lanes3 places = link.places_m(positions);

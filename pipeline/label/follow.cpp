@@ -24,8 +24,9 @@ constexpr double in_hand_sigma_m = 0.02, unseen_sigma_m = 0.03, hidden_sigma_m =
 constexpr double hidden = 0.5;  // part of the rays to an object that something hides
 constexpr std::size_t grip_frames = 15;
 constexpr double reach_m =
-    0.07;                        // an object so much farther from the hand than in the grip is away
-constexpr double reaches = 2.0;  // from a visible end of an object to its other end
+    0.07;  // an object so much farther from the hand than in the grip is away
+constexpr double longest_flight_s = 1.0;  // what is not seen for longer has been caught
+constexpr double reaches = 2.0;           // from a visible end of an object to its other end
 constexpr std::size_t fewest_hand = 30, fewest_object = 6;
 
 // Points of one surface share much of their error: so much each, were they independent. Where the
@@ -135,10 +136,11 @@ class Follower {
   Observation observe_object(const Patch& patch, const RgbdFrame& frame) {
     const auto view =
         scene_.view_body(frame, clip_.object, patch, reaches * shape_.reach_m(), pose_.has_value());
+    const double unseen_s = std::exchange(unseen_s_, 0.0);
     Eigen::Vector3d center_m;
     Eigen::Matrix3d information;
     if (pose_) {
-      const auto fit = pose_->see(view, std::exchange(unseen_s_, 0.0));
+      const auto fit = pose_->see(view, unseen_s);
       center_m = fit.center_m(), information = fit.center_information();
     } else {
       const auto fit = fit_sphere(view, shape_.radius_m);
@@ -180,7 +182,8 @@ class Follower {
 
   /// Whether an object that was away must have come back into the hand.
   bool is_back(const Observation& hand) const {
-    return (object_.expected_m() - hand.position_m).norm() < grip_.first_m() + reach_m;
+    return unseen_s_ > longest_flight_s ||
+           (object_.expected_m() - hand.position_m).norm() < grip_.first_m() + reach_m;
   }
 
   /// An object that is not seen is in the hand, if something hides it there and it was not about to
@@ -195,7 +198,8 @@ class Follower {
     }
   }
 
-  /// An object that does not show in its box is hidden in the hand, and is where its box is.
+  /// An object that does not show in its box is hidden in the hand, behind what shows of that,
+  /// where its box is.
   void begin(const Observation& hand, Observation& object, const MaskedImage& image) {
     if (!hand.found) return;
     hand_.start(hand.position_m, hand_sigma_m, hand.box, image);
@@ -211,7 +215,7 @@ class Follower {
     const auto& box = clip_.object_box;
     const Eigen::Vector3d ray = scene_.segmenter.color_camera().unproject(
         {box.x + 0.5 * box.width, box.y + 0.5 * box.height});
-    object = in_hand_at(hand.position_m.z() * ray);
+    object = in_hand_at((hand.position_m.z() + shape_.radius_m) * ray);
     object_.start(object.position_m, unseen_sigma_m, {}, {});
     object_.hide(object.position_m, unseen_sigma_m);
   }

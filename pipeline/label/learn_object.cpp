@@ -15,7 +15,7 @@ namespace touchtrace::label {
 namespace {
 
 constexpr std::size_t fewest_points = 12, most_starts = 16, most_views = 64;
-constexpr double toss_m = 0.5, shown_in_some_frames = 0.4;
+constexpr double toss_m = 0.5, shown_in_some_frames = 0.4, shown_at_all = 0.25, shown_well = 0.5;
 constexpr double silhouette_quantile = 0.8, around_radii = 2.5;
 constexpr double often = 0.1;  // of the sampled frames: so seldom is an object wholly hidden
 
@@ -51,9 +51,10 @@ std::optional<Eigen::Vector3d> find_hand(const Surface& surface) {
   return patch ? std::optional(patch->centroid_m) : std::nullopt;
 }
 
-/// What a clip's boxes say of the object: about how large it is, and how far from the hand.
+/// What the clips' boxes say of the object: about how large it is, how far from that its half width
+/// and height are, and how far it is from the hand.
 struct Boxed {
-  double radius_m, from_hand_m;
+  double radius_m, uneven_m, from_hand_m;
 };
 
 /// What moves within a toss of where the hand has the object; nothing if no hand is seen.
@@ -105,19 +106,20 @@ Surface all_near_hand(const SampledFrames& samples, const Boxed& boxed) {
 Boxed boxed_object(const SceneModel& model, const std::string& object,
                    const SampledFrames& samples) {
   const auto& camera = model.segmenter.color_camera();
-  std::vector<double> radii, distances;
+  std::vector<double> radii, uneven, distances;
   for (const auto& sample : samples) {
     const auto& box = sample.clip->object_box;
     if (sample.index != sample.clip->first || !sample.hand_m) continue;
-    const double z = sample.hand_m->z();
-    radii.push_back(0.5 * std::sqrt(static_cast<double>(box.width * box.height)) * z / camera.fx);
+    const double z = sample.hand_m->z(), half_pixel_m = 0.5 * z / camera.fx;
+    radii.push_back(half_pixel_m * std::sqrt(static_cast<double>(box.width * box.height)));
+    uneven.push_back(half_pixel_m * 0.5 * std::abs(box.width - box.height));
     const Eigen::Vector2d middle(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
     distances.push_back((z * camera.unproject(middle) - *sample.hand_m).norm());
   }
   if (radii.empty())
     throw data_error(fmt::format("no hand was found in the boxes of the clips with '{}'", object),
                      "give boxes that lie on the hand in each clip's first frame");
-  return {median(std::move(radii)), median(std::move(distances))};
+  return {median(std::move(radii)), median(std::move(uneven)), median(std::move(distances))};
 }
 
 /// The part of its disc that an object shows where it shows most.
@@ -129,21 +131,36 @@ double shown(const SceneModel& model, const std::vector<Sighting>& sightings, do
   return quantile(std::move(parts), silhouette_quantile);
 }
 
-/// Through what is seen of the object and beside what is seen past it.
+/// The part that shows of a sphere of `radius_m` but for what is seen past it.
+double shown_of(const SceneModel& model, const RgbdFrame& frame, const Patch& patch,
+                double radius_m) {
+  return static_cast<double>(patch.points_m.size()) /
+         (model.segmenter.disc_pixels(radius_m, patch.centroid_m.z()) *
+          model.hidden_part(frame, patch.centroid_m, radius_m));
+}
+
+/// Through what is seen of the object and beside what is seen past it; of a sphere that a hand
+/// hides for the most part, as large as the object's boxes say.
 ObjectShape object_shape(const SceneModel& model, const FrameSource& frames,
                          const std::string& object, const std::vector<Sighting>& sightings,
-                         int threads) {
+                         const Boxed& boxed, int threads) {
   std::vector<double> radii;
   for (const auto& sighting : sightings) radii.push_back(silhouette_radius_m(sighting.patch));
   const double silhouette_m = quantile(std::move(radii), silhouette_quantile);
   const std::size_t stride = (sightings.size() + most_views - 1) / most_views;
   std::vector<BodyView> views((sightings.size() + stride - 1) / stride);
+  std::vector<double> shown(views.size());
   for_each_index(views.size(), threads, [&](std::size_t i) {
-    const auto& [frame, patch] = sightings[i * stride];
-    views[i] = model.view_body(frames.camera_frame(frame), object, patch,
-                               around_radii * silhouette_m, true);
+    const auto& [index, patch] = sightings[i * stride];
+    const auto frame = frames.camera_frame(index);
+    shown[i] = shown_of(model, frame, patch, boxed.radius_m);
+    views[i] = model.view_body(frame, object, patch, around_radii * silhouette_m, true);
   });
-  return learn_shape(views, silhouette_m, threads);
+  const double part = quantile(std::move(shown), silhouette_quantile);
+  const ObjectShape boxed_sphere{boxed.radius_m, std::nullopt, boxed.uneven_m};
+  if (part < shown_at_all) return boxed_sphere;
+  const auto shape = learn_shape(views, silhouette_m, threads);
+  return part < shown_well && !shape.box ? boxed_sphere : shape;
 }
 
 /// Sightings of an object like the hand: while they are apart.
@@ -182,11 +199,11 @@ void learn_object(SceneModel& model, const FrameSource& frames, const std::strin
     model.like_the_hand.insert(object);
     colors.learn_object_from({});
     classify(colors, samples);
-    model.object_shape[object] = {boxed.radius_m, std::nullopt, 0.0};
+    model.object_shape[object] = {boxed.radius_m, std::nullopt, boxed.uneven_m};
     sightings = look_beside_the_hand(model, object, samples, boxed);
   }
   if (!sightings.empty())
-    model.object_shape[object] = object_shape(model, frames, object, sightings, threads);
+    model.object_shape[object] = object_shape(model, frames, object, sightings, boxed, threads);
 }
 
 }  // namespace touchtrace::label

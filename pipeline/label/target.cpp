@@ -9,8 +9,10 @@ namespace {
 constexpr double most_box_shift = 0.4;  // of a box's size, before its tracker is set anew
 constexpr int frames_to_be_lost = 3;
 constexpr std::size_t starts_everywhere = 16;
-constexpr double shown_far_away = 0.5;  // of a disc, to be taken for a body that may not be there
-constexpr double everywhere_m = 10.0, hinted_m = 0.15, hidden_m = 0.04;
+// So far from where a body is expected it may be found by any part of it; beyond, it is in the open
+// and shows that part of a disc.
+constexpr double foreseen_m = 0.04, hinted_m = 0.15, shown_far_away = 0.5;
+constexpr double everywhere_m = 10.0;
 
 bool agrees(const PixelBox& tracked, const PixelBox& seen) {
   const double dx = tracked.x + 0.5 * tracked.width - seen.x - 0.5 * seen.width;
@@ -26,9 +28,10 @@ bool Target::is_lost() const { return missed_ >= frames_to_be_lost; }
 
 double Target::gate_m() const { return is_lost() ? everywhere_m : filter_.gate_m(); }
 
-double Target::near_m(bool hinted) const {
-  if (hidden_) return hidden_m;
-  return is_lost() && hinted ? hinted_m : filter_.gate_m();
+double Target::near_m(bool hinted) const { return is_lost() && hinted ? hinted_m : foreseen_m; }
+
+double Target::farthest_m() const {
+  return hidden_ || is_lost() ? everywhere_m : filter_.gate_m() + radius_m_;
 }
 
 std::optional<Patch> Target::begin(const Surface& surface, const PixelBox& box) const {
@@ -88,9 +91,9 @@ std::optional<Patch> Target::best_patch(const Surface& surface, const Segmenter&
     double off = (patch->centroid_m - expected_m()).norm();
     if (hint_m) off = std::min(off, (patch->centroid_m - *hint_m).norm());
     const auto points = static_cast<double>(patch->points_m.size());
-    if (off > near_m(hint_m.has_value()) + radius_m_ &&
-        !((hidden_ || is_lost()) &&
-          points > shown_far_away * segmenter.disc_pixels(disc_m_, patch->centroid_m.z())))
+    const double disc = segmenter.disc_pixels(disc_m_, patch->centroid_m.z());
+    if (off > farthest_m() ||
+        (off > near_m(hint_m.has_value()) + radius_m_ && points < shown_far_away * disc))
       continue;
     const double score = std::log(points) - 8.0 * std::pow(off / gate_m(), 2);
     if (score > highest) highest = score, best = std::move(patch);

@@ -50,8 +50,9 @@ class Target {
   int restarts() const { return tracker_.starts(); }
 
  private:
-  /// So near to where it may be anything is taken for it.
+  /// So near to where it may be, any part of it is taken for it; up to the farthest, what shows.
   double near_m(bool hinted) const;
+  double farthest_m() const;
   std::vector<Eigen::Vector3d> starts(const Surface& surface,
                                       const std::optional<PixelBox>& tracked,
                                       const std::optional<Eigen::Vector3d>& hint_m) const;

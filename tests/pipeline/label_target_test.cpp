@@ -1,0 +1,62 @@
+#include <gtest/gtest.h>
+
+#include "pipeline/label/target.h"
+
+namespace touchtrace::label {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double disc_m = 0.02, frame_s = 0.05;
+const Vector3d held_m(0.0, 0.0, 1.0), in_flight_m(0.10, 0.0, 1.0);
+
+Segmenter segmenter() {
+  Camera camera;
+  camera.width = 320, camera.height = 240;
+  camera.fx = camera.fy = 300.0, camera.cx = 159.5, camera.cy = 119.5;
+  RgbdCalibration calibration;
+  calibration.color = camera;
+  calibration.depth = camera;
+  CameraInfo info;
+  info.width = 320, info.height = 240;
+  return Segmenter(calibration, info, std::vector<std::uint16_t>(320 * 240));
+}
+
+/// Part of a disc of the object, as that camera sees it.
+Surface disc_at(const Vector3d& center_m, double part) {
+  Surface surface;
+  const auto pixels = segmenter().disc_pixels(disc_m, center_m.z());
+  for (int i = 0; i < part * pixels; ++i) {
+    const double along = std::sqrt((i + 0.5) / pixels) * disc_m, turn = 2.4 * i;
+    const Vector3d place = center_m + along * Vector3d(std::cos(turn), std::sin(turn), 0.0);
+    surface.push_back({place.cast<float>(), 0, 0, {}, Body::object});
+  }
+  return surface;
+}
+
+/// Whether an object that was held is found there a frame later.
+bool is_found(const Vector3d& center_m, double part) {
+  Target target(Body::object, disc_m, 1.6 * disc_m, 6, find_tracker("component"));
+  target.start(held_m, 0.002, {}, {});
+  for (int i = 0; i < 5; ++i) {
+    target.predict(frame_s, false, Vector3d(0.0, 9.81, 0.0));
+    target.measure(held_m, 0.002);
+  }
+  target.predict(frame_s, false, Vector3d(0.0, 9.81, 0.0));
+  return target.find(disc_at(center_m, part), {}, std::nullopt, segmenter(), held_m).has_value();
+}
+
+TEST(LabelTarget, AnyPartOfItIsFoundWhereItIsExpected) {
+  EXPECT_TRUE(is_found(held_m, 1.0));
+  EXPECT_TRUE(is_found(held_m + Vector3d(0.03, 0.0, 0.0), 0.1));
+}
+
+TEST(LabelTarget, InTheOpenItShowsAndAFewPointsAreNotIt) {
+  EXPECT_TRUE(is_found(in_flight_m, 0.9));
+  EXPECT_FALSE(is_found(in_flight_m, 0.1));
+}
+
+TEST(LabelTarget, NothingIsFoundInNothing) { EXPECT_FALSE(is_found(held_m, 0.0)); }
+
+}  // namespace
+}  // namespace touchtrace::label

@@ -149,14 +149,14 @@ ObjectShape object_shape(const SceneModel& model, const FrameSource& frames,
   const double silhouette_m = quantile(std::move(radii), silhouette_quantile);
   const std::size_t stride = (sightings.size() + most_views - 1) / most_views;
   std::vector<BodyView> views((sightings.size() + stride - 1) / stride);
-  std::vector<double> shown(views.size());
+  std::vector<double> parts(views.size());
   for_each_index(views.size(), threads, [&](std::size_t i) {
     const auto& [index, patch] = sightings[i * stride];
     const auto frame = frames.camera_frame(index);
-    shown[i] = shown_of(model, frame, patch, boxed.radius_m);
+    parts[i] = shown_of(model, frame, patch, boxed.radius_m);
     views[i] = model.view_body(frame, object, patch, around_radii * silhouette_m, true);
   });
-  const double part = quantile(std::move(shown), silhouette_quantile);
+  const double part = quantile(std::move(parts), silhouette_quantile);
   const ObjectShape boxed_sphere{boxed.radius_m, std::nullopt, boxed.uneven_m};
   if (part < shown_at_all) return boxed_sphere;
   const auto shape = learn_shape(views, silhouette_m, threads);

@@ -1,0 +1,52 @@
+#include "pipeline/study/label_error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/study/label_trials.h"
+#include "tests/pipeline/label_stage.h"
+
+namespace touchtrace::staged {
+namespace {
+
+TEST(LabelError, ExactPositionsLeaveTheCamerasRateAsTheOnlyError) {
+  const Stage stage(false);
+  const auto error = study::error_of_exact_positions(recording_of(stage), truth_of(stage));
+  EXPECT_EQ(error.object.lost_share + error.object.wrong_share, 0.0);
+  EXPECT_LT(error.object.position_spread_m.maxCoeff(), 0.001);
+  EXPECT_LT(error.object.aligned_velocity_rms_m_per_s, 0.05);
+}
+
+TEST(LabelError, AnErrorIsMeasuredAtTheDelayThatNoStampShows) {
+  const Stage stage(false);
+  auto recording = recording_of(stage);
+  for (auto& time_s : recording.camera_times.host_time_s) time_s += 0.018;
+  label::LabelOptions options;
+  options.tracker = "component";
+  const auto labels = label_recording(recording, frames_of(stage), calibration(), options);
+  const auto error = study::compare_labels_with_truth(labels, truth_of(stage)).object;
+  EXPECT_NEAR(error.delay_s, 0.018, 0.001);
+  EXPECT_LT(error.aligned_velocity_rms_m_per_s, 0.5 * error.velocity_rms_m_per_s);
+}
+
+TEST(LabelError, WhatNothingTellsIsNoNumber) {
+  const Stage stage(false);
+  label::LabelOptions options;
+  options.tracker = "component";
+  const auto labels =
+      label_recording(recording_of(stage), frames_of(stage), calibration(), options);
+  auto truth = truth_of(stage);
+  auto& velocity = truth.object.velocity_m_per_s;
+  for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] = i / 3 % 2 ? 10.0 : -10.0;
+  const auto error = study::compare_labels_with_truth(labels, truth).object;
+  EXPECT_EQ(error.impact_share, 1.0);
+  EXPECT_TRUE(std::isfinite(error.position_spread_m.norm()));
+  for (const double unknown : {error.velocity_rms_m_per_s, error.causal_velocity_rms_m_per_s,
+                               error.aligned_velocity_rms_m_per_s, error.position_coverage,
+                               error.velocity_coverage, error.nees})
+    EXPECT_TRUE(std::isnan(unknown));
+}
+
+}  // namespace
+}  // namespace touchtrace::staged

@@ -1,0 +1,145 @@
+#pragma once
+
+#include <cmath>
+
+#include "calib/smooth/synthetic_track.h"
+#include "pipeline/label/label.h"
+#include "pipeline/recording/recording.h"
+
+namespace touchtrace::staged {
+
+inline constexpr int width = 320, height = 240;
+inline constexpr double ball_radius_m = 0.035, camera_rate_hz = 20.0, glove_rate_hz = 15.0,
+                        seconds = 6.0, hidden_s = 0.5;
+inline const Eigen::Vector3d ball_at(0.0, 0.0, 1.1), hand_from_ball(0.0, 0.07, 0.02);
+
+inline Camera camera() {
+  Camera result;
+  result.width = width, result.height = height;
+  result.fx = result.fy = 300.0;
+  result.cx = 159.5, result.cy = 119.5;
+  return result;
+}
+
+/// A red ball, a blue disc of a hand, a grey torso and a wall, seen by a perfect camera at the
+/// colour camera's place.
+class Stage {
+ public:
+  enum class Ball { red, like_the_hand, hidden_at_first };
+
+  explicit Stage(bool thrown, Ball kind = Ball::red)
+      : motion_(thrown ? synthetic_throw(seconds + 1.0, 3) : synthetic_wave(seconds + 1.0, 3)),
+        kind_(kind) {}
+
+  Eigen::Vector3d ball(double time_s) const { return ball_at + motion_.position_at(time_s); }
+  /// Under the ball or, while that flies, on its way from where it left to where it lands.
+  Eigen::Vector3d hand(double time_s) const {
+    for (const auto& [release_s, landing_s, release_sigma_s, landing_sigma_s] : motion_.flights)
+      if (time_s > release_s && time_s < landing_s) {
+        const double part = (time_s - release_s) / (landing_s - release_s);
+        return hand_from_ball + (1.0 - part) * ball(release_s) + part * ball(landing_s);
+      }
+    return hand_from_ball + ball(time_s);
+  }
+  const SyntheticMotion& motion() const { return motion_; }
+  /// Trousers of the glove's colour, larger than it.
+  void wear_blue() { trousers_ = {20, 30, 160}; }
+
+  RgbdFrame look(double time_s, bool person) const {
+    RgbdFrame frame{std::vector<std::uint8_t>(3 * width * height),
+                    std::vector<std::uint16_t>(width * height)};
+    const Eigen::Vector3d ball_m = ball(time_s), hand_m = hand(time_s);
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u) {
+        const auto at = static_cast<std::size_t>(v * width + u);
+        const Eigen::Vector3d ray = camera().unproject({u, v});
+        double depth = 2.5;
+        std::array<int, 3> color{120, 120, 110};
+        if (person && std::abs(ray.x()) < 0.15)
+          depth = 1.5, color = ray.y() > 0.15 ? trousers_ : std::array<int, 3>{90, 60, 60};
+        if (person && (ray * hand_m.z() - hand_m).norm() < 0.05)
+          depth = hand_m.z(), color = {20, 30, 160};
+        const double b = ray.dot(ball_m), q = ray.squaredNorm();
+        const double discriminant =
+            b * b - q * (ball_m.squaredNorm() - ball_radius_m * ball_radius_m);
+        if (person && discriminant > 0.0 && (b - std::sqrt(discriminant)) / q < depth)
+          depth = (b - std::sqrt(discriminant)) / q, color = ball_color(time_s);
+        frame.depth[at] = static_cast<std::uint16_t>(std::lround(1000.0 * depth));
+        for (std::size_t c = 0; c < 3; ++c)
+          frame.color[3 * at + c] = static_cast<std::uint8_t>(color[c]);
+      }
+    return frame;
+  }
+
+ private:
+  /// A ball that is wholly in the glove looks like it.
+  std::array<int, 3> ball_color(double time_s) const {
+    const bool gloved =
+        kind_ == Ball::like_the_hand || (kind_ == Ball::hidden_at_first && time_s < hidden_s);
+    return gloved ? std::array<int, 3>{20, 30, 160} : std::array<int, 3>{200, 40, 20};
+  }
+
+  SyntheticMotion motion_;
+  Ball kind_;
+  std::array<int, 3> trousers_{90, 60, 60};
+};
+
+inline PixelBox box_around(const Eigen::Vector3d& center, double radius_m) {
+  const Eigen::Vector2d pixel = camera().project(center);
+  const int half = static_cast<int>(std::lround(radius_m * camera().fx / center.z()));
+  return {static_cast<int>(pixel.x()) - half, static_cast<int>(pixel.y()) - half, 2 * half,
+          2 * half};
+}
+
+inline Recording recording_of(const Stage& stage) {
+  Recording recording;
+  recording.activity = "test";
+  recording.camera.width = width, recording.camera.height = height;
+  recording.camera.rate_hz = camera_rate_hz;
+  recording.clips = {{0.0, seconds, "ball", false, box_around(stage.hand(0.0), 0.055),
+                      box_around(stage.ball(0.0), 0.036)}};
+  for (int i = 0; i < static_cast<int>(seconds * camera_rate_hz); ++i) {
+    recording.camera_times.sequence.push_back(static_cast<std::uint64_t>(i));
+    recording.camera_times.device_time_s.push_back(i / camera_rate_hz);
+    recording.camera_times.host_time_s.push_back(i / camera_rate_hz);
+  }
+  GloveStream glove;
+  for (int i = 0; i < static_cast<int>((seconds - 0.1) * glove_rate_hz); ++i) {
+    if (i == 40) continue;  // lost on the way
+    glove.sequence.push_back(static_cast<std::uint64_t>(i + 100));
+    glove.host_time_s.push_back(i / glove_rate_hz);
+  }
+  recording.gloves = {glove};
+  return recording;
+}
+
+inline label::FrameSource frames_of(const Stage& stage) {
+  return {[&](std::size_t i) { return stage.look(static_cast<double>(i) / camera_rate_hz, true); },
+          [&](std::size_t) { return stage.look(0.0, false); }, 3};
+}
+
+inline Truth truth_of(const Stage& stage) {
+  Truth truth;
+  for (int i = 0; i < static_cast<int>(seconds * 500.0); ++i) {
+    const double t = i / 500.0;
+    truth.time_s.push_back(t);
+    truth.clip.push_back(0);
+    const auto add = [](std::vector<double>& to, const Eigen::Vector3d& v) {
+      to.insert(to.end(), v.data(), v.data() + 3);
+    };
+    add(truth.object.position_m, stage.ball(t));
+    add(truth.object.velocity_m_per_s, stage.motion().velocity_at(t));
+    add(truth.hand.position_m, stage.hand(t));
+    add(truth.hand.velocity_m_per_s, (stage.hand(t + 1e-3) - stage.hand(t)) / 1e-3);
+  }
+  return truth;
+}
+
+inline RgbdCalibration calibration() {
+  RgbdCalibration result;
+  result.color = camera();
+  result.depth = camera();
+  return result;
+}
+
+}  // namespace touchtrace::staged

@@ -107,15 +107,22 @@ MatrixXd ridge_fit(MatrixXd normal, const MatrixXd& wanted, double ridge) {
   return normal.selfadjointView<Eigen::Lower>().llt().solve(wanted);
 }
 
+/// From positions and from clues (Frisch, Waugh and Lovell): what a clue has of the known would
+/// only hide what else it tells. The ones stay.
 void take_off_what_is_known(std::array<Fold, folds>& parts) {
-  const Index columns = parts[0].known.cols();
+  const Index columns = parts[0].known.cols(), clues = parts[0].clues.cols() - 1;
   if (columns == 0) return;
-  MatrixXd normal = MatrixXd::Zero(columns, columns), wanted = MatrixXd::Zero(columns, 3);
-  for (const Fold& part : parts)
-    normal += part.known.transpose() * part.known,
-        wanted += part.known.transpose() * part.positions;
+  MatrixXd normal = MatrixXd::Zero(columns, columns), wanted = MatrixXd::Zero(columns, 3 + clues);
+  for (const Fold& part : parts) {
+    normal += part.known.transpose() * part.known;
+    wanted.leftCols(3) += part.known.transpose() * part.positions;
+    wanted.rightCols(clues) += part.known.transpose() * part.clues.leftCols(clues);
+  }
   const MatrixXd weights = ridge_fit(normal, wanted, 1.0);
-  for (Fold& part : parts) part.positions -= part.known * weights;
+  for (Fold& part : parts) {
+    part.positions -= part.known * weights.leftCols(3);
+    part.clues.leftCols(clues) -= part.known * weights.rightCols(clues);
+  }
 }
 
 Eigen::RowVector3d mean_position(const std::array<Fold, folds>& parts, double frames) {

@@ -17,8 +17,8 @@ enum class Clue {
 /// R^2 of a ridge regression from `clue` to the hand's position [x, y, z] in the middle of each
 /// tactile frame's scan: every fourth clip is held out in turn. About 0 or less if the clue does
 /// not tell the place. The best of three ridges for each axis, so that the probe does not fail by
-/// fitting too closely. With `beyond`, of what a linear fit to that other clue leaves of the
-/// position: what the clue tells otherwise than through it.
+/// fitting too closely. With `beyond`, of what a linear fit to that other clue leaves of both
+/// position and clue: what the clue tells otherwise than through it.
 Eigen::Vector3d position_probe_r2(const std::vector<ClipMotion>& clips, const GloveClock& clock,
                                   Clue clue = Clue::readings,
                                   std::optional<Clue> beyond = std::nullopt);

@@ -18,9 +18,10 @@ constexpr double log_deviation = 2.3;  // a factor of 10
 constexpr double least_scale = 1e-3;   // of a body at rest, whose measurements are all the same
 constexpr double usual_swing = 0.5, usual_damping = 0.5;
 
-/// Jerk density, measurement scale and, of a swinging motion, frequency and damping, or of one with
-/// flights how it is thrown and flies, as logarithms of multiples of what is usual.
-constexpr int of_any = 2, of_swinging = 4, of_flying = 5;
+/// Jerk density, measurement scale and, of a swinging motion, frequency and damping, of one with
+/// flights drag and how it is thrown, of a bouncing one drag and how unlike its hits are, as
+/// logarithms of multiples of what is usual.
+constexpr int of_any = 2, of_swinging = 4, of_bouncing = 4, of_thrown = 5;
 
 /// -log likelihood as a function of these logarithms, if errors are white: what neighbours have in
 /// common is told from what such errors leave.
@@ -59,7 +60,8 @@ class NoiseCost {
   int parameters() const {
     if (motion_ == TouchedMotion::swinging) return of_swinging;
     const auto stays = [](const auto& events) { return events.empty(); };
-    return std::ranges::all_of(events_, stays) ? of_any : of_flying;
+    if (std::ranges::all_of(events_, stays)) return of_any;
+    return noise_.bounces() ? of_bouncing : of_thrown;
   }
 
   template <class T>
@@ -71,10 +73,14 @@ class NoiseCost {
     if (motion_ == TouchedMotion::swinging) {
       noise.swing_rad_per_s = usual_swing * exp(log_noise[2]);
       noise.swing_damping = usual_damping * exp(log_noise[3]);
-    } else if (parameters() == of_flying) {
-      noise.throw_jerk_density *= exp(log_noise[2]);
-      noise.throw_s *= exp(log_noise[3]);
-      noise.flight_drag_per_s *= exp(log_noise[4]);
+    } else if (parameters() > of_any) {
+      noise.flight_drag_per_s *= exp(log_noise[2]);
+      if (noise_.bounces()) {
+        noise.landing_velocity_m_per_s *= exp(log_noise[3]);
+      } else {
+        noise.throw_jerk_density *= exp(log_noise[3]);
+        noise.throw_s *= exp(log_noise[4]);
+      }
     }
     return noise;
   }
@@ -93,7 +99,7 @@ class NoiseCost {
 double best_log_density(const NoiseCost& cost) {
   double best = 0.0, lowest = std::numeric_limits<double>::infinity();
   for (int decade = -12; decade <= 24; ++decade) {
-    const double at[of_flying] = {decade * std::log(10.0)};
+    const double at[of_thrown] = {decade * std::log(10.0)};
     double value;
     cost(at, &value);
     if (value < lowest) lowest = value, best = at[0];
@@ -104,9 +110,10 @@ double best_log_density(const NoiseCost& cost) {
 ceres::FirstOrderFunction* differentiated(NoiseCost* cost) {
   if (cost->parameters() == of_any)
     return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_any>(cost);
-  if (cost->parameters() == of_swinging)
-    return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_swinging>(cost);
-  return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_flying>(cost);
+  static_assert(of_swinging == of_bouncing);
+  if (cost->parameters() == of_bouncing)
+    return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_bouncing>(cost);
+  return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_thrown>(cost);
 }
 
 }  // namespace
@@ -121,7 +128,7 @@ std::optional<MotionNoise<double>> most_likely_noise(const std::vector<WeightedT
 
   const auto units = MotionUnits::of(points);
   auto* cost = new NoiseCost(tracks, options, units, motion);
-  double log_noise[of_flying] = {best_log_density(*cost)};
+  double log_noise[of_thrown] = {best_log_density(*cost)};
   const ceres::GradientProblem problem(differentiated(cost));
   ceres::GradientProblemSolver::Options solver;
   solver.logging_type = ceres::SILENT;

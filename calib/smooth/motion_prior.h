@@ -57,11 +57,14 @@ struct MotionNoise {
   /// and catching.
   T throw_jerk_density{1000.0}, throw_s{0.2};
   T flight_drag_per_s{0.05};                    ///< deceleration in flight, of the velocity
+  T landing_velocity_m_per_s{0.5};              ///< after a landing: deviation from what is kept
   double flight_jerk_density = 0.01;            ///< in flight, beyond drag [m^2/s^5]
   double flight_acceleration_m_per_s2 = 0.1;    ///< deviation from gravity and drag: tilt
   double landing_kept = 0.5;                    ///< of the velocity: none to all, a hand gives way
-  double landing_velocity_m_per_s = 0.5;        ///< deviation from that
   double landing_acceleration_m_per_s2 = 10.0;  ///< deviation from none after a landing
+
+  /// Is never held: it is hit, and turns round.
+  bool bounces() const { return landing_kept < 0.0; }
 
   /// What white and correlated errors leave of the variances of measurements, of 1.
   T left_share() const {
@@ -71,20 +74,13 @@ struct MotionNoise {
 
   template <class U>
   MotionNoise<U> cast() const {
-    return {U(jerk_density),
-            U(measurement_scale),
-            U(correlated_scale),
-            U(correlation_s),
-            U(swing_rad_per_s),
-            U(swing_damping),
-            U(throw_jerk_density),
-            U(throw_s),
-            U(flight_drag_per_s),
-            flight_jerk_density,
-            flight_acceleration_m_per_s2,
-            landing_kept,
-            landing_velocity_m_per_s,
-            landing_acceleration_m_per_s2};
+    return {U(jerk_density),       U(measurement_scale),
+            U(correlated_scale),   U(correlation_s),
+            U(swing_rad_per_s),    U(swing_damping),
+            U(throw_jerk_density), U(throw_s),
+            U(flight_drag_per_s),  U(landing_velocity_m_per_s),
+            flight_jerk_density,   flight_acceleration_m_per_s2,
+            landing_kept,          landing_acceleration_m_per_s2};
   }
 };
 
@@ -211,7 +207,7 @@ class MotionPrior {
   }
 
   Transition<T> jump(Mode into) const {
-    const auto square = [](double s) { return T(s * s); };
+    const auto square = [](const auto& s) { return T(s * s); };
     Transition<T> step;
     if (into == Mode::held) return step;
     step.F(2, 2) = T(0);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "calib/rgbd/statistics.h"
 
@@ -13,6 +15,7 @@ constexpr double fewest_away_m = 0.05;    // from the grip's distance: the objec
 constexpr double longest_bridge_s = 0.2;  // of lost frames within a flight
 constexpr double like_gravity_m_per_s2 = 3.0;  // drag, tilt and a second difference's noise
 constexpr double least_fall_m = 0.03;          // to a hit, and least rise after it
+constexpr double least_deviations = 5.0;       // of what is no error
 
 /// Distance of hand and object in every frame; NaN where one was not seen.
 std::vector<double> distances(const ClipTrack& track) {
@@ -26,15 +29,46 @@ std::vector<double> distances(const ClipTrack& track) {
 
 /// Of the places that were seen, against gravity.
 struct Height {
-  double time_s, height_m;
+  double time_s, height_m, variance_m2;
 };
 
 std::vector<Height> heights(const ClipTrack& track, const Eigen::Vector3d& up) {
   std::vector<Height> result;
   for (std::size_t i = 0; i < track.time_s.size(); ++i)
     if (track.object[i].found)
-      result.push_back({track.time_s[i], up.dot(track.object[i].position_m)});
+      result.push_back({track.time_s[i], up.dot(track.object[i].position_m),
+                        up.cwiseAbs2().dot(track.object[i].sigma_m.cwiseAbs2())});
   return result;
+}
+
+/// Whether there was a hit between `edge` and two places of one flight: it lies above where that
+/// flight leads to or comes from.
+bool is_beyond_hit(const Height& edge, const Height& near, const Height& far, double gravity) {
+  const double on_s = edge.time_s - near.time_s, part = on_s / (near.time_s - far.time_s);
+  const double falling_m = near.height_m + part * (near.height_m - far.height_m) -
+                           0.5 * gravity * on_s * (edge.time_s - far.time_s);
+  const double variance_m2 = edge.variance_m2 + std::pow(1.0 + part, 2) * near.variance_m2 +
+                             std::pow(part, 2) * far.variance_m2;
+  return edge.height_m - falling_m >
+         std::max(least_fall_m, least_deviations * std::sqrt(variance_m2));
+}
+
+void add_hit(std::vector<Flight>& flights, std::vector<Flight>::iterator flight, double hit_s) {
+  const double release_s = std::exchange(flight->release_s, hit_s);
+  flights.insert(flight, {release_s, hit_s});
+}
+
+/// Hits next to the first and last place have no lowest place between two flights.
+void add_hits_at_ends(const std::vector<Height>& seen, double gravity,
+                      std::vector<Flight>& flights) {
+  const std::size_t n = seen.size();
+  if (n < 3) return;
+  if (seen[2].time_s < flights.front().landing_s &&
+      is_beyond_hit(seen[0], seen[1], seen[2], gravity))
+    add_hit(flights, flights.begin(), std::midpoint(seen[0].time_s, seen[1].time_s));
+  if (seen[n - 3].time_s > flights.back().release_s &&
+      is_beyond_hit(seen[n - 1], seen[n - 2], seen[n - 3], gravity))
+    add_hit(flights, flights.end() - 1, std::midpoint(seen[n - 1].time_s, seen[n - 2].time_s));
 }
 
 }  // namespace
@@ -81,6 +115,7 @@ std::vector<Flight> guess_bounces(const ClipTrack& track, const Eigen::Vector3d&
     if (now.height_m > highest_m) highest_m = now.height_m, lowest = now;
   }
   flights.push_back({begin_s, seen.back().time_s + longest_bridge_s});
+  add_hits_at_ends(seen, gravity_m_per_s2.norm(), flights);
   return flights;
 }
 

@@ -10,7 +10,9 @@ namespace touchtrace::label {
 /// Stretches in which the object is away from where the grip has it.
 std::vector<Flight> guess_flights(const ClipTrack& track);
 
-/// From one lowest place of the object to the next: of one that always flies, but for hits.
+/// From one lowest place of the object to the next: of one that always flies, but for hits. Where
+/// the first or last place lies 3 cm and 5 deviations above the fall of the two next to it, there
+/// was a hit in between.
 std::vector<Flight> guess_bounces(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2);
 
 /// Part of all frames in which the object falls freely: the second difference of its place over

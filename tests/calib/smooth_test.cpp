@@ -244,6 +244,21 @@ TEST(Smooth, KnowsHowWellItKnowsImpacts) {
   EXPECT_LT(squares / expected, 1.7);
 }
 
+TEST(Smooth, FindsHowUnlikeHitsAre) {
+  const auto motion = synthetic_pingpong(40.0, 2);
+  SmoothOptions options;
+  options.noise = bouncing_ball();
+  const auto noise = smooth({measure(motion, 20.0, 0.002, 2)}, {motion.flights}, options).noise;
+  double squares = 0.0;
+  for (const auto& flight : motion.flights)
+    squares += (motion.velocity_at(flight.landing_s) +
+                motion.velocity_at(flight.landing_s - 2.0 * SyntheticMotion::step_s))
+                   .squaredNorm();
+  const auto hits = static_cast<double>(motion.flights.size());
+  // most of it is along one axis: a deviation of 1 / sqrt(2 * 85) = 8 %, and 3 of these
+  EXPECT_NEAR(noise.landing_velocity_m_per_s / std::sqrt(squares / (3.0 * hits)), 1.0, 0.24);
+}
+
 TEST(Smooth, DropsAFlightThatDidNotHappen) {
   const auto track = measure(synthetic_wave(10.0, 6), 20.0, 0.002, 6);
   const auto found = smooth({track}, {{{4.0, 4.3}}}, {}).tracks.front();

@@ -21,10 +21,10 @@ Vector3d place(double time_s) {
   return {0.05 * std::sin(time_s), -height_m, 1.0};
 }
 
-ClipTrack bounced() {
+ClipTrack bounced(double begin_s = 0.1, double end_s = seconds) {
   RandomStream random(1, "bounces");
   ClipTrack track;
-  for (double t = 0.1; t < seconds; t += frame_interval_s) {
+  for (double t = begin_s; t < end_s; t += frame_interval_s) {
     Observation seen;
     seen.found = true;
     seen.sigma_m = Vector3d::Constant(sigma_m);
@@ -70,6 +70,39 @@ TEST(LabelBounces, HitsAreFoundToMillisecondsAndNotSmoothedOver) {
   }
   EXPECT_LT(error_m(bounces), 1.5 * sigma_m);
   EXPECT_GT(error_m(smooth_bodies(tracks, gravity, false)), 3.0 * error_m(bounces));
+}
+
+TEST(LabelBounces, OneFrameBeyondAHitIsEnough) {
+  const double first_hit_s = flight_s, last_hit_s = 8.0 * flight_s;
+  const double begin_s = first_hit_s - 0.02, end_s = last_hit_s + 0.03;
+  const ClipTrack track = bounced(begin_s, end_s);
+  ASSERT_GT(track.time_s.back(), last_hit_s);
+  ASSERT_LT(track.time_s[track.time_s.size() - 2], last_hit_s);
+  const auto flights = guess_bounces(track, gravity);
+  ASSERT_EQ(flights.size(), 9u);
+  EXPECT_NEAR(flights.front().landing_s, first_hit_s, 0.5 * frame_interval_s);
+  EXPECT_NEAR(flights.back().release_s, last_hit_s, 0.5 * frame_interval_s);
+
+  const auto bodies = smooth_bodies({track}, gravity, true);
+  const auto& smoothed = bodies.object.tracks[0];
+  for (const double hit_s : {first_hit_s, last_hit_s})
+    for (const double t : {hit_s - 0.01, hit_s + 0.01}) {
+      const Vector3d velocity = (place(t + 1e-6) - place(t - 1e-6)) / 2e-6;
+      const MotionState state = smoothed.smoothed(t);
+      // one number in a thousand lies beyond 3.3 deviations
+      EXPECT_LT(std::abs((state.velocity_m_per_s - velocity).y()),
+                3.3 * std::sqrt(state.covariance(4, 4)));
+      EXPECT_LT((state.velocity_m_per_s - velocity).norm(), 0.2) << t - hit_s;
+    }
+}
+
+TEST(LabelBounces, AFrameThatMayBeOffIsNoHit) {
+  ClipTrack track = bounced(0.1, 10.0 * flight_s);
+  const auto flights = guess_bounces(track, gravity).size();
+  track.object.back().position_m.y() -= 0.04;
+  EXPECT_EQ(guess_bounces(track, gravity).size(), flights + 1);
+  track.object.back().sigma_m.setConstant(0.01);
+  EXPECT_EQ(guess_bounces(track, gravity).size(), flights);
 }
 
 /// Of an object in a hand that waves, and is thrown 0.4 s in every 2 s.

@@ -42,8 +42,10 @@ void describe(OptionSet& set, SimulateOptions& o) {
       "default: what suits the activity");
   set.number("minutes", s.minutes,
              "recorded time of each object, rounded to whole clips, at least one [min]", 0.01, 1e4);
-  set.number("clip-s", s.clip_s, "length of a clip; each has a new grasp [s]", 1.0, 600.0);
-  set.number("pause-s", s.pause_s, "unrecorded time between clips [s]", 0.0, 600.0);
+  set.number("clip-s", s.clip_s, "mean length of a clip; each has a new grasp [s]", 1.0, 600.0);
+  set.number("clip-spread", s.clip_spread, "clips are longer or shorter by this share at most", 0.0,
+             0.9);
+  set.number("pause-s", s.pause_s, "unrecorded time between clips, at least [s]", 0.0, 600.0);
   set.integer("width", s.image_width, "of colour and depth images, a multiple of 16 [px]", 160,
               1280);
   set.integer("height", s.image_height, "of colour and depth images [px]", 120, 960);

@@ -23,7 +23,6 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr int rollout_stride = 5;
-constexpr double clip_s = 10.0;
 
 /// One scene to learn; no assumption: the default.
 struct Cell {
@@ -114,8 +113,7 @@ class Study {
     scene::SceneOptions scene;
     scene.activity = options_.activity;
     scene.object = scene::default_object(options_.activity);
-    scene.minutes = options_.clips * clip_s / 60.0;
-    scene.clip_s = clip_s;
+    scene.minutes = options_.clips * scene.clip_s / 60.0;
     scene.seed = static_cast<std::uint64_t>(cell.seed);
     scene.parameters = cell.parameters();
     const fs::path file = folder.path() / "recording.h5";
@@ -218,7 +216,7 @@ void describe(OptionSet& set, SensitivityOptions& o) {
   set.choice("activity", o.activity, "what the hand does", scene::activity_names());
   set.texts("only", o.only, "assumptions, or how their names begin (default: all), in this order");
   set.integer("seeds", o.seeds, "of the default, to see what is noise", 1, 100);
-  set.integer("clips", o.clips, "of 10 s", 10, 100000);
+  set.integer("clips", o.clips, "of 8 to 12 s", 10, 100000);
   set.integer("updates", o.updates, "of the weights, with and without touch", 1, 10'000'000);
   set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 32);
   set.integer("window", o.window, "tactile frames in a window", 1, 32);

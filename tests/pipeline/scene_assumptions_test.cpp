@@ -83,7 +83,7 @@ TEST(SceneAssumptions, AreScaledWithinTheirRangeAndPlacesAboutTheirMiddle) {
 
 ClipMotion clip_of(const std::vector<std::string>& settings, int glove = 1) {
   SceneOptions options;
-  options.clip_s = 1.0;
+  options.clip_s = 3.0;
   options.glove = glove;
   options.parameters = assumed(settings);
   return simulate_clip(options, 0, 1.0);

@@ -18,7 +18,7 @@ using testing::TemporaryFolder;
 
 SceneOptions short_scene() {
   SceneOptions options;
-  options.minutes = 0.1, options.clip_s = 3.0, options.pause_s = 1.0;
+  options.minutes = 0.1, options.clip_s = 3.0, options.clip_spread = 0.0, options.pause_s = 1.0;
   options.image_width = 160, options.image_height = 120;
   options.board_views = 2;
   return options;

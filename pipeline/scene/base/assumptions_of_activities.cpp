@@ -43,6 +43,32 @@ void add_wave(AssumptionTable& table) {
       "before the person, in front of the camera");
 }
 
+void add_regrasp(AssumptionTable& table) {
+  using P = RegraspParameters;
+  AssumptionRows<P> row(table, "regrasp", &SceneParameters::regrasp);
+  row("share", &P::share, "", 0.0, 1.0,
+      "of the bouts before which the hand lets what lies on it come to lie otherwise", "no",
+      "a guess");
+  row("movement", &P::movement_s, "s", 0.1, 5.0,
+      "of levelling the palm, letting go, gripping, tilting: each", "no", "a movement of a wrist");
+  row("wait", &P::wait_s, "s", 0.0, 5.0, "between letting go and gripping", "no",
+      "what rolls needs that long");
+  row("opening", &P::opening_rad, "rad", 0.0, 0.5, "of the fingers' first joints", "no",
+      "it stays within the fingers");
+  row("place", &P::place_m, "m", 0.0, 0.05, "deviation of the place that is wanted", "no",
+      "half a finger's width");
+  row("farthest", &P::farthest_m, "m", 0.005, 0.1,
+      "from the middle; what lies further is let go once more", "no", "a finger's width");
+  row("tilt", &P::tilt_rad, "rad", 0.0, 0.3, "deviation of what is felt as level", "no", "a guess");
+  row("reaction", &P::reaction_s, "s", 0.01, 0.3, "lag of what is felt of the place",
+      "70-80 ms to a slip: Johansson and Westling 1984", "");
+  row("gain", &P::tilt_rad_per_m, "rad/m", 0.0, 10.0, "of the palm's tilt, of the place", "no",
+      "brings a ball there in half a second");
+  row("braking", &P::tilt_rad_s_per_m, "rad s/m", 0.0, 5.0, "of the same, of its speed", "no",
+      "it hardly swings");
+  row("most-tilt", &P::most_tilt_rad, "rad", 0.0, 0.6, "of that", "no", "it is not tipped out");
+}
+
 void add_throw(AssumptionTable& table) {
   using P = ThrowParameters;
   AssumptionRows<P> row(table, "throw", &SceneParameters::toss);
@@ -172,6 +198,7 @@ void add_balance(AssumptionTable& table) {
 }  // namespace
 
 void add_activities_assumptions(AssumptionTable& table) {
+  add_regrasp(table);
   add_wave(table);
   add_throw(table);
   add_ball(table);

@@ -1,11 +1,17 @@
 #include "pipeline/scene/base/motion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "pipeline/scene/objects/lane_turns.h"
 
 namespace touchtrace::scene {
+
+double passage(double time_s, double start_s, double duration_s) {
+  const double s = std::clamp((time_s - start_s) / duration_s, 0.0, 1.0);
+  return s * s * s * (10 - 15 * s + 6 * s * s);
+}
 
 Quintic::Quintic(const MotionState& from, const MotionState& to, double start_s, double duration_s)
     : from_(from), to_(to), start_s_(start_s), duration_s_(duration_s) {

@@ -16,6 +16,9 @@ struct MotionState {
 /// Peak acceleration x duration^2 / distance of a minimum-jerk movement from rest to rest.
 inline constexpr double minimum_jerk_peak = 5.7735;
 
+/// How far a minimum-jerk passage from rest to rest has come, 0 before it to 1 after it.
+double passage(double time_s, double start_s, double duration_s);
+
 /// The fifth-order polynomial between two states: minimum jerk (Flash and Hogan 1985) when both are
 /// at rest. After its end it goes on with the end's velocity.
 class Quintic {

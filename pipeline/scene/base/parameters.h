@@ -57,6 +57,14 @@ struct ObjectParameters {
   double friction = 1.0;  ///< times that of the object's file
 };
 
+/// Of what lies on the palm, taken otherwise.
+struct RegraspParameters {
+  double share = 0.5;  ///< of the bouts of waving that begin with it
+  Interval movement_s{0.20, 0.35}, wait_s{0.3, 0.6}, opening_rad{0.02, 0.12};
+  double place_m = 0.008, farthest_m = 0.018, tilt_rad = 0.03, reaction_s = 0.08;
+  double tilt_rad_per_m = 3.0, tilt_rad_s_per_m = 1.0, most_tilt_rad = 0.3;
+};
+
 struct WaveParameters {
   Interval replanned{0.80, 0.97};  ///< share of a sub-movement after which the next one begins
   Interval repeats{2.0, 8.0}, amplitude_m{0.04, 0.16}, period_s{0.22, 0.90};
@@ -160,6 +168,7 @@ struct SceneParameters {
   FingerParameters fingers;
   GraspParameters grasp;
   ObjectParameters objects;
+  RegraspParameters regrasp;
   WaveParameters wave;
   ThrowParameters toss;
   BallParameters ball;

@@ -57,8 +57,9 @@ struct SceneOptions {
   std::string activity = "wave";
   ObjectSpec object = find_object("ball");
   double minutes = 1.0;
-  double clip_s = 10.0;  ///< length of a clip; each has a new grasp
-  double pause_s = 2.0;  ///< between clips; nothing is recorded
+  double clip_s = 10.0;      ///< mean length of a clip; each has a new grasp
+  double clip_spread = 0.2;  ///< clips are longer or shorter by this share at most
+  double pause_s = 2.0;      ///< after the longest of clips; nothing is recorded
   int image_width = 320, image_height = 240;
   int board_views = 20;
   std::uint64_t seed = 1;

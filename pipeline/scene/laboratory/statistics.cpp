@@ -46,6 +46,17 @@ void add_apexes(const ClipMotion& clip, std::vector<double>& apex_m) {
   }
 }
 
+/// How far the object has turned in the hand since the clip began, at most.
+double turn_in_hand_rad(const ClipMotion& clip) {
+  const auto in_hand = [](const SceneSample& sample) {
+    return sample.hand.orientation.conjugate() * sample.object.orientation;
+  };
+  double most_rad = 0.0;
+  for (const SceneSample& sample : clip.samples)
+    most_rad = std::max(most_rad, in_hand(clip.samples.front()).angularDistance(in_hand(sample)));
+  return most_rad;
+}
+
 }  // namespace
 
 double percentile(std::vector<double> values, double share) {
@@ -64,6 +75,7 @@ ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec
     s.drop_share += (clip.dropped ? 1.0 : 0.0) / static_cast<double>(clips.size());
     s.clamped_clip_share += (clip.clamp_hits > 0) / static_cast<double>(clips.size());
     add_apexes(clip, s.apex_m);
+    if (!clip.dropped) s.turn_in_hand_rad.push_back(turn_in_hand_rad(clip));
     for (const SceneSample& sample : clip.samples) {
       if (sample.grip_force_n > 0.0) grip_n.push_back(sample.grip_force_n);
       s.lowest_object_m =

@@ -13,6 +13,7 @@ struct ClipStatistics {
   double clamped_clip_share = 0.0;            ///< clips with a contact beyond its law
   double force_residual = 0.0;                ///< rms of F - m (a - g) against rms of F
   std::vector<double> apex_m;                 ///< of every flight, above its release
+  std::vector<double> turn_in_hand_rad;       ///< of every clip that held: the most since its start
 };
 /// NaN of no values.
 double percentile(std::vector<double> values, double share);

@@ -39,7 +39,7 @@ Run perform(const std::string& activity, const ObjectSpec& object, int clips, do
   run.clock = glove_clock(options);
   const double start = thread_cpu_s();
   for (int clip = 0; clip < clips; ++clip) {
-    run.clips.push_back(simulate_clip(options, clip, clip * (options.clip_s + options.pause_s)));
+    run.clips.push_back(simulate_clip(options, clip, clip_span(options, clip).start_s));
     run.simulated_s += static_cast<double>(run.clips.back().samples.size()) / sample_rate_hz;
   }
   run.cpu_s = thread_cpu_s() - start;
@@ -71,6 +71,8 @@ void verify_object(const std::string& activity, const ObjectSpec& object, const 
   emit(at_most(what + "99th percentile of grip", s.grip_p99_n, "N", hardest_grip_n(object)));
   emit(at_most(what + "clips pressed beyond the contact's law", s.clamped_clip_share, "", 0.0));
   emit(at_most(what + "saturated readings", s.saturated_share, "", 0.01));
+  emit(reported(what + "most turn in the hand, median of clips",
+                percentile(s.turn_in_hand_rad, 0.5), "rad"));
   if (object.ball) verify_bounces(what, run.clips, object, emit);
   if (activity != "throw") return;
   emit(at_most(what + "highest toss", std::ranges::max(s.apex_m), "m", 0.45));

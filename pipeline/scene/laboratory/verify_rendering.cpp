@@ -21,6 +21,7 @@ void verify_rendering(const std::string& activity, const std::function<void(Figu
   options.object = default_object(activity);
   options.image_width = 640, options.image_height = 480;
   options.clip_s = 2 * first_frame_s + frames * frame_interval_s;
+  options.clip_spread = 0.0;
   const ClipMotion motion = simulate_clip(options, 0, 0.0);
   const RgbdCamera camera = make_camera(options);
   Runtime runtime(choose_device(""));

@@ -11,6 +11,9 @@ namespace touchtrace::scene {
 /// In the activity's time: until then the other hand keeps a tool from tipping over.
 inline constexpr double steadied_until_s = -0.7;
 
+/// Where on the palm an object is taken, from its centre towards the fingertips.
+inline constexpr double grasp_middle_m = 0.018;
+
 /// What the person wants at one instant.
 struct Command {
   MotionState hand;

@@ -111,8 +111,8 @@ Performance::Performance(const SceneOptions& options, const std::string& name, d
 
 void Performance::place_object(const Command& command, RandomStream& random) {
   const Hold& hold = world_.spec().hold;
-  const Vector3d over(0.018 + grasp_.place_m * random.normal(), grasp_.place_m * random.normal(),
-                      0.0);
+  const Vector3d over(grasp_middle_m + grasp_.place_m * random.normal(),
+                      grasp_.place_m * random.normal(), 0.0);
   const Eigen::Quaterniond hand_from_object = as_held(hold, grasp_.yaw_rad, random);
   Vector3d place = over - hand_from_object * hold.center_m;
   place.z() = 0.0;
@@ -137,10 +137,10 @@ void Performance::vary_restitution() {
 }
 
 Eigen::Quaterniond Performance::wanted_orientation(const Command& command) const {
-  const double time_s = tick_ * control_interval_s;
-  const double s = std::clamp((time_s - turn_start_s) / (turn_end_s - turn_start_s), 0.0, 1.0);
-  if (s >= 1.0) return command.orientation;
-  return taking_orientation_.slerp(s * s * s * (10 - 15 * s + 6 * s * s), command.orientation);
+  const double turned =
+      passage(tick_ * control_interval_s, turn_start_s, turn_end_s - turn_start_s);
+  return turned < 1.0 ? taking_orientation_.slerp(turned, command.orientation)
+                      : command.orientation;
 }
 
 FingerDrive Performance::finger_drive(const Command& command, int finger) {

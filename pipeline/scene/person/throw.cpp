@@ -11,12 +11,6 @@ using Eigen::Quaterniond, Eigen::Vector3d;
 /// The cupped palm that an object is tossed from; the thumb stands aside.
 constexpr std::array<double, finger_count> open_rad{0.40, 0.40, 0.40, 0.40, 0.0};
 
-/// How far a minimum-jerk passage has come, 0 to 1.
-double progress(double time_s, double start_s, double duration_s) {
-  const double s = std::clamp((time_s - start_s) / duration_s, 0.0, 1.0);
-  return s * s * s * (10 - 15 * s + 6 * s * s);
-}
-
 /// Hold in a closed hand, dip while it opens, toss off the cupped palm, watch, move the palm's
 /// middle under the object and turn it as the object comes, give way while the hand closes around
 /// it.
@@ -92,7 +86,7 @@ void Throw::turn_to(const Quaterniond& turn, double time_s, double duration_s) {
 }
 
 Quaterniond Throw::turn_at(double time_s) const {
-  return old_turn_.slerp(progress(time_s, turn_start_s_, turn_duration_s_), new_turn_);
+  return old_turn_.slerp(passage(time_s, turn_start_s_, turn_duration_s_), new_turn_);
 }
 
 void Throw::hold(double time_s) {
@@ -217,7 +211,7 @@ Command Throw::command(double time_s, const SceneSample& seen) {
   command.closed_grip = phase_ == Phase::hold || phase_ == Phase::give;
   command.grip_force_n =
       base_grip_n_ + (phase_ == Phase::give ? throw_.catching_m_per_s2 * object_.mass_kg : 0.0);
-  const double open = progress(time_s, opening_start_s_, throw_.opening_s);
+  const double open = passage(time_s, opening_start_s_, throw_.opening_s);
   for (int i = 0; i < finger_count; ++i)
     command.posture_rad[i] = held_rad_[i] + open * (open_rad[i] - held_rad_[i]);
   command.carrying = phase_ != Phase::watch && phase_ != Phase::meet;

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/scene/person/activity.h"
+#include "pipeline/scene/person/regrasp.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -37,7 +37,8 @@ class Wave : public Activity {
   double amplitude_m_ = 0.0, stroke_s_ = 0.0;
   int strokes_left_ = 0;
   Quintic plan_;
-  double replan_s_ = 0.0;
+  double replan_s_ = 0.0, regrasp_share_;
+  Regrasp regrasp_;
 };
 
 Wave::Wave(ActivityStart start)
@@ -54,7 +55,9 @@ Wave::Wave(ActivityStart start)
       base_grip_n_(draw(random_, wave_.base_grip_n)),
       grip_noise_(random_, 1.0),
       roll_noise_(random_, wave_.wrist_noise_hz),
-      pitch_noise_(random_, wave_.wrist_noise_hz) {
+      pitch_noise_(random_, wave_.wrist_noise_hz),
+      regrasp_share_(start.parameters.regrasp.share),
+      regrasp_(start.parameters.regrasp, object_) {
   const MotionState rest{base_m_, Vector3d::Zero(), Vector3d::Zero()};
   replan_s_ = random_.uniform(0.0, 0.3);
   plan_ = Quintic(rest, rest, -10.0, replan_s_ + 10.0);
@@ -82,6 +85,7 @@ void Wave::plan_next(double time_s) {
   } else {
     begin_bout();
     target.position_m = centre_m_;
+    if (regrasp_.possible() && random_.uniform() < regrasp_share_) regrasp_.begin(time_s, random_);
   }
   plan_ = Quintic(plan_.at(time_s), target, time_s, duration_s);
   replan_s_ = time_s + duration_s * draw(random_, wave_.replanned);
@@ -91,21 +95,28 @@ double Wave::grip_force_n(double time_s) const {
   const Vector3d load = plan_.at(time_s + wave_.anticipation_s).acceleration_m_per_s2 +
                         gravity_m_per_s2 * Vector3d::UnitZ();
   const double noise = 1 + wave_.grip_noise * grip_noise_.at(time_s);
-  return noise * (base_grip_n_ + load_grip_n(wave_, object_, load));
+  return regrasp_.grip_share(time_s) * noise * (base_grip_n_ + load_grip_n(wave_, object_, load));
 }
 
 Eigen::Quaterniond Wave::orientation(double time_s, const Vector3d& place) const {
   const Vector3d away = tilt_rad_per_m_ * (place - base_m_);
-  return palm_up(roll_ + away.x() + wave_.wrist_noise_rad * roll_noise_.at(time_s),
-                 pitch_ - away.z() + wave_.wrist_noise_rad * pitch_noise_.at(time_s), yaw_);
+  const double usual = regrasp_.tilt_share(time_s);
+  return palm_up(std::lerp(regrasp_.roll_rad(), roll_ + away.x(), usual) +
+                     wave_.wrist_noise_rad * roll_noise_.at(time_s),
+                 std::lerp(regrasp_.pitch_rad(), pitch_ - away.z(), usual) +
+                     wave_.wrist_noise_rad * pitch_noise_.at(time_s),
+                 yaw_);
 }
 
-Command Wave::command(double time_s, const SceneSample&) {
-  if (time_s >= replan_s_) plan_next(time_s);
+Command Wave::command(double time_s, const SceneSample& seen) {
+  if (time_s >= replan_s_ && regrasp_.over()) plan_next(time_s);
+  regrasp_.follow(time_s, seen);
   Command command;
   command.hand = plan_.at(time_s);
   command.orientation = orientation(time_s, command.hand.position_m);
   command.grip_force_n = grip_force_n(time_s);
+  command.closed_grip = !regrasp_.loose(time_s);
+  for (int i = 0; i < finger_count; ++i) command.posture_rad[i] = regrasp_.posture_rad(i, time_s);
   return command;
 }
 

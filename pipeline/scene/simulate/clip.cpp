@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/scene/glove/glove.h"
@@ -12,7 +13,12 @@
 namespace touchtrace::scene {
 namespace {
 
+constexpr double first_clip_s = 1.0;
 constexpr double shortest_flight_s = 0.04;
+
+double whole_intervals_s(double time_s) {
+  return std::round(time_s * sample_rate_hz) / sample_rate_hz;
+}
 
 /// Release and catch are the ends of every stretch without contact that is long enough to be a
 /// flight.
@@ -38,9 +44,9 @@ void add_impacts(const World& world, double interval_start_s, ClipMotion& clip) 
 
 /// Records one clip after a grasp that held; `start_s` on the host's clock is time 0 of the
 /// activity.
-ClipMotion record(const SceneOptions& options, Performance& performance, double start_s) {
+ClipMotion record(Performance& performance, double start_s, double length_s) {
   ClipMotion clip;
-  const int samples = static_cast<int>(std::lround(options.clip_s * sample_rate_hz));
+  const int samples = static_cast<int>(std::lround(length_s * sample_rate_hz));
   clip.samples.reserve(samples);
   const long clamped_before = performance.world().contact().clamp_hits();
   Glove& glove = performance.glove();
@@ -65,6 +71,18 @@ ClipMotion record(const SceneOptions& options, Performance& performance, double 
 
 }  // namespace
 
+ClipSpan clip_span(const SceneOptions& options, int clip) {
+  const double apart_s = options.clip_s * (1 + options.clip_spread) + options.pause_s;
+  RandomStream random(options.seed, fmt::format("clip {} length", clip));
+  const double share = random.uniform(1 - options.clip_spread, 1 + options.clip_spread);
+  return {whole_intervals_s(first_clip_s + clip * apart_s),
+          whole_intervals_s(share * options.clip_s)};
+}
+
+int clip_count(const SceneOptions& options) {
+  return std::max(1, static_cast<int>(std::lround(60.0 * options.minutes / options.clip_s)));
+}
+
 ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s) {
   for (int attempt = 1;; ++attempt) {
     const std::string name = fmt::format("{} {} clip {} attempt {}", options.activity,
@@ -72,7 +90,7 @@ ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s) 
     Performance performance(options, name, start_s);
     const bool held = performance.grasp();
     if (!held && attempt < options.parameters.grasp.attempts) continue;
-    ClipMotion motion = record(options, performance, start_s);
+    ClipMotion motion = record(performance, start_s, clip_span(options, clip).length_s);
     if (options.inertial_unit) motion.glove.inertial = sense_inertia(motion.samples, options, clip);
     return motion;
   }

@@ -4,6 +4,7 @@
 
 #include "engine/base/named.h"
 #include "pipeline/scene/person/activity.h"
+#include "pipeline/scene/simulate/clip.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -17,11 +18,17 @@ std::vector<ObjectSpec> objects_of(const DataSetPart& part) {
   return found;
 }
 
-double clips_for(double frames, const SceneOptions& scene) {
-  const GloveParameters& glove = scene.parameters.glove;
-  const double whole = std::floor((scene.clip_s - glove.scan_s) * GloveInfo{}.rate_hz),
-               arriving = std::max(1.0, whole * (1.0 - glove.lost));
-  return std::max(1.0, std::ceil(frames / arriving));
+/// Of the glove; that arrive from a clip, at least one.
+double frames_of(const ClipSpan& span, const GloveParameters& glove) {
+  const double whole = std::floor((span.length_s - glove.scan_s) * GloveInfo{}.rate_hz);
+  return std::max(1.0, whole * (1.0 - glove.lost));
+}
+
+int clips_for(double frames, const SceneOptions& scene) {
+  int clips = 0;
+  do frames -= frames_of(clip_span(scene, clips++), scene.parameters.glove);
+  while (frames > 0.0);
+  return clips;
 }
 
 }  // namespace
@@ -57,7 +64,7 @@ std::vector<PlannedRecording> recordings_of(const DataSet& data_set, const Scene
       recording.scene.object = object;
       recording.scene.seed += static_cast<std::uint64_t>(part.session);
       const double frames = share * part.frames / static_cast<double>(held.size());
-      recording.scene.minutes = clips_for(frames, scene) * scene.clip_s / 60.0;
+      recording.scene.minutes = clips_for(frames, recording.scene) * scene.clip_s / 60.0;
       recording.file = std::filesystem::path(part.activity) / part.name / (object.name + ".h5");
     }
   }

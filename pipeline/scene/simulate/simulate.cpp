@@ -17,16 +17,6 @@
 namespace touchtrace::scene {
 namespace {
 
-constexpr double first_clip_s = 1.0;
-
-int clip_count(const SceneOptions& options) {
-  return std::max(1, static_cast<int>(std::lround(60.0 * options.minutes / options.clip_s)));
-}
-
-double clip_start_s(const SceneOptions& options, int clip) {
-  return first_clip_s + clip * (options.clip_s + options.pause_s);
-}
-
 /// The clips' motions, in order, computed a few clips ahead on threads of their own.
 class MotionQueue {
  public:
@@ -47,7 +37,7 @@ class MotionQueue {
     if (started_ == clips_) return;
     const int clip = started_++;
     ahead_.push_back(std::async(std::launch::async, [options = options_, clip] {
-      return simulate_clip(options, clip, clip_start_s(options, clip));
+      return simulate_clip(options, clip, clip_span(options, clip).start_s);
     }));
   }
 
@@ -113,9 +103,9 @@ SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runti
   MotionQueue motions(options);
   for (int i = 0; i < clips; ++i) {
     const ClipMotion motion = motions.next();
-    const double start_s = clip_start_s(options, i);
+    const ClipSpan span = clip_span(options, i);
     recording.clips.push_back(
-        {start_s, start_s + options.clip_s, options.object.name, motion.dropped, {}, {}});
+        {span.start_s, span.end_s(), options.object.name, motion.dropped, {}, {}});
     if (video) video->record_clip(motion, i, recording);
     append_glove(recording.gloves, motion.glove);
     append_truth(truth, motion, options.object, i, camera.color_from_world);

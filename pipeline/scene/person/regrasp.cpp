@@ -1,0 +1,80 @@
+#include "pipeline/scene/person/regrasp.h"
+
+#include "pipeline/scene/objects/solids.h"
+
+namespace touchtrace::scene {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double longest_m = 0.12;  // from its centre of mass: what is longer tips out
+
+/// On the palm, from where an object is taken.
+Vector2d place_m(const ObjectSpec& object, const SceneSample& seen) {
+  const RigidState &hand = seen.hand, &held = seen.object;
+  const Eigen::Vector3d middle = held.position_m + held.orientation * object.hold.center_m;
+  return (hand.orientation.conjugate() * (middle - hand.position_m)).head<2>() -
+         grasp_middle_m * Vector2d::UnitX();
+}
+
+}  // namespace
+
+Regrasp::Regrasp(const RegraspParameters& parameters, const ObjectSpec& object)
+    : parameters_(parameters), object_(object), possible_(bounding_radius_m(object) < longest_m) {}
+
+void Regrasp::begin(double time_s, RandomStream& random) {
+  const RegraspParameters& p = parameters_;
+  movement_s_ = draw(random, p.movement_s);
+  wait_s_ = draw(random, p.wait_s);
+  opening_rad_ = draw(random, p.opening_rad);
+  wanted_m_ = p.place_m * Vector2d(random.normal(), random.normal());
+  level_error_rad_ = p.tilt_rad * Vector2d(random.normal(), random.normal());
+  busy_ = true;
+  start(time_s);
+}
+
+void Regrasp::start(double time_s) {
+  start_s_ = time_s;
+  close_s_ = open_s() + wait_s_;
+}
+
+bool Regrasp::loose(double time_s) const { return time_s > open_s() && time_s < close_s_; }
+
+double Regrasp::grip_share(double time_s) const {
+  return 1.0 - passage(time_s, start_s_ + movement_s_, movement_s_) +
+         passage(time_s, close_s_, movement_s_);
+}
+
+double Regrasp::tilt_share(double time_s) const {
+  return 1.0 - passage(time_s, start_s_, movement_s_) +
+         passage(time_s, close_s_ + movement_s_, movement_s_);
+}
+
+double Regrasp::posture_rad(int finger, double time_s) const {
+  return held_rad_[finger] - opening_rad_ * passage(time_s, open_s(), movement_s_);
+}
+
+void Regrasp::follow(double time_s, const SceneSample& seen) {
+  const Vector2d place = place_m(object_, seen);
+  if (time_s <= start_s_ + movement_s_) felt_m_ = place;
+  if (time_s <= open_s()) held_rad_ = seen.flexion_rad;
+  felt_m_per_s_ = (place - felt_m_) / parameters_.reaction_s;
+  felt_m_ += felt_m_per_s_ * control_interval_s;
+  if (!busy_) return;
+  tilt_palm();
+  if (time_s < close_s_ + movement_s_) return;
+  busy_ = felt_m_.norm() > parameters_.farthest_m;
+  if (busy_) start(time_s - movement_s_);  // the palm is level already
+}
+
+/// What is too far to the fingers or to the thumb rolls back, and without swinging.
+void Regrasp::tilt_palm() {
+  const RegraspParameters& p = parameters_;
+  const Vector2d tilt = p.tilt_rad_per_m * (felt_m_ - wanted_m_) +
+                        p.tilt_rad_s_per_m * felt_m_per_s_ + level_error_rad_;
+  const Vector2d within = tilt.cwiseMax(-p.most_tilt_rad).cwiseMin(p.most_tilt_rad);
+  roll_rad_ = within.y();
+  pitch_rad_ = -within.x();
+}
+
+}  // namespace touchtrace::scene

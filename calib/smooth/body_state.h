@@ -18,6 +18,19 @@ Eigen::Matrix<T, 3 * axes, 3 * axes> kronecker(const Matrix3<T>& orders,
   return product;
 }
 
+/// a b, column by column: Eigen's product of such sizes is made for large ones, and takes twice as
+/// long.
+template <class T, int n, int m>
+Eigen::Matrix<T, n, m> product(const Eigen::Matrix<T, n, n>& a, const Eigen::Matrix<T, n, m>& b) {
+  Eigen::Matrix<T, n, m> result;
+  for (int j = 0; j < m; ++j) {
+    Eigen::Matrix<T, n, 1> sum = a.col(0) * b(0, j);
+    for (int k = 1; k < n; ++k) sum += a.col(k) * b(k, j);
+    result.col(j) = sum;
+  }
+  return result;
+}
+
 /// Whether a measurement errs as its neighbours do.
 enum class Errors { white, correlated };
 
@@ -37,11 +50,25 @@ struct BodyState {
   Vector mean = Vector::Zero();
   Square covariance = Square::Zero();
 
-  static Square transition(const Transition<T>& step) {
-    Square F = Square::Zero();
-    F.template topLeftCorner<motion, motion>() = spread(step.F);
-    if constexpr (correlated) F.diagonal().template tail<axes>().setConstant(step.error_kept);
-    return F;
+  /// x [size, n], a state or several, as the transition moves it: every axis in the same way.
+  template <int n>
+  static Eigen::Matrix<T, size, n> moved(const Transition<T>& step,
+                                         const Eigen::Matrix<T, size, n>& x) {
+    Eigen::Matrix<T, size, n> result;
+    for (int i = 0; i < 3; ++i)
+      result.template middleRows<axes>(axes * i) =
+          step.F(i, 0) * x.template topRows<axes>() +
+          step.F(i, 1) * x.template middleRows<axes>(axes) +
+          step.F(i, 2) * x.template middleRows<axes>(2 * axes);
+    if constexpr (correlated)
+      result.template bottomRows<axes>() = step.error_kept * x.template bottomRows<axes>();
+    return result;
+  }
+
+  /// F p F'
+  static Square moved_covariance(const Transition<T>& step, const Square& p) {
+    const Square once = moved<size>(step, p);
+    return moved<size>(step, once.transpose());
   }
 
   /// `jerk`: how freely the axes move, see Transition.
@@ -115,8 +142,7 @@ struct BodyState {
   }
 
   BodyState after_with(const Transition<T>& step, const Place& gravity, const Square& noise) const {
-    const Square F = transition(step);
-    BodyState next{F * mean, F * covariance * F.transpose() + noise};
+    BodyState next{moved<1>(step, mean), moved_covariance(step, covariance) + noise};
     for (int order = 0; order < 3; ++order)
       next.mean.template segment<axes>(axes * order) += step.u[order] * gravity;
     return next;

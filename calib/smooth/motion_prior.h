@@ -104,8 +104,13 @@ template <class T>
 Transition<T> swinging(const T& h, const MotionNoise<T>& noise) {
   constexpr int terms = 12;
   const T &w = noise.swing_rad_per_s, &z = noise.swing_damping;
-  Matrix3<T> a = Matrix3<T>::Zero(), f = Matrix3<T>::Identity(), q = Matrix3<T>::Zero();
-  a(0, 1) = a(1, 2) = T(1), a(2, 1) = -w * w, a(2, 2) = -2.0 * z * w;
+  const T pull = -w * w, damping = -2.0 * z * w;
+  const auto changed = [&](const Matrix3<T>& x) {  // A x
+    Matrix3<T> result;
+    result << x.row(1), x.row(2), pull * x.row(1) + damping * x.row(2);
+    return result;
+  };
+  Matrix3<T> f = Matrix3<T>::Identity(), q = Matrix3<T>::Zero();
   int doublings = 0;
   T part = h;
   for (; w * (1.0 + 2.0 * z) * part > T(0.5); ++doublings) part /= 2.0;
@@ -113,8 +118,9 @@ Transition<T> swinging(const T& h, const MotionNoise<T>& noise) {
   Transition<T> step;
   step.Q = q;
   for (int k = 1; k < terms; ++k) {
-    f = (a * f * (part / double(k))).eval();
-    q = ((a * q + q * a.transpose()) * (part / double(k + 1))).eval();
+    const Matrix3<T> aq = changed(q);
+    f = changed(f) * (part / double(k));
+    q = (aq + aq.transpose()) * (part / double(k + 1));
     step.F += f, step.Q += q;
   }
   for (; doublings > 0; --doublings) step = step.then(step);

@@ -17,20 +17,31 @@ Eigen::Matrix<double, n, n> inverse(const Eigen::Matrix<double, n, n>& p) {
   return scale.asDiagonal() * inverted * scale.asDiagonal();
 }
 
+/// a p a'
+template <int n>
+Eigen::Matrix<double, n, n> conjugated(const Eigen::Matrix<double, n, n>& a,
+                                       const Eigen::Matrix<double, n, n>& p) {
+  return product(product(a, p), Eigen::Matrix<double, n, n>(a.transpose()));
+}
+
 /// One step of Rauch, Tung and Striebel: `filtered` given what is known `later`.
 template <class Body>
 Body step_back(const Body& filtered, const Transition<double>& step,
                const typename Body::Place& gravity, const typename Body::Between& jerk,
                const Body& later) {
   using Square = typename Body::Square;
+  constexpr int size = Body::size;
   const Body predicted = filtered.after(step, gravity, jerk);
-  const Square F = Body::transition(step);
   const Square gain =
-      filtered.covariance * F.transpose() * inverse<Body::size>(predicted.covariance);
-  const Square keep = Square::Identity() - gain * F;
+      product(Square(Body::template moved<size>(step, filtered.covariance).transpose()),
+              inverse<size>(predicted.covariance));
+  auto backwards = step;
+  backwards.F.transposeInPlace();
+  const Square keep =
+      Square::Identity() - Body::template moved<size>(backwards, gain.transpose()).transpose();
   return {filtered.mean + gain * (later.mean - predicted.mean),
-          keep * filtered.covariance * keep.transpose() +
-              gain * (Body::noise(step, jerk) + later.covariance) * gain.transpose()};
+          conjugated(keep, filtered.covariance) +
+              conjugated(gain, Square(Body::noise(step, jerk) + later.covariance))};
 }
 
 /// What a step's noise is to be expected to be, given the states before and after it, as the
@@ -41,11 +52,12 @@ Eigen::Matrix3d expected_jerk(const Body& filtered, const Transition<double>& st
                               const Eigen::Matrix3d& jerk, const Body& later) {
   using Square = typename Body::Square;
   const auto predicted = filtered.after(step, Eigen::Vector3d::Zero(), jerk);
-  const Square Q = Body::noise(step, jerk), L = Q * inverse<Body::size>(predicted.covariance),
+  const Square Q = Body::noise(step, jerk),
+               L = product(Q, inverse<Body::size>(predicted.covariance)),
                keep = Square::Identity() - L;
   const typename Body::Vector mean = L * (later.mean - predicted.mean);
-  const Square square = mean * mean.transpose() + keep * Q * keep.transpose() +
-                        L * (predicted.covariance - Q + later.covariance) * L.transpose();
+  const Square square = mean * mean.transpose() + conjugated(keep, Q) +
+                        conjugated(L, Square(predicted.covariance - Q + later.covariance));
   const Eigen::Matrix3d white = inverse<3>(step.Q);
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (int i = 0; i < 3; ++i)

@@ -180,13 +180,12 @@ Trajectory::Bodies<Body> Trajectory::before_the_first(const Knots<Body>& knots, 
   const auto step = prior_.touched(times_.front() - time);
   auto backwards = step;
   backwards.F = step.F.inverse().eval();
-  const typename Body::Square back = Body::transition(backwards);
   Bodies<Body> result = knots.smoothed.front();
   for (std::size_t body = 0; body < result.size(); ++body) {
-    const auto& from = knots.smoothed.front()[body];
+    const auto& [mean, covariance] = knots.smoothed.front()[body];
     result[body] = {
-        back * from.mean,
-        back * (from.covariance + Body::noise(step, jerk<Body>(time, body))) * back.transpose()};
+        Body::template moved<1>(backwards, mean),
+        Body::moved_covariance(backwards, covariance + Body::noise(step, jerk<Body>(time, body)))};
   }
   return result;
 }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -15,6 +17,7 @@ namespace {
 
 constexpr double grid_step_s = 0.01, margin_s = 0.35, shortest_flight_s = 0.04;
 constexpr int grid_half = 6;
+constexpr std::size_t fewest_points_of_flight = 3;
 constexpr double scan_step_s = 0.001, least_deviation_s = 1e-4;
 constexpr int scan_half = 30;
 /// Of likely times, in deviations: at this spacing the trapezoid rule is exact to 1e-15 for a bell,
@@ -117,15 +120,15 @@ double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
 template <std::size_t count>
 void scan(const FlightCost& cost, const double* times, int event, double center_s, double step_s,
           std::array<double, count>& time_s, std::array<double, count>& likelihood) {
-  double best, total = 0.0;
-  cost(times, &best);
   for (std::size_t i = 0; i < count; ++i) {
     time_s[i] = center_s + (static_cast<double>(i) - static_cast<double>(count / 2)) * step_s;
-    double at[] = {times[0], times[1]}, value;
+    double at[] = {times[0], times[1]};
     at[event] = cost.scaled_time(time_s[i]);
-    likelihood[i] = cost(at, &value) ? std::exp(best - value) : 0.0;
-    total += likelihood[i];
+    if (!cost(at, &likelihood[i])) likelihood[i] = std::numeric_limits<double>::infinity();
   }
+  const double least = *std::ranges::min_element(likelihood);
+  for (double& l : likelihood) l = std::exp(least - l);
+  const double total = std::accumulate(likelihood.begin(), likelihood.end(), 0.0);
   for (double& l : likelihood) l /= total;
 }
 
@@ -150,7 +153,7 @@ std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& unit
                              const std::vector<Flight>& after, const MotionNoise<double>& noise,
                              const SmoothOptions& options, Doubtful doubtful) {
   const auto window = around(track, guess);
-  if (window.points.size() < 3) return std::nullopt;
+  if (window.points.size() < fewest_points_of_flight) return std::nullopt;
   auto* cost = new FlightCost(window, units, guess, before, after, noise, options);
   const ceres::GradientProblem problem(new ceres::AutoDiffFirstOrderFunction<FlightCost, 2>(cost));
   double times[2] = {0.0, 0.0};
@@ -166,10 +169,9 @@ std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& unit
   double refined[2] = {times[0], times[1]};
   ceres::Solve(solver, problem, refined, &summary);
   if (summary.IsSolutionUsable()) std::copy_n(refined, 2, times);
-  Flight flight{cost->time_s(times[0]), cost->time_s(times[1])};
-  flight.likely_landings = likely_times(*cost, times, 1);
-  flight.likely_releases =
-      cost->release_is_free() ? likely_times(*cost, times, 0) : before.back().likely_landings;
+  const Flight flight{cost->release_is_free() ? cost->time_s(times[0]) : before.back().landing_s,
+                      cost->time_s(times[1])};
+  if (around(track, flight).points.size() < fewest_points_of_flight) return std::nullopt;
   return flight;
 }
 
@@ -191,6 +193,21 @@ std::vector<Flight> most_likely_flights(const WeightedTrack& track,
     if (hit) left.front().release_s = flight->landing_s;
   }
   return found;
+}
+
+void find_likely_times(WeightedTrack& track, const MotionNoise<double>& noise,
+                       const SmoothOptions& options) {
+  const auto units = MotionUnits::of({track.points});
+  auto& flights = track.flights;
+  for (auto flight = flights.begin(); flight != flights.end(); ++flight) {
+    const std::vector<Flight> before(flights.begin(), flight), after(flight + 1, flights.end());
+    const FlightCost cost(around(track, *flight), units, *flight, before, after, noise, options);
+    const double times[] = {cost.scaled_time(flight->release_s),
+                            cost.scaled_time(flight->landing_s)};
+    flight->likely_landings = likely_times(cost, times, 1);
+    flight->likely_releases =
+        cost.release_is_free() ? likely_times(cost, times, 0) : before.back().likely_landings;
+  }
 }
 
 }  // namespace touchtrace

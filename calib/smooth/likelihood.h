@@ -24,10 +24,13 @@ std::optional<MotionNoise<double>> most_likely_noise(const std::vector<WeightedT
 /// information criterion.
 enum class Doubtful { keep, drop };
 
-/// The track's flights with the times that maximise the likelihood (a grid of +-60 ms, then Ceres)
-/// and others that are likely.
+/// The track's flights with the times that maximise the likelihood (a grid of +-60 ms, then Ceres).
 std::vector<Flight> most_likely_flights(const WeightedTrack& track,
                                         const MotionNoise<double>& noise,
                                         const SmoothOptions& options, Doubtful doubtful);
+
+/// Sets which other times the events of the track's flights may have had, each given all others.
+void find_likely_times(WeightedTrack& track, const MotionNoise<double>& noise,
+                       const SmoothOptions& options);
 
 }  // namespace touchtrace

@@ -52,6 +52,7 @@ WeightedTrack blind(const WeightedTrack& track) {
 SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const SmoothOptions& options) {
   SmoothedTrack result;
   const bool found = !options.robust || find_weights(track, all.noise, options);
+  find_likely_times(track, all.noise, options);
   result.trajectories = trajectories_of(track, all.noise, options);
   result.filter = pass(blind(track), all.causal_noise, options);
   if (!found || !result.filter.finite() ||

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 namespace touchtrace::label {
@@ -12,7 +13,20 @@ struct BodyView {
   Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< where all rays begin
   std::vector<Eigen::Vector3f> on_m;                ///< points on the body
   std::vector<Eigen::Vector3f> seen_past_m;         ///< ends of rays that do not enter it
+  /// Noise of the points along their rays over `usual_depth_sigma_m`; at least 1.
+  double noise_ratio = 1.0;
+
+  /// How much of a point's distance from a surface counts: noise along the ray moves it the less
+  /// from the surface, the more the ray grazes that.
+  double counted_part(const Eigen::Vector3d& outward, const Eigen::Vector3d& ray) const {
+    const double along = outward.dot(ray);
+    return 1.0 /
+           std::sqrt(1.0 + (noise_ratio * noise_ratio - 1.0) * along * along / ray.squaredNorm());
+  }
 };
+
+/// Noise of depths that is no more than what else is wrong with a point.
+inline constexpr double usual_depth_sigma_m = 0.0015;
 
 /// Geman and McClure's loss of a distance: that of strays stays below half the square of `width`.
 struct RobustLoss {

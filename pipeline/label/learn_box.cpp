@@ -31,10 +31,23 @@ Eigen::Vector3d values_of(const Vector3<Scalar>& vector) {
   return {value_of(vector.x()), value_of(vector.y()), value_of(vector.z())};
 }
 
+template <std::size_t count, class Scalar>
+std::array<double, count> numbers(const Scalar* scalars) {
+  std::array<double, count> result;
+  std::transform(scalars, scalars + count, result.begin(),
+                 [](const Scalar& scalar) { return value_of(scalar); });
+  return result;
+}
+
 /// Half extents and radius, as the solver has them.
 using Shape = std::array<double, 4>;
 
 RoundedBox box_of(const Shape& shape) { return {{shape[0], shape[1], shape[2]}, shape[3]}; }
+
+template <class Scalar>
+RoundedBox box_at(const Scalar* shape) {
+  return box_of(numbers<4>(shape));
+}
 
 template <class Scalar>
 Scalar distance(const Scalar* shape, const Vector3<Scalar>& point) {
@@ -54,13 +67,20 @@ Vector3<Scalar> in_body(const Eigen::Vector3d& point, const Scalar* rotation, co
   return turn.conjugate() * Vector3<Scalar>(point.cast<Scalar>() - at);
 }
 
+/// As much of it as counts, which may stand still while that is differentiated.
 struct PointDistance {
+  const BodyView& view;
   Eigen::Vector3d point_m;
 
   template <class Scalar>
   bool operator()(const Scalar* shape, const Scalar* rotation, const Scalar* place,
                   Scalar* residual) const {
-    residual[0] = distance(shape, in_body(point_m, rotation, place));
+    const Vector3<Scalar> point = in_body(point_m, rotation, place);
+    const Eigen::Vector3d now = values_of<Scalar>(point),
+                          eye = in_body(view.eye_m, numbers<4>(rotation).data(),
+                                        numbers<3>(place).data());
+    const auto surface = surface_distance(box_at(shape), now);
+    residual[0] = Scalar(view.counted_part(surface.outward, now - eye)) * distance(shape, point);
     return true;
   }
 };
@@ -75,9 +95,7 @@ struct RayDepth {
     const Vector3<Scalar> from = in_body(eye_m, rotation, place),
                           to = in_body(end_m, rotation, place);
     const Eigen::Vector3d start = values_of<Scalar>(from), end = values_of<Scalar>(to);
-    const auto deepest = deepest_point(
-        box_of({value_of(shape[0]), value_of(shape[1]), value_of(shape[2]), value_of(shape[3])}),
-        start, end);
+    const auto deepest = deepest_point(box_at(shape), start, end);
     residual[0] = Scalar(0.0);
     if (!deepest) return true;
     const double part = (*deepest - start).norm() / (end - start).norm();
@@ -121,7 +139,7 @@ void add(ceres::Problem& problem, Residual* residual, double width_m, Shape& sha
 void add_view(ceres::Problem& problem, const BodyView& view, double width_m, Shape& shape,
               Pose& pose) {
   for (const auto& point : view.on_m)
-    add(problem, new PointDistance{point.cast<double>()}, width_m, shape, pose);
+    add(problem, new PointDistance{view, point.cast<double>()}, width_m, shape, pose);
   for (const auto& end : view.seen_past_m)
     add(problem, new RayDepth{view.eye_m, end.cast<double>()}, width_m, shape, pose);
   problem.SetManifold(pose.rotation.coeffs().data(), new ceres::EigenQuaternionManifold);

@@ -16,12 +16,12 @@ constexpr float bin_m = 0.02f, farthest_m = 5.0f;
 constexpr double torso_part = 0.04;  // of the image that a torso covers at least
 constexpr std::size_t most_background = 15, frames_per_clip = 8;
 
-std::vector<std::uint16_t> background_depth(const FrameSource& frames, int threads) {
+std::vector<std::vector<std::uint16_t>> background_depths(const FrameSource& frames, int threads) {
   std::vector<std::vector<std::uint16_t>> depths(
       std::min(most_background, frames.background_frames));
   for_each_index(depths.size(), threads,
                  [&](std::size_t i) { depths[i] = frames.background(i).depth; });
-  return median_depth(depths);
+  return depths;
 }
 
 /// Frames spread over a clip, its first among them.
@@ -80,8 +80,13 @@ std::vector<SampledFrame> sample(const SceneModel& model, const FrameSource& fra
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
                        const FrameSource& frames, const std::vector<ClipFrames>& clips,
                        int threads) {
-  SceneModel model{
-      Segmenter(calibration, camera, background_depth(frames, threads)), 0.0f, {}, {}, {}};
+  const auto depths_behind = background_depths(frames, threads);
+  SceneModel model{Segmenter(calibration, camera, median_depth(depths_behind)),
+                   depth_noise_at_1m(depths_behind, camera.depth_unit_m),
+                   0.0f,
+                   {},
+                   {},
+                   {}};
   auto samples = sample(model, frames, clips, threads);
   std::vector<std::vector<double>> depths;
   std::map<std::string, std::vector<SampledFrame>> by_object;

@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t most_box_views = 32, box_points = 500;
 constexpr double box_passing_radii = 1.5;
-constexpr double sensor_noise_m = 0.0015;
 constexpr double uneven_m = 0.0015;   // no sphere is so rough
 constexpr double much_better = 0.33;  // part of the sphere's unevenness
 
@@ -52,8 +51,11 @@ using Distances = std::vector<double>;
 Distances from_sphere(const BodyView& view, double radius_m) {
   const Eigen::Vector3d center = fit_sphere(view, radius_m).center_m;
   Distances result;
-  for (const auto& point : view.on_m)
-    result.push_back((point.cast<double>() - center).norm() - radius_m);
+  for (const auto& seen : view.on_m) {
+    const Eigen::Vector3d point = seen.cast<double>(), off = point - center;
+    result.push_back(view.counted_part(off.normalized(), point - view.eye_m) *
+                     (off.norm() - radius_m));
+  }
   return result;
 }
 
@@ -62,12 +64,16 @@ Distances from_box(const BodyView& view, const RoundedBox& box) {
       thinned(view, likely_center(view, box), box_passing_radii * box.circumradius_m(), box_points);
   const Eigen::Isometry3d body_from_camera = fit_body_anyhow(some, box).camera_from_body.inverse();
   Distances result;
-  for (const auto& point : view.on_m)
-    result.push_back(surface_distance(box, body_from_camera * point.cast<double>()).distance_m);
+  const Eigen::Vector3d eye = body_from_camera * view.eye_m;
+  for (const auto& seen : view.on_m) {
+    const Eigen::Vector3d point = body_from_camera * seen.cast<double>();
+    const auto surface = surface_distance(box, point);
+    result.push_back(view.counted_part(surface.outward, point - eye) * surface.distance_m);
+  }
   return result;
 }
 
-/// How far points are from a shape.
+/// How far points are from a shape, as far as that counts.
 template <class DistancesOf>
 double deviation(const std::vector<BodyView>& views, int threads, DistancesOf&& distances_of) {
   std::vector<Distances> of_views(views.size());
@@ -79,7 +85,8 @@ double deviation(const std::vector<BodyView>& views, int threads, DistancesOf&& 
 }
 
 double beyond_noise(double deviation_m) {
-  return std::sqrt(std::max(0.0, deviation_m * deviation_m - sensor_noise_m * sensor_noise_m));
+  return std::sqrt(
+      std::max(0.0, deviation_m * deviation_m - usual_depth_sigma_m * usual_depth_sigma_m));
 }
 
 std::vector<BodyView> some_of(const std::vector<BodyView>& views) {

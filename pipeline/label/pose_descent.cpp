@@ -20,10 +20,12 @@ struct NormalEquations {
   Vector6 gradient = Vector6::Zero();
   double cost = 0.0;
 
-  void add(const SurfaceDistance& surface, const Eigen::Vector3d& point, const RobustLoss& loss) {
+  /// `part` of a distance counts.
+  void add(const SurfaceDistance& surface, const Eigen::Vector3d& point, double part,
+           const RobustLoss& loss) {
     Vector6 jacobian;
-    jacobian << -surface.outward, surface.outward.cross(point);
-    const double residual = surface.distance_m, weight = loss.weight(residual);
+    jacobian << -part * surface.outward, part * surface.outward.cross(point);
+    const double residual = part * surface.distance_m, weight = loss.weight(residual);
     normal.selfadjointView<Eigen::Lower>().rankUpdate(jacobian, weight);
     gradient += weight * residual * jacobian;
     cost += loss.cost(residual);
@@ -34,17 +36,17 @@ NormalEquations equations_at(const BodyView& view, const RoundedBox& box,
                              const Eigen::Isometry3d& camera_from_body, const RobustLoss& loss) {
   NormalEquations equations;
   const Eigen::Isometry3d body_from_camera = camera_from_body.inverse();
+  const Eigen::Vector3d eye = body_from_camera * view.eye_m;
   for (const auto& seen : view.on_m) {
     const Eigen::Vector3d point = body_from_camera * seen.cast<double>();
     const auto surface = surface_distance(box, point);
-    equations.add(surface, point, loss);
+    equations.add(surface, point, view.counted_part(surface.outward, point - eye), loss);
   }
-  const Eigen::Vector3d eye = body_from_camera * view.eye_m;
   for (const auto& end : view.seen_past_m) {
     const auto deepest = deepest_point(box, eye, body_from_camera * end.cast<double>());
     if (!deepest) continue;
     const auto surface = surface_distance(box, *deepest);
-    if (surface.distance_m < 0.0) equations.add(surface, *deepest, loss);
+    if (surface.distance_m < 0.0) equations.add(surface, *deepest, 1.0, loss);
   }
   return equations;
 }

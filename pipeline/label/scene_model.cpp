@@ -1,6 +1,7 @@
 #include "pipeline/label/scene_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pipeline/label/split.h"
 
@@ -36,14 +37,17 @@ BodyView SceneModel::view_body(const RgbdFrame& frame, const std::string& object
   auto around = segmenter.surface_around(frame, patch.centroid_m, reach_m);
   colors.at(object).assign(around);
   BodyView view{segmenter.depth_eye_m(), patch.points_m, {}};
+  const double depth_sigma_m = depth_noise_at_1m * std::pow(patch.centroid_m.z(), 2);
+  view.noise_ratio = std::max(1.0, depth_sigma_m / usual_depth_sigma_m);
   const Body own = like_the_hand.contains(object) ? Body::hand : Body::object;
   const bool gather = whole && own == Body::object;
   if (gather) view.on_m.clear();
   for (const auto& point : around) {
     const Eigen::Vector3f ray = point.position_m - view.eye_m.cast<float>();
-    if (point.body != own)
+    const bool near = (point.position_m.cast<double>() - patch.centroid_m).norm() < reach_m;
+    if (point.body != own || !near)
       view.seen_past_m.push_back(point.position_m + finger_m * ray.normalized());
-    else if (gather && (point.position_m.cast<double>() - patch.centroid_m).norm() < reach_m)
+    else if (gather)
       view.on_m.push_back(point.position_m);
   }
   return view;

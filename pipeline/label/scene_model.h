@@ -30,6 +30,7 @@ struct ClipFrames {
 /// What is learnt of the scene before anything is followed.
 struct SceneModel {
   Segmenter segmenter;
+  double depth_noise_at_1m = 0.0;              ///< [m]; grows as depth squared
   float band_m = 0.0f;                         ///< nearer than this is hand, arm or object
   std::map<std::string, ColorClasses> colors;  ///< by object
   std::map<std::string, ObjectShape> object_shape;
@@ -40,7 +41,8 @@ struct SceneModel {
   Surface see(const RgbdFrame& frame, const std::string& object) const;
   /// Tells an object like the hand from it where it is apart from the one near `hand_m`.
   void split(Surface& surface, const std::string& object, const Eigen::Vector3d& hand_m) const;
-  /// What the depth camera sees of the object and past it, within `reach_m` of the patch's middle.
+  /// What the depth camera sees of the object and past it, within `reach_m` of the patch's middle;
+  /// what is farther from it is not the object, whatever its colour.
   /// Of the object, the patch or, where it is to be seen `whole`, all that has its colours: a long
   /// one shows on both sides of the hand.
   BodyView view_body(const RgbdFrame& frame, const std::string& object, const Patch& patch,

@@ -16,10 +16,10 @@ constexpr std::array<double, 2> start_radii{2.0 / 3.0, 0.1};
 
 /// A view as every step of a fit needs it.
 struct Rays {
-  explicit Rays(const BodyView& view) : eye_m(view.eye_m) {
+  explicit Rays(const BodyView& view) : seen(view) {
     for (const auto& point : view.on_m) on_m.push_back(point.cast<double>());
     for (const auto& end : view.seen_past_m) {
-      const Eigen::Vector3d ray = end.cast<double>() - eye_m;
+      const Eigen::Vector3d ray = end.cast<double>() - seen.eye_m;
       past.push_back({ray.normalized(), ray.norm()});
     }
   }
@@ -28,28 +28,29 @@ struct Rays {
     Eigen::Vector3d direction;
     double length_m;
   };
-  Eigen::Vector3d eye_m;
+  const BodyView& seen;
   std::vector<Eigen::Vector3d> on_m;
   std::vector<Ray> past;
 };
 
 /// Calls use(center - place on the surface or nearest on a ray, its length, distance from where it
-/// should be) of all points and of the rays that enter the sphere.
+/// should be, part of that which counts) of all points and of the rays that enter the sphere.
 template <class Use>
 void for_each_offset(const Rays& rays, double radius_m, const Eigen::Vector3d& center, Use&& use) {
   for (const auto& point : rays.on_m) {
     const Eigen::Vector3d off = center - point;
     const double length = off.norm();
-    use(off, length, length - radius_m);
+    const Eigen::Vector3d inward = off / std::max(length, 1e-9);
+    use(off, length, length - radius_m, rays.seen.counted_part(inward, point - rays.seen.eye_m));
   }
-  const Eigen::Vector3d from_eye = center - rays.eye_m;
+  const Eigen::Vector3d from_eye = center - rays.seen.eye_m;
   for (const auto& [direction, length_m] : rays.past) {
     const Eigen::Vector3d off =
         from_eye - std::clamp(from_eye.dot(direction), 0.0, length_m) * direction;
     const double square = off.squaredNorm();
     if (square >= radius_m * radius_m) continue;
     const double length = std::sqrt(square);
-    use(off, length, length - radius_m);
+    use(off, length, length - radius_m, 1.0);
   }
 }
 
@@ -63,9 +64,10 @@ Sums sums_at(const Rays& rays, double radius_m, const Eigen::Vector3d& center,
              const RobustLoss& loss) {
   Sums sums;
   for_each_offset(rays, radius_m, center,
-                  [&](const Eigen::Vector3d& off, double length, double residual) {
+                  [&](const Eigen::Vector3d& off, double length, double residual, double part) {
                     const double inverse = 1.0 / std::max(length, 1e-9);
-                    const Eigen::Vector3d weighted = loss.weight(residual) * inverse * off;
+                    const Eigen::Vector3d weighted =
+                        loss.weight(part * residual) * part * part * inverse * off;
                     sums.normal.noalias() += inverse * weighted * off.transpose();
                     sums.gradient += residual * weighted;
                   });
@@ -75,9 +77,10 @@ Sums sums_at(const Rays& rays, double radius_m, const Eigen::Vector3d& center,
 double cost_at(const Rays& rays, double radius_m, const Eigen::Vector3d& center,
                const RobustLoss& loss) {
   double cost = 0.0;
-  for_each_offset(rays, radius_m, center, [&](const Eigen::Vector3d&, double, double residual) {
-    cost += loss.cost(residual);
-  });
+  for_each_offset(rays, radius_m, center,
+                  [&](const Eigen::Vector3d&, double, double residual, double part) {
+                    cost += loss.cost(part * residual);
+                  });
   return cost;
 }
 

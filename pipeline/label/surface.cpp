@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "pipeline/label/foreground.h"
 
@@ -34,6 +35,27 @@ std::vector<std::uint16_t> median_depth(const std::vector<std::vector<std::uint1
     result[pixel] = *middle;
   }
   return result;
+}
+
+double depth_noise_at_1m(const std::vector<std::vector<std::uint16_t>>& depths, double unit_m) {
+  constexpr std::size_t stride = 7, fewest = 3;
+  constexpr double still_part = 0.9;
+  std::vector<double> squares;
+  for (std::size_t pixel = 0; depths.size() >= fewest && pixel < depths[0].size();
+       pixel += stride) {
+    double count = 0.0, sum = 0.0, square_sum = 0.0;
+    for (const auto& depth : depths)
+      if (const double z = unit_m * depth[pixel]; z > 0.0)
+        count += 1.0, sum += z, square_sum += z * z;
+    if (count < fewest) continue;
+    const double mean = sum / count, variance = (square_sum - sum * mean) / (count - 1.0);
+    squares.push_back(variance / std::pow(mean, 4));
+  }
+  std::ranges::sort(squares);
+  squares.resize(static_cast<std::size_t>(still_part * static_cast<double>(squares.size())));
+  return squares.empty() ? 0.0
+                         : std::sqrt(std::max(0.0, std::reduce(squares.begin(), squares.end()) /
+                                                       static_cast<double>(squares.size())));
 }
 
 Segmenter::Segmenter(const RgbdCalibration& calibration, const CameraInfo& camera,

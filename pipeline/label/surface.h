@@ -30,6 +30,11 @@ bool contains(const PixelBox& box, const SurfacePoint& point);
 /// The per-pixel median of depth images, holes left out; 0 where nothing was ever measured.
 std::vector<std::uint16_t> median_depth(const std::vector<std::vector<std::uint16_t>>& depths);
 
+/// Noise of a depth of 1 m [m] that grows as depth squared, as triangulation's does: how much the
+/// pixels of depth images of a still scene scatter, the tenth that scatters most left out. 0 of
+/// fewer than three images.
+double depth_noise_at_1m(const std::vector<std::vector<std::uint16_t>>& depths, double unit_m);
+
 /// Finds what stands before the background, in the depth camera's image, and gives each point its
 /// place in the colour camera's frame and its colour.
 class Segmenter {

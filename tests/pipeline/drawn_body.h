@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -34,16 +35,17 @@ inline std::optional<double> hit_m(const RoundedBox& box, const Eigen::Isometry3
 
 /// How a depth camera at the origin sees a body; what hides it is 1 cm before it.
 inline BodyView draw(const RoundedBox& box, const Eigen::Isometry3d& pose, const Hides& hides,
-                     std::uint64_t seed = 1) {
+                     std::uint64_t seed = 1, double depth_noise_m = drawn_noise_m) {
   constexpr double pixel_m = 0.0035, half_view_m = 0.09, wall_m = 2.0, over_surface_m = 0.01;
   RandomStream random(seed, "body view");
   BodyView view;
+  view.noise_ratio = std::max(1.0, depth_noise_m / usual_depth_sigma_m);
   for (double y = -half_view_m; y <= half_view_m; y += pixel_m)
     for (double x = -half_view_m; x <= half_view_m; x += pixel_m) {
       const Eigen::Vector3d& at = pose.translation();
       const Eigen::Vector3d ray = (at + Eigen::Vector3d(x, y, 0.0)) / at.z();
       const auto hit = hit_m(box, pose, ray);
-      const double noise_m = drawn_noise_m * random.normal();
+      const double noise_m = depth_noise_m * random.normal();
       if (hit && hides(x, y))
         view.seen_past_m.push_back(((*hit - over_surface_m + noise_m) * ray).cast<float>());
       else if (hit)

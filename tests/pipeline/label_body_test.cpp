@@ -4,6 +4,7 @@
 
 #include "pipeline/label/learn_shape.h"
 #include "pipeline/label/pose_tracker.h"
+#include "pipeline/label/sphere_fit.h"
 #include "tests/pipeline/drawn_body.h"
 
 namespace touchtrace::label {
@@ -28,11 +29,12 @@ Isometry3d pose_of(double x_rad, double y_rad, double z_rad) {
 }
 
 /// As a hand turns it about.
-std::vector<BodyView> views_of(const RoundedBox& box, const Hides& hides, int count) {
+std::vector<BodyView> views_of(const RoundedBox& box, const Hides& hides, int count,
+                               double depth_noise_m = drawn_noise_m) {
   std::vector<BodyView> views;
   for (int i = 0; i < count; ++i)
-    views.push_back(
-        draw(box, pose_of(0.9 * i, 0.4 * i, 0.7 * i), hides, static_cast<std::uint64_t>(i + 1)));
+    views.push_back(draw(box, pose_of(0.9 * i, 0.4 * i, 0.7 * i), hides,
+                         static_cast<std::uint64_t>(i + 1), depth_noise_m));
   return views;
 }
 
@@ -109,6 +111,17 @@ TEST(LabelBody, ABallStaysASphere) {
   const auto shape = learn_shape(views_of(ball, fingers_hide, 16), 0.027, 1);
   EXPECT_FALSE(shape.box);
   EXPECT_NEAR(shape.radius_m, ball.radius_m, 0.0015);
+}
+
+/// Depths that scatter by a third of its radius say little of it; its silhouette says enough.
+TEST(LabelBody, ABallInNoiseIsLearntFromItsSilhouette) {
+  const auto views = views_of(ball, nothing_hides, 16, 0.008);
+  const auto shape = learn_shape(views, 0.027, 1);
+  EXPECT_FALSE(shape.box);
+  EXPECT_NEAR(shape.radius_m, ball.radius_m, 0.0015);
+  const Vector3d error = fit_sphere(views.front(), ball.radius_m).center_m - drawn_at;
+  EXPECT_LT(error.head<2>().norm(), 0.001);
+  EXPECT_LT(std::abs(error.z()), 0.002);
 }
 
 TEST(LabelBody, WhatIsLearntDoesNotDependOnThreads) {

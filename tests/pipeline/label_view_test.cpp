@@ -1,0 +1,92 @@
+#include <gtest/gtest.h>
+
+#include "engine/base/random.h"
+#include "pipeline/label/scene_model.h"
+
+namespace touchtrace::label {
+namespace {
+
+constexpr int width = 160, height = 120;
+constexpr double focal_px = 150.0, unit_m = 0.001;
+constexpr std::uint16_t near_mm = 1000, wall_mm = 2000;
+constexpr PixelBox hand_box{20, 40, 30, 30}, object_box{90, 40, 30, 30};
+
+std::vector<std::uint16_t> wall() {
+  return std::vector<std::uint16_t>(static_cast<std::size_t>(width * height), wall_mm);
+}
+
+/// A red hand and a yellow object before a wall as yellow.
+RgbdFrame frame() {
+  RgbdFrame frame;
+  frame.depth = wall();
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) {
+      const bool hand =
+                     contains(hand_box,
+                              {{}, static_cast<std::int16_t>(u), static_cast<std::int16_t>(v), {}}),
+                 object =
+                     contains(object_box,
+                              {{}, static_cast<std::int16_t>(u), static_cast<std::int16_t>(v), {}});
+      if (hand || object) frame.depth[static_cast<std::size_t>(v * width + u)] = near_mm;
+      for (const int value : {hand ? 180 : 220, hand ? 30 : 200, hand ? 30 : 20})
+        frame.color.push_back(static_cast<std::uint8_t>(value));
+    }
+  return frame;
+}
+
+SceneModel model() {
+  Camera camera;
+  camera.width = width, camera.height = height;
+  camera.fx = camera.fy = focal_px, camera.cx = 79.5, camera.cy = 59.5;
+  RgbdCalibration calibration;
+  calibration.color = calibration.depth.emplace(camera);
+  CameraInfo info;
+  info.width = width, info.height = height, info.depth_unit_m = unit_m;
+  SceneModel result{Segmenter(calibration, info, wall()), 0.002, 3.0f, {}, {}, {}};
+  auto& colors = result.colors["ball"];
+  colors.learn(result.segmenter.moving_surface(frame()), hand_box, object_box);
+  colors.settle();
+  return result;
+}
+
+TEST(LabelView, AWallOfTheObjectsColourLiesBehindIt) {
+  const SceneModel scene = model();
+  const auto seen = scene.see(frame(), "ball");
+  const auto patch = find_patch(seen, Body::object, {0.17, -0.03, 1.0}, 0.15, 12);
+  ASSERT_TRUE(patch);
+  for (const bool whole : {false, true}) {
+    const auto view = scene.view_body(frame(), "ball", *patch, 0.25, whole);
+    EXPECT_GT(view.on_m.size(), 500u);
+    EXPECT_GT(view.seen_past_m.size(), 500u);
+    for (const auto& point : view.on_m) EXPECT_NEAR(point.z(), 1.0, 1e-3);
+  }
+}
+
+TEST(LabelView, DepthsFarAwayAreNoisy) {
+  const SceneModel scene = model();
+  Patch near, far;
+  near.centroid_m = {0.0, 0.0, 0.5}, far.centroid_m = {0.0, 0.0, 2.0};
+  EXPECT_EQ(scene.view_body(frame(), "ball", near, 0.1, false).noise_ratio, 1.0);
+  EXPECT_NEAR(scene.view_body(frame(), "ball", far, 0.1, false).noise_ratio,
+              0.002 * 4.0 / usual_depth_sigma_m, 1e-9);
+}
+
+/// Walls 1 and 3 m away; something moves before a twentieth of the pixels.
+TEST(LabelView, NoiseIsLearntFromWhatStandsStill) {
+  constexpr double noise_at_1m = 0.002;
+  RandomStream random(1, "still scene");
+  std::vector<std::vector<std::uint16_t>> depths(12, wall());
+  for (std::size_t i = 0; i < depths.size(); ++i)
+    for (std::size_t pixel = 0; pixel < depths[i].size(); ++pixel) {
+      const double z = pixel % 2 ? 1.0 : 3.0, mean = pixel % 20 ? z : 0.5 + 0.1 * double(i);
+      depths[i][pixel] = static_cast<std::uint16_t>(
+          std::lround((mean + noise_at_1m * z * z * random.normal()) / unit_m));
+    }
+  EXPECT_NEAR(depth_noise_at_1m(depths, unit_m), noise_at_1m, 0.1 * noise_at_1m);
+  depths.resize(2);
+  EXPECT_EQ(depth_noise_at_1m(depths, unit_m), 0.0);
+  EXPECT_EQ(depth_noise_at_1m({}, unit_m), 0.0);
+}
+
+}  // namespace
+}  // namespace touchtrace::label

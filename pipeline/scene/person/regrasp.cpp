@@ -22,8 +22,9 @@ Vector2d place_m(const ObjectSpec& object, const SceneSample& seen) {
 Regrasp::Regrasp(const RegraspParameters& parameters, const ObjectSpec& object)
     : parameters_(parameters), object_(object), possible_(bounding_radius_m(object) < longest_m) {}
 
-void Regrasp::begin(double time_s, RandomStream& random) {
+void Regrasp::consider(double time_s, RandomStream& random) {
   const RegraspParameters& p = parameters_;
+  if (!possible_ || !(random.uniform() < p.share)) return;
   movement_s_ = draw(random, p.movement_s);
   wait_s_ = draw(random, p.wait_s);
   opening_rad_ = draw(random, p.opening_rad);
@@ -55,12 +56,12 @@ double Regrasp::posture_rad(int finger, double time_s) const {
 }
 
 void Regrasp::follow(double time_s, const SceneSample& seen) {
+  if (!busy_) return;
   const Vector2d place = place_m(object_, seen);
   if (time_s <= start_s_ + movement_s_) felt_m_ = place;
   if (time_s <= open_s()) held_rad_ = seen.flexion_rad;
   felt_m_per_s_ = (place - felt_m_) / parameters_.reaction_s;
   felt_m_ += felt_m_per_s_ * control_interval_s;
-  if (!busy_) return;
   tilt_palm();
   if (time_s < close_s_ + movement_s_) return;
   busy_ = felt_m_.norm() > parameters_.farthest_m;

@@ -12,9 +12,8 @@ class Regrasp {
  public:
   Regrasp(const RegraspParameters& parameters, const ObjectSpec& object);
 
-  /// Whether the hand may do it: what is long would tip out.
-  bool possible() const { return possible_; }
-  void begin(double time_s, RandomStream& random);
+  /// Begins one or not, never with what is so long that it would tip out.
+  void consider(double time_s, RandomStream& random);
   /// Called once every control interval.
   void follow(double time_s, const SceneSample& seen);
 

@@ -37,7 +37,7 @@ class Wave : public Activity {
   double amplitude_m_ = 0.0, stroke_s_ = 0.0;
   int strokes_left_ = 0;
   Quintic plan_;
-  double replan_s_ = 0.0, regrasp_share_;
+  double replan_s_ = 0.0;
   Regrasp regrasp_;
 };
 
@@ -56,7 +56,6 @@ Wave::Wave(ActivityStart start)
       grip_noise_(random_, 1.0),
       roll_noise_(random_, wave_.wrist_noise_hz),
       pitch_noise_(random_, wave_.wrist_noise_hz),
-      regrasp_share_(start.parameters.regrasp.share),
       regrasp_(start.parameters.regrasp, object_) {
   const MotionState rest{base_m_, Vector3d::Zero(), Vector3d::Zero()};
   replan_s_ = random_.uniform(0.0, 0.3);
@@ -85,7 +84,7 @@ void Wave::plan_next(double time_s) {
   } else {
     begin_bout();
     target.position_m = centre_m_;
-    if (regrasp_.possible() && random_.uniform() < regrasp_share_) regrasp_.begin(time_s, random_);
+    regrasp_.consider(time_s, random_);
   }
   plan_ = Quintic(plan_.at(time_s), target, time_s, duration_s);
   replan_s_ = time_s + duration_s * draw(random_, wave_.replanned);

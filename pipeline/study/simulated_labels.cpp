@@ -2,10 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "calib/rgbd/calibrate.h"
+#include "engine/base/error.h"
 #include "engine/base/scratch_folder.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/dataset/load.h"
@@ -21,14 +23,33 @@ namespace {
 
 constexpr double difference_s = 1e-3;
 
-constexpr LabelErrorModel wave_error{{{0.0008, 0.0006, 0.0013}, 0.0125, 0.136},
-                                     {{0.0051, 0.0051, 0.0051}, 0.021, 0.131},
-                                     0.018,
-                                     0.002};
-constexpr LabelErrorModel throw_error{{{0.0006, 0.0006, 0.0008}, 0.0240, 0.171},
-                                      {{0.0044, 0.0044, 0.0044}, 0.034, 0.171},
-                                      0.018,
-                                      0.025};
+struct ActivityErrorModel {
+  const char* activity;
+  LabelErrorModel error;
+};
+
+constexpr ActivityErrorModel measured_errors[] = {
+    {"wave",
+     {{{0.0008, 0.0006, 0.0013}, 0.0125, 0.136},
+      {{0.0051, 0.0051, 0.0051}, 0.021, 0.131},
+      0.018,
+      0.002}},
+    {"throw",
+     {{{0.0006, 0.0006, 0.0008}, 0.0240, 0.171},
+      {{0.0044, 0.0044, 0.0044}, 0.034, 0.171},
+      0.018,
+      0.025}},
+    {"pingpong",
+     {{{0.0002, 0.0006, 0.0002}, 0.0032, 0.454},
+      {{0.0028, 0.0028, 0.0028}, 0.035, 0.098},
+      0.018,
+      0.003}},
+    {"balance",
+     {{{0.0007, 0.0005, 0.0007}, 0.0084, 0.030},
+      {{0.0035, 0.0035, 0.0035}, 0.025, 0.047},
+      0.018,
+      0.003}},
+};
 
 LabelledBody without_states(std::size_t labels) {
   LabelledBody body;
@@ -101,7 +122,11 @@ void err(Dataset& data, const LabelErrorModel& model, std::uint64_t seed) {
 }  // namespace
 
 const LabelErrorModel& measured_label_error(const std::string& activity) {
-  return activity == "throw" || activity == "pingpong" ? throw_error : wave_error;
+  const auto row = std::ranges::find(measured_errors, activity, &ActivityErrorModel::activity);
+  if (row == std::end(measured_errors))
+    throw usage_error(fmt::format("no label errors were measured of {}", activity),
+                      "give labels of rendered images instead: --images");
+  return row->error;
 }
 
 Dataset load_with_modelled_labels(const std::filesystem::path& recording,

@@ -24,8 +24,8 @@ struct LabelErrorModel {
   double lost_share;  ///< of the labels, not to be trusted
 };
 
-/// As `touchtrace verify labels` measures it of balls at 640x480 over three seeds: of wave or throw,
-/// or of the one of them that moves more alike. What leaves the picture is lost, too.
+/// As `touchtrace verify labels` measured it of the activity's own object at 640x480 over three
+/// seeds. What leaves the picture is lost, too. Throws usage_error for an activity without.
 const LabelErrorModel& measured_label_error(const std::string& activity);
 
 /// A simulated recording with labels that err like that instead of those of its images. Times are

@@ -65,6 +65,12 @@ RowVectorXd lean(const RigidState& object) {
   return 1e2 * large_counts * both;
 }
 
+RowVectorXd lean_and_push(const SceneSample& sample) {
+  RowVectorXd all(7);
+  all << lean(sample.object), large_counts * sample.contact_force_n.transpose();
+  return all;
+}
+
 RowVectorXd clue_of(const ClipMotion& clip, std::size_t frame, const SceneSample& sample,
                     Clue clue) {
   switch (clue) {
@@ -74,6 +80,8 @@ RowVectorXd clue_of(const ClipMotion& clip, std::size_t frame, const SceneSample
       return phase(clip, sample.time_s);
     case Clue::lean:
       return lean(sample.object);
+    case Clue::lean_and_push:
+      return lean_and_push(sample);
     case Clue::whether_touched:
       break;
   }

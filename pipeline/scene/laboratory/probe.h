@@ -11,7 +11,8 @@ enum class Clue {
   readings,         ///< one tactile frame, less the baseline
   whether_touched,  ///< the object, at all
   phase,            ///< of a toss: the time from the nearest release or catch, in steps of 50 ms
-  lean              ///< of the object, and how fast it changes
+  lean,             ///< of the object, and how fast it changes
+  lean_and_push     ///< these and the force on the object, thus how the hand accelerates it
 };
 
 /// R^2 of a ridge regression from `clue` to the hand's position [x, y, z] in the middle of each

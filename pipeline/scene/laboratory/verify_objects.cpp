@@ -113,7 +113,8 @@ void verify_probe_of_tosses(const std::string& what, const Run& run, const Emit&
                height(Clue::readings, Clue::phase), "", 0.1));
 }
 
-/// A foot's pressure tells how a stick leans, and a hand is where the lean sends it.
+/// A foot's pressure tells how a stick leans and where it is pushed, and a hand is where the lean
+/// sends it and pushes towards its home.
 void verify_probe_of_balance(const std::string& what, const Run& run, const Run& brief,
                              const Emit& emit) {
   const auto place = [](const Run& of, Clue clue, std::optional<Clue> beyond = std::nullopt) {
@@ -124,6 +125,8 @@ void verify_probe_of_balance(const std::string& what, const Run& run, const Run&
                place(run, Clue::readings, Clue::lean), "", 0.1));
   emit(reported(what + "place, in the first 3 s of clips, beyond the lean",
                 place(brief, Clue::readings, Clue::lean), ""));
+  emit(at_most(what + "place, in the first 3 s of clips, beyond the lean and the push",
+               place(brief, Clue::readings, Clue::lean_and_push), "", 0.1));
 }
 
 void verify_probe(const std::string& activity, const Emit& emit) {

@@ -16,6 +16,7 @@ Verb objects_verb();
 Verb plan_verb();
 Verb report_verb();
 Verb self_test_verb();
+Verb send_verb();
 Verb sensitivity_verb();
 Verb simulate_verb();
 Verb train_verb();

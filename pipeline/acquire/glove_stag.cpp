@@ -1,0 +1,16 @@
+#include <fmt/core.h>
+
+#include "pipeline/acquire/glove_protocol.h"
+
+namespace touchtrace {
+
+/// Counts in decimal, tabs between them, "\n" at the end: the STM32F769 of ETH's replica of STAG.
+std::string stag_bytes(const GloveStream& glove, std::size_t frame) {
+  const auto taxels = static_cast<std::size_t>(glove.info.taxels());
+  std::string line;
+  for (std::size_t i = 0; i < taxels; ++i)
+    line += fmt::format("{}{}", i ? "\t" : "", glove.counts[frame * taxels + i]);
+  return line + '\n';
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,159 @@
+#include "pipeline/acquire/glove_protocol.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <map>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "pipeline/cli/verb.h"
+#include "tests/pipeline/recording_samples.h"
+
+namespace touchtrace {
+namespace {
+
+using namespace std::string_literals;
+using testing::TemporaryFolder;
+
+std::uint8_t byte(const std::string& bytes, std::size_t i) {
+  return static_cast<std::uint8_t>(bytes.at(i));
+}
+
+std::uint64_t number(const std::string& bytes, std::size_t at, int size) {
+  std::uint64_t value = 0;
+  for (int i = size - 1; i >= 0; --i)
+    value = 256 * value + byte(bytes, at + static_cast<std::size_t>(i));
+  return value;
+}
+
+GloveStream two_by_two(int bits, std::vector<std::uint16_t> counts, std::uint64_t sequence) {
+  GloveStream glove;
+  glove.info.rows = glove.info.cols = 2;
+  glove.info.bits = bits;
+  glove.sequence = {sequence};
+  glove.counts = std::move(counts);
+  return glove;
+}
+
+std::string sent(const GloveStream& glove, const std::string& protocol) {
+  std::string bytes;
+  for (std::size_t frame = 0; frame < glove.frames(); ++frame)
+    bytes += find_glove_protocol(protocol).bytes_of(glove, frame);
+  return bytes;
+}
+
+/// 40 frames of 30 taxels, two of them lost.
+GloveStream sample() {
+  RandomStream random(3, "glove protocol");
+  return testing::sample_glove(40, 0.0, random);
+}
+
+TEST(GloveProtocol, ActionSenseSplitsTenBitsInFives) {
+  EXPECT_EQ(sent(two_by_two(10, {0, 31, 32, 1023}, 244), "actionsense"),
+            "\x0b\x0b\x0b\x0b\x2a\x0c\x0b\x2a\x2a\n"s);
+}
+
+TEST(GloveProtocol, ActionSenseSplitsTwelveBitsInSixes) {
+  EXPECT_EQ(sent(two_by_two(12, {0, 63, 64, 4095}, 243), "actionsense"),
+            "\xfe\x0b\x0b\x0b\x4a\x0c\x0b\x4a\x4a\n"s);
+}
+
+TEST(GloveProtocol, ActionSenseDataNeverEndALine) {
+  std::vector<std::uint16_t> all(4096);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint16_t>(i);
+  GloveStream glove = two_by_two(12, std::move(all), 0);
+  glove.info.rows = glove.info.cols = 64;
+  const std::string bytes = sent(glove, "actionsense");
+  EXPECT_EQ(bytes.find('\n'), bytes.size() - 1);
+}
+
+TEST(GloveProtocol, RowsHaveTheirNumberAndAnEnd) {
+  EXPECT_EQ(sent(two_by_two(12, {1, 2, 0x0ff3, 4}, 9), "mit-rows"),
+            "\0\0\1\0\2\0wr\0\1\xf3\x0f\4\0wr"s);
+}
+
+TEST(GloveProtocol, StagSendsText) {
+  EXPECT_EQ(sent(two_by_two(12, {1500, 0, 27, 4095}, 9), "stag"), "1500\t0\t27\t4095\n");
+}
+
+/// Counts by their place among all that were ever read, from packets of 249 bytes.
+std::map<std::uint64_t, std::uint64_t> packets_read(const std::string& bytes,
+                                                    std::uint64_t taxels) {
+  std::map<std::uint64_t, std::uint64_t> counts;
+  EXPECT_EQ(bytes.size() % 249, 0u);
+  for (std::size_t at = 0; at < bytes.size(); at += 249) {
+    const std::uint64_t first = 120 * number(bytes, at + 243, 4);
+    EXPECT_EQ(byte(bytes, at), 0);
+    EXPECT_EQ(number(bytes, at + 1, 2), first % taxels);
+    EXPECT_EQ(bytes.substr(at + 247, 2), "wr");
+    for (std::size_t i = 0; i < 120; ++i)
+      EXPECT_TRUE(counts.emplace(first + i, number(bytes, at + 3 + 2 * i, 2)).second);
+  }
+  return counts;
+}
+
+TEST(GloveProtocol, WiReSensPacketsGoOnFromFrameToFrame) {
+  const GloveStream glove = sample();
+  const auto read = packets_read(sent(glove, "wiresens"), 30);
+  for (std::size_t frame = 0; frame < glove.frames(); ++frame)
+    for (std::uint64_t taxel = 0; taxel < 30; ++taxel)
+      if (const auto found = read.find(30 * glove.sequence[frame] + taxel); found != read.end())
+        EXPECT_EQ(found->second, glove.counts[30 * frame + taxel]);
+  // 1000 to 1039 are ten packets of four frames; 1007 and 1027 were lost.
+  EXPECT_EQ(read.size(), 8u * 120u);
+  for (const std::uint64_t lost : {1007u, 1027u}) EXPECT_FALSE(read.contains(30 * lost));
+}
+
+TEST(GloveProtocol, CountsThatItCannotCarryAreRefused) {
+  GloveInfo info;
+  info.bits = 16;
+  EXPECT_THROW(check_carries(find_glove_protocol("actionsense"), info), Error);
+  EXPECT_NO_THROW(check_carries(find_glove_protocol("wiresens"), info));
+  EXPECT_THROW(find_glove_protocol("morse"), Error);
+}
+
+int send(const std::vector<std::string>& more) {
+  std::vector<const char*> argv{"touchtrace", "send", "--quiet"};
+  for (const auto& argument : more) argv.push_back(argument.c_str());
+  return cli::run_command_line(static_cast<int>(argv.size()), argv.data());
+}
+
+TEST(SendVerb, WritesWhatTheDeviceSends) {
+  const TemporaryFolder folder;
+  const auto recording = testing::sample_recording();
+  testing::write(recording, folder / "a.h5");
+  const std::string file = (folder / "a.h5").string(), output = (folder / "a.bin").string();
+  for (const std::string& protocol : glove_protocol_names()) {
+    ASSERT_EQ(send({file, "--protocol", protocol, "--output", output, "--overwrite"}), 0);
+    EXPECT_EQ(read_file(output), sent(recording.recording.gloves[0], protocol)) << protocol;
+  }
+}
+
+TEST(SendVerb, LiveKeepsTheTimesOfTheFrames) {
+  const TemporaryFolder folder;
+  const auto sample = testing::sample_recording(5);
+  testing::write(sample, folder / "a.h5");
+  const auto& glove = sample.recording.gloves[0];
+  ::testing::internal::CaptureStdout();
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(send({(folder / "a.h5").string(), "--live", "--protocol", "stag"}), 0);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), sent(glove, "stag"));
+  EXPECT_GE(took.count(), glove.host_time_s.back() - glove.host_time_s.front());
+}
+
+TEST(SendVerb, WhatCannotBeIsUsageOrData) {
+  const TemporaryFolder folder;
+  testing::write(testing::sample_recording(), folder / "a.h5");
+  const std::string file = (folder / "a.h5").string(), output = (folder / "a.bin").string();
+  EXPECT_EQ(send({file, "--json"}), 2);
+  EXPECT_EQ(send({file, "--live", "--output", output}), 2);
+  EXPECT_EQ(send({file, "--protocol", "morse", "--output", output}), 2);
+  EXPECT_EQ(send({(folder / "none.h5").string(), "--output", output}), 3);
+  ASSERT_EQ(send({file, "--output", output}), 0);
+  EXPECT_NE(send({file, "--output", output}), 0);  // it exists
+}
+
+}  // namespace
+}  // namespace touchtrace

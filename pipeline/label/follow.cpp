@@ -113,6 +113,7 @@ class Follower {
       object_.predict(seconds, away_, gravity_);
       const auto [hand_box, object_box] = tracked(image);
       hand = hand_.find(surface, image, hand_box, scene_.segmenter, std::nullopt);
+      if (hand && hand_.is_lost() && object_.is_lost()) look_in_hand(*hand);
       object = object_.find(surface, image, object_box, scene_.segmenter, in_hand(hand));
     }
     track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
@@ -155,6 +156,12 @@ class Follower {
   std::optional<Eigen::Vector3d> in_hand(const std::optional<Patch>& hand) const {
     if (!hand || (away_ && object_.is_lost())) return std::nullopt;
     return hand->centroid_m + grip_.object_from_hand_m();
+  }
+
+  /// Nobody saw where the object went.
+  void look_in_hand(const Patch& hand) {
+    away_ = false;
+    object_.hide(hand.centroid_m + grip_.object_from_hand_m(), unseen_sigma_m);
   }
 
   /// Both filters get what was seen; an object hidden in the hand goes where the hand goes.

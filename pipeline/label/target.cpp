@@ -12,7 +12,8 @@ constexpr std::size_t starts_everywhere = 16;
 // So far from where a body is expected it may be found by any part of it; beyond, it is in the open
 // and shows that part of a disc.
 constexpr double foreseen_m = 0.04, hinted_m = 0.15, shown_far_away = 0.5;
-constexpr double everywhere_m = 10.0;
+constexpr double everywhere_m = 10.0, reach_of_an_arm_m = 0.7;
+constexpr double most_filled = 0.8;  // of the circle it was cut with; no body fills half of its own
 
 bool agrees(const PixelBox& tracked, const PixelBox& seen) {
   const double dx = tracked.x + 0.5 * tracked.width - seen.x - 0.5 * seen.width;
@@ -27,6 +28,10 @@ bool agrees(const PixelBox& tracked, const PixelBox& seen) {
 bool Target::is_lost() const { return missed_ >= frames_to_be_lost; }
 
 double Target::gate_m() const { return is_lost() ? everywhere_m : filter_.gate_m(); }
+
+Eigen::Vector3d Target::around_m() const { return is_lost() ? last_m_ : expected_m(); }
+
+double Target::usual_off_m() const { return is_lost() ? reach_of_an_arm_m : filter_.gate_m(); }
 
 double Target::near_m(bool hinted) const { return is_lost() && hinted ? hinted_m : foreseen_m; }
 
@@ -88,14 +93,16 @@ std::optional<Patch> Target::best_patch(const Surface& surface, const Segmenter&
   for (const auto& start : starts) {
     auto patch = find_patch(surface, body_, start, radius_m_, fewest_);
     if (!patch) continue;
-    double off = (patch->centroid_m - expected_m()).norm();
+    double off = (patch->centroid_m - around_m()).norm();
     if (hint_m) off = std::min(off, (patch->centroid_m - *hint_m).norm());
     const auto points = static_cast<double>(patch->points_m.size());
-    const double disc = segmenter.disc_pixels(disc_m_, patch->centroid_m.z());
+    const double depth_m = patch->centroid_m.z();
+    const double disc = segmenter.disc_pixels(disc_m_, depth_m);
+    if (points > most_filled * segmenter.disc_pixels(radius_m_, depth_m)) continue;
     if (off > farthest_m() ||
         (off > near_m(hint_m.has_value()) + radius_m_ && points < shown_far_away * disc))
       continue;
-    const double score = std::log(points) - 8.0 * std::pow(off / gate_m(), 2);
+    const double score = std::log(points) - 8.0 * std::pow(off / usual_off_m(), 2);
     if (score > highest) highest = score, best = std::move(patch);
   }
   return best;
@@ -104,6 +111,7 @@ std::optional<Patch> Target::best_patch(const Surface& surface, const Segmenter&
 void Target::start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,
                    const MaskedImage& image) {
   filter_.start(position_m, sigma_m);
+  last_m_ = position_m;
   missed_ = 0;
   if (!box.empty()) restart(image, box);
 }
@@ -113,6 +121,7 @@ void Target::measure(const Eigen::Vector3d& position_m, double sigma_m) {
     filter_.start(position_m, sigma_m);
   else
     filter_.measure(position_m, sigma_m);
+  last_m_ = position_m;
   missed_ = 0;
   hidden_ = false;
 }

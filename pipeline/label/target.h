@@ -25,7 +25,8 @@ class Target {
   /// The patch that its place and its size speak for, of those where it is expected, where it is
   /// `tracked` and, if given, at `hint_m`; all must lie within the gate. One that is hidden or
   /// was lost for some frames is looked for around the hint, and everywhere; but far from where it
-  /// may be only a patch counts that shows half of it.
+  /// may be only a patch counts that shows half of it. A patch that fills all of the circle around
+  /// it is a piece of something larger that covers the picture, and is never taken.
   std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
                             const std::optional<PixelBox>& tracked, const Segmenter& segmenter,
                             const std::optional<Eigen::Vector3d>& hint_m);
@@ -53,6 +54,10 @@ class Target {
   /// So near to where it may be, any part of it is taken for it; up to the farthest, what shows.
   double near_m(bool hinted) const;
   double farthest_m() const;
+  /// Where it may be: as its motion goes on or, once that tells nothing any more, where it was.
+  Eigen::Vector3d around_m() const;
+  /// How far from there it may be found; the farther, the more of it has to show.
+  double usual_off_m() const;
   std::vector<Eigen::Vector3d> starts(const Surface& surface,
                                       const std::optional<PixelBox>& tracked,
                                       const std::optional<Eigen::Vector3d>& hint_m) const;
@@ -63,6 +68,7 @@ class Target {
   void restart(const MaskedImage& image, const PixelBox& box);
 
   TargetFilter filter_;
+  Eigen::Vector3d last_m_ = Eigen::Vector3d::Zero();
   Body body_;
   double disc_m_, radius_m_;
   std::size_t fewest_;

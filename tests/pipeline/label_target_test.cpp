@@ -22,20 +22,20 @@ Segmenter segmenter() {
   return Segmenter(calibration, info, std::vector<std::uint16_t>(320 * 240));
 }
 
-/// Part of a disc of the object, as that camera sees it.
-Surface disc_at(const Vector3d& center_m, double part) {
+/// Part of a disc of the object's colour, as that camera sees it.
+Surface disc_at(const Vector3d& center_m, double part, double radius_m = disc_m) {
   Surface surface;
-  const auto pixels = segmenter().disc_pixels(disc_m, center_m.z());
+  const auto pixels = segmenter().disc_pixels(radius_m, center_m.z());
   for (int i = 0; i < part * pixels; ++i) {
-    const double along = std::sqrt((i + 0.5) / pixels) * disc_m, turn = 2.4 * i;
+    const double along = std::sqrt((i + 0.5) / pixels) * radius_m, turn = 2.4 * i;
     const Vector3d place = center_m + along * Vector3d(std::cos(turn), std::sin(turn), 0.0);
     surface.push_back({place.cast<float>(), 0, 0, {}, Body::object});
   }
   return surface;
 }
 
-/// Whether an object that was held is found there a frame later.
-bool is_found(const Vector3d& center_m, double part) {
+/// An object that was held up to the frame before.
+Target held_target() {
   Target target(Body::object, disc_m, 1.6 * disc_m, 6, find_tracker("component"));
   target.start(held_m, 0.002, {}, {});
   for (int i = 0; i < 5; ++i) {
@@ -43,8 +43,15 @@ bool is_found(const Vector3d& center_m, double part) {
     target.measure(held_m, 0.002);
   }
   target.predict(frame_s, false, Vector3d(0.0, 9.81, 0.0));
-  return target.find(disc_at(center_m, part), {}, std::nullopt, segmenter(), held_m).has_value();
+  return target;
 }
+
+/// Whether an object that was held is found in a surface a frame later.
+bool is_found(const Surface& surface) {
+  return held_target().find(surface, {}, std::nullopt, segmenter(), held_m).has_value();
+}
+
+bool is_found(const Vector3d& center_m, double part) { return is_found(disc_at(center_m, part)); }
 
 TEST(LabelTarget, AnyPartOfItIsFoundWhereItIsExpected) {
   EXPECT_TRUE(is_found(held_m, 1.0));
@@ -54,6 +61,22 @@ TEST(LabelTarget, AnyPartOfItIsFoundWhereItIsExpected) {
 TEST(LabelTarget, InTheOpenItShowsAndAFewPointsAreNotIt) {
   EXPECT_TRUE(is_found(in_flight_m, 0.9));
   EXPECT_FALSE(is_found(in_flight_m, 0.1));
+}
+
+TEST(LabelTarget, SomethingLargeOfItsColourIsNotIt) {
+  EXPECT_FALSE(is_found(disc_at(held_m, 1.0, 5.0 * disc_m)));
+}
+
+TEST(LabelTarget, OneThatWasLostIsSoughtWhereItWasBeforeItIsSoughtFarAway) {
+  auto target = held_target();
+  while (!target.is_lost()) target.find({}, {}, std::nullopt, segmenter(), std::nullopt);
+  const Vector3d near_m = held_m + Vector3d(0.2, 0.0, 0.0);
+  auto surface = disc_at(near_m, 0.6);
+  const auto farther = disc_at(held_m - Vector3d(0.3, 0.3, 0.5), 1.0);
+  surface.insert(surface.end(), farther.begin(), farther.end());
+  const auto found = target.find(surface, {}, std::nullopt, segmenter(), std::nullopt);
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->centroid_m - near_m).norm(), disc_m);
 }
 
 TEST(LabelTarget, NothingIsFoundInNothing) { EXPECT_FALSE(is_found(held_m, 0.0)); }

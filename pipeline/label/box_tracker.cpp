@@ -28,6 +28,24 @@ std::shared_ptr<cv::Tracker> fast_csrt() {
   return cv::TrackerCSRT::create(params);
 }
 
+/// Side [cells] of the square that CSRT, as it comes, transforms to follow a box (initImpl in
+/// OpenCV's trackerCSRT.cpp): the box and its surroundings, scaled down to the template.
+int transformed_cells(const cv::Size& box) {
+  constexpr double padding = 3.0, template_px = 200.0, cell_px = 4.0, px2_per_cell_px = 400.0;
+  const double around = padding * std::sqrt(box.area());
+  const double side = 0.5 * (std::floor(box.width + around) + std::floor(box.height + around));
+  const double scale = std::min(1.0, std::sqrt(template_px * template_px / (side * side)));
+  return static_cast<int>(std::floor(side * scale) /
+                          std::min(cell_px, std::ceil(box.area() / px2_per_cell_px)));
+}
+
+/// The box, some pixels larger where Fourier transforms would take up to twice the time.
+cv::Size soon_transformed(cv::Size box) {
+  while (cv::getOptimalDFTSize(transformed_cells(box)) != transformed_cells(box))
+    ++box.width, ++box.height;
+  return box;
+}
+
 cv::Mat crop(const MaskedImage& image, int left, int top, int size) {
   const cv::Mat whole(image.height, image.width, CV_8UC3,
                       const_cast<std::uint8_t*>(image.rgb.data()));
@@ -78,14 +96,15 @@ void BoxTracker::stop() { state_.reset(); }
 void BoxTracker::start(const MaskedImage& image, const PixelBox& box) {
   if (!kind_->create || box.empty()) return;
   ++starts_;
-  const int width = std::max(box.width, smallest_box), height = std::max(box.height, smallest_box);
+  cv::Size size(std::max(box.width, smallest_box), std::max(box.height, smallest_box));
+  if (kind_->create == csrt) size = soon_transformed(size);
   state_ = std::make_unique<State>();
-  state_->crop_size = std::max(smallest_crop, 3 * std::max(width, height));
+  state_->crop_size = std::max(smallest_crop, 3 * std::max(size.width, size.height));
   const int x = box.x + box.width / 2, y = box.y + box.height / 2, half = state_->crop_size / 2;
   state_->left = state_->top = half;
   state_->tracker = kind_->create();
   state_->tracker->init(crop(image, x - half, y - half, state_->crop_size),
-                        cv::Rect(half - width / 2, half - height / 2, width, height));
+                        cv::Rect({half - size.width / 2, half - size.height / 2}, size));
 }
 
 std::optional<PixelBox> BoxTracker::update(const MaskedImage& image, double predicted_x,

@@ -19,6 +19,7 @@ struct BodyView {
   /// How much of a point's distance from a surface counts: noise along the ray moves it the less
   /// from the surface, the more the ray grazes that.
   double counted_part(const Eigen::Vector3d& outward, const Eigen::Vector3d& ray) const {
+    if (noise_ratio == 1.0) return 1.0;
     const double along = outward.dot(ray);
     return 1.0 /
            std::sqrt(1.0 + (noise_ratio * noise_ratio - 1.0) * along * along / ray.squaredNorm());

@@ -10,7 +10,7 @@ namespace touchtrace::label {
 namespace {
 
 constexpr int most_fit_steps = 12;
-constexpr double still_m = 5e-5;
+constexpr double still_part = 0.0125;  // of the loss's width
 // behind the centroid: of a sphere that is wholly visible, and of one that shows at its rim only
 constexpr std::array<double, 2> start_radii{2.0 / 3.0, 0.1};
 
@@ -103,7 +103,7 @@ SphereFit descend(const Rays& rays, double radius_m, const Eigen::Vector3d& star
                                        .ldlt()
                                        .solve(sums.gradient + fit.center_m - start);
       fit.center_m -= step;
-      if (step.norm() < still_m) break;
+      if (step.norm() < still_part * width_m) break;
     }
   fit.cost_m2 = cost_at(rays, radius_m, fit.center_m, {fine_width_m});
   return fit;

@@ -53,19 +53,23 @@ std::optional<PixelBox> Target::track(const MaskedImage& image, const Camera& ca
   return tracker_.update(image, pixel.x(), pixel.y());
 }
 
-std::vector<Eigen::Vector3d> Target::starts(const Surface& surface,
+Surface Target::own_points(const Surface& surface) const {
+  Surface own;
+  std::ranges::copy_if(surface, std::back_inserter(own),
+                       [&](const SurfacePoint& point) { return point.body == body_; });
+  return own;
+}
+
+std::vector<Eigen::Vector3d> Target::starts(const Surface& own,
                                             const std::optional<PixelBox>& tracked,
                                             const std::optional<Eigen::Vector3d>& hint_m) const {
   std::vector<Eigen::Vector3d> result{expected_m()};
   if (hint_m) result.push_back(*hint_m);
   if (tracked)
-    if (const auto in_box = median_in_box(surface, *tracked)) result.push_back(*in_box);
-  if (const auto middle = median_point(surface, body_, expected_m(), gate_m()))
+    if (const auto in_box = median_in_box(own, *tracked)) result.push_back(*in_box);
+  if (const auto middle = median_point(own, body_, expected_m(), gate_m()))
     result.push_back(*middle);
   if (!hidden_ && !is_lost()) return result;
-  Surface own;
-  std::ranges::copy_if(surface, std::back_inserter(own),
-                       [&](const SurfacePoint& point) { return point.body == body_; });
   for (std::size_t i = 0; i < own.size(); i += 1 + own.size() / starts_everywhere)
     result.push_back(own[i].position_m.cast<double>());
   return result;
@@ -75,7 +79,8 @@ std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& ima
                                   const std::optional<PixelBox>& tracked,
                                   const Segmenter& segmenter,
                                   const std::optional<Eigen::Vector3d>& hint_m) {
-  const auto patch = best_patch(surface, segmenter, starts(surface, tracked, hint_m), hint_m);
+  const Surface own = own_points(surface);
+  const auto patch = best_patch(own, segmenter, starts(own, tracked, hint_m), hint_m);
   if (!patch) {
     tracker_.stop();
     ++missed_;
@@ -85,13 +90,13 @@ std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& ima
   return patch;
 }
 
-std::optional<Patch> Target::best_patch(const Surface& surface, const Segmenter& segmenter,
+std::optional<Patch> Target::best_patch(const Surface& own, const Segmenter& segmenter,
                                         const std::vector<Eigen::Vector3d>& starts,
                                         const std::optional<Eigen::Vector3d>& hint_m) const {
   std::optional<Patch> best;
   double highest = -std::numeric_limits<double>::infinity();
   for (const auto& start : starts) {
-    auto patch = find_patch(surface, body_, start, radius_m_, fewest_);
+    auto patch = find_patch(own, body_, start, radius_m_, fewest_);
     if (!patch) continue;
     double off = (patch->centroid_m - around_m()).norm();
     if (hint_m) off = std::min(off, (patch->centroid_m - *hint_m).norm());
@@ -131,11 +136,11 @@ void Target::hide(const Eigen::Vector3d& position_m, double sigma_m) {
   hidden_ = true;
 }
 
-std::optional<Eigen::Vector3d> Target::median_in_box(const Surface& surface,
+std::optional<Eigen::Vector3d> Target::median_in_box(const Surface& own,
                                                      const PixelBox& box) const {
   Surface inside;
-  for (const auto& point : surface)
-    if (point.body == body_ && contains(box, point)) inside.push_back(point);
+  for (const auto& point : own)
+    if (contains(box, point)) inside.push_back(point);
   return median_point(inside, body_, expected_m(), gate_m());
 }
 

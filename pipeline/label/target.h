@@ -58,13 +58,14 @@ class Target {
   Eigen::Vector3d around_m() const;
   /// How far from there it may be found; the farther, the more of it has to show.
   double usual_off_m() const;
-  std::vector<Eigen::Vector3d> starts(const Surface& surface,
-                                      const std::optional<PixelBox>& tracked,
+  /// Of a surface; all below are given those alone.
+  Surface own_points(const Surface& surface) const;
+  std::vector<Eigen::Vector3d> starts(const Surface& own, const std::optional<PixelBox>& tracked,
                                       const std::optional<Eigen::Vector3d>& hint_m) const;
-  std::optional<Patch> best_patch(const Surface& surface, const Segmenter& segmenter,
+  std::optional<Patch> best_patch(const Surface& own, const Segmenter& segmenter,
                                   const std::vector<Eigen::Vector3d>& starts,
                                   const std::optional<Eigen::Vector3d>& hint_m) const;
-  std::optional<Eigen::Vector3d> median_in_box(const Surface& surface, const PixelBox& box) const;
+  std::optional<Eigen::Vector3d> median_in_box(const Surface& own, const PixelBox& box) const;
   void restart(const MaskedImage& image, const PixelBox& box);
 
   TargetFilter filter_;

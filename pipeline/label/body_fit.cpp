@@ -2,8 +2,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 
 #include "pipeline/label/pose_descent.h"
 
@@ -15,6 +15,13 @@ constexpr std::size_t rough_points = 150, kept_starts = 5;
 constexpr int rotations = 32;  // of a box each is four: half turns about its axes look the same
 constexpr double unknown_rad = 3.0;
 constexpr double seen_depth = 0.67;  // of a body's extent, from what is seen of it to its middle
+
+/// Of what is seen.
+Eigen::Vector3d middle_of(const BodyView& view) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& point : view.on_m) sum += point.cast<double>();
+  return sum / static_cast<double>(view.on_m.size());
+}
 
 /// Whether a ray comes so near to the origin.
 bool passes(const Eigen::Vector3d& eye, const Eigen::Vector3d& end, double reach_m) {
@@ -39,6 +46,17 @@ Eigen::Quaterniond spread_rotation(int index) {
   return {other * std::cos(beta), r * std::sin(alpha), r * std::cos(alpha), other * std::sin(beta)};
 }
 
+/// The rotations that give a box's axes each other's places: what shows of a box with one face is
+/// often as well another face of it.
+const std::array<Eigen::Quaterniond, 5>& exchanges() {
+  const double h = std::sqrt(0.5);
+  static const std::array<Eigen::Quaterniond, 5> all{
+      Eigen::Quaterniond(h, h, 0.0, 0.0), Eigen::Quaterniond(h, 0.0, h, 0.0),
+      Eigen::Quaterniond(h, 0.0, 0.0, h), Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5),
+      Eigen::Quaterniond(0.5, -0.5, -0.5, -0.5)};
+  return all;
+}
+
 /// From all rotations, with a wide loss and few points; the best first.
 std::vector<BodyFit> rough_fits(const BodyView& view, const RoundedBox& box) {
   const Eigen::Vector3d center = likely_center(view, box);
@@ -53,6 +71,17 @@ std::vector<BodyFit> rough_fits(const BodyView& view, const RoundedBox& box) {
   return fits;
 }
 
+/// The body so turned, its surface where the middle of what is seen of it is.
+Eigen::Isometry3d behind_the_middle(const BodyView& view, const RoundedBox& box,
+                                    const Eigen::Matrix3d& rotation) {
+  const Eigen::Vector3d middle = middle_of(view), ray = (middle - view.eye_m).normalized();
+  const Eigen::Array3d across = (rotation.transpose() * ray).array().abs();
+  const double behind_m = (box.half_extents_m().array() / across).minCoeff();
+  Eigen::Isometry3d pose(rotation);
+  pose.pretranslate(middle + behind_m * ray);
+  return pose;
+}
+
 }  // namespace
 
 Eigen::Matrix3d BodyFit::center_information() const {
@@ -62,9 +91,7 @@ Eigen::Matrix3d BodyFit::center_information() const {
 }
 
 Eigen::Vector3d likely_center(const BodyView& view, const RoundedBox& box) {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const auto& point : view.on_m) middle += point.cast<double>();
-  middle /= static_cast<double>(view.on_m.size());
+  const Eigen::Vector3d middle = middle_of(view);
   const double behind = seen_depth * (box.radius_m + box.inner_m.mean());
   return middle + behind * (middle - view.eye_m).normalized();
 }
@@ -84,16 +111,27 @@ BodyFit fit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isome
   return descend(view, box, {rough.camera_from_body, rotation_sigma_rad}, fine_width_m, most_steps);
 }
 
+BodyFit refit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isometry3d& start,
+                   double rotation_sigma_rad) {
+  return descend(view, box, {start, rotation_sigma_rad}, fine_width_m, most_steps);
+}
+
+std::vector<BodyFit> fits_anyhow(const BodyView& view, const RoundedBox& box) {
+  auto fits = rough_fits(view, box);
+  fits.resize(kept_starts);
+  for (auto& fit : fits)
+    fit = descend(view, box, {fit.camera_from_body, unknown_rad}, fine_width_m, most_steps);
+  std::ranges::sort(fits, {}, &BodyFit::cost_m2);
+  const Eigen::Matrix3d best = fits.front().camera_from_body.linear();
+  for (const Eigen::Quaterniond& exchange : exchanges())
+    fits.push_back(
+        refit_body(view, box, behind_the_middle(view, box, best * exchange), unknown_rad));
+  std::ranges::sort(fits, {}, &BodyFit::cost_m2);
+  return fits;
+}
+
 BodyFit fit_body_anyhow(const BodyView& view, const RoundedBox& box) {
-  const auto starts = rough_fits(view, box);
-  BodyFit best;
-  best.cost_m2 = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < kept_starts; ++i) {
-    const auto fit =
-        descend(view, box, {starts[i].camera_from_body, unknown_rad}, fine_width_m, most_steps);
-    if (fit.cost_m2 < best.cost_m2) best = fit;
-  }
-  return best;
+  return fits_anyhow(view, box).front();
 }
 
 }  // namespace touchtrace::label

@@ -36,7 +36,14 @@ BodyView thinned(const BodyView& view, const Eigen::Vector3d& center_m, double r
 BodyFit fit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isometry3d& start,
                  double rotation_sigma_rad);
 
-/// The same where nothing is known of the rotation: the best from rotations all around.
+/// The same from a start that is right but for what moved since: with the narrow loss alone.
+BodyFit refit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isometry3d& start,
+                   double rotation_sigma_rad);
+
+/// The same where nothing is known of the rotation, from rotations all around: the few best, the
+/// very best first. Some may be the same.
+std::vector<BodyFit> fits_anyhow(const BodyView& view, const RoundedBox& box);
+/// The best of them.
 BodyFit fit_body_anyhow(const BodyView& view, const RoundedBox& box);
 
 }  // namespace touchtrace::label

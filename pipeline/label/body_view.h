@@ -29,6 +29,9 @@ struct BodyView {
 /// Noise of depths that is no more than what else is wrong with a point.
 inline constexpr double usual_depth_sigma_m = 0.0015;
 
+/// Points of one surface share much of their error: so much each, were they independent.
+inline constexpr double point_sigma_m = 0.003;
+
 /// Geman and McClure's loss of a distance: that of strays stays below half the square of `width`.
 struct RobustLoss {
   double width_m;

@@ -29,9 +29,9 @@ constexpr double longest_flight_s = 1.0;  // what is not seen for longer has bee
 constexpr double reaches = 2.0;           // from a visible end of an object to its other end
 constexpr std::size_t fewest_hand = 30, fewest_object = 6;
 
-// Points of one surface share much of their error: so much each, were they independent. Where the
-// colours of two bodies mix it is more, and the less is seen of a body the more of it is edge.
-constexpr double point_sigma_m = 0.003, edge_part = 0.25;
+// Where the colours of two bodies mix points err more, and the less is seen of a body the more of
+// it is edge.
+constexpr double edge_part = 0.25;
 constexpr double least_sigma_m = 0.0003, most_sigma_m = 0.03;
 
 /// Deviations of a body's centre along the axes, of which the part `visible` is seen.
@@ -116,10 +116,19 @@ class Follower {
       if (hand && hand_.is_lost() && object_.is_lost()) look_in_hand(*hand);
       object = object_.find(surface, image, object_box, scene_.segmenter, in_hand(hand));
     }
+    frame_ = track.hand.size();
     track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
     unseen_s_ += seconds;
     track.object.push_back(object ? observe_object(*object, frame) : Observation{});
     take_in(track.hand.back(), track.object.back(), frame, image);
+  }
+
+  /// Poses become what all frames together say of them.
+  void settle(ClipTrack& track) const {
+    if (!pose_) return;
+    const auto fits = pose_->likeliest();
+    for (std::size_t i = 0; i < fits.size(); ++i)
+      place(track.object[posed_[i].frame], fits[i], posed_[i].points);
   }
 
   int restarts() const { return hand_.restarts() + object_.restarts(); }
@@ -138,23 +147,33 @@ class Follower {
     const auto view =
         scene_.view_body(frame, clip_.object, patch, reaches * shape_.reach_m(), pose_.has_value());
     const double unseen_s = std::exchange(unseen_s_, 0.0);
-    Eigen::Vector3d center_m;
-    Eigen::Matrix3d information;
+    Observation object{true, false, {}, {}, patch.box};
     if (pose_) {
-      const auto fit = pose_->see(view, unseen_s);
-      center_m = fit.center_m(), information = fit.center_information();
+      posed_.push_back({frame_, view.on_m.size()});
+      place(object, pose_->see(view, unseen_s), view.on_m.size());
     } else {
       const auto fit = fit_sphere(view, shape_.radius_m);
-      center_m = fit.center_m, information = fit.information;
+      place(object, fit.center_m, fit.information, view.on_m.size());
     }
-    const double visible = static_cast<double>(view.on_m.size()) /
-                           scene_.segmenter.disc_pixels(shape_.radius_m, center_m.z());
-    return {true, false, center_m, deviations(information, visible), patch.box};
+    return object;
   }
 
-  /// Where the object would be in the hand; nothing of one that has left it.
+  void place(Observation& object, const BodyFit& fit, std::size_t points) const {
+    place(object, fit.center_m(), fit.center_information(), points);
+  }
+
+  /// Where it is, and how well that is known by so many points.
+  void place(Observation& object, const Eigen::Vector3d& center_m,
+             const Eigen::Matrix3d& information, std::size_t points) const {
+    const double visible =
+        static_cast<double>(points) / scene_.segmenter.disc_pixels(shape_.radius_m, center_m.z());
+    object.position_m = center_m;
+    object.sigma_m = deviations(information, visible);
+  }
+
+  /// Where the object would be in the hand; nothing of one that has left it and is not back yet.
   std::optional<Eigen::Vector3d> in_hand(const std::optional<Patch>& hand) const {
-    if (!hand || (away_ && object_.is_lost())) return std::nullopt;
+    if (!hand || away_) return std::nullopt;
     return hand->centroid_m + grip_.object_from_hand_m();
   }
 
@@ -233,8 +252,14 @@ class Follower {
   Eigen::Vector3d gravity_;
   Grip grip_;
   const ObjectShape& shape_;
+  /// A frame with a pose, and the points that showed it.
+  struct Posed {
+    std::size_t frame, points;
+  };
   std::optional<PoseTracker> pose_;  ///< of an object that is no sphere
-  double unseen_s_ = 0.0;            ///< since the object was seen
+  std::vector<Posed> posed_;
+  std::size_t frame_ = 0;
+  double unseen_s_ = 0.0;  ///< since the object was seen
   Target hand_, object_;
   bool started_ = false, away_ = false;
 };
@@ -252,6 +277,7 @@ ClipTrack follow(const SceneModel& scene, FramesAhead::Reader& frames, const Cli
     follower.step(frames.next(), seconds, track);
     track.time_s.push_back(frame_time_s[i]);
   }
+  follower.settle(track);
   track.object_unevenness_m = scene.object_shape.at(clip.object).unevenness_m;
   track.restarts = follower.restarts();
   return track;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "calib/rgbd/statistics.h"
 #include "engine/base/parallel.h"
@@ -89,11 +90,17 @@ double beyond_noise(double deviation_m) {
       std::max(0.0, deviation_m * deviation_m - usual_depth_sigma_m * usual_depth_sigma_m));
 }
 
-std::vector<BodyView> some_of(const std::vector<BodyView>& views) {
-  std::vector<BodyView> some;
-  const std::size_t stride = (views.size() + most_box_views - 1) / most_box_views;
-  for (std::size_t i = 0; i < views.size(); i += stride) some.push_back(views[i]);
-  return some;
+/// Up to a factor, the area that a view shows.
+double shown_area(const BodyView& view) {
+  const Eigen::Vector3d middle = view.on_m[view.on_m.size() / 2].cast<double>();
+  return static_cast<double>(view.on_m.size()) * (middle - view.eye_m).squaredNorm();
+}
+
+/// Those that show most: what a hand leaves to be seen fits poses that it is not in.
+std::vector<BodyView> clearest_of(std::vector<BodyView> views) {
+  std::ranges::stable_sort(views, std::ranges::greater(), shown_area);
+  views.resize(std::min(views.size(), most_box_views));
+  return views;
 }
 
 }  // namespace
@@ -105,7 +112,7 @@ ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m,
                              return from_sphere(view, radius_m);
                            }))};
   if (sphere.unevenness_m < uneven_m) return sphere;
-  const auto few = some_of(views);
+  const auto few = clearest_of(views);
   const auto box = learn_box(few, radius_m, threads);
   const double deviation_m =
       deviation(few, threads, [&](const BodyView& view) { return from_box(view, box); });

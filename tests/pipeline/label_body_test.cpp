@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/label/learn_shape.h"
@@ -96,6 +97,49 @@ TEST(LabelBody, TwoViewsOfOneMomentAreNoFault) {
   const auto view = draw(soap, pose_of(0.6, 0.3, 1.2), nothing_hides);
   tracker.see(view, 0.0);
   EXPECT_LT((tracker.see(view, 0.0).center_m() - drawn_at).norm(), 0.002);
+}
+
+/// All but a strip is behind a hand wider than the body.
+BodyView strip_of(const Isometry3d& pose, std::uint64_t seed) {
+  constexpr double strip_m = 0.008, hand_m = 0.055;
+  auto view = draw(
+      soap, pose, [](double x, double) { return std::abs(x) > strip_m; }, seed);
+  std::erase_if(view.seen_past_m, [](const Eigen::Vector3f& end) {
+    return std::abs(end.x() / end.z() * drawn_at.z() - drawn_at.x()) < hand_m;
+  });
+  return view;
+}
+
+struct Followed {
+  double at_first_m;              ///< error of the first view's pose when it was all there was
+  std::vector<double> at_last_m;  ///< of all views' poses, once all were seen
+};
+
+/// A body of which a strip shows for a while, then all.
+Followed uncovered(const Isometry3d& pose) {
+  constexpr int views = 12, covered = 8;
+  PoseTracker tracker(soap);
+  Followed result;
+  for (int i = 0; i < views; ++i) {
+    const auto seed = static_cast<std::uint64_t>(i + 1);
+    const auto view = i < covered ? strip_of(pose, seed) : draw(soap, pose, nothing_hides, seed);
+    const double error_m = (tracker.see(view, 0.05).center_m() - drawn_at).norm();
+    if (i == 0) result.at_first_m = error_m;
+  }
+  for (const auto& fit : tracker.likeliest())
+    result.at_last_m.push_back((fit.center_m() - drawn_at).norm());
+  return result;
+}
+
+/// A strip shows as well of a box on its edge as of one that lies.
+TEST(LabelBody, WhatIsSeenLaterTellsWhatWasSeenBefore) {
+  const auto lying = uncovered(pose_of(0.0, M_PI / 2, 0.0)),
+             on_edge = uncovered(pose_of(0.0, 0.0, 0.0));
+  EXPECT_GT(std::max(lying.at_first_m, on_edge.at_first_m), 0.015);
+  for (const auto& followed : {lying, on_edge}) {
+    EXPECT_EQ(followed.at_last_m.size(), 12u);
+    EXPECT_LT(std::ranges::max(followed.at_last_m), 0.005);
+  }
 }
 
 TEST(LabelBody, AShapeIsLearntFromHowItShows) {

@@ -121,8 +121,8 @@ bool solve(const BoardProblem& problem, RgbdParameters& parameters) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.max_num_iterations = problem.most_iterations;
-  options.function_tolerance = problem.tolerance;
-  options.parameter_tolerance = problem.tolerance;
+  options.function_tolerance = problem.cost_tolerance;
+  options.parameter_tolerance = problem.parameter_tolerance;
   options.initial_trust_region_radius = 1e8;  // near Gauss and Newton: half the iterations
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;

@@ -70,7 +70,7 @@ struct BoardProblem {
   double loss_sigmas = 3.0;   ///< Huber's threshold
   bool depth_only = false;    ///< colour camera, board and its poses stay as they are
   int most_iterations = 500;  ///< Huber's kinks make narrow valleys long
-  double tolerance = 1e-10;   ///< relative, of cost and parameters
+  double cost_tolerance = 1e-10, parameter_tolerance = 1e-10;  ///< relative
   bool fixed_camera = false;  ///< only the board's poses move; without depth
 };
 

@@ -25,6 +25,7 @@ constexpr double much_worse = 2.0;
 constexpr double settling_tolerance = 1e-5;
 constexpr int most_trial_iterations = 100;
 constexpr double worth_a_mention = 2.0, very_strong = 10.0;  ///< BIC (Kass and Raftery, JASA 1995)
+constexpr double trial_bic_error = 0.001;                    ///< of a trial that is not solved out
 
 std::vector<double> view_rms(const BoardProblem& problem, const RgbdParameters& parameters) {
   std::vector<double> values;
@@ -69,7 +70,7 @@ Settled settle(const BoardObservations& observations, const std::vector<bool>& u
                const LensChoice& choice) {
   Settled result{initial_guess(observations, choice.lens), usable};
   BoardProblem problem{observations, usable, {}, color_prior(observations, choice.lens)};
-  problem.tolerance = settling_tolerance;
+  problem.cost_tolerance = problem.parameter_tolerance = settling_tolerance;
   solve(problem, result.parameters);  // without distortion, to come near
   problem.free_color = choice.free_color;
   for (int round = 0; round < robust_rounds; ++round) {
@@ -170,9 +171,10 @@ Fitted fit_lens(BoardProblem& problem, const LensChoice& choice, RgbdParameters 
   problem.prior = color_prior(problem.observations, choice.lens);
   problem.free_color = choice.free_color;
   problem.most_iterations = most_trial_iterations;
+  const double count = number_of_coordinates(problem.observations, problem.used);
+  problem.cost_tolerance = trial_bic_error / count;
   if (!solve_for_told(problem, start, earlier, fitted.parameters, trial)) return fitted;
   fitted.free_color = problem.free_color;
-  const double count = number_of_coordinates(problem.observations, problem.used);
   const double squares =
       std::max(sum_of_squares(problem.observations, problem.used, fitted.parameters),
                count * smallest_sigma_px * smallest_sigma_px);
@@ -193,6 +195,14 @@ Settlements settlements(const BoardObservations& observations, const std::vector
   if (!all.equidistant && all.perspective->typical_rms_px > poor_px)
     all.equidistant = settle(observations, usable, lens_choice("fisheye4"));
   return all;
+}
+
+/// From where its trial ended.
+bool solve_chosen(const BoardObservations& observations, ColorFit& fit, double sigma_px) {
+  BoardProblem problem{
+      observations, fit.used, {}, color_prior(observations, fit.parameters.lens), fit.free_color};
+  problem.corner_sigma_px = sigma_px;
+  return solve(problem, fit.parameters);
 }
 
 /// By how much a lens must be better than the one chosen so far.
@@ -249,6 +259,7 @@ ColorFit fit_color(const BoardObservations& observations, const std::vector<bool
     if (std::isfinite(fitted.bic)) earlier.push_back(fitted);
   }
   for (auto& trial : fit.trials) trial.bic -= best;
+  fit.converged = fit.converged && solve_chosen(observations, fit, problem.corner_sigma_px);
   if (fit.converged)
     fit.corner_sigma_px =
         corner_noise_px(observations, fit.used, fit.free_color.size(), fit.parameters);

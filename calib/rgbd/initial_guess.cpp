@@ -15,6 +15,7 @@ namespace {
 
 /// Over the width: a fisheye of 180 degrees across has 0.32.
 constexpr double fisheye_focal_lengths[] = {0.2, 0.25, 0.32, 0.4, 0.5, 0.65, 0.8, 1.0};
+constexpr std::size_t most_views_for_focal_length = 7;
 constexpr double widest_tangent = 6.0;  ///< 80 degrees: beyond it a ray says little of a pose
 
 std::vector<cv::Point3f> board_points(const BoardView& view, const Chessboard& board) {
@@ -96,19 +97,26 @@ double typical_rms_px(const BoardObservations& o, const RgbdParameters& paramete
   return median(std::move(values));
 }
 
+/// Some views spread over all; fewer than half of them may be bad.
+BoardObservations few_views(const BoardObservations& o) {
+  const std::size_t stride = 1 + o.views.size() / most_views_for_focal_length;
+  BoardObservations few{o.board, o.width, o.height, {}, {}, {}};
+  for (std::size_t i = 0; i < o.views.size(); i += stride) few.views.push_back(o.views[i]);
+  return few;
+}
+
 }  // namespace
 
 RgbdParameters initial_guess(const BoardObservations& o, const Lens& lens) {
   if (is_perspective(lens)) return placed_by(focal_length_of_homographies(o), o, lens);
-  RgbdParameters best;
-  double least_px = std::numeric_limits<double>::infinity();
+  const BoardObservations few = few_views(o);
+  double best_px = o.width, least_px = std::numeric_limits<double>::infinity();
   for (double over_width : fisheye_focal_lengths) {
-    RgbdParameters trial = placed_by(over_width * o.width, o, lens);
-    const double rms_px = typical_rms_px(o, trial);
-    if (best.camera_from_board.empty() || rms_px < least_px)
-      best = std::move(trial), least_px = rms_px;
+    const double focal_px = over_width * o.width;
+    const double rms_px = typical_rms_px(few, placed_by(focal_px, few, lens));
+    if (rms_px < least_px) best_px = focal_px, least_px = rms_px;
   }
-  return best;
+  return placed_by(best_px, o, lens);
 }
 
 }  // namespace touchtrace

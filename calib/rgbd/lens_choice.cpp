@@ -109,6 +109,7 @@ std::vector<LensChoice> lens_choices(const std::vector<std::string>& names) {
 }
 
 std::vector<Untold> untold_coefficients(const BoardProblem& problem, const RgbdParameters& p) {
+  if (!last_without_prior(problem.prior, problem.free_color)) return {};
   Eigen::MatrixXd all = information(problem, p);
   const Eigen::Vector2d m = outermost(problem, p);
   std::vector<Untold> untold;

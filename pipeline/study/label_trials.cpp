@@ -57,15 +57,19 @@ std::vector<Cover> cover_the_middles(const Recording& recording) {
   return covers;
 }
 
-/// NaN where it was not found or is not known.
-std::vector<Eigen::Vector3d> object_errors(const Labels& labels, const Truth& truth) {
-  std::vector<Eigen::Vector3d> errors;
-  for (std::size_t i = 0; i < labels.raw.time_s.size(); ++i) {
+struct RawError {
+  double distance_m = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not found, or not known
+  bool in_picture = false;
+};
+
+std::vector<RawError> object_errors(const Labels& labels, const Truth& truth) {
+  std::vector<RawError> errors(labels.raw.time_s.size());
+  for (std::size_t i = 0; i < errors.size(); ++i) {
     const auto place = find_place(truth, labels.raw.clip[i], labels.raw.time_s[i]);
-    errors.push_back(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
-    if (place)
-      errors.back() = Eigen::Map<const Eigen::Vector3d>(&labels.raw.object_m[3 * i]) -
-                      interpolate(truth.object.position_m, *place);
+    if (!place) continue;
+    const Eigen::Vector3d position = interpolate(truth.object.position_m, *place);
+    errors[i] = {(Eigen::Map<const Eigen::Vector3d>(&labels.raw.object_m[3 * i]) - position).norm(),
+                 in_picture(truth, position)};
   }
   return errors;
 }
@@ -95,8 +99,8 @@ double frames_to_recover(const RenderedRecording& rendered, const std::string& t
     int frames = 0;
     for (std::size_t i = 0; i < errors.size(); ++i) {
       if (labels.raw.clip[i] != static_cast<std::int32_t>(clip)) continue;
-      if (labels.raw.time_s[i] < covers[clip].to_s) continue;
-      if (++frames; errors[i].norm() < found_m) break;
+      if (labels.raw.time_s[i] < covers[clip].to_s || !errors[i].in_picture) continue;
+      if (++frames; errors[i].distance_m < found_m) break;
     }
     most = std::fmax(most, frames);
   }

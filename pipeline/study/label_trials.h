@@ -9,8 +9,9 @@ namespace touchtrace::study {
 /// leave to be known, however well a video is seen.
 LabelError error_of_exact_positions(const Recording& recording, const Truth& truth);
 
-/// The picture is covered for a second in the middle of every clip: the most camera frames that it
-/// then takes until the object is found again, within 60 mm of the truth; NaN if no clip shows it.
+/// The picture is covered for a second in the middle of every clip: the most camera frames with the
+/// object in the picture that it then takes until it is found again, within 60 mm of the truth; NaN
+/// if no clip shows it.
 double frames_to_recover(const RenderedRecording& rendered, const std::string& tracker);
 
 /// The object painted like the glove.

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "engine/base/files.h"
+#include "engine/base/interrupt.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/glove_protocol.h"
 #include "pipeline/cli/verbs.h"
@@ -51,6 +52,15 @@ GloveStream glove_of(const SendOptions& options) {
   return recording.gloves[index];
 }
 
+/// Ctrl-C ends it: recordings pause for as long as their people do.
+void wait_until(Clock::time_point due) {
+  constexpr std::chrono::milliseconds at_once(100);
+  for (auto now = Clock::now(); now < due; now = Clock::now()) {
+    throw_if_interrupted();
+    std::this_thread::sleep_until(std::min(due, now + at_once));
+  }
+}
+
 /// Calls `put` with the bytes of each frame, if `live` as long after the first as it came.
 template <class Put>
 void send(const GloveStream& glove, const GloveProtocol& protocol, bool live, Put&& put) {
@@ -58,9 +68,8 @@ void send(const GloveStream& glove, const GloveProtocol& protocol, bool live, Pu
   const auto start = Clock::now();
   for (std::size_t frame = 0; frame < glove.frames(); ++frame) {
     if (live)
-      std::this_thread::sleep_until(
-          start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
-                      glove.host_time_s[frame] - glove.host_time_s[0])));
+      wait_until(start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+                             glove.host_time_s[frame] - glove.host_time_s[0])));
     put(protocol.bytes_of(glove, frame));
     progress.advance();
   }

@@ -102,7 +102,7 @@ double frames_to_recover(const RenderedRecording& rendered, const std::string& t
       if (labels.raw.time_s[i] < covers[clip].to_s || !errors[i].in_picture) continue;
       if (++frames; errors[i].distance_m < found_m) break;
     }
-    most = std::fmax(most, frames);
+    if (frames > 0) most = std::fmax(most, frames);
   }
   return most;
 }

@@ -116,6 +116,10 @@ double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
   return lowest;
 }
 
+struct FineTimes {
+  std::array<double, 2 * scan_half + 1> time_s, likelihood;
+};
+
 /// One event's time given the other's: `likelihood` of evenly spaced times.
 template <std::size_t count>
 void scan(const FlightCost& cost, const double* times, int event, double center_s, double step_s,
@@ -132,18 +136,36 @@ void scan(const FlightCost& cost, const double* times, int event, double center_
   for (double& l : likelihood) l /= total;
 }
 
+/// Of each of `result`'s times, how likely an event that takes `duration_s` is under way: it is one
+/// at every time within, as far as position and velocity go.
+void blur(const FineTimes& fine, double duration_s, LikelyTimes& result) {
+  double total = 0.0;
+  for (std::size_t k = 0; k < LikelyTimes::count; ++k) {
+    result.likelihood[k] = 0.0;
+    for (std::size_t i = 0; i < fine.time_s.size(); ++i) {
+      const double inside_s = 0.5 * duration_s - std::abs(fine.time_s[i] - result.time_s[k]);
+      result.likelihood[k] +=
+          fine.likelihood[i] * std::clamp(inside_s / scan_step_s + 0.5, 0.0, 1.0);
+    }
+    total += result.likelihood[k];
+  }
+  for (double& l : result.likelihood) l /= total;
+}
+
 /// What is known of one event's time given the other's, from its mean and deviation within +-30 ms.
-LikelyTimes likely_times(const FlightCost& cost, const double* times, int event) {
-  std::array<double, 2 * scan_half + 1> time_s, likelihood;
-  scan(cost, times, event, cost.time_s(times[event]), scan_step_s, time_s, likelihood);
-  double mean = 0.0, variance = 0.0;
-  for (std::size_t i = 0; i < time_s.size(); ++i) mean += likelihood[i] * time_s[i];
-  for (std::size_t i = 0; i < time_s.size(); ++i)
-    variance += likelihood[i] * std::pow(time_s[i] - mean, 2);
+LikelyTimes likely_times(const FlightCost& cost, const double* times, int event,
+                         double duration_s) {
+  FineTimes fine;
+  scan(cost, times, event, cost.time_s(times[event]), scan_step_s, fine.time_s, fine.likelihood);
+  double mean = 0.0, variance = duration_s * duration_s / 12.0;
+  for (std::size_t i = 0; i < fine.time_s.size(); ++i) mean += fine.likelihood[i] * fine.time_s[i];
+  for (std::size_t i = 0; i < fine.time_s.size(); ++i)
+    variance += fine.likelihood[i] * std::pow(fine.time_s[i] - mean, 2);
   LikelyTimes result;
   scan(cost, times, event, mean,
        spacing_deviations * std::max(least_deviation_s, std::sqrt(variance)), result.time_s,
        result.likelihood);
+  if (duration_s > 0.0) blur(fine, duration_s, result);
   return result;
 }
 
@@ -204,9 +226,10 @@ void find_likely_times(WeightedTrack& track, const MotionNoise<double>& noise,
     const FlightCost cost(around(track, *flight), units, *flight, before, after, noise, options);
     const double times[] = {cost.scaled_time(flight->release_s),
                             cost.scaled_time(flight->landing_s)};
-    flight->likely_landings = likely_times(cost, times, 1);
-    flight->likely_releases =
-        cost.release_is_free() ? likely_times(cost, times, 0) : before.back().likely_landings;
+    flight->likely_landings = likely_times(cost, times, 1, 0.0);
+    flight->likely_releases = cost.release_is_free()
+                                  ? likely_times(cost, times, 0, options.release_s)
+                                  : before.back().likely_landings;
   }
 }
 

@@ -12,9 +12,9 @@ using Matrix3 = Eigen::Matrix<T, 3, 3>;
 /// One axis of a motion over a stretch of time, x = (position, velocity, acceleration):
 ///     x+ = F x + g u + w,  w ~ N(0, j Q + Q_free),  g: gravity along the axis.
 /// j, how freely the body moves just then, is 1 unless something says more: Q is the noise of
-/// touch, Q_free that of flights and of their ends. Of the correlated part of a measurement's error
-/// `error_kept` is left, and the rest is new. Scalars are double, or Jet where Ceres wants
-/// derivatives.
+/// touch, Q_free that of flights and of what is near their ends. Of the correlated part of a
+/// measurement's error `error_kept` is left, and the rest is new. Scalars are double, or Jet where
+/// Ceres wants derivatives.
 template <class T>
 struct Transition {
   Matrix3<T> F = Matrix3<T>::Identity(), Q = Matrix3<T>::Zero();
@@ -41,6 +41,13 @@ Transition<T> white_jerk(const T& h, const T& density) {
   return step;
 }
 
+/// The same with noise that does not depend on j.
+template <class T>
+Transition<T> free_of_j(Transition<T> step) {
+  std::swap(step.Q, step.Q_free);
+  return step;
+}
+
 /// How freely a body moves. Units of Track: metres and seconds.
 template <class T>
 struct MotionNoise {
@@ -62,6 +69,8 @@ struct MotionNoise {
   double flight_acceleration_m_per_s2 = 0.1;    ///< deviation from gravity and drag: tilt
   double landing_kept = 0.5;                    ///< of the velocity: none to all, a hand gives way
   double landing_acceleration_m_per_s2 = 10.0;  ///< deviation from none after a landing
+  /// Of the mean jerk: what the course of the jerk tends to where little is known of it.
+  double usual_jerk_share = 0.1;
 
   /// Is never held: it is hit, and turns round.
   bool bounces() const { return landing_kept < 0.0; }
@@ -80,7 +89,8 @@ struct MotionNoise {
             U(throw_jerk_density), U(throw_s),
             U(flight_drag_per_s),  U(landing_velocity_m_per_s),
             flight_jerk_density,   flight_acceleration_m_per_s2,
-            landing_kept,          landing_acceleration_m_per_s2};
+            landing_kept,          landing_acceleration_m_per_s2,
+            usual_jerk_share};
   }
 };
 
@@ -135,8 +145,7 @@ Transition<T> flying(const T& h, const MotionNoise<T>& noise) {
   const T x = -noise.flight_drag_per_s * h, third = 1.0 + x / 3.0 * (1.0 + x / 4.0),
           half = 1.0 + x / 2.0 * third;
   step.F(0, 2) *= third, step.F(1, 2) *= half, step.F(2, 2) = 1.0 + x * half;
-  std::swap(step.Q, step.Q_free);
-  return step;
+  return free_of_j(step);
 }
 
 /// Contact ends (the acceleration becomes gravity) or begins (of the velocity a part is left, the
@@ -208,7 +217,7 @@ class MotionPrior {
 
   Transition<T> during(Mode mode, const T& h) const {
     if (mode == Mode::held) return touched(h);
-    if (mode == Mode::throwing) return white_jerk(h, noise_.throw_jerk_density);
+    if (mode == Mode::throwing) return free_of_j(white_jerk(h, noise_.throw_jerk_density));
     return flying(h, noise_);
   }
 

@@ -17,6 +17,10 @@ Trajectory pass(const WeightedTrack& track, const MotionNoise<double>& noise,
   return {track, noise, options.gravity_m_per_s2, options.initial};
 }
 
+double cauchy_loss(double square) {
+  return cauchy_scale * cauchy_scale * std::log1p(square / (cauchy_scale * cauchy_scale));
+}
+
 double reweight(WeightedTrack& track, const Trajectory& trajectory) {
   double change = 0.0;
   const auto foretold = trajectory.foretold();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "calib/smooth/smooth.h"
 
 namespace touchtrace {
@@ -11,6 +13,9 @@ constexpr double robust_share = 0.923;
 /// The linear pass over a track with its weights, flights and jerk as they are.
 Trajectory pass(const WeightedTrack& track, const MotionNoise<double>& noise,
                 const SmoothOptions& options);
+
+/// Cauchy's loss c^2 log(1 + r^2 / c^2) of the square r^2 of a whitened distance, with c = 4.
+double cauchy_loss(double square);
 
 /// Sets the weights to those of Cauchy's loss at the residuals of `trajectory`; returns the largest
 /// change.
@@ -24,12 +29,17 @@ bool find_weights(WeightedTrack& track, const MotionNoise<double>& noise,
 /// Finds how freely a body moves from point to point, and in which direction: the `jerk` of every
 /// track, with the weights and the measurement scale that belong to it, by expectation and
 /// maximisation. What is expected of each jerk is averaged with its neighbours', in a Gaussian
-/// window, and with a little of the mean of all, which keeps rest from being absolute.
+/// window, and with a share of the mean of all, which keeps rest from being absolute.
 void find_jerk(std::vector<WeightedTrack>& tracks, MotionNoise<double>& noise,
                const SmoothOptions& options);
 
-/// -log of the likelihood of every measurement given all others, without the constant.
-double predictive_cost(const std::vector<WeightedTrack>& tracks, const MotionNoise<double>& noise,
-                       const SmoothOptions& options);
+/// The share of the mean jerk that the course of the jerk is best held to; nothing if one density
+/// for all is better. The course is judged by measurements that it was not found from (to those
+/// that it was, it always fits better), and of those that do as well as the best but for a standard
+/// error, the least changing one is the best (Breiman et al., Classification and Regression Trees,
+/// 1984).
+std::optional<double> best_jerk_share(const std::vector<WeightedTrack>& tracks,
+                                      const MotionNoise<double>& constant,
+                                      const SmoothOptions& options);
 
 }  // namespace touchtrace

@@ -77,20 +77,18 @@ void find_flights(std::vector<WeightedTrack>& tracks, const MotionNoise<double>&
 }
 
 /// The noise with the course of its jerk, where that foretells measurements better.
-MotionNoise<double> with_course(std::vector<WeightedTrack>& tracks,
-                                const MotionNoise<double>& constant, const SmoothOptions& options) {
-  auto changing = tracks;
-  auto noise = constant;
-  for (int round = 0; round < 2; ++round) {
-    find_jerk(changing, noise, options);
-    find_flights(changing, noise, options);
-  }
-  if (predictive_cost(changing, noise, options) < predictive_cost(tracks, constant, options)) {
-    tracks = std::move(changing);
+MotionNoise<double> with_course(std::vector<WeightedTrack>& tracks, MotionNoise<double> noise,
+                                const SmoothOptions& options) {
+  const auto share = best_jerk_share(tracks, noise, options);
+  if (!share) {
+    if (options.robust) noise.measurement_scale /= std::sqrt(robust_share);
     return noise;
   }
-  noise = constant;
-  if (options.robust) noise.measurement_scale /= std::sqrt(robust_share);
+  noise.usual_jerk_share = *share;
+  for (int round = 0; round < 2; ++round) {
+    find_jerk(tracks, noise, options);
+    find_flights(tracks, noise, options);
+  }
   return noise;
 }
 

@@ -12,6 +12,7 @@ struct SmoothOptions {
   InitialMotion initial{std::numeric_limits<double>::infinity(),
                         std::numeric_limits<double>::infinity()};
   MotionNoise<double> noise;
+  double release_s = 0.0;  ///< that a release takes, from hardly held to free
   /// Jerk density and measurement scale by the likelihood of the innovations, and where these leave
   /// a quarter of the variances that the tracks state, that is of errors that neighbours have in
   /// common; else as in `noise`.

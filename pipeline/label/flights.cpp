@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "calib/rgbd/statistics.h"
@@ -25,6 +26,67 @@ std::vector<double> distances(const ClipTrack& track) {
                          ? (track.object[i].position_m - track.hand[i].position_m).norm()
                          : std::numeric_limits<double>::quiet_NaN());
   return result;
+}
+
+/// [frames] Whether the object is further from the hand than where the grip has it.
+std::vector<bool> is_away(const ClipTrack& track) {
+  const auto distance = distances(track);
+  std::vector<double> seen;
+  std::ranges::copy_if(distance, std::back_inserter(seen),
+                       [](double d) { return std::isfinite(d); });
+  const double away = seen.empty() ? 0.0 : median(std::move(seen)) + fewest_away_m;
+  std::vector<bool> result;
+  for (double d : distance) result.push_back(d > away);
+  return result;
+}
+
+/// Second difference of the object's place over a frame and its neighbours; nothing where one was
+/// not seen.
+std::optional<Eigen::Vector3d> acceleration_at(const ClipTrack& track, std::size_t i) {
+  const auto &a = track.object[i - 1], &b = track.object[i], &c = track.object[i + 1];
+  if (!a.found || !b.found || !c.found) return std::nullopt;
+  const double before_s = track.time_s[i] - track.time_s[i - 1],
+               after_s = track.time_s[i + 1] - track.time_s[i];
+  return 2.0 / (before_s + after_s) *
+         ((c.position_m - b.position_m) / after_s - (b.position_m - a.position_m) / before_s);
+}
+
+bool is_like_gravity(const Eigen::Vector3d& acceleration, const Eigen::Vector3d& gravity) {
+  return (acceleration - gravity).norm() < like_gravity_m_per_s2;
+}
+
+/// [frames] Whether the object falls freely, in two frames in a row at least: in one a hand may
+/// happen to move it so.
+std::vector<bool> falls(const ClipTrack& track, const Eigen::Vector3d& gravity) {
+  const std::size_t count = track.time_s.size();
+  std::vector<bool> now(count), result(count);
+  for (std::size_t i = 1; i + 1 < count; ++i) {
+    const auto acceleration = acceleration_at(track, i);
+    now[i] = acceleration && is_like_gravity(*acceleration, gravity);
+    if (now[i] && now[i - 1]) result[i - 1] = result[i] = true;
+  }
+  return result;
+}
+
+/// From the first to the last frame of those that are `in`, over short gaps, and so much beyond:
+/// what flies began to before it shows.
+std::vector<Flight> stretches(const ClipTrack& track, const std::vector<bool>& in, double before_s,
+                              double after_s) {
+  std::vector<Flight> result;
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    if (!in[i]) continue;
+    if (!result.empty() && track.time_s[i] - result.back().landing_s < longest_bridge_s)
+      result.back().landing_s = track.time_s[i];
+    else
+      result.push_back({track.time_s[i], track.time_s[i]});
+  }
+  std::erase_if(result, [](const Flight& f) { return !(f.landing_s > f.release_s); });
+  for (auto& flight : result) flight.release_s -= before_s, flight.landing_s += after_s;
+  return result;
+}
+
+bool overlap(const Flight& a, const Flight& b) {
+  return a.release_s < b.landing_s && b.release_s < a.landing_s;
 }
 
 /// Of the places that were seen, against gravity.
@@ -73,26 +135,12 @@ void add_hits_at_ends(const std::vector<Height>& seen, double gravity,
 
 }  // namespace
 
-std::vector<Flight> guess_flights(const ClipTrack& track) {
-  const auto distance = distances(track);
-  std::vector<double> seen;
-  std::ranges::copy_if(distance, std::back_inserter(seen),
-                       [](double d) { return std::isfinite(d); });
-  if (seen.empty()) return {};
-  const double away = median(seen) + fewest_away_m;
-  std::vector<Flight> flights;
-  for (std::size_t i = 0; i < distance.size(); ++i) {
-    if (!(distance[i] > away)) continue;
-    if (!flights.empty() && track.time_s[i] - flights.back().landing_s < longest_bridge_s)
-      flights.back().landing_s = track.time_s[i];
-    else
-      flights.push_back({track.time_s[i], track.time_s[i]});
-  }
-  std::erase_if(flights, [](const Flight& f) { return !(f.landing_s > f.release_s); });
-  for (auto& flight : flights) {  // it left before it was away
-    flight.release_s -= 0.05;
-    flight.landing_s += 0.03;
-  }
+std::vector<Flight> guess_flights(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2) {
+  auto flights = stretches(track, falls(track, gravity_m_per_s2), 0.05, 0.05);
+  for (const Flight& away : stretches(track, is_away(track), 0.05, 0.03))
+    if (std::ranges::none_of(flights, [&](const Flight& f) { return overlap(f, away); }))
+      flights.push_back(away);
+  std::ranges::sort(flights, {}, &Flight::release_s);
   return flights;
 }
 
@@ -123,15 +171,10 @@ double falling_part(const std::vector<ClipTrack>& tracks, const Eigen::Vector3d&
   double frames = 0.0, falling = 0.0;
   for (const auto& track : tracks)
     for (std::size_t i = 2; i < track.time_s.size(); ++i) {
-      const auto &a = track.object[i - 2], &b = track.object[i - 1], &c = track.object[i];
-      if (!a.found || !b.found || !c.found) continue;
-      const double before_s = track.time_s[i - 1] - track.time_s[i - 2],
-                   after_s = track.time_s[i] - track.time_s[i - 1];
-      const Eigen::Vector3d acceleration =
-          2.0 / (before_s + after_s) *
-          ((c.position_m - b.position_m) / after_s - (b.position_m - a.position_m) / before_s);
+      const auto acceleration = acceleration_at(track, i - 1);
+      if (!acceleration) continue;
       frames += 1.0;
-      falling += (acceleration - gravity_m_per_s2).norm() < like_gravity_m_per_s2;
+      falling += is_like_gravity(*acceleration, gravity_m_per_s2);
     }
   return frames > 0.0 ? falling / frames : 0.0;
 }

@@ -7,8 +7,9 @@
 
 namespace touchtrace::label {
 
-/// Stretches in which the object is away from where the grip has it.
-std::vector<Flight> guess_flights(const ClipTrack& track);
+/// Stretches in which the object falls freely, and such in which it is away from where the grip has
+/// it.
+std::vector<Flight> guess_flights(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2);
 
 /// From one lowest place of the object to the next: of one that always flies, but for hits. Where
 /// the first or last place lies 3 cm and 5 deviations above the fall of the two next to it, there

@@ -13,6 +13,8 @@ namespace {
 /// Before its first frame a body of a person moves at most so fast, so that causal states start
 /// sane.
 constexpr InitialMotion initial_motion{1.5, 15.0};
+/// In which fingers let go of an object.
+constexpr double hand_opens_s = 0.02;
 /// The hand's visible part, and its middle with it, changes slowly.
 constexpr double hand_systematic_m = 0.005;
 /// An object that is hidden is where the hand has it but for so much, which turns with the hand.
@@ -120,14 +122,18 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
   for (const auto& track : tracks) {
     hand.push_back(track_of(track.time_s, track.hand));
     object.push_back(track_of(track.time_s, track.object));
-    flights.push_back(bounces ? guess_bounces(track, gravity_m_per_s2) : guess_flights(track));
+    flights.push_back(bounces ? guess_bounces(track, gravity_m_per_s2)
+                              : guess_flights(track, gravity_m_per_s2));
   }
   SmoothOptions of_hand;
   of_hand.gravity_m_per_s2 = gravity_m_per_s2;
   of_hand.initial = initial_motion;
   of_hand.threads = threads;
   SmoothOptions of_object = of_hand;
-  if (bounces) of_object.noise = bouncing_ball();
+  if (bounces)
+    of_object.noise = bouncing_ball();
+  else
+    of_object.release_s = hand_opens_s;
   SmoothedBodies bodies;
   for_each_index(2, threads, [&](std::size_t body) {
     if (body == 0)

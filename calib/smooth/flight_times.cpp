@@ -15,8 +15,8 @@
 namespace touchtrace {
 namespace {
 
-constexpr double grid_step_s = 0.01, margin_s = 0.35, shortest_flight_s = 0.04;
-constexpr int grid_half = 6;
+constexpr double grid_step_s = 0.02, margin_s = 0.35, shortest_flight_s = 0.04;
+constexpr int grid_half = 3;
 constexpr std::size_t fewest_points_of_flight = 3;
 constexpr double scan_step_s = 0.001, least_deviation_s = 1e-4;
 constexpr int scan_half = 30;

@@ -13,7 +13,8 @@ namespace touchtrace::label {
 namespace {
 
 constexpr double fewest_away_m = 0.05;    // from the grip's distance: the object has left the hand
-constexpr double longest_bridge_s = 0.2;  // of lost frames within a flight
+constexpr double longest_bridge_s = 0.2;  // of frames that do not look like flying
+constexpr double longest_out_of_sight_s = 0.5, longest_toss_s = 1.0;
 constexpr double like_gravity_m_per_s2 = 3.0;  // drag, tilt and a second difference's noise
 constexpr double least_fall_m = 0.03;          // to a hit, and least rise after it
 constexpr double least_deviations = 5.0;       // of what is no error
@@ -56,16 +57,29 @@ bool is_like_gravity(const Eigen::Vector3d& acceleration, const Eigen::Vector3d&
 }
 
 /// [frames] Whether the object falls freely, in two frames in a row at least: in one a hand may
-/// happen to move it so.
+/// happen to move it so. Where it was lost a frame before or after, being away from the hand will
+/// do.
 std::vector<bool> falls(const ClipTrack& track, const Eigen::Vector3d& gravity) {
   const std::size_t count = track.time_s.size();
+  const auto away = is_away(track);
   std::vector<bool> now(count), result(count);
   for (std::size_t i = 1; i + 1 < count; ++i) {
     const auto acceleration = acceleration_at(track, i);
     now[i] = acceleration && is_like_gravity(*acceleration, gravity);
     if (now[i] && now[i - 1]) result[i - 1] = result[i] = true;
+    if (!acceleration && away[i]) result[i] = true;
   }
   return result;
+}
+
+/// Whether nothing speaks against a flight from one frame to a later one: little time, or nothing
+/// is known of the object's acceleration in between.
+bool is_bridged(const ClipTrack& track, std::size_t from, std::size_t to) {
+  const double gap_s = track.time_s[to] - track.time_s[from];
+  if (gap_s < longest_bridge_s) return true;
+  bool known = false;
+  for (std::size_t i = from + 1; i < to; ++i) known |= acceleration_at(track, i).has_value();
+  return gap_s < longest_out_of_sight_s && !known;
 }
 
 /// From the first to the last frame of those that are `in`, over short gaps, and so much beyond:
@@ -73,12 +87,14 @@ std::vector<bool> falls(const ClipTrack& track, const Eigen::Vector3d& gravity) 
 std::vector<Flight> stretches(const ClipTrack& track, const std::vector<bool>& in, double before_s,
                               double after_s) {
   std::vector<Flight> result;
+  std::size_t last = 0;
   for (std::size_t i = 0; i < in.size(); ++i) {
     if (!in[i]) continue;
-    if (!result.empty() && track.time_s[i] - result.back().landing_s < longest_bridge_s)
+    if (!result.empty() && is_bridged(track, last, i))
       result.back().landing_s = track.time_s[i];
     else
       result.push_back({track.time_s[i], track.time_s[i]});
+    last = i;
   }
   std::erase_if(result, [](const Flight& f) { return !(f.landing_s > f.release_s); });
   for (auto& flight : result) flight.release_s -= before_s, flight.landing_s += after_s;
@@ -87,6 +103,20 @@ std::vector<Flight> stretches(const ClipTrack& track, const std::vector<bool>& i
 
 bool overlap(const Flight& a, const Flight& b) {
   return a.release_s < b.landing_s && b.release_s < a.landing_s;
+}
+
+/// Joins it with the falls that it holds parts of, but where it is too long for a flight: then what
+/// fell lies somewhere.
+void add_away(Flight away, std::vector<Flight>& flights) {
+  const bool flies = away.landing_s - away.release_s < longest_toss_s;
+  const auto overlaps = [&](const Flight& f) { return overlap(f, away); };
+  if (!flies && std::ranges::any_of(flights, overlaps)) return;
+  std::erase_if(flights, [&](const Flight& f) {
+    if (!overlaps(f)) return false;
+    away = {std::min(f.release_s, away.release_s), std::max(f.landing_s, away.landing_s)};
+    return true;
+  });
+  flights.push_back(away);
 }
 
 /// Of the places that were seen, against gravity.
@@ -137,9 +167,7 @@ void add_hits_at_ends(const std::vector<Height>& seen, double gravity,
 
 std::vector<Flight> guess_flights(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2) {
   auto flights = stretches(track, falls(track, gravity_m_per_s2), 0.05, 0.05);
-  for (const Flight& away : stretches(track, is_away(track), 0.05, 0.03))
-    if (std::ranges::none_of(flights, [&](const Flight& f) { return overlap(f, away); }))
-      flights.push_back(away);
+  for (const Flight& away : stretches(track, is_away(track), 0.05, 0.03)) add_away(away, flights);
   std::ranges::sort(flights, {}, &Flight::release_s);
   return flights;
 }

@@ -10,7 +10,6 @@
 namespace touchtrace {
 namespace {
 
-constexpr int rounds = 12;
 constexpr double window_points = 2.5;  // deviation of the window
 constexpr int reach_points = 10;
 /// An interval counts with its three orders; a share of the mean of all as one interval.
@@ -123,7 +122,7 @@ bool is_clearly_above(const std::vector<double>& costs, const std::vector<double
 }  // namespace
 
 void find_jerk(std::vector<WeightedTrack>& tracks, MotionNoise<double>& noise,
-               const SmoothOptions& options) {
+               const SmoothOptions& options, int rounds) {
   double count = 1.0;  // and one square that is as it was said to be: the scale stays above 0
   for (auto& track : tracks) {
     track.jerk.resize(track.points.size(), Eigen::Matrix3d::Identity());
@@ -157,7 +156,7 @@ std::optional<double> best_jerk_share(const std::vector<WeightedTrack>& tracks,
     auto changing = rest;
     if (share) {
       noise.usual_jerk_share = *share;
-      find_jerk(changing, noise, options);
+      find_jerk(changing, noise, options, few_rounds);
     }
     costs.push_back(predictive_costs(changing, tracks, left_out, noise, options));
   }

@@ -86,7 +86,7 @@ MotionNoise<double> with_course(std::vector<WeightedTrack>& tracks, MotionNoise<
   }
   noise.usual_jerk_share = *share;
   for (int round = 0; round < 2; ++round) {
-    find_jerk(tracks, noise, options);
+    find_jerk(tracks, noise, options, enough_rounds);
     find_flights(tracks, noise, options);
   }
   return noise;
@@ -101,7 +101,7 @@ MotionNoise<double> with_correlated_errors(std::vector<WeightedTrack>& tracks,
   if (noise.left_share() < least_correlated_share) return noise;
   noise.correlated_scale = std::sqrt(noise.left_share());
   if (!tracks.front().jerk.empty()) {
-    find_jerk(tracks, noise, options);
+    find_jerk(tracks, noise, options, few_rounds);
     noise.correlated_scale = 0.0;
     noise.correlated_scale = std::sqrt(noise.left_share());
   }

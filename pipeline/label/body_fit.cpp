@@ -102,7 +102,8 @@ BodyView thinned(const BodyView& view, const Eigen::Vector3d& center_m, double r
   std::vector<Eigen::Vector3f> passing;
   for (const auto& end : view.seen_past_m)
     if (passes(eye, end.cast<double>() - center_m, reach_m)) passing.push_back(end);
-  return {view.eye_m, some_of(view.on_m, most), some_of(passing, most), view.noise_ratio};
+  return {view.eye_m, some_of(view.on_m, most), some_of(passing, most), view.noise_ratio,
+          view.looks_beside};
 }
 
 BodyFit fit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isometry3d& start,

@@ -15,6 +15,9 @@ struct BodyView {
   std::vector<Eigen::Vector3f> seen_past_m;         ///< ends of rays that do not enter it
   /// Noise of the points along their rays over `usual_depth_sigma_m`; at least 1.
   double noise_ratio = 1.0;
+  /// By what part of their distance pixels may look beside their rays: as deep may one enter a
+  /// sphere that it was seen past.
+  double looks_beside = 0.0;
 
   /// How much of a point's distance from a surface counts: noise along the ray moves it the less
   /// from the surface, the more the ray grazes that.

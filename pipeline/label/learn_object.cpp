@@ -155,6 +155,7 @@ ObjectShape object_shape(const SceneModel& model, const FrameSource& frames,
     const auto frame = frames.camera_frame(index);
     parts[i] = shown_of(model, frame, patch, boxed.radius_m);
     views[i] = model.view_body(frame, object, patch, around_radii * silhouette_m, true);
+    views[i].looks_beside = model.segmenter.pixel_rad();
   });
   const double part = quantile(std::move(parts), silhouette_quantile);
   const ObjectShape boxed_sphere{boxed.radius_m, std::nullopt, boxed.uneven_m};

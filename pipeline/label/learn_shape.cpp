@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t most_box_views = 32, box_points = 500;
 constexpr double box_passing_radii = 1.5;
+constexpr double smooth_noise_ratio = 3.0;
 constexpr double uneven_m = 0.0015;   // no sphere is so rough
 constexpr double much_better = 0.33;  // part of the sphere's unevenness
 
@@ -24,25 +25,41 @@ double fit_cost(const std::vector<BodyView>& views, double radius_m) {
   return cost;
 }
 
-/// Which of `radii_m` fits all views best.
-std::size_t best_radius(const std::vector<BodyView>& views, const std::vector<double>& radii_m,
-                        int threads) {
+/// As of a smooth sphere, where little else is wrong with a point than its depth: with weights that
+/// do not know that, its radius comes out 2 % too small.
+std::vector<BodyView> smooth_in(std::vector<BodyView> views) {
+  for (auto& view : views) view.noise_ratio = std::max(view.noise_ratio, smooth_noise_ratio);
+  return views;
+}
+
+/// How well spheres of `radii_m` fit all views.
+std::vector<double> fit_costs(const std::vector<BodyView>& views,
+                              const std::vector<double>& radii_m, int threads) {
   std::vector<double> costs(radii_m.size());
   for_each_index(radii_m.size(), threads,
                  [&](std::size_t i) { costs[i] = fit_cost(views, radii_m[i]); });
-  return static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
+  return costs;
 }
 
-/// The radius of the sphere that fits all views best, near that of the silhouette: to one of
-/// `steps` per silhouette's radius, by way of every fourth.
+/// Where the parabola through a least cost and its neighbours is least, in steps from there.
+double vertex(const std::vector<double>& costs, std::size_t least) {
+  if (least == 0 || least + 1 == costs.size()) return 0.0;
+  const double before = costs[least - 1] - costs[least], after = costs[least + 1] - costs[least];
+  return before + after > 0.0 ? 0.5 * (before - after) / (before + after) : 0.0;
+}
+
+/// The radius of the sphere that fits all views best, near that of the silhouette: between `steps`
+/// per silhouette's radius, by way of every fourth.
 double fitted_radius(const std::vector<BodyView>& views, double silhouette_m, int threads) {
   constexpr int steps = 50, least = 30, most = 70, coarse = 4;
   const auto best_of = [&](int first, int last, int stride) {
     std::vector<double> radii_m;
     for (int i = first; i <= last; i += stride) radii_m.push_back(silhouette_m / steps * i);
-    return first + stride * static_cast<int>(best_radius(views, radii_m, threads));
+    const auto costs = fit_costs(views, radii_m, threads);
+    const auto best = static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
+    return first + stride * (static_cast<double>(best) + vertex(costs, best));
   };
-  const int near = best_of(least, most, coarse);
+  const int near = static_cast<int>(std::lround(best_of(least, most, coarse)));
   return silhouette_m / steps *
          best_of(std::max(least, near - coarse + 1), std::min(most, near + coarse - 1), 1);
 }
@@ -106,7 +123,7 @@ std::vector<BodyView> clearest_of(std::vector<BodyView> views) {
 }  // namespace
 
 ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m, int threads) {
-  const double radius_m = fitted_radius(views, silhouette_m, threads);
+  const double radius_m = fitted_radius(smooth_in(views), silhouette_m, threads);
   const ObjectShape sphere{radius_m, std::nullopt,
                            beyond_noise(deviation(views, threads, [&](const BodyView& view) {
                              return from_sphere(view, radius_m);

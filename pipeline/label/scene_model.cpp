@@ -45,8 +45,9 @@ BodyView SceneModel::view_body(const RgbdFrame& frame, const std::string& object
   for (const auto& point : around) {
     const Eigen::Vector3f ray = point.position_m - view.eye_m.cast<float>();
     const bool near = (point.position_m.cast<double>() - patch.centroid_m).norm() < reach_m;
+    const float thickness_m = point.body == Body::rest ? 0.0f : finger_m;
     if (point.body != own || !near)
-      view.seen_past_m.push_back(point.position_m + finger_m * ray.normalized());
+      view.seen_past_m.push_back(point.position_m + thickness_m * ray.normalized());
     else if (gather)
       view.on_m.push_back(point.position_m);
   }

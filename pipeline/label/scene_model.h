@@ -42,9 +42,10 @@ struct SceneModel {
   /// Tells an object like the hand from it where it is apart from the one near `hand_m`.
   void split(Surface& surface, const std::string& object, const Eigen::Vector3d& hand_m) const;
   /// What the depth camera sees of the object and past it, within `reach_m` of the patch's middle;
-  /// what is farther from it is not the object, whatever its colour.
-  /// Of the object, the patch or, where it is to be seen `whole`, all that has its colours: a long
-  /// one shows on both sides of the hand.
+  /// what is farther from it is not the object, whatever its colour. Rays to what has the colours
+  /// of neither hand nor object end there: it may be the object's rim. Of the object, the patch or,
+  /// where it is to be seen `whole`, all that has its colours: a long one shows on both sides of
+  /// the hand.
   BodyView view_body(const RgbdFrame& frame, const std::string& object, const Patch& patch,
                      double reach_m, bool whole) const;
   /// Part of the rays to a sphere's middle that end before they would have passed it, 0..1: a

@@ -44,13 +44,14 @@ void for_each_offset(const Rays& rays, double radius_m, const Eigen::Vector3d& c
     use(off, length, length - radius_m, rays.seen.counted_part(inward, point - rays.seen.eye_m));
   }
   const Eigen::Vector3d from_eye = center - rays.seen.eye_m;
+  const double passing_m = std::max(0.0, radius_m - rays.seen.looks_beside * from_eye.norm());
   for (const auto& [direction, length_m] : rays.past) {
     const Eigen::Vector3d off =
         from_eye - std::clamp(from_eye.dot(direction), 0.0, length_m) * direction;
     const double square = off.squaredNorm();
-    if (square >= radius_m * radius_m) continue;
+    if (square >= passing_m * passing_m) continue;
     const double length = std::sqrt(square);
-    use(off, length, length - radius_m, 1.0);
+    use(off, length, length - passing_m, 1.0);
   }
 }
 

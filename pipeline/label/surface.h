@@ -54,6 +54,8 @@ class Segmenter {
     return M_PI * radius_m * radius_m / (depth_m * depth_m) * depth_.fx * depth_.fy;
   }
   bool in_picture(const Eigen::Vector3d& position_m) const;
+  /// A depth pixel's width over its distance.
+  double pixel_rad() const { return 1.0 / depth_.fx; }
   /// Where the depth camera stands.
   Eigen::Vector3d depth_eye_m() const { return depth_origin_m_.cast<double>(); }
   const Camera& color_camera() const { return color_; }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "pipeline/label/learn_shape.h"
 #include "pipeline/label/sphere_fit.h"
 #include "tests/pipeline/drawn_body.h"
 
@@ -46,6 +47,19 @@ TEST(LabelSphere, TheRightRadiusCostsLeast) {
   const double cost = fit_sphere(view, radius_m).cost_m2;
   EXPECT_LT(cost, fit_sphere(view, 0.9 * radius_m).cost_m2);
   EXPECT_LT(cost, fit_sphere(view, 1.1 * radius_m).cost_m2);
+}
+
+/// Depths err by 2 mm, and at the rim half a pixel decides what a pixel sees.
+TEST(LabelSphere, ItsRadiusIsLearntToAPartInAHundred) {
+  std::vector<BodyView> views;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    views.push_back(draw({Eigen::Vector3d::Zero(), radius_m},
+                         Eigen::Isometry3d(Eigen::Translation3d(drawn_at)), nothing_hides, seed,
+                         0.002, 0.5));
+    views.back().looks_beside = drawn_pixel_m / drawn_at.z();
+  }
+  for (const double silhouette_m : {0.025, 0.029, 0.034})
+    EXPECT_NEAR(learn_shape(views, silhouette_m, 1).radius_m, radius_m, 0.01 * radius_m);
 }
 
 TEST(LabelSphere, OnePointIsEnoughForAnAnswer) {

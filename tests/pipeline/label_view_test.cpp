@@ -62,6 +62,25 @@ TEST(LabelView, AWallOfTheObjectsColourLiesBehindIt) {
   }
 }
 
+/// Its rays would pass through the object if it were something before it; those to a hand do.
+TEST(LabelView, WhatHasTheColourOfNeitherMayBeTheObjectsRim) {
+  const SceneModel scene = model();
+  auto rimmed = frame();
+  for (int v = object_box.y; v < object_box.y + object_box.height; ++v)
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      rimmed.color[3 * static_cast<std::size_t>(v * width + object_box.x) + channel] = 90;
+  const auto patch =
+      find_patch(scene.see(rimmed, "ball"), Body::object, {0.17, -0.03, 1.0}, 0.15, 12);
+  ASSERT_TRUE(patch);
+  int rim = 0, hand = 0;
+  for (const auto& point : scene.view_body(rimmed, "ball", *patch, 0.4, false).seen_past_m) {
+    rim += std::abs(point.z() - 1.0) < 1e-3;
+    hand += point.z() > 1.01 && point.z() < 1.02;
+  }
+  EXPECT_GE(rim, object_box.height - 2);
+  EXPECT_GT(hand, 0);
+}
+
 TEST(LabelView, DepthsFarAwayAreNoisy) {
   const SceneModel scene = model();
   Patch near, far;

@@ -33,14 +33,10 @@ inline std::optional<double> hit_m(const RoundedBox& box, const Eigen::Isometry3
   return std::nullopt;
 }
 
-inline constexpr double drawn_pixel_m = 0.0035;  ///< at the body's distance
-
-/// How a depth camera at the origin sees a body; what hides it is 1 cm before it. Pixels look
-/// beside their rays by the part `beside_px` of their width (deviation).
+/// How a depth camera at the origin sees a body; what hides it is 1 cm before it.
 inline BodyView draw(const RoundedBox& box, const Eigen::Isometry3d& pose, const Hides& hides,
-                     std::uint64_t seed = 1, double depth_noise_m = drawn_noise_m,
-                     double beside_px = 0.0) {
-  constexpr double pixel_m = drawn_pixel_m, half_view_m = 0.09, wall_m = 2.0, over_surface_m = 0.01;
+                     std::uint64_t seed = 1, double depth_noise_m = drawn_noise_m) {
+  constexpr double pixel_m = 0.0035, half_view_m = 0.09, wall_m = 2.0, over_surface_m = 0.01;
   RandomStream random(seed, "body view");
   BodyView view;
   view.noise_ratio = std::max(1.0, depth_noise_m / usual_depth_sigma_m);
@@ -48,11 +44,8 @@ inline BodyView draw(const RoundedBox& box, const Eigen::Isometry3d& pose, const
     for (double x = -half_view_m; x <= half_view_m; x += pixel_m) {
       const Eigen::Vector3d& at = pose.translation();
       const Eigen::Vector3d ray = (at + Eigen::Vector3d(x, y, 0.0)) / at.z();
+      const auto hit = hit_m(box, pose, ray);
       const double noise_m = depth_noise_m * random.normal();
-      Eigen::Vector3d looked = ray;
-      if (beside_px > 0.0)
-        for (int i = 0; i < 2; ++i) looked[i] += beside_px * pixel_m / at.z() * random.normal();
-      const auto hit = hit_m(box, pose, looked);
       if (hit && hides(x, y))
         view.seen_past_m.push_back(((*hit - over_surface_m + noise_m) * ray).cast<float>());
       else if (hit)

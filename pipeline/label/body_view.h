@@ -33,7 +33,7 @@ struct BodyView {
 inline constexpr double usual_depth_sigma_m = 0.0015;
 
 /// Points of one surface share much of their error: so much each, were they independent.
-inline constexpr double point_sigma_m = 0.003;
+inline constexpr double point_sigma_m = 0.003, sphere_point_sigma_m = 0.002;
 
 /// Geman and McClure's loss of a distance: that of strays stays below half the square of `width`.
 struct RobustLoss {

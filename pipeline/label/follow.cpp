@@ -35,7 +35,8 @@ constexpr double edge_part = 0.25;
 constexpr double least_sigma_m = 0.0003, most_sigma_m = 0.03;
 
 /// Deviations of a body's centre along the axes, of which the part `visible` is seen.
-Eigen::Vector3d deviations(const Eigen::Matrix3d& information, double visible) {
+Eigen::Vector3d deviations(const Eigen::Matrix3d& information, double visible,
+                           double point_sigma_m) {
   const double point_m2 = point_sigma_m * point_sigma_m * (1.0 + edge_part / visible);
   const Eigen::Matrix3d least =
       Eigen::Matrix3d::Identity() * point_m2 / (most_sigma_m * most_sigma_m);
@@ -168,7 +169,7 @@ class Follower {
     const double visible =
         static_cast<double>(points) / scene_.segmenter.disc_pixels(shape_.radius_m, center_m.z());
     object.position_m = center_m;
-    object.sigma_m = deviations(information, visible);
+    object.sigma_m = deviations(information, visible, pose_ ? point_sigma_m : sphere_point_sigma_m);
   }
 
   /// Where the object would be in the hand; nothing of one that has left it and is not back yet.
@@ -278,7 +279,7 @@ ClipTrack follow(const SceneModel& scene, FramesAhead::Reader& frames, const Cli
     track.time_s.push_back(frame_time_s[i]);
   }
   follower.settle(track);
-  track.object_unevenness_m = scene.object_shape.at(clip.object).unevenness_m;
+  track.object_middle_sigma_m = scene.object_shape.at(clip.object).middle_sigma_m;
   track.restarts = follower.restarts();
   return track;
 }

@@ -21,7 +21,7 @@ struct Observation {
 struct ClipTrack {
   std::vector<double> time_s;             ///< [frames]
   std::vector<Observation> hand, object;  ///< [frames]
-  double object_unevenness_m = 0.0;       ///< deviation of its shape's middle from the object's
+  double object_middle_sigma_m = 0.0;     ///< deviation of its shape's middle from the object's
   int restarts = 0;                       ///< times a tracker was set on its target anew
 };
 

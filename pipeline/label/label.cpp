@@ -137,7 +137,8 @@ nlohmann::json flights_summary(const SmoothedTracks& smoothed) {
 nlohmann::json shapes_summary(const SceneModel& scene) {
   nlohmann::json shapes;
   for (const auto& [object, shape] : scene.object_shape) {
-    shapes[object] = {{"unevenness_m", shape.unevenness_m}};
+    shapes[object] = {{"unevenness_m", shape.unevenness_m},
+                      {"middle_sigma_m", shape.middle_sigma_m}};
     if (shape.box) {
       const Eigen::Vector3d half = shape.box->half_extents_m();
       shapes[object]["half_extents_m"] = {half.x(), half.y(), half.z()};

@@ -52,9 +52,13 @@ std::optional<Eigen::Vector3d> find_hand(const Surface& surface) {
 }
 
 /// What the clips' boxes say of the object: about how large it is, how far from that its half width
-/// and height are, and how far it is from the hand.
+/// and height are (RMS), and how far it is from the hand.
 struct Boxed {
   double radius_m, uneven_m, from_hand_m;
+
+  /// Of an ellipsoid that is turned at random, the middle that is seen of its part within 60
+  /// degrees of the ray to it is as far off along an axis of the image.
+  ObjectShape sphere() const { return {radius_m, std::nullopt, uneven_m, 1.44 * uneven_m}; }
 };
 
 /// What moves within a toss of where the hand has the object; nothing if no hand is seen.
@@ -101,25 +105,27 @@ Surface all_near_hand(const SampledFrames& samples, const Boxed& boxed) {
   return all;
 }
 
-/// Medians over the clips whose first frame shows the hand: of a disc as large as the object's box,
+/// Over the clips whose first frame shows the hand; medians of a disc as large as the object's box,
 /// at the hand's distance.
 Boxed boxed_object(const SceneModel& model, const std::string& object,
                    const SampledFrames& samples) {
   const auto& camera = model.segmenter.color_camera();
-  std::vector<double> radii, uneven, distances;
+  std::vector<double> radii, distances;
+  double uneven_m2 = 0.0;
   for (const auto& sample : samples) {
     const auto& box = sample.clip->object_box;
     if (sample.index != sample.clip->first || !sample.hand_m) continue;
     const double z = sample.hand_m->z(), half_pixel_m = 0.5 * z / camera.fx;
     radii.push_back(half_pixel_m * std::sqrt(static_cast<double>(box.width * box.height)));
-    uneven.push_back(half_pixel_m * 0.5 * std::abs(box.width - box.height));
+    uneven_m2 += std::pow(half_pixel_m * 0.5 * (box.width - box.height), 2);
     const Eigen::Vector2d middle(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
     distances.push_back((z * camera.unproject(middle) - *sample.hand_m).norm());
   }
   if (radii.empty())
     throw data_error(fmt::format("no hand was found in the boxes of the clips with '{}'", object),
                      "give boxes that lie on the hand in each clip's first frame");
-  return {median(std::move(radii)), median(std::move(uneven)), median(std::move(distances))};
+  return {median(radii), std::sqrt(uneven_m2 / static_cast<double>(radii.size())),
+          median(std::move(distances))};
 }
 
 /// The part of its disc that an object shows where it shows most.
@@ -158,10 +164,9 @@ ObjectShape object_shape(const SceneModel& model, const FrameSource& frames,
     views[i].looks_beside = model.segmenter.pixel_rad();
   });
   const double part = quantile(std::move(parts), silhouette_quantile);
-  const ObjectShape boxed_sphere{boxed.radius_m, std::nullopt, boxed.uneven_m};
-  if (part < shown_at_all) return boxed_sphere;
+  if (part < shown_at_all) return boxed.sphere();
   const auto shape = learn_shape(views, silhouette_m, threads);
-  return part < shown_well && !shape.box ? boxed_sphere : shape;
+  return part < shown_well && !shape.box ? boxed.sphere() : shape;
 }
 
 /// Sightings of an object like the hand: while they are apart.
@@ -200,7 +205,7 @@ void learn_object(SceneModel& model, const FrameSource& frames, const std::strin
     model.like_the_hand.insert(object);
     colors.learn_object_from({});
     classify(colors, samples);
-    model.object_shape[object] = {boxed.radius_m, std::nullopt, boxed.uneven_m};
+    model.object_shape[object] = boxed.sphere();
     sightings = look_beside_the_hand(model, object, samples, boxed);
   }
   if (!sightings.empty())

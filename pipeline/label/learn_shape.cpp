@@ -16,6 +16,9 @@ namespace {
 constexpr std::size_t most_box_views = 32, box_points = 500;
 constexpr double box_passing_radii = 1.5;
 constexpr double smooth_noise_ratio = 3.0;
+/// Of the part of a sphere that lies within 60 degrees of the ray to it, uneven as an ellipsoid is:
+/// how far off its middle comes out, along an axis of the image, for what is left.
+constexpr double middle_per_unevenness = 2.7;
 constexpr double uneven_m = 0.0015;   // no sphere is so rough
 constexpr double much_better = 0.33;  // part of the sphere's unevenness
 
@@ -124,17 +127,17 @@ std::vector<BodyView> clearest_of(std::vector<BodyView> views) {
 
 ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m, int threads) {
   const double radius_m = fitted_radius(smooth_in(views), silhouette_m, threads);
-  const ObjectShape sphere{radius_m, std::nullopt,
-                           beyond_noise(deviation(views, threads, [&](const BodyView& view) {
-                             return from_sphere(view, radius_m);
-                           }))};
-  if (sphere.unevenness_m < uneven_m) return sphere;
+  const double unevenness_m = beyond_noise(
+      deviation(views, threads, [&](const BodyView& view) { return from_sphere(view, radius_m); }));
+  const ObjectShape sphere{radius_m, std::nullopt, unevenness_m,
+                           middle_per_unevenness * unevenness_m};
+  if (unevenness_m < uneven_m) return sphere;
   const auto few = clearest_of(views);
   const auto box = learn_box(few, radius_m, threads);
   const double deviation_m =
       deviation(few, threads, [&](const BodyView& view) { return from_box(view, box); });
-  if (beyond_noise(deviation_m) > much_better * sphere.unevenness_m) return sphere;
-  return {radius_m, box, deviation_m};
+  if (beyond_noise(deviation_m) > much_better * unevenness_m) return sphere;
+  return {radius_m, box, deviation_m, deviation_m};
 }
 
 }  // namespace touchtrace::label

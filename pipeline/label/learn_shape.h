@@ -12,9 +12,12 @@ namespace touchtrace::label {
 struct ObjectShape {
   double radius_m = 0.0;          ///< of the sphere that fits best
   std::optional<RoundedBox> box;  ///< if no sphere stands for it
-  /// Deviation of the surface from it, and so of its middle from the body's: of a sphere beyond the
-  /// sensor's noise, of a box all of it, for its extents are learnt no better.
+  /// Deviation of the surface from it: of a sphere beyond the sensor's noise, of a box all of it.
   double unevenness_m = 0.0;
+  /// Deviation of its middle from the body's. Extents of a box are learnt no better than its
+  /// surface lies; a sphere leans on what shows of the body, and leaves less unevenness than it
+  /// hides.
+  double middle_sigma_m = 0.0;
 
   /// No point of the object is farther than this from its middle.
   double reach_m() const { return box ? box->circumradius_m() : radius_m; }

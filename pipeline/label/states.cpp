@@ -47,7 +47,7 @@ std::uint8_t quality(double time_s, const std::vector<double>& frame_time_s,
 
 /// The variance of what neighbouring measurements have in common and no smoother sees. Of the
 /// object: what smoothing leaves of the deviations of what was measured nearest, for its visible
-/// part changes slowly; its own unevenness; and where the hand hides it.
+/// part changes slowly; its shape's middle; and where the hand hides it.
 Variances object_systematic(double time_s, const ClipTrack& track,
                             const MotionNoise<double>& noise) {
   const Observation* nearest = nullptr;
@@ -59,7 +59,7 @@ Variances object_systematic(double time_s, const ClipTrack& track,
     nearest = &track.object[i];
   }
   Variances variances = Variances::Zero();
-  variances.head<3>().setConstant(track.object_unevenness_m * track.object_unevenness_m);
+  variances.head<3>().setConstant(track.object_middle_sigma_m * track.object_middle_sigma_m);
   if (!nearest) return variances;
   variances.head<3>() += noise.left_share() * nearest->sigma_m.cwiseAbs2();
   if (nearest->follows_hand) {

@@ -60,6 +60,26 @@ TEST(LabelSphere, ItsRadiusIsLearntThroughNoise) {
     EXPECT_NEAR(learn_shape(views, silhouette_m, 1).radius_m, radius_m, 0.005 * radius_m);
 }
 
+/// An egg as it may lie: the sphere leans on the end that shows.
+TEST(LabelSphere, TheMiddleOfWhatIsLongIsKnownLess) {
+  RandomStream random(1, "turns");
+  std::vector<BodyView> views;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    const Eigen::Vector4d turn(random.normal(), random.normal(), random.normal(), random.normal());
+    views.push_back(draw({{0.0, 0.0, 0.007}, 0.0215},
+                         Eigen::Translation3d(drawn_at) * Eigen::Quaterniond(turn.normalized()),
+                         nothing_hides, seed));
+  }
+  const auto shape = learn_shape(views, 0.024, 1);
+  ASSERT_FALSE(shape.box);
+  double across_m2 = 0.0;
+  for (const auto& view : views)
+    across_m2 += (fit_sphere(view, shape.radius_m).center_m - drawn_at).head<2>().squaredNorm();
+  const double across_m = std::sqrt(across_m2 / (2.0 * static_cast<double>(views.size())));
+  EXPECT_GT(shape.middle_sigma_m, 0.7 * across_m);
+  EXPECT_LT(shape.middle_sigma_m, 1.4 * across_m);
+}
+
 TEST(LabelSphere, OnePointIsEnoughForAnAnswer) {
   EXPECT_TRUE(fit_sphere({{}, {{0.0f, 0.0f, 1.0f}}, {}}, radius_m).center_m.allFinite());
 }

@@ -165,7 +165,7 @@ TEST(CorrelatedErrors, BadlySeenFramesDoNotRaiseTheScaleOfTheRest) {
   auto noise = truth;
   SmoothOptions options;
   options.robust = false;
-  find_jerk(tracks, noise, options);
+  find_jerk(tracks, noise, options, enough_rounds);
   // 2400 white errors know it to 1.5 %, and the course of the jerk takes up a little of them
   EXPECT_NEAR(noise.measurement_scale, truth.measurement_scale, 0.05);
 }

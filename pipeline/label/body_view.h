@@ -32,7 +32,8 @@ struct BodyView {
 /// Noise of depths that is no more than what else is wrong with a point.
 inline constexpr double usual_depth_sigma_m = 0.0015;
 
-/// Points of one surface share much of their error: so much each, were they independent.
+/// Points of one surface share much of their error: so much each, were they independent. Less of a
+/// sphere, which cannot be turned wrong.
 inline constexpr double point_sigma_m = 0.003, sphere_point_sigma_m = 0.002;
 
 /// Geman and McClure's loss of a distance: that of strays stays below half the square of `width`.

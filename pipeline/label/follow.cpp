@@ -35,9 +35,8 @@ constexpr double edge_part = 0.25;
 constexpr double least_sigma_m = 0.0003, most_sigma_m = 0.03;
 
 /// Deviations of a body's centre along the axes, of which the part `visible` is seen.
-Eigen::Vector3d deviations(const Eigen::Matrix3d& information, double visible,
-                           double point_sigma_m) {
-  const double point_m2 = point_sigma_m * point_sigma_m * (1.0 + edge_part / visible);
+Eigen::Vector3d deviations(const Eigen::Matrix3d& information, double visible, double of_point_m) {
+  const double point_m2 = of_point_m * of_point_m * (1.0 + edge_part / visible);
   const Eigen::Matrix3d least =
       Eigen::Matrix3d::Identity() * point_m2 / (most_sigma_m * most_sigma_m);
   const Eigen::Vector3d variance = (information + least).inverse().diagonal();

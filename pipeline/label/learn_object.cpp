@@ -51,14 +51,19 @@ std::optional<Eigen::Vector3d> find_hand(const Surface& surface) {
   return patch ? std::optional(patch->centroid_m) : std::nullopt;
 }
 
+/// Of an ellipsoid that is turned at random: how far off, along an axis of the image, the middle
+/// comes out that is seen of its part within 60 degrees of the ray to it, for half the RMS
+/// difference of its half width and half height.
+constexpr double middle_per_unevenness_of_boxes = 1.44;
+
 /// What the clips' boxes say of the object: about how large it is, how far from that its half width
 /// and height are (RMS), and how far it is from the hand.
 struct Boxed {
   double radius_m, uneven_m, from_hand_m;
 
-  /// Of an ellipsoid that is turned at random, the middle that is seen of its part within 60
-  /// degrees of the ray to it is as far off along an axis of the image.
-  ObjectShape sphere() const { return {radius_m, std::nullopt, uneven_m, 1.44 * uneven_m}; }
+  ObjectShape sphere() const {
+    return {radius_m, std::nullopt, uneven_m, middle_per_unevenness_of_boxes * uneven_m};
+  }
 };
 
 /// What moves within a toss of where the hand has the object; nothing if no hand is seen.

@@ -26,14 +26,15 @@ double reweight(WeightedTrack& track, const Trajectory& trajectory);
 bool find_weights(WeightedTrack& track, const MotionNoise<double>& noise,
                   const SmoothOptions& options);
 
+/// Of find_jerk: a few tell one share from another and mend a course that was found.
+inline constexpr int few_rounds = 6, enough_rounds = 12;
+
 /// Finds how freely a body moves from point to point, and in which direction: the `jerk` of every
 /// track, with the weights and the measurement scale that belong to it, by expectation and
 /// maximisation. What is expected of each jerk is averaged with its neighbours', in a Gaussian
-/// window, and with a share of the mean of all, which keeps rest from being absolute. It takes
-/// `rounds`: a few tell one share from another and mend a course that was found.
+/// window, and with a share of the mean of all, which keeps rest from being absolute.
 void find_jerk(std::vector<WeightedTrack>& tracks, MotionNoise<double>& noise,
                const SmoothOptions& options, int rounds);
-inline constexpr int few_rounds = 6, enough_rounds = 12;
 
 /// The share of the mean jerk that the course of the jerk is best held to; nothing if one density
 /// for all is better. The course is judged by measurements that it was not found from (to those

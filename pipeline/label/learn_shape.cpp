@@ -29,7 +29,7 @@ double fit_cost(const std::vector<BodyView>& views, double radius_m) {
 }
 
 /// As of a smooth sphere, where little else is wrong with a point than its depth: with weights that
-/// do not know that, its radius comes out 2 % too small.
+/// do not know that, its radius comes out 1 to 2 % too small.
 std::vector<BodyView> smooth_in(std::vector<BodyView> views) {
   for (auto& view : views) view.noise_ratio = std::max(view.noise_ratio, smooth_noise_ratio);
   return views;

@@ -30,11 +30,15 @@ void add_corners(const BoardProblem& problem, std::size_t view, ceres::LossFunct
   const BoardView& seen = problem.observations.views[view];
   const auto rotation = std::make_shared<ViewRotation>();
   for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
-    const Eigen::Vector3d flat_m = board.corner_m(seen.corner(i));
+    const int corner = seen.corner(i);
+    const Eigen::Vector3d flat_m = board.corner_m(corner);
+    std::vector<double*> blocks{p.color.data(), p.camera_from_board[view].data(),
+                                p.board_warp_m.data()};
+    if (print_is_free(problem)) blocks.push_back(p.board_offsets_m[std::size_t(corner)].data());
     ceres_problem.AddResidualBlock(
         new CornerCost<L>(flat_m, board.warp_shape(flat_m.head<2>()), seen.corners_px[i],
-                          problem.corner_sigma_px, rotation),
-        loss, p.color.data(), p.camera_from_board[view].data(), p.board_warp_m.data());
+                          problem.corner_sigma_px, rotation, print_is_free(problem)),
+        loss, blocks);
   }
 }
 
@@ -54,6 +58,17 @@ void add_color(const BoardProblem& problem, ceres::LossFunction* loss, RgbdParam
     if (std::ranges::find(problem.free_color, i) == problem.free_color.end()) fixed.push_back(i);
   if (!fixed.empty())
     ceres_problem.SetManifold(p.color.data(), new ceres::SubsetManifold(size, fixed));
+}
+
+/// Corners that no view shows have a prior, too, and stay where they should be.
+void add_print(const BoardProblem& problem, RgbdParameters& p, ceres::Problem& ceres_problem) {
+  const double sigma_m = problem.prior.print_sigma_m;
+  for (auto& offset_m : p.board_offsets_m) {
+    ceres_problem.AddResidualBlock(prior_of<3>({}, {sigma_m, sigma_m, sigma_m}), nullptr,
+                                   offset_m.data());
+    if (problem.depth_only || problem.fixed_camera)
+      ceres_problem.SetParameterBlockConstant(offset_m.data());
+  }
 }
 
 void add_depth(const BoardProblem& problem, ceres::LossFunction* loss, RgbdParameters& p,
@@ -89,12 +104,15 @@ std::vector<std::size_t> used_views(const BoardProblem& problem) {
 }
 
 std::unique_ptr<ceres::Problem> make_problem(const BoardProblem& problem, RgbdParameters& p) {
-  auto result = std::make_unique<ceres::Problem>();
+  ceres::Problem::Options options;
+  options.disable_all_safety_checks = true;  // the blocks are members of one struct
+  auto result = std::make_unique<ceres::Problem>(options);
   auto* loss = new ceres::HuberLoss(problem.loss_sigmas);
   with_lens(p.lens, [&](auto l) { add_color<decltype(l)>(problem, loss, p, *result); });
   const double warp_sigma_m = problem.prior.warp_sigma_m;
   result->AddResidualBlock(prior_of<2>({}, {warp_sigma_m, warp_sigma_m}), nullptr,
                            p.board_warp_m.data());
+  if (print_is_free(problem)) add_print(problem, p, *result);
   if (!problem.samples.empty()) add_depth(problem, loss, p, *result);
   if (problem.depth_only || problem.fixed_camera) {
     result->SetParameterBlockConstant(p.color.data());
@@ -105,6 +123,14 @@ std::unique_ptr<ceres::Problem> make_problem(const BoardProblem& problem, RgbdPa
       result->SetParameterBlockConstant(p.camera_from_board[view].data());
   }
   return result;
+}
+
+Eigen::Vector3d corner_on_board(const Chessboard& board, int corner, const RgbdParameters& p) {
+  Eigen::Vector3d place_m = board.corner_m(corner);
+  place_m.z() += board.warp_shape(place_m.head<2>())
+                     .dot(Eigen::Map<const Eigen::Vector2d>(p.board_warp_m.data()));
+  if (!p.board_offsets_m.empty()) place_m += p.board_offsets_m[std::size_t(corner)];
+  return place_m;
 }
 
 Eigen::Isometry3d pose_of(const std::array<double, 6>& p) {
@@ -138,12 +164,9 @@ std::vector<Eigen::Vector2d> corner_residuals(const BoardObservations& observati
   std::vector<Eigen::Vector2d> residuals;
   const BoardView& seen = observations.views[view];
   const Eigen::Isometry3d pose = pose_of(p.camera_from_board[view]);
-  const Eigen::Vector2d warp_m(p.board_warp_m[0], p.board_warp_m[1]);
   with_lens(p.lens, [&](auto l) {
     for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
-      const Eigen::Vector3d flat_m = observations.board.corner_m(seen.corner(i));
-      const double bulge_m = observations.board.warp_shape(flat_m.head<2>()).dot(warp_m);
-      const Eigen::Vector3d point = pose * (flat_m + bulge_m * Eigen::Vector3d::UnitZ());
+      const Eigen::Vector3d point = pose * corner_on_board(observations.board, seen.corner(i), p);
       if (l.sees(point))
         residuals.push_back(seen.corners_px[i] - project_point<decltype(l)>(p.color.data(), point));
       else

@@ -16,6 +16,8 @@ struct RgbdParameters {
   Lens lens = Radtan4{};
   std::array<double, max_intrinsics> color{};  ///< fx fy cx cy [px], coefficient_names(lens), zeros
   std::array<double, 2> board_warp_m{};        ///< of Chessboard::warp_shape
+  /// How far off each corner of the warped board was printed, in the board's frame; empty: not.
+  std::vector<Eigen::Vector3d> board_offsets_m;
   std::array<double, 6> depth_from_color{};
   std::array<double, 4> depth{};                     ///< fx fy cx cy [px]
   std::array<double, 2> depth_correction{1.0, 0.0};  ///< scale, offset [m]
@@ -25,6 +27,10 @@ struct RgbdParameters {
 
 /// The rigid motion of an angle-axis and a translation.
 Eigen::Isometry3d pose_of(const std::array<double, 6>& pose);
+
+/// Where a corner of the board is [m]: it is warped, and printed not quite where it should be.
+Eigen::Vector3d corner_on_board(const Chessboard& board, int corner,
+                                const RgbdParameters& parameters);
 
 /// How the board moves while a view is taken, in the colour camera's frame.
 struct BoardMotion {
@@ -47,6 +53,7 @@ struct DepthSample {
 struct Prior {
   std::array<double, max_intrinsics> color_mean{}, color_sigma{};
   double warp_sigma_m = 0.0;
+  double print_sigma_m = 0.0;  ///< of board_offsets_m in each direction; 0: there are none
   std::array<double, 4> depth_mean{}, depth_sigma{};
   std::array<double, 6> pose_sigma{};        ///< of depth_from_color, about the identity
   std::array<double, 2> correction_sigma{};  ///< about scale 1, offset 0
@@ -57,8 +64,10 @@ struct Prior {
 ///     sum |corner - project(camera_from_board X)|^2 / corner_sigma_px^2
 ///   + sum ((board's depth along the pixel's ray - offset) / scale - measured)^2 / sigma_m^2 +
 ///   priors.
-/// X lies on the warped board. The depth's error stands in measured depth, so that its noise does
-/// not bias the scale.
+/// X lies on the warped board, off by its corner's offset where the print is free. Those have the
+/// mean zero, so that the board keeps its size. They are far below the noise of the depth, whose
+/// board is warped only. The depth's error stands in measured depth, so that its noise does not
+/// bias the scale.
 struct BoardProblem {
   const BoardObservations& observations;
   std::vector<bool> used;            ///< [views]
@@ -74,6 +83,9 @@ struct BoardProblem {
   bool fixed_camera = false;  ///< only the board's poses move; without depth
 };
 
+/// True if the corners' offsets are unknowns; then there is one for each corner.
+inline bool print_is_free(const BoardProblem& problem) { return problem.prior.print_sigma_m > 0.0; }
+
 /// Solves from `parameters`. False if Ceres did not converge or a number is not finite.
 bool solve(const BoardProblem& problem, RgbdParameters& parameters);
 
@@ -87,8 +99,8 @@ double board_depth_m(const DepthSample& sample, const RgbdParameters& parameters
 
 /// Names of the parameters that covariance() speaks of, in its order.
 std::vector<std::string> parameter_names(const BoardProblem& problem, const Lens& lens);
-/// J'J at `parameters`, of parameter_names() and behind them the poses; empty if it cannot be
-/// evaluated.
+/// J'J at `parameters`, of parameter_names() and behind them the poses, the board's offsets
+/// marginalised out; empty if it cannot be evaluated.
 Eigen::MatrixXd information(const BoardProblem& problem, RgbdParameters parameters);
 /// Inverse of an information, all but its first `size` marginalised out; empty if it is singular.
 Eigen::MatrixXd marginal_covariance(const Eigen::MatrixXd& information, Eigen::Index size);

@@ -8,6 +8,7 @@
 #include <ctime>
 
 #include "calib/rgbd/board_motion.h"
+#include "calib/rgbd/board_print.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/cross_validation.h"
 #include "calib/rgbd/depth_fit.h"
@@ -91,8 +92,7 @@ bool solve_jointly(BoardProblem& problem, RgbdParameters& p, DepthNoise& noise) 
     throw_if_interrupted();
     noise = weigh_samples(problem.samples, p, round > 0);
     if (!solve(problem, p)) return false;
-    problem.corner_sigma_px =
-        corner_noise_px(problem.observations, problem.used, problem.free_color.size(), p);
+    problem.corner_sigma_px = noise_of_corners_px(problem, p);
   }
   return true;
 }
@@ -139,12 +139,10 @@ RgbdCalibration calibrate(const BoardObservations& observations,
   require_views(observations, std::ranges::count(different, true), "different");
   const ColorFit color = fit_color(observations, different, settings.lenses);
   if (!color.converged) throw no_convergence();
-  BoardProblem problem{observations, {}, {}, color_prior(observations, color.parameters.lens)};
   require_views(observations, std::ranges::count(color.used, true), "usable");
+  BoardProblem problem = color_problem(observations, color);
   RgbdParameters parameters = color.parameters;
-  problem.used = color.used;
-  problem.free_color = color.free_color;
-  problem.corner_sigma_px = color.corner_sigma_px;
+  const double print_gain = choose_print(problem, parameters);
   add_depth_prior(observations, parameters, problem.prior);
   parameters.depth = problem.prior.depth_mean;
   problem.free_delay = shows_delay(board_motions(observations, color.used, parameters));
@@ -154,7 +152,7 @@ RgbdCalibration calibrate(const BoardObservations& observations,
     throw no_convergence();
   RgbdCalibration calibration = calibration_of(problem, parameters);
   calibration.details =
-      calibration_details({problem, parameters, calibration, color, noise, different});
+      calibration_details({problem, parameters, calibration, color, noise, different, print_gain});
   const std::chrono::duration<double> wall_s = std::chrono::steady_clock::now() - wall;
   calibration.details["solving"] = {
       {"wall_s", wall_s.count()},

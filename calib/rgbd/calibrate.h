@@ -12,9 +12,10 @@ struct CalibrateSettings {
   bool cross_validate = false;           ///< fit again without a tenth of the views, ten times
 };
 
-/// Intrinsics, distortion, the board's poses and warp, and (where views have depth images)
-/// RGB-to-depth pose, depth intrinsics, scale, offset and delay, in one robust least-squares
-/// problem with covariance. The delay is estimated where the views are stamped and the board moves.
+/// Intrinsics, distortion, the board's poses, warp and (where they tell it) print, and (where views
+/// have depth images) RGB-to-depth pose, depth intrinsics, scale, offset and delay, in one robust
+/// least-squares problem with covariance. The delay is estimated where the views are stamped and
+/// the board moves.
 ///
 /// The depth camera's intrinsics carry a prior: the factory's within 0.5 %, or, where unknown, the
 /// colour camera's within 10 %. `details` says what the data did not tell. Deterministic. Throws

@@ -14,9 +14,9 @@ namespace touchtrace {
 
 /// A calibrated RGBD camera. True depth [m] = depth_offset_m + depth_scale * measured depth [m].
 ///
-/// The covariance is of the free parameters alone, with the board poses marginalised out. Names:
-/// color.fx .. color.cy [px] and the lens's free coefficients, board.warp_x, board.warp_y [m],
-/// depth_from_color.rx .. rz [rad] (R = exp(r) R_estimated), depth_from_color.tx .. tz [m],
+/// The covariance is of the free parameters alone, the board's poses and print marginalised out.
+/// Names: color.fx .. color.cy [px] and the lens's free coefficients, board.warp_x, board.warp_y
+/// [m], depth_from_color.rx .. rz [rad] (R = exp(r) R_estimated), depth_from_color.tx .. tz [m],
 /// depth.fx .. depth.cy [px], depth.scale, depth.offset [m], depth.delay [s].
 struct RgbdCalibration {
   Camera color;

@@ -17,15 +17,12 @@ namespace {
 
 constexpr double unbounded = std::numeric_limits<double>::infinity();
 constexpr double outlier_ratio = 3.0;  ///< a view's RMS over the median view's
-constexpr double smallest_sigma_px =
-    1e-6;  ///< of data without noise, where weights lose their meaning
 constexpr int robust_rounds = 2;
 constexpr double poor_px = 1.0;
 constexpr double much_worse = 2.0;
 constexpr double settling_tolerance = 1e-5;
 constexpr int most_trial_iterations = 100;
-constexpr double worth_a_mention = 2.0, very_strong = 10.0;  ///< BIC (Kass and Raftery, JASA 1995)
-constexpr double trial_bic_error = 0.001;                    ///< of a trial that is not solved out
+constexpr double trial_bic_error = 0.001;  ///< of a trial that is not solved out
 
 std::vector<double> view_rms(const BoardProblem& problem, const RgbdParameters& parameters) {
   std::vector<double> values;
@@ -42,13 +39,6 @@ double sum_of_squares(const BoardObservations& observations, const std::vector<b
       for (const auto& residual : corner_residuals(observations, view, parameters))
         sum += residual.squaredNorm();
   return sum;
-}
-
-double number_of_coordinates(const BoardObservations& observations, const std::vector<bool>& used) {
-  std::size_t corners = 0;
-  for (std::size_t view = 0; view < used.size(); ++view)
-    if (used[view]) corners += observations.views[view].corners_px.size();
-  return 2.0 * static_cast<double>(corners);
 }
 
 double median_of(const std::vector<double>& values, const std::vector<bool>& chosen) {
@@ -80,7 +70,7 @@ Settled settle(const BoardObservations& observations, const std::vector<bool>& u
     const double typical = median_of(values, usable);
     for (std::size_t view = 0; view < values.size(); ++view)
       problem.used[view] = usable[view] && values[view] <= outlier_ratio * typical;
-    problem.corner_sigma_px = std::max(typical / std::sqrt(2.0), smallest_sigma_px);
+    problem.corner_sigma_px = std::max(typical / std::sqrt(2.0), smallest_corner_sigma_px);
     result.typical_rms_px = converged && std::isfinite(typical) ? typical : unbounded;
   }
   result.used = problem.used, result.sigma_px = problem.corner_sigma_px;
@@ -177,7 +167,7 @@ Fitted fit_lens(BoardProblem& problem, const LensChoice& choice, RgbdParameters 
   fitted.free_color = problem.free_color;
   const double squares =
       std::max(sum_of_squares(problem.observations, problem.used, fitted.parameters),
-               count * smallest_sigma_px * smallest_sigma_px);
+               count * smallest_corner_sigma_px * smallest_corner_sigma_px);
   fitted.bic = count * std::log(squares / count) +
                static_cast<double>(fitted.free_color.size()) * std::log(count);
   return fitted;
@@ -197,14 +187,6 @@ Settlements settlements(const BoardObservations& observations, const std::vector
   return all;
 }
 
-/// From where its trial ended.
-bool solve_chosen(const BoardObservations& observations, ColorFit& fit, double sigma_px) {
-  BoardProblem problem{
-      observations, fit.used, {}, color_prior(observations, fit.parameters.lens), fit.free_color};
-  problem.corner_sigma_px = sigma_px;
-  return solve(problem, fit.parameters);
-}
-
 /// By how much a lens must be better than the one chosen so far.
 double asked_of(const Lens& lens, const ColorFit& fit) {
   if (!fit.converged) return 0.0;
@@ -213,6 +195,20 @@ double asked_of(const Lens& lens, const ColorFit& fit) {
 }
 
 }  // namespace
+
+double number_of_coordinates(const BoardObservations& observations, const std::vector<bool>& used) {
+  std::size_t corners = 0;
+  for (std::size_t view = 0; view < used.size(); ++view)
+    if (used[view]) corners += observations.views[view].corners_px.size();
+  return 2.0 * static_cast<double>(corners);
+}
+
+BoardProblem color_problem(const BoardObservations& observations, const ColorFit& fit) {
+  BoardProblem problem{
+      observations, fit.used, {}, color_prior(observations, fit.parameters.lens), fit.free_color};
+  problem.corner_sigma_px = fit.corner_sigma_px;
+  return problem;
+}
 
 double rms(const std::vector<Eigen::Vector2d>& residuals) {
   double sum = 0.0;
@@ -232,7 +228,7 @@ double corner_noise_px(const BoardObservations& observations, const std::vector<
                           6.0 * static_cast<double>(std::ranges::count(used, true));
   const double freedom = std::max(1.0, number_of_coordinates(observations, used) - unknowns);
   return std::max(std::sqrt(sum_of_squares(observations, used, parameters) / freedom),
-                  smallest_sigma_px);
+                  smallest_corner_sigma_px);
 }
 
 ColorFit fit_color(const BoardObservations& observations, const std::vector<bool>& usable,
@@ -244,6 +240,7 @@ ColorFit fit_color(const BoardObservations& observations, const std::vector<bool
   fit.used = settled.better().used;
   BoardProblem problem{observations, fit.used, {}, {}};
   problem.corner_sigma_px = settled.better().sigma_px;
+  fit.corner_sigma_px = problem.corner_sigma_px;
   double best = unbounded;
   std::vector<Fitted> earlier;
   for (const LensChoice& choice : choices) {
@@ -259,7 +256,7 @@ ColorFit fit_color(const BoardObservations& observations, const std::vector<bool
     if (std::isfinite(fitted.bic)) earlier.push_back(fitted);
   }
   for (auto& trial : fit.trials) trial.bic -= best;
-  fit.converged = fit.converged && solve_chosen(observations, fit, problem.corner_sigma_px);
+  fit.converged = fit.converged && solve(color_problem(observations, fit), fit.parameters);
   if (fit.converged)
     fit.corner_sigma_px =
         corner_noise_px(observations, fit.used, fit.free_color.size(), fit.parameters);

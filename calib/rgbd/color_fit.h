@@ -6,6 +6,11 @@
 
 namespace touchtrace {
 
+/// Of data without noise, where weights lose their meaning.
+inline constexpr double smallest_corner_sigma_px = 1e-6;
+/// How much BIC must speak for something (Kass and Raftery, JASA 1995).
+inline constexpr double worth_a_mention = 2.0, very_strong = 10.0;
+
 /// One lens tried on the corners.
 struct LensTrial {
   std::string name;  ///< lens_name(); "none": no radial coefficients
@@ -35,8 +40,14 @@ struct ColorFit {
 ColorFit fit_color(const BoardObservations& observations, const std::vector<bool>& usable,
                    const std::vector<std::string>& names);
 
+/// The problem of the used views once the lens is chosen; for the board as it should be.
+BoardProblem color_problem(const BoardObservations& observations, const ColorFit& fit);
+
+/// Two for each corner of the used views.
+double number_of_coordinates(const BoardObservations& observations, const std::vector<bool>& used);
+
 /// Noise of a corner's coordinate [px] from the residuals of the used views and the degrees of
-/// freedom.
+/// freedom, on an ideal board.
 double corner_noise_px(const BoardObservations& observations, const std::vector<bool>& used,
                        std::size_t free_color, const RgbdParameters& parameters);
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <ceres/cost_function.h>
 #include <ceres/jet.h>
 #include <ceres/rotation.h>
-#include <ceres/sized_cost_function.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -34,20 +34,24 @@ class ViewRotation {
 };
 
 /// One corner's pixel through the lens L, projected minus measured, in units of sigma. Parameters:
-/// intrinsics, camera_from_board, the board's warp. The lens is differentiated automatically, what
-/// is before it by hand.
+/// intrinsics, camera_from_board, the board's warp and, if it is free, the corner's offset. The
+/// lens is differentiated automatically, what is before it by hand.
 template <class L>
-class CornerCost final
-    : public ceres::SizedCostFunction<2, 4 + static_cast<int>(L::coefficients.size()), 6, 2> {
+class CornerCost final : public ceres::CostFunction {
  public:
   CornerCost(const Eigen::Vector3d& flat_m, const Eigen::Vector2d& warp_shape,
              const Eigen::Vector2d& measured_px, double sigma_px,
-             std::shared_ptr<ViewRotation> rotation)
+             std::shared_ptr<ViewRotation> rotation, bool free_offset)
       : flat_m_(flat_m),
         warp_shape_(warp_shape),
         measured_px_(measured_px),
         sigma_px_(sigma_px),
-        rotation_(std::move(rotation)) {}
+        rotation_(std::move(rotation)),
+        free_offset_(free_offset) {
+    set_num_residuals(2);
+    *mutable_parameter_block_sizes() = {4 + coefficients, 6, 2};
+    if (free_offset) mutable_parameter_block_sizes()->push_back(3);
+  }
 
   bool Evaluate(double const* const* parameters, double* residual,
                 double** jacobians) const override {
@@ -56,6 +60,7 @@ class CornerCost final
     rotation_->take(turn);
     Eigen::Vector3d on_board = flat_m_;
     on_board.z() += warp_shape_.dot(Eigen::Map<const Eigen::Vector2d>(parameters[2]));
+    if (free_offset_) on_board += Eigen::Map<const Eigen::Vector3d>(parameters[3]);
     const Eigen::Vector3d turned = rotation_->matrix * on_board, p = turned + shift;
     if (!L::sees(p)) return false;
     std::array<Jet, coefficients> k;
@@ -98,12 +103,17 @@ class CornerCost final
       Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>> by_warp(jacobians[2]);
       by_warp = by_point * rotation_->matrix.col(2) * warp_shape_.transpose();
     }
+    if (free_offset_ && jacobians[3] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> by_offset(jacobians[3]);
+      by_offset = by_point * rotation_->matrix;
+    }
   }
 
   Eigen::Vector3d flat_m_;
   Eigen::Vector2d warp_shape_, measured_px_;
   double sigma_px_;
   std::shared_ptr<ViewRotation> rotation_;
+  bool free_offset_;
 };
 
 /// Depth of the board along the ray of the sample's pixel; `depth`: fx fy cx cy.

@@ -2,10 +2,10 @@
 #include <fmt/core.h>
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 
 #include "calib/rgbd/board_problem.h"
 #include "calib/rgbd/ceres_problem.h"
+#include "calib/rgbd/normal_equations.h"
 #include "calib/rgbd/rotation.h"
 #include "engine/base/random.h"
 
@@ -28,50 +28,11 @@ constexpr const char* depth_names[] = {"depth_from_color.rx",
                                        "depth.offset"};
 constexpr int draws = 4;  ///< pairs: each also with the opposite sign
 
-/// The blocks in the order of parameter_names(), then the poses.
-std::vector<double*> blocks_of(const BoardProblem& problem, RgbdParameters& p) {
-  std::vector<double*> blocks{p.color.data(), p.board_warp_m.data()};
-  if (!problem.samples.empty())
-    blocks.insert(blocks.end(),
-                  {p.depth_from_color.data(), p.depth.data(), p.depth_correction.data()});
-  if (!problem.samples.empty() && problem.free_delay) blocks.push_back(&p.depth_delay_s);
-  for (std::size_t view : used_views(problem)) blocks.push_back(p.camera_from_board[view].data());
-  return blocks;
-}
-
-/// Rows from `first` on that touch the same columns: the corners of a view.
-int rows_alike(const ceres::CRSMatrix& crs, int first) {
-  const auto begin = [&](int row) { return crs.cols.begin() + crs.rows[std::size_t(row)]; };
-  int last = first + 1;
-  while (last < crs.num_rows &&
-         std::equal(begin(first), begin(first + 1), begin(last), begin(last + 1)))
-    ++last;
-  return last - first;
-}
-
-MatrixXd square_of(const ceres::CRSMatrix& crs) {
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  MatrixXd sum = MatrixXd::Zero(crs.num_cols, crs.num_cols);
-  for (int row = 0, count; row < crs.num_rows; row += count) {
-    count = rows_alike(crs, row);
-    const int begin = crs.rows[std::size_t(row)], width = crs.rows[std::size_t(row) + 1] - begin;
-    const Eigen::Map<const RowMajor> part(crs.values.data() + begin, count, width);
-    const MatrixXd square = part.transpose() * part;
-    const int* cols = crs.cols.data() + begin;
-    for (int a = 0; a < width; ++a)
-      for (int b = 0; b < width; ++b) sum(cols[a], cols[b]) += square(a, b);
-  }
-  return sum;
-}
-
-/// J'J over blocks_of(); empty if it cannot be evaluated.
-MatrixXd information(const ceres::Problem& problem, const std::vector<double*>& blocks) {
-  ceres::Problem::EvaluateOptions options;
-  options.parameter_blocks = blocks;
-  ceres::CRSMatrix crs;
-  if (!const_cast<ceres::Problem&>(problem).Evaluate(options, nullptr, nullptr, nullptr, &crs))
-    return {};
-  return square_of(crs);
+/// J'J over parameter_names() and the poses, the board's offsets marginalised out; empty if it
+/// cannot be evaluated.
+MatrixXd information_at(const ceres::Problem& ceres_problem, const BoardProblem& problem,
+                        RgbdParameters& p) {
+  return without_offsets(normal_equations(ceres_problem, problem, p)).parameters;
 }
 
 /// Cholesky of the information with its diagonal scaled to 1.
@@ -146,7 +107,7 @@ std::vector<std::string> parameter_names(const BoardProblem& problem, const Lens
 }
 
 MatrixXd information(const BoardProblem& problem, RgbdParameters p) {
-  return information(*make_problem(problem, p), blocks_of(problem, p));
+  return information_at(*make_problem(problem, p), problem, p);
 }
 
 MatrixXd marginal_covariance(const MatrixXd& information, Eigen::Index size) {
@@ -163,8 +124,7 @@ MatrixXd covariance_of_estimate(const BoardProblem& problem, const RgbdParameter
   RgbdParameters p = estimate;
   const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
   const auto ceres_problem = make_problem(problem, p);
-  const auto blocks = blocks_of(problem, p);
-  const ScaledInverse inverse(information(*ceres_problem, blocks));
+  const ScaledInverse inverse(information_at(*ceres_problem, problem, p));
   if (!inverse.good) return {};
   RandomStream random(1, "around the estimate");
   MatrixXd mean = MatrixXd::Zero(size, size);
@@ -176,7 +136,7 @@ MatrixXd covariance_of_estimate(const BoardProblem& problem, const RgbdParameter
     for (double sign : {1.0, -1.0}) {
       p = estimate;
       move(problem, p, sign * step);
-      const MatrixXd there = information(*ceres_problem, blocks);
+      const MatrixXd there = information_at(*ceres_problem, problem, p);
       if (there.size() == 0) continue;  // behind the camera, or where the lens sees nothing
       const MatrixXd marginal = marginal_information(there, size);
       if (!marginal.allFinite() || marginal.size() == 0) continue;

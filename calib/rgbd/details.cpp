@@ -115,6 +115,15 @@ json not_told(const CalibrationResult& r) {
   return list;
 }
 
+json board_print(const CalibrationResult& r) {
+  json offsets_m = json::array();
+  for (const auto& o : r.parameters.board_offsets_m) offsets_m.push_back({o.x(), o.y(), o.z()});
+  return {{"chosen", print_is_free(r.problem) ? "free" : "ideal"},
+          {"bic_gain", std::isfinite(r.print_gain) ? json(r.print_gain) : json()},
+          {"sigma_m", r.problem.prior.print_sigma_m},
+          {"offsets_m", offsets_m}};
+}
+
 json sigmas(const RgbdCalibration& calibration) {
   json values = json::object();
   for (const auto& name : calibration.parameters) values[name] = deviation(calibration, name);
@@ -153,6 +162,7 @@ json calibration_details(const CalibrationResult& r) {
           {"advice", verdict.advice},
           {"lens", r.color.chosen},
           {"lenses", lenses(r.color)},
+          {"board_print", board_print(r)},
           {"corner_sigma_px", r.problem.corner_sigma_px},
           {"sigmas", sigmas(r.calibration)},
           {"projection_sigma_px", projection_map(r.calibration)},

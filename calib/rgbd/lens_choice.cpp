@@ -35,7 +35,8 @@ Eigen::Vector2d outermost(const BoardProblem& problem, const RgbdParameters& p) 
     const Eigen::Isometry3d pose = pose_of(p.camera_from_board[view]);
     const BoardView& seen = problem.observations.views[view];
     for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
-      const Eigen::Vector3d point = pose * problem.observations.board.corner_m(seen.corner(i));
+      const Eigen::Vector3d point =
+          pose * corner_on_board(problem.observations.board, seen.corner(i), p);
       const Eigen::Vector2d m =
           with_lens(p.lens, [&](auto l) -> Eigen::Vector2d { return l.spread(point); });
       if (m.norm() > farthest.norm()) farthest = m;

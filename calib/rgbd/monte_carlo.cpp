@@ -20,6 +20,7 @@ namespace {
 struct Run {
   Eigen::VectorXd error;
   double color_nees = 0.0, nees = 0.0, seconds = 0.0;
+  bool free_print = false;
   std::vector<std::string> names;
 };
 
@@ -33,8 +34,8 @@ double normalized_square(const Eigen::VectorXd& error, const Eigen::MatrixXd& co
   return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(error.size());
 }
 
-/// Tangential distortion and the board's warp are others each time, as the prior has them: a
-/// covariance with a prior is true on average over what the prior allows.
+/// Tangential distortion, the board's warp and its print are others each time, as the prior has
+/// them: a covariance with a prior is true on average over what the prior allows.
 SimulatedBoards as_the_prior_has_it(const SimulatedBoards& boards, RandomStream& random) {
   std::array<double, max_coefficients> lens;
   std::copy_n(boards.truth.color.begin() + 4, max_coefficients, lens.begin());
@@ -44,6 +45,8 @@ SimulatedBoards as_the_prior_has_it(const SimulatedBoards& boards, RandomStream&
   SimulatedBoards other = boards;
   if (boards.clean.views.front().depth_m.empty())
     other.truth.board_warp_m = {random.normal(0.0, warp_m), random.normal(0.0, warp_m)};
+  if (boards.print_sigma_m > 0.0)
+    other = misprinted(std::move(other), boards.print_sigma_m, random);
   return seen_through(std::move(other), boards.truth.lens, lens);
 }
 
@@ -55,6 +58,7 @@ Run run_once(const SimulatedBoards& all, int index) {
   const RgbdCalibration c = calibrate(observations, {.lenses = {lens_name(boards.truth.lens)}});
   Run run;
   run.seconds = thread_seconds() - start_s;
+  run.free_print = c.details["board_print"]["chosen"] == "free";
   run.names = c.parameters;
   run.error = errors(c, boards.truth);
   run.nees = normalized_square(run.error, c.covariance);
@@ -107,6 +111,7 @@ MonteCarlo monte_carlo(const SimulatedBoards& boards, int count) {
       throw failure("the data do not tell a parameter of the simulated lens",
                     "simulate less noise");
     squares += run.error.cwiseAbs2() / count;
+    result.free_prints += run.free_print;
     result.nees += run.nees / count;
     result.color_nees += run.color_nees / count;
     result.solve_seconds += run.seconds / count;

@@ -69,14 +69,10 @@ std::array<double, 6> pose_around(const Chessboard& board, RandomStream& random)
 
 std::vector<Eigen::Vector2d> projected(const SimulatedBoards& boards,
                                        const std::array<double, 6>& pose) {
-  const Chessboard& board = boards.clean.board;
   const RgbdParameters& truth = boards.truth;
-  const Eigen::Vector2d warp_m(truth.board_warp_m[0], truth.board_warp_m[1]);
   std::vector<Eigen::Vector2d> corners;
-  for (int i = 0; i < board.corners(); ++i) {
-    Eigen::Vector3d corner = board.corner_m(i);
-    corner.z() = board.warp_shape(corner.head<2>()).dot(warp_m);
-    const Eigen::Vector3d point = pose_of(pose) * corner;
+  for (int i = 0; i < boards.clean.board.corners(); ++i) {
+    const Eigen::Vector3d point = pose_of(pose) * corner_on_board(boards.clean.board, i, truth);
     corners.push_back(with_lens(truth.lens, [&](auto l) -> Eigen::Vector2d {
       return project_point<decltype(l)>(truth.color.data(), point);
     }));
@@ -216,6 +212,15 @@ SimulatedBoards warped(SimulatedBoards boards, const std::array<double, 2>& warp
   return boards;
 }
 
+SimulatedBoards misprinted(SimulatedBoards boards, double sigma_m, RandomStream& random) {
+  boards.print_sigma_m = sigma_m;
+  boards.truth.board_offsets_m.resize(std::size_t(boards.clean.board.corners()));
+  for (auto& offset_m : boards.truth.board_offsets_m)
+    for (double& coordinate_m : offset_m) coordinate_m = random.normal(0.0, sigma_m);
+  project_again(boards);
+  return boards;
+}
+
 BoardObservations observe(const SimulatedBoards& boards, RandomStream& random) {
   BoardObservations observed = boards.clean;
   for (auto& view : observed.views) {
@@ -260,6 +265,7 @@ Eigen::MatrixXd cramer_rao_bound(const SimulatedBoards& boards) {
   BoardProblem problem{
       o, std::vector<bool>(o.views.size(), true), {}, color_prior(o, boards.truth.lens)};
   add_depth_prior(o, boards.truth, problem.prior);
+  problem.prior.print_sigma_m = boards.print_sigma_m;
   problem.free_color = lens_choice(lens_name(boards.truth.lens)).free_color;
   problem.corner_sigma_px = boards.corner_sigma_px;
   problem.samples = depth_samples(o, problem.used, boards.truth, 1.0);

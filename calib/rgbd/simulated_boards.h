@@ -13,6 +13,7 @@ struct SimulatedBoards {
   RgbdParameters truth;
   double corner_sigma_px = 0.1,
          depth_sigma_at_1m = 0.003;  ///< of one pixel; grows with depth squared
+  double print_sigma_m = 0.0;        ///< of truth.board_offsets_m
 };
 
 /// A 4:3 camera with a field of 55 degrees across (f = 305 px at 320x240), radtan4, and `views`
@@ -31,6 +32,9 @@ SimulatedBoards seen_through(SimulatedBoards boards, const Lens& lens,
                              const std::array<double, max_coefficients>& coefficients);
 /// The same views of a board that is not flat (colour only).
 SimulatedBoards warped(SimulatedBoards boards, const std::array<double, 2>& warp_m);
+
+/// The same views of a board whose corners are off by `sigma_m` in each direction.
+SimulatedBoards misprinted(SimulatedBoards boards, double sigma_m, RandomStream& random);
 
 /// One noisy realisation; also the factory's depth intrinsics get their error of 0.5 %.
 BoardObservations observe(const SimulatedBoards& boards, RandomStream& random);

@@ -104,6 +104,15 @@ void print_delay(const RgbdCalibration& c) {
                1e3 * c.depth_delay_s, 1e3 * sigmas["depth.delay"].get<double>());
 }
 
+void print_board(const RgbdCalibration& c) {
+  fmt::print("board     bulges by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
+             1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
+  const auto& print = c.details["board_print"];
+  if (print["chosen"] == "free")
+    fmt::print("          corners are off by {:.3f} mm: calibrated with the camera (BIC {:+.1f})\n",
+               1e3 * print["sigma_m"].get<double>(), -print["bic_gain"].get<double>());
+}
+
 void print_lens(const RgbdCalibration& c) {
   const auto& details = c.details;
   fmt::print("lens      {}; {:.4f} px RMS", details["lens"].get<std::string>(), c.rms_px);
@@ -127,8 +136,7 @@ void print_lens(const RgbdCalibration& c) {
       if (sigma.is_number()) worst_px = std::max(worst_px, sigma.get<double>());
   fmt::print("image     {:.0f} % covered by boards; pixels are known to {:.2f} px at worst\n",
              1e2 * details["coverage"].get<double>(), worst_px);
-  fmt::print("board     bulges by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
-             1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
+  print_board(c);
 }
 
 void print_summary(const RgbdCalibration& c) {

@@ -30,6 +30,7 @@ json data_of(const json& document, const std::string& name) {
             {"sigmas", details.at("sigmas")},
             {"projection_sigma_px", details.value("projection_sigma_px", json::array())},
             {"coverage", details.value("coverage", json())},
+            {"print_sigma_m", details.value("board_print", json::object()).value("sigma_m", 0.0)},
             {"views", json::array()},
             {"corners", json::array()},
             {"provenance", details.value("provenance", json::object())}};

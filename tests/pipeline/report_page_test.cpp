@@ -145,16 +145,20 @@ TEST_F(ReportPage, CalibrationsBringTheirUncertainty) {
                   {"sigmas", json::object()},
                   {"projection_sigma_px", {{0.1, 0.123456789}, {nullptr, 0.3}}},
                   {"coverage", 0.9},
+                  {"board_print", {{"sigma_m", 6e-5}}},
                   {"views", json::array()}}}};
   report::ReportInputs inputs;
   inputs.calibrations = {write("calibration.json", document.dump())};
   const json with = report::report_data(inputs).at("calibrations")[0];
   EXPECT_EQ(with.at("projection_sigma_px"), json({{0.1, 0.12346}, {nullptr, 0.3}}));
   EXPECT_EQ(with.at("coverage"), 0.9);
-  for (const char* key : {"projection_sigma_px", "coverage"}) document["details"].erase(key);
+  EXPECT_EQ(with.at("print_sigma_m"), 6e-5);
+  for (const char* key : {"projection_sigma_px", "coverage", "board_print"})
+    document["details"].erase(key);
   inputs.calibrations = {write("calibration.json", document.dump())};
   const json older = report::report_data(inputs).at("calibrations")[0];
   EXPECT_TRUE(older.at("projection_sigma_px").empty());
+  EXPECT_EQ(older.at("print_sigma_m"), 0.0);
 }
 
 TEST_F(ReportPage, WhatIsMissingIsLeftOut) {

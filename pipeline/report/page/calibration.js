@@ -30,8 +30,9 @@ function uncertaintyMap({ projection_sigma_px: rows, width, height }) {
 function calibrationView(calibration) {
   const { name, corners, views, sigmas } = calibration;
   const depth = calibration.depth_rms_m > 0 ? `, of depth ${fixed(1000 * calibration.depth_rms_m, 2)} mm` : "";
+  const print = calibration.print_sigma_m > 0 ? ` The board's corners are off by ${fixed(1000 * calibration.print_sigma_m, 3)} mm: calibrated with the camera.` : "";
   return [element("h3", {}, name),
-    element("p", {}, `RMS of the corners ${fixed(calibration.rms_px, 3)} px${depth}. Verdict: ${calibration.verdict}. ${calibration.advice.join(" ")}`),
+    element("p", {}, `RMS of the corners ${fixed(calibration.rms_px, 3)} px${depth}.${print} Verdict: ${calibration.verdict}. ${calibration.advice.join(" ")}`),
     element("div", { class: "figures" }, element("figure", {}, residualField(calibration)),
       element("figure", {}, lineChart([{ x: corners.map((c) => c[2]), y: corners.map((c) => c[3]), stroke: "full", dots: 1.4 }],
         { width: 330, height: 370, title: "corner residuals, px", xLabel: "x, px" })),

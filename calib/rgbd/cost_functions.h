@@ -63,14 +63,18 @@ class CornerCost final : public ceres::CostFunction {
     if (free_offset_) on_board += Eigen::Map<const Eigen::Vector3d>(parameters[3]);
     const Eigen::Vector3d turned = rotation_->matrix * on_board, p = turned + shift;
     if (!L::sees(p)) return false;
+    Eigen::Map<Eigen::Vector2d> error(residual);
+    if (jacobians == nullptr) {
+      error = (project_point<L>(color, p) - measured_px_) / sigma_px_;
+      return true;
+    }
     std::array<Jet, coefficients> k;
     for (int i = 0; i < coefficients; ++i) k[std::size_t(i)] = Jet(color[4 + i], 3 + i);
     const Vector2<Jet> bent =
         L::bend(k.data(), L::spread(Vector3<Jet>(Jet(p.x(), 0), Jet(p.y(), 1), Jet(p.z(), 2))));
     for (int axis = 0; axis < 2; ++axis)
-      residual[axis] =
-          (color[axis] * bent[axis].a + color[2 + axis] - measured_px_[axis]) / sigma_px_;
-    if (jacobians != nullptr) differentiate(color, turned, bent, jacobians);
+      error[axis] = (color[axis] * bent[axis].a + color[2 + axis] - measured_px_[axis]) / sigma_px_;
+    differentiate(color, turned, bent, jacobians);
     return true;
   }
 

@@ -58,25 +58,25 @@ const std::array<Eigen::Quaterniond, 5>& exchanges() {
 }
 
 /// From all rotations, with a wide loss and few points; the best first.
-std::vector<BodyFit> rough_fits(const BodyView& view, const RoundedBox& box) {
-  const Eigen::Vector3d center = likely_center(view, box);
-  const auto rough = thinned(view, center, box.circumradius_m(), rough_points);
+std::vector<BodyFit> rough_fits(const BodyView& view, const RoundedBody& body) {
+  const Eigen::Vector3d center = likely_center(view, body);
+  const auto rough = thinned(view, center, body.circumradius_m(), rough_points);
   std::vector<BodyFit> fits;
   for (int i = 0; i < rotations; ++i) {
     Eigen::Isometry3d start(spread_rotation(i));
     start.pretranslate(center);
-    fits.push_back(descend(rough, box, {start, unknown_rad}, rough_width_m, rough_steps));
+    fits.push_back(descend(rough, body, {start, unknown_rad}, rough_width_m, rough_steps));
   }
   std::ranges::sort(fits, {}, &BodyFit::cost_m2);
   return fits;
 }
 
 /// The body so turned, its surface where the middle of what is seen of it is.
-Eigen::Isometry3d behind_the_middle(const BodyView& view, const RoundedBox& box,
+Eigen::Isometry3d behind_the_middle(const BodyView& view, const RoundedBody& body,
                                     const Eigen::Matrix3d& rotation) {
   const Eigen::Vector3d middle = middle_of(view), ray = (middle - view.eye_m).normalized();
   const Eigen::Array3d across = (rotation.transpose() * ray).array().abs();
-  const double behind_m = (box.half_extents_m().array() / across).minCoeff();
+  const double behind_m = (body.half_extents_m().array() / across).minCoeff();
   Eigen::Isometry3d pose(rotation);
   pose.pretranslate(middle + behind_m * ray);
   return pose;
@@ -90,9 +90,9 @@ Eigen::Matrix3d BodyFit::center_information() const {
          across * information.bottomRightCorner<3, 3>().inverse() * across.transpose();
 }
 
-Eigen::Vector3d likely_center(const BodyView& view, const RoundedBox& box) {
+Eigen::Vector3d likely_center(const BodyView& view, const RoundedBody& body) {
   const Eigen::Vector3d middle = middle_of(view);
-  const double behind = seen_depth * (box.radius_m + box.inner_m.mean());
+  const double behind = seen_depth * (body.radius_m + body.inner_m.mean());
   return middle + behind * (middle - view.eye_m).normalized();
 }
 
@@ -106,33 +106,34 @@ BodyView thinned(const BodyView& view, const Eigen::Vector3d& center_m, double r
           view.looks_beside};
 }
 
-BodyFit fit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isometry3d& start,
+BodyFit fit_body(const BodyView& view, const RoundedBody& body, const Eigen::Isometry3d& start,
                  double rotation_sigma_rad) {
-  const auto rough = descend(view, box, {start, rotation_sigma_rad}, rough_width_m, most_steps);
-  return descend(view, box, {rough.camera_from_body, rotation_sigma_rad}, fine_width_m, most_steps);
+  const auto rough = descend(view, body, {start, rotation_sigma_rad}, rough_width_m, most_steps);
+  return descend(view, body, {rough.camera_from_body, rotation_sigma_rad}, fine_width_m,
+                 most_steps);
 }
 
-BodyFit refit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isometry3d& start,
+BodyFit refit_body(const BodyView& view, const RoundedBody& body, const Eigen::Isometry3d& start,
                    double rotation_sigma_rad) {
-  return descend(view, box, {start, rotation_sigma_rad}, fine_width_m, most_steps);
+  return descend(view, body, {start, rotation_sigma_rad}, fine_width_m, most_steps);
 }
 
-std::vector<BodyFit> fits_anyhow(const BodyView& view, const RoundedBox& box) {
-  auto fits = rough_fits(view, box);
+std::vector<BodyFit> fits_anyhow(const BodyView& view, const RoundedBody& body) {
+  auto fits = rough_fits(view, body);
   fits.resize(kept_starts);
   for (auto& fit : fits)
-    fit = descend(view, box, {fit.camera_from_body, unknown_rad}, fine_width_m, most_steps);
+    fit = descend(view, body, {fit.camera_from_body, unknown_rad}, fine_width_m, most_steps);
   std::ranges::sort(fits, {}, &BodyFit::cost_m2);
   const Eigen::Matrix3d best = fits.front().camera_from_body.linear();
   for (const Eigen::Quaterniond& exchange : exchanges())
     fits.push_back(
-        refit_body(view, box, behind_the_middle(view, box, best * exchange), unknown_rad));
+        refit_body(view, body, behind_the_middle(view, body, best * exchange), unknown_rad));
   std::ranges::sort(fits, {}, &BodyFit::cost_m2);
   return fits;
 }
 
-BodyFit fit_body_anyhow(const BodyView& view, const RoundedBox& box) {
-  return fits_anyhow(view, box).front();
+BodyFit fit_body_anyhow(const BodyView& view, const RoundedBody& body) {
+  return fits_anyhow(view, body).front();
 }
 
 }  // namespace touchtrace::label

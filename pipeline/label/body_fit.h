@@ -3,11 +3,11 @@
 #include <Eigen/Geometry>
 
 #include "pipeline/label/body_view.h"
-#include "pipeline/label/rounded_box.h"
+#include "pipeline/label/rounded_body.h"
 
 namespace touchtrace::label {
 
-/// A rounded box in one view.
+/// A rounded body in one view.
 struct BodyFit {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
@@ -23,7 +23,7 @@ struct BodyFit {
 };
 
 /// Behind the middle of what is seen.
-Eigen::Vector3d likely_center(const BodyView& view, const RoundedBox& box);
+Eigen::Vector3d likely_center(const BodyView& view, const RoundedBody& body);
 
 /// A view with at most so many points and rays, spread evenly; of the rays only those that pass
 /// within `reach_m` of `center_m`.
@@ -33,17 +33,17 @@ BodyView thinned(const BodyView& view, const Eigen::Vector3d& center_m, double r
 /// Place and rotation of a body of known shape near `start`: Levenberg-Marquardt with a robust
 /// loss, wide at first, of the distances between surface and points and of the depths to which rays
 /// enter it. Its rotation is known before to `rotation_sigma_rad`. `on_m` must not be empty.
-BodyFit fit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isometry3d& start,
+BodyFit fit_body(const BodyView& view, const RoundedBody& body, const Eigen::Isometry3d& start,
                  double rotation_sigma_rad);
 
 /// The same from a start that is right but for what moved since: with the narrow loss alone.
-BodyFit refit_body(const BodyView& view, const RoundedBox& box, const Eigen::Isometry3d& start,
+BodyFit refit_body(const BodyView& view, const RoundedBody& body, const Eigen::Isometry3d& start,
                    double rotation_sigma_rad);
 
 /// The same where nothing is known of the rotation, from rotations all around: the few best, the
 /// very best first. Some may be the same.
-std::vector<BodyFit> fits_anyhow(const BodyView& view, const RoundedBox& box);
+std::vector<BodyFit> fits_anyhow(const BodyView& view, const RoundedBody& body);
 /// The best of them.
-BodyFit fit_body_anyhow(const BodyView& view, const RoundedBox& box);
+BodyFit fit_body_anyhow(const BodyView& view, const RoundedBody& body);
 
 }  // namespace touchtrace::label

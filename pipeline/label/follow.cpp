@@ -97,7 +97,7 @@ class Follower {
         hand_(Body::hand, hand_disc_m, hand_patch_radius_m, fewest_hand, kind),
         object_(Body::object, shape_.radius_m, object_patch_radii * shape_.radius_m, fewest_object,
                 kind) {
-    if (shape_.box) pose_.emplace(*shape_.box);
+    if (shape_.body) pose_.emplace(*shape_.body);
   }
 
   void step(SeenFrame seen, double seconds, ClipTrack& track) {

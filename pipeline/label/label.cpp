@@ -3,12 +3,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/core/utility.hpp>
 
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/base/progress.h"
 #include "pipeline/label/box_tracker.h"
+#include "pipeline/label/boxed_middle.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/label/follow.h"
 #include "pipeline/label/learn_scene.h"
@@ -77,6 +79,16 @@ std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& fr
   return tracks;
 }
 
+/// Adds what the clips' boxes tell of the objects' middles.
+void believe_boxes(const SceneModel& scene, const std::vector<ClipFrames>& clips,
+                   std::vector<ClipTrack>& tracks) {
+  const Camera& color = scene.segmenter.color_camera();
+  for (std::size_t i = 0; i < clips.size(); ++i)
+    tracks[i].object_middle_sigma_m =
+        std::hypot(tracks[i].object_middle_sigma_m,
+                   boxed_middle_sigma_m(color, clips[i].object, clips, tracks));
+}
+
 struct Shares {
   double hand_lost = 0.0, object_lost = 0.0, object_follows = 0.0;
   int restarts = 0;
@@ -139,10 +151,11 @@ nlohmann::json shapes_summary(const SceneModel& scene) {
   for (const auto& [object, shape] : scene.object_shape) {
     shapes[object] = {{"unevenness_m", shape.unevenness_m},
                       {"middle_sigma_m", shape.middle_sigma_m}};
-    if (shape.box) {
-      const Eigen::Vector3d half = shape.box->half_extents_m();
+    if (shape.body) {
+      const Eigen::Vector3d half = shape.body->half_extents_m();
       shapes[object]["half_extents_m"] = {half.x(), half.y(), half.z()};
-      shapes[object]["edge_radius_m"] = shape.box->radius_m;
+      shapes[object]["edge_radius_m"] = shape.body->radius_m;
+      shapes[object]["core"] = shape.body->core == Core::box ? "box" : "cylinder";
     } else {
       shapes[object]["radius_m"] = shape.radius_m;
     }
@@ -188,7 +201,8 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   const auto scene = learn_scene(calibration, recording.camera, frames, clips, options.threads);
   const double learning_s = learning.wall_seconds();
   const Stopwatch following;
-  const auto tracks = follow_all(scene, frames, clips, timeline, recording, options);
+  auto tracks = follow_all(scene, frames, clips, timeline, recording, options);
+  believe_boxes(scene, clips, tracks);
   const double following_s = following.wall_seconds(), following_cpu_s = following.cpu_seconds();
   const auto shares = shares_of(tracks);
   require_found(shares);

@@ -171,7 +171,7 @@ ObjectShape object_shape(const SceneModel& model, const FrameSource& frames,
   const double part = quantile(std::move(parts), silhouette_quantile);
   if (part < shown_at_all) return boxed.sphere();
   const auto shape = learn_shape(views, silhouette_m, threads);
-  return part < shown_well && !shape.box ? boxed.sphere() : shape;
+  return part < shown_well && !shape.body ? boxed.sphere() : shape;
 }
 
 /// Sightings of an object like the hand: while they are apart.

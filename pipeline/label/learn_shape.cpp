@@ -7,14 +7,14 @@
 #include "calib/rgbd/statistics.h"
 #include "engine/base/parallel.h"
 #include "pipeline/label/body_fit.h"
-#include "pipeline/label/learn_box.h"
+#include "pipeline/label/learn_body.h"
 #include "pipeline/label/sphere_fit.h"
 
 namespace touchtrace::label {
 namespace {
 
-constexpr std::size_t most_box_views = 32, box_points = 500;
-constexpr double box_passing_radii = 1.5;
+constexpr std::size_t most_body_views = 32, body_points = 500;
+constexpr double body_passing_radii = 1.5;
 constexpr double smooth_noise_ratio = 3.0;
 /// Of the part of a sphere that lies within 60 degrees of the ray to it, uneven as an ellipsoid is:
 /// how far off its middle comes out, along an axis of the image, for what is left.
@@ -80,15 +80,15 @@ Distances from_sphere(const BodyView& view, double radius_m) {
   return result;
 }
 
-Distances from_box(const BodyView& view, const RoundedBox& box) {
-  const auto some =
-      thinned(view, likely_center(view, box), box_passing_radii * box.circumradius_m(), box_points);
-  const Eigen::Isometry3d body_from_camera = fit_body_anyhow(some, box).camera_from_body.inverse();
+Distances from_body(const BodyView& view, const RoundedBody& body) {
+  const auto some = thinned(view, likely_center(view, body),
+                            body_passing_radii * body.circumradius_m(), body_points);
+  const Eigen::Isometry3d body_from_camera = fit_body_anyhow(some, body).camera_from_body.inverse();
   Distances result;
   const Eigen::Vector3d eye = body_from_camera * view.eye_m;
   for (const auto& seen : view.on_m) {
     const Eigen::Vector3d point = body_from_camera * seen.cast<double>();
-    const auto surface = surface_distance(box, point);
+    const auto surface = surface_distance(body, point);
     result.push_back(view.counted_part(surface.outward, point - eye) * surface.distance_m);
   }
   return result;
@@ -119,7 +119,7 @@ double shown_area(const BodyView& view) {
 /// Those that show most: what a hand leaves to be seen fits poses that it is not in.
 std::vector<BodyView> clearest_of(std::vector<BodyView> views) {
   std::ranges::stable_sort(views, std::ranges::greater(), shown_area);
-  views.resize(std::min(views.size(), most_box_views));
+  views.resize(std::min(views.size(), most_body_views));
   return views;
 }
 
@@ -133,11 +133,11 @@ ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m,
                            middle_per_unevenness * unevenness_m};
   if (unevenness_m < uneven_m) return sphere;
   const auto few = clearest_of(views);
-  const auto box = learn_box(few, radius_m, threads);
+  const auto body = learn_body(few, radius_m, threads);
   const double deviation_m =
-      deviation(few, threads, [&](const BodyView& view) { return from_box(view, box); });
+      deviation(few, threads, [&](const BodyView& view) { return from_body(view, body); });
   if (beyond_noise(deviation_m) > much_better * unevenness_m) return sphere;
-  return {radius_m, box, deviation_m, deviation_m};
+  return {radius_m, body, deviation_m, deviation_m};
 }
 
 }  // namespace touchtrace::label

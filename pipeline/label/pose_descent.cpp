@@ -32,20 +32,20 @@ struct NormalEquations {
   }
 };
 
-NormalEquations equations_at(const BodyView& view, const RoundedBox& box,
+NormalEquations equations_at(const BodyView& view, const RoundedBody& body,
                              const Eigen::Isometry3d& camera_from_body, const RobustLoss& loss) {
   NormalEquations equations;
   const Eigen::Isometry3d body_from_camera = camera_from_body.inverse();
   const Eigen::Vector3d eye = body_from_camera * view.eye_m;
   for (const auto& seen : view.on_m) {
     const Eigen::Vector3d point = body_from_camera * seen.cast<double>();
-    const auto surface = surface_distance(box, point);
+    const auto surface = surface_distance(body, point);
     equations.add(surface, point, view.counted_part(surface.outward, point - eye), loss);
   }
   for (const auto& end : view.seen_past_m) {
-    const auto deepest = deepest_point(box, eye, body_from_camera * end.cast<double>());
+    const auto deepest = deepest_point(body, eye, body_from_camera * end.cast<double>());
     if (!deepest) continue;
-    const auto surface = surface_distance(box, *deepest);
+    const auto surface = surface_distance(body, *deepest);
     if (surface.distance_m < 0.0) equations.add(surface, *deepest, 1.0, loss);
   }
   return equations;
@@ -96,11 +96,11 @@ BodyFit fit_of(const Eigen::Isometry3d& pose, const NormalEquations& equations) 
 
 }  // namespace
 
-BodyFit descend(const BodyView& view, const RoundedBox& box, const PosePrior& prior,
+BodyFit descend(const BodyView& view, const RoundedBody& body, const PosePrior& prior,
                 double loss_width_m, int most_steps) {
   const PriorSquares squares(prior);
   const auto equations = [&](const Eigen::Isometry3d& pose) {
-    auto result = equations_at(view, box, pose, {loss_width_m});
+    auto result = equations_at(view, body, pose, {loss_width_m});
     squares.add_to(result, pose);
     return result;
   };

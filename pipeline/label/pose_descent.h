@@ -12,7 +12,7 @@ struct PosePrior {
 
 /// At most `most_steps` of Levenberg and Marquardt from the prior's start, with a loss of one
 /// width.
-BodyFit descend(const BodyView& view, const RoundedBox& box, const PosePrior& prior,
+BodyFit descend(const BodyView& view, const RoundedBody& body, const PosePrior& prior,
                 double loss_width_m, int most_steps);
 
 }  // namespace touchtrace::label

@@ -43,10 +43,14 @@ double turn_surprise(double angle_rad, double seconds) {
   return seconds < forgotten_s ? std::min(0.5 * off * off, jump_surprise) : 0.0;
 }
 
-/// Of a box: half turns about its axes look the same.
-double angle_apart(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+/// Of a box: half turns about its axes look the same; of a cylinder: any about its own.
+double angle_apart(Core core, const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   const Eigen::Quaterniond turn = a.conjugate() * b;
-  return 2.0 * std::acos(std::min(1.0, turn.coeffs().cwiseAbs().maxCoeff()));
+  const Eigen::Array4d part = turn.coeffs().array().abs();  // x y z w
+  const double same = core == Core::box
+                          ? part.maxCoeff()
+                          : std::max(std::hypot(part[2], part[3]), std::hypot(part[0], part[1]));
+  return 2.0 * std::acos(std::min(1.0, same));
 }
 
 double points(const BodyView& view) { return static_cast<double>(view.on_m.size()); }
@@ -54,8 +58,8 @@ double points(const BodyView& view) { return static_cast<double>(view.on_m.size(
 }  // namespace
 
 const BodyFit& PoseTracker::see(const BodyView& view, double seconds) {
-  const auto some =
-      thinned(view, likely_center(view, box_), tracked_radii * box_.circumradius_m(), most_points);
+  const auto some = thinned(view, likely_center(view, body_),
+                            tracked_radii * body_.circumradius_m(), most_points);
   const bool soon = !views_.empty() && seconds < forgotten_s;
   auto now = soon ? followed(some, seconds) : Hypotheses();
   if (!soon || ++followed_ >= most_followed || !fits_as_usual(now)) {
@@ -105,14 +109,15 @@ PoseTracker::Hypothesis PoseTracker::follow(const BodyView& view, std::size_t pa
                                             double seconds) const {
   const Hypothesis& before = views_.back()[parent];
   const Eigen::Quaterniond rotation = rotation_of(before.fit);
-  const Eigen::Vector3d likely = likely_center(view, box_),
+  const Eigen::Vector3d likely = likely_center(view, body_),
                         moved = before.fit.center_m() + likely - before.likely_m;
   Eigen::Isometry3d expected(rotation);
   if (turning) expected = rotation_by(seconds * before.turn_rad_per_s) * rotation;
   expected.pretranslate(turning ? likely : moved);
-  const auto fit = turning ? fit_body(view, box_, expected, turn_sigma_rad(seconds))
-                           : refit_body(view, box_, expected, turn_sigma_rad(seconds));
-  const double off = angle_apart(Eigen::Quaterniond(expected.linear()), rotation_of(fit));
+  const auto fit = turning ? fit_body(view, body_, expected, turn_sigma_rad(seconds))
+                           : refit_body(view, body_, expected, turn_sigma_rad(seconds));
+  const double off =
+      angle_apart(body_.core, Eigen::Quaterniond(expected.linear()), rotation_of(fit));
   return {fit,
           fit.cost_m2 / points(view),
           likely,
@@ -124,8 +129,8 @@ PoseTracker::Hypothesis PoseTracker::follow(const BodyView& view, std::size_t pa
 /// Each from where it most likely comes from.
 PoseTracker::Hypotheses PoseTracker::found(const BodyView& view, double seconds) const {
   Hypotheses now;
-  for (const auto& fit : fits_anyhow(view, box_)) {
-    now.push_back({fit, fit.cost_m2 / points(view), likely_center(view, box_),
+  for (const auto& fit : fits_anyhow(view, body_)) {
+    now.push_back({fit, fit.cost_m2 / points(view), likely_center(view, body_),
                    Eigen::Vector3d::Zero(), 0.0, 0});
     if (!views_.empty()) come_from_likeliest(now.back(), seconds);
   }
@@ -136,7 +141,7 @@ void PoseTracker::come_from_likeliest(Hypothesis& now, double seconds) const {
   now.surprise = std::numeric_limits<double>::infinity();
   for (std::size_t parent = 0; parent < views_.back().size(); ++parent) {
     const Hypothesis& before = views_.back()[parent];
-    const double off = angle_apart(rotation_of(before.fit), rotation_of(now.fit));
+    const double off = angle_apart(body_.core, rotation_of(before.fit), rotation_of(now.fit));
     const double surprise = before.surprise + turn_surprise(off, seconds);
     if (surprise < now.surprise) now.surprise = surprise, now.parent = parent;
   }

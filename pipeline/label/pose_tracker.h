@@ -12,7 +12,7 @@ namespace touchtrace::label {
 /// rotations all around are tried as well. What fits best through all views is right.
 class PoseTracker {
  public:
-  explicit PoseTracker(const RoundedBox& box) : box_(box) {}
+  explicit PoseTracker(const RoundedBody& body) : body_(body) {}
 
   /// What is likeliest up to this view; `seconds` since the last one that was given.
   const BodyFit& see(const BodyView& view, double seconds);
@@ -40,7 +40,7 @@ class PoseTracker {
   static void keep_likeliest(Hypotheses& all);
   bool fits_as_usual(const Hypotheses& followed) const;
 
-  RoundedBox box_;
+  RoundedBody body_;
   std::vector<Hypotheses> views_;  ///< the likeliest first
   double usual_misfit_m2_ = 0.0;
   int followed_ = 0;  ///< views since all rotations were tried

@@ -71,7 +71,7 @@ TEST(LabelSphere, TheMiddleOfWhatIsLongIsKnownLess) {
                          nothing_hides, seed));
   }
   const auto shape = learn_shape(views, 0.024, 1);
-  ASSERT_FALSE(shape.box);
+  ASSERT_FALSE(shape.body);
   double across_m2 = 0.0;
   for (const auto& view : views)
     across_m2 += (fit_sphere(view, shape.radius_m).center_m - drawn_at).head<2>().squaredNorm();

@@ -1,4 +1,4 @@
-#include "pipeline/label/learn_box.h"
+#include "pipeline/label/learn_body.h"
 
 #include <ceres/ceres.h>
 
@@ -42,16 +42,26 @@ std::array<double, count> numbers(const Scalar* scalars) {
 /// Half extents and radius, as the solver has them.
 using Shape = std::array<double, 4>;
 
-RoundedBox box_of(const Shape& shape) { return {{shape[0], shape[1], shape[2]}, shape[3]}; }
+/// Both widths of a cylinder's core are the first number.
+std::size_t second_width(Core core) { return core == Core::cylinder ? 0 : 1; }
 
 template <class Scalar>
-RoundedBox box_at(const Scalar* shape) {
-  return box_of(numbers<4>(shape));
+Vector3<Scalar> inner(Core core, const Scalar* shape) {
+  return {shape[0], shape[second_width(core)], shape[2]};
+}
+
+RoundedBody body_of(Core core, const Shape& shape) {
+  return {inner(core, shape.data()), shape[3], core};
 }
 
 template <class Scalar>
-Scalar distance(const Scalar* shape, const Vector3<Scalar>& point) {
-  return distance_from_box<Scalar>(point, Vector3<Scalar>(shape[0], shape[1], shape[2]), shape[3]);
+RoundedBody body_at(Core core, const Scalar* shape) {
+  return body_of(core, numbers<4>(shape));
+}
+
+template <class Scalar>
+Scalar distance(Core core, const Scalar* shape, const Vector3<Scalar>& point) {
+  return distance_from_body<Scalar>(core, point, inner(core, shape), shape[3]);
 }
 
 /// A view's camera_from_body.
@@ -70,6 +80,7 @@ Vector3<Scalar> in_body(const Eigen::Vector3d& point, const Scalar* rotation, co
 /// As much of it as counts, which may stand still while that is differentiated.
 struct PointDistance {
   const BodyView& view;
+  Core core;
   Eigen::Vector3d point_m;
 
   template <class Scalar>
@@ -79,14 +90,16 @@ struct PointDistance {
     const Eigen::Vector3d now = values_of<Scalar>(point),
                           eye = in_body(view.eye_m, numbers<4>(rotation).data(),
                                         numbers<3>(place).data());
-    const auto surface = surface_distance(box_at(shape), now);
-    residual[0] = Scalar(view.counted_part(surface.outward, now - eye)) * distance(shape, point);
+    const auto surface = surface_distance(body_at(core, shape), now);
+    residual[0] =
+        Scalar(view.counted_part(surface.outward, now - eye)) * distance(core, shape, point);
     return true;
   }
 };
 
 /// How deep a ray enters. Where it is deepest may stand still while that is differentiated.
 struct RayDepth {
+  Core core;
   Eigen::Vector3d eye_m, end_m;
 
   template <class Scalar>
@@ -95,20 +108,23 @@ struct RayDepth {
     const Vector3<Scalar> from = in_body(eye_m, rotation, place),
                           to = in_body(end_m, rotation, place);
     const Eigen::Vector3d start = values_of<Scalar>(from), end = values_of<Scalar>(to);
-    const auto deepest = deepest_point(box_at(shape), start, end);
+    const auto deepest = deepest_point(body_at(core, shape), start, end);
     residual[0] = Scalar(0.0);
     if (!deepest) return true;
     const double part = (*deepest - start).norm() / (end - start).norm();
-    const Scalar depth = distance<Scalar>(shape, from + Scalar(part) * (to - from));
+    const Scalar depth = distance<Scalar>(core, shape, from + Scalar(part) * (to - from));
     if (depth < Scalar(0.0)) residual[0] = depth;
     return true;
   }
 };
 
 struct Compactness {
+  Core core;
+
   template <class Scalar>
   bool operator()(const Scalar* shape, Scalar* residual) const {
-    for (int i = 0; i < 3; ++i) residual[i] = Scalar(compactness) * (shape[i] + shape[3]);
+    Eigen::Map<Vector3<Scalar>>(residual, 3) =
+        Scalar(compactness) * (inner(core, shape).array() + shape[3]);
     return true;
   }
 };
@@ -136,27 +152,27 @@ void add(ceres::Problem& problem, Residual* residual, double width_m, Shape& sha
                            pose.place_m.data());
 }
 
-void add_view(ceres::Problem& problem, const BodyView& view, double width_m, Shape& shape,
-              Pose& pose) {
+void add_view(ceres::Problem& problem, const BodyView& view, Core core, double width_m,
+              Shape& shape, Pose& pose) {
   for (const auto& point : view.on_m)
-    add(problem, new PointDistance{view, point.cast<double>()}, width_m, shape, pose);
+    add(problem, new PointDistance{view, core, point.cast<double>()}, width_m, shape, pose);
   for (const auto& end : view.seen_past_m)
-    add(problem, new RayDepth{view.eye_m, end.cast<double>()}, width_m, shape, pose);
+    add(problem, new RayDepth{core, view.eye_m, end.cast<double>()}, width_m, shape, pose);
   problem.SetManifold(pose.rotation.coeffs().data(), new ceres::EigenQuaternionManifold);
 }
 
 /// A shape and how all views fit it; its compactness is part of the cost.
 struct Learnt {
-  RoundedBox box;
+  RoundedBody body;
   std::vector<BodyFit> fits;
   double cost_m2 = 0.0;
 };
 
-Learnt fitted(const std::vector<BodyView>& views, const RoundedBox& box, int threads) {
-  Learnt learnt{box, std::vector<BodyFit>(views.size())};
+Learnt fitted(const std::vector<BodyView>& views, const RoundedBody& body, int threads) {
+  Learnt learnt{body, std::vector<BodyFit>(views.size())};
   for_each_index(views.size(), threads,
-                 [&](std::size_t i) { learnt.fits[i] = fit_body_anyhow(views[i], box); });
-  learnt.cost_m2 = 0.5 * (compactness * box.half_extents_m()).squaredNorm();
+                 [&](std::size_t i) { learnt.fits[i] = fit_body_anyhow(views[i], body); });
+  learnt.cost_m2 = 0.5 * (compactness * body.half_extents_m()).squaredNorm();
   for (const auto& fit : learnt.fits) learnt.cost_m2 += fit.cost_m2;
   return learnt;
 }
@@ -169,15 +185,16 @@ std::vector<Pose> poses_of(const std::vector<BodyFit>& fits) {
 }
 
 /// Shape and poses together, from poses that are right but for the shape.
-RoundedBox refine(const std::vector<BodyView>& views, const Learnt& start, double width_m) {
-  Shape shape{start.box.inner_m.x(), start.box.inner_m.y(), start.box.inner_m.z(),
-              start.box.radius_m};
+RoundedBody refine(const std::vector<BodyView>& views, const Learnt& start, double width_m) {
+  Shape shape{start.body.inner_m.x(), start.body.inner_m.y(), start.body.inner_m.z(),
+              start.body.radius_m};
   auto poses = poses_of(start.fits);
   ceres::Problem problem;
   for (std::size_t i = 0; i < views.size(); ++i)
-    add_view(problem, views[i], width_m, shape, poses[i]);
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Compactness, 3, 4>(new Compactness),
-                           nullptr, shape.data());
+    add_view(problem, views[i], start.body.core, width_m, shape, poses[i]);
+  problem.AddResidualBlock(
+      new ceres::AutoDiffCostFunction<Compactness, 3, 4>(new Compactness{start.body.core}), nullptr,
+      shape.data());
   for (int i = 0; i < 3; ++i) problem.SetParameterLowerBound(shape.data(), i, 0.0);
   problem.SetParameterLowerBound(shape.data(), 3, least_radius_m);
   ceres::Solver::Options options;
@@ -186,24 +203,27 @@ RoundedBox refine(const std::vector<BodyView>& views, const Learnt& start, doubl
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  return box_of(shape);
+  return body_of(start.body.core, shape);
 }
 
 /// Where a search for a shape begins: half extents and radius in radii of the sphere, and the width
 /// of the first round's loss. A narrow one does not see what is far from where it begins, a wide
 /// one grows to strays: which was right only the end tells.
 struct Start {
+  Core core;
   std::array<double, 3> inner;
   double edge, width_m;
 };
-constexpr std::array<Start, 3> starts{{{{0.2, 0.4, 0.7}, 0.5, fine_width_m},
-                                       {{0.3, 0.3, 0.3}, 0.5, fine_width_m},
-                                       {{0.1, 0.8, 1.1}, 0.3, rough_width_m}}};
+constexpr std::array<Start, 4> starts{{{Core::box, {0.2, 0.4, 0.7}, 0.5, fine_width_m},
+                                       {Core::box, {0.3, 0.3, 0.3}, 0.5, fine_width_m},
+                                       {Core::box, {0.1, 0.8, 1.1}, 0.3, rough_width_m},
+                                       {Core::cylinder, {0.4, 0.4, 0.8}, 0.3, fine_width_m}}};
 
 Learnt learn_from(const Start& start, const std::vector<BodyView>& views, double radius_m,
                   int threads, Progress& progress) {
-  auto at = fitted(views, {radius_m * Eigen::Vector3d(start.inner.data()), radius_m * start.edge},
-                   threads);
+  const RoundedBody first{radius_m * Eigen::Vector3d(start.inner.data()), radius_m * start.edge,
+                          start.core};
+  auto at = fitted(views, first, threads);
   double width_m = start.width_m;
   for (int round = 0; round < rounds; ++round, width_m = std::max(fine_width_m, 0.5 * width_m)) {
     at = fitted(views, refine(views, at, width_m), threads);
@@ -213,19 +233,20 @@ Learnt learn_from(const Start& start, const std::vector<BodyView>& views, double
 }
 
 /// More rounds, as long as they help.
-RoundedBox settled(const std::vector<BodyView>& views, Learnt at, int threads, Progress& progress) {
+RoundedBody settled(const std::vector<BodyView>& views, Learnt at, int threads,
+                    Progress& progress) {
   for (int round = 0; round < more_rounds; ++round) {
     auto next = fitted(views, refine(views, at, fine_width_m), threads);
     progress.advance();
     if (!(next.cost_m2 < helped * at.cost_m2)) break;
     at = std::move(next);
   }
-  return at.box;
+  return at.body;
 }
 
 }  // namespace
 
-RoundedBox learn_box(const std::vector<BodyView>& views, double radius_m, int threads) {
+RoundedBody learn_body(const std::vector<BodyView>& views, double radius_m, int threads) {
   std::vector<BodyView> thin;
   for (const auto& view : views)
     thin.push_back(thinned(view, likely_center(view, {Eigen::Vector3d::Zero(), radius_m}),

@@ -1,4 +1,4 @@
-#include "pipeline/label/rounded_box.h"
+#include "pipeline/label/rounded_body.h"
 
 #include <cmath>
 
@@ -18,27 +18,36 @@ std::pair<double, double> within_sphere(const Eigen::Vector3d& from, const Eigen
   return {std::clamp(middle - half, 0.0, 1.0), std::clamp(middle + half, 0.0, 1.0)};
 }
 
-}  // namespace
-
-SurfaceDistance surface_distance(const RoundedBox& box, const Eigen::Vector3d& point_m) {
-  const Eigen::Vector3d beyond = point_m.cwiseAbs() - box.inner_m;
+SurfaceDistance from_box(const RoundedBody& body, const Eigen::Vector3d& point_m) {
+  const Eigen::Vector3d beyond = point_m.cwiseAbs() - body.inner_m;
   const Eigen::Vector3d sign = point_m.unaryExpr([](double v) { return v < 0.0 ? -1.0 : 1.0; });
   Eigen::Index axis;
   if (const double most = beyond.maxCoeff(&axis); most <= 0.0)
-    return {most - box.radius_m, sign[axis] * Eigen::Vector3d::Unit(axis)};
+    return {most - body.radius_m, sign[axis] * Eigen::Vector3d::Unit(axis)};
   const Eigen::Vector3d out = beyond.cwiseMax(0.0);
   const double norm = out.norm();
-  return {norm - box.radius_m, out.cwiseProduct(sign) / norm};
+  return {norm - body.radius_m, out.cwiseProduct(sign) / norm};
 }
 
-std::optional<Eigen::Vector3d> deepest_point(const RoundedBox& box, const Eigen::Vector3d& from_m,
+}  // namespace
+
+SurfaceDistance surface_distance(const RoundedBody& body, const Eigen::Vector3d& point_m) {
+  if (body.core == Core::box) return from_box(body, point_m);
+  const Eigen::Vector3d seen = in_section(body.core, point_m);
+  auto surface = from_box(body, seen);
+  const double across = surface.outward.x() / seen.x();
+  surface.outward.head<2>() = across * point_m.head<2>();
+  return surface;
+}
+
+std::optional<Eigen::Vector3d> deepest_point(const RoundedBody& body, const Eigen::Vector3d& from_m,
                                              const Eigen::Vector3d& to_m) {
   const Eigen::Vector3d along = to_m - from_m;
   const double length = along.norm();
-  auto [near, far] = within_sphere(from_m, along, box.circumradius_m());
+  auto [near, far] = within_sphere(from_m, along, body.circumradius_m());
   for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (near + far);
-    const auto here = surface_distance(box, from_m + middle * along);
+    const auto here = surface_distance(body, from_m + middle * along);
     if (here.distance_m > (far - middle) * length) return std::nullopt;
     (here.outward.dot(along) > 0.0 ? far : near) = middle;
   }

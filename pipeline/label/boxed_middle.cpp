@@ -1,0 +1,37 @@
+#include "pipeline/label/boxed_middle.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/rgbd/statistics.h"
+
+namespace touchtrace::label {
+namespace {
+
+/// Of the middle of a box that somebody drew: 8 pixels of 640.
+constexpr double box_accuracy_rad = 0.015;
+
+/// How far beside the middle of a box a place is seen.
+double beside_rad(const Camera& color, const PixelBox& box, const Eigen::Vector3d& position_m) {
+  const Eigen::Vector2d middle(box.x + 0.5 * (box.width - 1), box.y + 0.5 * (box.height - 1));
+  return (position_m / position_m.z() - color.unproject(middle)).norm();
+}
+
+}  // namespace
+
+double boxed_middle_sigma_m(const Camera& color, const std::string& object,
+                            const std::vector<ClipFrames>& clips,
+                            const std::vector<ClipTrack>& tracks) {
+  std::vector<double> sigmas_m;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (clips[i].object != object || tracks[i].object.empty()) continue;
+    const auto& first = tracks[i].object.front();
+    if (!first.found || first.follows_hand) continue;
+    const double beside = beside_rad(color, clips[i].object_box, first.position_m),
+                 square = beside * beside - box_accuracy_rad * box_accuracy_rad;
+    sigmas_m.push_back(first.position_m.z() * std::sqrt(0.5 * std::max(0.0, square)));
+  }
+  return sigmas_m.empty() ? 0.0 : median(std::move(sigmas_m));
+}
+
+}  // namespace touchtrace::label

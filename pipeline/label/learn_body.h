@@ -1,0 +1,15 @@
+#pragma once
+
+#include <vector>
+
+#include "pipeline/label/body_view.h"
+#include "pipeline/label/rounded_body.h"
+
+namespace touchtrace::label {
+
+/// The rounded box or cylinder that fits all views of a rigid body best, each view with a pose of
+/// its own: a robust Ceres problem, started from a sphere of `radius_m` drawn out. Extents that no
+/// view shows stay small. There must be views, each with points.
+RoundedBody learn_body(const std::vector<BodyView>& views, double radius_m, int threads);
+
+}  // namespace touchtrace::label

@@ -35,8 +35,8 @@ SurfaceDistance surface_distance(const RoundedBody& body, const Eigen::Vector3d&
   if (body.core == Core::box) return from_box(body, point_m);
   const Eigen::Vector3d seen = in_section(body.core, point_m);
   auto surface = from_box(body, seen);
-  const double across = surface.outward.x() / seen.x();
-  surface.outward.head<2>() = across * point_m.head<2>();
+  const Eigen::Vector2d off(point_m.x() + beside_axis_m, point_m.y());
+  surface.outward.head<2>() = surface.outward.x() / seen.x() * off;
   return surface;
 }
 

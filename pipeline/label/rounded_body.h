@@ -27,14 +27,16 @@ struct RoundedBody {
   }
 };
 
+/// On the axis of a cylinder no direction is outward: nothing is quite there.
+inline constexpr double beside_axis_m = 1e-15;
+
 /// A point as the core's section through it sees it: that of a cylinder is a box of no thickness.
 template <class Scalar>
 Eigen::Matrix<Scalar, 3, 1> in_section(Core core, const Eigen::Matrix<Scalar, 3, 1>& point) {
   using std::sqrt;
-  constexpr double tiny_m2 = 1e-24;  // on the axis a root has no derivative
   if (core == Core::box) return point;
-  const Scalar off2 = point.x() * point.x() + point.y() * point.y() + Scalar(tiny_m2);
-  return {sqrt(off2), Scalar(0.0), point.z()};
+  const Scalar x = point.x() + beside_axis_m;
+  return {sqrt(x * x + point.y() * point.y()), Scalar(0.0), point.z()};
 }
 
 /// Signed distance [m] of a point from the surface of a rounded body, negative within; body frame.

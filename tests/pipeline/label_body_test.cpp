@@ -63,6 +63,7 @@ TEST(LabelBody, DistanceFromARoundedCylinderIsTrue) {
       (surface_distance(body, at_the_rim).outward - (0.6 * side - 0.8 * Vector3d::UnitZ())).norm(),
       0.0, 1e-12);
   EXPECT_NEAR(body.circumradius_m(), std::hypot(0.02, 0.03) + 0.005, 1e-12);
+  EXPECT_NEAR(surface_distance(body, Vector3d::Zero()).outward.norm(), 1.0, 1e-12);
 }
 
 TEST(LabelBody, ARaysDeepestPointIsFoundOrItPassesBy) {

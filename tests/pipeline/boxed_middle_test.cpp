@@ -19,7 +19,8 @@ Camera drawing_camera() {
 ClipTrack put_beside(double off_m) {
   ClipTrack track;
   track.object.resize(2);
-  track.object.front() = {true, false, {off_m, 0.0, put_at_m}, {}, {}};
+  track.object.front().found = true;
+  track.object.front().position_m = {off_m, 0.0, put_at_m};
   return track;
 }
 

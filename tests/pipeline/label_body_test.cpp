@@ -40,7 +40,7 @@ std::vector<BodyView> views_of(const RoundedBody& body, const Hides& hides, int 
   return views;
 }
 
-TEST(LabelBody, DistanceFromARoundedBodyIsTrue) {
+TEST(LabelBody, DistanceFromARoundedBoxIsTrue) {
   const RoundedBody body{{0.01, 0.02, 0.03}, 0.005};
   EXPECT_NEAR(surface_distance(body, {0.025, 0.0, 0.0}).distance_m, 0.010, 1e-12);
   EXPECT_NEAR(surface_distance(body, {0.013, 0.024, 0.03}).distance_m, 0.0, 1e-12);  // 3-4-5
@@ -177,8 +177,7 @@ TEST(LabelBody, ACanIsLearntAsACylinder) {
   EXPECT_LT(shape.unevenness_m, 1.5 * drawn_noise_m);
 }
 
-/// One that rolls about its axis looks the same: there is no turn to explain.
-TEST(LabelBody, ACanIsFollowedAndFoundAgain) {
+TEST(LabelBody, ACanIsFollowedWhileItTurnsAndRolls) {
   PoseTracker tracker(can);
   for (int i = 0; i < 12; ++i) {
     const auto view = draw(can, pose_of(0.6 + 0.1 * i, 0.3, 1.5 * i), fingers_hide,

@@ -13,7 +13,8 @@ namespace {
 constexpr int most_steps = 20, rough_steps = 10;
 constexpr std::size_t rough_points = 150, kept_starts = 5;
 constexpr int rotations = 32;  // of a box each is four: half turns about its axes look the same
-constexpr double unknown_rad = 3.0;
+/// Just as much as keeps equations regular.
+constexpr double unknown_place_points = 0.01;
 constexpr double seen_depth = 0.67;  // of a body's extent, from what is seen of it to its middle
 
 /// Of what is seen.
@@ -58,14 +59,16 @@ const std::array<Eigen::Quaterniond, 5>& exchanges() {
 }
 
 /// From all rotations, with a wide loss and few points; the best first.
-std::vector<BodyFit> rough_fits(const BodyView& view, const RoundedBody& body) {
+std::vector<BodyFit> rough_fits(const BodyView& view, const RoundedBody& body,
+                                double place_points) {
   const Eigen::Vector3d center = likely_center(view, body);
   const auto rough = thinned(view, center, body.circumradius_m(), rough_points);
   std::vector<BodyFit> fits;
   for (int i = 0; i < rotations; ++i) {
     Eigen::Isometry3d start(spread_rotation(i));
     start.pretranslate(center);
-    fits.push_back(descend(rough, body, {start, unknown_rad}, rough_width_m, rough_steps));
+    fits.push_back(
+        descend(rough, body, {start, unknown_rad, place_points}, rough_width_m, rough_steps));
   }
   std::ranges::sort(fits, {}, &BodyFit::cost_m2);
   return fits;
@@ -102,8 +105,8 @@ BodyView thinned(const BodyView& view, const Eigen::Vector3d& center_m, double r
   std::vector<Eigen::Vector3f> passing;
   for (const auto& end : view.seen_past_m)
     if (passes(eye, end.cast<double>() - center_m, reach_m)) passing.push_back(end);
-  return {view.eye_m, some_of(view.on_m, most), some_of(passing, most), view.noise_ratio,
-          view.looks_beside};
+  return {view.eye_m,       some_of(view.on_m, most), some_of(passing, most),
+          view.noise_ratio, view.looks_beside,        view.marked};
 }
 
 BodyFit fit_body(const BodyView& view, const RoundedBody& body, const Eigen::Isometry3d& start,
@@ -118,22 +121,24 @@ BodyFit refit_body(const BodyView& view, const RoundedBody& body, const Eigen::I
   return descend(view, body, {start, rotation_sigma_rad}, fine_width_m, most_steps);
 }
 
-std::vector<BodyFit> fits_anyhow(const BodyView& view, const RoundedBody& body) {
-  auto fits = rough_fits(view, body);
+std::vector<BodyFit> fits_anyhow(const BodyView& view, const RoundedBody& body,
+                                 double place_points) {
+  const auto refit = [&](const Eigen::Isometry3d& start) {
+    return descend(view, body, {start, unknown_rad, place_points}, fine_width_m, most_steps);
+  };
+  auto fits = rough_fits(view, body, place_points);
   fits.resize(kept_starts);
-  for (auto& fit : fits)
-    fit = descend(view, body, {fit.camera_from_body, unknown_rad}, fine_width_m, most_steps);
+  for (auto& fit : fits) fit = refit(fit.camera_from_body);
   std::ranges::sort(fits, {}, &BodyFit::cost_m2);
   const Eigen::Matrix3d best = fits.front().camera_from_body.linear();
   for (const Eigen::Quaterniond& exchange : exchanges())
-    fits.push_back(
-        refit_body(view, body, behind_the_middle(view, body, best * exchange), unknown_rad));
+    fits.push_back(refit(behind_the_middle(view, body, best * exchange)));
   std::ranges::sort(fits, {}, &BodyFit::cost_m2);
   return fits;
 }
 
 BodyFit fit_body_anyhow(const BodyView& view, const RoundedBody& body) {
-  return fits_anyhow(view, body).front();
+  return fits_anyhow(view, body, unknown_place_points).front();
 }
 
 }  // namespace touchtrace::label

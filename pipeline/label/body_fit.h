@@ -30,6 +30,9 @@ Eigen::Vector3d likely_center(const BodyView& view, const RoundedBody& body);
 BodyView thinned(const BodyView& view, const Eigen::Vector3d& center_m, double reach_m,
                  std::size_t most);
 
+/// Deviation of a rotation of which nothing is known.
+inline constexpr double unknown_rad = 3.0;
+
 /// Place and rotation of a body of known shape near `start`: Levenberg-Marquardt with a robust
 /// loss, wide at first, of the distances between surface and points and of the depths to which rays
 /// enter it. Its rotation is known before to `rotation_sigma_rad`. `on_m` must not be empty.
@@ -41,9 +44,13 @@ BodyFit refit_body(const BodyView& view, const RoundedBody& body, const Eigen::I
                    double rotation_sigma_rad);
 
 /// The same where nothing is known of the rotation, from rotations all around: the few best, the
-/// very best first. Some may be the same.
-std::vector<BodyFit> fits_anyhow(const BodyView& view, const RoundedBody& body);
-/// The best of them.
+/// very best first. Some may be the same. That its middle is behind the middle of what is seen is
+/// worth `place_points`: of a strip that shows through a hand, little else tells where it is.
+std::vector<BodyFit> fits_anyhow(const BodyView& view, const RoundedBody& body,
+                                 double place_points = 1.0);
+/// The best of them where that is worth next to nothing: no loss bounds it, and one point's worth
+/// costs as much as ten strays where a hand hides so much of a long body that it is 13 mm off,
+/// which would be learnt too short.
 BodyFit fit_body_anyhow(const BodyView& view, const RoundedBody& body);
 
 }  // namespace touchtrace::label

@@ -1,10 +1,21 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 namespace touchtrace::label {
+
+/// Sides of a box that somebody marked in the colour camera's picture around all of a body, what
+/// something hides of it, too: planes through that camera's eye, the origin, that touch the body.
+struct MarkedSides {
+  std::vector<Eigen::Vector3d> outward;  ///< their unit normals, away from the body
+  /// Deviation of a plane where the body is, over a point's: by so much less it counts.
+  double sigma_in_points = 1.0;
+  /// RMS of the box's half width and half height where the body is.
+  double radius_m = 0.0;
+};
 
 /// What a depth image tells of a body: points on its surface, and rays from the camera to other
 /// surfaces, none of which can pass through it. The rays to what lies beside it hold the silhouette
@@ -18,6 +29,9 @@ struct BodyView {
   /// By what part of their distance pixels may look beside their rays: as deep may one enter a
   /// sphere that it was seen past.
   double looks_beside = 0.0;
+  MarkedSides marked = {};  ///< in most views none
+
+  bool is_marked() const { return !marked.outward.empty(); }
 
   /// How much of a point's distance from a surface counts: noise along the ray moves it the less
   /// from the surface, the more the ray grazes that.
@@ -50,6 +64,22 @@ struct RobustLoss {
     return width_m * width_m / (width_m * width_m + distance_m * distance_m);
   }
 };
+
+/// Huber's loss: what is far off is pulled as well, but no more than what is off by `width`.
+struct ConvexLoss {
+  double width_m;
+
+  double cost(double distance_m) const {
+    const double off = std::abs(distance_m);
+    return off < width_m ? 0.5 * off * off : width_m * (off - 0.5 * width_m);
+  }
+  double weight(double distance_m) const {
+    return std::min(1.0, width_m / std::max(width_m, std::abs(distance_m)));
+  }
+};
+
+/// Of a marked side, in terms of points: one that a wrong pose is far from does little harm.
+inline constexpr ConvexLoss side_loss{2.0 * point_sigma_m};
 
 /// Widths of the losses of a fit: first so that it finds its way, then as noise asks for.
 inline constexpr double rough_width_m = 0.016, fine_width_m = 0.004;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "calib/rgbd/statistics.h"
+#include "pipeline/label/marked_sides.h"
 
 namespace touchtrace::label {
 namespace {
@@ -27,6 +28,7 @@ double boxed_middle_sigma_m(const Camera& color, const std::string& object,
     if (clips[i].object != object || tracks[i].object.empty()) continue;
     const auto& first = tracks[i].object.front();
     if (!first.found || first.follows_hand) continue;
+    if (is_cut_off(clips[i].object_box, color)) continue;
     const double beside = beside_rad(color, clips[i].object_box, first.position_m),
                  square = beside * beside - box_accuracy_rad * box_accuracy_rad;
     sigmas_m.push_back(first.position_m.z() * std::sqrt(0.5 * std::max(0.0, square)));

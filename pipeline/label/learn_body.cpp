@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 
+#include "calib/rgbd/statistics.h"
 #include "engine/base/parallel.h"
 #include "engine/base/progress.h"
 #include "pipeline/label/body_fit.h"
+#include "pipeline/label/body_residuals.h"
 
 namespace touchtrace::label {
 namespace {
@@ -16,150 +18,69 @@ constexpr int rounds = 3, more_rounds = 6, most_iterations = 25;
 constexpr double helped = 0.995;  // part of the cost that a round which helped leaves
 constexpr std::size_t view_points = 300;
 constexpr double least_radius_m = 0.002, passing_radii = 2.0;
-constexpr double compactness = 1.0;  // points' worth of each half extent: holds what nothing shows
+/// A half extent of as much as the object's radius costs as much as a point so far off: holds what
+/// nothing shows. What boxes show alone, an object's hidden end, has to be worth more; and that
+/// fingers, which hide much of a small cube, leave room for more of it, less.
+constexpr double compactness_m = 0.025;
 
-template <class Scalar>
-using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
+using residuals::Shape;
 
-double value_of(double scalar) { return scalar; }
-template <class Scalar, int count>
-double value_of(const ceres::Jet<Scalar, count>& scalar) {
-  return scalar.a;
-}
-template <class Scalar>
-Eigen::Vector3d values_of(const Vector3<Scalar>& vector) {
-  return {value_of(vector.x()), value_of(vector.y()), value_of(vector.z())};
-}
+/// What a shape is learnt from.
+struct Evidence {
+  std::vector<BodyView> views;
+  double radius_m;  ///< of all of the object, about
+  int threads;
 
-template <std::size_t count, class Scalar>
-std::array<double, count> numbers(const Scalar* scalars) {
-  std::array<double, count> result;
-  std::transform(scalars, scalars + count, result.begin(),
-                 [](const Scalar& scalar) { return value_of(scalar); });
-  return result;
-}
-
-/// Half extents and radius, as the solver has them.
-using Shape = std::array<double, 4>;
-
-/// Both widths of a cylinder's core are the first number.
-std::size_t second_width(Core core) { return core == Core::cylinder ? 0 : 1; }
-
-template <class Scalar>
-Vector3<Scalar> inner(Core core, const Scalar* shape) {
-  return {shape[0], shape[second_width(core)], shape[2]};
-}
-
-RoundedBody body_of(Core core, const Shape& shape) {
-  return {inner(core, shape.data()), shape[3], core};
-}
-
-template <class Scalar>
-RoundedBody body_at(Core core, const Scalar* shape) {
-  return body_of(core, numbers<4>(shape));
-}
-
-template <class Scalar>
-Scalar distance(Core core, const Scalar* shape, const Vector3<Scalar>& point) {
-  return distance_from_body<Scalar>(core, point, inner(core, shape), shape[3]);
-}
+  double compactness() const { return compactness_m / radius_m; }
+};
 
 /// A view's camera_from_body.
 struct Pose {
+  explicit Pose(const Eigen::Isometry3d& pose)
+      : rotation(pose.linear()), place_m(pose.translation()) {}
+
+  Eigen::Isometry3d isometry() const {
+    Eigen::Isometry3d pose(rotation);
+    pose.pretranslate(place_m);
+    return pose;
+  }
+
   Eigen::Quaterniond rotation;
   Eigen::Vector3d place_m;
 };
 
-template <class Scalar>
-Vector3<Scalar> in_body(const Eigen::Vector3d& point, const Scalar* rotation, const Scalar* place) {
-  const Eigen::Map<const Eigen::Quaternion<Scalar>> turn(rotation);
-  const Eigen::Map<const Vector3<Scalar>> at(place);
-  return turn.conjugate() * Vector3<Scalar>(point.cast<Scalar>() - at);
-}
+/// One shape, and one view's pose.
+struct Unknowns {
+  ceres::Problem& problem;
+  Shape& shape;
+  Pose& pose;
 
-/// As much of it as counts, which may stand still while that is differentiated.
-struct PointDistance {
-  const BodyView& view;
-  Core core;
-  Eigen::Vector3d point_m;
-
-  template <class Scalar>
-  bool operator()(const Scalar* shape, const Scalar* rotation, const Scalar* place,
-                  Scalar* residual) const {
-    const Vector3<Scalar> point = in_body(point_m, rotation, place);
-    const Eigen::Vector3d now = values_of<Scalar>(point),
-                          eye = in_body(view.eye_m, numbers<4>(rotation).data(),
-                                        numbers<3>(place).data());
-    const auto surface = surface_distance(body_at(core, shape), now);
-    residual[0] =
-        Scalar(view.counted_part(surface.outward, now - eye)) * distance(core, shape, point);
-    return true;
+  template <class Residual>
+  void add(Residual* residual, ceres::LossFunction* loss) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Residual, 1, 4, 4, 3>(residual), loss,
+                             shape.data(), pose.rotation.coeffs().data(), pose.place_m.data());
   }
 };
 
-/// How deep a ray enters. Where it is deepest may stand still while that is differentiated.
-struct RayDepth {
-  Core core;
-  Eigen::Vector3d eye_m, end_m;
-
-  template <class Scalar>
-  bool operator()(const Scalar* shape, const Scalar* rotation, const Scalar* place,
-                  Scalar* residual) const {
-    const Vector3<Scalar> from = in_body(eye_m, rotation, place),
-                          to = in_body(end_m, rotation, place);
-    const Eigen::Vector3d start = values_of<Scalar>(from), end = values_of<Scalar>(to);
-    const auto deepest = deepest_point(body_at(core, shape), start, end);
-    residual[0] = Scalar(0.0);
-    if (!deepest) return true;
-    const double part = (*deepest - start).norm() / (end - start).norm();
-    const Scalar depth = distance<Scalar>(core, shape, from + Scalar(part) * (to - from));
-    if (depth < Scalar(0.0)) residual[0] = depth;
-    return true;
-  }
-};
-
-struct Compactness {
-  Core core;
-
-  template <class Scalar>
-  bool operator()(const Scalar* shape, Scalar* residual) const {
-    Eigen::Map<Vector3<Scalar>>(residual, 3) =
-        Scalar(compactness) * (inner(core, shape).array() + shape[3]);
-    return true;
-  }
-};
-
-/// RobustLoss, of squares: as poses are fitted.
-class SquaresLoss : public ceres::LossFunction {
- public:
-  explicit SquaresLoss(double width_m) : width2_(width_m * width_m) {}
-
-  void Evaluate(double square, double out[3]) const override {
-    const double inlying = width2_ / (width2_ + square);
-    out[0] = inlying * square;
-    out[1] = inlying * inlying;
-    out[2] = -2.0 * inlying * inlying * inlying / width2_;
-  }
-
- private:
-  double width2_;
-};
-
-template <class Residual>
-void add(ceres::Problem& problem, Residual* residual, double width_m, Shape& shape, Pose& pose) {
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Residual, 1, 4, 4, 3>(residual),
-                           new SquaresLoss(width_m), shape.data(), pose.rotation.coeffs().data(),
-                           pose.place_m.data());
-}
-
-void add_view(ceres::Problem& problem, const BodyView& view, Core core, double width_m,
-              Shape& shape, Pose& pose) {
+void add_view(Unknowns unknowns, const BodyView& view, Core core, double width_m) {
   for (const auto& point : view.on_m)
-    add(problem, new PointDistance{view, core, point.cast<double>()}, width_m, shape, pose);
+    unknowns.add(new residuals::PointDistance{view, core, point.cast<double>()},
+                 new residuals::SquaresLoss(width_m));
   for (const auto& end : view.seen_past_m)
-    add(problem, new RayDepth{core, view.eye_m, end.cast<double>()}, width_m, shape, pose);
-  problem.SetManifold(pose.rotation.coeffs().data(), new ceres::EigenQuaternionManifold);
+    unknowns.add(new residuals::RayDepth{core, view.eye_m, end.cast<double>()},
+                 new residuals::SquaresLoss(width_m));
+  for (const auto& outward : view.marked.outward)
+    unknowns.add(new residuals::SideDistance{view.marked, core, outward},
+                 new ceres::HuberLoss(side_loss.width_m));
+  unknowns.problem.SetManifold(unknowns.pose.rotation.coeffs().data(),
+                               new ceres::EigenQuaternionManifold);
 }
+
+/// A shape, and the views' poses if something is known of them.
+struct Guess {
+  RoundedBody body;
+  std::vector<Pose> poses;
+};
 
 /// A shape and how all views fit it; its compactness is part of the cost.
 struct Learnt {
@@ -168,45 +89,54 @@ struct Learnt {
   double cost_m2 = 0.0;
 };
 
-Learnt fitted(const std::vector<BodyView>& views, const RoundedBody& body, int threads) {
-  Learnt learnt{body, std::vector<BodyFit>(views.size())};
-  for_each_index(views.size(), threads,
-                 [&](std::size_t i) { learnt.fits[i] = fit_body_anyhow(views[i], body); });
-  learnt.cost_m2 = 0.5 * (compactness * body.half_extents_m()).squaredNorm();
+/// Where rotations all around lead, or where the guess does.
+BodyFit fit_view(const BodyView& view, const RoundedBody& body, const Pose* guess) {
+  const auto anyhow = fit_body_anyhow(view, body);
+  if (!guess) return anyhow;
+  const auto near = refit_body(view, body, guess->isometry(), unknown_rad);
+  return near.cost_m2 < anyhow.cost_m2 ? near : anyhow;
+}
+
+Learnt fitted(const Evidence& evidence, const Guess& guess) {
+  const auto& [body, poses] = guess;
+  Learnt learnt{body, std::vector<BodyFit>(evidence.views.size())};
+  for_each_index(evidence.views.size(), evidence.threads, [&](std::size_t i) {
+    learnt.fits[i] = fit_view(evidence.views[i], guess.body, poses.empty() ? nullptr : &poses[i]);
+  });
+  learnt.cost_m2 = 0.5 * (evidence.compactness() * body.half_extents_m()).squaredNorm();
   for (const auto& fit : learnt.fits) learnt.cost_m2 += fit.cost_m2;
   return learnt;
 }
 
-std::vector<Pose> poses_of(const std::vector<BodyFit>& fits) {
-  std::vector<Pose> poses;
-  for (const auto& [pose, information, cost] : fits)
-    poses.push_back({Eigen::Quaterniond(pose.linear()), pose.translation()});
-  return poses;
-}
-
-/// Shape and poses together, from poses that are right but for the shape.
-RoundedBody refine(const std::vector<BodyView>& views, const Learnt& start, double width_m) {
-  Shape shape{start.body.inner_m.x(), start.body.inner_m.y(), start.body.inner_m.z(),
-              start.body.radius_m};
-  auto poses = poses_of(start.fits);
-  ceres::Problem problem;
-  for (std::size_t i = 0; i < views.size(); ++i)
-    add_view(problem, views[i], start.body.core, width_m, shape, poses[i]);
-  problem.AddResidualBlock(
-      new ceres::AutoDiffCostFunction<Compactness, 3, 4>(new Compactness{start.body.core}), nullptr,
-      shape.data());
-  for (int i = 0; i < 3; ++i) problem.SetParameterLowerBound(shape.data(), i, 0.0);
-  problem.SetParameterLowerBound(shape.data(), 3, least_radius_m);
+void solve(ceres::Problem& problem) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.max_num_iterations = most_iterations;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  return body_of(start.body.core, shape);
 }
 
-/// Where a search for a shape begins: half extents and radius in radii of the sphere, and the width
+/// Shape and poses together, from poses that are right but for the shape.
+Guess refine(const Evidence& evidence, const Learnt& start, double width_m) {
+  const auto& [half_m, radius_m, core] = start.body;
+  Shape shape{half_m.x(), half_m.y(), half_m.z(), radius_m};
+  std::vector<Pose> poses;
+  for (const auto& fit : start.fits) poses.emplace_back(fit.camera_from_body);
+  ceres::Problem problem;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    add_view({problem, shape, poses[i]}, evidence.views[i], core, width_m);
+  using residuals::Compactness;
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Compactness, 3, 4>(
+                               new Compactness{core, evidence.compactness()}),
+                           nullptr, shape.data());
+  for (int i = 0; i < 3; ++i) problem.SetParameterLowerBound(shape.data(), i, 0.0);
+  problem.SetParameterLowerBound(shape.data(), 3, least_radius_m);
+  solve(problem);
+  return {residuals::body_of(core, shape), std::move(poses)};
+}
+
+/// Where a search for a shape begins: half extents and radius in radii of the object, and the width
 /// of the first round's loss. A narrow one does not see what is far from where it begins, a wide
 /// one grows to strays: which was right only the end tells.
 struct Start {
@@ -219,24 +149,23 @@ constexpr std::array<Start, 4> starts{{{Core::box, {0.2, 0.4, 0.7}, 0.5, fine_wi
                                        {Core::box, {0.1, 0.8, 1.1}, 0.3, rough_width_m},
                                        {Core::cylinder, {0.4, 0.4, 0.8}, 0.3, fine_width_m}}};
 
-Learnt learn_from(const Start& start, const std::vector<BodyView>& views, double radius_m,
-                  int threads, Progress& progress) {
+Learnt learn_from(const Start& start, const Evidence& evidence, Progress& progress) {
+  const double radius_m = evidence.radius_m;
   const RoundedBody first{radius_m * Eigen::Vector3d(start.inner.data()), radius_m * start.edge,
                           start.core};
-  auto at = fitted(views, first, threads);
+  auto at = fitted(evidence, {first, {}});
   double width_m = start.width_m;
   for (int round = 0; round < rounds; ++round, width_m = std::max(fine_width_m, 0.5 * width_m)) {
-    at = fitted(views, refine(views, at, width_m), threads);
+    at = fitted(evidence, refine(evidence, at, width_m));
     progress.advance();
   }
   return at;
 }
 
 /// More rounds, as long as they help.
-RoundedBody settled(const std::vector<BodyView>& views, Learnt at, int threads,
-                    Progress& progress) {
+RoundedBody settled(const Evidence& evidence, Learnt at, Progress& progress) {
   for (int round = 0; round < more_rounds; ++round) {
-    auto next = fitted(views, refine(views, at, fine_width_m), threads);
+    auto next = fitted(evidence, refine(evidence, at, fine_width_m));
     progress.advance();
     if (!(next.cost_m2 < helped * at.cost_m2)) break;
     at = std::move(next);
@@ -244,20 +173,28 @@ RoundedBody settled(const std::vector<BodyView>& views, Learnt at, int threads,
   return at.body;
 }
 
+/// Of what boxes hold; 0 if there are none.
+double marked_radius_m(const std::vector<BodyView>& views) {
+  std::vector<double> radii_m;
+  for (const auto& view : views)
+    if (view.is_marked()) radii_m.push_back(view.marked.radius_m);
+  return radii_m.empty() ? 0.0 : median(std::move(radii_m));
+}
+
 }  // namespace
 
 RoundedBody learn_body(const std::vector<BodyView>& views, double radius_m, int threads) {
-  std::vector<BodyView> thin;
+  Evidence evidence{{}, std::max(radius_m, marked_radius_m(views)), threads};
   for (const auto& view : views)
-    thin.push_back(thinned(view, likely_center(view, {Eigen::Vector3d::Zero(), radius_m}),
-                           passing_radii * radius_m, view_points));
+    evidence.views.push_back(
+        thinned(view, likely_center(view, {Eigen::Vector3d::Zero(), evidence.radius_m}),
+                passing_radii * evidence.radius_m, view_points));
   Progress progress("learning the object's shape", rounds * starts.size() + more_rounds);
   std::array<Learnt, starts.size()> learnt;
   // each on all threads: those of starts that are done help with the last
-  for_each_index(starts.size(), threads, [&](std::size_t i) {
-    learnt[i] = learn_from(starts[i], thin, radius_m, threads, progress);
-  });
-  return settled(thin, *std::ranges::min_element(learnt, {}, &Learnt::cost_m2), threads, progress);
+  for_each_index(starts.size(), threads,
+                 [&](std::size_t i) { learnt[i] = learn_from(starts[i], evidence, progress); });
+  return settled(evidence, *std::ranges::min_element(learnt, {}, &Learnt::cost_m2), progress);
 }
 
 }  // namespace touchtrace::label

@@ -8,8 +8,9 @@
 namespace touchtrace::label {
 
 /// The rounded box or cylinder that fits all views of a rigid body best, each view with a pose of
-/// its own: a robust Ceres problem, started from a sphere of `radius_m` drawn out. Extents that no
-/// view shows stay small. There must be views, each with points.
+/// its own: a robust Ceres problem, started from a sphere of `radius_m`, or as large as the marked
+/// boxes, drawn out. Extents that nothing shows stay small; marked sides show what is hidden in
+/// all views. There must be views, each with points.
 RoundedBody learn_body(const std::vector<BodyView>& views, double radius_m, int threads);
 
 }  // namespace touchtrace::label

@@ -10,11 +10,12 @@
 #include "calib/rgbd/statistics.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
+#include "pipeline/label/marked_sides.h"
 
 namespace touchtrace::label {
 namespace {
 
-constexpr std::size_t fewest_points = 12, most_starts = 16, most_views = 64;
+constexpr std::size_t fewest_points = 12, most_starts = 16, most_marked = 16, most_others = 48;
 constexpr double toss_m = 0.5, shown_in_some_frames = 0.4, shown_at_all = 0.25, shown_well = 0.5;
 constexpr double silhouette_quantile = 0.8, around_radii = 2.5;
 constexpr double often = 0.1;  // of the sampled frames: so seldom is an object wholly hidden
@@ -30,6 +31,7 @@ double quantile(std::vector<double> values, double part) {
 struct Sighting {
   std::size_t frame;
   Patch patch;
+  std::optional<PixelBox> marked;  ///< on all of it, in a clip's first frame
 };
 
 /// The largest patch of a body, looked for from points all over it.
@@ -76,12 +78,16 @@ Surface near_hand(const SampledFrame& sample, const Boxed& boxed) {
   return near;
 }
 
+std::optional<PixelBox> marked_box(const SampledFrame& sample) {
+  return sample.index == sample.clip->first ? std::optional(sample.clip->object_box) : std::nullopt;
+}
+
 std::vector<Sighting> sightings_of(const SampledFrames& samples, const Boxed& boxed) {
   std::vector<Sighting> result;
   for (const auto& sample : samples)
     if (auto patch = largest_patch(near_hand(sample, boxed), Body::object,
                                    object_patch_radii * boxed.radius_m))
-      result.push_back({sample.index, std::move(*patch)});
+      result.push_back({sample.index, std::move(*patch), marked_box(sample)});
   return result;
 }
 
@@ -136,7 +142,7 @@ Boxed boxed_object(const SceneModel& model, const std::string& object,
 /// The part of its disc that an object shows where it shows most.
 double shown(const SceneModel& model, const std::vector<Sighting>& sightings, double radius_m) {
   std::vector<double> parts{0.0};
-  for (const auto& [frame, patch] : sightings)
+  for (const auto& [frame, patch, marked] : sightings)
     parts.push_back(static_cast<double>(patch.points_m.size()) /
                     model.segmenter.disc_pixels(radius_m, patch.centroid_m.z()));
   return quantile(std::move(parts), silhouette_quantile);
@@ -150,6 +156,25 @@ double shown_of(const SceneModel& model, const RgbdFrame& frame, const Patch& pa
           model.hidden_part(frame, patch.centroid_m, radius_m));
 }
 
+/// At most so many, spread evenly.
+std::vector<const Sighting*> spread(const std::vector<const Sighting*>& sightings,
+                                    std::size_t most) {
+  const std::size_t stride = (sightings.size() + most - 1) / most;
+  std::vector<const Sighting*> some;
+  for (std::size_t i = 0; i < sightings.size(); i += stride) some.push_back(sightings[i]);
+  return some;
+}
+
+/// Those in which all of the object is marked are few in a long recording, and nothing else tells
+/// what the hand always hides: they are chosen by themselves.
+std::vector<const Sighting*> some_of(const std::vector<Sighting>& sightings) {
+  std::vector<const Sighting*> marked, others;
+  for (const auto& sighting : sightings) (sighting.marked ? marked : others).push_back(&sighting);
+  auto some = spread(marked, most_marked);
+  std::ranges::copy(spread(others, most_others), std::back_inserter(some));
+  return some;
+}
+
 /// Through what is seen of the object and beside what is seen past it; of a sphere that a hand
 /// hides for the most part, as large as the object's boxes say.
 ObjectShape object_shape(const SceneModel& model, const FrameSource& frames,
@@ -158,15 +183,17 @@ ObjectShape object_shape(const SceneModel& model, const FrameSource& frames,
   std::vector<double> radii;
   for (const auto& sighting : sightings) radii.push_back(silhouette_radius_m(sighting.patch));
   const double silhouette_m = quantile(std::move(radii), silhouette_quantile);
-  const std::size_t stride = (sightings.size() + most_views - 1) / most_views;
-  std::vector<BodyView> views((sightings.size() + stride - 1) / stride);
+  const auto some = some_of(sightings);
+  std::vector<BodyView> views(some.size());
   std::vector<double> parts(views.size());
   for_each_index(views.size(), threads, [&](std::size_t i) {
-    const auto& [index, patch] = sightings[i * stride];
+    const auto& [index, patch, marked] = *some[i];
     const auto frame = frames.camera_frame(index);
     parts[i] = shown_of(model, frame, patch, boxed.radius_m);
     views[i] = model.view_body(frame, object, patch, around_radii * silhouette_m, true);
     views[i].looks_beside = model.segmenter.pixel_rad();
+    if (marked)
+      views[i].marked = marked_sides(model.segmenter.color_camera(), *marked, patch.centroid_m);
   });
   const double part = quantile(std::move(parts), silhouette_quantile);
   if (part < shown_at_all) return boxed.sphere();

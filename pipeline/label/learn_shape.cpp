@@ -119,9 +119,12 @@ double shown_area(const BodyView& view) {
   return static_cast<double>(view.on_m.size()) * (middle - view.eye_m).squaredNorm();
 }
 
-/// Those that show most: what a hand leaves to be seen fits poses that it is not in.
+/// Those in which all of it is marked, and those that show most: what a hand leaves to be seen fits
+/// poses that it is not in.
 std::vector<BodyView> clearest_of(std::vector<BodyView> views) {
-  std::ranges::stable_sort(views, std::ranges::greater(), shown_area);
+  std::ranges::stable_sort(views, std::ranges::greater(), [](const BodyView& view) {
+    return std::pair(view.is_marked(), shown_area(view));
+  });
   views.resize(std::min(views.size(), most_body_views));
   return views;
 }

@@ -25,7 +25,22 @@ struct NormalEquations {
            const RobustLoss& loss) {
     Vector6 jacobian;
     jacobian << -part * surface.outward, part * surface.outward.cross(point);
-    const double residual = part * surface.distance_m, weight = loss.weight(residual);
+    add(jacobian, part * surface.distance_m, loss);
+  }
+
+  /// A plane at `past_m` beyond the body's middle should touch it; as much of that counts.
+  void add_side(const RoundedBody& body, const Eigen::Vector3d& outward, double past_m,
+                double part) {
+    const Eigen::Vector3d farthest = farthest_of_core(body.core, outward, body.inner_m);
+    Vector6 jacobian;
+    jacobian << part * outward, part * farthest.cross(outward);
+    add(jacobian, part * (farthest.dot(outward) + body.radius_m - past_m), side_loss);
+  }
+
+ private:
+  template <class Loss>
+  void add(const Vector6& jacobian, double residual, const Loss& loss) {
+    const double weight = loss.weight(residual);
     normal.selfadjointView<Eigen::Lower>().rankUpdate(jacobian, weight);
     gradient += weight * residual * jacobian;
     cost += loss.cost(residual);
@@ -48,21 +63,27 @@ NormalEquations equations_at(const BodyView& view, const RoundedBody& body,
     const auto surface = surface_distance(body, *deepest);
     if (surface.distance_m < 0.0) equations.add(surface, *deepest, 1.0, loss);
   }
+  for (const auto& outward : view.marked.outward)
+    equations.add_side(body, camera_from_body.linear().transpose() * outward,
+                       -outward.dot(camera_from_body.translation()),
+                       1.0 / view.marked.sigma_in_points);
   return equations;
 }
 
-/// The prior as two more squares: of weights 1 and `turn`.
+/// The prior as two more squares: of its place and its rotation.
 class PriorSquares {
  public:
   explicit PriorSquares(const PosePrior& prior)
-      : start_(prior.start), turn_(std::pow(prior_point_m / prior.rotation_sigma_rad, 2)) {}
+      : start_(prior.start),
+        place_(prior.place_points),
+        turn_(std::pow(prior_point_m / prior.rotation_sigma_rad, 2)) {}
 
   void add_to(NormalEquations& equations, const Eigen::Isometry3d& pose) const {
     const Eigen::AngleAxisd turned(start_.linear().transpose() * pose.linear());
     Vector6 offset, weights;
     offset << pose.linear().transpose() * (pose.translation() - start_.translation()),
         turned.angle() * turned.axis();
-    weights << 1.0, 1.0, 1.0, turn_, turn_, turn_;
+    weights << place_, place_, place_, turn_, turn_, turn_;
     equations.normal.diagonal() += weights;
     equations.gradient += weights.cwiseProduct(offset);
     equations.cost += 0.5 * weights.dot(offset.cwiseAbs2());
@@ -70,7 +91,7 @@ class PriorSquares {
 
  private:
   const Eigen::Isometry3d& start_;
-  double turn_;
+  double place_, turn_;
 };
 
 Eigen::Isometry3d moved(const Eigen::Isometry3d& pose, const Vector6& step) {

@@ -63,6 +63,20 @@ struct SurfaceDistance {
 };
 SurfaceDistance surface_distance(const RoundedBody& body, const Eigen::Vector3d& point_m);
 
+/// The point of the core that is farthest in a direction; body frame. For any scalar.
+template <class Scalar>
+Eigen::Matrix<Scalar, 3, 1> farthest_of_core(Core core, const Eigen::Matrix<Scalar, 3, 1>& toward,
+                                             const Eigen::Matrix<Scalar, 3, 1>& inner) {
+  using std::sqrt;
+  Eigen::Matrix<Scalar, 3, 1> point;
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    point[axis] = toward[axis] < Scalar(0.0) ? Scalar(-inner[axis]) : inner[axis];
+  if (core == Core::box) return point;
+  const Scalar x = toward.x() + beside_axis_m, y = toward.y(), across = sqrt(x * x + y * y);
+  point.x() = inner.x() * x / across, point.y() = inner.x() * y / across;
+  return point;
+}
+
 /// The point of the segment from `from_m` to `to_m` that is deepest in the body; body frame.
 /// Nothing if it passes by. Distance along a line is convex, so that there is one.
 std::optional<Eigen::Vector3d> deepest_point(const RoundedBody& body, const Eigen::Vector3d& from_m,

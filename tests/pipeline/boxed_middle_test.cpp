@@ -11,6 +11,7 @@ constexpr double put_at_m = 1.2, put_focal_px = 540.0;
 
 Camera drawing_camera() {
   Camera result;
+  result.width = 640, result.height = 480;
   result.fx = result.fy = put_focal_px, result.cx = 319.5, result.cy = 239.5;
   return result;
 }
@@ -24,8 +25,9 @@ ClipTrack put_beside(double off_m) {
   return track;
 }
 
-double boxed_sigma_m(const std::vector<ClipTrack>& tracks) {
-  const ClipFrames clip{0, 2, {}, {300, 220, 40, 40}, "foam"};
+double boxed_sigma_m(const std::vector<ClipTrack>& tracks,
+                     const PixelBox& box = {300, 220, 40, 40}) {
+  const ClipFrames clip{0, 2, {}, box, "foam"};
   return boxed_middle_sigma_m(drawing_camera(), "foam",
                               std::vector<ClipFrames>(tracks.size(), clip), tracks);
 }
@@ -49,6 +51,11 @@ TEST(LabelBoxedMiddle, WhereTheFirstFrameDoesNotShowTheObjectItTellsNothing) {
   lost.object.front().found = false;
   EXPECT_EQ(boxed_sigma_m({carried, lost, ClipTrack()}), 0.0);
   EXPECT_GT(boxed_sigma_m({carried, lost, put_beside(0.05)}), 0.03);
+}
+
+TEST(LabelBoxedMiddle, TheMiddleOfABoxThatThePictureCutsOffIsNotTheObjects) {
+  EXPECT_GT(boxed_sigma_m({put_beside(0.0)}, {220, 220, 300, 40}), 0.05);
+  EXPECT_EQ(boxed_sigma_m({put_beside(0.0)}, {220, 220, 420, 40}), 0.0);
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "engine/base/random.h"
 #include "pipeline/study/label_trials.h"
+#include "pipeline/study/truth_samples.h"
 #include "tests/pipeline/label_stage.h"
 
 namespace touchtrace::staged {
@@ -16,6 +18,39 @@ TEST(LabelError, ExactPositionsLeaveTheCamerasRateAsTheOnlyError) {
   EXPECT_EQ(error.object.lost_share + error.object.wrong_share, 0.0);
   EXPECT_LT(error.object.position_spread_m.maxCoeff(), 0.001);
   EXPECT_LT(error.object.aligned_velocity_rms_m_per_s, 0.05);
+}
+
+/// Raw places that err by white noise and by a swing of a centimetre in four seconds.
+Labels raw_labels(const Stage& stage, double white_m, double swing_m) {
+  label::LabelOptions options;
+  options.tracker = "component";
+  auto labels = label_recording(recording_of(stage), frames_of(stage), calibration(), options);
+  const auto truth = truth_of(stage);
+  RandomStream random(1, "raw places");
+  auto& raw = labels.raw;
+  for (std::size_t i = 0; i < raw.time_s.size(); ++i)
+    if (const auto place = study::find_place(truth, raw.clip[i], raw.time_s[i])) {
+      Eigen::Map<Eigen::Vector3d> seen(&raw.object_m[3 * i]);
+      seen = study::interpolate(truth.object.position_m, *place);
+      for (double& value : seen)
+        value += white_m * random.normal() + swing_m * std::sin(0.5 * M_PI * raw.time_s[i]);
+    }
+  return labels;
+}
+
+TEST(LabelError, WhiteErrorsOfATrackAreToldFromThoseThatFramesShare) {
+  const Stage stage(false);
+  const auto velocity_error = [&](double white_m, double swing_m) {
+    return study::error_of_white_positions(recording_of(stage), truth_of(stage),
+                                           raw_labels(stage, white_m, swing_m))
+        .object.aligned_velocity_rms_m_per_s;
+  };
+  const double exact = study::error_of_exact_positions(recording_of(stage), truth_of(stage))
+                           .object.aligned_velocity_rms_m_per_s,
+               white = velocity_error(0.002, 0.0);
+  EXPECT_NEAR(velocity_error(0.0, 0.0), exact, 0.1 * exact);
+  EXPECT_GT(white, 1.2 * exact);
+  EXPECT_NEAR(velocity_error(0.002, 0.01), white, 0.05 * white);
 }
 
 TEST(LabelError, AnErrorIsMeasuredAtTheDelayThatNoStampShows) {

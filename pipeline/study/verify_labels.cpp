@@ -32,6 +32,8 @@ constexpr std::array<Scene, 10> scenes{{{"wave", nullptr},
                                         {"throw", "cube"},
                                         {"throw", "soap"},
                                         {"throw", "can"}}};
+/// Of these the hand hides a part in every frame.
+constexpr std::array<Scene, 2> held_at_one_end{{{"wave", "foam"}, {"wave", "pipe"}}};
 constexpr std::array covered_activities{"wave", "throw", "pingpong"};
 constexpr std::array gloved_activities{"wave", "throw"};
 constexpr std::array followed_under_cover{"csrt-fast", "component"};
@@ -155,6 +157,10 @@ void measure_scenes(const Emit& emit, Progress& progress) {
     first += seeds;
   }
   emit_covariance("all scenes", of_all, emit);
+  for (const auto& [activity, object] : held_at_one_end) {
+    measure_scene(activity, object, first, of_all, emit, progress);
+    first += seeds;
+  }
 }
 
 void measure_occlusion(const Emit& emit, Progress& progress) {
@@ -190,7 +196,7 @@ Verification verify_labels() {
   return [](const Emit& emit) {
     measure_smoothing(emit);
     Progress progress("recordings labelled",
-                      seeds * scenes.size() +
+                      seeds * (scenes.size() + held_at_one_end.size()) +
                           covered_activities.size() * followed_under_cover.size() +
                           gloved_activities.size() + tracker_trials());
     measure_scenes(emit, progress);

@@ -43,16 +43,6 @@ double turn_surprise(double angle_rad, double seconds) {
   return seconds < forgotten_s ? std::min(0.5 * off * off, jump_surprise) : 0.0;
 }
 
-/// Of a box: half turns about its axes look the same; of a cylinder: any about its own.
-double angle_apart(Core core, const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
-  const Eigen::Quaterniond turn = a.conjugate() * b;
-  const Eigen::Array4d part = turn.coeffs().array().abs();  // x y z w
-  const double same = core == Core::box
-                          ? part.maxCoeff()
-                          : std::max(std::hypot(part[2], part[3]), std::hypot(part[0], part[1]));
-  return 2.0 * std::acos(std::min(1.0, same));
-}
-
 double points(const BodyView& view) { return static_cast<double>(view.on_m.size()); }
 
 }  // namespace
@@ -117,7 +107,7 @@ PoseTracker::Hypothesis PoseTracker::follow(const BodyView& view, std::size_t pa
   const auto fit = turning ? fit_body(view, body_, expected, turn_sigma_rad(seconds))
                            : refit_body(view, body_, expected, turn_sigma_rad(seconds));
   const double off =
-      angle_apart(body_.core, Eigen::Quaterniond(expected.linear()), rotation_of(fit));
+      turn_to_see_rad(body_.core, Eigen::Quaterniond(expected.linear()), rotation_of(fit));
   return {fit,
           fit.cost_m2 / points(view),
           likely,
@@ -141,7 +131,7 @@ void PoseTracker::come_from_likeliest(Hypothesis& now, double seconds) const {
   now.surprise = std::numeric_limits<double>::infinity();
   for (std::size_t parent = 0; parent < views_.back().size(); ++parent) {
     const Hypothesis& before = views_.back()[parent];
-    const double off = angle_apart(body_.core, rotation_of(before.fit), rotation_of(now.fit));
+    const double off = turn_to_see_rad(body_.core, rotation_of(before.fit), rotation_of(now.fit));
     const double surprise = before.surprise + turn_surprise(off, seconds);
     if (surprise < now.surprise) now.surprise = surprise, now.parent = parent;
   }

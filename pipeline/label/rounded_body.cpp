@@ -40,6 +40,14 @@ SurfaceDistance surface_distance(const RoundedBody& body, const Eigen::Vector3d&
   return surface;
 }
 
+double turn_to_see_rad(Core core, const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  const Eigen::Array4d part = (from.conjugate() * to).coeffs().array().abs();  // x y z w
+  const double same = core == Core::box
+                          ? part.maxCoeff()
+                          : std::max(std::hypot(part[2], part[3]), std::hypot(part[0], part[1]));
+  return 2.0 * std::acos(std::min(1.0, same));
+}
+
 std::optional<Eigen::Vector3d> deepest_point(const RoundedBody& body, const Eigen::Vector3d& from_m,
                                              const Eigen::Vector3d& to_m) {
   const Eigen::Vector3d along = to_m - from_m;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <optional>
 
@@ -76,6 +76,10 @@ Eigen::Matrix<Scalar, 3, 1> farthest_of_core(Core core, const Eigen::Matrix<Scal
   point.x() = inner.x() * x / across, point.y() = inner.x() * y / across;
   return point;
 }
+
+/// The angle between two rotations of a body as it looks: half turns of a box about its axes, and
+/// any turn of a cylinder about its own or half a turn across that, cannot be seen.
+double turn_to_see_rad(Core core, const Eigen::Quaterniond& from, const Eigen::Quaterniond& to);
 
 /// The point of the segment from `from_m` to `to_m` that is deepest in the body; body frame.
 /// Nothing if it passes by. Distance along a line is convex, so that there is one.

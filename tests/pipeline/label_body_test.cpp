@@ -74,6 +74,23 @@ TEST(LabelBody, ARaysDeepestPointIsFoundOrItPassesBy) {
   EXPECT_FALSE(deepest_point(soap, {0.0, -1.0, 0.0}, {0.0, -0.1, 0.0}));  // ends before it
 }
 
+TEST(LabelBody, TurnsThatDoNotShowAreNone) {
+  const Eigen::Quaterniond from(AngleAxisd(1.1, Vector3d(0.6, 0.0, 0.8)));
+  const auto seen = [&](Core core, double about_z, double about_x, double then_about_z) {
+    const Eigen::Quaterniond turn = AngleAxisd(about_z, Vector3d::UnitZ()) *
+                                    AngleAxisd(about_x, Vector3d::UnitX()) *
+                                    AngleAxisd(then_about_z, Vector3d::UnitZ());
+    return turn_to_see_rad(core, from, from * turn);
+  };
+  EXPECT_NEAR(seen(Core::box, M_PI, 0.0, 0.0), 0.0, 1e-7);
+  EXPECT_NEAR(seen(Core::box, 0.0, M_PI, 0.2), 0.2, 1e-7);
+  EXPECT_NEAR(seen(Core::box, 0.5 * M_PI, 0.0, 0.0), 0.5 * M_PI, 1e-7);
+  EXPECT_NEAR(seen(Core::cylinder, 0.5 * M_PI, 0.0, 0.0), 0.0, 1e-7);
+  EXPECT_NEAR(seen(Core::cylinder, 0.7, M_PI, -0.4), 0.0, 1e-7);
+  EXPECT_NEAR(seen(Core::cylinder, 0.7, 0.3, 1.9), 0.3, 1e-7);
+  EXPECT_NEAR(seen(Core::cylinder, 0.7, M_PI - 0.3, 1.9), 0.3, 1e-7);
+}
+
 TEST(LabelBody, ABoxIsFoundFromNothingKnown) {
   for (int i = 0; i < 6; ++i) {
     const auto pose = pose_of(0.5 + 0.9 * i, 0.3 + 0.4 * i, 0.7 * i);

@@ -79,13 +79,15 @@ LabelError error_of_tracks(const std::vector<label::ClipTrack>& tracks, const Re
   return compare_labels_with_truth(labels, truth);
 }
 
-/// Of the object's raw places, frame by frame; NaN: not found, or not known.
-std::vector<Eigen::Vector3d> raw_errors_m(const Labels& labels, const Truth& truth) {
+/// Of the object's raw places against the truth `delay_s` before them, frame by frame; NaN: not
+/// found, or not known.
+std::vector<Eigen::Vector3d> raw_errors_m(const Labels& labels, const Truth& truth,
+                                          double delay_s) {
   std::vector<Eigen::Vector3d> errors_m(
       labels.raw.time_s.size(),
       Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
   for (std::size_t i = 0; i < errors_m.size(); ++i)
-    if (const auto place = find_place(truth, labels.raw.clip[i], labels.raw.time_s[i]))
+    if (const auto place = find_place(truth, labels.raw.clip[i], labels.raw.time_s[i] - delay_s))
       errors_m[i] = row(labels.raw.object_m, i) - interpolate(truth.object.position_m, *place);
   return errors_m;
 }
@@ -122,7 +124,9 @@ LabelError error_of_exact_positions(const Recording& recording, const Truth& tru
 
 LabelError error_of_white_positions(const Recording& recording, const Truth& truth,
                                     const Labels& labels) {
-  const auto errors_m = raw_errors_m(labels, truth);
+  // a delay times the acceleration would look like errors
+  const double delay_s = compare_labels_with_truth(labels, truth).object.delay_s;
+  const auto errors_m = raw_errors_m(labels, truth, delay_s);
   const Eigen::Vector3d sigma_m = white_deviation_m(labels.raw, errors_m);
   RandomStream random(0, "white errors of positions");
   std::vector<label::ClipTrack> tracks(recording.clips.size());
@@ -141,7 +145,7 @@ LabelError error_of_white_positions(const Recording& recording, const Truth& tru
 double frames_to_recover(const RenderedRecording& rendered, const std::string& tracker) {
   const auto covers = cover_the_middles(rendered.recording());
   const auto labels = rendered.label(tracker, covers);
-  const auto errors_m = raw_errors_m(labels, rendered.truth());
+  const auto errors_m = raw_errors_m(labels, rendered.truth(), 0.0);
   double most = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t clip = 0; clip < covers.size(); ++clip) {
     if (rendered.recording().clips[clip].dropped) continue;

@@ -20,8 +20,8 @@ TEST(LabelError, ExactPositionsLeaveTheCamerasRateAsTheOnlyError) {
   EXPECT_LT(error.object.aligned_velocity_rms_m_per_s, 0.05);
 }
 
-/// Raw places that err by white noise and by a swing of a centimetre in four seconds.
-Labels raw_labels(const Stage& stage, double white_m, double swing_m) {
+/// Raw places that err by white noise and by a swing in four seconds, and stamps that are late.
+Labels raw_labels(const Stage& stage, double white_m, double swing_m, double late_s) {
   label::LabelOptions options;
   options.tracker = "component";
   auto labels = label_recording(recording_of(stage), frames_of(stage), calibration(), options);
@@ -35,22 +35,25 @@ Labels raw_labels(const Stage& stage, double white_m, double swing_m) {
       for (double& value : seen)
         value += white_m * random.normal() + swing_m * std::sin(0.5 * M_PI * raw.time_s[i]);
     }
+  for (auto* stamps_s : {&labels.time_s, &raw.time_s})
+    for (double& time_s : *stamps_s) time_s += late_s;
   return labels;
 }
 
 TEST(LabelError, WhiteErrorsOfATrackAreToldFromThoseThatFramesShare) {
   const Stage stage(false);
-  const auto velocity_error = [&](double white_m, double swing_m) {
+  const auto velocity_error = [&](double white_m, double swing_m, double late_s) {
     return study::error_of_white_positions(recording_of(stage), truth_of(stage),
-                                           raw_labels(stage, white_m, swing_m))
+                                           raw_labels(stage, white_m, swing_m, late_s))
         .object.aligned_velocity_rms_m_per_s;
   };
   const double exact = study::error_of_exact_positions(recording_of(stage), truth_of(stage))
                            .object.aligned_velocity_rms_m_per_s,
-               white = velocity_error(0.002, 0.0);
-  EXPECT_NEAR(velocity_error(0.0, 0.0), exact, 0.1 * exact);
+               white = velocity_error(0.002, 0.0, 0.0);
+  EXPECT_NEAR(velocity_error(0.0, 0.0, 0.0), exact, 0.1 * exact);
   EXPECT_GT(white, 1.2 * exact);
-  EXPECT_NEAR(velocity_error(0.002, 0.01), white, 0.05 * white);
+  EXPECT_NEAR(velocity_error(0.002, 0.01, 0.0), white, 0.05 * white);
+  EXPECT_LT(velocity_error(0.0, 0.0, 0.03), 1.1 * exact);
 }
 
 TEST(LabelError, AnErrorIsMeasuredAtTheDelayThatNoStampShows) {

@@ -124,7 +124,7 @@ LabelError error_of_exact_positions(const Recording& recording, const Truth& tru
 
 LabelError error_of_white_positions(const Recording& recording, const Truth& truth,
                                     const Labels& labels) {
-  // a delay times the acceleration would look like errors
+  // left in, it would make errors of velocities
   const double delay_s = compare_labels_with_truth(labels, truth).object.delay_s;
   const auto errors_m = raw_errors_m(labels, truth, delay_s);
   const Eigen::Vector3d sigma_m = white_deviation_m(labels.raw, errors_m);

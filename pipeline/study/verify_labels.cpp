@@ -48,6 +48,9 @@ std::array<double, 3> goals_mm(const std::string& activity) {
 class Errors {
  public:
   void add(const BodyError& error) { errors_.push_back(error); }
+  void add(const Errors& others) {
+    errors_.insert(errors_.end(), others.errors_.begin(), others.errors_.end());
+  }
 
   double mean(double BodyError::*member) const {
     double sum = 0.0;
@@ -130,15 +133,15 @@ void emit_hand(const std::string& name, const Errors& errors, const Emit& emit) 
 }
 
 /// An activity with one object over `seeds` seeds, without a tracker: what trackers add is in a
-/// table of its own.
-void measure_scene(const std::string& activity, const std::string& object, std::uint64_t first,
-                   Errors& of_all, const Emit& emit, Progress& progress) {
+/// table of its own. Returns the object's errors.
+Errors measure_scene(const std::string& activity, const std::string& object, std::uint64_t first,
+                     const Emit& emit, Progress& progress) {
   Errors of_object, of_hand, floor, white;
   for (std::uint64_t seed = first; seed < first + seeds; ++seed) {
     const RenderedRecording rendered({activity, scene::find_object(object), seed});
     const auto labels = rendered.label("component");
     const auto error = compare_labels_with_truth(labels, rendered.truth());
-    of_object.add(error.object), of_hand.add(error.hand), of_all.add(error.object);
+    of_object.add(error.object), of_hand.add(error.hand);
     floor.add(error_of_exact_positions(rendered.recording(), rendered.truth()).object);
     white.add(error_of_white_positions(rendered.recording(), rendered.truth(), labels).object);
     progress.advance();
@@ -146,19 +149,20 @@ void measure_scene(const std::string& activity, const std::string& object, std::
   const auto name = fmt::format("{} of {}", activity, object);
   emit_object(name, of_object, floor, white, goals_mm(activity), emit);
   emit_hand(name, of_hand, emit);
+  return of_object;
 }
 
 void measure_scenes(const Emit& emit, Progress& progress) {
   Errors of_all;
   std::uint64_t first = first_seed;
   for (const auto& [activity, object] : scenes) {
-    measure_scene(activity, object ? object : scene::default_object(activity).name, first, of_all,
-                  emit, progress);
+    of_all.add(measure_scene(activity, object ? object : scene::default_object(activity).name,
+                             first, emit, progress));
     first += seeds;
   }
   emit_covariance("all scenes", of_all, emit);
   for (const auto& [activity, object] : held_at_one_end) {
-    measure_scene(activity, object, first, of_all, emit, progress);
+    measure_scene(activity, object, first, emit, progress);
     first += seeds;
   }
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "calib/rgbd/statistics.h"
 #include "engine/base/parallel.h"
@@ -15,6 +16,7 @@ namespace touchtrace::label {
 namespace {
 
 constexpr int rounds = 3, more_rounds = 6, most_iterations = 25;
+constexpr std::size_t kept_searches = 3;  // after the first round
 constexpr double helped = 0.995;  // part of the cost that a round which helped leaves
 constexpr std::size_t view_points = 300;
 constexpr double least_radius_m = 0.002, passing_radii = 2.0;
@@ -144,22 +146,45 @@ struct Start {
   std::array<double, 3> inner;
   double edge, width_m;
 };
-constexpr std::array<Start, 4> starts{{{Core::box, {0.2, 0.4, 0.7}, 0.5, fine_width_m},
+constexpr std::array<Start, 7> starts{{{Core::box, {0.2, 0.4, 0.7}, 0.5, fine_width_m},
                                        {Core::box, {0.3, 0.3, 0.3}, 0.5, fine_width_m},
                                        {Core::box, {0.1, 0.8, 1.1}, 0.3, rough_width_m},
-                                       {Core::cylinder, {0.4, 0.4, 0.8}, 0.3, fine_width_m}}};
+                                       {Core::box, {0.1, 0.1, 1.2}, 0.1, rough_width_m},
+                                       {Core::cylinder, {0.4, 0.4, 0.8}, 0.3, fine_width_m},
+                                       {Core::cylinder, {0.8, 0.8, 0.2}, 0.3, fine_width_m},
+                                       {Core::cylinder, {0.1, 0.1, 1.2}, 0.1, rough_width_m}}};
 
-Learnt learn_from(const Start& start, const Evidence& evidence, Progress& progress) {
-  const double radius_m = evidence.radius_m;
-  const RoundedBody first{radius_m * Eigen::Vector3d(start.inner.data()), radius_m * start.edge,
-                          start.core};
-  auto at = fitted(evidence, {first, {}});
-  double width_m = start.width_m;
-  for (int round = 0; round < rounds; ++round, width_m = std::max(fine_width_m, 0.5 * width_m)) {
+/// A search for a shape, and how far it came.
+struct Search {
+  Learnt at;
+  double width_m;
+
+  Search(const Start& start, const Evidence& evidence)
+      : at(fitted(evidence, {{evidence.radius_m * Eigen::Vector3d(start.inner.data()),
+                              evidence.radius_m * start.edge, start.core},
+                             {}})),
+        width_m(start.width_m) {}
+
+  void go_on(const Evidence& evidence, Progress& progress) {
     at = fitted(evidence, refine(evidence, at, width_m));
+    width_m = std::max(fine_width_m, 0.5 * width_m);
     progress.advance();
   }
-  return at;
+};
+
+/// The best of all that begin somewhere; those that soon fit worse than others are given up.
+Learnt best_of_searches(const Evidence& evidence, Progress& progress) {
+  std::vector<std::optional<Search>> searches(starts.size());
+  for (int round = 0; round < rounds; ++round) {
+    // each on all threads: those of searches that are done help with the last
+    for_each_index(searches.size(), evidence.threads, [&](std::size_t i) {
+      if (round == 0) searches[i].emplace(starts[i], evidence);
+      searches[i]->go_on(evidence, progress);
+    });
+    std::ranges::sort(searches, {}, [](const auto& search) { return search->at.cost_m2; });
+    searches.resize(std::min(searches.size(), kept_searches));
+  }
+  return std::move(searches.front()->at);
 }
 
 /// More rounds, as long as they help.
@@ -189,12 +214,9 @@ RoundedBody learn_body(const std::vector<BodyView>& views, double radius_m, int 
     evidence.views.push_back(
         thinned(view, likely_center(view, {Eigen::Vector3d::Zero(), evidence.radius_m}),
                 passing_radii * evidence.radius_m, view_points));
-  Progress progress("learning the object's shape", rounds * starts.size() + more_rounds);
-  std::array<Learnt, starts.size()> learnt;
-  // each on all threads: those of starts that are done help with the last
-  for_each_index(starts.size(), threads,
-                 [&](std::size_t i) { learnt[i] = learn_from(starts[i], evidence, progress); });
-  return settled(evidence, *std::ranges::min_element(learnt, {}, &Learnt::cost_m2), progress);
+  Progress progress("learning the object's shape",
+                    starts.size() + (rounds - 1) * kept_searches + more_rounds);
+  return settled(evidence, best_of_searches(evidence, progress), progress);
 }
 
 }  // namespace touchtrace::label

@@ -57,6 +57,14 @@ class Errors {
     for (const auto& error : errors_) sum += error.*member;
     return sum / static_cast<double>(errors_.size());
   }
+  /// Of the mean: labels of one recording share a calibration and a learnt shape, and with them
+  /// much of their error.
+  double standard_error(double BodyError::*member) const {
+    const double middle = mean(member), count = static_cast<double>(errors_.size());
+    const double spread =
+        root_mean([&](const BodyError& e) { return std::pow(e.*member - middle, 2); });
+    return spread / std::sqrt(count - 1.0);
+  }
   double rms(double BodyError::*member) const {
     return root_mean([&](const BodyError& e) { return std::pow(e.*member, 2); });
   }
@@ -85,6 +93,16 @@ void emit_covariance(const std::string& name, const Errors& errors, const Emit& 
   emit(within(name + ": object velocities in their 80 % interval",
               errors.mean(&BodyError::velocity_coverage), "", 0.78, 0.82));
   emit(within(name + ": object NEES", errors.mean(&BodyError::nees), "", 0.8, 1.2));
+}
+
+/// How far such means of recordings may be from those of all recordings that there could be.
+void emit_standard_errors(const std::string& name, const Errors& errors, const Emit& emit) {
+  emit(reported(name + ": object positions in their interval, standard error",
+                errors.standard_error(&BodyError::position_coverage), ""));
+  emit(reported(name + ": object velocities in their interval, standard error",
+                errors.standard_error(&BodyError::velocity_coverage), ""));
+  emit(reported(name + ": object NEES, standard error", errors.standard_error(&BodyError::nees),
+                ""));
 }
 
 void emit_object(const std::string& name, const Errors& errors, const Errors& floor,
@@ -161,6 +179,7 @@ void measure_scenes(const Emit& emit, Progress& progress) {
     first += seeds;
   }
   emit_covariance("all scenes", of_all, emit);
+  emit_standard_errors("all scenes", of_all, emit);
   for (const auto& [activity, object] : held_at_one_end) {
     measure_scene(activity, object, first, emit, progress);
     first += seeds;

@@ -49,6 +49,18 @@ WeightedTrack blind(const WeightedTrack& track) {
   return {track.points, std::vector<double>(track.points.size(), 1.0), {}};
 }
 
+/// Of the flights as they were found.
+VarianceFactors factors_of(const WeightedTrack& track, const SmoothedTrack& smoothed,
+                           const MotionNoise<double>& noise, const SmoothOptions& options) {
+  VarianceFactors factors;
+  const double usual = options.robust ? robust_share : 1.0;
+  if (track.flights.empty())
+    factors.add(track, smoothed.trajectories.front(), usual);
+  else
+    factors.add(track, pass(track, noise, options), usual);
+  return factors;
+}
+
 SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const SmoothOptions& options) {
   SmoothedTrack result;
   const bool found = !options.robust || find_weights(track, all.noise, options);
@@ -61,6 +73,7 @@ SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const Smoot
     return result;
   }
   result.status = SmoothStatus::converged;
+  if (options.fit_noise) result.factors = factors_of(track, result, all.noise, options);
   result.flights = std::move(track.flights);
   result.weights = std::move(track.weights);
   return result;
@@ -139,6 +152,13 @@ MotionNoise<double> find_causal_noise(std::vector<WeightedTrack> tracks,
   return most_likely_noise(tracks, options, TouchedMotion::swinging).value_or(noise);
 }
 
+/// What all tell together.
+void share_factors(std::vector<SmoothedTrack>& tracks) {
+  VarianceFactors of_all;
+  for (const auto& track : tracks) of_all.add(track.factors);
+  for (auto& track : tracks) track.factors = of_all;
+}
+
 }  // namespace
 
 SmoothedTracks smooth(const std::vector<Track>& tracks,
@@ -159,6 +179,7 @@ SmoothedTracks smooth(const std::vector<Track>& tracks,
   for_each_index(usable.size(), options.threads, [&](std::size_t k) {
     result.tracks[index[k]] = finish(std::move(usable[k]), result, options);
   });
+  share_factors(result.tracks);
   return result;
 }
 

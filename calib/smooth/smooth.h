@@ -34,7 +34,8 @@ struct SmoothedTracks {
 ///
 /// What is nonlinear (event times, process noise) is Ceres'; what is linear given those is one
 /// banded Kalman and Rauch-Tung-Striebel pass, and the robust loss a sequence of such passes with
-/// new weights.
+/// new weights. Where the noise is fitted, residuals say by how much its covariances are off
+/// (VarianceFactors).
 SmoothedTracks smooth(const std::vector<Track>& tracks,
                       const std::vector<std::vector<Flight>>& flights,
                       const SmoothOptions& options);

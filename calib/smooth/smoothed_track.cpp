@@ -60,11 +60,17 @@ const LikelyTimes& SmoothedTrack::nearest_event(double time_s) const {
   return *nearest;
 }
 
-MotionState SmoothedTrack::smoothed(double time_s) const {
+MotionState SmoothedTrack::with_likely_times(double time_s) const {
   if (trajectories.size() == 1) return trajectories.front().smoothed(time_s);
   std::array<MotionState, LikelyTimes::count> states;
   for (std::size_t k = 0; k < states.size(); ++k) states[k] = trajectories[k].smoothed(time_s);
   return mean_of(states, nearest_event(time_s).likelihood);
+}
+
+MotionState SmoothedTrack::smoothed(double time_s) const {
+  auto state = with_likely_times(time_s);
+  state.covariance *= factors.at(flights, time_s);
+  return state;
 }
 
 }  // namespace touchtrace

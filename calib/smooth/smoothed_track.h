@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "calib/smooth/trajectory.h"
+#include "calib/smooth/variance_factors.h"
 
 namespace touchtrace {
 
@@ -21,6 +22,7 @@ struct SmoothedTrack {
       flights;  ///< with their times found; those that the data do not support are gone
   std::vector<double> weights;           ///< [points] of the robust loss, 1: fully believed
   std::vector<Trajectory> trajectories;  ///< [LikelyTimes::count], or one if nothing flies
+  VarianceFactors factors;               ///< of smoothed covariances; the same for all tracks
   Trajectory filter;  ///< knows neither flights nor weights: those use later frames
 
   /// From all measurements; outside their time the prior continues the motion. Needs `converged`.
@@ -29,6 +31,7 @@ struct SmoothedTrack {
   MotionState causal(double time_s) const { return filter.causal(time_s); }
 
  private:
+  MotionState with_likely_times(double time_s) const;
   const LikelyTimes& nearest_event(double time_s) const;
 };
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
 #include "calib/rgbd/statistics.h"
 #include "engine/base/parallel.h"
@@ -17,7 +16,7 @@ namespace {
 
 constexpr int rounds = 3, more_rounds = 6, most_iterations = 25;
 constexpr std::size_t kept_searches = 3;  // after the first round
-constexpr double helped = 0.995;  // part of the cost that a round which helped leaves
+constexpr double helped = 0.995;          // part of the cost that a round which helped leaves
 constexpr std::size_t view_points = 300;
 constexpr double least_radius_m = 0.002, passing_radii = 2.0;
 /// A half extent of as much as the object's radius costs as much as a point so far off: holds what
@@ -157,13 +156,7 @@ constexpr std::array<Start, 7> starts{{{Core::box, {0.2, 0.4, 0.7}, 0.5, fine_wi
 /// A search for a shape, and how far it came.
 struct Search {
   Learnt at;
-  double width_m;
-
-  Search(const Start& start, const Evidence& evidence)
-      : at(fitted(evidence, {{evidence.radius_m * Eigen::Vector3d(start.inner.data()),
-                              evidence.radius_m * start.edge, start.core},
-                             {}})),
-        width_m(start.width_m) {}
+  double width_m = 0.0;
 
   void go_on(const Evidence& evidence, Progress& progress) {
     at = fitted(evidence, refine(evidence, at, width_m));
@@ -172,19 +165,25 @@ struct Search {
   }
 };
 
+Search begin(const Start& start, const Evidence& evidence) {
+  const RoundedBody first{evidence.radius_m * Eigen::Vector3d(start.inner.data()),
+                          evidence.radius_m * start.edge, start.core};
+  return {fitted(evidence, {first, {}}), start.width_m};
+}
+
 /// The best of all that begin somewhere; those that soon fit worse than others are given up.
 Learnt best_of_searches(const Evidence& evidence, Progress& progress) {
-  std::vector<std::optional<Search>> searches(starts.size());
+  std::vector<Search> searches(starts.size());
   for (int round = 0; round < rounds; ++round) {
     // each on all threads: those of searches that are done help with the last
     for_each_index(searches.size(), evidence.threads, [&](std::size_t i) {
-      if (round == 0) searches[i].emplace(starts[i], evidence);
-      searches[i]->go_on(evidence, progress);
+      if (round == 0) searches[i] = begin(starts[i], evidence);
+      searches[i].go_on(evidence, progress);
     });
-    std::ranges::sort(searches, {}, [](const auto& search) { return search->at.cost_m2; });
+    std::ranges::sort(searches, {}, [](const Search& search) { return search.at.cost_m2; });
     searches.resize(std::min(searches.size(), kept_searches));
   }
-  return std::move(searches.front()->at);
+  return std::move(searches.front().at);
 }
 
 /// More rounds, as long as they help.

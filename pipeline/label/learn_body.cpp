@@ -1,7 +1,5 @@
 #include "pipeline/label/learn_body.h"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
 #include <array>
 
@@ -9,22 +7,20 @@
 #include "engine/base/parallel.h"
 #include "engine/base/progress.h"
 #include "pipeline/label/body_fit.h"
-#include "pipeline/label/body_residuals.h"
+#include "pipeline/label/shape_problem.h"
 
 namespace touchtrace::label {
 namespace {
 
-constexpr int rounds = 3, more_rounds = 6, most_iterations = 25;
+constexpr int rounds = 3, more_rounds = 6;
 constexpr std::size_t kept_searches = 3;  // after the first round
 constexpr double helped = 0.995;          // part of the cost that a round which helped leaves
 constexpr std::size_t view_points = 300;
-constexpr double least_radius_m = 0.002, passing_radii = 2.0;
+constexpr double passing_radii = 2.0;
 /// A half extent of as much as the object's radius costs as much as a point so far off: holds what
 /// nothing shows. What boxes show alone, an object's hidden end, has to be worth more; and that
 /// fingers, which hide much of a small cube, leave room for more of it, less.
 constexpr double compactness_m = 0.025;
-
-using residuals::Shape;
 
 /// What a shape is learnt from.
 struct Evidence {
@@ -35,52 +31,10 @@ struct Evidence {
   double compactness() const { return compactness_m / radius_m; }
 };
 
-/// A view's camera_from_body.
-struct Pose {
-  explicit Pose(const Eigen::Isometry3d& pose)
-      : rotation(pose.linear()), place_m(pose.translation()) {}
-
-  Eigen::Isometry3d isometry() const {
-    Eigen::Isometry3d pose(rotation);
-    pose.pretranslate(place_m);
-    return pose;
-  }
-
-  Eigen::Quaterniond rotation;
-  Eigen::Vector3d place_m;
-};
-
-/// One shape, and one view's pose.
-struct Unknowns {
-  ceres::Problem& problem;
-  Shape& shape;
-  Pose& pose;
-
-  template <class Residual>
-  void add(Residual* residual, ceres::LossFunction* loss) {
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Residual, 1, 4, 4, 3>(residual), loss,
-                             shape.data(), pose.rotation.coeffs().data(), pose.place_m.data());
-  }
-};
-
-void add_view(Unknowns unknowns, const BodyView& view, Core core, double width_m) {
-  for (const auto& point : view.on_m)
-    unknowns.add(new residuals::PointDistance{view, core, point.cast<double>()},
-                 new residuals::SquaresLoss(width_m));
-  for (const auto& end : view.seen_past_m)
-    unknowns.add(new residuals::RayDepth{core, view.eye_m, end.cast<double>()},
-                 new residuals::SquaresLoss(width_m));
-  for (const auto& outward : view.marked.outward)
-    unknowns.add(new residuals::SideDistance{view.marked, core, outward},
-                 new ceres::HuberLoss(side_loss.width_m));
-  unknowns.problem.SetManifold(unknowns.pose.rotation.coeffs().data(),
-                               new ceres::EigenQuaternionManifold);
-}
-
 /// A shape, and the views' poses if something is known of them.
 struct Guess {
   RoundedBody body;
-  std::vector<Pose> poses;
+  ShapeProblem::Poses poses;
 };
 
 /// A shape and how all views fit it; its compactness is part of the cost.
@@ -91,10 +45,10 @@ struct Learnt {
 };
 
 /// Where rotations all around lead, or where the guess does.
-BodyFit fit_view(const BodyView& view, const RoundedBody& body, const Pose* guess) {
+BodyFit fit_view(const BodyView& view, const RoundedBody& body, const Eigen::Isometry3d* guess) {
   const auto anyhow = fit_body_anyhow(view, body);
   if (!guess) return anyhow;
-  const auto near = refit_body(view, body, guess->isometry(), unknown_rad);
+  const auto near = refit_body(view, body, *guess, unknown_rad);
   return near.cost_m2 < anyhow.cost_m2 ? near : anyhow;
 }
 
@@ -109,32 +63,17 @@ Learnt fitted(const Evidence& evidence, const Guess& guess) {
   return learnt;
 }
 
-void solve(ceres::Problem& problem) {
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.max_num_iterations = most_iterations;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+ShapeProblem problem_at(const Evidence& evidence, const Learnt& at, double width_m) {
+  ShapeProblem::Poses poses;
+  for (const auto& fit : at.fits) poses.push_back(fit.camera_from_body);
+  return {evidence.views, at.body, poses, width_m, evidence.compactness()};
 }
 
 /// Shape and poses together, from poses that are right but for the shape.
 Guess refine(const Evidence& evidence, const Learnt& start, double width_m) {
-  const auto& [half_m, radius_m, core] = start.body;
-  Shape shape{half_m.x(), half_m.y(), half_m.z(), radius_m};
-  std::vector<Pose> poses;
-  for (const auto& fit : start.fits) poses.emplace_back(fit.camera_from_body);
-  ceres::Problem problem;
-  for (std::size_t i = 0; i < poses.size(); ++i)
-    add_view({problem, shape, poses[i]}, evidence.views[i], core, width_m);
-  using residuals::Compactness;
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Compactness, 3, 4>(
-                               new Compactness{core, evidence.compactness()}),
-                           nullptr, shape.data());
-  for (int i = 0; i < 3; ++i) problem.SetParameterLowerBound(shape.data(), i, 0.0);
-  problem.SetParameterLowerBound(shape.data(), 3, least_radius_m);
-  solve(problem);
-  return {residuals::body_of(core, shape), std::move(poses)};
+  auto problem = problem_at(evidence, start, width_m);
+  problem.solve();
+  return {problem.body(), problem.poses()};
 }
 
 /// Where a search for a shape begins: half extents and radius in radii of the object, and the width
@@ -187,14 +126,14 @@ Learnt best_of_searches(const Evidence& evidence, Progress& progress) {
 }
 
 /// More rounds, as long as they help.
-RoundedBody settled(const Evidence& evidence, Learnt at, Progress& progress) {
+Learnt settled(const Evidence& evidence, Learnt at, Progress& progress) {
   for (int round = 0; round < more_rounds; ++round) {
     auto next = fitted(evidence, refine(evidence, at, fine_width_m));
     progress.advance();
     if (!(next.cost_m2 < helped * at.cost_m2)) break;
     at = std::move(next);
   }
-  return at.body;
+  return at;
 }
 
 /// Of what boxes hold; 0 if there are none.
@@ -207,7 +146,7 @@ double marked_radius_m(const std::vector<BodyView>& views) {
 
 }  // namespace
 
-RoundedBody learn_body(const std::vector<BodyView>& views, double radius_m, int threads) {
+LearntBody learn_body(const std::vector<BodyView>& views, double radius_m, int threads) {
   Evidence evidence{{}, std::max(radius_m, marked_radius_m(views)), threads};
   for (const auto& view : views)
     evidence.views.push_back(
@@ -215,7 +154,8 @@ RoundedBody learn_body(const std::vector<BodyView>& views, double radius_m, int 
                 passing_radii * evidence.radius_m, view_points));
   Progress progress("learning the object's shape",
                     starts.size() + (rounds - 1) * kept_searches + more_rounds);
-  return settled(evidence, best_of_searches(evidence, progress), progress);
+  const auto best = settled(evidence, best_of_searches(evidence, progress), progress);
+  return {best.body, problem_at(evidence, best, fine_width_m).half_extent_sigma_m()};
 }
 
 }  // namespace touchtrace::label

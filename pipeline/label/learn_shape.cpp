@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "calib/rgbd/statistics.h"
 #include "engine/base/parallel.h"
@@ -19,8 +20,9 @@ constexpr double smooth_noise_ratio = 3.0;
 /// Of the part of a sphere that lies within 60 degrees of the ray to it, uneven as an ellipsoid is:
 /// how far off its middle comes out, along an axis of the image, for what is left.
 constexpr double middle_per_unevenness = 2.7;
-/// Of a body: how far off its middle comes out for how far its surface lies off (RMS over the axes
-/// of twelve simulated recordings of cans, boxes, cubes and soaps, by their true calibrations).
+/// Of a body whose extents are all seen: how far off its middle comes out for how far its surface
+/// lies off (RMS over the axes of twelve simulated recordings of cans, boxes, cubes and soaps, by
+/// their true calibrations).
 constexpr double middle_per_deviation = 0.7;
 constexpr double uneven_m = 0.0015;   // no sphere is so rough
 constexpr double much_better = 0.33;  // part of the sphere's unevenness
@@ -139,11 +141,13 @@ ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m,
                            middle_per_unevenness * unevenness_m};
   if (unevenness_m < uneven_m) return sphere;
   const auto few = clearest_of(views);
-  const auto body = learn_body(few, radius_m, threads);
-  const double deviation_m =
-      deviation(few, threads, [&](const BodyView& view) { return from_body(view, body); });
+  const auto [body, half_extent_sigma_m] = learn_body(few, radius_m, threads);
+  const double deviation_m = deviation(
+      few, threads, [&, &body = body](const BodyView& view) { return from_body(view, body); });
   if (beyond_noise(deviation_m) > much_better * unevenness_m) return sphere;
-  return {radius_m, body, deviation_m, middle_per_deviation * deviation_m};
+  return {radius_m, body, deviation_m,
+          std::hypot(middle_per_deviation * deviation_m,
+                     half_extent_sigma_m.norm() / std::numbers::sqrt3)};
 }
 
 }  // namespace touchtrace::label

@@ -186,12 +186,22 @@ TEST(LabelBody, AShapeIsLearntFromHowItShows) {
   EXPECT_LT(shape.unevenness_m, 2.0 * drawn_noise_m);
 }
 
-TEST(LabelBody, ACanIsLearntAsACylinder) {
-  const auto shape = learn_shape(views_of(can, fingers_hide, 16), 0.035, 1);
+void expect_learnt_as_cylinder(const RoundedBody& body, const Hides& hides, double silhouette_m) {
+  const auto shape = learn_shape(views_of(body, hides, 16), silhouette_m, 2);
   ASSERT_TRUE(shape.body);
   EXPECT_EQ(shape.body->core, Core::cylinder);
-  EXPECT_LT((shape.body->half_extents_m() - can.half_extents_m()).cwiseAbs().maxCoeff(), 0.001);
+  EXPECT_LT((shape.body->half_extents_m() - body.half_extents_m()).cwiseAbs().maxCoeff(), 0.001);
   EXPECT_LT(shape.unevenness_m, 1.5 * drawn_noise_m);
+}
+
+TEST(LabelBody, ACanIsLearntAsACylinder) { expect_learnt_as_cylinder(can, fingers_hide, 0.035); }
+
+TEST(LabelBody, APuckIsLearntAsACylinder) {
+  expect_learnt_as_cylinder({{0.036, 0.036, 0.0105}, 0.002, Core::cylinder}, fingers_hide, 0.033);
+}
+
+TEST(LabelBody, ABarIsLearntAsACylinder) {
+  expect_learnt_as_cylinder({{0.012, 0.012, 0.078}, 0.002, Core::cylinder}, nothing_hides, 0.08);
 }
 
 TEST(LabelBody, ACanIsFollowedWhileItTurnsAndRolls) {

@@ -14,9 +14,9 @@ struct ObjectShape {
   std::optional<RoundedBody> body;  ///< if no sphere stands for it
   /// Deviation of the surface from it: of a sphere beyond the sensor's noise, of a body all of it.
   double unevenness_m = 0.0;
-  /// Deviation of its middle from the object's: of a body as far as its surface lies off, and as its
-  /// extents are unknown; a sphere leans on what shows of the object, and leaves less unevenness
-  /// than it hides.
+  /// Deviation of its middle from the object's: of a body as far as its surface lies off, and as
+  /// its extents are unknown; a sphere leans on what shows of the object, and leaves less
+  /// unevenness than it hides.
   double middle_sigma_m = 0.0;
 
   /// No point of the object is farther than this from its middle.

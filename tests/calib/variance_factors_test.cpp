@@ -65,7 +65,8 @@ TEST(VarianceFactors, GrowBeforeFlightsWhereMeasurementsAreForetoldBadly) {
   std::vector<Flight> flights;
   for (double release_s = 1.0; release_s < 19.0; release_s += 1.0)
     flights.push_back({release_s, release_s + 0.1});
-  EXPECT_NEAR(factors_of(resting_track(many, 0.5), flights).at(flights, 9.7), 4.0, 1.0);
+  // of some 450 residuals: a deviation of 7 %, and 3 of these
+  EXPECT_NEAR(factors_of(resting_track(many, 0.5), flights).at(flights, 9.7), 4.0, 0.84);
 }
 
 /// Of velocities, all axes: 1 if covariances are true.

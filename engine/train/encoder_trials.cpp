@@ -3,8 +3,8 @@
 #include <numeric>
 
 #include "engine/base/random.h"
-#include "engine/ops/host_arrays.h"
-#include "engine/ops/operation_check.h"
+#include "engine/check/host_arrays.h"
+#include "engine/check/operation_check.h"
 #include "engine/train/noise_batch.h"
 
 namespace touchtrace {

@@ -63,9 +63,9 @@ std::string examples_text(const Verb& verb) {
   return text + exit_codes;
 }
 
-std::vector<std::unique_ptr<Command>> make_commands(CLI::App& root) {
+std::vector<std::unique_ptr<Command>> make_commands(const Program& program, CLI::App& root) {
   std::vector<std::unique_ptr<Command>> commands;
-  for (const auto& verb : verbs()) {
+  for (const auto& verb : program.commands) {
     auto command = std::make_unique<Command>();
     command->verb = &verb;
     command->app = root.add_subcommand(verb.name, verb.summary);
@@ -131,17 +131,17 @@ std::string first_unknown(const Command& command) {
   throw usage_error(error.what(), "see touchtrace --help");
 }
 
-ExitCode dispatch(int argc, const char* const* argv) {
+ExitCode dispatch(const Program& program, int argc, const char* const* argv) {
   if (argc == 2 && std::string_view(argv[1]) == compile_kernels) {
     compile_from_stdin();
     return ExitCode::done;
   }
   offer_compiler_process({compile_kernels});
-  CLI::App root{"touchtrace: from touch to trajectories"};
+  CLI::App root{program.summary, program.name};
   root.footer(exit_codes);
   root.set_version_flag("--version", version);
   root.require_subcommand(1);
-  const auto commands = make_commands(root);
+  const auto commands = make_commands(program, root);
   try {
     root.parse(argc, argv);
   } catch (const CLI::Success& success) {
@@ -162,10 +162,10 @@ int report(ExitCode code, const std::string& problem, const std::string& remedy)
 
 }  // namespace
 
-int run_command_line(int argc, const char* const* argv) {
+int run_command_line(const Program& program, int argc, const char* const* argv) {
   catch_interrupts();
   try {
-    const ExitCode code = dispatch(argc, argv);
+    const ExitCode code = dispatch(program, argc, argv);
     if (std::fflush(stdout) != 0)
       throw failure("standard output cannot be written", "check the disk");
     return static_cast<int>(code);

@@ -19,7 +19,7 @@ void describe(OptionSet& set, ReportOptions& o) {
   set.texts("labels", o.labels, "labels files");
   set.texts("calibration", o.calibration, "calibration.json files");
   set.texts("recording", o.recording, "recordings, for their provenance");
-  set.texts("figures", o.figures, "what touchtrace verify --json and scripts/bench --json print");
+  set.texts("figures", o.figures, "what touchtrace-verify --json and scripts/bench --json print");
 }
 
 void append(std::vector<std::filesystem::path>& paths, const std::vector<std::string>& more) {

@@ -1,6 +1,6 @@
 #include <fmt/core.h>
 
-#include "engine/ops/self_test.h"
+#include "engine/check/self_test.h"
 #include "pipeline/cli/verbs.h"
 
 namespace touchtrace::cli {

@@ -38,10 +38,13 @@ Verb make_verb(std::string name, std::string summary, std::vector<std::string> e
           [options, run](const Invocation& invocation) { return run(*options, invocation); }};
 }
 
-/// Every verb: one row each, in verbs.cpp.
-const std::vector<Verb>& verbs();
+/// A program with commands.
+struct Program {
+  std::string name, summary;
+  std::vector<Verb> commands;
+};
 
-/// Parses and runs a command line; prints errors and their remedies. Returns the exit code.
-int run_command_line(int argc, const char* const* argv);
+/// Parses and runs a command line; prints errors and their hints to stderr. Returns the exit code.
+int run_command_line(const Program& program, int argc, const char* const* argv);
 
 }  // namespace touchtrace::cli

@@ -4,6 +4,9 @@
 
 namespace touchtrace::cli {
 
+/// The program `touchtrace`: one row per command.
+const Program& touchtrace_program();
+
 // One file a verb: <name>_verb.cpp.
 Verb assumptions_verb();
 Verb calibrate_verb();
@@ -17,10 +20,8 @@ Verb plan_verb();
 Verb report_verb();
 Verb self_test_verb();
 Verb send_verb();
-Verb sensitivity_verb();
 Verb simulate_verb();
 Verb train_verb();
 Verb tune_verb();
-Verb verify_verb();
 
 }  // namespace touchtrace::cli

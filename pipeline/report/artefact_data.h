@@ -14,7 +14,7 @@ namespace touchtrace::report {
 /// provenance. Throws data_error if the file is something else.
 nlohmann::json calibration_data(const std::filesystem::path& path);
 
-/// Figures as `touchtrace verify --json` prints them: {name, figures [{name, value, unit, goal,
+/// Figures as `touchtrace-verify --json` prints them: {name, figures [{name, value, unit, goal,
 /// holds, seconds, picture?}]}. Throws data_error if the file holds something else.
 nlohmann::json figures_data(const std::filesystem::path& path);
 

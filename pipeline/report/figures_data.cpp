@@ -44,7 +44,7 @@ json figures_data(const std::filesystem::path& path) {
   if (!has(document, {"figures"}, &json::is_array) ||
       !std::ranges::all_of(document.at("figures"), is_figure))
     throw data_error(fmt::format("{} does not hold figures", path.string()),
-                     "make it again with touchtrace verify AREA --json, or leave it out");
+                     "make it again with touchtrace-verify AREA --json, or leave it out");
   return {{"name", path.filename().string()}, {"figures", document.at("figures")}};
 }
 

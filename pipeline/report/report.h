@@ -14,7 +14,7 @@ struct ReportInputs {
   std::vector<std::filesystem::path> labels;        ///< labels.h5
   std::vector<std::filesystem::path> calibrations;  ///< calibration.json
   std::vector<std::filesystem::path> recordings;    ///< only their provenance is read
-  std::vector<std::filesystem::path> figures;       ///< of `touchtrace verify --json`
+  std::vector<std::filesystem::path> figures;       ///< of `touchtrace-verify --json`
 
   bool empty() const;
 };

@@ -25,7 +25,7 @@ MRCAL = {"radtan4": "LENSMODEL_OPENCV4", "radtan5": "LENSMODEL_OPENCV5", "ration
 
 
 def row(name, value, unit, goal="reported", holds=True, seconds=0.0):
-    """As `touchtrace verify --json` prints them."""
+    """As `touchtrace-verify --json` prints them."""
     return dict(name=name, value=float(value), unit=unit, goal=goal, holds=bool(holds and np.isfinite(value)), seconds=seconds)
 
 

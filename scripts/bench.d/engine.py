@@ -34,7 +34,7 @@ PEER = f"PyTorch {torch.__version__}"
 
 
 def row(name, value, unit, goal="reported", holds=True, seconds=0.0, picture=None):
-    """As `touchtrace verify --json` prints them; a picture as engine/base/figure.h has it."""
+    """As `touchtrace-verify --json` prints them; a picture as engine/base/figure.h has it."""
     extra = {} if picture is None else dict(picture=picture)
     return dict(name=name, value=float(value), unit=unit, goal=goal, holds=bool(holds), seconds=seconds, **extra)
 

@@ -8,8 +8,8 @@
 #include "calib/rgbd/calibrate.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/cross_validation.h"
-#include "calib/rgbd/monte_carlo.h"
-#include "calib/rgbd/simulated_boards.h"
+#include "tests/verify/calib/monte_carlo.h"
+#include "tests/verify/calib/simulated_boards.h"
 
 namespace touchtrace {
 namespace {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <map>
 
-#include "calib/rgbd/monte_carlo.h"
 #include "calib/rgbd/projection_map.h"
-#include "calib/rgbd/simulated_boards.h"
 #include "engine/base/error.h"
+#include "tests/verify/calib/monte_carlo.h"
+#include "tests/verify/calib/simulated_boards.h"
 
 namespace touchtrace {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "calib/smooth/robust_pass.h"
-#include "calib/smooth/synthetic_track.h"
 #include "engine/base/random.h"
+#include "tests/verify/calib/synthetic_track.h"
 
 namespace touchtrace {
 namespace {

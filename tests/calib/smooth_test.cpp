@@ -5,8 +5,8 @@
 
 #include <limits>
 
-#include "calib/smooth/synthetic_track.h"
 #include "engine/base/random.h"
+#include "tests/verify/calib/synthetic_track.h"
 
 namespace touchtrace {
 namespace {

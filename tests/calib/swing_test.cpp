@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "calib/smooth/smooth.h"
-#include "calib/smooth/synthetic_track.h"
+#include "tests/verify/calib/synthetic_track.h"
 
 namespace touchtrace {
 namespace {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "calib/smooth/smooth.h"
-#include "calib/smooth/synthetic_track.h"
 #include "engine/base/random.h"
+#include "tests/verify/calib/synthetic_track.h"
 
 namespace touchtrace {
 namespace {

@@ -39,7 +39,7 @@ std::vector<std::string> verb_names() {
 TEST(CommandLine, EveryVerbHasHelpWithExamplesAndExitCodes) {
   const auto names = verb_names();
   for (const char* needed : {"doctor", "devices", "plan", "simulate", "check", "calibrate", "label",
-                             "train", "evaluate", "verify", "report"})
+                             "train", "evaluate", "report"})
     EXPECT_NE(std::ranges::find(names, needed), names.end()) << needed;
   for (const auto& name : names) {
     const auto help = run_program(name + " --help");
@@ -56,7 +56,6 @@ TEST(CommandLine, UnknownNamesAreErrorsThatSuggest) {
   expect_failure("simulate --activty wave x.h5", 2, "did you mean 'activity'");
   expect_failure("simulate --activity wav out.h5", 2, "did you mean 'wave'");
   expect_failure("simulate --object bal out.h5", 2, "did you mean 'ball'");
-  expect_failure("verify engin", 2, "did you mean 'engine'");
   expect_failure("devices --device no-such-device", 4, "no OpenCL device fits");
 }
 

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include "engine/check/host_arrays.h"
 #include "engine/ops/adam.h"
 #include "engine/ops/dense.h"
-#include "engine/ops/host_arrays.h"
 #include "engine/ops/sum.h"
 
 namespace touchtrace {

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "engine/base/error.h"
-#include "engine/base/figure.h"
 #include "engine/base/files.h"
 #include "engine/base/options.h"
 #include "engine/base/provenance.h"
 #include "engine/base/random.h"
 #include "engine/base/text.h"
 #include "tests/support/scratch.h"
+#include "tests/verify/support/figure.h"
 
 namespace touchtrace {
 namespace {

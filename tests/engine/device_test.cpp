@@ -8,9 +8,9 @@
 #include <limits>
 
 #include "engine/base/error.h"
+#include "engine/check/operation_check.h"
+#include "engine/check/self_test.h"
 #include "engine/model/model.h"
-#include "engine/ops/operation_check.h"
-#include "engine/ops/self_test.h"
 #include "engine/ops/sum.h"
 
 namespace touchtrace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "engine/train/verify_engine.h"
+#include "tests/verify/engine/verify_engine.h"
 
 namespace touchtrace {
 namespace {

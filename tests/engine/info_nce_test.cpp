@@ -6,7 +6,7 @@
 #include <numeric>
 #include <random>
 
-#include "engine/ops/info_nce_check.h"
+#include "engine/check/info_nce_check.h"
 
 namespace touchtrace {
 namespace {

@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "engine/base/error.h"
-#include "engine/train/model_comparison.h"
 #include "engine/train/noise_batch.h"
 #include "tests/engine/small_spec.h"
+#include "tests/verify/engine/model_comparison.h"
 
 namespace touchtrace {
 namespace {

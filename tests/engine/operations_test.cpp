@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
+#include "engine/check/operation_check.h"
 #include "engine/ops/conv2d.h"
-#include "engine/ops/operation_check.h"
 
 namespace touchtrace {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "engine/base/error.h"
 #include "engine/base/random.h"
-#include "engine/ops/conv2d_reference.h"
-#include "engine/ops/host_arrays.h"
-#include "engine/ops/tactile_window_reference.h"
+#include "engine/check/conv2d_reference.h"
+#include "engine/check/host_arrays.h"
+#include "engine/check/tactile_window_reference.h"
 
 namespace touchtrace {
 namespace {

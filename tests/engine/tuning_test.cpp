@@ -7,11 +7,11 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/check/operation_check.h"
+#include "engine/check/rows.h"
 #include "engine/cl/watch.h"
 #include "engine/ops/conv2d_candidates.h"
 #include "engine/ops/conv2d_methods.h"
-#include "engine/ops/operation_check.h"
-#include "engine/ops/rows.h"
 #include "engine/train/encoder_trials.h"
 #include "engine/train/layer_trials.h"
 #include "engine/train/tuner.h"

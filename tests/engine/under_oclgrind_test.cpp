@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <span>
 
-#include "engine/ops/operation_check.h"
+#include "engine/check/operation_check.h"
 
 namespace touchtrace {
 namespace {

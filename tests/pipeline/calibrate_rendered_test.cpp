@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "calib/rgbd/calibrate.h"
-#include "calib/rgbd/simulated_boards.h"
 #include "engine/cl/device.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/camera/camera_clock.h"
 #include "pipeline/scene/simulate/video.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/verify/calib/simulated_boards.h"
 
 namespace touchtrace {
 namespace {

@@ -1,4 +1,4 @@
-#include "pipeline/report/figures_page.h"
+#include "tests/verify/support/figures_page.h"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "engine/base/random.h"
-#include "pipeline/study/label_trials.h"
 #include "pipeline/study/truth_samples.h"
 #include "tests/pipeline/label_stage.h"
+#include "tests/verify/labels/label_trials.h"
 
 namespace touchtrace::staged {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "calib/smooth/synthetic_track.h"
 #include "pipeline/label/label.h"
 #include "pipeline/recording/recording.h"
+#include "tests/verify/calib/synthetic_track.h"
 
 namespace touchtrace::staged {
 

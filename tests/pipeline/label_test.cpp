@@ -6,9 +6,9 @@
 
 #include "engine/base/error.h"
 #include "pipeline/study/label_error.h"
-#include "pipeline/study/label_trials.h"
 #include "pipeline/study/tracker_choice.h"
 #include "tests/pipeline/label_stage.h"
+#include "tests/verify/labels/label_trials.h"
 
 namespace touchtrace::staged {
 namespace {

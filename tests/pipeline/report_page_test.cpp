@@ -7,9 +7,9 @@
 #include <regex>
 
 #include "engine/base/error.h"
-#include "engine/base/figure.h"
 #include "engine/base/files.h"
 #include "pipeline/report/report.h"
+#include "tests/verify/support/figure.h"
 
 namespace {
 

@@ -6,10 +6,10 @@
 #include "pipeline/scene/camera/camera_model.h"
 #include "pipeline/scene/camera/exposure.h"
 #include "pipeline/scene/camera/visible.h"
-#include "pipeline/scene/laboratory/balance_statistics.h"
 #include "pipeline/scene/objects/solids.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/clip.h"
+#include "tests/verify/scene/balance_statistics.h"
 
 namespace touchtrace::scene {
 namespace {

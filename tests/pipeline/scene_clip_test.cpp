@@ -6,12 +6,12 @@
 
 #include "engine/base/error.h"
 #include "pipeline/scene/camera/visible.h"
-#include "pipeline/scene/laboratory/probe.h"
-#include "pipeline/scene/laboratory/statistics.h"
 #include "pipeline/scene/objects/solids.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/person/performance.h"
 #include "pipeline/scene/simulate/clip.h"
+#include "tests/verify/scene/probe.h"
+#include "tests/verify/scene/statistics.h"
 
 namespace touchtrace::scene {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "pipeline/scene/glove/inertial.h"
-#include "pipeline/scene/laboratory/verify_scene.h"
 #include "pipeline/scene/simulate/clip.h"
+#include "tests/verify/scene/verify_scene.h"
 
 namespace touchtrace::scene {
 namespace {

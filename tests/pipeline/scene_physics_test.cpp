@@ -4,9 +4,9 @@
 #include <memory>
 #include <numbers>
 
-#include "pipeline/scene/laboratory/closed_forms.h"
-#include "pipeline/scene/laboratory/laboratory.h"
 #include "pipeline/scene/objects/solids.h"
+#include "tests/verify/scene/closed_forms.h"
+#include "tests/verify/scene/laboratory.h"
 
 namespace touchtrace::scene {
 namespace {

@@ -3,13 +3,13 @@
 #include <numbers>
 
 #include "engine/base/random.h"
-#include "pipeline/scene/laboratory/ball_forms.h"
-#include "pipeline/scene/laboratory/bounces.h"
-#include "pipeline/scene/laboratory/laboratory.h"
-#include "pipeline/scene/laboratory/statistics.h"
 #include "pipeline/scene/objects/solids.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/clip.h"
+#include "tests/verify/scene/ball_forms.h"
+#include "tests/verify/scene/bounces.h"
+#include "tests/verify/scene/laboratory.h"
+#include "tests/verify/scene/statistics.h"
 
 namespace touchtrace::scene {
 namespace {

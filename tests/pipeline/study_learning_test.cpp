@@ -11,9 +11,9 @@
 #include "engine/base/files.h"
 #include "engine/base/interrupt.h"
 #include "pipeline/study/evaluation.h"
-#include "pipeline/study/synthetic.h"
 #include "pipeline/study/training.h"
 #include "tests/support/scratch.h"
+#include "tests/verify/study/synthetic.h"
 
 namespace {
 

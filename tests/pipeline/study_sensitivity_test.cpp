@@ -6,9 +6,9 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "pipeline/scene/simulate/simulate.h"
-#include "pipeline/study/sensitivity.h"
-#include "pipeline/study/simulated_labels.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/verify/study/sensitivity.h"
+#include "tests/verify/study/simulated_labels.h"
 
 namespace touchtrace::study {
 namespace {

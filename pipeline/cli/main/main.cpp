@@ -1,3 +1,5 @@
-#include "pipeline/cli/verb.h"
+#include "pipeline/cli/verbs.h"
 
-int main(int argc, char** argv) { return touchtrace::cli::run_command_line(argc, argv); }
+int main(int argc, char** argv) {
+  return touchtrace::cli::run_command_line(touchtrace::cli::touchtrace_program(), argc, argv);
+}

@@ -1,4 +1,4 @@
-// What was promised and measured, as `touchtrace verify` and the benchmarks against peers print it.
+// What was promised and measured, as `touchtrace-verify` and the benchmarks against peers print it.
 
 const curveStrokes = ["full", "without_touch", "hand", "truth", "random"];
 

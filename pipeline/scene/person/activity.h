@@ -54,7 +54,7 @@ class Activity {
   virtual bool lost(const SceneSample& seen) const { return fallen(seen); }
 };
 
-/// `step_s` is the physics' step while hand and object touch; `touchtrace verify scene` measures
+/// `step_s` is the physics' step while hand and object touch; `touchtrace-verify scene` measures
 /// the error that it costs. `takes` says which objects it is done with. The camera stands so far
 /// before the person and looks down by so much that it sees everything.
 struct ActivityRow {

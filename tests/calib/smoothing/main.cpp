@@ -1,4 +1,4 @@
-// The tracks that `touchtrace verify labels` smooths, with their truth and what is made of them,
+// The tracks that `touchtrace-verify labels` smooths, with their truth and what is made of them,
 // for peers to smooth the same:
 //
 //   smoothing_tracks wave|throw|pingpong
@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "calib/smooth/smoothing_sample.h"
 #include "engine/base/provenance.h"
+#include "tests/verify/calib/smoothing_sample.h"
 
 using namespace touchtrace;
 

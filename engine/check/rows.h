@@ -1,0 +1,25 @@
+#pragma once
+
+#include "engine/check/operation.h"
+#include "engine/ops/conv2d.h"
+
+namespace touchtrace {
+
+// The rows of the table of operations, each from the *_cases.cpp of its own name.
+Operation adam_operation();
+Operation channel_blocks_operation();
+Operation conv2d_operation();
+Operation dense_operation();
+Operation gru_rollout_operation();
+Operation info_nce_operation();
+Operation layer_norm_operation();
+Operation rollout_operation();
+Operation state_loss_operation();
+Operation sum_operation();
+Operation tactile_window_operation();
+Operation winograd_operation();
+
+/// A convolution computed in one of the ways that a tuner may choose.
+OperationCase conv2d_case(const Conv2dShape& shape, const Conv2dChoice& choice);
+
+}  // namespace touchtrace

@@ -1,0 +1,126 @@
+// Includes run one way (CONTRIBUTING.md, "Structure").
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path source_dir = TOUCHTRACE_SOURCE_DIR;
+
+/// Modules that each module may include, besides itself.
+const std::map<std::string, std::set<std::string>>& allowed() {
+  static const std::set<std::string> shared{"engine/base", "pipeline/recording",
+                                            "pipeline/dataset"};
+  const auto with = [](std::set<std::string> modules, std::initializer_list<std::string> more) {
+    modules.insert(more);
+    return modules;
+  };
+  const auto scene = [&](std::initializer_list<const char*> modules) {
+    std::set<std::string> all{"engine/base", "pipeline/recording"};
+    for (const char* module : modules) all.insert(std::string("pipeline/scene/") + module);
+    return all;
+  };
+  static const std::map<std::string, std::set<std::string>> modules{
+      {"engine/base", {}},
+      {"engine/cl", {"engine/base"}},
+      {"engine/ops", {"engine/base", "engine/cl"}},
+      {"engine/check", {"engine/base", "engine/cl", "engine/ops"}},
+      {"engine/model", {"engine/base", "engine/cl", "engine/ops"}},
+      {"engine/train", {"engine/base", "engine/cl", "engine/ops", "engine/check", "engine/model"}},
+      {"calib/camera", {"engine/base"}},
+      {"calib/board", {"engine/base", "calib/camera"}},
+      {"calib/rgbd", {"engine/base", "calib/camera", "calib/board"}},
+      {"calib/smooth", {"engine/base"}},
+      {"pipeline/recording", {"engine/base"}},
+      {"pipeline/dataset", {"engine/base", "pipeline/recording"}},
+      {"pipeline/scene/objects", {"engine/base"}},
+      {"pipeline/scene/base", scene({"objects"})},
+      {"pipeline/scene/physics", scene({"objects", "base"})},
+      {"pipeline/scene/glove", scene({"objects", "base", "physics"})},
+      {"pipeline/scene/person", scene({"objects", "base", "physics", "glove"})},
+      {"pipeline/scene/camera",
+       with(scene({"objects", "base", "physics", "person"}), {"engine/cl", "calib/camera"})},
+      {"pipeline/scene/simulate",
+       with(scene({"objects", "base", "glove", "person", "camera"}), {"engine/cl"})},
+      {"pipeline/acquire", with(shared, {"calib/board", "calib/camera", "calib/rgbd"})},
+      {"pipeline/label", with(shared, {"calib/camera", "calib/rgbd", "calib/smooth"})},
+      {"pipeline/report", shared},
+  };
+  return modules;
+}
+
+/// Modules that may include any other one of the product.
+const std::set<std::string> composers{"pipeline/study", "pipeline/cli", "pipeline/cli/main"};
+
+/// The folder of a path "engine/base/files.h".
+std::string module_of(const std::string& path) { return fs::path(path).parent_path(); }
+
+std::vector<std::string> included_modules(const fs::path& file) {
+  static const std::regex include(
+      R"re(^\s*#\s*include\s*"((?:engine|calib|pipeline|tests)/[^"]+)")re");
+  std::vector<std::string> modules;
+  std::ifstream stream(file);
+  std::smatch match;
+  for (std::string line; std::getline(stream, line);)
+    if (std::regex_search(line, match, include)) modules.push_back(module_of(match[1]));
+  return modules;
+}
+
+template <class Visit>
+void for_each_source(Visit visit) {
+  for (const char* top : {"engine", "calib", "pipeline"})
+    for (const auto& entry : fs::recursive_directory_iterator(source_dir / top)) {
+      const auto extension = entry.path().extension();
+      if (extension == ".h" || extension == ".cpp")
+        visit(entry.path(), fs::relative(entry.path(), source_dir).string());
+    }
+}
+
+TEST(Structure, IncludesRunOneWay) {
+  int includes = 0;
+  for_each_source([&](const fs::path& file, const std::string& name) {
+    const std::string module = module_of(name);
+    if (composers.contains(module)) return;
+    ASSERT_TRUE(allowed().contains(module))
+        << module << " is a new module: give it a row in this test";
+    for (const auto& other : included_modules(file)) {
+      ++includes;
+      EXPECT_TRUE(other == module || allowed().at(module).contains(other))
+          << name << " must not include " << other;
+    }
+  });
+  EXPECT_GT(includes, 100) << "the includes were not found";
+}
+
+TEST(Structure, ProductIncludesNothingOfTests) {
+  for_each_source([&](const fs::path& file, const std::string& name) {
+    for (const auto& other : included_modules(file))
+      EXPECT_FALSE(other.starts_with("tests")) << name << " includes " << other;
+  });
+}
+
+TEST(Structure, OnlyTheTopLayerIncludesItself) {
+  for_each_source([&](const fs::path& file, const std::string& name) {
+    if (name.starts_with("pipeline/cli/")) return;
+    for (const auto& other : included_modules(file)) EXPECT_NE(other, "pipeline/cli") << name;
+  });
+}
+
+TEST(Structure, CalibrationDoesNotUseOpenCl) {
+  for_each_source([&](const fs::path& file, const std::string& name) {
+    if (!name.starts_with("calib/")) return;
+    std::ifstream stream(file);
+    for (std::string line; std::getline(stream, line);)
+      EXPECT_EQ(line.find("#include <CL/"), std::string::npos) << name;
+  });
+}
+
+}  // namespace

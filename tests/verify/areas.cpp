@@ -1,0 +1,100 @@
+#include "tests/verify/areas.h"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include "engine/base/files.h"
+#include "engine/base/interrupt.h"
+#include "tests/verify/calib/verify_images.h"
+#include "tests/verify/engine/verify_engine.h"
+#include "tests/verify/engine/verify_processes.h"
+#include "tests/verify/labels/verify_labels.h"
+#include "tests/verify/recording/verify_recording.h"
+#include "tests/verify/scene/verify_scene.h"
+#include "tests/verify/study/sensitivity_command.h"
+#include "tests/verify/study/verify_study.h"
+#include "tests/verify/support/figures_page.h"
+
+namespace touchtrace::verify {
+namespace {
+
+struct AreaOptions {
+  std::string report;
+};
+
+void describe(OptionSet& set, AreaOptions& o) {
+  set.text("report", o.report, "HTML file to write: the figures and their pictures");
+}
+
+void print_row(const Figure& figure) {
+  fmt::print("{:<52} {:>12.6g} {:<10} {:<16} {:<4} {:8.2f} s\n", figure.name, figure.value,
+             figure.unit, figure.goal_text(), figure.holds() ? "PASS" : "FAIL", figure.seconds);
+  std::fflush(stdout);  // a reader of a pipe sees each row as soon as it is measured
+}
+
+std::vector<Figure> measure(const Verification& verification, bool print) {
+  std::vector<Figure> figures;
+  auto last = std::chrono::steady_clock::now();
+  verification([&](Figure figure) {
+    const auto now = std::chrono::steady_clock::now();
+    figure.seconds = std::chrono::duration<double>(now - std::exchange(last, now)).count();
+    if (print) print_row(figure);
+    figures.push_back(std::move(figure));
+    throw_if_interrupted();
+  });
+  return figures;
+}
+
+ExitCode run(const std::string& area, const Verification& verification, const AreaOptions& options,
+             const cli::Invocation& invocation) {
+  const auto figures = measure(verification, !invocation.json);
+  if (invocation.json) fmt::print("{}\n", to_json(figures).dump(2));
+  if (!options.report.empty())
+    write_file(options.report, report::figures_page("touchtrace-verify " + area, figures),
+               invocation.overwrite);
+  const bool all_pass = std::ranges::all_of(figures, &Figure::holds);
+  return all_pass ? ExitCode::done : ExitCode::data;
+}
+
+/// The command that measures one area.
+cli::Verb area(const std::string& name, const std::string& summary, Verification verification) {
+  const auto options = std::make_shared<AreaOptions>();
+  return {name, summary, {"touchtrace-verify " + name + " --report " + name + ".html"},
+          [options](OptionSet& set) { describe(set, *options = AreaOptions{}); },
+          [=](const cli::Invocation& invocation) {
+            return run(name, verification, *options, invocation);
+          }};
+}
+
+Verification verify_whole_engine() {
+  return [](const std::function<void(Figure)>& emit) {
+    verify_processes(emit);
+    verify_engine()(emit);
+  };
+}
+
+}  // namespace
+
+const cli::Program& verify_program() {
+  static const cli::Program program{
+      "touchtrace-verify",
+      "touchtrace-verify: measures what each module of touchtrace promises. Prints rows of name, "
+      "value, unit, goal, PASS or FAIL, and seconds; exit code 3 if a row fails",
+      {area("calibration", "photographs of opencv-doc and simulated boards (3 min)",
+            calibration_verification()),
+       area("engine", "operations, gradients, training, prediction (10 min)",
+            verify_whole_engine()),
+       area("first-step", "the first training step of a process", verify_first_step()),
+       area("labels", "smoothing, clocks, labels of rendered scenes (17 min)",
+            study::verify_labels()),
+       area("recording", "crash safety and damaged files", verify_recording()),
+       area("scene", "physics against closed forms and statistics", scene::verify_scene()),
+       area("study", "training and evaluation on a synthetic data set", study::verify_study()),
+       area("weights", "hash of the weights after 200 updates", verify_weights()),
+       study::sensitivity_command()}};
+  return program;
+}
+
+}  // namespace touchtrace::verify

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "pipeline/cli/verb.h"
+
+namespace touchtrace::verify {
+
+/// touchtrace-verify: one command per area, and the study of the scene's parameters.
+const cli::Program& verify_program();
+
+}  // namespace touchtrace::verify

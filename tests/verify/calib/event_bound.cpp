@@ -1,0 +1,84 @@
+#include "tests/verify/calib/event_bound.h"
+
+#include <cmath>
+
+#include "calib/smooth/scaled_track.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr double difference_s = 5e-4;
+
+Track without_errors(const SyntheticMotion& motion, Track track) {
+  for (auto& point : track) point.position_m = motion.position_at(point.time_s);
+  return track;
+}
+
+/// -log likelihood of measurements without errors, of which that with errors differs on average by
+/// a constant: its curvature is the information.
+class ExpectedCost {
+ public:
+  ExpectedCost(const Track& track, const MotionNoise<double>& noise, const SmoothOptions& options)
+      : units_(MotionUnits::of({track})),
+        track_({track, std::vector<double>(track.size(), 1.0), {}}, units_),
+        origin_s_(track.front().time_s),
+        noise_(units_.scaled(noise)),
+        gravity_(options.gravity_m_per_s2 / units_.acceleration()),
+        initial_(scaled(options.initial, units_)) {}
+
+  double operator()(const std::vector<Flight>& flights) const {
+    const MotionPrior<double> prior(noise_, contact_events(flights, origin_s_, units_.time_s));
+    return innovation_cost(track_, prior, gravity_, initial_);
+  }
+
+ private:
+  MotionUnits units_;
+  ScaledTrack track_;
+  double origin_s_;
+  MotionNoise<double> noise_;
+  Eigen::Vector3d gravity_;
+  InitialMotion initial_;
+};
+
+/// A hit moves both flights' times.
+std::vector<Flight> with_landing_moved(std::vector<Flight> flights, std::size_t which,
+                                       double by_s) {
+  const bool hit =
+      which + 1 < flights.size() && flights[which + 1].release_s <= flights[which].landing_s;
+  flights[which].landing_s += by_s;
+  if (hit) flights[which + 1].release_s += by_s;
+  return flights;
+}
+
+}  // namespace
+
+std::vector<double> least_landing_deviations_s(const SyntheticMotion& motion, const Track& track,
+                                               const MotionNoise<double>& noise,
+                                               const SmoothOptions& options) {
+  const ExpectedCost cost(without_errors(motion, track), noise, options);
+  const double middle = cost(motion.flights);
+  std::vector<double> result;
+  for (std::size_t i = 0; i < motion.flights.size(); ++i) {
+    const double information =
+        (cost(with_landing_moved(motion.flights, i, difference_s)) +
+         cost(with_landing_moved(motion.flights, i, -difference_s)) - 2.0 * middle) /
+        (difference_s * difference_s);
+    result.push_back(1.0 / std::sqrt(information));
+  }
+  return result;
+}
+
+double least_velocity_rms(double known_rms, const SyntheticMotion& motion,
+                          const std::vector<double>& deviations_s) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < deviations_s.size(); ++i) {
+    const double landing_s = motion.flights[i].landing_s;
+    if (!std::isfinite(deviations_s[i])) continue;  // after the last frame
+    const Eigen::Vector3d jump =
+        motion.velocity_at(landing_s) - motion.velocity_at(landing_s - 2.0 * motion.step_s);
+    squares += jump.squaredNorm() * deviations_s[i] / std::sqrt(M_PI);
+  }
+  return std::sqrt(known_rms * known_rms + squares / (3.0 * motion.seconds()));
+}
+
+}  // namespace touchtrace

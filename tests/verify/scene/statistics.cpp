@@ -1,0 +1,94 @@
+#include "tests/verify/scene/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchtrace::scene {
+namespace {
+
+using Eigen::Vector3d;
+
+bool is_struck(const ClipMotion& clip, double from_s, double to_s) {
+  return std::ranges::any_of(clip.events, [&](const Truth::Event& event) {
+    return event.kind == "impact" && event.time_s > from_s && event.time_s <= to_s;
+  });
+}
+
+/// Forces are of the end of each interval, so they are held against the velocity gained in it.
+/// Intervals in which a ball strikes the object, too, are left out.
+double force_residual(const std::vector<ClipMotion>& clips, const ObjectSpec& object) {
+  double error = 0.0, scale = 0.0;
+  for (const ClipMotion& clip : clips)
+    for (std::size_t i = 1; i < clip.samples.size(); ++i) {
+      const SceneSample &now = clip.samples[i], &before = clip.samples[i - 1];
+      if (is_struck(clip, before.time_s, now.time_s)) continue;
+      const Vector3d acceleration =
+          (now.object.velocity_m_per_s - before.object.velocity_m_per_s) * sample_rate_hz;
+      const Vector3d load = object.mass_kg * (acceleration + gravity_m_per_s2 * Vector3d::UnitZ());
+      error += (now.contact_force_n - load).squaredNorm();
+      scale += load.squaredNorm();
+    }
+  return std::sqrt(error / scale);
+}
+
+void add_apexes(const ClipMotion& clip, std::vector<double>& apex_m) {
+  double release_s = -1.0;
+  for (const Truth::Event& event : clip.events) {
+    if (event.kind == "release") release_s = event.time_s;
+    if (event.kind != "catch") continue;
+    double lowest = 1e9, highest = -1e9;
+    for (const SceneSample& sample : clip.samples) {
+      if (sample.time_s < release_s || sample.time_s > event.time_s) continue;
+      if (lowest == 1e9) lowest = sample.object.position_m.z();
+      highest = std::max(highest, sample.object.position_m.z());
+    }
+    apex_m.push_back(highest - lowest);
+  }
+}
+
+/// How far the object has turned in the hand since the clip began, at most.
+double turn_in_hand_rad(const ClipMotion& clip) {
+  const auto in_hand = [](const SceneSample& sample) {
+    return sample.hand.orientation.conjugate() * sample.object.orientation;
+  };
+  double most_rad = 0.0;
+  for (const SceneSample& sample : clip.samples)
+    most_rad = std::max(most_rad, in_hand(clip.samples.front()).angularDistance(in_hand(sample)));
+  return most_rad;
+}
+
+}  // namespace
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return std::nan("");
+  const auto nth =
+      values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec& object) {
+  ClipStatistics s;
+  std::vector<double> grip_n;
+  double saturated = 0.0, readings = 0.0;
+  for (const ClipMotion& clip : clips) {
+    s.drop_share += (clip.dropped ? 1.0 : 0.0) / static_cast<double>(clips.size());
+    s.clamped_clip_share += (clip.clamp_hits > 0) / static_cast<double>(clips.size());
+    add_apexes(clip, s.apex_m);
+    if (!clip.dropped) s.turn_in_hand_rad.push_back(turn_in_hand_rad(clip));
+    for (const SceneSample& sample : clip.samples) {
+      if (sample.grip_force_n > 0.0) grip_n.push_back(sample.grip_force_n);
+      s.lowest_object_m =
+          std::min(s.lowest_object_m, sample.object.position_m.z() - sample.hand.position_m.z());
+    }
+    readings += static_cast<double>(clip.glove.counts.size());
+    saturated += static_cast<double>(std::ranges::count(clip.glove.counts, 1023));
+  }
+  s.grip_p01_n = percentile(grip_n, 0.01);
+  s.grip_p99_n = percentile(grip_n, 0.99);
+  s.saturated_share = saturated / readings;
+  s.force_residual = force_residual(clips, object);
+  return s;
+}
+
+}  // namespace touchtrace::scene

@@ -1,0 +1,162 @@
+#include "tests/verify/study/simulated_labels.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "calib/rgbd/calibrate.h"
+#include "engine/base/error.h"
+#include "engine/base/scratch_folder.h"
+#include "pipeline/acquire/board_views.h"
+#include "pipeline/dataset/load.h"
+#include "pipeline/label/label.h"
+#include "pipeline/label/timeline.h"
+#include "pipeline/recording/labels.h"
+#include "pipeline/recording/recording_file.h"
+#include "pipeline/scene/base/motion.h"
+#include "pipeline/study/truth.h"
+
+namespace touchtrace::study {
+namespace {
+
+constexpr double difference_s = 1e-3;
+
+struct ActivityErrorModel {
+  const char* activity;
+  LabelErrorModel error;
+};
+
+constexpr ActivityErrorModel measured_errors[] = {
+    {"wave",
+     {{{0.0008, 0.0006, 0.0013}, 0.0125, 0.136},
+      {{0.0051, 0.0051, 0.0051}, 0.021, 0.131},
+      0.018,
+      0.002}},
+    {"throw",
+     {{{0.0006, 0.0006, 0.0008}, 0.0240, 0.171},
+      {{0.0044, 0.0044, 0.0044}, 0.034, 0.171},
+      0.018,
+      0.025}},
+    {"pingpong",
+     {{{0.0002, 0.0006, 0.0002}, 0.0032, 0.454},
+      {{0.0028, 0.0028, 0.0028}, 0.035, 0.098},
+      0.018,
+      0.003}},
+    {"balance",
+     {{{0.0007, 0.0005, 0.0007}, 0.0084, 0.030},
+      {{0.0035, 0.0035, 0.0035}, 0.025, 0.047},
+      0.018,
+      0.003}},
+};
+
+LabelledBody without_states(std::size_t labels) {
+  LabelledBody body;
+  for (auto* values : {&body.position_m, &body.velocity_m_per_s, &body.causal_position_m,
+                       &body.causal_velocity_m_per_s})
+    values->assign(3 * labels, 0.0);
+  body.covariance.assign(36 * labels, 0.0);
+  body.quality.assign(labels, quality_good);
+  return body;
+}
+
+/// Labels at the right times whose states are still to be filled in.
+Labels unfilled_labels(const Recording& recording) {
+  Labels labels;
+  labels.activity = recording.activity;
+  labels.clips = recording.clips;
+  for (const auto& frame : label::glove_frames(recording, label::align_glove(recording))) {
+    labels.time_s.push_back(frame.time_s);
+    labels.clip.push_back(frame.clip);
+    labels.glove_frame.push_back(frame.index);
+  }
+  labels.hand = labels.object = without_states(labels.time_s.size());
+  labels.summary = nlohmann::json::object();
+  labels.provenance = start_provenance("touchtrace/labels/1", "modelled");
+  return labels;
+}
+
+void attach_truth_at_delay(Dataset& data, const std::vector<LabelledRecording>& sources,
+                           double delay_s) {
+  for (double& time_s : data.time_s) time_s -= delay_s;
+  attach_truth(data, sources);
+  for (double& time_s : data.time_s) time_s += delay_s;
+}
+
+/// Adds the errors of one axis of one body within a clip.
+void err(Dataset& data, const Sequence& clip, const BodyErrorModel& model, int first, int axis,
+         RandomStream random) {
+  const double deviation_m = model.position_m[static_cast<std::size_t>(axis)];
+  const double band_hz =
+      std::sqrt(3.0) * model.velocity_m_per_s / (2 * std::numbers::pi * deviation_m);
+  const scene::SmoothNoise noise(random, band_hz);
+  const double fresh = std::sqrt(std::max(
+      0.0, std::pow(model.causal_velocity_m_per_s, 2) - std::pow(model.velocity_m_per_s, 2)));
+  for (int frame = clip.first_frame; frame < clip.first_frame + clip.frames; ++frame) {
+    const double t = data.time_s[frame];
+    const double speed = (noise.at(t + difference_s) - noise.at(t - difference_s)) /
+                         (2 * difference_s) * deviation_m;
+    State &label = data.label[frame], &causal = data.causal_label[frame];
+    label[first + axis] += static_cast<float>(deviation_m * noise.at(t));
+    label[first + 3 + axis] += static_cast<float>(speed);
+    causal[first + axis] = label[first + axis];
+    causal[first + 3 + axis] =
+        label[first + 3 + axis] + static_cast<float>(fresh * random.normal());
+  }
+}
+
+void err(Dataset& data, const LabelErrorModel& model, std::uint64_t seed) {
+  RandomStream lost(seed, "modelled labels lost");
+  for (std::uint8_t& trusted : data.trusted) trusted = lost.uniform() >= model.lost_share;
+  for (const Sequence& clip : data.sequences)
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto stream = [&](const char* body) {
+        return RandomStream(seed, fmt::format("modelled labels {} {} {}", body, clip.clip, axis));
+      };
+      err(data, clip, model.object, 0, axis, stream("object"));
+      err(data, clip, model.hand, 6, axis, stream("hand"));
+    }
+}
+
+}  // namespace
+
+const LabelErrorModel& measured_label_error(const std::string& activity) {
+  const auto row = std::ranges::find(measured_errors, activity, &ActivityErrorModel::activity);
+  if (row == std::end(measured_errors))
+    throw usage_error(fmt::format("no label errors were measured of {}", activity),
+                      "give labels of rendered images instead: --images");
+  return row->error;
+}
+
+Dataset load_with_modelled_labels(const std::filesystem::path& recording,
+                                  const LabelErrorModel& model, int resolution,
+                                  std::uint64_t seed) {
+  const ScratchFolder folder;
+  const std::vector<LabelledRecording> sources{{recording, folder.path() / "labels.h5"}};
+  write_labels(sources[0].labels, unfilled_labels(RecordingReader(recording).recording()), false);
+  Dataset data = load_dataset(sources, resolution);
+  attach_truth_at_delay(data, sources, model.delay_s);
+  data.label = data.causal_label = data.truth;
+  err(data, model, seed);
+  attach_truth(data, sources);
+  shift_truth(data, estimate_offset(data));
+  return data;
+}
+
+Dataset load_with_rendered_labels(const std::filesystem::path& recording, int resolution) {
+  const ScratchFolder folder;
+  const std::vector<LabelledRecording> sources{{recording, folder.path() / "labels.h5"}};
+  label::LabelOptions options;
+  options.tracker = "component";
+  write_labels(sources[0].labels,
+               label::label_recording(RecordingReader(recording),
+                                      calibrate(board_views_of_recording(recording)), options),
+               false);
+  Dataset data = load_dataset(sources, resolution);
+  attach_truth(data, sources);
+  shift_truth(data, estimate_offset(data));
+  return data;
+}
+
+}  // namespace touchtrace::study

@@ -1,0 +1,64 @@
+#include "tests/verify/study/verify_study.h"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "engine/base/scratch_folder.h"
+#include "pipeline/study/evaluation.h"
+#include "pipeline/study/training.h"
+#include "tests/verify/study/synthetic.h"
+
+namespace touchtrace::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int updates = 400, window_frames = 4;
+
+LoadedModel train(Runtime& runtime, const Dataset& data, const fs::path& output, bool touch) {
+  TrainingOptions options;
+  options.output = output.string();
+  options.without_touch = !touch;
+  options.window = window_frames;
+  options.optimizer.updates = updates;
+  Provenance provenance = start_provenance("touchtrace/model/1", "verify");
+  provenance.options = nlohmann::json::object();
+  train_model(runtime, data, options, std::move(provenance), true);
+  return load_model(runtime, options.output);
+}
+
+double value(const Contest& contest, const char* model, const char* metric) {
+  const auto [object, which] = contest.objects().front();
+  return summary(contest.find(model)->scores, which).at(metric);
+}
+
+double coverage(const Contest& contest, bool scaled) {
+  const auto [object, which] = contest.objects().front();
+  return mean_known(coverage_of(*contest.find("full"), contest.cases, which, scaled));
+}
+
+void measure(const std::function<void(Figure)>& emit) {
+  const ScratchFolder folder;
+  Runtime runtime(choose_device(""));
+  const Session session{"synthetic", synthetic_dataset({40}), {}, {}};
+  LoadedModel full = train(runtime, session.data, folder.path() / "full", true);
+  LoadedModel without = train(runtime, session.data, folder.path() / "without_touch", false);
+  const Contest contest = hold_contest({&session}, {&full, &without}, Reference::truth, 5, 1);
+  for (const char* metric : {"l1_at_20", "l1_at_50"}) {
+    const double random = value(contest, "random", metric),
+                 blind = value(contest, "without_touch", metric);
+    emit(at_most(fmt::format("full over without_touch, {}", metric),
+                 value(contest, "full", metric) / blind, "1", 0.8));
+    emit(at_most(fmt::format("without_touch over random, {}", metric), blind / random, "1", 0.95));
+  }
+  emit(within("coverage of the scaled band over 50 steps", coverage(contest, true), "1", 0.72,
+              0.88));
+  emit(reported("coverage of the band as predicted", coverage(contest, false), "1"));
+}
+
+}  // namespace
+
+Verification verify_study() { return measure; }
+
+}  // namespace touchtrace::study

@@ -2,7 +2,7 @@
 
 #include "calib/rgbd/calibration.h"
 #include "engine/base/files.h"
-#include "pipeline/cli/verb.h"
+#include "pipeline/cli/verbs.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
@@ -17,7 +17,7 @@ int run(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {"touchtrace", "calibrate", "--quiet"});
   std::vector<const char*> argv;
   for (const auto& argument : arguments) argv.push_back(argument.c_str());
-  return cli::run_command_line(static_cast<int>(argv.size()), argv.data());
+  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()), argv.data());
 }
 
 /// A grey picture in PGM, without a board.

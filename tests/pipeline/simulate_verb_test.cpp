@@ -3,7 +3,7 @@
 #include <array>
 
 #include "engine/base/files.h"
-#include "pipeline/cli/verb.h"
+#include "pipeline/cli/verbs.h"
 #include "pipeline/scene/person/activity.h"
 #include "tests/pipeline/recording_samples.h"
 
@@ -16,7 +16,7 @@ int simulate(const std::vector<std::string>& more) {
   std::vector<const char*> argv{"touchtrace", "simulate", "--quiet",  "--no-images",
                                 "--minutes",  "0.05",     "--clip-s", "1.5"};
   for (const auto& argument : more) argv.push_back(argument.c_str());
-  return cli::run_command_line(static_cast<int>(argv.size()), argv.data());
+  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()), argv.data());
 }
 
 std::string hash(const std::filesystem::path& path) { return sha256_of(read_file(path)); }
@@ -46,7 +46,7 @@ TEST(SimulateVerb, ARecordingWithoutImagesHasNoRateOfThem) {
   ASSERT_EQ(simulate({file}), 0);
   const std::array argv{"touchtrace", "check", file.c_str()};
   ::testing::internal::CaptureStdout();
-  EXPECT_EQ(cli::run_command_line(static_cast<int>(argv.size()), argv.data()), 0);
+  EXPECT_EQ(cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()), argv.data()), 0);
   const std::string said = ::testing::internal::GetCapturedStdout();
   EXPECT_NE(said.find("camera     0 frames, too few for a rate"), std::string::npos) << said;
   EXPECT_EQ(said.find("nan"), std::string::npos) << said;

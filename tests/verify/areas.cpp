@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
@@ -70,7 +71,7 @@ cli::Verb area(const std::string& name, const std::string& summary, Verification
 
 Verification verify_whole_engine() {
   return [](const std::function<void(Figure)>& emit) {
-    verify_processes(emit);
+    cli::verify_processes(emit);
     verify_engine()(emit);
   };
 }

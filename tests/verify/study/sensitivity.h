@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/base/options.h"
+#include "engine/base/provenance.h"
 #include "engine/cl/runtime.h"
 
 namespace touchtrace::study {

@@ -9,22 +9,22 @@
 #include "engine/base/text.h"
 #include "engine/base/version.h"
 #include "engine/cl/compiler_process.h"
+#include "pipeline/cli/command.h"
 #include "pipeline/cli/configuration.h"
-#include "pipeline/cli/verb.h"
 
 namespace touchtrace::cli {
 namespace {
 
-// What this program calls itself with to compile kernels beside itself: no verb, since it is of no
-// use to anybody else.
+// What this program calls itself with to compile kernels beside itself: no command, since it is of
+// no use to anybody else.
 constexpr const char* compile_kernels = "compile-kernels";
 
 constexpr const char* exit_codes =
     "Exit codes: 0 done, 1 failed, 2 usage, 3 data or quality gate, 4 no device, 130 interrupted";
 
-/// A verb as CLI11 sees it, with everything that must outlive the parsing.
-struct Command {
-  const Verb* verb;
+/// A command as CLI11 sees it, with everything that must outlive the parsing.
+struct Subcommand {
+  const Command* command;
   CLI::App* app;
   OptionSet options;
   Invocation invocation;
@@ -46,88 +46,88 @@ void bind(CLI::App& app, const Option& option) {
       option.target);
 }
 
-void bind_common(Command& command) {
-  CLI::App& app = *command.app;
-  app.add_option("--config", command.configuration_file,
+void bind_common(Subcommand& subcommand) {
+  CLI::App& app = *subcommand.app;
+  app.add_option("--config", subcommand.configuration_file,
                  "TOML file with keys like these flags; flags win over it");
-  app.add_option("--device", command.invocation.device,
+  app.add_option("--device", subcommand.invocation.device,
                  "OpenCL device: number, type or part of a name (see touchtrace devices)");
-  app.add_flag("--json", command.invocation.json, "print one JSON document on stdout");
-  app.add_flag("--overwrite", command.invocation.overwrite, "replace outputs that exist");
-  app.add_flag("--quiet", command.quiet, "no progress on stderr");
+  app.add_flag("--json", subcommand.invocation.json, "print one JSON document on stdout");
+  app.add_flag("--overwrite", subcommand.invocation.overwrite, "replace outputs that exist");
+  app.add_flag("--quiet", subcommand.quiet, "no progress on stderr");
 }
 
-std::string examples_text(const Verb& verb) {
+std::string examples_text(const Command& command) {
   std::string text = "Examples:\n";
-  for (const auto& example : verb.examples) text += "  " + example + "\n";
+  for (const auto& example : command.examples) text += "  " + example + "\n";
   return text + exit_codes;
 }
 
-std::vector<std::unique_ptr<Command>> make_commands(const Program& program, CLI::App& root) {
-  std::vector<std::unique_ptr<Command>> commands;
-  for (const auto& verb : program.commands) {
-    auto command = std::make_unique<Command>();
-    command->verb = &verb;
-    command->app = root.add_subcommand(verb.name, verb.summary);
-    command->app->footer(examples_text(verb));
-    verb.describe(command->options);
-    for (const auto& option : command->options.options()) bind(*command->app, option);
-    bind_common(*command);
-    commands.push_back(std::move(command));
+std::vector<std::unique_ptr<Subcommand>> make_subcommands(const Program& program, CLI::App& root) {
+  std::vector<std::unique_ptr<Subcommand>> subcommands;
+  for (const auto& command : program.commands) {
+    auto subcommand = std::make_unique<Subcommand>();
+    subcommand->command = &command;
+    subcommand->app = root.add_subcommand(command.name, command.summary);
+    subcommand->app->footer(examples_text(command));
+    command.describe(subcommand->options);
+    for (const auto& option : subcommand->options.options()) bind(*subcommand->app, option);
+    bind_common(*subcommand);
+    subcommands.push_back(std::move(subcommand));
   }
-  return commands;
+  return subcommands;
 }
 
-std::vector<std::string> flag_names(const Command& command) {
+std::vector<std::string> flag_names(const Subcommand& subcommand) {
   std::vector<std::string> names{"config", "device", "json", "overwrite", "quiet"};
-  for (const auto& name : command.options.names()) names.push_back(name);
+  for (const auto& name : subcommand.options.names()) names.push_back(name);
   return names;
 }
 
 /// The flags that were given, so that the configuration file does not change them.
-std::vector<std::string> given(const Command& command) {
+std::vector<std::string> given(const Subcommand& subcommand) {
   std::vector<std::string> names;
-  for (const auto& option : command.options.options()) {
+  for (const auto& option : subcommand.options.options()) {
     const auto* flag =
-        command.app->get_option_no_throw(option.positional ? option.name : "--" + option.name);
+        subcommand.app->get_option_no_throw(option.positional ? option.name : "--" + option.name);
     if (flag && flag->count() > 0) names.push_back(option.name);
   }
   return names;
 }
 
-ExitCode run(Command& command) {
-  if (command.quiet) Progress::silence();
-  if (!command.configuration_file.empty())
-    apply_configuration(command.configuration_file, command.verb->name, command.options,
-                        given(command));
-  command.options.validate();
-  command.invocation.options = command.options.values();
-  return command.verb->run(command.invocation);
+ExitCode run(Subcommand& subcommand) {
+  if (subcommand.quiet) Progress::silence();
+  if (!subcommand.configuration_file.empty())
+    apply_configuration(subcommand.configuration_file, subcommand.command->name, subcommand.options,
+                        given(subcommand));
+  subcommand.options.validate();
+  subcommand.invocation.options = subcommand.options.values();
+  return subcommand.command->run(subcommand.invocation);
 }
 
-std::string first_unknown(const Command& command) {
-  const auto rest = command.app->remaining();
+std::string first_unknown(const Subcommand& subcommand) {
+  const auto rest = subcommand.app->remaining();
   return rest.empty() ? std::string() : rest.front();
 }
 
-/// Unknown flags and verbs get a suggestion; CLI11 alone would not make one.
+/// Unknown flags and commands get a suggestion; CLI11 alone would not make one.
 [[noreturn]] void throw_usage(const CLI::ParseError& error,
-                              const std::vector<std::unique_ptr<Command>>& commands, int argc,
+                              const std::vector<std::unique_ptr<Subcommand>>& subcommands, int argc,
                               const char* const* argv) {
-  for (const auto& command : commands) {
-    const std::string unknown = command->app->parsed() ? first_unknown(*command) : "";
+  for (const auto& subcommand : subcommands) {
+    const std::string unknown = subcommand->app->parsed() ? first_unknown(*subcommand) : "";
     if (!unknown.empty())
       throw usage_error(
-          fmt::format("{} does not know '{}'", command->verb->name, unknown),
+          fmt::format("{} does not know '{}'", subcommand->command->name, unknown),
           suggestion(unknown.substr(unknown.find_first_not_of('-') == std::string::npos
                                         ? 0
                                         : unknown.find_first_not_of('-')),
-                     flag_names(*command)));
+                     flag_names(*subcommand)));
   }
   std::vector<std::string> names;
-  for (const auto& command : commands) names.push_back(command->verb->name);
+  for (const auto& subcommand : subcommands) names.push_back(subcommand->command->name);
   if (argc > 1 && std::ranges::find(names, argv[1]) == names.end())
-    throw usage_error(fmt::format("there is no verb '{}'", argv[1]), suggestion(argv[1], names));
+    throw usage_error(fmt::format("there is no command '{}'", argv[1]), suggestion(argv[1], names));
   throw usage_error(error.what(), "see touchtrace --help");
 }
 
@@ -141,16 +141,16 @@ ExitCode dispatch(const Program& program, int argc, const char* const* argv) {
   root.footer(exit_codes);
   root.set_version_flag("--version", version);
   root.require_subcommand(1);
-  const auto commands = make_commands(program, root);
+  const auto subcommands = make_subcommands(program, root);
   try {
     root.parse(argc, argv);
   } catch (const CLI::Success& success) {
     return root.exit(success) == 0 ? ExitCode::done : ExitCode::usage;
   } catch (const CLI::ParseError& error) {
-    throw_usage(error, commands, argc, argv);
+    throw_usage(error, subcommands, argc, argv);
   }
-  for (const auto& command : commands)
-    if (command->app->parsed()) return run(*command);
+  for (const auto& subcommand : subcommands)
+    if (subcommand->app->parsed()) return run(*subcommand);
   return ExitCode::usage;
 }
 

@@ -58,17 +58,17 @@ toml::table parse(const std::filesystem::path& file) {
 
 }  // namespace
 
-void apply_configuration(const std::filesystem::path& file, const std::string& verb,
+void apply_configuration(const std::filesystem::path& file, const std::string& command,
                          OptionSet& options, const std::vector<std::string>& given) {
   const toml::table document = parse(file);
-  const toml::table* table = document[verb].as_table();
+  const toml::table* table = document[command].as_table();
   if (!table) return;
   std::vector<std::string> keys;
   for (const auto& option : options.options()) keys.push_back(key_of(option.name));
   for (const auto& [key, node] : *table) {
     const auto place = std::ranges::find(keys, key.str());
     if (place == keys.end())
-      throw usage_error(fmt::format("{}: [{}] has no key '{}'", file.string(), verb, key.str()),
+      throw usage_error(fmt::format("{}: [{}] has no key '{}'", file.string(), command, key.str()),
                         suggestion(key.str(), keys));
     const Option& option = options.options()[static_cast<std::size_t>(place - keys.begin())];
     if (std::ranges::find(given, option.name) != given.end()) continue;

@@ -20,7 +20,7 @@ void expect_failure(const std::string& arguments, int exit_code, const std::stri
                                                                   << result.output;
 }
 
-/// The verbs as --help lists them.
+/// The commands as --help lists them.
 std::vector<std::string> verb_names() {
   std::istringstream help(run_program("--help").output);
   std::vector<std::string> names;
@@ -51,7 +51,7 @@ TEST(CommandLine, EveryVerbHasHelpWithExamplesAndExitCodes) {
 }
 
 TEST(CommandLine, UnknownNamesAreErrorsThatSuggest) {
-  expect_failure("simulat", 2, "there is no verb 'simulat'");
+  expect_failure("simulat", 2, "there is no command 'simulat'");
   EXPECT_NE(run_program("simulat").output.find("did you mean 'simulate'"), std::string::npos);
   expect_failure("simulate --activty wave x.h5", 2, "did you mean 'activity'");
   expect_failure("simulate --activity wav out.h5", 2, "did you mean 'wave'");

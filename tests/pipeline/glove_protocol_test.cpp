@@ -7,7 +7,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
@@ -116,7 +116,8 @@ TEST(GloveProtocol, CountsThatItCannotCarryAreRefused) {
 int send(const std::vector<std::string>& more) {
   std::vector<const char*> argv{"touchtrace", "send", "--quiet"};
   for (const auto& argument : more) argv.push_back(argument.c_str());
-  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()), argv.data());
+  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
+                               argv.data());
 }
 
 TEST(SendVerb, WritesWhatTheDeviceSends) {

@@ -60,9 +60,11 @@ ExitCode run(const std::string& area, const Verification& verification, const Ar
 }
 
 /// The command that measures one area.
-cli::Verb area(const std::string& name, const std::string& summary, Verification verification) {
+cli::Command area(const std::string& name, const std::string& summary, Verification verification) {
   const auto options = std::make_shared<AreaOptions>();
-  return {name, summary, {"touchtrace-verify " + name + " --report " + name + ".html"},
+  return {name,
+          summary,
+          {"touchtrace-verify " + name + " --report " + name + ".html"},
           [options](OptionSet& set) { describe(set, *options = AreaOptions{}); },
           [=](const cli::Invocation& invocation) {
             return run(name, verification, *options, invocation);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pipeline/cli/verb.h"
+#include "pipeline/cli/command.h"
 
 namespace touchtrace::verify {
 

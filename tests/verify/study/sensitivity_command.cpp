@@ -1,7 +1,8 @@
+#include "tests/verify/study/sensitivity_command.h"
+
 #include <fmt/core.h>
 
 #include "pipeline/cli/usable_device.h"
-#include "tests/verify/study/sensitivity_command.h"
 #include "tests/verify/study/sensitivity.h"
 
 namespace touchtrace::study {
@@ -22,8 +23,8 @@ ExitCode run(const SensitivityOptions& options, const cli::Invocation& invocatio
 
 }  // namespace
 
-cli::Verb sensitivity_command() {
-  return cli::make_verb<SensitivityOptions>(
+cli::Command sensitivity_command() {
+  return cli::make_command<SensitivityOptions>(
       "sensitivity", "halve and double what the scene assumes, and see what it does to L1@50",
       {"touchtrace-verify sensitivity --output wave.json --only glove-gain glove-cross-talk",
        "touchtrace-verify sensitivity --output throw.json --activity throw --resume"},

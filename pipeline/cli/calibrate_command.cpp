@@ -8,7 +8,7 @@
 #include "engine/base/provenance.h"
 #include "engine/base/text.h"
 #include "pipeline/acquire/board_views.h"
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 
 namespace touchtrace::cli {
 namespace {
@@ -181,8 +181,8 @@ ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
 
 }  // namespace
 
-Verb calibrate_verb() {
-  return make_verb<CalibrateOptions>(
+Command calibrate_command() {
+  return make_command<CalibrateOptions>(
       "calibrate",
       "find the camera's intrinsics, depth error and their uncertainty from board views",
       {"touchtrace calibrate recording.h5 --output calibration",

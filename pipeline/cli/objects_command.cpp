@@ -1,6 +1,6 @@
 #include <fmt/core.h>
 
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/scene/objects/object_file.h"
 #include "pipeline/scene/objects/solids.h"
 
@@ -64,8 +64,8 @@ ExitCode run(const ObjectsOptions& options, const Invocation& invocation) {
 
 }  // namespace
 
-Verb objects_verb() {
-  return make_verb<ObjectsOptions>(
+Command objects_command() {
+  return make_command<ObjectsOptions>(
       "objects", "list the objects of the scenes, or check the TOML file of one",
       {"touchtrace objects", "touchtrace objects --object hammer my_mug.toml --json"}, run);
 }

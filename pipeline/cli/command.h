@@ -11,27 +11,27 @@
 
 namespace touchtrace::cli {
 
-/// What every verb is given beside its own options.
+/// What every command is given beside its own options.
 struct Invocation {
   bool json = false;       ///< --json: stdout carries one JSON document and nothing else
   bool overwrite = false;  ///< --overwrite: outputs that exist are replaced
   std::string device;      ///< --device: number, type or part of a name; empty: the fastest usable
-  nlohmann::json options;  ///< the verb's options as given, for the provenance
+  nlohmann::json options;  ///< the command's options as given, for the provenance
 };
 
-/// One verb of the command line. `describe` binds its options struct, `run` reads it afterwards.
-struct Verb {
+/// One command of the command line. `describe` binds its options struct, `run` reads it afterwards.
+struct Command {
   std::string name, summary;
   std::vector<std::string> examples;
   std::function<void(OptionSet&)> describe;
   std::function<ExitCode(const Invocation&)> run;
 };
 
-/// A verb whose options live in a struct `Options` with a free function `describe(OptionSet&,
+/// A command whose options live in a struct `Options` with a free function `describe(OptionSet&,
 /// Options&)`.
 template <class Options>
-Verb make_verb(std::string name, std::string summary, std::vector<std::string> examples,
-               ExitCode (*run)(const Options&, const Invocation&)) {
+Command make_command(std::string name, std::string summary, std::vector<std::string> examples,
+                     ExitCode (*run)(const Options&, const Invocation&)) {
   auto options = std::make_shared<Options>();
   return {std::move(name), std::move(summary), std::move(examples),
           [options](OptionSet& set) { describe(set, *options = Options{}); },
@@ -41,7 +41,7 @@ Verb make_verb(std::string name, std::string summary, std::vector<std::string> e
 /// A program with commands.
 struct Program {
   std::string name, summary;
-  std::vector<Verb> commands;
+  std::vector<Command> commands;
 };
 
 /// Parses and runs a command line; prints errors and their hints to stderr. Returns the exit code.

@@ -2,7 +2,7 @@
 
 #include "calib/rgbd/calibration.h"
 #include "engine/base/files.h"
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
@@ -17,7 +17,8 @@ int run(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {"touchtrace", "calibrate", "--quiet"});
   std::vector<const char*> argv;
   for (const auto& argument : arguments) argv.push_back(argument.c_str());
-  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()), argv.data());
+  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
+                               argv.data());
 }
 
 /// A grey picture in PGM, without a board.
@@ -28,7 +29,7 @@ void write_grey(const fs::path& path, int width, int height) {
              false);
 }
 
-TEST(CalibrateVerb, PhotographsOfOpenCv) {
+TEST(CalibrateCommand, PhotographsOfOpenCv) {
   ASSERT_TRUE(fs::exists(photographs / "left01.jpg")) << "install the package opencv-doc";
   const TemporaryFolder folder;
   ASSERT_EQ(run({"--images", (photographs / "left0?.jpg").string(), "--columns", "9", "--rows", "6",
@@ -44,7 +45,7 @@ TEST(CalibrateVerb, PhotographsOfOpenCv) {
   EXPECT_FALSE(fs::exists(folder / "left" / "camera_depth.yaml"));
 }
 
-TEST(CalibrateVerb, RefusesMarkersThatCannotBe) {
+TEST(CalibrateCommand, RefusesMarkersThatCannotBe) {
   const TemporaryFolder folder;
   write_grey(folder / "grey.pgm", 320, 240);
   const auto with = [&](const char* markers, const char* marker_mm) {
@@ -56,14 +57,14 @@ TEST(CalibrateVerb, RefusesMarkersThatCannotBe) {
   EXPECT_EQ(with("5x5_100", "18"), 3);  // there is no board
 }
 
-TEST(CalibrateVerb, NeverOverwritesSilently) {
+TEST(CalibrateCommand, NeverOverwritesSilently) {
   const TemporaryFolder folder;
   write_file(folder / "out/calibration.json", "precious", false);
   EXPECT_EQ(run({"--images", photographs.string(), "-o", (folder / "out").string()}), 2);
   EXPECT_EQ(read_file(folder / "out/calibration.json"), "precious");
 }
 
-TEST(CalibrateVerb, SaysWhatIsWrongWithTheImages) {
+TEST(CalibrateCommand, SaysWhatIsWrongWithTheImages) {
   const TemporaryFolder folder;
   const auto calibrate_folder = [&](const std::string& name) {
     return run({"--images", (folder / name).string(), "-o", (folder / "out").string()});
@@ -86,7 +87,7 @@ TEST(CalibrateVerb, SaysWhatIsWrongWithTheImages) {
   EXPECT_FALSE(fs::exists(folder / "out/calibration.json"));
 }
 
-TEST(CalibrateVerb, SaysWhatIsWrongWithTheRecording) {
+TEST(CalibrateCommand, SaysWhatIsWrongWithTheRecording) {
   const TemporaryFolder folder;
   const auto calibrate_recording = [&](const std::string& name) {
     return run({(folder / name).string(), "-o", (folder / "out").string()});
@@ -100,7 +101,7 @@ TEST(CalibrateVerb, SaysWhatIsWrongWithTheRecording) {
   EXPECT_EQ(calibrate_recording("no_views.h5"), 3);
 }
 
-TEST(CalibrateVerb, WantsEitherARecordingOrImages) {
+TEST(CalibrateCommand, WantsEitherARecordingOrImages) {
   const TemporaryFolder folder;
   EXPECT_EQ(run({"-o", (folder / "out").string()}), 2);
   EXPECT_EQ(run({"recording.h5", "--images", "photos", "-o", (folder / "out").string()}), 2);

@@ -1,6 +1,6 @@
 #include <fmt/core.h>
 
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/scene/base/assumptions.h"
 
 namespace touchtrace::cli {
@@ -58,8 +58,8 @@ ExitCode run(const AssumptionsOptions& options, const Invocation& invocation) {
 
 }  // namespace
 
-Verb assumptions_verb() {
-  return make_verb<AssumptionsOptions>(
+Command assumptions_command() {
+  return make_command<AssumptionsOptions>(
       "assumptions", "list the numbers that the scenes assume, and where they come from",
       {"touchtrace assumptions", "touchtrace assumptions --assume glove-cross-talk=0.024 --json"},
       run);

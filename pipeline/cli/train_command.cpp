@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "pipeline/cli/commands.h"
 #include "pipeline/cli/usable_device.h"
-#include "pipeline/cli/verbs.h"
 #include "pipeline/study/sessions.h"
 #include "pipeline/study/training.h"
 
@@ -36,8 +36,8 @@ ExitCode run(const study::TrainingOptions& options, const Invocation& invocation
 
 }  // namespace
 
-Verb train_verb() {
-  return make_verb<study::TrainingOptions>(
+Command train_command() {
+  return make_command<study::TrainingOptions>(
       "train", "train a model that predicts hand and object from touch",
       {"touchtrace train --recording wave.h5 --labels wave.labels.h5 --output "
        "wave_full.safetensors",

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "engine/base/files.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/cli/usable_device.h"
-#include "pipeline/cli/verbs.h"
 #include "pipeline/study/evaluation.h"
 #include "pipeline/study/sessions.h"
 
@@ -69,8 +69,8 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
 
 }  // namespace
 
-Verb evaluate_verb() {
-  return make_verb<study::EvaluationOptions>(
+Command evaluate_command() {
+  return make_command<study::EvaluationOptions>(
       "evaluate", "compare models, and the baseline Random, on clips never trained on",
       {"touchtrace evaluate --recording wave.h5 --labels wave.labels.h5 --model "
        "wave_full.safetensors "

@@ -1,7 +1,7 @@
 #include <fmt/core.h>
 
 #include "engine/check/self_test.h"
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 
 namespace touchtrace::cli {
 namespace {
@@ -63,8 +63,8 @@ ExitCode run(const SelfTestOptions& options, const Invocation& invocation) {
 
 }  // namespace
 
-Verb self_test_verb() {
-  return make_verb<SelfTestOptions>(
+Command self_test_command() {
+  return make_command<SelfTestOptions>(
       "self-test", "compare the operations on an OpenCL device with plain loops in double",
       {"touchtrace self-test", "touchtrace self-test --device 1 --json"}, run);
 }

@@ -1,7 +1,7 @@
 #include <fmt/core.h>
 
 #include "engine/cl/device.h"
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 
 namespace touchtrace::cli {
 namespace {
@@ -44,9 +44,10 @@ ExitCode run(const DevicesOptions&, const Invocation& invocation) {
 
 }  // namespace
 
-Verb devices_verb() {
-  return make_verb<DevicesOptions>("devices", "list the OpenCL devices and say which one is used",
-                                   {"touchtrace devices", "touchtrace devices --json"}, run);
+Command devices_command() {
+  return make_command<DevicesOptions>("devices",
+                                      "list the OpenCL devices and say which one is used",
+                                      {"touchtrace devices", "touchtrace devices --json"}, run);
 }
 
 }  // namespace touchtrace::cli

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/recording/check.h"
 
 namespace touchtrace::cli {
@@ -78,9 +78,9 @@ void print_holds(const nlohmann::json& holds) {
 
 void print_verdict(const FileCheck& check) {
   for (const auto& fault : check.faults) fmt::print("fault      {}\n", fault);
-  for (const auto& [verb, lacks] : check.lacks) {
-    if (lacks.empty()) fmt::print("{:<10} can use it\n", verb);
-    for (const auto& lack : lacks) fmt::print("{:<10} cannot use it: {}\n", verb, lack);
+  for (const auto& [command, lacks] : check.lacks) {
+    if (lacks.empty()) fmt::print("{:<10} can use it\n", command);
+    for (const auto& lack : lacks) fmt::print("{:<10} cannot use it: {}\n", command, lack);
   }
 }
 
@@ -100,8 +100,8 @@ ExitCode run(const CheckOptions& options, const Invocation& invocation) {
 
 }  // namespace
 
-Verb check_verb() {
-  return make_verb<CheckOptions>(
+Command check_command() {
+  return make_command<CheckOptions>(
       "check", "say what a recording or a file of labels holds and what it is good for",
       {"touchtrace check out/wave/recording.h5",
        "touchtrace check --for label recording.h5 --json"},

@@ -1,7 +1,7 @@
 #include <fmt/core.h>
 
 #include "engine/base/files.h"
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/report/report.h"
 
 namespace touchtrace::cli {
@@ -27,7 +27,7 @@ void append(std::vector<std::filesystem::path>& paths, const std::vector<std::st
 }
 
 void print_stages(const nlohmann::json& stages) {
-  fmt::print("{:<12} {:<32} {:>9} {:>9}  {}\n", "verb", "made", "seconds", "CPU s", "device");
+  fmt::print("{:<12} {:<32} {:>9} {:>9}  {}\n", "command", "made", "seconds", "CPU s", "device");
   for (const auto& stage : stages)
     fmt::print("{:<12} {:<32} {:>9.1f} {:>9.1f}  {}\n", stage.at("verb").get<std::string>(),
                stage.at("artefact").get<std::string>(), stage.at("wall_seconds").get<double>(),
@@ -62,8 +62,8 @@ ExitCode run(const ReportOptions& options, const Invocation& invocation) {
 
 }  // namespace
 
-Verb report_verb() {
-  return make_verb<ReportOptions>(
+Command report_command() {
+  return make_command<ReportOptions>(
       "report", "put results, paths, labels and provenance into one HTML file",
       {"touchtrace report --folder out/demo --output out/demo/report.html",
        "touchtrace report --metrics metrics.json --labels wave.labels.h5 --output wave.html"},

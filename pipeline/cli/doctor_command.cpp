@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "pipeline/cli/commands.h"
 #include "pipeline/cli/doctor.h"
-#include "pipeline/cli/verbs.h"
 
 namespace touchtrace::cli {
 namespace {
@@ -52,8 +52,8 @@ ExitCode run(const DoctorOptions&, const Invocation& invocation) {
 
 }  // namespace
 
-Verb doctor_verb() {
-  return make_verb<DoctorOptions>(
+Command doctor_command() {
+  return make_command<DoctorOptions>(
       "doctor",
       "check devices and kernels, packages, disk and USB, and say how to mend what is wrong",
       {"touchtrace doctor", "touchtrace doctor --json"}, run);

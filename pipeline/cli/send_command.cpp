@@ -10,7 +10,7 @@
 #include "engine/base/interrupt.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/glove_protocol.h"
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/recording/recording_file.h"
 
 namespace touchtrace::cli {
@@ -116,8 +116,8 @@ ExitCode run(const SendOptions& options, const Invocation& invocation) {
 
 }  // namespace
 
-Verb send_verb() {
-  return make_verb<SendOptions>(
+Command send_command() {
+  return make_command<SendOptions>(
       "send", "send what a recording's glove measured byte by byte, as its device would",
       {"touchtrace send wave.h5 --output glove.bin",
        "touchtrace send wave.h5 --protocol wiresens --live | socat - PTY,link=/tmp/glove,raw"},

@@ -9,8 +9,8 @@
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "engine/base/text.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/cli/usable_device.h"
-#include "pipeline/cli/verbs.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/base/assumptions.h"
 #include "pipeline/scene/objects/object_file.h"
@@ -209,8 +209,8 @@ ExitCode run(const SimulateOptions& given, const Invocation& invocation) {
 
 }  // namespace
 
-Verb simulate_verb() {
-  return make_verb<SimulateOptions>(
+Command simulate_command() {
+  return make_command<SimulateOptions>(
       "simulate", "simulate somebody with a tactile glove before an RGBD camera",
       {"touchtrace simulate wave.h5 --activity wave --object ball --minutes 2",
        "touchtrace simulate throw.h5 --activity throw --width 640 --height 480 --seed 7",

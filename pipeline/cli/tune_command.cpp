@@ -3,8 +3,8 @@
 #include "engine/train/tuner.h"
 #include "engine/train/tuning_file.h"
 #include "engine/train/tuning_json.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/cli/usable_device.h"
-#include "pipeline/cli/verbs.h"
 #include "pipeline/study/convolution_options.h"
 #include "pipeline/study/plan.h"
 
@@ -114,8 +114,8 @@ ExitCode run(const TuneOptions& options, const Invocation& invocation) {
 
 }  // namespace
 
-Verb tune_verb() {
-  return make_verb<TuneOptions>(
+Command tune_command() {
+  return make_command<TuneOptions>(
       "tune", "measure which of several ways to compute is fastest here; train uses what it found",
       {"touchtrace tune", "touchtrace tune --sequences 32 --object-encoder joint --json"}, run);
 }

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "engine/base/files.h"
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/scene/person/activity.h"
 #include "tests/pipeline/recording_samples.h"
 
@@ -16,12 +16,13 @@ int simulate(const std::vector<std::string>& more) {
   std::vector<const char*> argv{"touchtrace", "simulate", "--quiet",  "--no-images",
                                 "--minutes",  "0.05",     "--clip-s", "1.5"};
   for (const auto& argument : more) argv.push_back(argument.c_str());
-  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()), argv.data());
+  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
+                               argv.data());
 }
 
 std::string hash(const std::filesystem::path& path) { return sha256_of(read_file(path)); }
 
-TEST(SimulateVerb, SeveralObjectsAreAFolderOfRecordings) {
+TEST(SimulateCommand, SeveralObjectsAreAFolderOfRecordings) {
   const TemporaryFolder folder;
   ASSERT_EQ(simulate({(folder / "two").string(), "--object", "bottle,bottle-empty"}), 0);
   for (const char* name : {"bottle", "bottle-empty"}) {
@@ -32,7 +33,7 @@ TEST(SimulateVerb, SeveralObjectsAreAFolderOfRecordings) {
   }
 }
 
-TEST(SimulateVerb, ARoleIsAllItsObjects) {
+TEST(SimulateCommand, ARoleIsAllItsObjects) {
   const TemporaryFolder folder;
   ASSERT_EQ(simulate({(folder / "unseen").string(), "--object", "unseen"}), 0);
   for (const scene::ObjectSpec& object : scene::objects())
@@ -40,19 +41,21 @@ TEST(SimulateVerb, ARoleIsAllItsObjects) {
               object.role == scene::ObjectRole::unseen);
 }
 
-TEST(SimulateVerb, ARecordingWithoutImagesHasNoRateOfThem) {
+TEST(SimulateCommand, ARecordingWithoutImagesHasNoRateOfThem) {
   const TemporaryFolder folder;
   const std::string file = (folder / "touch.h5").string();
   ASSERT_EQ(simulate({file}), 0);
   const std::array argv{"touchtrace", "check", file.c_str()};
   ::testing::internal::CaptureStdout();
-  EXPECT_EQ(cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()), argv.data()), 0);
+  EXPECT_EQ(
+      cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()), argv.data()),
+      0);
   const std::string said = ::testing::internal::GetCapturedStdout();
   EXPECT_NE(said.find("camera     0 frames, too few for a rate"), std::string::npos) << said;
   EXPECT_EQ(said.find("nan"), std::string::npos) << said;
 }
 
-TEST(SimulateVerb, EveryActivityHasAnObjectOfItsOwnChoice) {
+TEST(SimulateCommand, EveryActivityHasAnObjectOfItsOwnChoice) {
   const TemporaryFolder folder;
   for (const std::string& activity : scene::activity_names()) {
     const auto file = folder / (activity + ".h5");
@@ -62,7 +65,7 @@ TEST(SimulateVerb, EveryActivityHasAnObjectOfItsOwnChoice) {
   }
 }
 
-TEST(SimulateVerb, ResumingMakesOnlyWhatIsMissing) {
+TEST(SimulateCommand, ResumingMakesOnlyWhatIsMissing) {
   const TemporaryFolder folder;
   const std::string out = (folder / "out").string();
   const std::vector<std::string> command{out, "--object", "ball,cube", "--resume"};
@@ -78,7 +81,7 @@ TEST(SimulateVerb, ResumingMakesOnlyWhatIsMissing) {
   EXPECT_EQ(simulate({out, "--object", "ball,cube"}), 2);  // they exist
 }
 
-TEST(SimulateVerb, ASceneFileSaysItAll) {
+TEST(SimulateCommand, ASceneFileSaysItAll) {
   const TemporaryFolder folder;
   const std::string out = (folder / "out").string();
   write_file(folder / "scene.toml",
@@ -88,7 +91,7 @@ TEST(SimulateVerb, ASceneFileSaysItAll) {
   EXPECT_EQ(RecordingReader(folder / "out/egg.h5").recording().activity, "throw");
 }
 
-TEST(SimulateVerb, WhatCannotBeMeantIsRefused) {
+TEST(SimulateCommand, WhatCannotBeMeantIsRefused) {
   const TemporaryFolder folder;
   const std::string out = (folder / "out").string();
   EXPECT_EQ(simulate({out, "--object", "ball,bal"}), 2);

@@ -3,9 +3,9 @@
 #include <set>
 
 #include "engine/train/tuning_file.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/cli/update_table.h"
 #include "pipeline/cli/usable_device.h"
-#include "pipeline/cli/verbs.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/label/label.h"
 #include "pipeline/recording/check.h"
@@ -111,8 +111,8 @@ ExitCode run(const PlanOptions& o, const Invocation& invocation) {
 
 }  // namespace
 
-Verb plan_verb() {
-  return make_verb<PlanOptions>(
+Command plan_command() {
+  return make_command<PlanOptions>(
       "plan", "say what will be built and run, what is left out, and why",
       {"touchtrace plan --activity throw --object ball",
        "touchtrace plan --recording wave.h5 --without-touch --json",

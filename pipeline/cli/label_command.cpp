@@ -1,19 +1,19 @@
 #include <fmt/core.h>
 
 #include "engine/base/files.h"
-#include "pipeline/cli/verbs.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/label/label.h"
 #include "pipeline/recording/tum_trajectory.h"
 
 namespace touchtrace::cli {
 namespace {
 
-struct LabelVerbOptions {
+struct LabelCommandOptions {
   std::string recording, calibration, output, trajectories;
   label::LabelOptions label;
 };
 
-void describe(OptionSet& set, LabelVerbOptions& o) {
+void describe(OptionSet& set, LabelCommandOptions& o) {
   set.input("recording", o.recording, "the recording to label");
   set.path(
       "calibration", o.calibration,
@@ -37,14 +37,14 @@ void print_summary(const Labels& labels, const std::string& output) {
 }
 
 /// Refuses early what may not be written.
-void require_writable(const LabelVerbOptions& options, bool overwrite) {
+void require_writable(const LabelCommandOptions& options, bool overwrite) {
   const OutputFile labels(options.output, overwrite);
   if (options.trajectories.empty()) return;
   for (const auto& path : tum_trajectory_files(options.trajectories))
     const OutputFile file(path, overwrite);
 }
 
-ExitCode run(const LabelVerbOptions& options, const Invocation& invocation) {
+ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
   const Stopwatch stopwatch;
   require_writable(options, invocation.overwrite);
   auto provenance = start_provenance("touchtrace/labels/1", "label");
@@ -68,8 +68,8 @@ ExitCode run(const LabelVerbOptions& options, const Invocation& invocation) {
 
 }  // namespace
 
-Verb label_verb() {
-  return make_verb<LabelVerbOptions>(
+Command label_command() {
+  return make_command<LabelCommandOptions>(
       "label", "follow hand and object in a recording and write their states at every glove frame",
       {"touchtrace label wave.h5 --calibration camera --output labels.h5",
        "touchtrace label wave.h5 --calibration camera --output labels.h5 --tracker component "

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "pipeline/cli/command.h"
+
+namespace touchtrace::cli {
+
+/// The program `touchtrace`: one row per command.
+const Program& touchtrace_program();
+
+// One file a command: <name>_command.cpp.
+Command assumptions_command();
+Command calibrate_command();
+Command check_command();
+Command devices_command();
+Command doctor_command();
+Command evaluate_command();
+Command label_command();
+Command objects_command();
+Command plan_command();
+Command report_command();
+Command self_test_command();
+Command send_command();
+Command simulate_command();
+Command train_command();
+Command tune_command();
+
+}  // namespace touchtrace::cli

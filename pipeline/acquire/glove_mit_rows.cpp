@@ -2,9 +2,9 @@
 
 namespace touchtrace {
 
-/// A row: [glove, 1 byte][row, 1 byte][a count, 2 bytes, low byte first; each column]["wr"]. Frames
-/// have no number.
-std::string mit_row_bytes(const GloveStream& glove, std::size_t frame) {
+/// One packet per row: [glove, 1 byte][row, 1 byte][2 bytes per count, low byte first]["wr"].
+/// Frames have no number.
+std::string encode_mit_rows(const GloveStream& glove, std::size_t frame) {
   const auto rows = static_cast<std::size_t>(glove.info.rows),
              cols = static_cast<std::size_t>(glove.info.cols);
   std::string bytes;

@@ -11,11 +11,11 @@ namespace touchtrace {
 
 const std::vector<GloveProtocol>& glove_protocols() {
   static const std::vector<GloveProtocol> table{
-      {"actionsense", "MIT ActionSense: a line a frame, answered to a request", 1'000'000, 12,
-       actionsense_bytes},
-      {"mit-rows", "MIT gloves that send row by row", 250'000, 16, mit_row_bytes},
-      {"wiresens", "WiReSens Toolkit: packets of 120 counts", 250'000, 16, wiresens_bytes},
-      {"stag", "ETH's replica of STAG: a line of text a frame", 921'600, 16, stag_bytes},
+      {"actionsense", "MIT ActionSense: one line per frame, on request", 1'000'000, 12,
+       encode_actionsense},
+      {"mit-rows", "MIT gloves: one packet per row", 250'000, 16, encode_mit_rows},
+      {"wiresens", "WiReSens Toolkit: packets of 120 counts", 250'000, 16, encode_wiresens},
+      {"stag", "ETH replica of STAG: one line of text per frame", 921'600, 16, encode_stag},
   };
   return table;
 }
@@ -30,15 +30,15 @@ const GloveProtocol& find_glove_protocol(const std::string& name) {
   const auto& table = glove_protocols();
   const auto row = std::ranges::find(table, name, &GloveProtocol::name);
   if (row == table.end())
-    throw usage_error(fmt::format("no glove sends by a protocol called '{}'", name),
-                      fmt::format("one of: {}", fmt::join(glove_protocol_names(), ", ")));
+    throw usage_error(fmt::format("unknown glove protocol '{}'", name),
+                      fmt::format("choose one of: {}", fmt::join(glove_protocol_names(), ", ")));
   return *row;
 }
 
-void check_carries(const GloveProtocol& protocol, const GloveInfo& info) {
-  if (info.bits <= protocol.most_bits) return;
-  throw data_error(fmt::format("{} carries counts of {} bits, the glove's have {}", protocol.name,
-                               protocol.most_bits, info.bits),
+void require_supported(const GloveProtocol& protocol, const GloveInfo& info) {
+  if (info.bits <= protocol.max_bits) return;
+  throw data_error(fmt::format("protocol '{}' transmits {} bits per count, the glove has {}",
+                               protocol.name, protocol.max_bits, info.bits),
                    "choose another protocol");
 }
 

@@ -4,8 +4,9 @@
 
 namespace touchtrace {
 
-/// Counts in decimal, tabs between them, "\n" at the end: the STM32F769 of ETH's replica of STAG.
-std::string stag_bytes(const GloveStream& glove, std::size_t frame) {
+/// Decimal counts separated by tabs, "\n" at the end. Source: firmware of ETH's replica of STAG
+/// (STM32F769).
+std::string encode_stag(const GloveStream& glove, std::size_t frame) {
   const auto taxels = static_cast<std::size_t>(glove.info.taxels());
   std::string line;
   for (std::size_t i = 0; i < taxels; ++i)

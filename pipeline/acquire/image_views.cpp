@@ -7,9 +7,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/error.h"
-#include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
+#include "pipeline/acquire/decode_image.h"
 #include "pipeline/acquire/tum_folder.h"
 
 namespace touchtrace {
@@ -40,19 +40,10 @@ std::vector<fs::path> matches(const std::string& pattern) {
 }  // namespace
 
 GreyImage read_grey(const fs::path& path) {
-  const std::string bytes = read_file(path);
-  cv::Mat pixels;
-  try {
-    if (!bytes.empty())
-      pixels = cv::imdecode(
-          cv::Mat(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data())),
-          cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception&) {
-    pixels.release();
-  }
+  const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE);
   if (pixels.empty())
-    throw data_error(fmt::format("{} is not an image that can be read", path.string()),
-                     "remove it from the folder, or give a pattern that leaves it out");
+    throw data_error(fmt::format("{} is not a readable image", path.string()),
+                     "remove it from the folder, or give a pattern that excludes it");
   return {pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}};
 }
 
@@ -60,9 +51,9 @@ void require_same_size(const BoardObservations& observations, const GreyImage& i
                        const fs::path& path) {
   if (image.width != observations.width || image.height != observations.height)
     throw data_error(
-        fmt::format("{} has {}x{} pixels, the images before it {}x{}", path.string(), image.width,
-                    image.height, observations.width, observations.height),
-        "give images of one camera at one size");
+        fmt::format("{} has {}x{} pixels, the previous images have {}x{}", path.string(),
+                    image.width, image.height, observations.width, observations.height),
+        "give images of one camera and one size");
 }
 
 std::vector<fs::path> image_files(const std::string& folder_or_pattern) {
@@ -71,17 +62,17 @@ std::vector<fs::path> image_files(const std::string& folder_or_pattern) {
   auto files = matches(folder ? folder_or_pattern + "/*" : folder_or_pattern);
   if (folder) std::erase_if(files, [](const fs::path& path) { return !is_image(path); });
   if (files.empty())
-    throw data_error(fmt::format("there are no images in '{}'", folder_or_pattern),
-                     "give a folder, or a pattern in quotes such as 'photos/left*.jpg'");
+    throw data_error(fmt::format("no images in '{}'", folder_or_pattern),
+                     "give a folder, or a quoted pattern such as 'photos/left*.jpg'");
   return files;
 }
 
-BoardObservations board_views_of_images(const std::string& folder_or_pattern,
-                                        const Chessboard& board) {
+BoardObservations board_views_from_images(const std::string& folder_or_pattern,
+                                          const Chessboard& board) {
   BoardObservations observations;
   observations.board = board;
   const auto files = image_files(folder_or_pattern);
-  Progress progress("looking for the board", files.size());
+  Progress progress("detecting the board", files.size());
   for (const auto& path : files) {
     const GreyImage image = read_grey(path);
     if (observations.width == 0)

@@ -28,7 +28,7 @@ std::vector<float> metres_of(const RgbdFrame& frame, const CameraInfo& camera) {
 
 }  // namespace
 
-BoardObservations board_views_of_recording(const std::filesystem::path& path) {
+BoardObservations board_views_from_recording(const std::filesystem::path& path) {
   const RecordingReader reader(path);
   const CameraInfo& camera = reader.recording().camera;
   const BoardInfo& info = reader.recording().board;
@@ -39,7 +39,7 @@ BoardObservations board_views_of_recording(const std::filesystem::path& path) {
   observations.board = {info.columns, info.rows, info.square_m};
   observations.width = camera.width, observations.height = camera.height;
   observations.depth_intrinsics = camera.depth_intrinsics;
-  Progress progress("looking for the board", reader.board_views());
+  Progress progress("detecting the board", reader.board_views());
   for (std::size_t index = 0; index < reader.board_views(); ++index) {
     const RgbdFrame frame = reader.read_board_view(index);
     add_view(observations, fmt::format("view {}", index), grey_of(frame, camera),

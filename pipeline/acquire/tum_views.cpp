@@ -3,9 +3,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/error.h"
-#include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
+#include "pipeline/acquire/decode_image.h"
 #include "pipeline/acquire/tum_folder.h"
 
 namespace touchtrace {
@@ -15,22 +15,13 @@ namespace fs = std::filesystem;
 
 constexpr float counts_per_m = 5000.0f;
 
-/// [m], 0 where nothing was measured.
+/// Depth [m]; 0: no measurement.
 std::vector<float> read_depth(const fs::path& path, const GreyImage& color) {
-  const std::string bytes = read_file(path);
-  cv::Mat counts;
-  try {
-    if (!bytes.empty())
-      counts = cv::imdecode(
-          cv::Mat(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data())),
-          cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    counts.release();
-  }
+  const cv::Mat counts = decode_image(path, cv::IMREAD_UNCHANGED);
   if (counts.type() != CV_16UC1 || counts.cols != color.width || counts.rows != color.height)
-    throw data_error(fmt::format("{} is not a depth image of 16 bits with {}x{} pixels",
-                                 path.string(), color.width, color.height),
-                     "give a folder as the TUM RGB-D benchmark has them");
+    throw data_error(fmt::format("{} is not a 16-bit depth image of {}x{} pixels", path.string(),
+                                 color.width, color.height),
+                     "give a folder in the format of the TUM RGB-D benchmark");
   cv::Mat metres;
   counts.convertTo(metres, CV_32F, 1.0 / counts_per_m);
   return {metres.begin<float>(), metres.end<float>()};
@@ -38,11 +29,11 @@ std::vector<float> read_depth(const fs::path& path, const GreyImage& color) {
 
 }  // namespace
 
-BoardObservations board_views_of_tum(const fs::path& folder, const Chessboard& board) {
-  const auto pairs = chosen_pairs(tum_pairs(folder));
+BoardObservations board_views_from_tum(const fs::path& folder, const Chessboard& board) {
+  const auto pairs = select_tum_pairs(read_tum_pairs(folder));
   BoardObservations observations;
   observations.board = board;
-  Progress progress("looking for the board", pairs.size());
+  Progress progress("detecting the board", pairs.size());
   for (const TumPair& pair : pairs) {
     const GreyImage image = read_grey(pair.color);
     if (observations.width == 0)

@@ -56,11 +56,11 @@ BoardObservations observe(const CalibrateOptions& o) {
   if (o.recording.empty() == o.images.empty())
     throw usage_error("calibrate needs either a recording or --images",
                       "see touchtrace calibrate --help");
-  if (!o.recording.empty()) return board_views_of_recording(o.recording);
+  if (!o.recording.empty()) return board_views_from_recording(o.recording);
   Chessboard board{o.columns, o.rows, 1e-3 * o.square_mm};
   if (o.markers != "none") board.markers = {o.markers, 1e-3 * o.marker_mm};
-  return is_tum_folder(o.images) ? board_views_of_tum(o.images, board)
-                                 : board_views_of_images(o.images, board);
+  return is_tum_folder(o.images) ? board_views_from_tum(o.images, board)
+                                 : board_views_from_images(o.images, board);
 }
 
 Provenance provenance_of(const CalibrateOptions& o, const Invocation& invocation,

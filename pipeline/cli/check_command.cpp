@@ -78,7 +78,7 @@ void print_holds(const nlohmann::json& holds) {
 
 void print_verdict(const FileCheck& check) {
   for (const auto& fault : check.faults) fmt::print("fault      {}\n", fault);
-  for (const auto& [command, lacks] : check.lacks) {
+  for (const auto& [command, lacks] : check.missing) {
     if (lacks.empty()) fmt::print("{:<10} can use it\n", command);
     for (const auto& lack : lacks) fmt::print("{:<10} cannot use it: {}\n", command, lack);
   }
@@ -89,13 +89,13 @@ ExitCode run(const CheckOptions& options, const Invocation& invocation) {
   if (invocation.json) {
     fmt::print("{}\n", to_json(check).dump(2));
   } else {
-    print_holds(check.holds);
+    print_holds(check.contents);
     print_verdict(check);
   }
-  const auto wanted = check.lacks.find(options.use);
+  const auto wanted = check.missing.find(options.use);
   const bool serves =
-      options.use == "anything" || (wanted != check.lacks.end() && wanted->second.empty());
-  return check.good() && serves ? ExitCode::done : ExitCode::data;
+      options.use == "anything" || (wanted != check.missing.end() && wanted->second.empty());
+  return check.is_usable() && serves ? ExitCode::done : ExitCode::data;
 }
 
 }  // namespace

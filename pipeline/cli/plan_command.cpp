@@ -55,7 +55,7 @@ void read_recording(const std::string& path, study::PlanWishes& wishes) {
   wishes.activity = recording.activity;
   wishes.objects.assign(objects.begin(), objects.end());
   wishes.simulated = false;
-  if (lacks_for_labelling(reader).empty())
+  if (missing_for_labelling(reader).empty())
     wishes.tracker = study::choose_tracker(recording, label::frames_of(reader));
   if (!recording.gloves.empty())
     wishes.live = live_cells(recording.gloves.front().info, wishes.rows, wishes.cols);

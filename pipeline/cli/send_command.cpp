@@ -70,7 +70,7 @@ void send(const GloveStream& glove, const GloveProtocol& protocol, bool live, Pu
     if (live)
       wait_until(start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
                              glove.host_time_s[frame] - glove.host_time_s[0])));
-    put(protocol.bytes_of(glove, frame));
+    put(protocol.encode(glove, frame));
     progress.advance();
   }
 }
@@ -106,7 +106,7 @@ ExitCode run(const SendOptions& options, const Invocation& invocation) {
   check(options, invocation);
   const GloveProtocol& protocol = find_glove_protocol(options.protocol);
   const GloveStream glove = glove_of(options);
-  check_carries(protocol, glove.info);
+  require_supported(protocol, glove.info);
   if (options.output.empty())
     send(glove, protocol, options.live, put_on_stdout);
   else

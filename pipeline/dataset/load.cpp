@@ -17,40 +17,46 @@
 namespace touchtrace {
 namespace {
 
-/// Clocks are aligned to milliseconds; a label further from its frame belongs to another recording.
-constexpr double most_alignment_s = 1.0;
+/// Largest difference between a label's time and the arrival of its frame. Clocks are aligned to
+/// milliseconds, so a larger one means labels of another recording.
+constexpr double max_alignment_s = 1.0;
 
 [[noreturn]] void reject(const LabelledRecording& source, const std::string& fault) {
-  throw data_error(fmt::format("{} does not fit {}: {}", source.labels.string(),
+  throw data_error(fmt::format("{} does not match {}: {}", source.labels.string(),
                                source.recording.string(), fault),
-                   "give each recording the labels that `touchtrace label` made from it");
+                   "give for each recording the labels that `touchtrace label` made from it");
 }
 
 State state_of(const std::vector<double>& object_m, const std::vector<double>& object_m_per_s,
                const std::vector<double>& hand_m, const std::vector<double>& hand_m_per_s,
                std::size_t i) {
   State state;
-  const std::vector<double>* parts[] = {&object_m, &object_m_per_s, &hand_m, &hand_m_per_s};
+  const std::vector<double>* arrays[] = {&object_m, &object_m_per_s, &hand_m, &hand_m_per_s};
   for (std::size_t d = 0; d < state_size; ++d)
-    state[d] = static_cast<float>((*parts[d / 3])[3 * i + d % 3]);
+    state[d] = static_cast<float>((*arrays[d / 3])[3 * i + d % 3]);
   return state;
+}
+
+std::string kind_of(const Dataset& data) {
+  return fmt::format("activity '{}' with {} x {} taxels at {} Hz", data.activity, data.rows,
+                     data.cols, data.rate_hz);
 }
 
 bool is_finite(const State& state) {
   return std::all_of(state.begin(), state.end(), [](float value) { return std::isfinite(value); });
 }
 
-/// One recording being added to a dataset.
-class Addition {
+/// Adds one recording to a dataset.
+class RecordingLoader {
  public:
-  Addition(Dataset& dataset, const LabelledRecording& source, int number, int resolution)
+  RecordingLoader(Dataset& dataset, const LabelledRecording& source, int number, int resolution)
       : dataset_(dataset),
         source_(source),
         number_(number),
         reader_(source.recording),
         labels_(read_labels(source.labels)) {
     check_labels();
-    check_kind(resolution);
+    check_compatible(resolution);
   }
 
   void add_clips() {
@@ -67,7 +73,7 @@ class Addition {
   const GloveStream& glove() const { return reader_.recording().gloves.front(); }
 
   void check_labels() const;
-  void check_kind(int resolution);
+  void check_compatible(int resolution);
   void add_clip(int clip, std::size_t first, std::size_t last);
   void add_image(std::int64_t glove_frame);
   State label(std::size_t i) const {
@@ -87,26 +93,30 @@ class Addition {
   std::optional<AreaAverage> average_;
 };
 
-void Addition::check_labels() const {
+void RecordingLoader::check_labels() const {
   const Recording& recording = reader_.recording();
-  require_nothing_lacking(lacks_for_training(recording), source_.recording.string());
-  if (labels_.activity != recording.activity) reject(source_, "the activities differ");
-  if (labels_.clips.size() != recording.clips.size()) reject(source_, "the clips differ");
+  require_usable(missing_for_training(recording), source_.recording.string());
+  if (labels_.activity != recording.activity)
+    reject(source_,
+           fmt::format("activity '{}' instead of '{}'", labels_.activity, recording.activity));
+  if (labels_.clips.size() != recording.clips.size())
+    reject(source_,
+           fmt::format("{} clips instead of {}", labels_.clips.size(), recording.clips.size()));
   const auto hash = labels_.provenance.input_hash(source_.recording);
   if (!hash.empty() && hash != sha256_of_file(source_.recording))
-    reject(source_, "they were made from another file of that name");
+    reject(source_, "they were made from another file of this name");
   const auto frames = static_cast<std::int64_t>(glove().frames());
   for (std::size_t i = 0; i < labels_.time_s.size(); ++i) {
     const std::int64_t frame = labels_.glove_frame[i];
     if (frame < 0) continue;
     if (frame >= frames ||
         !(std::abs(labels_.time_s[i] - glove().host_time_s[static_cast<std::size_t>(frame)]) <=
-          most_alignment_s))
-      reject(source_, fmt::format("label {} belongs to no frame of the glove", i));
+          max_alignment_s))
+      reject(source_, fmt::format("label {} does not match glove frame {}", i, frame));
   }
 }
 
-void Addition::check_kind(int resolution) {
+void RecordingLoader::check_compatible(int resolution) {
   const GloveInfo& info = glove().info;
   Dataset kind;
   kind.activity = labels_.activity;
@@ -116,14 +126,13 @@ void Addition::check_kind(int resolution) {
   if (number_ == 0) dataset_ = kind;
   if (kind.activity != dataset_.activity || kind.rows != dataset_.rows ||
       kind.cols != dataset_.cols || kind.rate_hz != dataset_.rate_hz)
-    throw data_error(
-        fmt::format("{} is of another activity, rate or glove than the recordings before it",
-                    source_.recording.string()),
-        "train and evaluate on recordings of one kind at a time");
+    throw data_error(fmt::format("{} has {}, the previous recordings have {}",
+                                 source_.recording.string(), kind_of(kind), kind_of(dataset_)),
+                     "use recordings of one activity and one kind of glove");
   average_.emplace(info.rows, info.cols, dataset_.rows, dataset_.cols);
 }
 
-void Addition::add_image(std::int64_t glove_frame) {
+void RecordingLoader::add_image(std::int64_t glove_frame) {
   const auto pixels = static_cast<std::size_t>(dataset_.rows * dataset_.cols);
   auto& tactile = dataset_.tactile;
   tactile.resize(tactile.size() + pixels);
@@ -135,17 +144,17 @@ void Addition::add_image(std::int64_t glove_frame) {
   const GloveInfo& info = glove().info;
   const auto taxels = static_cast<std::size_t>(info.taxels());
   std::vector<float> pressure(taxels);
-  pressure_of(
+  counts_to_pressure(
       info,
       std::span(glove().counts).subspan(static_cast<std::size_t>(glove_frame) * taxels, taxels),
       pressure);
   average_->apply(pressure, image);
 }
 
-void Addition::add_clip(int clip, std::size_t first, std::size_t last) {
+void RecordingLoader::add_clip(int clip, std::size_t first, std::size_t last) {
   const Clip& info = labels_.clips[static_cast<std::size_t>(clip)];
   while (first < last && labels_.glove_frame[first] < 0) ++first;
-  if (info.dropped || first == last) return;
+  if (info.object_fell || first == last) return;
   for (std::size_t i = first; i < last; ++i)
     if (!is_finite(label(i)) || !is_finite(causal_label(i))) return;
   dataset_.sequences.push_back({dataset_.frames(), static_cast<int>(last - first), info.object,
@@ -170,10 +179,10 @@ Split split_of_clip(int clip) {
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution) {
   Dataset dataset;
   for (std::size_t i = 0; i < sources.size(); ++i)
-    Addition(dataset, sources[i], static_cast<int>(i), resolution).add_clips();
+    RecordingLoader(dataset, sources[i], static_cast<int>(i), resolution).add_clips();
   if (dataset.sequences.empty())
-    throw data_error("the recordings hold no labelled clip that can be used",
-                     "see with `touchtrace check` whether objects fell or tracks were lost");
+    throw data_error("the recordings have no usable labelled clip",
+                     "`touchtrace check` shows whether objects fell or tracks were lost");
   return dataset;
 }
 

@@ -7,32 +7,28 @@
 
 namespace touchtrace {
 
-/// A recording and the labels that were made from it.
+/// Recording and the labels that were made from it.
 struct LabelledRecording {
   std::filesystem::path recording, labels;
 };
 
-/// Loads recordings of one activity, each with its labels, one sequence a clip.
+/// Loads recordings of one activity with their labels; one sequence per clip.
 ///
-/// - `resolution`: tactile images are averaged to so many rows and columns (exact areas); 0 keeps
-///   the glove's own.
-/// - A lost glove frame holds the image before it; a clip begins with its first frame that arrived.
-/// - Left out: clips in which the object fell, and clips that hold a label which is not a number.
-/// - Splits are `split_of_clip`'s.
+/// - `resolution`: rows and columns to which tactile images are averaged by area; 0: the glove's.
+/// - A lost glove frame repeats the previous image; a sequence starts with a received frame.
+/// - Skips clips in which the object fell, and clips with a label that is not finite.
 ///
-/// Throws data_error if a file is bad, if labels belong to another recording, if activities, rates
-/// or gloves differ, or if no clip is left; usage_error for a resolution that the glove does not
-/// have.
+/// Throws data_error if a file is invalid, labels belong to another recording, activities, rates or
+/// gloves differ, or no clip remains; usage_error if `resolution` exceeds the glove's.
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution = 0);
 
-/// Whole clips are kept apart, by their number in the recording, so that a recording splits the
-/// same way alone and among others: clips 1, 6, 11, ... evaluate, clips 3, 13, 23, ... validate,
-/// the rest trains: 70, 10 and 20 %.
+/// Split by whole clips: 1, 6, 11, ... evaluation (20 %), 3, 13, 23, ... validation (10 %), others
+/// training. Depends only on the clip's index within its recording.
 Split split_of_clip(int clip);
 
-/// Fills `dataset.truth` for evaluation: what happened at each label's time, from the truth of the
-/// recordings that `dataset` was loaded from, in the same order. Positions by cubic Hermite
-/// splines, velocities linearly; at constant velocity up to 0.1 s beyond a clip's ends. Throws
+/// Fills `dataset.truth`, for evaluation, from the truth of the recordings that `dataset` was
+/// loaded from, in the same order. Interpolation at the label times: cubic Hermite splines for
+/// positions, linear for velocities; constant velocity up to 0.1 s beyond a clip's ends. Throws
 /// data_error if a recording has no truth there.
 void attach_truth(Dataset& dataset, const std::vector<LabelledRecording>& sources);
 

@@ -9,7 +9,7 @@ namespace {
 
 using Sums = std::array<double, state_size>;
 
-/// Adds what `term` gives for every trusted training label; returns how many there were.
+/// Adds term(d, value) of every trusted training label to sums[d]; returns the number of labels.
 template <class Term>
 std::size_t sum_over_training(const Dataset& dataset, Sums& sums, Term term) {
   std::size_t count = 0;
@@ -31,29 +31,29 @@ Normalization fit_normalization(const Dataset& dataset) {
   Sums mean{}, square{};
   const auto count = sum_over_training(dataset, mean, [](int, double value) { return value; });
   if (count == 0)
-    throw data_error("no training clip has a label that can be trusted",
+    throw data_error("no training clip has a label of good quality",
                      "label again with another tracker or better boxes, or record more clips");
   for (double& value : mean) value /= static_cast<double>(count);
   sum_over_training(dataset, square,
                     [&](int d, double value) { return (value - mean[d]) * (value - mean[d]); });
-  Normalization scaling;
+  Normalization result;
   for (int d = 0; d < state_size; ++d) {
-    scaling.mean[d] = static_cast<float>(mean[d]);
-    scaling.deviation[d] = std::max(
-        least_deviation, static_cast<float>(std::sqrt(square[d] / static_cast<double>(count))));
+    result.mean[d] = static_cast<float>(mean[d]);
+    result.sigma[d] =
+        std::max(min_sigma, static_cast<float>(std::sqrt(square[d] / static_cast<double>(count))));
   }
-  return scaling;
-}
-
-State Normalization::scaled(const State& state) const {
-  State result;
-  for (int d = 0; d < state_size; ++d) result[d] = (state[d] - mean[d]) / deviation[d];
   return result;
 }
 
-State Normalization::unscaled(const State& state) const {
+State Normalization::normalize(const State& state) const {
   State result;
-  for (int d = 0; d < state_size; ++d) result[d] = mean[d] + deviation[d] * state[d];
+  for (int d = 0; d < state_size; ++d) result[d] = (state[d] - mean[d]) / sigma[d];
+  return result;
+}
+
+State Normalization::denormalize(const State& state) const {
+  State result;
+  for (int d = 0; d < state_size; ++d) result[d] = mean[d] + sigma[d] * state[d];
   return result;
 }
 

@@ -9,30 +9,31 @@
 
 namespace touchtrace {
 
-void pressure_of(const GloveInfo& info, std::span<const std::uint16_t> counts,
-                 std::span<float> pressure) {
+void counts_to_pressure(const GloveInfo& info, std::span<const std::uint16_t> counts,
+                        std::span<float> pressure) {
   const auto range = static_cast<float>((1 << info.bits) - 1);
   const auto sign = static_cast<float>(info.polarity);
   for (std::size_t i = 0; i < pressure.size(); ++i) {
-    const float touched = sign * (static_cast<float>(counts[i]) - info.baseline_counts[i]) / range;
-    pressure[i] = info.mask[i] ? std::clamp(touched, 0.0f, 1.0f) : 0.0f;
+    const float value = sign * (static_cast<float>(counts[i]) - info.baseline_counts[i]) / range;
+    pressure[i] = info.mask[i] ? std::clamp(value, 0.0f, 1.0f) : 0.0f;
   }
 }
 
 AreaAverage::Axis AreaAverage::divide(int taxels, int cells) {
   if (cells < 1 || cells > taxels)
-    throw usage_error(fmt::format("{} taxels cannot be averaged to {}", taxels, cells),
-                      fmt::format("choose a resolution from 1 to {}", taxels));
+    throw usage_error(
+        fmt::format("resolution {} is not between 1 and the glove's {} taxels", cells, taxels),
+        fmt::format("choose a resolution from 1 to {}", taxels));
   Axis axis;
   const double width = static_cast<double>(taxels) / cells;
   for (int cell = 0; cell < cells; ++cell) {
     const double start = cell * width, end = cell + 1 == cells ? taxels : (cell + 1) * width;
     const int first = static_cast<int>(start);
     axis.first.push_back(first);
-    auto& share = axis.share.emplace_back();
+    auto& weights = axis.weights.emplace_back();
     for (int taxel = first; taxel < end; ++taxel) {
-      const double shared = std::min<double>(taxel + 1, end) - std::max<double>(taxel, start);
-      share.push_back(static_cast<float>(shared / width));
+      const double overlap = std::min<double>(taxel + 1, end) - std::max<double>(taxel, start);
+      weights.push_back(static_cast<float>(overlap / width));
     }
   }
   return axis;
@@ -46,10 +47,10 @@ void AreaAverage::apply(std::span<const float> in, std::span<float> out) const {
   for (std::size_t r = 0; r < row_.first.size(); ++r)
     for (std::size_t c = 0; c < col_.first.size(); ++c) {
       float sum = 0.0f;
-      for (std::size_t i = 0; i < row_.share[r].size(); ++i) {
+      for (std::size_t i = 0; i < row_.weights[r].size(); ++i) {
         const auto from = (row_.first[r] + i) * cols_ + col_.first[c];
-        for (std::size_t j = 0; j < col_.share[c].size(); ++j)
-          sum += row_.share[r][i] * col_.share[c][j] * in[from + j];
+        for (std::size_t j = 0; j < col_.weights[c].size(); ++j)
+          sum += row_.weights[r][i] * col_.weights[c][j] * in[from + j];
       }
       *cell++ = sum;
     }
@@ -57,10 +58,10 @@ void AreaAverage::apply(std::span<const float> in, std::span<float> out) const {
 
 std::vector<std::uint8_t> live_cells(const GloveInfo& info, int rows, int cols) {
   const std::vector<float> mask(info.mask.begin(), info.mask.end());
-  std::vector<float> share(std::size_t(rows) * cols);
-  AreaAverage(info.rows, info.cols, rows, cols).apply(mask, share);
+  std::vector<float> coverage(std::size_t(rows) * cols);
+  AreaAverage(info.rows, info.cols, rows, cols).apply(mask, coverage);
   std::vector<std::uint8_t> live;
-  for (const float cell : share) live.push_back(cell > 0.0f);
+  for (const float cell : coverage) live.push_back(cell > 0.0f);
   return live;
 }
 

@@ -8,13 +8,13 @@
 
 namespace touchtrace {
 
-/// Pressure of one frame, [rows, cols] in 0..1: counts less the baseline, more is more pressure,
-/// over the converter's range 2^bits - 1; 0 where the mask has no taxel.
-void pressure_of(const GloveInfo& info, std::span<const std::uint16_t> counts,
-                 std::span<float> pressure);
+/// Converts one frame [rows, cols]: polarity * (counts - baseline) / (2^bits - 1), clamped to 0..1;
+/// 0 where the mask has no taxel.
+void counts_to_pressure(const GloveInfo& info, std::span<const std::uint16_t> counts,
+                        std::span<float> pressure);
 
-/// Averages images over the cells of a coarser grid, by the exact area that each taxel shares with
-/// each cell, so that the mean over the whole image stays what it was. Holes count as no pressure.
+/// Area-weighted downsampling of tactile images, which preserves the mean of the image. Missing
+/// taxels count as pressure 0.
 class AreaAverage {
  public:
   /// Throws usage_error unless 1 <= out_rows <= rows and likewise for columns.
@@ -24,10 +24,10 @@ class AreaAverage {
   void apply(std::span<const float> in, std::span<float> out) const;
 
  private:
-  /// One axis: cell i covers `share` of the taxels from `first[i]` on.
+  /// Weights of one axis: cell i averages taxels from first[i] on with weights[i], which sum to 1.
   struct Axis {
     std::vector<int> first;
-    std::vector<std::vector<float>> share;  ///< sums to 1 for each cell
+    std::vector<std::vector<float>> weights;
   };
   static Axis divide(int taxels, int cells);
 
@@ -35,8 +35,8 @@ class AreaAverage {
   int cols_;
 };
 
-/// Of an average over the glove's taxels, [rows, cols]: 1 for cells with a share of a taxel, 0 for
-/// those that are zero in every frame.
+/// Mask [rows, cols] of the downsampled image: 1 for cells that overlap a taxel. The others are 0
+/// in every frame.
 std::vector<std::uint8_t> live_cells(const GloveInfo& info, int rows, int cols);
 
 }  // namespace touchtrace

@@ -37,7 +37,7 @@ void require_background(const FrameSource& frames) {
 std::vector<ClipFrames> usable_clips(const Recording& recording, const Timeline& timeline) {
   auto clips = clip_frames(recording, timeline);
   for (std::size_t i = 0; i < clips.size(); ++i) {
-    if (recording.clips[i].dropped) clips[i].count = 0;
+    if (recording.clips[i].object_fell) clips[i].count = 0;
     if (clips[i].count > 0 && (clips[i].hand_box.empty() || clips[i].object_box.empty()))
       throw data_error(fmt::format("clip {} has no boxes on hand and object", i),
                        "mark both in the clip's first camera frame (hand_box and object_box)");
@@ -229,7 +229,7 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
 
 Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
                        const LabelOptions& options) {
-  require_nothing_lacking(lacks_for_labelling(reader), "the recording");
+  require_usable(missing_for_labelling(reader), "the recording");
   return label_recording(reader.recording(), frames_of(reader), calibration, options);
 }
 

@@ -41,7 +41,7 @@ std::uint8_t quality(double time_s, const std::vector<double>& frame_time_s,
   std::uint8_t bits = quality_good;
   if (time_s < frame_time_s.front() || time_s > frame_time_s.back()) bits |= quality_gap;
   if (!seen.found || std::abs(*nearest - time_s) > camera_period_s) bits |= quality_lost;
-  if (seen.follows_hand) bits |= quality_follows;
+  if (seen.follows_hand) bits |= quality_follows_hand;
   return bits;
 }
 

@@ -77,7 +77,7 @@ std::vector<GloveFrame> glove_frames(const Recording& recording, const Timeline&
   std::vector<GloveFrame> result;
   for (std::size_t clip = 0; clip < recording.clips.size(); ++clip) {
     const auto& window = recording.clips[clip];
-    if (window.dropped) continue;
+    if (window.object_fell) continue;
     const auto within = [&](std::uint64_t s) {
       const double t = timeline.glove_time_s(s);
       return t >= window.start_s && t <= window.end_s;

@@ -1,6 +1,7 @@
 #include "pipeline/recording/check.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -13,16 +14,14 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t fewest_board_views = 3;
+constexpr std::size_t min_board_views = 3;
 
-std::size_t useful_clips(const std::vector<Clip>& clips) {
-  return static_cast<std::size_t>(
-      std::count_if(clips.begin(), clips.end(), [](const Clip& clip) { return !clip.dropped; }));
+std::size_t count_usable_clips(const std::vector<Clip>& clips) {
+  return static_cast<std::size_t>(std::count_if(
+      clips.begin(), clips.end(), [](const Clip& clip) { return !clip.object_fell; }));
 }
 
-/// Frames in the fullest clip.
-std::size_t most_frames_in_a_clip(const std::vector<Clip>& clips,
-                                  const std::vector<double>& time_s) {
+std::size_t max_frames_per_clip(const std::vector<Clip>& clips, const std::vector<double>& time_s) {
   std::ptrdiff_t most = 0;
   for (const auto& clip : clips)
     most = std::max(most, std::lower_bound(time_s.begin(), time_s.end(), clip.end_s) -
@@ -30,18 +29,18 @@ std::size_t most_frames_in_a_clip(const std::vector<Clip>& clips,
   return static_cast<std::size_t>(most);
 }
 
-void require_clips(const Recording& recording, std::vector<std::string>& lacks) {
+void check_clips(const Recording& recording, std::vector<std::string>& missing) {
   if (recording.clips.empty())
-    lacks.emplace_back("it has no clips");
-  else if (useful_clips(recording.clips) == 0)
-    lacks.emplace_back("the object fell in every clip");
+    missing.emplace_back("no clips");
+  else if (count_usable_clips(recording.clips) == 0)
+    missing.emplace_back("the object fell in every clip");
 }
 
-void require_glove(const Recording& recording, std::vector<std::string>& lacks) {
+void check_glove(const Recording& recording, std::vector<std::string>& missing) {
   if (recording.gloves.empty())
-    lacks.emplace_back("it has no glove");
-  else if (most_frames_in_a_clip(recording.clips, recording.gloves[0].host_time_s) < 2)
-    lacks.emplace_back("no clip holds two glove frames");
+    missing.emplace_back("no glove");
+  else if (max_frames_per_clip(recording.clips, recording.gloves[0].host_time_s) < 2)
+    missing.emplace_back("no clip with two glove frames");
 }
 
 nlohmann::json describe_clips(const std::vector<Clip>& clips) {
@@ -52,14 +51,14 @@ nlohmann::json describe_clips(const std::vector<Clip>& clips) {
     objects[clip.object] = objects.value(clip.object, 0) + 1;
   }
   return {{"count", clips.size()},
-          {"dropped", clips.size() - useful_clips(clips)},
+          {"dropped", clips.size() - count_usable_clips(clips)},
           {"seconds", seconds},
           {"objects", objects}};
 }
 
 nlohmann::json describe_glove(const GloveStream& glove, const std::vector<Clip>& clips) {
   const GloveInfo& info = glove.info;
-  nlohmann::json json = to_json(timing_of(glove.sequence, glove.host_time_s, clips));
+  nlohmann::json json = to_json(measure_stream_timing(glove.sequence, glove.host_time_s, clips));
   json.update({{"name", info.name},
                {"rows", info.rows},
                {"cols", info.cols},
@@ -69,7 +68,7 @@ nlohmann::json describe_glove(const GloveStream& glove, const std::vector<Clip>&
   json.update(to_json(check_tactile(glove)));
   if (glove.inertial) {
     const InertialStream& unit = *glove.inertial;
-    json["inertial"] = to_json(timing_of(unit.sequence, unit.host_time_s, clips));
+    json["inertial"] = to_json(measure_stream_timing(unit.sequence, unit.host_time_s, clips));
     json["inertial"]["nominal_hz"] = unit.rate_hz;
   }
   return json;
@@ -78,7 +77,8 @@ nlohmann::json describe_glove(const GloveStream& glove, const std::vector<Clip>&
 nlohmann::json describe_camera(const RecordingReader& reader) {
   const Recording& recording = reader.recording();
   const CameraTimes& times = recording.camera_times;
-  nlohmann::json json = to_json(timing_of(times.sequence, times.host_time_s, recording.clips));
+  nlohmann::json json =
+      to_json(measure_stream_timing(times.sequence, times.host_time_s, recording.clips));
   json.update({{"width", recording.camera.width},
                {"height", recording.camera.height},
                {"nominal_hz", recording.camera.rate_hz},
@@ -88,124 +88,139 @@ nlohmann::json describe_camera(const RecordingReader& reader) {
   return json;
 }
 
-void read_all_images(const RecordingReader& reader) {
-  const std::size_t frames = reader.recording().camera_times.frames();
-  Progress progress("checking images", frames + reader.background_frames() + reader.board_views());
-  for (std::size_t i = 0; i < frames; ++i, progress.advance()) reader.read_camera_frame(i);
-  for (std::size_t i = 0; i < reader.background_frames(); ++i, progress.advance())
-    reader.read_background(i);
-  for (std::size_t i = 0; i < reader.board_views(); ++i, progress.advance())
-    reader.read_board_view(i);
+/// Returns the faults of all images, one text per group.
+std::vector<std::string> check_images(const RecordingReader& reader) {
+  const std::size_t frames = reader.recording().camera_times.frames(),
+                    background = reader.background_frames(), board = reader.board_views();
+  std::vector<std::string> faults;
+  Progress progress("checking images", frames + background + board);
+  const auto check_group = [&](std::size_t count, auto read) {
+    std::vector<std::size_t> damaged;
+    std::string first;
+    for (std::size_t i = 0; i < count; ++i, progress.advance()) try {
+        (reader.*read)(i);
+      } catch (const Error& error) {
+        if (damaged.empty()) first = error.what();
+        damaged.push_back(i);
+      }
+    if (damaged.size() == 1) faults.push_back(first);
+    if (damaged.size() > 1)
+      faults.push_back(fmt::format("{} (and images {})", first,
+                                   fmt::join(damaged.begin() + 1, damaged.end(), ", ")));
+  };
+  check_group(frames, &RecordingReader::read_camera_frame);
+  check_group(background, &RecordingReader::read_background);
+  check_group(board, &RecordingReader::read_board_view);
+  return faults;
 }
 
 nlohmann::json describe_quality(const LabelledBody& body) {
-  const auto share = [&](std::uint8_t bit) {
+  const auto fraction = [&](std::uint8_t bit) {
     const auto count = std::count_if(body.quality.begin(), body.quality.end(),
                                      [bit](std::uint8_t quality) { return (quality & bit) != 0; });
     return static_cast<double>(count) /
            std::max<double>(1.0, static_cast<double>(body.quality.size()));
   };
-  return {{"lost_share", share(quality_lost)},
-          {"follows_share", share(quality_follows)},
-          {"gap_share", share(quality_gap)}};
+  return {{"lost_share", fraction(quality_lost)},
+          {"follows_share", fraction(quality_follows_hand)},
+          {"gap_share", fraction(quality_gap)}};
 }
 
 }  // namespace
 
-std::vector<std::string> lacks_for_calibrating(const RecordingReader& reader) {
-  if (reader.board_views() >= fewest_board_views) return {};
-  return {fmt::format("it has {} views of the board; calibrating needs {}", reader.board_views(),
-                      fewest_board_views)};
+std::vector<std::string> missing_for_calibration(const RecordingReader& reader) {
+  if (reader.board_views() >= min_board_views) return {};
+  return {
+      fmt::format("{} views of the chessboard, {} needed", reader.board_views(), min_board_views)};
 }
 
-std::vector<std::string> lacks_for_labelling(const RecordingReader& reader) {
+std::vector<std::string> missing_for_labelling(const RecordingReader& reader) {
   const Recording& recording = reader.recording();
-  std::vector<std::string> lacks;
-  require_clips(recording, lacks);
-  require_glove(recording, lacks);
+  std::vector<std::string> missing;
+  check_clips(recording, missing);
+  check_glove(recording, missing);
   if (recording.camera_times.frames() == 0)
-    lacks.emplace_back("it has no camera images");
+    missing.emplace_back("no camera images");
   else if (!reader.has_depth())
-    lacks.emplace_back("its camera images have no depth");
-  else if (most_frames_in_a_clip(recording.clips, recording.camera_times.host_time_s) < 2)
-    lacks.emplace_back("no clip holds two camera images");
-  return lacks;
+    missing.emplace_back("no depth images");
+  else if (max_frames_per_clip(recording.clips, recording.camera_times.host_time_s) < 2)
+    missing.emplace_back("no clip with two camera images");
+  return missing;
 }
 
-std::vector<std::string> lacks_for_training(const Recording& recording) {
-  std::vector<std::string> lacks;
-  require_clips(recording, lacks);
-  require_glove(recording, lacks);
+std::vector<std::string> missing_for_training(const Recording& recording) {
+  std::vector<std::string> missing;
+  check_clips(recording, missing);
+  check_glove(recording, missing);
   if (!recording.gloves.empty())
     for (auto& fault : check_tactile(recording.gloves[0]).faults())
-      lacks.push_back(std::move(fault));
-  return lacks;
+      missing.push_back(std::move(fault));
+  return missing;
 }
 
-void require_nothing_lacking(const std::vector<std::string>& lacks, const std::string& what) {
-  if (lacks.empty()) return;
-  std::string list;
-  for (const auto& lack : lacks) list += (list.empty() ? "" : "; ") + lack;
-  throw data_error(fmt::format("{} cannot be used for this: {}", what, list),
-                   "`touchtrace check` says what a file holds and which verbs it serves");
+void require_usable(const std::vector<std::string>& missing, const std::string& name) {
+  if (missing.empty()) return;
+  throw data_error(fmt::format("{} cannot be used: {}", name, fmt::join(missing, "; ")),
+                   "`touchtrace check` lists contents and which commands can use them");
 }
 
-bool FileCheck::good() const {
-  return faults.empty() && std::any_of(lacks.begin(), lacks.end(),
-                                       [](const auto& verb) { return verb.second.empty(); });
+bool FileCheck::is_usable() const {
+  return faults.empty() && std::any_of(missing.begin(), missing.end(),
+                                       [](const auto& command) { return command.second.empty(); });
 }
 
 FileCheck check_recording(const RecordingReader& reader, bool images) {
   const Recording& recording = reader.recording();
-  if (images) read_all_images(reader);
   FileCheck check;
-  check.holds = {{"schema", recording_schema},
-                 {"activity", recording.activity},
-                 {"clips", describe_clips(recording.clips)},
-                 {"gloves", nlohmann::json::array()},
-                 {"camera", describe_camera(reader)},
-                 {"truth", reader.has_truth()},
-                 {"provenance", recording.provenance}};
+  if (images) check.faults = check_images(reader);
+  check.contents = {{"schema", recording_schema},
+                    {"activity", recording.activity},
+                    {"clips", describe_clips(recording.clips)},
+                    {"gloves", nlohmann::json::array()},
+                    {"camera", describe_camera(reader)},
+                    {"truth", reader.has_truth()},
+                    {"provenance", recording.provenance}};
   for (const auto& glove : recording.gloves) {
-    check.holds["gloves"].push_back(describe_glove(glove, recording.clips));
+    check.contents["gloves"].push_back(describe_glove(glove, recording.clips));
     for (const auto& fault : check_tactile(glove).faults())
       check.faults.push_back(fmt::format("glove '{}': {}", glove.info.name, fault));
   }
-  check.lacks = {{"calibrate", lacks_for_calibrating(reader)},
-                 {"label", lacks_for_labelling(reader)},
-                 {"train", lacks_for_training(recording)}};
+  check.missing = {{"calibrate", missing_for_calibration(reader)},
+                   {"label", missing_for_labelling(reader)},
+                   {"train", missing_for_training(recording)}};
   return check;
 }
 
 FileCheck check_labels(const Labels& labels) {
   FileCheck check;
-  check.holds = {{"schema", labels_schema},
-                 {"activity", labels.activity},
-                 {"clips", describe_clips(labels.clips)},
-                 {"labels", labels.time_s.size()},
-                 {"camera_frames", labels.raw.time_s.size()},
-                 {"hand", describe_quality(labels.hand)},
-                 {"object", describe_quality(labels.object)},
-                 {"summary", labels.summary},
-                 {"provenance", labels.provenance}};
-  auto& lacks = check.lacks["train"];
-  std::size_t trusted = 0;
+  check.contents = {{"schema", labels_schema},
+                    {"activity", labels.activity},
+                    {"clips", describe_clips(labels.clips)},
+                    {"labels", labels.time_s.size()},
+                    {"camera_frames", labels.raw.time_s.size()},
+                    {"hand", describe_quality(labels.hand)},
+                    {"object", describe_quality(labels.object)},
+                    {"summary", labels.summary},
+                    {"provenance", labels.provenance}};
+  auto& missing = check.missing["train"];
+  std::size_t good = 0;
   for (std::size_t i = 0; i < labels.time_s.size(); ++i)
-    trusted += labels.hand.quality[i] == quality_good && labels.object.quality[i] == quality_good;
-  if (trusted == 0) lacks.emplace_back("it has no label that can be trusted");
+    good += labels.hand.quality[i] == quality_good && labels.object.quality[i] == quality_good;
+  if (good == 0) missing.emplace_back("no label of good quality");
   return check;
 }
 
 FileCheck check_file(const std::filesystem::path& path, bool images) {
   if (h5::schema_of(path) == labels_schema) return check_labels(read_labels(path));
+  RecordingReader::validate(path);
   return check_recording(RecordingReader(path), images);
 }
 
 nlohmann::json to_json(const FileCheck& check) {
-  return {{"holds", check.holds},
+  return {{"holds", check.contents},
           {"faults", check.faults},
-          {"lacks", check.lacks},
-          {"good", check.good()}};
+          {"lacks", check.missing},
+          {"good", check.is_usable()}};
 }
 
 }  // namespace touchtrace

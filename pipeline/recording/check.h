@@ -11,31 +11,32 @@
 
 namespace touchtrace {
 
-/// What a recording lacks for a stage; empty if it serves.
-std::vector<std::string> lacks_for_calibrating(const RecordingReader& reader);
-std::vector<std::string> lacks_for_labelling(const RecordingReader& reader);
-std::vector<std::string> lacks_for_training(const Recording& recording);
+/// What a stage needs and the recording does not have; empty if the stage can use the recording.
+std::vector<std::string> missing_for_calibration(const RecordingReader& reader);
+std::vector<std::string> missing_for_labelling(const RecordingReader& reader);
+std::vector<std::string> missing_for_training(const Recording& recording);
 
-/// Throws data_error if `lacks` names anything; `what` is the file.
-void require_nothing_lacking(const std::vector<std::string>& lacks, const std::string& what);
+/// Throws data_error that lists `missing`, if not empty. `name`: of the recording.
+void require_usable(const std::vector<std::string>& missing, const std::string& name);
 
-/// What `touchtrace check` finds in a file.
+/// Result of `touchtrace check`.
 struct FileCheck {
-  nlohmann::json holds;  ///< what is in it: activity, clips, streams and how regular they are
-  std::vector<std::string> faults;  ///< of what is in it
-  /// By verb ("calibrate", "label", "train"): what the file lacks for it.
-  std::map<std::string, std::vector<std::string>> lacks;
+  nlohmann::json contents;          ///< activity, clips, streams and their timing
+  std::vector<std::string> faults;  ///< damaged images; gloves without usable data
+  /// By command ("calibrate", "label", "train"): what it needs and the file does not have.
+  std::map<std::string, std::vector<std::string>> missing;
 
-  /// No fault, and of use to some verb.
-  bool good() const;
+  /// True if there are no faults and at least one command can use the file.
+  bool is_usable() const;
 };
 
-/// A recording or a file of labels, told apart by its schema. Throws data_error if it cannot be
-/// read. `images`: decompress every image and hold it against its checksum.
+/// Checks a recording or labels file, whichever its schema says. Throws data_error that lists all
+/// faults if it cannot be read. `images`: also decompresses every image and compares its checksum.
 FileCheck check_file(const std::filesystem::path& path, bool images);
 FileCheck check_recording(const RecordingReader& reader, bool images);
 FileCheck check_labels(const Labels& labels);
 
+/// {"holds": contents, "faults": [...], "lacks": missing, "good": is_usable()}
 nlohmann::json to_json(const FileCheck& check);
 
 }  // namespace touchtrace

@@ -41,7 +41,7 @@ std::vector<std::uint8_t> shuffle(std::span<const std::uint8_t> raw, std::size_t
 void unshuffle(std::span<const std::uint8_t> planes, std::size_t element,
                std::span<std::uint8_t> raw) {
   const std::size_t count = raw.size() / element;
-  if (element == sizeof(std::uint16_t))  // images: in one pass
+  if (element == sizeof(std::uint16_t))  // depth images: one pass
     for (std::size_t i = 0; i < count; ++i)
       raw[2 * i] = planes[i], raw[2 * i + 1] = planes[count + i];
   else
@@ -55,7 +55,7 @@ void append_checksum(std::vector<std::uint8_t>& bytes) {
     bytes.push_back(static_cast<std::uint8_t>(sum >> (8 * i)));
 }
 
-bool checksum_holds(std::span<const std::uint8_t> stored) {
+bool has_valid_checksum(std::span<const std::uint8_t> stored) {
   std::uint32_t sum = 0;
   for (std::size_t i = 0; i < checksum_bytes; ++i)
     sum |= std::uint32_t{stored[stored.size() - checksum_bytes + i]} << (8 * i);
@@ -69,7 +69,7 @@ std::vector<std::uint8_t> deflate(std::span<const std::uint8_t> raw) {
   return packed;
 }
 
-/// Exactly `raw.size()` bytes have to come out.
+/// False unless exactly `raw.size()` bytes result.
 bool inflate(std::span<const std::uint8_t> packed, std::span<std::uint8_t> raw) {
   return libdeflate_zlib_decompress(decompressor(), packed.data(), packed.size(), raw.data(),
                                     raw.size(), nullptr) == LIBDEFLATE_SUCCESS;
@@ -114,16 +114,16 @@ std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw,
 std::optional<std::string> decode_chunk(std::span<const std::uint8_t> stored,
                                         const ChunkFilters& filters, std::span<std::uint8_t> raw) {
   if (filters.fletcher32) {
-    if (stored.size() < checksum_bytes || !checksum_holds(stored)) return "its checksum is wrong";
+    if (stored.size() < checksum_bytes || !has_valid_checksum(stored)) return "wrong checksum";
     stored = stored.first(stored.size() - checksum_bytes);
   }
   thread_local std::vector<std::uint8_t> planes;
   planes.resize(filters.shuffle_bytes > 1 ? raw.size() : 0);
   const std::span<std::uint8_t> target = planes.empty() ? raw : planes;
   if (filters.deflate) {
-    if (!inflate(stored, target)) return "it cannot be decompressed";
+    if (!inflate(stored, target)) return "cannot be decompressed";
   } else {
-    if (stored.size() != target.size()) return "its size is wrong";
+    if (stored.size() != target.size()) return "wrong size";
     std::copy(stored.begin(), stored.end(), target.begin());
   }
   if (!planes.empty()) unshuffle(planes, filters.shuffle_bytes, raw);

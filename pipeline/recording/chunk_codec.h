@@ -9,24 +9,24 @@
 
 namespace touchtrace::h5 {
 
-/// The filters of one stored chunk, in the order in which HDF5 applies them: shuffle, deflate,
-/// fletcher32. Done here rather than inside the library: libdeflate takes a third of zlib's time,
-/// runs outside the library's lock, and a damaged chunk can neither overrun nor inflate without
-/// bound.
+/// HDF5 filters of a chunk, in the order in which they are applied: shuffle, deflate, fletcher32.
+/// Implemented here instead of with the library's filters: libdeflate takes a third of zlib's time
+/// and runs outside the library's lock, and a damaged chunk can neither overrun a buffer nor
+/// inflate without bound.
 struct ChunkFilters {
-  std::size_t shuffle_bytes = 1;  ///< size of the elements that were shuffled; 1: not shuffled
+  std::size_t shuffle_bytes = 1;  ///< bytes of a shuffled element; 1: not shuffled
   bool deflate = true;
   bool fletcher32 = true;
 };
 
-/// HDF5's checksum of a chunk.
+/// Fletcher-32 checksum as HDF5 computes it.
 std::uint32_t fletcher32(std::span<const std::uint8_t> bytes);
 
-/// `raw` as it is stored, all filters applied.
+/// Returns `raw` with all filters applied.
 std::vector<std::uint8_t> encode_chunk(std::span<const std::uint8_t> raw,
                                        const ChunkFilters& filters);
 
-/// Fills `raw` from `stored`. Returns what is wrong with the chunk, or nothing if it is sound.
+/// Decodes `stored` into `raw`. Returns the fault of a damaged chunk, such as a wrong checksum.
 std::optional<std::string> decode_chunk(std::span<const std::uint8_t> stored,
                                         const ChunkFilters& filters, std::span<std::uint8_t> raw);
 

@@ -1,24 +1,29 @@
 #pragma once
 
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "pipeline/recording/file_faults.h"
 #include "pipeline/recording/h5_array.h"
 
 namespace touchtrace::h5 {
 
-/// A named dimension of a group, with its dimension scale.
+inline constexpr std::size_t unknown_length = std::numeric_limits<std::size_t>::max();
+
+/// Named dimension of a group, stored as an HDF5 dimension scale.
 struct Axis {
   std::string name;
-  std::size_t length;
-  hid_t scale = H5I_INVALID_HID;  ///< only while saving
+  std::size_t length = unknown_length;  ///< unknown while loading if its dataset has a fault
+  hid_t scale = H5I_INVALID_HID;        ///< only while saving
 };
 
-/// What a dataset says about itself.
-struct Meaning {
-  const char* units;  ///< UDUNITS; "1" for counts and numbers
+/// Attributes `units` and `long_name` of a dataset.
+struct DatasetInfo {
+  const char* units;  ///< UDUNITS; "1": dimensionless
   const char* long_name;
 };
 
@@ -31,8 +36,8 @@ std::span<std::uint8_t> bytes_of(std::vector<T>& values) {
   return {reinterpret_cast<std::uint8_t*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// `Saver` and `Loader` have the same member functions, so one `exchange(archive, value)` describes
-/// both how a struct is written and how it is read and checked. Both throw H5Error.
+/// Writes a group. Saver and Loader have the same member functions, so that one template
+/// `serialize(archive, value)` per struct both writes it and reads it. Throws H5Error.
 class Saver {
  public:
   explicit Saver(Handle group);
@@ -46,83 +51,95 @@ class Saver {
   void attribute(const std::string& name, int value) { attribute(name, std::int64_t{value}); }
   void attribute(const std::string& name, const nlohmann::json& value);
 
-  /// A dimension that is only counted.
+  /// Axis whose scale is the index 0 .. length - 1.
   Axis axis(const std::string& name, std::size_t length);
-  /// A dimension whose scale holds values.
+  /// Axis whose scale is `values`.
   template <class T>
-  Axis axis(const std::string& name, const std::vector<T>& values, const Meaning& meaning) {
-    return write_axis(name, element_type<T>(), bytes_of(values), values.size(), meaning);
+  Axis axis(const std::string& name, const std::vector<T>& values, const DatasetInfo& info) {
+    return write_axis(name, element_type<T>(), bytes_of(values), values.size(), info);
   }
+  /// Row-major array over `axes`.
   template <class T>
   void array(const std::string& name, const std::vector<T>& values, const std::vector<Axis>& axes,
-             const Meaning& meaning) {
-    write(name, element_type<T>(), bytes_of(values), axes, meaning);
+             const DatasetInfo& info) {
+    write(name, element_type<T>(), bytes_of(values), axes, info);
   }
   void texts(const std::string& name, const std::vector<std::string>& values, const Axis& axis,
-             const Meaning& meaning);
-  /// Hangs meaning and dimension scales on a dataset of this group.
-  static void describe(hid_t dataset, const std::vector<Axis>& axes, const Meaning& meaning);
-  /// CF's packing of counts: metres = scale_factor * count, 0 is missing.
+             const DatasetInfo& info);
+  /// Attaches units, long_name and dimension scales to a dataset of this group.
+  static void describe(hid_t dataset, const std::vector<Axis>& axes, const DatasetInfo& info);
+  /// Attaches the packing of the CF conventions: value = scale_factor * count; count 0: missing.
   static void describe_packing(hid_t dataset, double scale_factor);
 
  private:
   Axis write_axis(const std::string& name, const ElementType& type,
-                  std::span<const std::uint8_t> bytes, std::size_t length, const Meaning& meaning);
+                  std::span<const std::uint8_t> bytes, std::size_t length, const DatasetInfo& info);
   void write(const std::string& name, const ElementType& type, std::span<const std::uint8_t> bytes,
-             const std::vector<Axis>& axes, const Meaning& meaning);
+             const std::vector<Axis>& axes, const DatasetInfo& info);
 
   Handle group_;
   std::vector<Handle> scales_;
 };
 
+/// Reads and checks a group of an untrusted file. Faults of groups, datasets and attributes are
+/// recorded, not thrown, and reading continues, so that all faults of a file are found at once.
+/// Whoever opened the file calls FileFaults::throw_if_any before the values are used.
 class Loader {
  public:
-  Loader(Handle group, hsize_t file_bytes);
+  /// `path`: of the group within the file, empty for the root. `faults` must outlive the Loader.
+  Loader(Handle group, hsize_t file_bytes, std::string path, FileFaults& faults);
 
+  /// A missing group is a fault; all reads from it are then skipped.
   Loader group(const std::string& name) const;
   bool has(const std::string& name) const;
-  hid_t id() const { return group_; }
-  hsize_t file_bytes() const { return file_bytes_; }
+  const std::string& path() const { return path_; }
+  std::string path(const std::string& name) const { return path_ + "/" + name; }
+  FileFaults& faults() const { return *faults_; }
 
+  /// A faulty attribute leaves `value` as it is; a faulty int becomes -1.
   void attribute(const std::string& name, std::string& value) const;
   void attribute(const std::string& name, double& value) const;
   void attribute(const std::string& name, std::int64_t& value) const;
   void attribute(const std::string& name, int& value) const;
   void attribute(const std::string& name, nlohmann::json& value) const;
 
-  /// A counted dimension, which has to have this length.
+  /// Axis of this length; a length of -1 (a faulty attribute) is not checked.
   Axis axis(const std::string& name, std::size_t length) const;
   template <class T>
-  Axis axis(const std::string& name, std::vector<T>& values, const Meaning& meaning) const {
-    const ArrayReader reader = open(name, element_type<T>(), meaning);
-    read_into(reader, values);
-    return {name, values.size()};
+  Axis axis(const std::string& name, std::vector<T>& values, const DatasetInfo& info) const {
+    array(name, values, {{name, unknown_length}}, info);
+    return {name, faults_->contains(path(name)) ? unknown_length : values.size()};
   }
+  /// A faulty array leaves `values` empty.
   template <class T>
   void array(const std::string& name, std::vector<T>& values, const std::vector<Axis>& axes,
-             const Meaning& meaning) const {
-    const ArrayReader reader = open(name, element_type<T>(), meaning);
-    check_shape(name, reader, axes);
-    read_into(reader, values);
+             const DatasetInfo& info) const {
+    if (const auto reader = open(name, element_type<T>(), axes, info)) read(name, *reader, values);
   }
   void texts(const std::string& name, std::vector<std::string>& values, const Axis& axis,
-             const Meaning& meaning) const;
-  /// Opens a dataset of this group after checking that it is one, stored in this file, in these
-  /// units.
-  ArrayReader open(const std::string& name, const ElementType& type, const Meaning& meaning) const;
-  void check_shape(const std::string& name, const ArrayReader& reader,
-                   const std::vector<Axis>& axes) const;
+             const DatasetInfo& info) const;
+  /// Opens a dataset after checking that it is one, stored in this file, with this type, shape and
+  /// unit. nullopt if it has a fault.
+  std::optional<ArrayReader> open(const std::string& name, const ElementType& type,
+                                  const std::vector<Axis>& axes, const DatasetInfo& info) const;
 
  private:
   template <class T>
-  static void read_into(const ArrayReader& reader, std::vector<T>& values) {
+  void read(const std::string& name, const ArrayReader& reader, std::vector<T>& values) const {
     values.resize(reader.rows() * reader.row_bytes() / sizeof(T));
-    reader.read(0, bytes_of(values));
+    if (!read_rows(name, reader, bytes_of(values))) values.clear();
   }
+  bool read_rows(const std::string& name, const ArrayReader& reader,
+                 std::span<std::uint8_t> out) const;
+  /// Runs `action`; an H5Error becomes a fault of the object at `path`. True if there was none.
+  template <class Action>
+  bool record_fault(const std::string& path, Action action) const;
   void check_link(const std::string& name, H5O_type_t type) const;
 
-  Handle group_;
+  Handle group_;  ///< invalid if the group has a fault
   hsize_t file_bytes_;
+  std::string path_;
+  FileFaults* faults_;
 };
 
 }  // namespace touchtrace::h5

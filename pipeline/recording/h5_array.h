@@ -10,7 +10,7 @@
 
 namespace touchtrace::h5 {
 
-/// A type that a dataset may have: little-endian in the file, the machine's own in memory.
+/// Element type of a dataset; little-endian, also in memory.
 struct ElementType {
   Handle type;
   std::size_t bytes;
@@ -32,21 +32,25 @@ template <>
 ElementType element_type<std::int64_t>();
 template <>
 ElementType element_type<std::uint64_t>();
-/// Text of at most `bytes` bytes, padded with zeros, UTF-8.
+/// UTF-8 text of `bytes` bytes, padded with zeros.
 ElementType text_type(std::size_t bytes);
+/// Name of a type for messages, such as "uint16" or "big-endian float64".
+std::string type_name(hid_t type);
+/// Throws H5Error unless `found` is `expected`, byte order included.
+void require_type(hid_t found, const ElementType& expected);
 
-/// Writes one dataset, row after row along its first axis: chunked, shuffled, deflated, fletcher32.
+/// Writes one dataset row by row along its first axis: chunked, shuffled, deflated, with fletcher32
+/// checksums. Throws H5Error, also if the disk is full.
 class ArrayWriter {
  public:
-  /// `row_shape`: the extents behind the first axis. `chunk_rows`: 0 leaves the choice to the
-  /// writer.
+  /// `row_shape`: extents of the other axes. `chunk_rows`: 0 for chunks of about 128 KiB.
   ArrayWriter(hid_t group, const std::string& name, const ElementType& type,
               const std::vector<hsize_t>& row_shape, hsize_t chunk_rows = 0);
 
   void append(std::span<const std::uint8_t> rows);
   hid_t dataset() const { return dataset_; }
   hsize_t rows() const { return rows_; }
-  /// Writes the last chunk. Throws H5Error if the disk is full; so does `append`.
+  /// Writes the last chunk.
   void close();
 
  private:
@@ -62,8 +66,8 @@ class ArrayWriter {
 };
 
 /// Reads one dataset of an untrusted file. The constructor throws H5Error unless the dataset has
-/// the type, is chunked along its first axis only, uses no filter but ours, checks its chunks, and
-/// lies inside the file.
+/// this type, is chunked along its first axis only, has checksums and no filters other than
+/// shuffle, deflate and fletcher32, and its chunks are in the file.
 class ArrayReader {
  public:
   ArrayReader(hid_t group, const std::string& name, const ElementType& type, hsize_t file_bytes);
@@ -72,19 +76,18 @@ class ArrayReader {
   hsize_t rows() const { return shape_.front(); }
   std::size_t row_bytes() const { return row_bytes_; }
   hid_t dataset() const { return dataset_; }
-  /// Rows from `first` on, as many as `out` holds. Throws H5Error if a chunk is missing or damaged.
-  /// May be called by several threads.
+  /// Reads rows from `first` on until `out` is full. Throws H5Error for a damaged chunk.
+  /// Thread-safe.
   void read(hsize_t first, std::span<std::uint8_t> out) const;
 
  private:
   void check_layout();
   void check_filters(hid_t creation);
   void check_chunks(hsize_t file_bytes) const;
-  /// Until the thread's next call.
+  /// Valid until the thread's next call.
   std::span<const std::uint8_t> stored_chunk(hsize_t chunk, std::uint32_t& skipped_filters) const;
   void decode(hsize_t chunk, std::span<std::uint8_t> raw) const;
 
-  std::string name_;
   std::vector<hsize_t> shape_;
   std::size_t element_bytes_, row_bytes_ = 0;
   hsize_t chunk_rows_ = 1;

@@ -9,27 +9,25 @@
 namespace touchtrace::h5 {
 namespace {
 
-/// Deflate cannot compress further than this.
-constexpr hsize_t greatest_compression = 1032;
-constexpr hsize_t greatest_chunk_bytes = 256 << 20;
-constexpr int greatest_rank = 8;
+constexpr hsize_t max_compression = 1032;  // of deflate
+constexpr hsize_t max_chunk_bytes = 256 << 20;
+constexpr int max_rank = 8;
 
-std::vector<hsize_t> extents_of(hid_t space, const std::string& name) {
+std::vector<hsize_t> extents_of(hid_t space) {
   const int rank = H5Sget_simple_extent_ndims(space);
-  if (H5Sget_simple_extent_type(space) != H5S_SIMPLE || rank < 1 || rank > greatest_rank)
-    throw H5Error(fmt::format("{} is no array", name));
+  if (H5Sget_simple_extent_type(space) != H5S_SIMPLE || rank < 1 || rank > max_rank)
+    throw H5Error(fmt::format("expected an array of 1 to {} axes, found {}", max_rank, rank));
   std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
-  check(H5Sget_simple_extent_dims(space, extents.data(), nullptr), name);
+  check(H5Sget_simple_extent_dims(space, extents.data(), nullptr), "cannot read its shape");
   return extents;
 }
 
-/// Bytes of a block of this shape; throws if that is more than `limit`.
-hsize_t bounded_bytes(const std::vector<hsize_t>& shape, hsize_t element_bytes, hsize_t limit,
-                      const std::string& name) {
+/// Bytes of a block of this shape. Throws if they exceed `limit`.
+hsize_t bounded_bytes(const std::vector<hsize_t>& shape, hsize_t element_bytes, hsize_t limit) {
   hsize_t bytes = element_bytes;
   for (hsize_t extent : shape) {
     if (extent != 0 && bytes > limit / extent)
-      throw H5Error(fmt::format("{} claims to be larger than its file can hold", name));
+      throw H5Error("its shape needs more bytes than the file can hold");
     bytes *= extent;
   }
   return bytes;
@@ -39,33 +37,30 @@ hsize_t bounded_bytes(const std::vector<hsize_t>& shape, hsize_t element_bytes, 
 
 ArrayReader::ArrayReader(hid_t group, const std::string& name, const ElementType& type,
                          hsize_t file_bytes)
-    : name_(name), element_bytes_(type.bytes) {
+    : element_bytes_(type.bytes) {
   const LibraryLock lock;
-  dataset_ = Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, name);
-  const Handle stored_type(H5Dget_type(dataset_), H5Tclose, name);
-  if (H5Tequal(stored_type, type.type) <= 0)
-    throw H5Error(fmt::format("{} has another type than it should", name));
-  shape_ = extents_of(Handle(H5Dget_space(dataset_), H5Sclose, name), name);
+  dataset_ = Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, "cannot open it");
+  require_type(Handle(H5Dget_type(dataset_), H5Tclose, "cannot read its type"), type);
+  shape_ = extents_of(Handle(H5Dget_space(dataset_), H5Sclose, "cannot read its shape"));
   const hsize_t limit =
-      std::min(file_bytes, std::numeric_limits<hsize_t>::max() / greatest_compression) *
-      greatest_compression;
-  bounded_bytes(shape_, element_bytes_, limit, name);
-  row_bytes_ = bounded_bytes({shape_.begin() + 1, shape_.end()}, element_bytes_, limit, name);
-  if (row_bytes_ == 0) throw H5Error(fmt::format("{} has empty rows", name));
+      std::min(file_bytes, std::numeric_limits<hsize_t>::max() / max_compression) * max_compression;
+  bounded_bytes(shape_, element_bytes_, limit);
+  row_bytes_ = bounded_bytes({shape_.begin() + 1, shape_.end()}, element_bytes_, limit);
+  if (row_bytes_ == 0) throw H5Error("expected rows with elements, found an axis of length 0");
   check_layout();
-  bounded_bytes({chunk_rows_}, row_bytes_, greatest_chunk_bytes, name);
+  bounded_bytes({chunk_rows_}, row_bytes_, max_chunk_bytes);
   check_chunks(file_bytes);
 }
 
 void ArrayReader::check_layout() {
-  const Handle creation(H5Dget_create_plist(dataset_), H5Pclose, name_);
+  const Handle creation(H5Dget_create_plist(dataset_), H5Pclose, "cannot read its layout");
   std::vector<hsize_t> chunk(shape_.size());
   if (H5Pget_layout(creation) != H5D_CHUNKED || H5Pget_external_count(creation) != 0 ||
       H5Pget_chunk(creation, static_cast<int>(chunk.size()), chunk.data()) !=
           static_cast<int>(chunk.size()))
-    throw H5Error(fmt::format("{} is not stored in chunks", name_));
+    throw H5Error("expected chunked storage inside this file (h5py: chunks=...)");
   if (chunk[0] == 0 || !std::equal(chunk.begin() + 1, chunk.end(), shape_.begin() + 1))
-    throw H5Error(fmt::format("{} is divided into chunks along more than its first axis", name_));
+    throw H5Error("expected chunks along the first axis only");
   chunk_rows_ = chunk[0];
   check_filters(creation);
 }
@@ -82,12 +77,12 @@ void ArrayReader::check_filters(hid_t creation) {
                                        0, nullptr, &config);
     next = std::find(next, order.end(), filter);
     if (next == order.end())
-      throw H5Error(fmt::format(
-          "{} uses filters other than shuffle, deflate, fletcher32, in this order", name_));
+      throw H5Error(
+          "expected no filters other than shuffle, deflate and fletcher32, in this order");
     pipeline_.push_back(*next++);
   }
   if (pipeline_.empty() || pipeline_.back() != H5Z_FILTER_FLETCHER32)
-    throw H5Error(fmt::format("{} carries no fletcher32 checksums", name_));
+    throw H5Error("expected fletcher32 checksums (h5py: fletcher32=True), found none");
 }
 
 void ArrayReader::check_chunks(hsize_t file_bytes) const {
@@ -95,24 +90,24 @@ void ArrayReader::check_chunks(hsize_t file_bytes) const {
   for (hsize_t row = 0; row < rows(); row += chunk_rows_) {
     offset[0] = row;
     hsize_t bytes = 0;  // H5Dget_chunk_info_by_coord would walk over all chunks each time
-    check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), name_);
-    if (bytes == 0) throw H5Error(fmt::format("{}: the chunk of row {} is missing", name_, row));
+    check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), "cannot read its index");
+    if (bytes == 0) throw H5Error(fmt::format("the chunk of row {} is missing", row));
     if (bytes > file_bytes)
-      throw H5Error(fmt::format("{}: the chunk of row {} is larger than the file", name_, row));
+      throw H5Error(fmt::format("the chunk of row {} is larger than the file", row));
   }
 }
 
 std::span<const std::uint8_t> ArrayReader::stored_chunk(hsize_t chunk,
                                                         std::uint32_t& skipped_filters) const {
-  thread_local std::vector<std::uint8_t> stored;  // new pages for every image cost much of its time
+  thread_local std::vector<std::uint8_t> stored;  // allocating one per image costs much of its time
   std::vector<hsize_t> offset(shape_.size(), 0);
   offset[0] = chunk * chunk_rows_;
   const LibraryLock lock;
   hsize_t bytes = 0;
-  check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), name_);
+  check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), "cannot read its index");
   stored.resize(bytes);
   check(H5Dread_chunk(dataset_, H5P_DEFAULT, offset.data(), &skipped_filters, stored.data()),
-        name_);
+        "cannot read it");
   return stored;
 }
 
@@ -127,10 +122,9 @@ void ArrayReader::decode(hsize_t chunk, std::span<std::uint8_t> raw) const {
     if (pipeline_[i] == H5Z_FILTER_FLETCHER32) filters.fletcher32 = true;
   }
   const auto fault = filters.fletcher32 ? decode_chunk(stored, filters, raw)
-                                        : std::optional<std::string>("it carries no checksum");
+                                        : std::optional<std::string>("it has no checksum");
   if (fault)
-    throw H5Error(
-        fmt::format("{}: the chunk of row {} is damaged: {}", name_, chunk * chunk_rows_, *fault));
+    throw H5Error(fmt::format("the chunk of row {} is damaged: {}", chunk * chunk_rows_, *fault));
 }
 
 void ArrayReader::read(hsize_t first, std::span<std::uint8_t> out) const {

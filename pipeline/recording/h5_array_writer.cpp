@@ -9,7 +9,7 @@
 namespace touchtrace::h5 {
 namespace {
 
-constexpr std::size_t wanted_chunk_bytes = 128 << 10;
+constexpr std::size_t target_chunk_bytes = 128 << 10;
 
 hsize_t product(const std::vector<hsize_t>& extents) {
   return std::accumulate(extents.begin(), extents.end(), hsize_t{1}, std::multiplies<>());
@@ -37,7 +37,7 @@ ArrayWriter::ArrayWriter(hid_t group, const std::string& name, const ElementType
                          const std::vector<hsize_t>& row_shape, hsize_t chunk_rows)
     : name_(name), row_shape_(row_shape), row_bytes_(product(row_shape) * type.bytes) {
   const LibraryLock lock;
-  chunk_rows_ = chunk_rows > 0 ? chunk_rows : std::max<hsize_t>(1, wanted_chunk_bytes / row_bytes_);
+  chunk_rows_ = chunk_rows > 0 ? chunk_rows : std::max<hsize_t>(1, target_chunk_bytes / row_bytes_);
   filters_.shuffle_bytes = H5Tget_class(type.type) == H5T_STRING ? 1 : type.bytes;
   const auto extents = with_rows(0, row_shape), limits = with_rows(H5S_UNLIMITED, row_shape);
   const Handle space(

@@ -14,14 +14,14 @@
 namespace touchtrace::h5 {
 namespace {
 
-constexpr rlim_t memory_beyond_present_bytes = rlim_t{4} << 30;
-constexpr rlim_t processor_s = 60;
-constexpr unsigned wall_s = 120;
+constexpr rlim_t max_extra_memory_bytes = rlim_t{4} << 30;
+constexpr rlim_t max_cpu_s = 60;
+constexpr unsigned max_wall_s = 120;
+constexpr const char* damaged_hint = "copy or record the file again";
 
-enum class Verdict : char { sound = 's', refused = 'r' };
+enum class Outcome : char { success = 's', error = 'e' };
 
-/// Bytes of address space in use, so that the bound holds with a device's or a sanitizer's
-/// mappings.
+/// Address space in use, which the mappings of a device or a sanitizer can make large.
 rlim_t address_space_bytes() {
   rlim_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -34,29 +34,28 @@ void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
 }
 
 void confine_child() {
-  limit(RLIMIT_AS, address_space_bytes() + memory_beyond_present_bytes);
-  limit(RLIMIT_CPU, processor_s);
+  limit(RLIMIT_AS, address_space_bytes() + max_extra_memory_bytes);
+  limit(RLIMIT_CPU, max_cpu_s);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, 0);
   std::signal(SIGALRM, SIG_DFL);
-  alarm(wall_s);
-  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-  dup2(nowhere, STDOUT_FILENO);
-  dup2(nowhere, STDERR_FILENO);
+  alarm(max_wall_s);
+  const int null_device = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  dup2(null_device, STDOUT_FILENO);
+  dup2(null_device, STDERR_FILENO);
 }
 
 std::string message_of(const std::function<void()>& read) {
   try {
     read();
-    return {static_cast<char>(Verdict::sound)};
+    return {static_cast<char>(Outcome::success)};
   } catch (const Error& error) {
-    return static_cast<char>(Verdict::refused) + std::string(error.what()) + '\0' + error.remedy();
+    return static_cast<char>(Outcome::error) + std::string(error.what()) + '\0' + error.remedy();
   } catch (const std::bad_alloc&) {
-    return static_cast<char>(Verdict::refused) +
-           std::string("it asks for more memory than a file of its size can need") + '\0' +
-           "make it again";
+    return static_cast<char>(Outcome::error) +
+           std::string("reading the file needs too much memory") + '\0' + damaged_hint;
   } catch (const std::exception& error) {
-    return static_cast<char>(Verdict::refused) + std::string(error.what()) + '\0' + "make it again";
+    return static_cast<char>(Outcome::error) + std::string(error.what()) + '\0' + damaged_hint;
   }
 }
 
@@ -84,22 +83,22 @@ void wait_for(pid_t child) {
   }
 }
 
-void judge(const std::filesystem::path& path, const std::string& message) {
+void throw_error_of(const std::filesystem::path& path, const std::string& message) {
   if (message.empty())
-    throw data_error(
-        fmt::format("{} is damaged: reading it ended in a crash or without an end", path.string()),
-        "do not use it; copy it again from where it came from, or make it again");
-  if (message[0] == static_cast<char>(Verdict::sound)) return;
+    throw data_error(fmt::format("{} is damaged: reading it crashed or took more than {} s",
+                                 path.string(), max_cpu_s),
+                     damaged_hint);
+  if (message[0] == static_cast<char>(Outcome::success)) return;
   const auto end = message.find('\0');
   throw data_error(message.substr(1, end - 1), message.substr(end + 1));
 }
 
 }  // namespace
 
-void try_in_child(const std::filesystem::path& path, const std::function<void()>& read) {
+void run_in_child(const std::filesystem::path& path, const std::function<void()>& read) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
-    throw failure(fmt::format("cannot make a pipe: {}", std::strerror(errno)),
+    throw failure(fmt::format("cannot create a pipe: {}", std::strerror(errno)),
                   "close other programs");
   const pid_t child = fork();
   if (child == 0) run_child(ends[1], read);
@@ -110,7 +109,7 @@ void try_in_child(const std::filesystem::path& path, const std::function<void()>
     throw failure(fmt::format("cannot start a process: {}", std::strerror(errno)),
                   "close other programs");
   wait_for(child);
-  judge(path, message);
+  throw_error_of(path, message);
 }
 
 }  // namespace touchtrace::h5

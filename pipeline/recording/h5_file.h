@@ -11,47 +11,51 @@
 
 namespace touchtrace::h5 {
 
-/// A new file, libver latest: its metadata carry checksums. Replaces one that exists. No time
-/// stamps: the same content makes the same bytes.
+/// Creates a file, replacing an existing one. Format: libver latest, so that metadata have
+/// checksums; no time stamps, so that equal content gives equal bytes.
 Handle create_file(const std::filesystem::path& path);
 
-/// Flushes and closes. H5Fclose alone returns 0 on a full disk.
+/// Flushes and closes. H5Fclose alone reports no error on a full disk.
 void close_file(Handle& file);
 
-/// The file's root group with the file's size; checks that it is of `schema`, e.g.
-/// "touchtrace/recording/1". Throws H5Error.
-Loader open_root(const std::filesystem::path& path, const std::string& schema);
+/// Opens the root group. Throws H5Error unless the attribute `schema` is `schema`, such as
+/// "touchtrace/recording/1".
+Loader open_root(const std::filesystem::path& path, const std::string& schema, FileFaults& faults);
 
-/// The schema that a file says it has. Untrusted files are safe; throws data_error.
+/// Returns the attribute `schema` of an untrusted file. Throws data_error.
 std::string schema_of(const std::filesystem::path& path);
 
-/// Runs `read` in a child process with bounds on memory and time. Throws the data_error that `read`
-/// threw there, or one that says that the file cannot be read if the child did not come to its end.
-void try_in_child(const std::filesystem::path& path, const std::function<void()>& read);
+/// Runs `read` in a child process with limited memory (4 GiB more than now) and time (60 CPU
+/// seconds). Throws the Error that `read` threw there, or a data_error if the child crashed or
+/// reached a limit.
+void run_in_child(const std::filesystem::path& path, const std::function<void()>& read);
 
-/// Throws data_error unless `path` is a regular file that starts as HDF5 does.
-void check_is_hdf5(const std::filesystem::path& path);
+/// Throws data_error unless `path` is a regular file with the signature of HDF5.
+void require_hdf5(const std::filesystem::path& path);
 
-/// What `read` returns, once a child process has shown that reading this file is safe.
+/// Returns read(faults) after a trial run in a child process, because damaged files can crash the
+/// HDF5 library. Throws data_error if `read` throws H5Error or records faults.
 template <class Read>
 auto read_untrusted(const std::filesystem::path& path, Read read) {
-  check_is_hdf5(path);
+  require_hdf5(path);
   const LibraryLock lock;
-  const auto named = [&] {
+  const auto checked = [&] {
+    FileFaults faults;
     try {
-      return read();
+      auto result = read(faults);
+      faults.throw_if_any(path);
+      return result;
     } catch (const H5Error& fault) {
-      throw data_error(
-          fmt::format("{} cannot be used: {}", path.string(), fault.what()),
-          "copy it again from where it came from, or make it again; `touchtrace check` "
-          "says what a file holds");
+      faults.add("/", fault.what());
+      faults.throw_if_any(path);
+      throw;
     }
   };
-  try_in_child(path, [&] { named(); });
-  return named();
+  run_in_child(path, [&] { checked(); });
+  return checked();
 }
 
-/// Runs `write`; an H5Error becomes a failure that says what to do.
+/// Runs `write`; an H5Error becomes a failure.
 template <class Write>
 void write_checked(const std::filesystem::path& path, Write write) {
   const LibraryLock lock;
@@ -59,7 +63,7 @@ void write_checked(const std::filesystem::path& path, Write write) {
     write();
   } catch (const H5Error& fault) {
     throw failure(fmt::format("cannot write {}: {}", path.string(), fault.what()),
-                  "check that the disk has room and that the folder can be written");
+                  "check free disk space and write permission");
   }
 }
 

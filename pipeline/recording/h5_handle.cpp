@@ -11,22 +11,22 @@ namespace {
 std::mutex library_mutex;
 thread_local int locks_held = 0;
 
-herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* text) {
+herr_t store_innermost(unsigned depth, const H5E_error2_t* error, void* text) {
   if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
   return 0;
 }
 
 std::string library_message() {
   std::string text;
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &text);
-  return text.empty() ? "no reason given" : text;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, store_innermost, &text);
+  return text.empty() ? "unknown reason" : text;
 }
 
 }  // namespace
 
 LibraryLock::LibraryLock() {
   if (locks_held++ == 0) library_mutex.lock();
-  // Errors become exceptions; the setting belongs to the thread in a thread-safe build.
+  // No messages on stderr; errors become exceptions. Per thread in a thread-safe build.
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 

@@ -7,15 +7,15 @@
 
 namespace touchtrace::h5 {
 
-/// What HDF5 refused to do, in its own words. Readers and writers turn it into a data_error or a
+/// Error of the HDF5 library or fault of a file. Readers turn it into a data_error, writers into a
 /// failure.
 class H5Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Held around every call into the library, which serves one thread at a time. One thread may hold
-/// several. Counts them itself: a recursive mutex would lock out its owner's forked child.
+/// Lock for calls into the HDF5 library, which is not thread-safe. Recursive. Counts by itself,
+/// because a std::recursive_mutex would lock out a forked child of its owner.
 class LibraryLock {
  public:
   LibraryLock();
@@ -24,11 +24,11 @@ class LibraryLock {
   LibraryLock& operator=(const LibraryLock&) = delete;
 };
 
-/// Throws H5Error with the library's message if `result` is negative; returns it otherwise.
+/// Returns `result`; throws H5Error ("`what`: message of the library") if it is negative.
 hid_t check_id(hid_t result, const std::string& what);
 void check(herr_t result, const std::string& what);
 
-/// An HDF5 identifier and the way to close it.
+/// Owner of an HDF5 identifier.
 class Handle {
  public:
   using Closer = herr_t (*)(hid_t);
@@ -41,7 +41,7 @@ class Handle {
   Handle& operator=(Handle&& other) noexcept;
 
   operator hid_t() const noexcept { return id_; }
-  /// Closing writes what is still held back, so a writer closes by this and learns of a full disk.
+  /// Closes and throws H5Error on failure. Closing flushes: writers call it to notice a full disk.
   void close(const std::string& what);
 
  private:

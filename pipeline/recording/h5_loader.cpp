@@ -1,32 +1,32 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "pipeline/recording/h5_archive.h"
 
 namespace touchtrace::h5 {
 namespace {
 
-constexpr std::size_t longest_text = 4096, longest_attribute = 16 << 20;
+constexpr std::size_t max_text_bytes = 4096, max_attribute_bytes = 16 << 20;
 
 Handle open_attribute(hid_t object, const std::string& name) {
-  if (H5Aexists(object, name.c_str()) <= 0)
-    throw H5Error(fmt::format("attribute '{}' is missing", name));
-  Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, name);
-  const Handle space(H5Aget_space(attribute), H5Sclose, name);
+  if (H5Aexists(object, name.c_str()) <= 0) throw H5Error("missing");
+  Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, "cannot open it");
+  const Handle space(H5Aget_space(attribute), H5Sclose, "cannot read its shape");
   if (H5Sget_simple_extent_type(space) != H5S_SCALAR)
-    throw H5Error(fmt::format("attribute '{}' is no single value", name));
+    throw H5Error("expected a single value, found an array");
   return attribute;
 }
 
 /// Bytes of a fixed-length text type; throws for anything else.
-std::size_t text_bytes(hid_t type, const std::string& name, std::size_t longest) {
+std::size_t text_bytes(hid_t type, std::size_t max_bytes) {
   if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0)
-    throw H5Error(fmt::format("{} is no text of fixed length", name));
+    throw H5Error(fmt::format("expected text of fixed length, found {}", type_name(type)));
   const std::size_t bytes = H5Tget_size(type);
-  if (bytes == 0 || bytes > longest) throw H5Error(fmt::format("{} is too long", name));
+  if (bytes == 0 || bytes > max_bytes)
+    throw H5Error(fmt::format("expected text of 1 to {} bytes, found {}", max_bytes, bytes));
   return bytes;
 }
 
@@ -36,110 +36,162 @@ std::string until_zero(const char* text, std::size_t bytes) {
 
 std::string read_text(hid_t object, const std::string& name) {
   const Handle attribute = open_attribute(object, name);
-  const Handle type(H5Aget_type(attribute), H5Tclose, name);
-  std::string value(text_bytes(type, name, longest_attribute), '\0');
-  check(H5Aread(attribute, type, value.data()), name);
+  const Handle type(H5Aget_type(attribute), H5Tclose, "cannot read its type");
+  std::string value(text_bytes(type, max_attribute_bytes), '\0');
+  check(H5Aread(attribute, type, value.data()), "cannot read it");
   return until_zero(value.data(), value.size());
 }
 
 template <class T>
 void read_number(hid_t object, const std::string& name, T& value) {
   const Handle attribute = open_attribute(object, name);
-  const Handle type(H5Aget_type(attribute), H5Tclose, name);
-  const auto expected = element_type<T>();
-  if (H5Tequal(type, expected.type) <= 0)
-    throw H5Error(fmt::format("attribute '{}' has another type than it should", name));
-  check(H5Aread(attribute, expected.type, &value), name);
+  const Handle type(H5Aget_type(attribute), H5Tclose, "cannot read its type");
+  require_type(type, element_type<T>());
+  check(H5Aread(attribute, type, &value), "cannot read it");
+}
+
+void check_units(hid_t dataset, const char* expected) {
+  std::string units;
+  try {
+    units = read_text(dataset, "units");
+  } catch (const H5Error& fault) {
+    throw H5Error(fmt::format("attribute 'units': {}", fault.what()));
+  }
+  if (units != expected)
+    throw H5Error(fmt::format("expected units '{}', found '{}'", expected, units));
+}
+
+void check_shape(const std::vector<hsize_t>& shape, const std::vector<Axis>& axes) {
+  const bool same = std::ranges::equal(shape, axes, [](hsize_t extent, const Axis& axis) {
+    return axis.length == unknown_length || axis.length == extent;
+  });
+  if (same) return;
+  std::vector<std::string> expected;
+  for (const auto& axis : axes)
+    expected.push_back(axis.length == unknown_length ? "any" : fmt::to_string(axis.length));
+  throw H5Error(fmt::format("expected shape ({}), found ({})", fmt::join(expected, ", "),
+                            fmt::join(shape, ", ")));
 }
 
 }  // namespace
 
-Loader::Loader(Handle group, hsize_t file_bytes)
-    : group_(std::move(group)), file_bytes_(file_bytes) {}
+Loader::Loader(Handle group, hsize_t file_bytes, std::string path, FileFaults& faults)
+    : group_(std::move(group)), file_bytes_(file_bytes), path_(std::move(path)), faults_(&faults) {}
+
+template <class Action>
+bool Loader::record_fault(const std::string& path, Action action) const {
+  if (group_ < 0) return false;
+  try {
+    action();
+    return true;
+  } catch (const H5Error& fault) {
+    faults_->add(path, fault.what());
+    return false;
+  }
+}
 
 bool Loader::has(const std::string& name) const {
-  return H5Lexists(group_, name.c_str(), H5P_DEFAULT) > 0;
+  return group_ >= 0 && H5Lexists(group_, name.c_str(), H5P_DEFAULT) > 0;
 }
 
 void Loader::check_link(const std::string& name, H5O_type_t type) const {
-  if (!has(name)) throw H5Error(fmt::format("'{}' is missing", name));
+  const char* expected = type == H5O_TYPE_GROUP ? "group" : "dataset";
+  if (!has(name)) throw H5Error(fmt::format("the {} is missing", expected));
   H5L_info_t link;
-  check(H5Lget_info(group_, name.c_str(), &link, H5P_DEFAULT), name);
-  if (link.type != H5L_TYPE_HARD) throw H5Error(fmt::format("'{}' is a link to elsewhere", name));
+  check(H5Lget_info(group_, name.c_str(), &link, H5P_DEFAULT), "cannot read its link");
+  if (link.type != H5L_TYPE_HARD)
+    throw H5Error(fmt::format("expected a {}, found a link to another object or file", expected));
   H5O_info_t info;
-  check(H5Oget_info_by_name2(group_, name.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT), name);
+  check(H5Oget_info_by_name2(group_, name.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT),
+        "cannot read its header");
   if (info.type != type)
-    throw H5Error(fmt::format("'{}' is no {}", name, type == H5O_TYPE_GROUP ? "group" : "dataset"));
+    throw H5Error(fmt::format("expected a {}, found another object", expected));
 }
 
 Loader Loader::group(const std::string& name) const {
-  check_link(name, H5O_TYPE_GROUP);
-  return {Handle(H5Gopen2(group_, name.c_str(), H5P_DEFAULT), H5Gclose, name), file_bytes_};
+  Handle found;
+  record_fault(path(name), [&] {
+    check_link(name, H5O_TYPE_GROUP);
+    found = Handle(H5Gopen2(group_, name.c_str(), H5P_DEFAULT), H5Gclose, "cannot open it");
+  });
+  return {std::move(found), file_bytes_, path(name), *faults_};
 }
 
-ArrayReader Loader::open(const std::string& name, const ElementType& type,
-                         const Meaning& meaning) const {
-  check_link(name, H5O_TYPE_DATASET);
-  ArrayReader reader(group_, name, type, file_bytes_);
-  if (const auto units = read_text(reader.dataset(), "units"); units != meaning.units)
-    throw H5Error(fmt::format("'{}' is in '{}', not in '{}'", name, units, meaning.units));
+std::optional<ArrayReader> Loader::open(const std::string& name, const ElementType& type,
+                                        const std::vector<Axis>& axes,
+                                        const DatasetInfo& info) const {
+  std::optional<ArrayReader> reader;
+  const bool good = record_fault(path(name), [&] {
+    check_link(name, H5O_TYPE_DATASET);
+    reader.emplace(group_, name, type, file_bytes_);
+    check_units(reader->dataset(), info.units);
+    check_shape(reader->shape(), axes);
+  });
+  if (!good) reader.reset();
   return reader;
 }
 
-void Loader::check_shape(const std::string& name, const ArrayReader& reader,
-                         const std::vector<Axis>& axes) const {
-  std::vector<hsize_t> expected;
-  for (const auto& axis : axes) expected.push_back(axis.length);
-  if (reader.shape() != expected)
-    throw H5Error(fmt::format("'{}' has another shape than its axes", name));
+bool Loader::read_rows(const std::string& name, const ArrayReader& reader,
+                       std::span<std::uint8_t> out) const {
+  return record_fault(path(name), [&] { reader.read(0, out); });
 }
 
 void Loader::attribute(const std::string& name, std::string& value) const {
-  value = read_text(group_, name);
+  record_fault(attribute_path(path_, name), [&] { value = read_text(group_, name); });
 }
 
 void Loader::attribute(const std::string& name, double& value) const {
-  read_number(group_, name, value);
-  if (!std::isfinite(value)) throw H5Error(fmt::format("attribute '{}' is not finite", name));
+  record_fault(attribute_path(path_, name), [&] {
+    double found = 0.0;
+    read_number(group_, name, found);
+    if (!std::isfinite(found))
+      throw H5Error(fmt::format("expected a finite number, found {}", found));
+    value = found;
+  });
 }
 
 void Loader::attribute(const std::string& name, std::int64_t& value) const {
-  read_number(group_, name, value);
+  record_fault(attribute_path(path_, name), [&] { read_number(group_, name, value); });
 }
 
 void Loader::attribute(const std::string& name, int& value) const {
-  std::int64_t wide = 0;
-  attribute(name, wide);
-  if (wide < std::numeric_limits<int>::min() || wide > std::numeric_limits<int>::max())
-    throw H5Error(fmt::format("attribute '{}' is out of range", name));
-  value = static_cast<int>(wide);
+  value = -1;
+  record_fault(attribute_path(path_, name), [&] {
+    std::int64_t wide = 0;
+    read_number(group_, name, wide);
+    if (wide < std::numeric_limits<int>::min() || wide > std::numeric_limits<int>::max())
+      throw H5Error(fmt::format("expected a number of 32 bits, found {}", wide));
+    value = static_cast<int>(wide);
+  });
 }
 
 void Loader::attribute(const std::string& name, nlohmann::json& value) const {
-  value = nlohmann::json::parse(read_text(group_, name), nullptr, false);
-  if (value.is_discarded()) throw H5Error(fmt::format("attribute '{}' is no JSON", name));
+  record_fault(attribute_path(path_, name), [&] {
+    value = nlohmann::json::parse(read_text(group_, name), nullptr, false);
+    if (value.is_discarded()) throw H5Error("expected JSON, found other text");
+  });
 }
 
 Axis Loader::axis(const std::string& name, std::size_t length) const {
-  const ArrayReader reader = open(name, element_type<std::int32_t>(), {"1", ""});
-  if (reader.shape().size() != 1 || reader.rows() != length)
-    throw H5Error(fmt::format("axis '{}' has the wrong length", name));
-  return {name, reader.rows()};
+  const auto reader = open(name, element_type<std::int32_t>(), {{name, length}}, {"1", ""});
+  return {name, reader ? reader->rows() : unknown_length};
 }
 
 void Loader::texts(const std::string& name, std::vector<std::string>& values, const Axis& axis,
-                   const Meaning& meaning) const {
-  check_link(name, H5O_TYPE_DATASET);
-  const Handle dataset(H5Dopen2(group_, name.c_str(), H5P_DEFAULT), H5Dclose, name);
-  ElementType type{Handle(H5Dget_type(dataset), H5Tclose, name), 0};
-  const std::size_t bytes = type.bytes = text_bytes(type.type, name, longest_text);
-  const ArrayReader reader = open(name, type, meaning);
-  check_shape(name, reader, {axis});
+                   const DatasetInfo& info) const {
+  ElementType type;
+  const bool good = record_fault(path(name), [&] {
+    check_link(name, H5O_TYPE_DATASET);
+    const Handle dataset(H5Dopen2(group_, name.c_str(), H5P_DEFAULT), H5Dclose, "cannot open it");
+    type.type = Handle(H5Dget_type(dataset), H5Tclose, "cannot read its type");
+    type.bytes = text_bytes(type.type, max_text_bytes);
+  });
+  const auto reader = good ? open(name, type, {axis}, info) : std::nullopt;
+  if (!reader) return;
   std::vector<std::uint8_t> text;
-  read_into(reader, text);
-  values.clear();
-  for (std::size_t i = 0; i < axis.length; ++i)
-    values.push_back(until_zero(reinterpret_cast<const char*>(text.data()) + i * bytes, bytes));
+  read(name, *reader, text);
+  for (std::size_t at = 0; at < text.size(); at += type.bytes)
+    values.push_back(until_zero(reinterpret_cast<const char*>(text.data()) + at, type.bytes));
 }
 
 }  // namespace touchtrace::h5

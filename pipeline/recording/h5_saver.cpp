@@ -64,11 +64,11 @@ Axis Saver::axis(const std::string& name, std::size_t length) {
 
 Axis Saver::write_axis(const std::string& name, const ElementType& type,
                        std::span<const std::uint8_t> bytes, std::size_t length,
-                       const Meaning& meaning) {
+                       const DatasetInfo& info) {
   ArrayWriter writer(group_, name, type, {});
   writer.append(bytes);
   check(H5DSset_scale(writer.dataset(), name.c_str()), name);
-  describe(writer.dataset(), {}, meaning);
+  describe(writer.dataset(), {}, info);
   writer.close();
   scales_.emplace_back(H5Dopen2(group_, name.c_str(), H5P_DEFAULT), H5Dclose, name);
   return {name, length, scales_.back()};
@@ -76,20 +76,21 @@ Axis Saver::write_axis(const std::string& name, const ElementType& type,
 
 void Saver::write(const std::string& name, const ElementType& type,
                   std::span<const std::uint8_t> bytes, const std::vector<Axis>& axes,
-                  const Meaning& meaning) {
+                  const DatasetInfo& info) {
   std::size_t expected_bytes = type.bytes;
   for (const auto& axis : axes) expected_bytes *= axis.length;
   if (bytes.size() != expected_bytes)
-    throw H5Error(fmt::format("'{}' has another length than its axes", name));
+    throw H5Error(fmt::format("{}: expected {} bytes for its axes, found {}", name, expected_bytes,
+                              bytes.size()));
   ArrayWriter writer(group_, name, type, row_shape(axes));
   writer.append(bytes);
-  describe(writer.dataset(), axes, meaning);
+  describe(writer.dataset(), axes, info);
   writer.close();
 }
 
-void Saver::describe(hid_t dataset, const std::vector<Axis>& axes, const Meaning& meaning) {
-  write_text(dataset, "units", meaning.units);
-  write_text(dataset, "long_name", meaning.long_name);
+void Saver::describe(hid_t dataset, const std::vector<Axis>& axes, const DatasetInfo& info) {
+  write_text(dataset, "units", info.units);
+  write_text(dataset, "long_name", info.long_name);
   for (unsigned i = 0; i < axes.size(); ++i) {
     check(H5DSattach_scale(dataset, axes[i].scale, i), axes[i].name);
     check(H5DSset_label(dataset, i, axes[i].name.c_str()), axes[i].name);
@@ -103,13 +104,13 @@ void Saver::describe_packing(hid_t dataset, double scale_factor) {
 }
 
 void Saver::texts(const std::string& name, const std::vector<std::string>& values, const Axis& axis,
-                  const Meaning& meaning) {
+                  const DatasetInfo& info) {
   std::size_t longest = 1;
   for (const auto& value : values) longest = std::max(longest, value.size());
   std::vector<std::uint8_t> bytes(values.size() * longest);
   for (std::size_t i = 0; i < values.size(); ++i)
     std::memcpy(bytes.data() + i * longest, values[i].data(), values[i].size());
-  write(name, text_type(longest), bytes, {axis}, meaning);
+  write(name, text_type(longest), bytes, {axis}, info);
 }
 
 }  // namespace touchtrace::h5

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <bit>
 
 #include "pipeline/recording/h5_array.h"
@@ -5,7 +7,7 @@
 namespace touchtrace::h5 {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "rows are copied as they are stored");
+static_assert(std::endian::native == std::endian::little, "rows are copied without conversion");
 
 ElementType copy_of(hid_t type, std::size_t bytes) {
   return {Handle(H5Tcopy(type), H5Tclose, "data type"), bytes};
@@ -48,6 +50,27 @@ ElementType text_type(std::size_t bytes) {
   check(H5Tset_strpad(text.type, H5T_STR_NULLPAD), "text");
   check(H5Tset_cset(text.type, H5T_CSET_UTF8), "text");
   return text;
+}
+
+std::string type_name(hid_t type) {
+  const char* order = H5Tget_order(type) == H5T_ORDER_BE ? "big-endian " : "";
+  const std::size_t bits = 8 * H5Tget_size(type);
+  switch (H5Tget_class(type)) {
+    case H5T_INTEGER:
+      return fmt::format("{}{}int{}", order, H5Tget_sign(type) == H5T_SGN_NONE ? "u" : "", bits);
+    case H5T_FLOAT:
+      return fmt::format("{}float{}", order, bits);
+    case H5T_STRING:
+      return H5Tis_variable_str(type) > 0 ? "variable-length text" : "fixed-length text";
+    default:
+      return "another type";
+  }
+}
+
+void require_type(hid_t found, const ElementType& expected) {
+  if (H5Tequal(found, expected.type) <= 0)
+    throw H5Error(
+        fmt::format("expected type {}, found {}", type_name(expected.type), type_name(found)));
 }
 
 }  // namespace touchtrace::h5

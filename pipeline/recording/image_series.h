@@ -8,17 +8,17 @@
 
 namespace touchtrace {
 
-/// Colour and depth images of one group, one frame a chunk. Depth is left out if the first frame
-/// has none.
+/// Writes the colour and depth images of one group, one image per chunk; no depth if the first
+/// frame has none.
 class ImageSeriesWriter {
  public:
   ImageSeriesWriter(h5::Saver group, const CameraInfo& camera);
 
-  /// Throws failure if an image has another size than the camera.
+  /// Throws failure if the size of an image is not that of the camera.
   void append(const RgbdFrame& frame);
   std::size_t frames() const { return frames_; }
   h5::Saver& group() { return group_; }
-  /// Hangs the axes on the images; `time`: of the frames, else they are counted.
+  /// Attaches dimension scales and closes; `time`: scale of the first axis, default: the index.
   void finish(std::optional<h5::Axis> time = std::nullopt);
 
  private:
@@ -30,16 +30,23 @@ class ImageSeriesWriter {
   std::optional<h5::ArrayWriter> color_, depth_;
 };
 
+/// Reads the images of one group.
 class ImageSeriesReader {
  public:
+  /// Records faults of the datasets in `group.faults()`.
   ImageSeriesReader(const h5::Loader& group, const CameraInfo& camera);
 
   std::size_t frames() const { return color_ ? color_->rows() : 0; }
   bool has_depth() const { return depth_.has_value(); }
-  /// Throws data_error for a damaged image. `depth` stays empty where there is none.
+  /// `file` is named in errors. Throws data_error for a damaged or missing image. `depth` is empty
+  /// if the file has none.
   RgbdFrame read(std::size_t index, const std::string& file) const;
 
  private:
+  void read(const h5::ArrayReader& images, std::size_t index, std::span<std::uint8_t> out,
+            const std::string& name) const;
+
+  std::string path_;
   std::optional<h5::ArrayReader> color_, depth_;
 };
 

@@ -10,20 +10,23 @@ void save(h5::Saver root, const Labels& labels) {
   root.attribute("Conventions", std::string("CF-1.10"));
   root.attribute("schema", std::string(labels_schema));
   root.attribute("provenance", nlohmann::json(labels.provenance));
-  const ClipColumns clips = columns_of(labels.clips);
+  const ClipColumns clips = to_columns(labels.clips);
   h5::Saver group = root.group("clips");
-  exchange_clips(group, clips);
-  exchange_labels(root, labels);
+  serialize_clips(group, clips);
+  serialize_labels(root, labels);
 }
 
 }  // namespace
 
 void write_labels(const std::filesystem::path& path, const Labels& labels, bool overwrite) {
-  validate(labels, path.string());
+  FileFaults faults;
+  validate(labels, faults);
+  faults.throw_if_any(path);
   OutputFile output(path, overwrite);
   h5::write_checked(path, [&] {
     h5::Handle file = h5::create_file(output.temporary());
-    save(h5::Saver(h5::Handle(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "the root group")),
+    save(h5::Saver(
+             h5::Handle(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "cannot open the root group")),
          labels);
     h5::close_file(file);
   });
@@ -31,13 +34,13 @@ void write_labels(const std::filesystem::path& path, const Labels& labels, bool 
 }
 
 Labels read_labels(const std::filesystem::path& path) {
-  return h5::read_untrusted(path, [&] {
-    const h5::Loader root = h5::open_root(path, labels_schema);
+  return h5::read_untrusted(path, [&](FileFaults& faults) {
+    const h5::Loader root = h5::open_root(path, labels_schema, faults);
     Labels labels;
     labels.provenance = read_provenance(root);
     labels.clips = read_clips(root);
-    exchange_labels(root, labels);
-    validate(labels, path.string());
+    serialize_labels(root, labels);
+    validate(labels, faults);
     return labels;
   });
 }

@@ -6,48 +6,50 @@
 namespace touchtrace {
 
 template <class Archive, class Body>
-void exchange_labelled_body(Archive& group, Body& body, const h5::Axis& label) {
+void serialize_labelled_body(Archive& group, Body& body, const h5::Axis& label) {
   const h5::Axis xyz = group.axis("xyz", 3), i = group.axis("state_i", 6),
                  j = group.axis("state_j", 6);
-  group.array("position_m", body.position_m, {label, xyz}, {"m", "smoothed position"});
+  group.array("position_m", body.position_m, {label, xyz},
+              {"m", "smoothed position, colour camera's frame"});
   group.array("velocity_m_per_s", body.velocity_m_per_s, {label, xyz},
-              {"m s-1", "smoothed velocity"});
+              {"m s-1", "smoothed velocity, colour camera's frame"});
   group.array("covariance", body.covariance, {label, i, j},
-              {"1", "of (position in m, velocity in m s-1), smoothed"});
+              {"1", "covariance of smoothed (position in m, velocity in m s-1)"});
   group.array("causal_position_m", body.causal_position_m, {label, xyz},
-              {"m", "filtered position"});
+              {"m", "filtered position, uses no later measurements"});
   group.array("causal_velocity_m_per_s", body.causal_velocity_m_per_s, {label, xyz},
-              {"m s-1", "filtered velocity"});
-  group.array("quality", body.quality, {label}, {"1", "0 good; bits: 1 lost, 2 follows, 4 gap"});
+              {"m s-1", "filtered velocity, uses no later measurements"});
+  group.array("quality", body.quality, {label},
+              {"1", "0: good; bits: 1 lost, 2 follows the hand, 4 outside the measured time"});
 }
 
 template <class Archive, class Raw>
-void exchange_raw(Archive& group, Raw& raw) {
+void serialize_raw(Archive& group, Raw& raw) {
   const h5::Axis frame = group.axis("time_s", raw.time_s, {"s", "host clock"});
   const h5::Axis xyz = group.axis("xyz", 3);
-  group.array("clip", raw.clip, {frame}, {"1", "number of the clip"});
-  group.array("hand_m", raw.hand_m, {frame, xyz}, {"m", "measured position"});
-  group.array("object_m", raw.object_m, {frame, xyz}, {"m", "measured position"});
+  group.array("clip", raw.clip, {frame}, {"1", "index of the clip"});
+  group.array("hand_m", raw.hand_m, {frame, xyz}, {"m", "measured position, NaN: lost"});
+  group.array("object_m", raw.object_m, {frame, xyz}, {"m", "measured position, NaN: lost"});
   group.array("hand_sigma_m", raw.hand_sigma_m, {frame, xyz},
-              {"m", "deviation of the measurement"});
+              {"m", "standard deviation of the measured position"});
   group.array("object_sigma_m", raw.object_sigma_m, {frame, xyz},
-              {"m", "deviation of the measurement"});
+              {"m", "standard deviation of the measured position"});
 }
 
 template <class Archive, class AnyLabels>
-void exchange_labels(Archive& root, AnyLabels& labels) {
+void serialize_labels(Archive& root, AnyLabels& labels) {
   root.attribute("activity", labels.activity);
   root.attribute("summary", labels.summary);
   auto times = root.group("label"), hand = root.group("hand"), object = root.group("object"),
        raw = root.group("raw");
   const h5::Axis label =
-      times.axis("time_s", labels.time_s, {"s", "when the glove took the frame"});
-  times.array("clip", labels.clip, {label}, {"1", "number of the clip"});
+      times.axis("time_s", labels.time_s, {"s", "when the glove measured the frame, host clock"});
+  times.array("clip", labels.clip, {label}, {"1", "index of the clip"});
   times.array("glove_frame", labels.glove_frame, {label},
-              {"1", "frame of the recording, -1: lost"});
-  exchange_labelled_body(hand, labels.hand, label);
-  exchange_labelled_body(object, labels.object, label);
-  exchange_raw(raw, labels.raw);
+              {"1", "index of the glove frame in the recording, -1: lost"});
+  serialize_labelled_body(hand, labels.hand, label);
+  serialize_labelled_body(object, labels.object, label);
+  serialize_raw(raw, labels.raw);
 }
 
 }  // namespace touchtrace

@@ -10,112 +10,112 @@
 
 namespace touchtrace {
 
-/// How one tactile glove is built and read. Taxels are stored in row-major order.
+/// Geometry and readout of a tactile glove. Taxel arrays are row-major.
 struct GloveInfo {
   std::string name = "glove";
   int rows = 32, cols = 32;
-  double rate_hz = 15.0;  ///< nominal
-  double scan_s = 0.0;    ///< one frame's rows are read one after the other within this time
-  int bits = 10;          ///< of the converter
-  int polarity = 1;       ///< +1: more counts are more pressure; -1: fewer counts are
-  std::vector<float> baseline_counts;   ///< [rows, cols], untouched
-  std::vector<std::uint8_t> mask;       ///< [rows, cols], 1 where there is a taxel
-  std::vector<float> taxel_position_m;  ///< [rows, cols, 3], frame of the hand; NaN where unknown
+  double rate_hz = 15.0;                ///< nominal
+  double scan_s = 0.0;                  ///< time to read the rows of one frame, one after the other
+  int bits = 10;                        ///< resolution of the analog-to-digital converter
+  int polarity = 1;                     ///< +1: counts increase with pressure; -1: they decrease
+  std::vector<float> baseline_counts;   ///< [rows, cols], without contact
+  std::vector<std::uint8_t> mask;       ///< [rows, cols], 1: taxel exists
+  std::vector<float> taxel_position_m;  ///< [rows, cols, 3], hand's frame; NaN: unknown
 
   int taxels() const { return rows * cols; }
 };
 
-/// The inertial unit of a glove, with its axes along those of the hand's frame. `sequence` counts
-/// the samples by the glove's clock. Each is the mean over the period before it.
+/// Samples of a glove's inertial measurement unit, whose axes are those of the hand's frame. Each
+/// sample is the mean over the period before it.
 struct InertialStream {
   double rate_hz = 100.0;                         ///< nominal
-  std::array<double, 3> place_m{};                ///< of the unit, in the hand's frame
-  std::vector<std::uint64_t> sequence;            ///< [samples]
+  std::array<double, 3> position_m{};             ///< of the unit, hand's frame
+  std::vector<std::uint64_t> sequence;            ///< [samples], counted by the glove's clock
   std::vector<double> host_time_s;                ///< [samples], arrival
-  std::vector<float> specific_force_m_per_s2;     ///< [samples, 3]: acceleration less gravity's
+  std::vector<float> specific_force_m_per_s2;     ///< [samples, 3], acceleration minus gravity
   std::vector<float> angular_velocity_rad_per_s;  ///< [samples, 3]
-  /// [samples, 4], the unit's own estimate: of the hand in a frame whose z axis points upwards, and
-  /// whose heading starts anywhere and drifts.
+  /// [samples, 4], the unit's own estimate: rotation from the hand's frame to a frame whose z axis
+  /// points up and whose heading is arbitrary and drifts.
   std::vector<float> orientation_wxyz;
 };
 
-/// The frames of one glove. `sequence` is the device's own frame counter: it goes on through frames
-/// that were lost or not recorded, so it is the glove's clock. `host_time_s` are arrival stamps,
-/// with transport latency and jitter.
+/// Frames of one glove.
 struct GloveStream {
   GloveInfo info;
-  std::vector<std::uint64_t> sequence;                    ///< [frames]
-  std::vector<double> host_time_s;                        ///< [frames]
-  std::vector<std::uint16_t> counts;                      ///< [frames, rows, cols]
-  std::optional<InertialStream> inertial = std::nullopt;  ///< none: the glove has no such unit
+  /// [frames], the device's frame counter. It also counts frames that were lost or not recorded, so
+  /// it is the glove's clock.
+  std::vector<std::uint64_t> sequence;
+  std::vector<double> host_time_s;    ///< [frames], arrival, with transport latency and jitter
+  std::vector<std::uint16_t> counts;  ///< [frames, rows, cols]
+  std::optional<InertialStream> inertial = std::nullopt;
 
   std::size_t frames() const { return sequence.size(); }
 };
 
 struct CameraInfo {
-  int width = 0, height = 0;    ///< of colour and of depth
+  int width = 0, height = 0;    ///< of colour and depth images
   double rate_hz = 20.0;        ///< nominal
-  double depth_unit_m = 0.001;  ///< one count of a depth image; count 0 means no measurement
-  /// Factory fx, fy, cx, cy of the depth camera in pixels, as its driver reports them; 0: unknown.
+  double depth_unit_m = 0.001;  ///< depth = count * depth_unit_m; count 0: no measurement
+  /// fx, fy, cx, cy [px] of the depth camera as its driver reports them; 0: unknown.
   std::array<double, 4> depth_intrinsics{};
-  std::array<double, 3> gravity{0.0, 9.81,
-                                0.0};  ///< m/s^2 in the colour camera's frame (its own sensor)
+  /// Gravity [m/s^2] in the colour camera's frame, from the camera's accelerometer.
+  std::array<double, 3> gravity{0.0, 9.81, 0.0};
 };
 
-/// One colour image and one depth image, each as its own camera saw it (not registered).
+/// Colour image and depth image, not registered: each as its own camera sees it.
 struct RgbdFrame {
   std::vector<std::uint8_t> color;   ///< [height, width, 3], RGB
-  std::vector<std::uint16_t> depth;  ///< [height, width], CameraInfo::depth_unit_m
+  std::vector<std::uint16_t> depth;  ///< [height, width], in CameraInfo::depth_unit_m
 };
 
-/// Stamps of the camera's frames: by its own clock (with drift) and on arrival (with jitter).
+/// Time stamps of the camera's frames.
 struct CameraTimes {
-  std::vector<std::uint64_t> sequence;
-  std::vector<double> device_time_s, host_time_s;
+  std::vector<std::uint64_t> sequence;  ///< the camera's frame counter
+  std::vector<double> device_time_s;    ///< the camera's clock, which drifts
+  std::vector<double> host_time_s;      ///< arrival, with jitter
 
   std::size_t frames() const { return sequence.size(); }
 };
 
-/// Pixels of the colour image.
+/// Box in the colour image [px].
 struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;
 
   bool empty() const { return width <= 0 || height <= 0; }
 };
 
-/// A stretch with one grasp, from `start_s` to `end_s` of the host's clock. The boxes are where a
-/// user marked hand and object in the clip's first camera frame; empty: not marked.
+/// Stretch of a recording with one grasp; host clock.
 struct Clip {
   double start_s = 0.0, end_s = 0.0;
   std::string object;
-  bool dropped = false;  ///< the object fell; such clips are left out of training and evaluation
-  PixelBox hand_box, object_box;
+  bool object_fell = false;       ///< the clip is excluded from training and evaluation
+  PixelBox hand_box, object_box;  ///< drawn by a user in the clip's first camera frame, or empty
 };
 
-/// A chessboard by its inner corners.
+/// Chessboard, described by its inner corners.
 struct BoardInfo {
   int columns = 9, rows = 6;
   double square_m = 0.025;
 };
 
-/// Everything of a recording but its images. Times are seconds of the host's clock since
-/// `epoch_unix_s`.
+/// Contents of a recording except for its images and truth. Times are in seconds of the host's
+/// clock since `epoch_unix_s`.
 struct Recording {
   std::string activity;  ///< "wave", "throw", ...
   double epoch_unix_s = 0.0;
   std::vector<Clip> clips;
-  std::vector<GloveStream> gloves;  ///< two at most; none where only the camera was recorded
+  std::vector<GloveStream> gloves;  ///< at most 2; empty if only the camera was recorded
   CameraInfo camera;
   CameraTimes camera_times;
   BoardInfo board;
   Provenance provenance;
 };
 
-/// What really happened; only simulated recordings have it, and only evaluation may read it.
-/// Arrays are row-major [samples, n]; positions and velocities in the colour camera's frame.
+/// Ground truth of a simulated recording, for evaluation only. Arrays are row-major; positions and
+/// velocities in the colour camera's frame.
 struct Truth {
   struct Body {
-    std::vector<double> position_m;        ///< [samples, 3]; of the object: its centre of mass
+    std::vector<double> position_m;        ///< [samples, 3], palm centre or object's centre of mass
     std::vector<double> velocity_m_per_s;  ///< [samples, 3]
     std::vector<double> orientation_wxyz;  ///< [samples, 4], unit quaternions
   };
@@ -124,13 +124,13 @@ struct Truth {
     std::string kind;  ///< "release", "catch", "impact", "drop"
   };
 
-  std::vector<double> time_s;      ///< [samples], the host's clock, uniform within a clip
-  std::vector<std::int32_t> clip;  ///< [samples]
+  std::vector<double> time_s;      ///< [samples], host clock, uniform within a clip
+  std::vector<std::int32_t> clip;  ///< [samples], index of the clip
   Body hand, object;
   std::vector<double> contact_force_n;  ///< [samples, 3], of the hand on the object
   std::vector<Event> events;
-  nlohmann::json calibration;  ///< true intrinsics, extrinsics and depth error
-  nlohmann::json clocks;       ///< true offset, drift and latency of each stream
+  nlohmann::json calibration;  ///< intrinsics, extrinsics and depth error of the cameras
+  nlohmann::json clocks;       ///< offset, drift and latency of each stream
 };
 
 }  // namespace touchtrace

@@ -8,20 +8,8 @@
 
 namespace touchtrace {
 
-/// The recording file: HDF5, libver latest, CF units and dimension scales; every dataset is chunked
-/// along its first axis and carries fletcher32 checksums.
-///
-/// - `/`: Conventions, schema, activity, epoch_unix_s, provenance (JSON)
-/// - `/clips`: start_s, end_s, object, dropped, hand_box[n,4], object_box[n,4]
-/// - `/glove0`, `/glove1`: sequence, host_time_s, counts[n,rows,cols], baseline, mask,
-/// taxel_position
-/// - `/camera`: sequence, device_time_s, host_time_s, color[n,h,w,3], depth[n,h,w]
-/// - `/background`: color, depth of the empty scene
-/// - `/board`: color, depth of the chessboard in many poses
-/// - `/truth`: simulated recordings only
-
-/// Writes a recording; the file appears, whole, with `finish`. The glove streams, clips and truth
-/// are given at once, images one at a time.
+/// Writes a recording file (layout: pipeline/recording/README.md). The file appears, complete, when
+/// finish() returns; an interrupted writer leaves none. Throws failure.
 class RecordingWriter {
  public:
   RecordingWriter(const std::filesystem::path& path, const CameraInfo& camera, bool overwrite);
@@ -31,7 +19,7 @@ class RecordingWriter {
   void append_background(const RgbdFrame& frame);
   void append_board_view(const RgbdFrame& frame);
   void write_truth(const Truth& truth);
-  /// `recording.camera_times` must have as many frames as were appended.
+  /// `recording.camera_times` has one entry per appended camera frame.
   void finish(const Recording& recording);
 
  private:
@@ -39,19 +27,22 @@ class RecordingWriter {
   std::unique_ptr<File> file_;
 };
 
-/// Opens a recording and checks it: schema, shapes, checksums as they are read, finite and
-/// increasing times. Every fault is a data_error that says what is wrong and what to do. Untrusted
-/// files are safe.
+/// Reads a recording. The constructor loads everything except images and truth, and validates it:
+/// schema, types, shapes, checksums, finite and increasing times. Throws data_error that lists all
+/// faults. Safe for untrusted files.
 class RecordingReader {
  public:
   explicit RecordingReader(const std::filesystem::path& path);
   ~RecordingReader();
 
+  /// Validates a file like the constructor, and also its truth.
+  static void validate(const std::filesystem::path& path);
+
   const Recording& recording() const;
-  /// False for a recording of colour images alone: its frames then have an empty `depth`.
+  /// False if only colour was recorded; RgbdFrame::depth is then empty.
   bool has_depth() const;
-  /// Whether `read_truth` would find one.
   bool has_truth() const;
+  /// Images. Thread-safe. Throw data_error for a damaged image.
   RgbdFrame read_camera_frame(std::size_t index) const;
   std::size_t background_frames() const;
   RgbdFrame read_background(std::size_t index) const;
@@ -63,9 +54,8 @@ class RecordingReader {
   std::unique_ptr<File> file_;
 };
 
-/// Truth, for evaluation only. Throws data_error if the recording has none.
+/// Reads the ground truth, for evaluation only. Throws data_error if the recording has none.
 Truth read_truth(const std::filesystem::path& path);
-/// Whether a recording has a truth.
 bool has_truth(const std::filesystem::path& path);
 
 }  // namespace touchtrace

@@ -13,29 +13,20 @@ PixelBox box_at(const std::vector<std::int32_t>& column, std::size_t i) {
 
 }  // namespace
 
-ClipColumns columns_of(const std::vector<Clip>& clips) {
+ClipColumns to_columns(const std::vector<Clip>& clips) {
   ClipColumns columns;
   for (const auto& clip : clips) {
     columns.start_s.push_back(clip.start_s);
     columns.end_s.push_back(clip.end_s);
     columns.object.push_back(clip.object);
-    columns.dropped.push_back(clip.dropped ? 1 : 0);
+    columns.object_fell.push_back(clip.object_fell ? 1 : 0);
     append(columns.hand_box, clip.hand_box);
     append(columns.object_box, clip.object_box);
   }
   return columns;
 }
 
-std::vector<Clip> clips_of(const ClipColumns& columns) {
-  std::vector<Clip> clips(columns.start_s.size());
-  for (std::size_t i = 0; i < clips.size(); ++i)
-    clips[i] = {columns.start_s[i],          columns.end_s[i],
-                columns.object[i],           columns.dropped[i] != 0,
-                box_at(columns.hand_box, i), box_at(columns.object_box, i)};
-  return clips;
-}
-
-EventColumns columns_of(const std::vector<Truth::Event>& events) {
+EventColumns to_columns(const std::vector<Truth::Event>& events) {
   EventColumns columns;
   for (const auto& event : events) {
     columns.time_s.push_back(event.time_s);
@@ -44,17 +35,17 @@ EventColumns columns_of(const std::vector<Truth::Event>& events) {
   return columns;
 }
 
-std::vector<Truth::Event> events_of(const EventColumns& columns) {
-  std::vector<Truth::Event> events(columns.time_s.size());
-  for (std::size_t i = 0; i < events.size(); ++i) events[i] = {columns.time_s[i], columns.kind[i]};
-  return events;
-}
-
 std::vector<Clip> read_clips(const h5::Loader& root) {
   ClipColumns columns;
   const h5::Loader group = root.group("clips");
-  exchange_clips(group, columns);
-  return clips_of(columns);
+  serialize_clips(group, columns);
+  if (root.faults().contains(group.path())) return {};
+  std::vector<Clip> clips(columns.start_s.size());
+  for (std::size_t i = 0; i < clips.size(); ++i)
+    clips[i] = {columns.start_s[i],          columns.end_s[i],
+                columns.object[i],           columns.object_fell[i] != 0,
+                box_at(columns.hand_box, i), box_at(columns.object_box, i)};
+  return clips;
 }
 
 Provenance read_provenance(const h5::Loader& root) {
@@ -63,8 +54,20 @@ Provenance read_provenance(const h5::Loader& root) {
   try {
     return json.get<Provenance>();
   } catch (const nlohmann::json::exception& fault) {
-    throw h5::H5Error(std::string("the provenance is incomplete: ") + fault.what());
+    root.faults().add(attribute_path(root.path(), "provenance"), fault.what());
+    return {};
   }
+}
+
+Truth read_truth_group(const h5::Loader& root) {
+  Truth truth;
+  EventColumns events;
+  const h5::Loader group = root.group("truth");
+  serialize_truth(group, truth, events);
+  if (root.faults().contains(group.path("events"))) return truth;
+  for (std::size_t i = 0; i < events.time_s.size(); ++i)
+    truth.events.push_back({events.time_s[i], events.kind[i]});
+  return truth;
 }
 
 }  // namespace touchtrace

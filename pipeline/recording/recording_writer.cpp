@@ -14,7 +14,8 @@ struct RecordingWriter::File {
 
   void create() {
     file = h5::create_file(output.temporary());
-    root.emplace(h5::Handle(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "the root group"));
+    root.emplace(
+        h5::Handle(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "cannot open the root group"));
     frames.emplace(root->group("camera"), camera);
     background.emplace(root->group("background"), camera);
     board.emplace(root->group("board"), camera);
@@ -40,20 +41,33 @@ void write_root(h5::Saver& root, const Recording& recording) {
   root.attribute("provenance", nlohmann::json(recording.provenance));
 }
 
-void require_same_counts(const Recording& recording, std::size_t frames) {
-  const bool gloves_fit =
-      std::all_of(recording.gloves.begin(), recording.gloves.end(), [](const GloveStream& glove) {
-        const auto taxels = static_cast<std::size_t>(glove.info.taxels());
-        return glove.host_time_s.size() == glove.frames() &&
-               glove.counts.size() == glove.frames() * taxels &&
-               glove.info.baseline_counts.size() == taxels && glove.info.mask.size() == taxels &&
-               glove.info.taxel_position_m.size() == 3 * taxels;
-      });
+/// Throws failure that lists all arrays whose size does not match.
+void require_consistent_sizes(const Recording& recording, std::size_t frames) {
+  std::string faults;
+  const auto require_size = [&](const std::string& array, std::size_t found, std::size_t expected) {
+    if (found != expected)
+      faults += fmt::format("\n  {}: expected {} elements, found {}", array, expected, found);
+  };
+  if (recording.gloves.size() > max_gloves)
+    faults += fmt::format("\n  expected at most {} gloves, found {}", max_gloves,
+                          recording.gloves.size());
+  for (std::size_t i = 0; i < recording.gloves.size(); ++i) {
+    const GloveStream& glove = recording.gloves[i];
+    const auto taxels = static_cast<std::size_t>(glove.info.taxels());
+    const std::string group = "/" + glove_group(i);
+    require_size(group + "/host_time_s", glove.host_time_s.size(), glove.frames());
+    require_size(group + "/counts", glove.counts.size(), glove.frames() * taxels);
+    require_size(group + "/baseline", glove.info.baseline_counts.size(), taxels);
+    require_size(group + "/mask", glove.info.mask.size(), taxels);
+    require_size(group + "/taxel_position", glove.info.taxel_position_m.size(), 3 * taxels);
+  }
   const CameraTimes& times = recording.camera_times;
-  if (!gloves_fit || recording.gloves.size() > most_gloves || times.frames() != frames ||
-      times.host_time_s.size() != frames || times.device_time_s.size() != frames)
-    throw failure("the recording's arrays do not fit each other",
-                  "give every frame its stamps, its counts and its image");
+  require_size("/camera/sequence", times.frames(), frames);
+  require_size("/camera/host_time_s", times.host_time_s.size(), frames);
+  require_size("/camera/device_time_s", times.device_time_s.size(), frames);
+  if (!faults.empty())
+    throw failure("sizes of the recording's arrays do not match:" + faults,
+                  "give each frame one time stamp, one counter value, its counts and its image");
 }
 
 }  // namespace
@@ -61,12 +75,12 @@ void require_same_counts(const Recording& recording, std::size_t frames) {
 void RecordingWriter::File::write_streams(const Recording& recording) {
   for (std::size_t i = 0; i < recording.gloves.size(); ++i) {
     h5::Saver glove = root->group(glove_group(i));
-    exchange_glove(glove, recording.gloves[i]);
+    serialize_glove(glove, recording.gloves[i]);
   }
-  exchange_camera_info(frames->group(), std::as_const(camera));
-  frames->finish(exchange_camera_times(frames->group(), recording.camera_times));
+  serialize_camera_info(frames->group(), std::as_const(camera));
+  frames->finish(serialize_camera_times(frames->group(), recording.camera_times));
   background->finish();
-  exchange_board(board->group(), recording.board);
+  serialize_board(board->group(), recording.board);
   board->finish();
 }
 
@@ -100,20 +114,20 @@ void RecordingWriter::append_board_view(const RgbdFrame& frame) {
 }
 
 void RecordingWriter::write_truth(const Truth& truth) {
-  const EventColumns events = columns_of(truth.events);
+  const EventColumns events = to_columns(truth.events);
   h5::write_checked(file_->output.path(), [&] {
     h5::Saver group = file_->root->group("truth");
-    exchange_truth(group, truth, events);
+    serialize_truth(group, truth, events);
   });
 }
 
 void RecordingWriter::finish(const Recording& recording) {
-  require_same_counts(recording, file_->frames->frames());
+  require_consistent_sizes(recording, file_->frames->frames());
   h5::write_checked(file_->output.path(), [&] {
     write_root(*file_->root, recording);
-    const ClipColumns clips = columns_of(recording.clips);
+    const ClipColumns clips = to_columns(recording.clips);
     h5::Saver group = file_->root->group("clips");
-    exchange_clips(group, clips);
+    serialize_clips(group, clips);
     file_->write_streams(recording);
   });
   h5::write_checked(file_->output.path(), [&] { file_->close(); });

@@ -10,10 +10,10 @@
 namespace touchtrace {
 namespace {
 
-/// From this share of its frames or taxels on, a glove teaches nothing.
-constexpr double useless_share = 0.9;
+/// Fraction of faulty frames or taxels from which on a glove is useless.
+constexpr double useless_fraction = 0.9;
 
-/// Sums for the line host time = offset + period * sequence, one offset a clip.
+/// Sums of the least-squares line host time = offset + period * sequence, one offset per clip.
 struct LineSums {
   double xx = 0.0, xy = 0.0, yy = 0.0;
   std::size_t frames = 0, lines = 0;
@@ -38,9 +38,9 @@ void add_clip(std::span<const std::uint64_t> sequence, std::span<const double> t
 }
 
 bool is_saturated(const GloveInfo& info, std::span<const std::uint16_t> counts, int taxels) {
-  const int end = info.polarity > 0 ? (1 << info.bits) - 1 : 0;
+  const int limit = info.polarity > 0 ? (1 << info.bits) - 1 : 0;
   int saturated = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) saturated += info.mask[i] && counts[i] == end;
+  for (std::size_t i = 0; i < counts.size(); ++i) saturated += info.mask[i] && counts[i] == limit;
   return 2 * saturated > taxels;
 }
 
@@ -59,12 +59,13 @@ int count_dead(const GloveStream& glove) {
 
 }  // namespace
 
-double StreamTiming::lost_share() const {
+double StreamTiming::lost_fraction() const {
   return lost == 0 ? 0.0 : static_cast<double>(lost) / static_cast<double>(lost + frames);
 }
 
-StreamTiming timing_of(const std::vector<std::uint64_t>& sequence,
-                       const std::vector<double>& host_time_s, const std::vector<Clip>& clips) {
+StreamTiming measure_stream_timing(const std::vector<std::uint64_t>& sequence,
+                                   const std::vector<double>& host_time_s,
+                                   const std::vector<Clip>& clips) {
   constexpr double forever = std::numeric_limits<double>::infinity();
   const std::vector<Clip> whole{{-forever, forever, {}, false, {}, {}}};
   StreamTiming timing;
@@ -81,8 +82,8 @@ StreamTiming timing_of(const std::vector<std::uint64_t>& sequence,
     add_clip(numbers, std::span(host_time_s).subspan(first, count), sums);
   }
   timing.rate_hz = sums.xx / sums.xy;
-  const double rest = std::max(0.0, sums.yy - sums.xy * sums.xy / sums.xx);
-  timing.jitter_s = std::sqrt(rest / static_cast<double>(sums.frames - sums.lines));
+  const double residual = std::max(0.0, sums.yy - sums.xy * sums.xy / sums.xx);
+  timing.jitter_s = std::sqrt(residual / static_cast<double>(sums.frames - sums.lines));
   return timing;
 }
 
@@ -93,29 +94,29 @@ TactileCheck check_tactile(const GloveStream& glove) {
   const auto taxels = static_cast<std::size_t>(glove.info.taxels());
   for (std::size_t frame = 0; frame < glove.frames(); ++frame) {
     const auto counts = std::span(glove.counts).subspan(frame * taxels, taxels);
-    const auto share = 1.0 / static_cast<double>(glove.frames());
-    if (std::ranges::all_of(counts, [](auto c) { return c == 0; })) check.zero_frames += share;
-    if (is_saturated(glove.info, counts, check.taxels)) check.saturated_frames += share;
+    const auto fraction = 1.0 / static_cast<double>(glove.frames());
+    if (std::ranges::all_of(counts, [](auto c) { return c == 0; })) check.zero_frames += fraction;
+    if (is_saturated(glove.info, counts, check.taxels)) check.saturated_frames += fraction;
   }
   return check;
 }
 
 std::vector<std::string> TactileCheck::faults() const {
   std::vector<std::string> faults;
-  if (zero_frames >= useless_share)
+  if (zero_frames >= useless_fraction)
     faults.push_back(fmt::format("{:.0f} % of the tactile frames are all zero", 100 * zero_frames));
-  if (saturated_frames >= useless_share)
+  if (saturated_frames >= useless_fraction)
     faults.push_back(
         fmt::format("{:.0f} % of the tactile frames are saturated", 100 * saturated_frames));
-  if (faults.empty() && dead_taxels >= useless_share * taxels)
-    faults.push_back(fmt::format("{} of {} taxels never change", dead_taxels, taxels));
+  if (faults.empty() && dead_taxels >= useless_fraction * taxels)
+    faults.push_back(fmt::format("{} of {} taxels have constant counts", dead_taxels, taxels));
   return faults;
 }
 
 nlohmann::json to_json(const StreamTiming& timing) {
   return {{"frames", timing.frames},
           {"lost", timing.lost},
-          {"lost_share", timing.lost_share()},
+          {"lost_share", timing.lost_fraction()},
           {"rate_hz", timing.rate_hz},
           {"jitter_s", timing.jitter_s}};
 }

@@ -9,29 +9,30 @@
 
 namespace touchtrace {
 
-/// How regularly the frames of a stream arrived. Clips are looked at one by one; without clips, the
-/// whole stream is one.
+/// Timing of a stream's frames.
 struct StreamTiming {
   std::size_t frames = 0;
-  std::size_t lost = 0;   ///< counted by the device within clips but never received
-  double rate_hz = 0.0;   ///< of the counter against the host's clock; NaN for less than 3 frames
-  double jitter_s = 0.0;  ///< deviation of the arrival stamps from a constant rate
+  std::size_t lost = 0;   ///< within clips: counted by the device, not received
+  double rate_hz = 0.0;   ///< of the frame counter by the host's clock; NaN below 3 frames
+  double jitter_s = 0.0;  ///< standard deviation of arrival times around a constant rate
 
-  double lost_share() const;
+  double lost_fraction() const;
 };
 
-StreamTiming timing_of(const std::vector<std::uint64_t>& sequence,
-                       const std::vector<double>& host_time_s, const std::vector<Clip>& clips);
+/// Fits host time = offset + sequence / rate by least squares, with one offset per clip. Without
+/// clips, the whole stream is one.
+StreamTiming measure_stream_timing(const std::vector<std::uint64_t>& sequence,
+                                   const std::vector<double>& host_time_s,
+                                   const std::vector<Clip>& clips);
 
-/// What the taxels of a glove said. Shares are of the frames.
+/// Plausibility of a glove's counts.
 struct TactileCheck {
-  int taxels = 0;            ///< that the mask leaves
-  int dead_taxels = 0;       ///< that never changed
-  double zero_frames = 0.0;  ///< no taxel counted anything
-  double saturated_frames =
-      0.0;  ///< more than half of the taxels at the end of the converter's range
+  int taxels = 0;                 ///< in the mask
+  int dead_taxels = 0;            ///< with constant counts
+  double zero_frames = 0.0;       ///< fraction of the frames: all counts 0
+  double saturated_frames = 0.0;  ///< fraction of the frames: over half of the taxels saturated
 
-  /// What makes the glove useless for training; empty if nothing does.
+  /// Reasons why the glove is useless for training.
   std::vector<std::string> faults() const;
 };
 

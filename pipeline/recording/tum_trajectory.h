@@ -7,13 +7,12 @@
 
 namespace touchtrace {
 
-/// hand.txt and object.txt in `folder`.
+/// Paths of hand.txt and object.txt in `folder`.
 std::array<std::filesystem::path, 2> tum_trajectory_files(const std::filesystem::path& folder);
 
-/// Writes those files into `folder`: TUM trajectories, as evo reads them, of the
-/// smoothed positions in the colour camera's frame. A line is `t x y z 0 0 0 1`: Unix seconds,
-/// metres, and no rotation, for labels have none. Labels that say that they are lost, or that lie
-/// outside the measured time, are left out. Refuses files that exist unless `overwrite`.
+/// Writes the smoothed positions as TUM trajectories (readable by evo), colour camera's frame.
+/// Line: `t x y z 0 0 0 1` in Unix seconds and metres; labels have no rotation. Skips labels that
+/// are lost or outside the measured time. Throws if a file exists, unless `overwrite`.
 void write_tum_trajectories(const std::filesystem::path& folder, const Labels& labels,
                             double epoch_unix_s, bool overwrite);
 

@@ -4,183 +4,223 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
-#include "engine/base/error.h"
+#include "pipeline/recording/recording_schema.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr int most_taxels_a_side = 4096;
-constexpr int most_pixels_a_side = 16384;
+constexpr int max_rows = 4096;  // of taxels; also columns
+constexpr int max_image_size = 16384;
+constexpr double max_rate_hz = 1e5;
 
-[[noreturn]] void reject(const std::string& name, const std::string& fault) {
-  throw data_error(fmt::format("{}: {}", name, fault),
-                   "mend the program that wrote it, or record it again");
+/// Faults of the group at `path`.
+class Validator {
+ public:
+  Validator(FileFaults& faults, std::string path) : faults_(faults), path_(std::move(path)) {}
+
+  Validator group(const std::string& name) const { return {faults_, path_ + "/" + name}; }
+  bool has_fault(const std::string& dataset) const {
+    return faults_.contains(path_ + "/" + dataset);
+  }
+
+  void require(bool condition, const std::string& dataset, const std::string& fault) const {
+    faults_.require(condition, path_ + "/" + dataset, fault);
+  }
+  void require_attribute(bool condition, const std::string& name, const std::string& fault) const {
+    faults_.require(condition, attribute_path(path_, name), fault);
+  }
+  template <class T>
+  void require_range(const std::string& attribute, T value, T min, T max) const {
+    require_attribute(value >= min && value <= max, attribute,
+                      fmt::format("expected {} to {}, found {}", min, max, value));
+  }
+  void require_positive(const std::string& attribute, double value, double max) const {
+    require_attribute(value > 0.0 && value <= max, attribute,
+                      fmt::format("expected more than 0 and at most {}, found {}", max, value));
+  }
+  void require_rate(double rate_hz) const { require_positive("rate_hz", rate_hz, max_rate_hz); }
+  template <class Values>
+  void require_finite(const std::string& dataset, const Values& values) const {
+    const auto bad = std::ranges::find_if_not(values, [](auto v) { return std::isfinite(v); });
+    if (bad != std::ranges::end(values))
+      require(false, dataset,
+              fmt::format("expected finite values, found {} at index {}", *bad,
+                          bad - std::ranges::begin(values)));
+  }
+  template <class T>
+  void require_increasing(const std::string& dataset, const std::vector<T>& values) const {
+    const auto bad = std::adjacent_find(values.begin(), values.end(), std::greater_equal<>());
+    if (bad != values.end())
+      require(false, dataset,
+              fmt::format("expected strictly increasing values, found {} after {} at index {}",
+                          *(bad + 1), *bad, bad - values.begin() + 1));
+  }
+  void require_times(const std::string& dataset, const std::vector<double>& times_s) const {
+    require_finite(dataset, times_s);
+    require_increasing(dataset, times_s);
+  }
+  void require_clip_indices(const std::vector<std::int32_t>& clip, std::size_t num_clips) const {
+    require(std::is_sorted(clip.begin(), clip.end()), "clip",
+            "expected indices in increasing order");
+    if (faults_.contains("/clips")) return;
+    for (const std::int32_t i : clip)
+      if (i < 0 || static_cast<std::size_t>(i) >= num_clips)
+        return require(
+            false, "clip",
+            fmt::format("expected 0 to {}, found {}", static_cast<std::int64_t>(num_clips) - 1, i));
+  }
+
+ private:
+  FileFaults& faults_;
+  std::string path_;
+};
+
+void validate_activity(const std::string& activity, FileFaults& faults) {
+  faults.require(!activity.empty(), attribute_path("", "activity"), "expected a name, found none");
 }
 
-void require(bool holds, const std::string& name, const std::string& fault) {
-  if (!holds) reject(name, fault);
-}
-
-template <class T>
-void require_finite(std::span<const T> values, const std::string& name) {
-  const auto bad =
-      std::find_if(values.begin(), values.end(), [](T v) { return !std::isfinite(v); });
-  require(bad == values.end(), name, fmt::format("value {} is not finite", bad - values.begin()));
-}
-
-void require_finite(const std::vector<double>& values, const std::string& name) {
-  require_finite(std::span<const double>(values), name);
-}
-
-/// Where `values` do not grow.
-template <class T>
-void require_increasing(const std::vector<T>& values, const std::string& name) {
-  const auto bad = std::adjacent_find(values.begin(), values.end(), std::greater_equal<>());
-  if (bad == values.end()) return;
-  reject(name, fmt::format("{} at {} does not come after {}", *(bad + 1), bad - values.begin() + 1,
-                           *bad));
-}
-
-void require_times(const std::vector<double>& times_s, const std::string& name) {
-  require_finite(times_s, name);
-  require_increasing(times_s, name);
-}
-
-void require_clip_numbers(const std::vector<std::int32_t>& clip, std::size_t clips,
-                          const std::string& name) {
-  require(std::is_sorted(clip.begin(), clip.end()), name, "clips are not in order");
-  require(clip.empty() || (clip.front() >= 0 && static_cast<std::size_t>(clip.back()) < clips),
-          name, "a clip number is out of range");
-}
-
-void validate_clips(const std::vector<Clip>& clips, const std::string& name) {
+void validate_clips(const std::vector<Clip>& clips, FileFaults& faults) {
   double last_end_s = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < clips.size(); ++i) {
-    const Clip& clip = clips[i];
-    require(std::isfinite(clip.start_s) && std::isfinite(clip.end_s) && clip.start_s < clip.end_s,
-            name, fmt::format("clip {} does not end after it starts", i));
-    require(clip.start_s >= last_end_s, name,
-            fmt::format("clip {} starts before the one before it ends", i));
-    last_end_s = clip.end_s;
+    const auto& [start_s, end_s, object, fell, hand_box, object_box] = clips[i];
+    const std::string path = fmt::format("/clips, clip {}", i);
+    faults.require(std::isfinite(start_s) && std::isfinite(end_s) && start_s < end_s, path,
+                   fmt::format("expected start_s < end_s, found {} and {}", start_s, end_s));
+    faults.require(
+        !(start_s < last_end_s), path,
+        fmt::format("starts at {} s, before the previous clip ends at {} s", start_s, last_end_s));
+    last_end_s = end_s;
   }
 }
 
-void validate_inertial(const InertialStream& unit, const std::string& name) {
-  require(unit.rate_hz > 0.0 && unit.rate_hz <= 1e5, name,
-          fmt::format("a rate of {} Hz", unit.rate_hz));
-  require_finite(std::span<const double>(unit.place_m), name + "/place");
-  require_finite(std::span<const float>(unit.specific_force_m_per_s2), name + "/specific_force");
-  require_finite(std::span<const float>(unit.angular_velocity_rad_per_s),
-                 name + "/angular_velocity");
-  require_finite(std::span<const float>(unit.orientation_wxyz), name + "/orientation_wxyz");
-  require_increasing(unit.sequence, name + "/sequence");
-  require_times(unit.host_time_s, name + "/host_time_s");
+void validate_inertial(const InertialStream& unit, const Validator& group) {
+  group.require_rate(unit.rate_hz);
+  group.require_finite("place", unit.position_m);
+  group.require_finite("specific_force", unit.specific_force_m_per_s2);
+  group.require_finite("angular_velocity", unit.angular_velocity_rad_per_s);
+  group.require_finite("orientation_wxyz", unit.orientation_wxyz);
+  group.require_increasing("sequence", unit.sequence);
+  group.require_times("host_time_s", unit.host_time_s);
 }
 
-void validate_glove(const GloveStream& glove, const std::string& name) {
-  const GloveInfo& info = glove.info;
-  require(info.rows > 0 && info.rows <= most_taxels_a_side && info.cols > 0 &&
-              info.cols <= most_taxels_a_side,
-          name, fmt::format("{} rows and {} columns of taxels", info.rows, info.cols));
-  require(info.rate_hz > 0.0 && info.rate_hz <= 1e5, name,
-          fmt::format("a rate of {} Hz", info.rate_hz));
-  require(info.scan_s >= 0.0 && info.scan_s <= 1.0, name,
-          fmt::format("a scan of {} s", info.scan_s));
-  require(info.bits >= 1 && info.bits <= 16, name,
-          fmt::format("a converter of {} bits", info.bits));
-  require(info.polarity == 1 || info.polarity == -1, name,
-          fmt::format("polarity {}", info.polarity));
-  require_finite(std::span<const float>(info.baseline_counts), name + "/baseline");
-  require(std::any_of(info.mask.begin(), info.mask.end(), [](auto m) { return m == 1; }), name,
-          "the mask leaves no taxel");
-  require(std::all_of(info.mask.begin(), info.mask.end(), [](auto m) { return m <= 1; }), name,
-          "the mask holds other values than 0 and 1");
-  const auto top = (1u << info.bits) - 1u;
-  require(std::all_of(glove.counts.begin(), glove.counts.end(), [&](auto c) { return c <= top; }),
-          name, fmt::format("counts beyond the converter's {} bits", info.bits));
-  require_increasing(glove.sequence, name + "/sequence");
-  require_times(glove.host_time_s, name + "/host_time_s");
-  if (glove.inertial) validate_inertial(*glove.inertial, name + "/inertial");
+void validate_glove_info(const GloveInfo& info, const Validator& group) {
+  group.require_range("rows", info.rows, 1, max_rows);
+  group.require_range("cols", info.cols, 1, max_rows);
+  group.require_rate(info.rate_hz);
+  group.require_range("scan_s", info.scan_s, 0.0, 1.0);
+  group.require_range("bits", info.bits, 1, 16);
+  group.require_attribute(info.polarity == 1 || info.polarity == -1, "polarity",
+                          fmt::format("expected 1 or -1, found {}", info.polarity));
+  group.require_finite("baseline", info.baseline_counts);
+  const auto other = std::ranges::find_if(info.mask, [](auto m) { return m > 1; });
+  if (other != info.mask.end())
+    group.require(false, "mask", fmt::format("expected 0 and 1, found {}", *other));
+  group.require(std::ranges::find(info.mask, 1) != info.mask.end(), "mask",
+                "expected a taxel (1), found none");
 }
 
-void validate_camera(const Recording& recording, const std::string& name) {
+void validate_glove(const GloveStream& glove, const Validator& group) {
+  validate_glove_info(glove.info, group);
+  if (glove.info.bits >= 1 && glove.info.bits <= 16 && !glove.counts.empty()) {
+    const unsigned max_count = (1u << glove.info.bits) - 1u;
+    const unsigned found = *std::ranges::max_element(glove.counts);
+    group.require(
+        found <= max_count, "counts",
+        fmt::format("expected at most {} ({} bits), found {}", max_count, glove.info.bits, found));
+  }
+  group.require_increasing("sequence", glove.sequence);
+  group.require_times("host_time_s", glove.host_time_s);
+  if (glove.inertial) validate_inertial(*glove.inertial, group.group("inertial"));
+}
+
+void validate_camera(const Recording& recording, const Validator& group) {
   const CameraInfo& camera = recording.camera;
-  require(camera.width >= 0 && camera.width <= most_pixels_a_side && camera.height >= 0 &&
-              camera.height <= most_pixels_a_side,
-          name, fmt::format("images of {} x {}", camera.width, camera.height));
-  require(camera.rate_hz > 0.0 && camera.rate_hz <= 1e5, name,
-          fmt::format("a rate of {} Hz", camera.rate_hz));
-  require(camera.depth_unit_m > 0.0 && camera.depth_unit_m <= 1.0, name,
-          fmt::format("a depth unit of {} m", camera.depth_unit_m));
-  require_finite(std::span<const double>(camera.gravity), name + "/gravity");
-  require_finite(std::span<const double>(camera.depth_intrinsics), name + "/depth_intrinsics");
-  require_increasing(recording.camera_times.sequence, name + "/sequence");
-  require_times(recording.camera_times.device_time_s, name + "/device_time_s");
-  require_times(recording.camera_times.host_time_s, name + "/host_time_s");
+  group.require_range("width", camera.width, 0, max_image_size);
+  group.require_range("height", camera.height, 0, max_image_size);
+  group.require_rate(camera.rate_hz);
+  group.require_positive("depth_unit_m", camera.depth_unit_m, 1.0);
+  group.require_finite("gravity", camera.gravity);
+  group.require_finite("depth_intrinsics", camera.depth_intrinsics);
+  group.require_increasing("sequence", recording.camera_times.sequence);
+  group.require_times("device_time_s", recording.camera_times.device_time_s);
+  group.require_times("host_time_s", recording.camera_times.host_time_s);
 }
 
-void validate_body(const Truth::Body& body, const std::string& name) {
-  require_finite(body.position_m, name + "/position_m");
-  require_finite(body.velocity_m_per_s, name + "/velocity_m_per_s");
-  require_finite(body.orientation_wxyz, name + "/orientation_wxyz");
+void validate_board(const BoardInfo& board, const Validator& group) {
+  group.require_range("columns", board.columns, 2, 1000);
+  group.require_range("rows", board.rows, 2, 1000);
+  group.require_positive("square_m", board.square_m, 10.0);
 }
 
-/// `values` hold `size` numbers a label; a label that is lost may hold none.
-void require_finite_where_known(const std::vector<double>& values, std::size_t size,
-                                const std::vector<std::uint8_t>& quality, const std::string& name) {
-  require(values.size() == size * quality.size(), name, "it has not a value for every label");
-  for (std::size_t i = 0; i < quality.size(); ++i)
-    if ((quality[i] & (quality_lost | quality_gap)) == 0)
-      require_finite(std::span(values).subspan(size * i, size), fmt::format("{} at {}", name, i));
+void validate_true_body(const Truth::Body& body, const Validator& group) {
+  group.require_finite("position_m", body.position_m);
+  group.require_finite("velocity_m_per_s", body.velocity_m_per_s);
+  group.require_finite("orientation_wxyz", body.orientation_wxyz);
 }
 
-void validate_body(const LabelledBody& body, const std::string& name) {
-  const auto check = [&](const std::vector<double>& values, std::size_t size, const char* part) {
-    require_finite_where_known(values, size, body.quality, name + part);
-  };
-  check(body.position_m, 3, "/position_m");
-  check(body.velocity_m_per_s, 3, "/velocity_m_per_s");
-  check(body.covariance, 36, "/covariance");
-  check(body.causal_position_m, 3, "/causal_position_m");
-  check(body.causal_velocity_m_per_s, 3, "/causal_velocity_m_per_s");
+/// Requires `size` numbers per label, finite unless the label is lost or outside the measured time.
+void validate_states(const std::vector<double>& values, std::size_t size,
+                     const std::vector<std::uint8_t>& quality, const Validator& group,
+                     const std::string& dataset) {
+  if (values.size() != size * quality.size())
+    return group.require(false, dataset,
+                         fmt::format("expected {} values, {} per label, found {}",
+                                     size * quality.size(), size, values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i]) && (quality[i / size] & (quality_lost | quality_gap)) == 0)
+      return group.require(false, dataset,
+                           fmt::format("expected finite values where quality is neither lost nor "
+                                       "gap, found {} for label {}",
+                                       values[i], i / size));
+}
+
+void validate_labelled_body(const LabelledBody& body, const Validator& group) {
+  if (group.has_fault("quality")) return;
+  validate_states(body.position_m, 3, body.quality, group, "position_m");
+  validate_states(body.velocity_m_per_s, 3, body.quality, group, "velocity_m_per_s");
+  validate_states(body.covariance, 36, body.quality, group, "covariance");
+  validate_states(body.causal_position_m, 3, body.quality, group, "causal_position_m");
+  validate_states(body.causal_velocity_m_per_s, 3, body.quality, group, "causal_velocity_m_per_s");
 }
 
 }  // namespace
 
-void validate(const Recording& recording, const std::string& name) {
-  require(!recording.activity.empty(), name, "the activity has no name");
-  validate_clips(recording.clips, name + ":/clips");
-  validate_camera(recording, name + ":/camera");
-  const BoardInfo& board = recording.board;
-  require(board.columns >= 2 && board.columns <= 1000 && board.rows >= 2 && board.rows <= 1000 &&
-              board.square_m > 0.0 && board.square_m <= 10.0,
-          name + ":/board", "there is no such chessboard");
+void validate(const Recording& recording, FileFaults& faults) {
+  validate_activity(recording.activity, faults);
+  validate_clips(recording.clips, faults);
+  validate_camera(recording, {faults, "/camera"});
+  validate_board(recording.board, {faults, "/board"});
   for (std::size_t i = 0; i < recording.gloves.size(); ++i)
-    validate_glove(recording.gloves[i], fmt::format("{}:/glove{}", name, i));
+    validate_glove(recording.gloves[i], {faults, "/" + glove_group(i)});
 }
 
-void validate(const Truth& truth, const std::string& name) {
-  require_times(truth.time_s, name + ":/truth/time_s");
-  require_clip_numbers(truth.clip, std::numeric_limits<std::int32_t>::max(), name + ":/truth/clip");
-  validate_body(truth.hand, name + ":/truth/hand");
-  validate_body(truth.object, name + ":/truth/object");
-  require_finite(truth.contact_force_n, name + ":/truth/contact_force_n");
+void validate(const Truth& truth, FileFaults& faults) {
+  const Validator group(faults, "/truth");
+  group.require_times("time_s", truth.time_s);
+  group.require_clip_indices(truth.clip, std::numeric_limits<std::int32_t>::max());
+  validate_true_body(truth.hand, group.group("hand"));
+  validate_true_body(truth.object, group.group("object"));
+  group.require_finite("contact_force_n", truth.contact_force_n);
 }
 
-void validate(const Labels& labels, const std::string& name) {
-  require(!labels.activity.empty(), name, "the activity has no name");
-  validate_clips(labels.clips, name + ":/clips");
-  require_times(labels.time_s, name + ":/label/time_s");
-  require_clip_numbers(labels.clip, labels.clips.size(), name + ":/label/clip");
-  require(std::all_of(labels.glove_frame.begin(), labels.glove_frame.end(),
-                      [](auto f) { return f >= -1; }),
-          name + ":/label/glove_frame", "a frame number is below -1");
-  validate_body(labels.hand, name + ":/hand");
-  validate_body(labels.object, name + ":/object");
-  require_times(labels.raw.time_s, name + ":/raw/time_s");
-  require_clip_numbers(labels.raw.clip, labels.clips.size(), name + ":/raw/clip");
+void validate(const Labels& labels, FileFaults& faults) {
+  validate_activity(labels.activity, faults);
+  validate_clips(labels.clips, faults);
+  const Validator label(faults, "/label"), raw(faults, "/raw");
+  label.require_times("time_s", labels.time_s);
+  label.require_clip_indices(labels.clip, labels.clips.size());
+  if (!labels.glove_frame.empty()) {
+    const std::int64_t least = *std::ranges::min_element(labels.glove_frame);
+    label.require(least >= -1, "glove_frame",
+                  fmt::format("expected -1 or a frame index, found {}", least));
+  }
+  validate_labelled_body(labels.hand, {faults, "/hand"});
+  validate_labelled_body(labels.object, {faults, "/object"});
+  raw.require_times("time_s", labels.raw.time_s);
+  raw.require_clip_indices(labels.raw.clip, labels.clips.size());
 }
 
 }  // namespace touchtrace

@@ -1,14 +1,16 @@
 #pragma once
 
+#include "pipeline/recording/file_faults.h"
 #include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording.h"
 
 namespace touchtrace {
 
-/// What the shapes of the arrays cannot say: finite and strictly increasing times, sensible
-/// attributes, clips in order. Each throws data_error; `name` starts the message.
-void validate(const Recording& recording, const std::string& name);
-void validate(const Truth& truth, const std::string& name);
-void validate(const Labels& labels, const std::string& name);
+/// Record faults of values: times that are not finite or do not increase strictly, attributes out
+/// of range, clips out of order. Types and shapes are checked by h5::Loader. Paths of faults are
+/// those of the file.
+void validate(const Recording& recording, FileFaults& faults);
+void validate(const Truth& truth, FileFaults& faults);
+void validate(const Labels& labels, FileFaults& faults);
 
 }  // namespace touchtrace

@@ -43,8 +43,8 @@ json figures_data(const std::filesystem::path& path) {
   const json document = json::parse(read_file(path, max_figures_bytes), nullptr, false);
   if (!has(document, {"figures"}, &json::is_array) ||
       !std::ranges::all_of(document.at("figures"), is_figure))
-    throw data_error(fmt::format("{} does not hold figures", path.string()),
-                     "make it again with touchtrace-verify AREA --json, or leave it out");
+    throw data_error(fmt::format("{} contains no figures of touchtrace-verify", path.string()),
+                     "write it with touchtrace-verify AREA --json, or leave it out");
   return {{"name", path.filename().string()}, {"figures", document.at("figures")}};
 }
 

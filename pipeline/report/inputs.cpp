@@ -15,7 +15,7 @@ std::vector<fs::path> files_of(const fs::path& folder) {
   fs::recursive_directory_iterator entries(folder, error);
   if (error)
     throw data_error(fmt::format("cannot read the folder {}: {}", folder.string(), error.message()),
-                     "give the --folder that the artefacts lie in");
+                     "give a --folder with results of touchtrace");
   std::vector<fs::path> files;
   for (const auto& entry : entries)
     if (entry.is_regular_file()) files.push_back(entry.path());
@@ -23,7 +23,7 @@ std::vector<fs::path> files_of(const fs::path& folder) {
   return files;
 }
 
-void place(ReportInputs& inputs, const fs::path& file) {
+void add_file(ReportInputs& inputs, const fs::path& file) {
   const std::string name = file.filename().string();
   if (name.starts_with('.')) return;
   if (name.ends_with("metrics.json"))
@@ -47,9 +47,9 @@ bool ReportInputs::empty() const {
 
 ReportInputs find_inputs(const fs::path& folder) {
   ReportInputs inputs;
-  for (const auto& file : files_of(folder)) place(inputs, file);
-  const auto whole = std::ranges::find(inputs.metrics, folder / "metrics.json");
-  if (whole != inputs.metrics.end()) inputs.metrics = {*whole};
+  for (const auto& file : files_of(folder)) add_file(inputs, file);
+  const auto combined = std::ranges::find(inputs.metrics, folder / "metrics.json");
+  if (combined != inputs.metrics.end()) inputs.metrics = {*combined};
   return inputs;
 }
 

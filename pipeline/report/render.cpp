@@ -6,16 +6,16 @@
 namespace touchtrace::report {
 namespace {
 
-/// In the order in which they build on each other.
+/// In order of dependency.
 constexpr const char* scripts[] = {"dom.js",     "chart.js",    "paths.js",  "tactile.js",
                                    "results.js", "rollouts.js", "labels.js", "calibration.js",
                                    "figures.js", "main.js"};
 
-void put(std::string& page, const std::string& place, const std::string& text) {
-  page.replace(page.find(place), place.size(), text);
+void fill(std::string& page, const std::string& placeholder, const std::string& text) {
+  page.replace(page.find(placeholder), placeholder.size(), text);
 }
 
-/// JSON that cannot end the element it stands in.
+/// JSON without `<`, which cannot end its <script> element.
 std::string embedded(const nlohmann::json& data) {
   const std::string text = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   std::string safe;
@@ -36,9 +36,9 @@ std::string render(const nlohmann::json& data) {
   std::string script;
   for (const char* name : scripts) script += std::string(files.at(name)) + "\n";
   std::string page(files.at("report.html"));
-  put(page, "@STYLE@", std::string(files.at("style.css")));
-  put(page, "@SCRIPT@", script);
-  put(page, "@DATA@", embedded(data));  // last: the data may hold anything
+  fill(page, "@STYLE@", std::string(files.at("style.css")));
+  fill(page, "@SCRIPT@", script);
+  fill(page, "@DATA@", embedded(data));  // last: the data may contain placeholders
   return page;
 }
 

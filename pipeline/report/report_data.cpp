@@ -18,11 +18,11 @@ using nlohmann::json;
 
 constexpr std::uintmax_t max_json_bytes = 256u << 20;
 
-/// Keys of a metrics file that are arrays of rows; several files are put together.
+/// Arrays of a metrics file; those of several files are concatenated.
 constexpr const char* metrics_arrays[] = {"results",  "differences", "curves",
                                           "examples", "models",      "label_errors"};
 
-/// Five significant digits are enough for any picture.
+/// Rounds to 5 significant digits, enough for any plot; NaN and infinity become null.
 void round_numbers(json& value) {
   if (value.is_number_float()) {
     const double number = value.get<double>();
@@ -34,7 +34,7 @@ void round_numbers(json& value) {
   }
 }
 
-/// Whether a metrics document has what is read below.
+/// Checks the members that are read below.
 bool is_metrics(const json& document) {
   if (document.value("schema", json()) != "touchtrace/metrics/1" ||
       !document.value("provenance", json()).is_object())
@@ -51,8 +51,8 @@ bool is_metrics(const json& document) {
 json read_metrics(const fs::path& path) {
   json document = json::parse(read_file(path, max_json_bytes), nullptr, false);
   if (!document.is_object() || !is_metrics(document))
-    throw data_error(fmt::format("{} is not a file of touchtrace evaluate", path.string()),
-                     "make it again with this version of touchtrace, or leave it out");
+    throw data_error(fmt::format("{} is not a metrics file of touchtrace evaluate", path.string()),
+                     "run evaluate with this version of touchtrace, or leave the file out");
   return document;
 }
 
@@ -80,7 +80,7 @@ void add_metrics(json& data, const fs::path& path) {
 
 void add_calibration(json& data, const fs::path& path) {
   json calibration = calibration_data(path);
-  add_artefact(data, path.parent_path(), calibration.at("provenance"));
+  add_artefact(data, fs::absolute(path).parent_path(), calibration.at("provenance"));
   data["calibrations"].push_back(std::move(calibration));
 }
 

@@ -5,23 +5,25 @@ namespace {
 
 using nlohmann::json;
 
-std::vector<std::size_t> in_clip(const std::vector<std::int32_t>& clips, std::int32_t clip) {
-  std::vector<std::size_t> which;
+std::vector<std::size_t> indices_in_clip(const std::vector<std::int32_t>& clips,
+                                         std::int32_t clip) {
+  std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < clips.size(); ++i)
-    if (clips[i] == clip) which.push_back(i);
-  return which;
+    if (clips[i] == clip) indices.push_back(i);
+  return indices;
 }
 
-json points(const std::vector<double>& values, const std::vector<std::size_t>& which) {
+json points(const std::vector<double>& values, const std::vector<std::size_t>& indices) {
   json rows = json::array();
-  for (std::size_t i : which) rows.push_back({values[3 * i], values[3 * i + 1], values[3 * i + 2]});
+  for (std::size_t i : indices)
+    rows.push_back({values[3 * i], values[3 * i + 1], values[3 * i + 2]});
   return rows;
 }
 
-json times(const std::vector<double>& time_s, const std::vector<std::size_t>& which,
+json times(const std::vector<double>& time_s, const std::vector<std::size_t>& indices,
            double start_s) {
   json values = json::array();
-  for (std::size_t i : which) values.push_back(time_s[i] - start_s);
+  for (std::size_t i : indices) values.push_back(time_s[i] - start_s);
   return values;
 }
 
@@ -29,7 +31,8 @@ json times(const std::vector<double>& time_s, const std::vector<std::size_t>& wh
 
 json smoothing_data(const Labels& labels, const std::string& name) {
   const std::int32_t clip = labels.clip.front();
-  const auto labelled = in_clip(labels.clip, clip), raw = in_clip(labels.raw.clip, clip);
+  const auto labelled = indices_in_clip(labels.clip, clip),
+             raw = indices_in_clip(labels.raw.clip, clip);
   const double start_s = labels.time_s[labelled.front()];
   return {{"name", name},
           {"time_s", times(labels.time_s, labelled, start_s)},

@@ -99,7 +99,7 @@ json evaluate_models(const std::vector<Session>& sessions, std::vector<LoadedMod
     append_results(document, contest, options.seed);
     append_examples(document, contest);
     document["scaling"][activity] = {{"mean", contest.scaling.mean},
-                                     {"deviation", contest.scaling.deviation}};
+                                     {"deviation", contest.scaling.sigma}};
   }
   for (const LoadedModel& model : models) document["models"].push_back(card_json(model));
   for (const Session& session : sessions)

@@ -85,7 +85,7 @@ std::vector<Sample> keep_right(const std::vector<Sample>& samples, BodyError& er
     const bool wrong = !((sample.error.head<3>() - offset).norm() < wrong_m);
     error.outside_share += part * !sample.in_picture;
     error.lost_share += part * (sample.lost() && sample.in_picture);
-    error.follows_share += part * ((sample.quality & quality_follows) != 0);
+    error.follows_share += part * ((sample.quality & quality_follows_hand) != 0);
     error.wrong_share += part * (wrong && !sample.lost());
     error.wrong_unsaid_share += part * (wrong && sample.quality == quality_good);
     if (!wrong && !sample.lost()) right.push_back(sample);

@@ -13,7 +13,7 @@ namespace {
 bool plausible(const ModelCard& card) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
   const auto finite = [](double value) { return std::isfinite(value); };
-  return std::ranges::all_of(card.scaling.deviation, positive) &&
+  return std::ranges::all_of(card.scaling.sigma, positive) &&
          std::ranges::all_of(card.scaling.mean, finite) &&
          std::ranges::all_of(card.band_scale, positive) && positive(card.rate_hz);
 }
@@ -50,7 +50,7 @@ void from_json(const nlohmann::json& json, TrainingLogEntry& entry) {
 
 void to_json(nlohmann::json& json, const ModelCard& card) {
   json = {{"spec", card.spec},
-          {"scaling", {{"mean", card.scaling.mean}, {"deviation", card.scaling.deviation}}},
+          {"scaling", {{"mean", card.scaling.mean}, {"deviation", card.scaling.sigma}}},
           {"activity", card.activity},
           {"objects", card.objects},
           {"rate_hz", card.rate_hz},
@@ -63,7 +63,7 @@ void to_json(nlohmann::json& json, const ModelCard& card) {
 void from_json(const nlohmann::json& json, ModelCard& card) {
   card.spec = json.at("spec");
   card.scaling.mean = json.at("scaling").at("mean");
-  card.scaling.deviation = json.at("scaling").at("deviation");
+  card.scaling.sigma = json.at("scaling").at("deviation");
   card.activity = json.at("activity");
   card.objects = json.at("objects").get<std::vector<std::string>>();
   card.rate_hz = json.at("rate_hz");

@@ -42,11 +42,11 @@ std::vector<Start> starts_of(const Dataset& data, const RolloutGrid& grid) {
 void append_rollout(RolloutBatch& batch, const Dataset& data, const Normalization& scaling,
                     Reference reference, int start) {
   const auto& states = reference == Reference::labels ? data.label : data.truth;
-  const State initial = scaling.scaled(data.causal_label[start]);
+  const State initial = scaling.normalize(data.causal_label[start]);
   batch.first_frame.push_back(start);
   batch.initial_state.insert(batch.initial_state.end(), initial.begin(), initial.end());
   for (int frame = start + 1; frame <= start + batch.steps; ++frame) {
-    const State target = scaling.scaled(states[frame]);
+    const State target = scaling.normalize(states[frame]);
     batch.target.insert(batch.target.end(), target.begin(), target.end());
     batch.weight.push_back(reference == Reference::labels && !data.trusted[frame] ? 0.0f : 1.0f);
   }
@@ -83,7 +83,7 @@ std::vector<float> rescaled(const std::vector<float>& states, const Normalizatio
   std::vector<float> result(states.size());
   for (std::size_t i = 0; i < states.size(); ++i) {
     const std::size_t d = i % state_size;
-    result[i] = (states[i] * from.deviation[d] + from.mean[d] - to.mean[d]) / to.deviation[d];
+    result[i] = (states[i] * from.sigma[d] + from.mean[d] - to.mean[d]) / to.sigma[d];
   }
   return result;
 }
@@ -91,7 +91,7 @@ std::vector<float> rescaled(const std::vector<float>& states, const Normalizatio
 Rollout rescaled(const Rollout& rollout, const Normalization& from, const Normalization& to) {
   Rollout result{rescaled(rollout.state, from, to), rollout.spread};
   for (std::size_t i = 0; i < result.spread.size(); ++i)
-    result.spread[i] *= from.deviation[i % state_size] / to.deviation[i % state_size];
+    result.spread[i] *= from.sigma[i % state_size] / to.sigma[i % state_size];
   return result;
 }
 

@@ -117,10 +117,10 @@ TEST(Options, AreValidatedAndListed) {
 
 TEST(Figures, NaNNeverHolds) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(at_most("x", nan, "", 1).holds());
-  EXPECT_FALSE(reported("x", nan, "").holds());
-  EXPECT_TRUE(within("x", 1.0, "", 0.9, 1.1).holds());
-  EXPECT_FALSE(at_least("x", 1.0, "", 2.0).holds());
+  EXPECT_FALSE(at_most("x", nan, "", 1).passes());
+  EXPECT_FALSE(reported("x", nan, "").passes());
+  EXPECT_TRUE(within("x", 1.0, "", 0.9, 1.1).passes());
+  EXPECT_FALSE(at_least("x", 1.0, "", 2.0).passes());
 }
 
 class Files : public ::testing::Test {

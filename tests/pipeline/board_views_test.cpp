@@ -10,7 +10,7 @@
 namespace touchtrace::scene {
 namespace {
 
-/// From each found corner's nearest true corner to it.
+/// Error of each detected corner with respect to the nearest true corner.
 std::vector<Eigen::Vector2d> corner_errors_px(const std::vector<cv::Point2f>& found,
                                               const RgbdCamera& camera, const BoardInfo& board,
                                               const Eigen::Isometry3d& color_from_board) {
@@ -32,7 +32,7 @@ std::vector<Eigen::Vector2d> corner_errors_px(const std::vector<cv::Point2f>& fo
 
 class BoardViews : public ::testing::TestWithParam<int> {};
 
-TEST_P(BoardViews, CornersAreFoundWhereTheyAre) {
+TEST_P(BoardViews, DetectedCornersMatchTheTruth) {
   SceneOptions options;
   options.image_width = GetParam(), options.image_height = GetParam() * 3 / 4;
   const RgbdCamera camera = make_camera(options);
@@ -57,8 +57,8 @@ TEST_P(BoardViews, CornersAreFoundWhereTheyAre) {
     errors_px.insert(errors_px.end(), errors.begin(), errors.end());
   }
   EXPECT_GE(found_views, 18) << "of " << poses.size();
-  // The finder's own errors: 0.02 px on wide squares, up to 0.2 px on tilted ones of 8 px. A
-  // renderer with another pixel convention or distortion would be off by half a pixel or more.
+  // Errors of the detector: 0.02 px for large squares, up to 0.2 px for tilted squares of 8 px. A
+  // wrong pixel convention or distortion of the renderer gives half a pixel or more.
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double squares = 0.0;
   for (const auto& error : errors_px) sum += error, squares += error.squaredNorm();
@@ -66,7 +66,7 @@ TEST_P(BoardViews, CornersAreFoundWhereTheyAre) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(errors_px.size())), 0.2);
 }
 
-INSTANTIATE_TEST_SUITE_P(AtBothSizes, BoardViews, ::testing::Values(320, 640));
+INSTANTIATE_TEST_SUITE_P(ImageWidths, BoardViews, ::testing::Values(320, 640));
 
 }  // namespace
 }  // namespace touchtrace::scene

@@ -44,7 +44,7 @@ BoardObservations recorded_views(const scene::SceneOptions& options,
   sample.recording.camera = info;
   sample.recording.camera_times = {};
   writer.finish(sample.recording);
-  return board_views_of_recording(path);
+  return board_views_from_recording(path);
 }
 
 TEST(CalibrateRendered, FindsTheTruthWithinItsOwnUncertainty) {

@@ -16,20 +16,20 @@ using testing::sample_recording;
 using testing::SampleRecording;
 using testing::TemporaryFolder;
 
-/// Sample files, bent by the test before they are written.
+/// Sample files, which a test modifies before it writes them.
 struct Files {
   SampleRecording sample = sample_recording();
   Labels labels = sample_labels(sample.recording);
   TemporaryFolder folder;
 
-  LabelledRecording written() {
+  LabelledRecording write_files() {
     write(sample, folder / "r.h5", true, true);
     write_labels(folder / "l.h5", labels, true);
     return {folder / "r.h5", folder / "l.h5"};
   }
 };
 
-TEST(AreaAverage, KeepsTheMeanAtEveryResolution) {
+TEST(AreaAverage, PreservesTheMean) {
   std::vector<float> image(32 * 32);
   RandomStream random(1, "image");
   for (float& value : image) value = static_cast<float>(random.uniform());
@@ -38,12 +38,12 @@ TEST(AreaAverage, KeepsTheMeanAtEveryResolution) {
     std::vector<float> coarse(static_cast<std::size_t>(size * size));
     AreaAverage(32, 32, size, size).apply(image, coarse);
     const double coarse_mean = std::accumulate(coarse.begin(), coarse.end(), 0.0) / (size * size);
-    // Each cell is a sum of up to 32 x 32 products of floats, each rounded to 2^-24 of at most 1.
+    // Each cell sums up to 32 x 32 products of at most 1, each rounded with an error of 2^-24.
     EXPECT_NEAR(coarse_mean, mean, 1024 * 0x1p-24) << size;
   }
 }
 
-TEST(AreaAverage, SharesATaxelBetweenCellsByArea) {
+TEST(AreaAverage, SplitsATaxelBetweenCellsByArea) {
   const std::vector<float> row{1.0f, 10.0f, 100.0f};
   std::vector<float> halves(2);
   AreaAverage(1, 3, 1, 2).apply(row, halves);
@@ -52,18 +52,18 @@ TEST(AreaAverage, SharesATaxelBetweenCellsByArea) {
   EXPECT_THROW(AreaAverage(3, 3, 4, 3), Error);
 }
 
-TEST(Pressure, KnowsPolarityBaselineRangeAndMask) {
+TEST(Pressure, UsesPolarityBaselineRangeAndMask) {
   GloveInfo info;
   info.rows = 1, info.cols = 4, info.bits = 10, info.polarity = -1;
   info.baseline_counts = {1000.0f, 1000.0f, 1000.0f, 1000.0f};
   info.mask = {1, 1, 0, 1};
   const std::vector<std::uint16_t> counts{1000, 488, 488, 1023};
   std::vector<float> pressure(4);
-  pressure_of(info, counts, pressure);
+  counts_to_pressure(info, counts, pressure);
   EXPECT_EQ(pressure, (std::vector<float>{0.0f, 512.0f / 1023.0f, 0.0f, 0.0f}));
 }
 
-TEST(Splits, AreByClipAndKeepTheirShares) {
+TEST(Splits, HaveSeventyTenTwentyPercentOfTheClips) {
   std::array<int, 3> count{};
   for (int clip = 0; clip < 100; ++clip) ++count[static_cast<std::size_t>(split_of_clip(clip))];
   EXPECT_EQ(count, (std::array<int, 3>{70, 10, 20}));
@@ -71,7 +71,7 @@ TEST(Splits, AreByClipAndKeepTheirShares) {
 
 TEST(Dataset, SequencesAreWholeClipsInOrder) {
   Files files;
-  const Dataset data = load_dataset({files.written()});
+  const Dataset data = load_dataset({files.write_files()});
   ASSERT_EQ(data.sequences.size(), 2u);
   EXPECT_EQ(data.sequences[0].split, Split::train);
   EXPECT_EQ(data.sequences[1].split, Split::evaluation);
@@ -91,9 +91,9 @@ TEST(Dataset, SequencesAreWholeClipsInOrder) {
   EXPECT_EQ(data.tactile.size(), 40u * 30u);
 }
 
-TEST(Dataset, ALostFrameHoldsTheImageBeforeIt) {
+TEST(Dataset, LostFrameRepeatsThePreviousImage) {
   Files files;
-  const Dataset data = load_dataset({files.written()});
+  const Dataset data = load_dataset({files.write_files()});
   const auto image = [&](int f) {
     return std::span(data.tactile).subspan(static_cast<std::size_t>(f) * 30, 30);
   };
@@ -104,7 +104,7 @@ TEST(Dataset, ALostFrameHoldsTheImageBeforeIt) {
 
 TEST(Dataset, StatesAreObjectThenHand) {
   Files files;
-  const Dataset data = load_dataset({files.written()});
+  const Dataset data = load_dataset({files.write_files()});
   EXPECT_EQ(data.label[3][1], static_cast<float>(files.labels.object.position_m[10]));
   EXPECT_EQ(data.label[3][4], static_cast<float>(files.labels.object.velocity_m_per_s[10]));
   EXPECT_EQ(data.label[3][7], static_cast<float>(files.labels.hand.position_m[10]));
@@ -112,57 +112,57 @@ TEST(Dataset, StatesAreObjectThenHand) {
             static_cast<float>(files.labels.hand.causal_velocity_m_per_s[10]));
 }
 
-TEST(Dataset, LeavesOutWhatCannotTeach) {
+TEST(Dataset, SkipsFallenObjectsAndNaN) {
   Files files;
-  files.labels.object.quality[2] = quality_follows;
-  files.labels.clips[1].dropped = true;
-  const Dataset data = load_dataset({files.written()});
+  files.labels.object.quality[2] = quality_follows_hand;
+  files.labels.clips[1].object_fell = true;
+  const Dataset data = load_dataset({files.write_files()});
   ASSERT_EQ(data.sequences.size(), 1u);
   EXPECT_EQ(data.trusted[2], 0);
   EXPECT_EQ(data.trusted[3], 1);
 
-  files.labels.clips[1].dropped = false;
+  files.labels.clips[1].object_fell = false;
   files.labels.hand.quality[5] = quality_lost;
   files.labels.hand.position_m[15] = std::nan("");
-  const Dataset other = load_dataset({files.written()});
+  const Dataset other = load_dataset({files.write_files()});
   ASSERT_EQ(other.sequences.size(), 1u);
   EXPECT_EQ(other.sequences[0].clip, 1);
 }
 
-TEST(Dataset, RefusesLabelsOfAnotherRecording) {
+TEST(Dataset, RejectsLabelsOfAnotherRecording) {
   Files files;
-  const auto source = files.written();
+  const auto source = files.write_files();
   files.labels.provenance.add_input(source.recording);
-  EXPECT_NO_THROW(load_dataset({files.written()}));
+  EXPECT_NO_THROW(load_dataset({files.write_files()}));
   files.labels.provenance.inputs[0].sha256[0] ^= 1;
-  EXPECT_THROW(load_dataset({files.written()}), Error);
+  EXPECT_THROW(load_dataset({files.write_files()}), Error);
   files.labels.provenance.inputs.clear();
   for (double& t : files.labels.time_s) t += 5.0;
-  EXPECT_THROW(load_dataset({files.written()}), Error);
+  EXPECT_THROW(load_dataset({files.write_files()}), Error);
   files.labels.activity = "throw";
-  EXPECT_THROW(load_dataset({files.written()}), Error);
+  EXPECT_THROW(load_dataset({files.write_files()}), Error);
 }
 
-TEST(Dataset, RefusesARecordingWithoutGloveAndAFinerGridThanTheGloves) {
+TEST(Dataset, RejectsMissingGloveAndTooHighResolution) {
   Files files;
-  EXPECT_THROW(load_dataset({files.written()}, 6), Error);
-  EXPECT_EQ(load_dataset({files.written()}, 5).cols, 5);
+  EXPECT_THROW(load_dataset({files.write_files()}, 6), Error);
+  EXPECT_EQ(load_dataset({files.write_files()}, 5).cols, 5);
   files.sample.recording.gloves.clear();
-  EXPECT_THROW(load_dataset({files.written()}), Error);
+  EXPECT_THROW(load_dataset({files.write_files()}), Error);
 }
 
-TEST(Dataset, RefusesAGloveThatFeltNothingOrIsSaturated) {
+TEST(Dataset, RejectsZeroAndSaturatedGloves) {
   for (std::uint16_t counts : {0, 1023}) {
     Files files;
     std::ranges::fill(files.sample.recording.gloves[0].counts, counts);
-    EXPECT_THROW(load_dataset({files.written()}), Error);
+    EXPECT_THROW(load_dataset({files.write_files()}), Error);
   }
 }
 
-TEST(Dataset, NormalizationIsOfTheTrustedTrainingLabels) {
+TEST(Dataset, NormalizationUsesTrustedTrainingLabels) {
   Files files;
   files.labels.object.quality[4] = quality_lost;
-  const Dataset data = load_dataset({files.written()});
+  const Dataset data = load_dataset({files.write_files()});
   const Normalization scaling = fit_normalization(data);
   std::vector<double> values;
   for (int f = 0; f < 20; ++f)
@@ -171,14 +171,14 @@ TEST(Dataset, NormalizationIsOfTheTrustedTrainingLabels) {
   double square = 0.0;
   for (double value : values) square += (value - mean) * (value - mean);
   EXPECT_FLOAT_EQ(scaling.mean[9], static_cast<float>(mean));
-  EXPECT_FLOAT_EQ(scaling.deviation[9], static_cast<float>(std::sqrt(square / 19.0)));
-  const State back = scaling.unscaled(scaling.scaled(data.label[3]));
+  EXPECT_FLOAT_EQ(scaling.sigma[9], static_cast<float>(std::sqrt(square / 19.0)));
+  const State back = scaling.denormalize(scaling.normalize(data.label[3]));
   for (int d = 0; d < state_size; ++d) EXPECT_NEAR(back[d], data.label[3][d], 1e-5);
 }
 
-TEST(Dataset, TruthIsInterpolatedAtTheLabels) {
+TEST(Dataset, TruthIsInterpolatedAtLabelTimes) {
   Files files;
-  const auto source = files.written();
+  const auto source = files.write_files();
   Dataset data = load_dataset({source});
   EXPECT_TRUE(data.truth.empty());
   attach_truth(data, {source});
@@ -186,9 +186,9 @@ TEST(Dataset, TruthIsInterpolatedAtTheLabels) {
   for (int f = 0; f < data.frames(); ++f)
     for (int d = 0; d < 3; ++d) {
       const double rate = d + 1.0, t = data.time_s[f], h = 1.0 / testing::sample_truth_rate_hz;
-      // Hermite: h^4/384 max|p''''|; linear: h^2/8 max|v''|; both of 0.1 sin(rate t). At a clip's
-      // end up to one interval is extrapolated: h^2/2 max|p''| and h max|v'|. Half a float's digit
-      // beside it.
+      // Error bounds for 0.1 sin(rate t): Hermite h^4/384 max|p''''|, linear h^2/8 max|v''|. At a
+      // clip's end, extrapolation by up to one interval: h^2/2 max|p''| and h max|v'|. Plus half a
+      // unit in the last place of a float.
       const bool inside =
           t <= files.sample.recording.clips[data.sequences[f < 20 ? 0 : 1].clip].end_s - h;
       const double position_bound =

@@ -36,48 +36,48 @@ GloveStream two_by_two(int bits, std::vector<std::uint16_t> counts, std::uint64_
   return glove;
 }
 
-std::string sent(const GloveStream& glove, const std::string& protocol) {
+std::string encode_all(const GloveStream& glove, const std::string& protocol) {
   std::string bytes;
   for (std::size_t frame = 0; frame < glove.frames(); ++frame)
-    bytes += find_glove_protocol(protocol).bytes_of(glove, frame);
+    bytes += find_glove_protocol(protocol).encode(glove, frame);
   return bytes;
 }
 
-/// 40 frames of 30 taxels, two of them lost.
+/// 40 frames of 30 taxels; two frames are lost.
 GloveStream sample() {
   RandomStream random(3, "glove protocol");
   return testing::sample_glove(40, 0.0, random);
 }
 
-TEST(GloveProtocol, ActionSenseSplitsTenBitsInFives) {
-  EXPECT_EQ(sent(two_by_two(10, {0, 31, 32, 1023}, 244), "actionsense"),
+TEST(GloveProtocol, ActionSenseSplitsTenBitsIntoFives) {
+  EXPECT_EQ(encode_all(two_by_two(10, {0, 31, 32, 1023}, 244), "actionsense"),
             "\x0b\x0b\x0b\x0b\x2a\x0c\x0b\x2a\x2a\n"s);
 }
 
-TEST(GloveProtocol, ActionSenseSplitsTwelveBitsInSixes) {
-  EXPECT_EQ(sent(two_by_two(12, {0, 63, 64, 4095}, 243), "actionsense"),
+TEST(GloveProtocol, ActionSenseSplitsTwelveBitsIntoSixes) {
+  EXPECT_EQ(encode_all(two_by_two(12, {0, 63, 64, 4095}, 243), "actionsense"),
             "\xfe\x0b\x0b\x0b\x4a\x0c\x0b\x4a\x4a\n"s);
 }
 
-TEST(GloveProtocol, ActionSenseDataNeverEndALine) {
+TEST(GloveProtocol, ActionSenseDataContainNoNewline) {
   std::vector<std::uint16_t> all(4096);
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint16_t>(i);
   GloveStream glove = two_by_two(12, std::move(all), 0);
   glove.info.rows = glove.info.cols = 64;
-  const std::string bytes = sent(glove, "actionsense");
+  const std::string bytes = encode_all(glove, "actionsense");
   EXPECT_EQ(bytes.find('\n'), bytes.size() - 1);
 }
 
-TEST(GloveProtocol, RowsHaveTheirNumberAndAnEnd) {
-  EXPECT_EQ(sent(two_by_two(12, {1, 2, 0x0ff3, 4}, 9), "mit-rows"),
+TEST(GloveProtocol, MitRowsHaveRowNumberAndEndMarker) {
+  EXPECT_EQ(encode_all(two_by_two(12, {1, 2, 0x0ff3, 4}, 9), "mit-rows"),
             "\0\0\1\0\2\0wr\0\1\xf3\x0f\4\0wr"s);
 }
 
 TEST(GloveProtocol, StagSendsText) {
-  EXPECT_EQ(sent(two_by_two(12, {1500, 0, 27, 4095}, 9), "stag"), "1500\t0\t27\t4095\n");
+  EXPECT_EQ(encode_all(two_by_two(12, {1500, 0, 27, 4095}, 9), "stag"), "1500\t0\t27\t4095\n");
 }
 
-/// Counts by their place among all that were ever read, from packets of 249 bytes.
+/// Decodes packets of 249 bytes: counts by their index since the device started.
 std::map<std::uint64_t, std::uint64_t> packets_read(const std::string& bytes,
                                                     std::uint64_t taxels) {
   std::map<std::uint64_t, std::uint64_t> counts;
@@ -93,23 +93,23 @@ std::map<std::uint64_t, std::uint64_t> packets_read(const std::string& bytes,
   return counts;
 }
 
-TEST(GloveProtocol, WiReSensPacketsGoOnFromFrameToFrame) {
+TEST(GloveProtocol, WiReSensPacketsCrossFrames) {
   const GloveStream glove = sample();
-  const auto read = packets_read(sent(glove, "wiresens"), 30);
+  const auto read = packets_read(encode_all(glove, "wiresens"), 30);
   for (std::size_t frame = 0; frame < glove.frames(); ++frame)
     for (std::uint64_t taxel = 0; taxel < 30; ++taxel)
       if (const auto found = read.find(30 * glove.sequence[frame] + taxel); found != read.end())
         EXPECT_EQ(found->second, glove.counts[30 * frame + taxel]);
-  // 1000 to 1039 are ten packets of four frames; 1007 and 1027 were lost.
+  // Frames 1000 to 1039 are ten packets of four frames; those with 1007 and 1027 are lost.
   EXPECT_EQ(read.size(), 8u * 120u);
   for (const std::uint64_t lost : {1007u, 1027u}) EXPECT_FALSE(read.contains(30 * lost));
 }
 
-TEST(GloveProtocol, CountsThatItCannotCarryAreRefused) {
+TEST(GloveProtocol, RejectsCountsWithTooManyBits) {
   GloveInfo info;
   info.bits = 16;
-  EXPECT_THROW(check_carries(find_glove_protocol("actionsense"), info), Error);
-  EXPECT_NO_THROW(check_carries(find_glove_protocol("wiresens"), info));
+  EXPECT_THROW(require_supported(find_glove_protocol("actionsense"), info), Error);
+  EXPECT_NO_THROW(require_supported(find_glove_protocol("wiresens"), info));
   EXPECT_THROW(find_glove_protocol("morse"), Error);
 }
 
@@ -120,18 +120,18 @@ int send(const std::vector<std::string>& more) {
                                argv.data());
 }
 
-TEST(SendVerb, WritesWhatTheDeviceSends) {
+TEST(SendCommand, WritesTheBytesOfTheDevice) {
   const TemporaryFolder folder;
   const auto recording = testing::sample_recording();
   testing::write(recording, folder / "a.h5");
   const std::string file = (folder / "a.h5").string(), output = (folder / "a.bin").string();
   for (const std::string& protocol : glove_protocol_names()) {
     ASSERT_EQ(send({file, "--protocol", protocol, "--output", output, "--overwrite"}), 0);
-    EXPECT_EQ(read_file(output), sent(recording.recording.gloves[0], protocol)) << protocol;
+    EXPECT_EQ(read_file(output), encode_all(recording.recording.gloves[0], protocol)) << protocol;
   }
 }
 
-TEST(SendVerb, LiveKeepsTheTimesOfTheFrames) {
+TEST(SendCommand, LiveSendsFramesAtTheirTimes) {
   const TemporaryFolder folder;
   const auto sample = testing::sample_recording(5);
   testing::write(sample, folder / "a.h5");
@@ -140,11 +140,11 @@ TEST(SendVerb, LiveKeepsTheTimesOfTheFrames) {
   const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(send({(folder / "a.h5").string(), "--live", "--protocol", "stag"}), 0);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  EXPECT_EQ(::testing::internal::GetCapturedStdout(), sent(glove, "stag"));
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), encode_all(glove, "stag"));
   EXPECT_GE(took.count(), glove.host_time_s.back() - glove.host_time_s.front());
 }
 
-TEST(SendVerb, WhatCannotBeIsUsageOrData) {
+TEST(SendCommand, InvalidUseHasExitCode) {
   const TemporaryFolder folder;
   testing::write(testing::sample_recording(), folder / "a.h5");
   const std::string file = (folder / "a.h5").string(), output = (folder / "a.bin").string();
@@ -153,7 +153,7 @@ TEST(SendVerb, WhatCannotBeIsUsageOrData) {
   EXPECT_EQ(send({file, "--protocol", "morse", "--output", output}), 2);
   EXPECT_EQ(send({(folder / "none.h5").string(), "--output", output}), 3);
   ASSERT_EQ(send({file, "--output", output}), 0);
-  EXPECT_NE(send({file, "--output", output}), 0);  // it exists
+  EXPECT_NE(send({file, "--output", output}), 0);  // output exists
 }
 
 }  // namespace

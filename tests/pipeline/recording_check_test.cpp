@@ -18,13 +18,13 @@ using testing::sample_recording;
 using testing::SampleRecording;
 using testing::TemporaryFolder;
 
-FileCheck checked(const SampleRecording& sample) {
+FileCheck check_sample(const SampleRecording& sample) {
   const TemporaryFolder folder;
   write(sample, folder / "a.h5");
   return check_file(folder / "a.h5", true);
 }
 
-/// The message of the data_error that reading `path` has to end in.
+/// Message of the data_error that reading `path` must throw.
 std::string fault_of(const std::filesystem::path& path) {
   try {
     check_file(path, true);
@@ -47,86 +47,85 @@ bool mentions(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(Check, SaysWhatASoundRecordingHolds) {
-  const FileCheck check = checked(sample_recording());
-  EXPECT_TRUE(check.good());
-  for (const char* verb : {"calibrate", "label", "train"}) {
-    if (std::string(verb) == "calibrate") continue;  // two views of the board are too few
-    EXPECT_TRUE(check.lacks.at(verb).empty()) << verb;
-  }
-  EXPECT_EQ(check.lacks.at("calibrate").size(), 1u);
-  const auto& glove = check.holds.at("gloves").at(0);
+TEST(Check, DescribesAValidRecording) {
+  const FileCheck check = check_sample(sample_recording());
+  EXPECT_TRUE(check.is_usable());
+  for (const char* command : {"label", "train"})
+    EXPECT_TRUE(check.missing.at(command).empty()) << command;
+  EXPECT_EQ(check.missing.at("calibrate").size(), 1u);  // two views of the board are too few
+  const auto& glove = check.contents.at("gloves").at(0);
   EXPECT_EQ(glove.at("frames"), 38);
   EXPECT_EQ(glove.at("lost"), 2);
   EXPECT_EQ(glove.at("taxels"), 29);
   EXPECT_EQ(glove.at("dead_taxels"), 0);
-  // 1 ms of uniform jitter deviates by 1/sqrt(12) ms; over 38 frames the estimate by far less than
-  // half.
+  // Uniform jitter of 1 ms has a standard deviation of 1 / sqrt(12) ms. Its estimate from 38 frames
+  // has a relative standard error below 1 / sqrt(2 * 38) = 0.11; the tolerance is over 4 times
+  // that.
   EXPECT_NEAR(glove.at("jitter_s").get<double>(), 1e-3 / std::sqrt(12.0), 0.5e-3 / std::sqrt(12.0));
   EXPECT_NEAR(glove.at("rate_hz").get<double>(), 15.0, 0.05);
-  EXPECT_EQ(check.holds.at("clips").at("objects").at("ball"), 1);
-  EXPECT_EQ(check.holds.at("truth"), true);
+  EXPECT_EQ(check.contents.at("clips").at("objects").at("ball"), 1);
+  EXPECT_EQ(check.contents.at("truth"), true);
 }
 
-TEST(Check, TimingIsThatOfTheCounterAgainstTheClock) {
+TEST(Check, TimingComesFromCounterAndClock) {
   const std::vector<std::uint64_t> sequence{10, 11, 13, 14, 20};
   std::vector<double> time_s;
   for (auto number : sequence) time_s.push_back(100.0 + 0.05 * static_cast<double>(number));
-  const StreamTiming timing = timing_of(sequence, time_s, {});
+  const StreamTiming timing = measure_stream_timing(sequence, time_s, {});
   EXPECT_EQ(timing.lost, 6u);
   EXPECT_NEAR(timing.rate_hz, 20.0, 1e-9);
   EXPECT_NEAR(timing.jitter_s, 0.0, 1e-7);
-  EXPECT_TRUE(std::isnan(timing_of({1, 2}, {0.0, 1.0}, {}).rate_hz));
+  EXPECT_TRUE(std::isnan(measure_stream_timing({1, 2}, {0.0, 1.0}, {}).rate_hz));
 }
 
-TEST(Check, NamesWhatEachVerbLacks) {
+TEST(Check, ListsWhatEachCommandNeeds) {
   auto no_glove = sample_recording();
   no_glove.recording.gloves.clear();
   no_glove.board.push_back(no_glove.board[0]);
-  FileCheck check = checked(no_glove);
-  EXPECT_TRUE(check.good());
-  EXPECT_TRUE(check.lacks.at("calibrate").empty());
-  EXPECT_EQ(check.lacks.at("label"), std::vector<std::string>{"it has no glove"});
-  EXPECT_EQ(check.lacks.at("train"), std::vector<std::string>{"it has no glove"});
+  FileCheck check = check_sample(no_glove);
+  EXPECT_TRUE(check.is_usable());
+  EXPECT_TRUE(check.missing.at("calibrate").empty());
+  EXPECT_EQ(check.missing.at("label"), std::vector<std::string>{"no glove"});
+  EXPECT_EQ(check.missing.at("train"), std::vector<std::string>{"no glove"});
 
   auto no_depth = sample_recording();
   for (auto* images : {&no_depth.frames, &no_depth.background, &no_depth.board})
     for (auto& frame : *images) frame.depth.clear();
-  check = checked(no_depth);
-  EXPECT_EQ(check.lacks.at("label"), std::vector<std::string>{"its camera images have no depth"});
+  check = check_sample(no_depth);
+  EXPECT_EQ(check.missing.at("label"), std::vector<std::string>{"no depth images"});
 
-  auto fallen = sample_recording();
-  for (auto& clip : fallen.recording.clips) clip.dropped = true;
-  EXPECT_FALSE(checked(fallen).good());
+  auto all_fell = sample_recording();
+  for (auto& clip : all_fell.recording.clips) clip.object_fell = true;
+  EXPECT_FALSE(check_sample(all_fell).is_usable());
 }
 
-TEST(Check, OneFrameIsReadButServesNothing) {
+TEST(Check, SingleFrameIsReadableButUnusable) {
   auto sample = sample_recording();
   auto& glove = sample.recording.gloves[0];
   glove.sequence.resize(1), glove.host_time_s.resize(1), glove.counts.resize(30);
   auto& times = sample.recording.camera_times;
   times.sequence.resize(1), times.host_time_s.resize(1), times.device_time_s.resize(1);
   sample.frames.resize(1);
-  const FileCheck check = checked(sample);
-  EXPECT_FALSE(check.good());
-  EXPECT_EQ(check.lacks.at("label").size(), 2u);
+  const FileCheck check = check_sample(sample);
+  EXPECT_FALSE(check.is_usable());
+  EXPECT_EQ(check.missing.at("label").size(), 2u);
 }
 
-TEST(Check, FindsGlovesThatFeltNothingOrTooMuch) {
+TEST(Check, FindsZeroSaturatedAndConstantGloves) {
   const auto with_counts = [](int polarity, std::uint16_t counts) {
     auto sample = sample_recording();
     sample.recording.gloves[0].info.polarity = polarity;
     std::ranges::fill(sample.recording.gloves[0].counts, counts);
-    return checked(sample);
+    return check_sample(sample);
   };
   EXPECT_TRUE(mentions(with_counts(1, 0).faults.at(0), "all zero"));
   EXPECT_TRUE(mentions(with_counts(1, 1023).faults.at(0), "saturated"));
   EXPECT_TRUE(mentions(with_counts(-1, 0).faults.at(1), "saturated"));
-  EXPECT_TRUE(mentions(with_counts(1, 300).faults.at(0), "never change"));
-  EXPECT_FALSE(with_counts(1, 300).good());
+  EXPECT_TRUE(mentions(with_counts(1, 300).faults.at(0), "constant counts"));
+  EXPECT_FALSE(with_counts(1, 300).is_usable());
 }
 
-TEST(Check, RefusesTimesThatDoNotAdvance) {
+TEST(Check, RejectsTimesThatDoNotIncrease) {
   auto sample = sample_recording();
   sample.recording.gloves[0].host_time_s[5] = sample.recording.gloves[0].host_time_s[4];
   EXPECT_TRUE(mentions(fault_of(sample), "/glove0/host_time_s"));
@@ -138,48 +137,103 @@ TEST(Check, RefusesTimesThatDoNotAdvance) {
   EXPECT_TRUE(mentions(fault_of(sample), "/glove0/sequence"));
   sample = sample_recording();
   std::swap(sample.recording.clips[0], sample.recording.clips[1]);
-  EXPECT_TRUE(mentions(fault_of(sample), "clip 1 starts before"));
+  EXPECT_TRUE(mentions(fault_of(sample), "clip 1: starts at 10 s, before the previous clip ends"));
 }
 
-TEST(Check, RefusesNotANumber) {
+TEST(Check, RejectsNaNAndInfinity) {
   auto sample = sample_recording();
   sample.recording.camera_times.device_time_s[3] = std::nan("");
-  EXPECT_TRUE(mentions(fault_of(sample), "value 3 is not finite"));
+  EXPECT_TRUE(mentions(fault_of(sample),
+                       "/camera/device_time_s: expected finite values, found nan at index 3"));
   sample = sample_recording();
   sample.recording.gloves[0].info.baseline_counts[7] = std::numeric_limits<float>::infinity();
-  EXPECT_TRUE(mentions(fault_of(sample), "baseline"));
+  EXPECT_TRUE(
+      mentions(fault_of(sample), "/glove0/baseline: expected finite values, found inf at index 7"));
   sample = sample_recording();
   sample.recording.clips[0].end_s = std::nan("");
-  EXPECT_TRUE(mentions(fault_of(sample), "clip 0"));
+  EXPECT_TRUE(mentions(fault_of(sample), "/clips, clip 0: expected start_s < end_s"));
   sample = sample_recording();
   sample.truth.object.position_m[1] = std::nan("");
+  EXPECT_TRUE(mentions(fault_of(sample), "/truth/object/position_m"));
   const TemporaryFolder folder;
   write(sample, folder / "a.h5");
   EXPECT_THROW(read_truth(folder / "a.h5"), Error);
 }
 
-TEST(Check, RefusesImpossibleAttributes) {
-  const auto refused = [](auto bend) {
+TEST(Check, RejectsAttributesOutOfRange) {
+  const auto fault_after = [](auto modify) {
     auto sample = sample_recording();
-    bend(sample.recording);
+    modify(sample.recording);
     return fault_of(sample);
   };
-  EXPECT_TRUE(mentions(refused([](auto& r) { r.gloves[0].info.polarity = 0; }), "polarity"));
-  EXPECT_TRUE(mentions(refused([](auto& r) { r.gloves[0].info.bits = 8; }), "8 bits"));
-  EXPECT_TRUE(mentions(refused([](auto& r) { r.gloves[0].info.rate_hz = 0.0; }), "rate"));
-  EXPECT_TRUE(mentions(refused([](auto& r) { r.gloves[0].info.mask.assign(30, 0); }), "mask"));
-  EXPECT_TRUE(mentions(refused([](auto& r) { r.board.square_m = 0.0; }), "chessboard"));
-  EXPECT_TRUE(mentions(refused([](auto& r) { r.activity.clear(); }), "activity"));
+  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.gloves[0].info.polarity = 0; }),
+                       "/glove0 attribute 'polarity': expected 1 or -1, found 0"));
+  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.gloves[0].info.bits = 8; }),
+                       "/glove0/counts: expected at most 255 (8 bits)"));
+  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.gloves[0].info.rate_hz = 0.0; }),
+                       "/glove0 attribute 'rate_hz'"));
+  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.gloves[0].info.mask.assign(30, 0); }),
+                       "/glove0/mask: expected a taxel"));
+  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.board.square_m = 0.0; }),
+                       "/board attribute 'square_m'"));
+  EXPECT_TRUE(mentions(fault_after([](auto& r) { r.activity.clear(); }),
+                       "/ attribute 'activity': expected a name"));
 }
 
-TEST(Check, NamesMissingAndForeignFiles) {
+TEST(Check, ListsAllFaultsOfAFileAtOnce) {
+  auto sample = sample_recording();
+  Recording& recording = sample.recording;
+  recording.activity.clear();
+  recording.clips[1].end_s = recording.clips[1].start_s;
+  recording.gloves[0].info.polarity = 3;
+  recording.gloves[0].info.mask[2] = 9;
+  recording.gloves[0].host_time_s[5] = std::nan("");
+  recording.camera_times.sequence[2] = recording.camera_times.sequence[1];
+  recording.board.columns = 1;
+  sample.truth.time_s[1] = sample.truth.time_s[0];
+  const std::string fault = fault_of(sample);
+  for (const char* part :
+       {": 8 faults\n", "/ attribute 'activity': expected a name, found none",
+        "/clips, clip 1: ", "/glove0 attribute 'polarity': expected 1 or -1, found 3",
+        "/glove0/mask: expected 0 and 1, found 9",
+        "/glove0/host_time_s: expected finite values, found nan at index 5",
+        "/camera/sequence: expected strictly increasing values, found 1 after 1 at index 2",
+        "/board attribute 'columns': expected 2 to 1000, found 1",
+        "/truth/time_s: expected strictly increasing"})
+    EXPECT_TRUE(mentions(fault, part)) << part << "\nin: " << fault;
+}
+
+TEST(Check, ListsAllDamagedImages) {
+  const TemporaryFolder folder;
+  const auto sample = sample_recording();
+  write(sample, folder / "a.h5");
+  std::string bytes = read_file(folder / "a.h5");
+  // The images are random numbers, which deflate stores uncompressed, so that their pixels can be
+  // found in the file.
+  const auto damage = [&](const RgbdFrame& frame) {
+    const auto at = bytes.find(std::string(frame.color.begin() + 20, frame.color.begin() + 40));
+    ASSERT_NE(at, std::string::npos);
+    bytes[at] ^= 1;
+  };
+  damage(sample.frames[3]), damage(sample.frames[17]), damage(sample.board[1]);
+  put(folder / "a.h5", bytes);
+  const FileCheck check = check_file(folder / "a.h5", true);
+  EXPECT_FALSE(check.is_usable());
+  ASSERT_EQ(check.faults.size(), 2u);
+  EXPECT_TRUE(mentions(check.faults[0], "a.h5: /camera/color: image 3: ")) << check.faults[0];
+  EXPECT_TRUE(mentions(check.faults[0], "(and images 17)")) << check.faults[0];
+  EXPECT_TRUE(mentions(check.faults[1], "a.h5: /board/color: image 1: ")) << check.faults[1];
+  EXPECT_TRUE(check_file(folder / "a.h5", false).faults.empty());
+}
+
+TEST(Check, RejectsMissingFilesAndOtherFormats) {
   const TemporaryFolder folder;
   EXPECT_TRUE(mentions(fault_of(folder / "none.h5"), "does not exist"));
-  EXPECT_TRUE(mentions(fault_of(folder.path()), "is no file"));
+  EXPECT_TRUE(mentions(fault_of(folder.path()), "is not a file"));
   put(folder / "empty.h5", "");
-  EXPECT_TRUE(mentions(fault_of(folder / "empty.h5"), "no HDF5"));
+  EXPECT_TRUE(mentions(fault_of(folder / "empty.h5"), "is not an HDF5 file"));
   put(folder / "text.h5", "hello, this is not a recording at all");
-  EXPECT_TRUE(mentions(fault_of(folder / "text.h5"), "no HDF5"));
+  EXPECT_TRUE(mentions(fault_of(folder / "text.h5"), "is not an HDF5 file"));
   write(sample_recording(), folder / "r.h5");
   try {
     read_labels(folder / "r.h5");
@@ -189,7 +243,7 @@ TEST(Check, NamesMissingAndForeignFiles) {
   }
 }
 
-TEST(Check, RefusesEveryTruncation) {
+TEST(Check, RejectsTruncatedFiles) {
   const TemporaryFolder folder;
   write(sample_recording(), folder / "a.h5");
   const std::string whole = read_file(folder / "a.h5");
@@ -201,18 +255,18 @@ TEST(Check, RefusesEveryTruncation) {
   EXPECT_FALSE(fault_of(folder / "b.h5").empty());
 }
 
-TEST(Check, LabelsAreToldApartAndJudged) {
+TEST(Check, DescribesLabels) {
   const TemporaryFolder folder;
   Labels labels = sample_labels(sample_recording().recording);
   labels.object.quality[0] = quality_lost;
   write_labels(folder / "l.h5", labels, false);
   FileCheck check = check_file(folder / "l.h5", true);
-  EXPECT_TRUE(check.good());
-  EXPECT_EQ(check.holds.at("labels"), 40);
-  EXPECT_DOUBLE_EQ(check.holds.at("object").at("lost_share").get<double>(), 1.0 / 40.0);
+  EXPECT_TRUE(check.is_usable());
+  EXPECT_EQ(check.contents.at("labels"), 40);
+  EXPECT_DOUBLE_EQ(check.contents.at("object").at("lost_share").get<double>(), 1.0 / 40.0);
   labels.hand.quality.assign(40, quality_lost);
   write_labels(folder / "l.h5", labels, true);
-  EXPECT_FALSE(check_file(folder / "l.h5", true).good());
+  EXPECT_FALSE(check_file(folder / "l.h5", true).is_usable());
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using testing::sample_labels;
 using testing::sample_recording;
 using testing::TemporaryFolder;
 
-/// Equal bit by bit, so that NaN equals itself.
+/// Compares bits, so that NaN equals itself.
 template <class T>
 ::testing::AssertionResult same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   if (std::ranges::equal(std::as_bytes(std::span(a)), std::as_bytes(std::span(b))))
@@ -30,7 +30,7 @@ void expect_same(const std::vector<Clip>& a, const std::vector<Clip>& b) {
     EXPECT_EQ(a[i].start_s, b[i].start_s);
     EXPECT_EQ(a[i].end_s, b[i].end_s);
     EXPECT_EQ(a[i].object, b[i].object);
-    EXPECT_EQ(a[i].dropped, b[i].dropped);
+    EXPECT_EQ(a[i].object_fell, b[i].object_fell);
     EXPECT_EQ(a[i].hand_box.width, b[i].hand_box.width);
     EXPECT_EQ(a[i].object_box.empty(), b[i].object_box.empty());
   }
@@ -57,7 +57,7 @@ void expect_same(const RgbdFrame& a, const RgbdFrame& b) {
   EXPECT_TRUE(same_bits(a.depth, b.depth));
 }
 
-TEST(RecordingFile, EveryBitComesBack) {
+TEST(RecordingFile, RoundTripsEveryBit) {
   const TemporaryFolder folder;
   auto sample = sample_recording();
   sample.recording.gloves.push_back(sample.recording.gloves[0]);
@@ -88,16 +88,17 @@ TEST(RecordingFile, EveryBitComesBack) {
   expect_same(reader.read_board_view(1), sample.board[1]);
 }
 
-TEST(RecordingFile, TheSameContentMakesTheSameBytes) {
+TEST(RecordingFile, WritesEqualBytesForEqualContent) {
   const TemporaryFolder folder;
   const auto sample = sample_recording();
   write(sample, folder / "a.h5");
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 keeps times in seconds
+  std::this_thread::sleep_for(
+      std::chrono::milliseconds(1100));  // HDF5 time stamps have a resolution of 1 s
   write(sample, folder / "b.h5");
   EXPECT_EQ(sha256_of_file(folder / "a.h5"), sha256_of_file(folder / "b.h5"));
 }
 
-TEST(RecordingFile, TruthComesBackAndOnlyWhereItWasWritten) {
+TEST(RecordingFile, RoundTripsTruthIfWritten) {
   const TemporaryFolder folder;
   const auto sample = sample_recording();
   write(sample, folder / "a.h5");
@@ -115,7 +116,7 @@ TEST(RecordingFile, TruthComesBackAndOnlyWhereItWasWritten) {
   EXPECT_THROW(read_truth(folder / "without.h5"), Error);
 }
 
-TEST(RecordingFile, LabelsComeBack) {
+TEST(RecordingFile, RoundTripsLabels) {
   const TemporaryFolder folder;
   const Labels labels = sample_labels(sample_recording().recording);
   write_labels(folder / "l.h5", labels, false);
@@ -133,7 +134,7 @@ TEST(RecordingFile, LabelsComeBack) {
   EXPECT_TRUE(same_bits(back.raw.object_m, labels.raw.object_m));
 }
 
-TEST(RecordingFile, ARecordingNeedsNeitherCameraNorGlove) {
+TEST(RecordingFile, AcceptsGloveOnlyAndBoardOnlyRecordings) {
   const TemporaryFolder folder;
   auto touch_only = sample_recording();
   touch_only.recording.camera = {};
@@ -153,7 +154,7 @@ TEST(RecordingFile, ARecordingNeedsNeitherCameraNorGlove) {
   EXPECT_EQ(RecordingReader(folder / "board.h5").board_views(), 2u);
 }
 
-TEST(RecordingFile, ColourAloneIsARecordingToo) {
+TEST(RecordingFile, AcceptsRecordingsWithoutDepth) {
   const TemporaryFolder folder;
   auto sample = sample_recording();
   for (auto* images : {&sample.frames, &sample.background, &sample.board})
@@ -164,7 +165,7 @@ TEST(RecordingFile, ColourAloneIsARecordingToo) {
   expect_same(reader.read_camera_frame(3), sample.frames[3]);
 }
 
-TEST(RecordingFile, ImagesMayBeReadByManyThreads) {
+TEST(RecordingFile, ReadsImagesFromSeveralThreads) {
   const TemporaryFolder folder;
   const auto sample = sample_recording();
   write(sample, folder / "a.h5");

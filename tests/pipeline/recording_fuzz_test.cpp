@@ -15,7 +15,7 @@ using testing::sample_labels;
 using testing::sample_recording;
 using testing::TemporaryFolder;
 
-/// Everything that a file holds, as bytes.
+/// Contents of a file as bytes.
 class Content {
  public:
   template <class T>
@@ -28,7 +28,7 @@ class Content {
   Content& operator<<(const RgbdFrame& frame) { return *this << frame.color << frame.depth; }
   Content& operator<<(const std::vector<Clip>& clips) {
     for (const auto& clip : clips)
-      *this << clip.start_s << clip.end_s << clip.object << clip.dropped << clip.hand_box.x
+      *this << clip.start_s << clip.end_s << clip.object << clip.object_fell << clip.hand_box.x
             << clip.hand_box.height << clip.object_box.width;
     return *this;
   }
@@ -78,15 +78,14 @@ Content content_of_labels(const std::filesystem::path& path) {
   return content;
 }
 
-/// Flips one bit at a time: the file then holds the same as before, or is refused with a
-/// data_error.
+/// Flips one bit at a time: the contents must be unchanged, or reading must throw data_error.
 template <class ContentOf>
 void flip_bits(const std::filesystem::path& original, int flips, ContentOf content_of) {
   const Content expected = content_of(original);
   std::string bytes = read_file(original);
   const auto flipped = original.string() + ".flipped";
   RandomStream random(3, "bit flips");
-  int refused = 0;
+  int rejected = 0;
   for (int i = 0; i < flips; ++i) {
     const auto bit = random.below(8 * bytes.size());
     const auto flip = static_cast<char>(1 << (bit % 8));
@@ -95,22 +94,22 @@ void flip_bits(const std::filesystem::path& original, int flips, ContentOf conte
     bytes[bit / 8] ^= flip;
     try {
       EXPECT_TRUE(content_of(flipped) == expected)
-          << "bit " << bit << " changed the content silently";
+          << "bit " << bit << " changed the contents unnoticed";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ExitCode::data) << "bit " << bit << ": " << error.what();
-      ++refused;
+      ++rejected;
     }
   }
-  EXPECT_GT(refused, 0);
+  EXPECT_GT(rejected, 0);
 }
 
-TEST(RecordingFuzz, AFlippedBitIsFoundOrHarmless) {
+TEST(RecordingFuzz, BitFlipsAreDetectedOrHarmless) {
   const TemporaryFolder folder;
   write(sample_recording(8), folder / "a.h5");
   flip_bits(folder / "a.h5", 300, content_of_recording);
 }
 
-TEST(RecordingFuzz, AFlippedBitInLabelsIsFoundOrHarmless) {
+TEST(RecordingFuzz, BitFlipsInLabelsAreDetectedOrHarmless) {
   const TemporaryFolder folder;
   write_labels(folder / "l.h5", sample_labels(sample_recording(8).recording), false);
   flip_bits(folder / "l.h5", 300, content_of_labels);

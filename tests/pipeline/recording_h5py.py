@@ -1,4 +1,4 @@
-"""Opens a recording or labels as somebody else's tool would; any surprise is an AssertionError.
+"""Checks conventions of a recording or labels file that other tools rely on.
 
 usage: recording_h5py.py FILE
 """
@@ -15,13 +15,13 @@ def check(name, item):
     assert item.attrs["units"].decode(), f"{name} has no units"
     assert item.attrs["long_name"].decode(), f"{name} has no long_name"
     assert item.fletcher32, f"{name} has no checksum"
-    assert item.chunks[1:] == item.shape[1:], f"{name} is cut along more than its first axis"
+    assert item.chunks[1:] == item.shape[1:], f"{name} has chunks along more than its first axis"
     item[()]
     if h5py.h5ds.is_scale(item.id):
         return
     for axis, dimension in enumerate(item.dims):
         assert len(dimension) == 1, f"{name}, axis {axis}: no dimension scale"
-        assert dimension[0].shape == (item.shape[axis],), f"{name}, axis {axis}: another length"
+        assert dimension[0].shape == (item.shape[axis],), f"{name}, axis {axis}: wrong length"
         assert dimension.label == dimension.keys()[0], f"{name}, axis {axis}: no label"
 
 

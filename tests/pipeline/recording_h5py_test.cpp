@@ -1,10 +1,13 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <cstdio>
 #include <numeric>
 
 #include "engine/base/error.h"
+#include "engine/base/files.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
@@ -19,14 +22,16 @@ struct Outcome {
   std::string output;
 };
 
-Outcome open_in_h5py(const std::filesystem::path& file) {
-  const std::string command =
-      fmt::format("/usr/bin/python3 {}/tests/pipeline/recording_h5py.py {} 2>&1",
-                  TOUCHTRACE_SOURCE_DIR, file.string());
-  FILE* pipe = popen(command.c_str(), "r");
+Outcome run(const std::string& command) {
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
   std::string output;
   for (int c; (c = std::fgetc(pipe)) != EOF;) output += static_cast<char>(c);
   return {pclose(pipe), output};
+}
+
+Outcome open_in_h5py(const std::filesystem::path& file) {
+  return run(fmt::format("/usr/bin/python3 {}/tests/pipeline/recording_h5py.py {}",
+                         TOUCHTRACE_SOURCE_DIR, file.string()));
 }
 
 template <class T>
@@ -44,11 +49,11 @@ TEST(RecordingH5py, EveryDatasetHasUnitsScalesAndChecksums) {
                                        sum_of(sample.frames[3].depth)));
 }
 
-TEST(RecordingH5py, SoHasTheInertialUnit) {
+TEST(RecordingH5py, InertialUnitIsReadable) {
   const TemporaryFolder folder;
   auto sample = sample_recording();
   InertialStream& unit = sample.recording.gloves[0].inertial.emplace();
-  unit.place_m = {-0.02, 0.0, -0.03};
+  unit.position_m = {-0.02, 0.0, -0.03};
   for (unsigned i = 0; i < 5; ++i) {
     unit.sequence.push_back(100 + i);
     unit.host_time_s.push_back(10.0 + 0.01 * i);
@@ -63,7 +68,7 @@ TEST(RecordingH5py, SoHasTheInertialUnit) {
   const RecordingReader reader(folder / "a.h5");
   const auto& read = reader.recording().gloves[0].inertial;
   ASSERT_TRUE(read.has_value());
-  EXPECT_EQ(read->place_m, unit.place_m);
+  EXPECT_EQ(read->position_m, unit.position_m);
   EXPECT_EQ(read->host_time_s, unit.host_time_s);
   EXPECT_EQ(read->angular_velocity_rad_per_s, unit.angular_velocity_rad_per_s);
   unit.orientation_wxyz[3] = std::nanf("");
@@ -71,11 +76,78 @@ TEST(RecordingH5py, SoHasTheInertialUnit) {
   EXPECT_THROW(RecordingReader(folder / "b.h5"), Error);
 }
 
-TEST(RecordingH5py, SoHaveLabels) {
+TEST(RecordingH5py, LabelsHaveUnitsScalesAndChecksums) {
   const TemporaryFolder folder;
   write_labels(folder / "l.h5", sample_labels(sample_recording().recording), false);
   const Outcome opened = open_in_h5py(folder / "l.h5");
   EXPECT_EQ(opened.status, 0) << opened.output;
+}
+
+/// Python code blocks of pipeline/recording/README.md.
+std::vector<std::string> readme_examples() {
+  const std::string text =
+      read_file(std::filesystem::path(TOUCHTRACE_SOURCE_DIR) / "pipeline/recording/README.md");
+  std::vector<std::string> examples;
+  const std::string begin = "```python\n", end = "```";
+  for (auto at = text.find(begin); at != std::string::npos; at = text.find(begin, at)) {
+    at += begin.size();
+    examples.push_back(text.substr(at, text.find(end, at) - at));
+  }
+  return examples;
+}
+
+Outcome run_example(const TemporaryFolder& folder, const std::string& example) {
+  testing::put(folder / "example.py", example);
+  return run("cd " + folder.path().string() + " && /usr/bin/python3 example.py");
+}
+
+TEST(RecordingReadme, ExampleReadsLabels) {
+  const TemporaryFolder folder;
+  Labels labels = sample_labels(sample_recording().recording);
+  labels.object.quality[2] = quality_lost;
+  labels.object.covariance.assign(labels.object.covariance.size(), 0.0);
+  for (std::size_t i = 0; i < labels.time_s.size(); ++i)
+    for (std::size_t d = 0; d < 3; ++d) labels.object.covariance[36 * i + 7 * d] = 4e-6;
+  write_labels(folder / "wave.labels.h5", labels, false);
+  std::string expected;
+  for (int clip = 0; clip < 2; ++clip) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (std::size_t i = 0; i < labels.time_s.size(); ++i)
+      if (labels.clip[i] == clip && i != 2)
+        sum += Eigen::Map<const Eigen::Vector3d>(&labels.object.position_m[3 * i]), ++count;
+    sum /= count;
+    expected += fmt::format(
+        "clip {}, {}: {} labels, mean position {:.4f} {:.4f} {:.4f} m, mean sigma 2.00 mm\n", clip,
+        labels.clips[static_cast<std::size_t>(clip)].object, count, sum.x(), sum.y(), sum.z());
+  }
+  const auto examples = readme_examples();
+  ASSERT_EQ(examples.size(), 2u);
+  const Outcome outcome = run_example(folder, examples[0]);
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.output, expected);
+}
+
+TEST(RecordingReadme, ExampleReadsGloveFrames) {
+  const TemporaryFolder folder;
+  const auto sample = sample_recording();
+  write(sample, folder / "wave.h5");
+  const GloveStream& glove = sample.recording.gloves[0];
+  std::string expected;
+  for (std::size_t clip = 0; clip < 2; ++clip) {
+    double sum = 0.0;
+    for (std::size_t i = clip * 19 * 30; i < (clip + 1) * 19 * 30; ++i)
+      if (glove.info.mask[i % 30])
+        sum +=
+            std::clamp((glove.counts[i] - glove.info.baseline_counts[i % 30]) / 1023.0, 0.0, 1.0);
+    expected +=
+        fmt::format("clip {}: 19 frames, 1 lost, mean pressure {:.5f}\n", clip, sum / (19 * 30));
+  }
+  const auto examples = readme_examples();
+  ASSERT_EQ(examples.size(), 2u);
+  const Outcome outcome = run_example(folder, examples[1]);
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.output, expected);
 }
 
 }  // namespace

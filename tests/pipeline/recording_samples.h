@@ -14,12 +14,12 @@
 
 namespace touchtrace::testing {
 
-/// A folder of its own for one test, removed at its end.
+/// Temporary folder, removed by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "touchtrace-test-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a folder");
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot create a folder");
     path_ = name;
   }
   ~TemporaryFolder() {
@@ -36,13 +36,13 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// Writes a file at once, without the care that an output deserves.
+/// Writes a file without the safety of OutputFile.
 inline void put(const std::filesystem::path& path, std::string_view bytes) {
   std::ofstream(path, std::ios::binary)
       .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// What a recording is made of, for a test to bend before it is written.
+/// Contents of a recording file, which tests modify before writing.
 struct SampleRecording {
   Recording recording;
   std::vector<RgbdFrame> frames, background, board;
@@ -59,7 +59,7 @@ inline RgbdFrame sample_image(const CameraInfo& camera, RandomStream& random) {
   return frame;
 }
 
-/// A glove of 6 x 5 taxels with one hole and `frames` frames; the frame 7 of every 20 is lost.
+/// Stream of 6 x 5 taxels, one of them missing; of every 20 frames, frame 7 is lost.
 inline GloveStream sample_glove(int frames, double start_s, RandomStream& random) {
   GloveStream glove;
   glove.info.rows = 6, glove.info.cols = 5;
@@ -106,7 +106,8 @@ inline Truth sample_truth(const std::vector<Clip>& clips) {
   return truth;
 }
 
-/// Two clips of `frames_per_clip` glove frames, small images at 20 Hz, truth at 100 Hz.
+/// Two clips of `frames_per_clip` glove frames (lost ones included), images of 8 x 6 pixels at 20
+/// Hz, truth at 100 Hz.
 inline SampleRecording sample_recording(int frames_per_clip = 20) {
   SampleRecording sample;
   Recording& recording = sample.recording;
@@ -118,16 +119,16 @@ inline SampleRecording sample_recording(int frames_per_clip = 20) {
     const double start_s = 10.0 + i * (clip_s + pause_s);
     recording.clips.push_back(
         {start_s, start_s + clip_s, i == 0 ? "ball" : "box", false, {1, 2, 3, 4}, {}});
-    const auto part = sample_glove(frames_per_clip, start_s, random);
+    const auto stream = sample_glove(frames_per_clip, start_s, random);
     if (i == 0) {
-      recording.gloves = {part};
+      recording.gloves = {stream};
       continue;
     }
     auto& glove = recording.gloves[0];
-    for (auto sequence : part.sequence) glove.sequence.push_back(sequence + 10000);
-    glove.host_time_s.insert(glove.host_time_s.end(), part.host_time_s.begin(),
-                             part.host_time_s.end());
-    glove.counts.insert(glove.counts.end(), part.counts.begin(), part.counts.end());
+    for (auto sequence : stream.sequence) glove.sequence.push_back(sequence + 10000);
+    glove.host_time_s.insert(glove.host_time_s.end(), stream.host_time_s.begin(),
+                             stream.host_time_s.end());
+    glove.counts.insert(glove.counts.end(), stream.counts.begin(), stream.counts.end());
   }
   recording.camera.width = 8, recording.camera.height = 6;
   recording.camera.depth_intrinsics = {7.5, 7.25, 4.0, 3.0};
@@ -172,7 +173,7 @@ inline LabelledBody sample_labelled_body(std::size_t labels, RandomStream& rando
   return body;
 }
 
-/// A label for every frame of glove 0, lost ones included; every number a different one.
+/// One label per frame of glove 0, lost ones included; all numbers differ.
 inline Labels sample_labels(const Recording& recording) {
   Labels labels;
   labels.activity = recording.activity;

@@ -21,13 +21,13 @@ std::size_t files_in(const TemporaryFolder& folder) {
   return static_cast<std::size_t>(std::distance(begin(files), end(files)));
 }
 
-/// The exit code that `write` ends in when no file may grow beyond `most_bytes`; 0: it succeeded.
-/// Runs in a child, as on a disk that fills up.
+/// Exit code of `write` in a child process whose files may not exceed `max_bytes`, like a full
+/// disk. 0: success.
 template <class Write>
-int outcome_on_small_disk(rlim_t most_bytes, Write write) {
+int exit_code_on_small_disk(rlim_t max_bytes, Write write) {
   const pid_t child = fork();
   if (child == 0) {
-    const rlimit bound{most_bytes, most_bytes};
+    const rlimit bound{max_bytes, max_bytes};
     setrlimit(RLIMIT_FSIZE, &bound);
     std::signal(SIGXFSZ, SIG_IGN);
     try {
@@ -42,38 +42,38 @@ int outcome_on_small_disk(rlim_t most_bytes, Write write) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-TEST(RecordingWriting, AFullDiskIsAFailureThatLeavesNothing) {
+TEST(RecordingWriting, FullDiskFailsAndLeavesNoFile) {
   const TemporaryFolder folder;
   const auto sample = sample_recording();
   write(sample, folder / "whole.h5");
   const auto whole_bytes = std::filesystem::file_size(folder / "whole.h5");
   std::filesystem::remove(folder / "whole.h5");
   for (int part = 0; part < 10; ++part) {
-    const auto room = whole_bytes * part / 10;
-    EXPECT_EQ(outcome_on_small_disk(room, [&] { write(sample, folder / "a.h5"); }),
+    const auto free_bytes = whole_bytes * part / 10;
+    EXPECT_EQ(exit_code_on_small_disk(free_bytes, [&] { write(sample, folder / "a.h5"); }),
               static_cast<int>(ExitCode::failed))
-        << room << " bytes";
-    EXPECT_EQ(files_in(folder), 0u) << room << " bytes";
+        << free_bytes << " bytes";
+    EXPECT_EQ(files_in(folder), 0u) << free_bytes << " bytes";
   }
-  EXPECT_EQ(outcome_on_small_disk(whole_bytes - 1, [&] { write(sample, folder / "a.h5"); }),
+  EXPECT_EQ(exit_code_on_small_disk(whole_bytes - 1, [&] { write(sample, folder / "a.h5"); }),
             static_cast<int>(ExitCode::failed));
-  // On its way the library takes a little more than the file has in the end.
-  EXPECT_EQ(outcome_on_small_disk(2 * whole_bytes, [&] { write(sample, folder / "a.h5"); }), 0);
+  // While writing, the library needs more space than the final file.
+  EXPECT_EQ(exit_code_on_small_disk(2 * whole_bytes, [&] { write(sample, folder / "a.h5"); }), 0);
 }
 
-TEST(RecordingWriting, AFullDiskNeverCostsAnOldFile) {
+TEST(RecordingWriting, FullDiskKeepsTheOldFile) {
   const TemporaryFolder folder;
   const Labels labels = sample_labels(sample_recording().recording);
   write_labels(folder / "l.h5", labels, false);
   const std::string before = read_file(folder / "l.h5");
-  EXPECT_EQ(outcome_on_small_disk(before.size() / 2,
-                                  [&] { write_labels(folder / "l.h5", labels, true); }),
+  EXPECT_EQ(exit_code_on_small_disk(before.size() / 2,
+                                    [&] { write_labels(folder / "l.h5", labels, true); }),
             static_cast<int>(ExitCode::failed));
   EXPECT_EQ(read_file(folder / "l.h5"), before);
   EXPECT_EQ(files_in(folder), 1u);
 }
 
-TEST(RecordingWriting, NothingIsOverwrittenUnasked) {
+TEST(RecordingWriting, OverwritesOnlyOnRequest) {
   const TemporaryFolder folder;
   const auto sample = sample_recording();
   put(folder / "a.h5", "precious");
@@ -83,7 +83,7 @@ TEST(RecordingWriting, NothingIsOverwrittenUnasked) {
   EXPECT_NO_THROW(write(sample, folder / "a.h5", true, true));
 }
 
-TEST(RecordingWriting, AnInterruptedWriterLeavesNothing) {
+TEST(RecordingWriting, InterruptedWriterLeavesNoFile) {
   const TemporaryFolder folder;
   const auto sample = sample_recording();
   {
@@ -95,7 +95,7 @@ TEST(RecordingWriting, AnInterruptedWriterLeavesNothing) {
   EXPECT_EQ(files_in(folder), 0u);
 }
 
-TEST(RecordingWriting, AKilledWriterLeavesNothingUnderTheFinalName) {
+TEST(RecordingWriting, KilledWriterLeavesNoFinalFile) {
   const TemporaryFolder folder;
   const auto sample = sample_recording();
   const pid_t child = fork();
@@ -109,7 +109,7 @@ TEST(RecordingWriting, AKilledWriterLeavesNothingUnderTheFinalName) {
   EXPECT_NO_THROW(write(sample, folder / "a.h5"));
 }
 
-TEST(RecordingWriting, WhatDoesNotFitTogetherIsRefused) {
+TEST(RecordingWriting, RejectsInconsistentSizes) {
   const TemporaryFolder folder;
   auto sample = sample_recording();
   sample.frames[2].color.pop_back();
@@ -119,7 +119,16 @@ TEST(RecordingWriting, WhatDoesNotFitTogetherIsRefused) {
   EXPECT_THROW(write(sample, folder / "a.h5"), Error);
   sample = sample_recording();
   sample.recording.gloves[0].counts.pop_back();
-  EXPECT_THROW(write(sample, folder / "a.h5"), Error);
+  sample.recording.camera_times.host_time_s.pop_back();
+  try {
+    write(sample, folder / "a.h5");
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {  // lists both
+    EXPECT_NE(std::string(error.what()).find("/glove0/counts: expected 1140 elements, found 1139"),
+              std::string::npos)
+        << error.what();
+    EXPECT_NE(std::string(error.what()).find("/camera/host_time_s: expected"), std::string::npos);
+  }
   sample = sample_recording();
   sample.recording.gloves.resize(3, sample.recording.gloves[0]);
   EXPECT_THROW(write(sample, folder / "a.h5"), Error);

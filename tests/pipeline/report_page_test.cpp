@@ -1,4 +1,4 @@
-// The report: one file, its sections, and nothing of the data that could become markup.
+// Data and structure of the report; report_page_browser_test.cpp runs its scripts.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "pipeline/report/page.h"
 #include "pipeline/report/report.h"
 #include "tests/verify/support/figure.h"
 
@@ -55,7 +56,7 @@ json metrics_document(const std::string& activity) {
           {"provenance", {{"verb", "evaluate"}, {"wall_seconds", 1.5}}}};
 }
 
-TEST_F(ReportPage, HoldsItsDataAndNeedsNoOtherFile) {
+TEST_F(ReportPage, IsSelfContained) {
   const auto path = write("wave.metrics.json", metrics_document("wave").dump());
   report::ReportInputs inputs;
   inputs.metrics = {path};
@@ -63,7 +64,7 @@ TEST_F(ReportPage, HoldsItsDataAndNeedsNoOtherFile) {
   EXPECT_TRUE(page.starts_with("<!doctype html>"));
   for (const char* token : {"@DATA@", "@STYLE@", "@SCRIPT@", "</script><b>"})
     EXPECT_EQ(page.find(token), std::string::npos) << token;
-  // A name that is never fetched, and references within the page.
+  // A namespace, which is not fetched, and references within the page.
   const std::regex harmless(R"(http://www\.w3\.org/2000/svg|url\(#)");
   const std::string addresses = std::regex_replace(page, harmless, "");
   for (const char* token :
@@ -71,24 +72,30 @@ TEST_F(ReportPage, HoldsItsDataAndNeedsNoOtherFile) {
     EXPECT_EQ(addresses.find(token), std::string::npos) << token;
 }
 
-TEST_F(ReportPage, ScriptsOnlyMakeTextNodes) {
+TEST_F(ReportPage, ScriptsCreateTextNodesOnly) {
   const std::string page = report::render(json::object());
   for (const char* token :
        {"innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval("})
     EXPECT_EQ(page.find(token), std::string::npos) << token;
 }
 
-TEST_F(ReportPage, EveryPartIsEmbedded) {
+TEST_F(ReportPage, EmbedsAllScriptsAndUsesAllFunctions) {
   const std::string page = report::render(json::object());
-  for (const char* token :
-       {"function resultSection", "function exampleSection", "function horizonSection",
-        "function runTimeSection", "function labelErrorSection", "function smoothingSection",
-        "function calibrationSection", "function uncertaintyMap", "function figuresSection",
-        "function provenanceSection", "build();", "prefers-color-scheme"})
-    EXPECT_NE(page.find(token), std::string::npos) << token;
+  for (const auto& [name, text] : report_page())
+    if (name.ends_with(".js") || name.ends_with(".css"))
+      EXPECT_NE(page.find(text), std::string::npos) << name;
+  const std::regex definition(R"(function (\w+)\()");
+  int functions = 0;
+  for (std::sregex_iterator at(page.begin(), page.end(), definition), end; at != end; ++at) {
+    const std::regex use("\\b" + (*at)[1].str() + "\\b");
+    const auto uses = std::distance(std::sregex_iterator(page.begin(), page.end(), use), end);
+    EXPECT_GE(uses, 2) << (*at)[1] << " is never called";
+    ++functions;
+  }
+  EXPECT_GE(functions, 30);
 }
 
-TEST_F(ReportPage, NumbersAreRoundedAndStagesListed) {
+TEST_F(ReportPage, RoundsNumbersAndListsStages) {
   report::ReportInputs inputs;
   inputs.metrics = {write("wave.metrics.json", metrics_document("wave").dump())};
   const json data = report::report_data(inputs);
@@ -98,17 +105,17 @@ TEST_F(ReportPage, NumbersAreRoundedAndStagesListed) {
   EXPECT_EQ(data.at("stages")[0].at("wall_seconds"), 12.0);
 }
 
-TEST_F(ReportPage, SeveralMetricsFilesBecomeOne) {
+TEST_F(ReportPage, CombinesMetricsFiles) {
   write("wave.metrics.json", metrics_document("wave").dump());
   write("throw.metrics.json", metrics_document("throw").dump());
   const json both = report::report_data(report::find_inputs(folder_));
   EXPECT_EQ(both.at("metrics").at("results").size(), 2u);
   write("metrics.json", metrics_document("wave").dump());
   const json whole = report::report_data(report::find_inputs(folder_));
-  EXPECT_EQ(whole.at("metrics").at("results").size(), 1u) << "a plain metrics.json stands for all";
+  EXPECT_EQ(whole.at("metrics").at("results").size(), 1u) << "metrics.json replaces the others";
 }
 
-TEST_F(ReportPage, FiguresAreShownWithTheirPictures) {
+TEST_F(ReportPage, IncludesFiguresAndPictures) {
   Figure figure = at_least("engine against a peer", 2.25, "x", 2.0);
   figure.picture = Picture{"s", "error", false, false, {{"engine", {0, 1}, {1.0, 0.123456789}}}};
   write("engine.figures.json", to_json({figure, reported("other", 1, "")}).dump());
@@ -121,7 +128,7 @@ TEST_F(ReportPage, FiguresAreShownWithTheirPictures) {
   EXPECT_FALSE(rows[1].contains("picture"));
 }
 
-TEST_F(ReportPage, BadFiguresAreDataErrors) {
+TEST_F(ReportPage, RejectsInvalidFigures) {
   const std::string row = R"({"name":"a","value":1,"unit":"s","goal":"","holds":true)";
   for (
       const std::string& text :
@@ -135,7 +142,7 @@ TEST_F(ReportPage, BadFiguresAreDataErrors) {
   }
 }
 
-TEST_F(ReportPage, CalibrationsBringTheirUncertainty) {
+TEST_F(ReportPage, IncludesUncertaintyOfCalibrations) {
   json document{{"color", {{"width", 640}, {"height", 480}}},
                 {"rms_px", 0.25},
                 {"depth_rms_m", 0.001},
@@ -152,16 +159,24 @@ TEST_F(ReportPage, CalibrationsBringTheirUncertainty) {
   const json with = report::report_data(inputs).at("calibrations")[0];
   EXPECT_EQ(with.at("projection_sigma_px"), json({{0.1, 0.12346}, {nullptr, 0.3}}));
   EXPECT_EQ(with.at("coverage"), 0.9);
-  EXPECT_EQ(with.at("print_sigma_m"), 6e-5);
+  EXPECT_EQ(with.at("deformation_sigma_m"), 6e-5);
   for (const char* key : {"projection_sigma_px", "coverage", "board_print"})
     document["details"].erase(key);
   inputs.calibrations = {write("calibration.json", document.dump())};
   const json older = report::report_data(inputs).at("calibrations")[0];
   EXPECT_TRUE(older.at("projection_sigma_px").empty());
-  EXPECT_EQ(older.at("print_sigma_m"), 0.0);
+  EXPECT_EQ(older.at("deformation_sigma_m"), 0.0);
+  document["details"] = {{"verdict", "IMPORTED"}};
+  inputs.calibrations = {write("calibration.json", document.dump())};
+  const json imported = report::report_data(inputs).at("calibrations")[0];
+  EXPECT_EQ(imported.at("verdict"), "IMPORTED");
+  EXPECT_TRUE(imported.at("views").empty());
+  EXPECT_EQ(imported.at("name"), folder_.filename().string());
+  inputs.calibrations = {write("calibration.json", "{}")};
+  EXPECT_THROW(report::report_data(inputs), Error);
 }
 
-TEST_F(ReportPage, WhatIsMissingIsLeftOut) {
+TEST_F(ReportPage, OmitsMissingInputs) {
   const json data = report::report_data({});
   EXPECT_TRUE(data.at("metrics").is_null());
   for (const char* key : {"calibrations", "smoothing", "figures", "stages", "artefacts"})
@@ -169,7 +184,7 @@ TEST_F(ReportPage, WhatIsMissingIsLeftOut) {
   EXPECT_TRUE(report::find_inputs(folder_).empty());
 }
 
-TEST_F(ReportPage, BadInputsAreDataErrors) {
+TEST_F(ReportPage, RejectsInvalidMetrics) {
   for (const char* text :
        {"", "{", "[]", "null", "{\"schema\":\"other\"}", "{\"schema\":\"touchtrace/metrics/1\"}"}) {
     report::ReportInputs inputs;

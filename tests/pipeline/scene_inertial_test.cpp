@@ -13,7 +13,7 @@ TEST(SceneInertial, RestsUnderGravityAndIntegratesToTheRotation) {
   int rows = 0;
   verify_inertial([&](const Figure& figure) {
     ++rows;
-    EXPECT_TRUE(figure.holds()) << figure.name << ' ' << figure.value;
+    EXPECT_TRUE(figure.passes()) << figure.name << ' ' << figure.value;
   });
   EXPECT_EQ(rows, 2);
 }

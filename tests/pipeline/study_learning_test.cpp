@@ -144,7 +144,7 @@ TEST_F(Learning, EvaluationClipsDoNotReachTheWeights) {
   const ModelCard a = train(clean, options("clean", 25)),
                   b = train(poisoned, options("poisoned", 25));
   EXPECT_EQ(weights(options("clean", 25).output), weights(options("poisoned", 25).output));
-  EXPECT_EQ(a.scaling.deviation, b.scaling.deviation);
+  EXPECT_EQ(a.scaling.sigma, b.scaling.sigma);
   EXPECT_EQ(a.band_scale, b.band_scale);
 }
 

@@ -104,7 +104,7 @@ RolloutCases cases_of(std::vector<float> target, int count, int steps) {
 
 Normalization metres_times(float deviation) {
   Normalization scaling;
-  scaling.deviation.fill(deviation);
+  scaling.sigma.fill(deviation);
   return scaling;
 }
 

@@ -15,14 +15,14 @@ Labels three_labels() {
   Labels labels;
   labels.time_s = {0.0, 0.25, 0.5};
   labels.hand.position_m = {0.1, -0.2, 1.5, 0.125, -0.2, 1.5, 0.15, -0.2, 1.5};
-  labels.hand.quality = {quality_good, quality_follows, quality_good};
+  labels.hand.quality = {quality_good, quality_follows_hand, quality_good};
   labels.object = labels.hand;
   labels.object.quality = {quality_lost, quality_good, quality_good};
   labels.object.position_m[8] = std::numeric_limits<double>::quiet_NaN();
   return labels;
 }
 
-TEST(TumTrajectory, HasALineOfEightForEachLabelThatIsThere) {
+TEST(TumTrajectory, WritesOneLinePerMeasuredLabel) {
   const ScratchFolder folder;
   write_tum_trajectories(folder.path() / "new", three_labels(), 1700000000.5, false);
   EXPECT_EQ(read_file(folder.path() / "new" / "hand.txt"),
@@ -35,7 +35,7 @@ TEST(TumTrajectory, HasALineOfEightForEachLabelThatIsThere) {
             "1700000000.750000 0.125 -0.2 1.5 0 0 0 1\n");
 }
 
-TEST(TumTrajectory, ReplacesNothingUnasked) {
+TEST(TumTrajectory, OverwritesOnlyOnRequest) {
   const ScratchFolder folder;
   write_tum_trajectories(folder.path(), three_labels(), 0.0, false);
   EXPECT_THROW(write_tum_trajectories(folder.path(), three_labels(), 0.0, false), Error);

@@ -20,7 +20,7 @@ constexpr int tum_width = 320, tum_height = 240;
 constexpr double tum_depth_m = 0.6;
 const Chessboard tum_board{5, 4, 0.03};
 
-/// A board straight before the camera, its first corner at (x, y).
+/// Board parallel to the image plane, first corner at (x, y).
 cv::Mat drawn_board(int x, int y) {
   constexpr int square_px = 24;
   cv::Mat image(tum_height, tum_width, CV_8UC3, cv::Scalar::all(230));
@@ -48,11 +48,11 @@ void write_tum(const fs::path& folder) {
   write_file(folder / "rgb.txt", rgb, true), write_file(folder / "depth.txt", depth, true);
 }
 
-TEST(TumViews, AreRead) {
+TEST(TumViews, ReadsCornersDepthAndTimes) {
   const TemporaryFolder folder;
   write_tum(folder / "tum");
   ASSERT_TRUE(is_tum_folder(folder / "tum"));
-  const BoardObservations o = board_views_of_tum(folder / "tum", tum_board);
+  const BoardObservations o = board_views_from_tum(folder / "tum", tum_board);
   ASSERT_EQ(o.views.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) {
     const BoardView& view = o.views[i];
@@ -64,38 +64,38 @@ TEST(TumViews, AreRead) {
   EXPECT_EQ(image_files((folder / "tum").string()).size(), 10u);
 }
 
-TEST(TumViews, ADepthImageIsTakenOnceAndOnlyIfItIsNear) {
+TEST(TumViews, PairsEachDepthImageOnceWithinTwentyMilliseconds) {
   const TemporaryFolder folder;
   write_tum(folder / "tum");
   write_file(folder / "tum" / "depth.txt",
              "1305031102.101 depth/0.png\n1305031102.190 depth/1.png\n", true);
-  const auto pairs = tum_pairs(folder / "tum");
+  const auto pairs = read_tum_pairs(folder / "tum");
   ASSERT_EQ(pairs.size(), 2u);
   EXPECT_EQ(pairs[0].depth.filename(), "0.png");
-  EXPECT_EQ(pairs[1].color.filename(), "3.png");  // at .199; that of .166 is 24 ms away
+  EXPECT_EQ(pairs[1].color.filename(), "3.png");  // at .199; .166 is 24 ms away
 }
 
-TEST(TumViews, FaultsAreNamed) {
+TEST(TumViews, RejectsInvalidListsAndImages) {
   const TemporaryFolder folder;
-  const auto expect_refused = [&](const char* list, const std::string& text) {
+  const auto expect_rejected = [&](const char* list, const std::string& text) {
     write_tum(folder / "tum");
     write_file(folder / "tum" / list, text, true);
     try {
-      board_views_of_tum(folder / "tum", tum_board);
+      board_views_from_tum(folder / "tum", tum_board);
       ADD_FAILURE() << "accepted " << text;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ExitCode::data) << text;
     }
   };
-  expect_refused("rgb.txt", "");
-  expect_refused("rgb.txt", "1305031102.1\n");
-  expect_refused("rgb.txt", "soon rgb/0.png\n");
-  expect_refused("rgb.txt", "nan rgb/0.png\n");
-  expect_refused("rgb.txt", "1305031102.1 ../secret.png\n");
-  expect_refused("rgb.txt", "1305031102.1 /etc/passwd\n");
-  expect_refused("rgb.txt", "1305031102.1 rgb/9.png\n");
-  expect_refused("depth.txt", "1305031102.1 rgb/0.png\n");  // 8 bits, 3 channels
-  expect_refused("depth.txt", "99.0 depth/0.png\n");
+  expect_rejected("rgb.txt", "");
+  expect_rejected("rgb.txt", "1305031102.1\n");
+  expect_rejected("rgb.txt", "abc rgb/0.png\n");
+  expect_rejected("rgb.txt", "nan rgb/0.png\n");
+  expect_rejected("rgb.txt", "1305031102.1 ../secret.png\n");
+  expect_rejected("rgb.txt", "1305031102.1 /etc/passwd\n");
+  expect_rejected("rgb.txt", "1305031102.1 rgb/9.png\n");
+  expect_rejected("depth.txt", "1305031102.1 rgb/0.png\n");  // 8 bits, 3 channels
+  expect_rejected("depth.txt", "99.0 depth/0.png\n");
 }
 
 }  // namespace

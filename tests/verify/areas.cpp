@@ -31,7 +31,7 @@ void describe(OptionSet& set, AreaOptions& o) {
 
 void print_row(const Figure& figure) {
   fmt::print("{:<52} {:>12.6g} {:<10} {:<16} {:<4} {:8.2f} s\n", figure.name, figure.value,
-             figure.unit, figure.goal_text(), figure.holds() ? "PASS" : "FAIL", figure.seconds);
+             figure.unit, figure.goal_text(), figure.passes() ? "PASS" : "FAIL", figure.seconds);
   std::fflush(stdout);  // a reader of a pipe sees each row as soon as it is measured
 }
 
@@ -55,7 +55,7 @@ ExitCode run(const std::string& area, const Verification& verification, const Ar
   if (!options.report.empty())
     write_file(options.report, report::figures_page("touchtrace-verify " + area, figures),
                invocation.overwrite);
-  const bool all_pass = std::ranges::all_of(figures, &Figure::holds);
+  const bool all_pass = std::ranges::all_of(figures, &Figure::passes);
   return all_pass ? ExitCode::done : ExitCode::data;
 }
 

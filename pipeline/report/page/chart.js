@@ -1,5 +1,5 @@
-// One line chart in SVG, so that it prints sharply.
-// series: {x, y, stroke: a colour's name, dash, band: [low, high], dots: radius}; gaps are nulls.
+// Line charts in SVG.
+// series: {x, y, stroke: name of a colour, dash, band: [low, high], dots: radius}; null: gap.
 
 function niceTicks(from, to, count) {
   const low = Math.min(from, to), high = Math.max(from, to);

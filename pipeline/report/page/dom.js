@@ -1,6 +1,6 @@
 "use strict";
 
-// Everything that is shown goes through here: strings become text nodes, never markup.
+// All content is created here: strings become text nodes, never markup.
 function element(tag, attributes = {}, ...children) {
   const node = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);

@@ -1,4 +1,4 @@
-// What was promised and measured, as `touchtrace-verify` and the benchmarks against peers print it.
+// Measurements with goals, from `touchtrace-verify --json` and `scripts/bench --json`.
 
 const curveStrokes = ["full", "without_touch", "hand", "truth", "random"];
 
@@ -14,9 +14,9 @@ function figurePicture({ name, picture }) {
 
 function figuresSection(files) {
   if (!files.length) return;
-  section("figures", "Figures", "What touchtrace promises, as measured on the machine that wrote these files.",
+  section("figures", "Figures", "Measured quantities and their goals, from touchtrace-verify and scripts/bench on the machine that wrote these files.",
     files.map(({ name, figures }) => [element("h3", {}, name),
       element("div", { class: "figures" }, figures.filter((figure) => figure.picture).map(figurePicture)),
       table(["figure", number("value"), "unit", "goal", ""], figures.map((f) => ({
-        cells: [f.name, number(known(f.value) ? f.value.toPrecision(4) : "–"), f.unit, f.goal, f.holds ? "holds" : "falls short"] })))]));
+        cells: [f.name, number(known(f.value) ? f.value.toPrecision(4) : "–"), f.unit, f.goal, f.holds ? "PASS" : "FAIL"] })))]));
 }

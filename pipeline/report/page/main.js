@@ -1,26 +1,27 @@
-// Builds the page from the data beside it. What was not given has no section.
+// Builds the page from the embedded data. Missing inputs have no section.
 
 function provenanceSection(artefacts) {
   if (!artefacts.length) return;
-  section("provenance", "Provenance", "What made each artefact: options, seed, hashes of its inputs, device, version.",
+  section("provenance", "Provenance", "How each file was made: command, options, seed, hashes of the inputs, device, version.",
     artefacts.map(({ artefact, provenance }) => element("details", {},
       element("summary", {}, `${artefact} — ${provenance.verb || ""}, ${provenance.created || ""}`),
       element("pre", {}, JSON.stringify(provenance, null, 2)))));
 }
 
-// One part that cannot be drawn must not take the others with it.
-function draw(part, ...data) {
+// An error in one section must not hide the others.
+function draw(addSection, ...data) {
   try {
-    part(...data);
+    addSection(...data);
   } catch (error) {
-    document.getElementById("main").append(element("p", {}, `A part of this report could not be drawn: ${error.message}`));
+    document.getElementById("main").append(element("p", { class: "error" }, `A section of this report could not be drawn: ${error.message}`));
   }
 }
 
 function build() {
+  window.addEventListener("error", (event) => draw(() => { throw new Error(event.message); }));
   const data = JSON.parse(document.getElementById("data").textContent), metrics = data.metrics;
   document.getElementById("subtitle").textContent = [data.title, `touchtrace ${data.version}`, data.created, metrics && metrics.device].filter(Boolean).join(" · ");
-  if (metrics) for (const part of [resultSection, exampleSection, horizonSection]) draw(part, metrics);
+  if (metrics) for (const addSection of [resultSection, exampleSection, horizonSection]) draw(addSection, metrics);
   draw(runTimeSection, data);
   if (metrics) draw(labelErrorSection, metrics);
   draw(smoothingSection, data.smoothing);

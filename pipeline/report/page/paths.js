@@ -1,5 +1,5 @@
-// 3-D paths on a canvas, turned by dragging. Colours are read when drawing, so they follow the theme.
-// paths: {points: [[x, y, z]...], radii: [r...] or null, stroke, dash}; metres in the camera's frame (y down).
+// 3-D paths on a canvas, rotated by dragging. Colours are read when drawing, so they follow the theme.
+// paths: {points: [[x, y, z]...], radii: [r...] or null, stroke, dash}; metres in the camera frame (y down).
 
 function boundsOf(paths) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
@@ -35,7 +35,7 @@ function drawBox(context, bounds, project) {
     }
 }
 
-// 5 or 10 cm along each axis, from the corner that the axes share.
+// Marks of 5 or 10 cm along each axis, from the lowest corner.
 function drawAxisMarks(context, bounds, project) {
   const length = bounds.size > 0.25 ? 0.1 : 0.05;
   context.fillStyle = color("soft");
@@ -59,7 +59,7 @@ function drawPath(context, path, { project, scale }) {
   if (path.radii) {
     context.fillStyle = stroke;
     context.globalAlpha = 0.13;
-    context.beginPath();  // one path: where circles overlap, the band is no darker
+    context.beginPath();  // one path, so that overlapping circles are not darker
     points.forEach(([u, v], i) => {
       context.moveTo(u + path.radii[i] * scale, v);
       context.arc(u, v, path.radii[i] * scale, 0, 2 * Math.PI);
@@ -81,7 +81,7 @@ function drawPath(context, path, { project, scale }) {
 
 function pathView(paths, width = 430, height = 360) {
   const ratio = window.devicePixelRatio || 1;
-  const canvas = element("canvas", { class: "paths", width: width * ratio, height: height * ratio, style: `width:${width}px;height:${height}px`, "aria-label": "paths in space; drag to turn" });
+  const canvas = element("canvas", { class: "paths", width: width * ratio, height: height * ratio, style: `width:${width}px;height:${height}px`, "aria-label": "paths in 3-D; drag to rotate" });
   const bounds = boundsOf(paths), view = { yaw: 0.7, pitch: 0.45 };
   const draw = () => {
     const context = canvas.getContext("2d");

@@ -1,4 +1,4 @@
-// Example roll-outs: paths in space, each axis with its band, and the tactile frames behind them.
+// Example roll-outs: paths in 3-D, each axis with its band, and the tactile frames.
 
 const axisNames = ["x", "y (down)", "z (away)"];
 const bodies = [{ name: "object", first: 0 }, { name: "hand", first: 6 }];
@@ -24,26 +24,26 @@ function axisChart(example, body, axis) {
 function exampleView(example) {
   const charts = bodies.map((body) => [0, 1, 2].map((axis) => axisChart(example, body, axis)));
   const moveCursors = (step) => charts.flat().forEach((chart) => chart.moveCursor(step / example.rate_hz));
-  const view = (body) => element("figure", {}, pathView(examplePaths(example, body), 390, 320), element("figcaption", {}, `${body.name}; drag to turn`));
+  const view = (body) => element("figure", {}, pathView(examplePaths(example, body), 390, 320), element("figcaption", {}, `${body.name}; drag to rotate`));
   return element("div", {}, element("div", { class: "figures" }, bodies.map(view),
     example.tactile ? tactileView(example.tactile, example.rate_hz, moveCursors) : null),
     charts.map((row) => element("div", { class: "figures" }, row.map((chart) => element("figure", {}, chart)))));
 }
 
 function exampleChooser(activity, examples) {
-  const place = element("div");
+  const container = element("div");
   const choice = element("select", { "aria-label": `example of ${activity}` }, examples.map((e, i) =>
     element("option", { value: i }, `${e.object}, ${e.rank} roll-out: L1@50 ${fixed(e.l1_at_50, 3)} (clip ${e.clip}, frame ${e.start_frame})`)));
-  const show = () => place.replaceChildren(exampleView(examples[Number(choice.value)]));
+  const show = () => container.replaceChildren(exampleView(examples[Number(choice.value)]));
   choice.addEventListener("change", show);
   show();
-  return [element("h3", {}, activity), element("div", { class: "control" }, choice), place];
+  return [element("h3", {}, activity), element("div", { class: "control" }, choice), container];
 }
 
 function exampleSection(metrics) {
   const activities = [...new Set(metrics.examples.map((example) => example.activity))];
   if (!activities.length) return;
-  section("roll-outs", "Predicted and true paths", "Evaluation roll-outs chosen by the full model's error: the median one, and the ones at its 10th and 90th percentile. The band lies between the two predicted quantiles, after scaling; camera's frame.",
-    legend([{ name: metrics.against === "truth" ? "truth" : "labels", stroke: "truth" }, { name: "Full, with its band", stroke: "full" }, { name: "w/o Touch", stroke: "without_touch", dash: true }]),
+  section("roll-outs", metrics.against === "truth" ? "Predicted and true paths" : "Predicted and labelled paths", "Evaluation roll-outs at the median (“median”), 10th (“good”) and 90th percentile (“bad”) of the L1@50 error of the Full model. Band: between the two predicted quantiles, rescaled. Coordinates: camera frame.",
+    legend([{ name: metrics.against === "truth" ? "truth" : "labels", stroke: "truth" }, { name: "Full, with band", stroke: "full" }, { name: "w/o Touch", stroke: "without_touch", dash: true }]),
     activities.map((activity) => exampleChooser(activity, metrics.examples.filter((e) => e.activity === activity))));
 }

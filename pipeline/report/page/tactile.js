@@ -1,4 +1,4 @@
-// Tactile frames as a heat map with a slider over time.
+// Tactile frames as a heat map with a time slider.
 
 const heatStops = [[24, 26, 48], [59, 52, 128], [140, 60, 130], [222, 94, 82], [250, 176, 66], [252, 250, 190]];
 
@@ -17,7 +17,7 @@ function drawFrame(canvas, frames, index) {
   canvas.getContext("2d").putImageData(image, 0, 0);
 }
 
-// tactile: {rows, cols, first_step, data: base64 of bytes [frames, rows, cols]}; onStep is told the step shown.
+// tactile: {rows, cols, first_step, data: base64 of bytes [frames, rows, cols]}; onStep(step): called with the step shown.
 function tactileView(tactile, rateHz, onStep) {
   const bytes = Uint8Array.from(atob(tactile.data), (c) => c.charCodeAt(0));
   const frames = { rows: tactile.rows, cols: tactile.cols, bytes, scale: bytes.reduce((a, b) => Math.max(a, b), 1) };
@@ -34,5 +34,5 @@ function tactileView(tactile, rateHz, onStep) {
   slider.addEventListener("input", show);
   show();
   return element("figure", { style: "width:258px" }, canvas, element("div", { class: "control" }, slider, caption),
-    element("figcaption", {}, "tactile frames; 0 s is the start of the roll-out, what lies before is its first window"));
+    element("figcaption", {}, "tactile frames; 0 s: start of the roll-out; earlier frames: its first window"));
 }

@@ -130,7 +130,7 @@ InertialStream sense_inertia(const std::vector<SceneSample>& samples, const Scen
   const Vector3d place_m(p.place_x_m, 0.0, p.place_z_m);
   InertialStream stream;
   stream.rate_hz = p.rate_hz;
-  stream.place_m = {place_m.x(), place_m.y(), place_m.z()};
+  stream.position_m = {place_m.x(), place_m.y(), place_m.z()};
   if (samples.size() < 2) return stream;
   Unit unit(options, clip);
   auto number = static_cast<std::uint64_t>(

@@ -75,7 +75,7 @@ SimulationSummary summarize(const Recording& recording) {
   SimulationSummary summary;
   summary.clips = recording.clips.size();
   summary.dropped_clips =
-      static_cast<std::size_t>(std::ranges::count(recording.clips, true, &Clip::dropped));
+      static_cast<std::size_t>(std::ranges::count(recording.clips, true, &Clip::object_fell));
   summary.glove_frames = recording.gloves.front().frames();
   summary.camera_frames = recording.camera_times.frames();
   return summary;

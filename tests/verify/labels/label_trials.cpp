@@ -52,7 +52,7 @@ std::vector<label::ClipTrack> exact_tracks(const Recording& recording,
   const auto clips = label::clip_frames(recording, timeline);
   for (std::size_t i = 0; i < clips.size(); ++i)
     tracks.push_back(
-        recording.clips[i].dropped
+        recording.clips[i].object_fell
             ? label::ClipTrack{}
             : exact_track(clips[i], static_cast<std::int32_t>(i), timeline.camera_time_s, truth));
   return tracks;
@@ -148,7 +148,7 @@ double frames_to_recover(const RenderedRecording& rendered, const std::string& t
   const auto errors_m = raw_errors_m(labels, rendered.truth(), 0.0);
   double most = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t clip = 0; clip < covers.size(); ++clip) {
-    if (rendered.recording().clips[clip].dropped) continue;
+    if (rendered.recording().clips[clip].object_fell) continue;
     int frames = 0;
     for (std::size_t i = 0; i < errors_m.size(); ++i) {
       if (labels.raw.clip[i] != static_cast<std::int32_t>(clip)) continue;

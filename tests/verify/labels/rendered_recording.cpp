@@ -39,7 +39,7 @@ RenderedRecording::RenderedRecording(const RenderedScene& scene) {
   simulate(scene, path);
   reader_ = std::make_unique<RecordingReader>(path);
   truth_ = read_truth(path);
-  calibration_ = calibrate(board_views_of_recording(path));
+  calibration_ = calibrate(board_views_from_recording(path));
 }
 
 Labels RenderedRecording::label(const std::string& tracker,

@@ -19,18 +19,18 @@ namespace {
 namespace fs = std::filesystem;
 using Emit = std::function<void(Figure)>;
 
-constexpr int timed_frames = 200;
-constexpr int flips = 200, kills = 20;
-constexpr int frames_of_an_hour = 72000;
+constexpr int num_timed_frames = 200;
+constexpr int num_flips = 200, num_kills = 20;
+constexpr int frames_per_hour = 72000;
 
-CameraInfo camera_of(int width, int height) {
+CameraInfo make_camera_info(int width, int height) {
   CameraInfo camera;
   camera.width = width, camera.height = height;
   return camera;
 }
 
-/// Smooth shading with 2 counts of noise, depth with steps of 5 mm: as hard to pack as a real
-/// image.
+/// Smooth shading with noise of 2 counts, depth with noise in steps of 5 mm: compresses about as
+/// well as a real image.
 RgbdFrame noisy_image(const CameraInfo& camera, std::uint64_t seed) {
   RandomStream random(seed, "noisy image");
   RgbdFrame frame;
@@ -45,7 +45,7 @@ RgbdFrame noisy_image(const CameraInfo& camera, std::uint64_t seed) {
   return frame;
 }
 
-Recording recording_of(const CameraInfo& camera, int frames) {
+Recording make_recording(const CameraInfo& camera, int frames) {
   Recording recording;
   recording.activity = "wave";
   recording.camera = camera;
@@ -63,42 +63,42 @@ void write(const fs::path& path, const CameraInfo& camera, const std::vector<Rgb
   RecordingWriter writer(path, camera, true);
   for (int i = 0; i < frames; ++i)
     writer.append_camera_frame(images[static_cast<std::size_t>(i) % images.size()]);
-  writer.finish(recording_of(camera, frames));
+  writer.finish(make_recording(camera, frames));
 }
 
 void measure_speed(const ScratchFolder& folder, const Emit& emit) {
-  const CameraInfo camera = camera_of(320, 240);
+  const CameraInfo camera = make_camera_info(320, 240);
   std::vector<RgbdFrame> images;
   for (std::uint64_t seed = 0; seed < 8; ++seed) images.push_back(noisy_image(camera, seed));
   const fs::path path = folder.path() / "speed.h5";
   const Stopwatch writing;
-  write(path, camera, images, timed_frames);
+  write(path, camera, images, num_timed_frames);
   emit(at_most("recording: write 320x240 colour and depth",
-               1e3 * writing.cpu_seconds() / timed_frames, "CPU-ms", 6.0));
-  emit(reported("recording: size of such a frame",
-                static_cast<double>(fs::file_size(path)) / 1e3 / timed_frames, "kB"));
+               1e3 * writing.cpu_seconds() / num_timed_frames, "CPU-ms", 6.0));
+  emit(reported("recording: size of a 320x240 frame",
+                static_cast<double>(fs::file_size(path)) / 1e3 / num_timed_frames, "kB"));
   const RecordingReader reader(path);
   const Stopwatch reading;
-  for (std::size_t i = 0; i < timed_frames; ++i) reader.read_camera_frame(i);
-  emit(at_most("recording: read such a frame", 1e3 * reading.cpu_seconds() / timed_frames, "CPU-ms",
-               2.0));
+  for (std::size_t i = 0; i < num_timed_frames; ++i) reader.read_camera_frame(i);
+  emit(at_most("recording: read 320x240 colour and depth",
+               1e3 * reading.cpu_seconds() / num_timed_frames, "CPU-ms", 2.0));
 }
 
-/// An hour at 20 Hz must open at once: every verb opens its recordings.
+/// An hour at 20 Hz must open quickly: every command opens its recordings.
 void measure_opening(const ScratchFolder& folder, const Emit& emit) {
-  const CameraInfo camera = camera_of(16, 12);
+  const CameraInfo camera = make_camera_info(16, 12);
   const fs::path path = folder.path() / "hour.h5";
-  write(path, camera, {noisy_image(camera, 1)}, frames_of_an_hour);
+  write(path, camera, {noisy_image(camera, 1)}, frames_per_hour);
   const Stopwatch opening;
   const RecordingReader reader(path);
-  emit(at_most("recording: open an hour", opening.cpu_seconds(), "CPU-s", 2.0));
+  emit(at_most("recording: open one hour", opening.cpu_seconds(), "CPU-s", 2.0));
 }
 
-/// Whether the small recording of `frames` frames still reads as `images` say.
-bool reads_as(const fs::path& path, const std::vector<RgbdFrame>& images, int frames) {
+/// True if the recording of `frames` frames reads back as written.
+bool reads_back(const fs::path& path, const std::vector<RgbdFrame>& images, int frames) {
   const RecordingReader reader(path);
   bool same = reader.recording().camera_times.host_time_s ==
-              recording_of(reader.recording().camera, frames).camera_times.host_time_s;
+              make_recording(reader.recording().camera, frames).camera_times.host_time_s;
   for (int i = 0; i < frames; ++i) {
     const RgbdFrame frame = reader.read_camera_frame(static_cast<std::size_t>(i));
     const RgbdFrame& image = images[static_cast<std::size_t>(i) % images.size()];
@@ -108,7 +108,7 @@ bool reads_as(const fs::path& path, const std::vector<RgbdFrame>& images, int fr
 }
 
 void measure_bit_flips(const ScratchFolder& folder, const Emit& emit) {
-  const CameraInfo camera = camera_of(16, 12);
+  const CameraInfo camera = make_camera_info(16, 12);
   const std::vector<RgbdFrame> images{noisy_image(camera, 1)};
   constexpr int frames = 8;
   const fs::path path = folder.path() / "flips.h5";
@@ -116,24 +116,25 @@ void measure_bit_flips(const ScratchFolder& folder, const Emit& emit) {
   std::string bytes = read_file(path);
   RandomStream random(1, "bit flips");
   int found = 0, silent = 0;
-  for (int i = 0; i < flips; ++i) {
+  for (int i = 0; i < num_flips; ++i) {
     const auto bit = random.below(8 * bytes.size());
     bytes[bit / 8] ^= static_cast<char>(1 << (bit % 8));
     std::ofstream(path, std::ios::binary) << bytes;
     bytes[bit / 8] ^= static_cast<char>(1 << (bit % 8));
     try {
-      silent += !reads_as(path, images, frames);
+      silent += !reads_back(path, images, frames);
     } catch (const Error&) {
       ++found;
     }
   }
-  emit(reported("recording: bit flips found, of 200; the rest hit unused bytes", found, "flips"));
-  emit(at_most("recording: bit flips that changed the content silently", silent, "flips", 0.0));
+  emit(reported("recording: bit flips detected, of 200; the others hit unused bytes", found,
+                "flips"));
+  emit(at_most("recording: undetected bit flips that changed the content", silent, "flips", 0.0));
 }
 
-/// Kills a writer that replaces `path` again and again, after a random time.
-void kill_a_writer(const fs::path& path, const CameraInfo& camera,
-                   const std::vector<RgbdFrame>& images, int frames, double after_s) {
+/// Starts a process that replaces `path` repeatedly, and kills it after `after_s`.
+void kill_writer(const fs::path& path, const CameraInfo& camera,
+                 const std::vector<RgbdFrame>& images, int frames, double after_s) {
   const pid_t child = fork();
   if (child == 0)
     for (;;) write(path, camera, images, frames);
@@ -143,22 +144,22 @@ void kill_a_writer(const fs::path& path, const CameraInfo& camera,
 }
 
 void measure_kills(const ScratchFolder& folder, const Emit& emit) {
-  const CameraInfo camera = camera_of(64, 48);
+  const CameraInfo camera = make_camera_info(64, 48);
   const std::vector<RgbdFrame> images{noisy_image(camera, 1)};
   constexpr int frames = 10;
   const fs::path path = folder.path() / "kills.h5";
   write(path, camera, images, frames);
   RandomStream random(1, "kills");
   int damaged = 0;
-  for (int i = 0; i < kills; ++i) {
-    kill_a_writer(path, camera, images, frames, random.uniform(0.01, 0.2));
+  for (int i = 0; i < num_kills; ++i) {
+    kill_writer(path, camera, images, frames, random.uniform(0.01, 0.2));
     try {
-      damaged += !reads_as(path, images, frames);
+      damaged += !reads_back(path, images, frames);
     } catch (const Error&) {
       ++damaged;
     }
   }
-  emit(at_most("recording: files damaged by killing their writer, of 20", damaged, "files", 0.0));
+  emit(at_most("recording: files damaged by killing the writer, of 20", damaged, "files", 0.0));
 }
 
 }  // namespace

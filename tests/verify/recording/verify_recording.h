@@ -4,8 +4,8 @@
 
 namespace touchtrace {
 
-/// Processor time a frame of writing and reading, bytes a frame, and what bit flips and a killed
-/// writer do to a recording. Works in a temporary folder.
+/// Measures CPU time and size per frame, and the effect of bit flips and of killed writers on a
+/// recording. Works in a temporary folder.
 Verification verify_recording();
 
 }  // namespace touchtrace

@@ -151,7 +151,7 @@ Dataset load_with_rendered_labels(const std::filesystem::path& recording, int re
   options.tracker = "component";
   write_labels(sources[0].labels,
                label::label_recording(RecordingReader(recording),
-                                      calibrate(board_views_of_recording(recording)), options),
+                                      calibrate(board_views_from_recording(recording)), options),
                false);
   Dataset data = load_dataset(sources, resolution);
   attach_truth(data, sources);

@@ -7,7 +7,7 @@
 
 namespace touchtrace {
 
-bool Figure::holds() const {
+bool Figure::passes() const {
   if (!std::isfinite(value)) return false;
   switch (goal) {
     case Goal::at_most:
@@ -74,7 +74,7 @@ nlohmann::json to_json(const std::vector<Figure>& figures) {
                     {"value", std::isfinite(figure.value) ? nlohmann::json(figure.value) : nullptr},
                     {"unit", figure.unit},
                     {"goal", figure.goal_text()},
-                    {"holds", figure.holds()},
+                    {"holds", figure.passes()},
                     {"seconds", figure.seconds}});
     if (figure.picture) rows.back()["picture"] = to_json(*figure.picture);
   }

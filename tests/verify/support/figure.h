@@ -8,19 +8,19 @@
 
 namespace touchtrace {
 
-/// A picture that goes with a figure: curves over common axes, such as error over run time.
+/// Line plot of a figure, such as error over run time.
 struct Picture {
   struct Curve {
     std::string name;
     std::vector<double> x, y;
   };
 
-  std::string x_label, y_label;  ///< with the unit
+  std::string x_label, y_label;  ///< with units
   bool log_x = false, log_y = false;
   std::vector<Curve> curves;
 };
 
-/// One figure that a room promises, measured: a row of `touchtrace-verify AREA`.
+/// Measured quantity with its goal: one row of `touchtrace-verify AREA`.
 struct Figure {
   enum class Goal { at_most, at_least, within, reported };
 
@@ -28,11 +28,11 @@ struct Figure {
   double value;
   Goal goal = Goal::reported;
   double low = 0.0, high = 0.0;  ///< at_most: high; at_least: low; within: both; reported: none
-  double seconds = 0.0;          ///< spent on measuring it
-  std::optional<Picture> picture = std::nullopt;  ///< for `verify --report`
+  double seconds = 0.0;          ///< duration of the measurement
+  std::optional<Picture> picture = std::nullopt;  ///< for --report
 
-  /// False for a value that is not finite, whatever the goal.
-  bool holds() const;
+  /// Whether `value` meets the goal. False for NaN and infinity, also if only reported.
+  bool passes() const;
   /// "<= 0.24", ">= 2", "0.95 to 1.05" or "reported"
   std::string goal_text() const;
 };
@@ -40,13 +40,15 @@ struct Figure {
 Figure at_most(std::string name, double value, std::string unit, double high);
 Figure at_least(std::string name, double value, std::string unit, double low);
 Figure within(std::string name, double value, std::string unit, double low, double high);
+/// A figure without a goal.
 Figure reported(std::string name, double value, std::string unit);
 
-/// {"figures":[{"name","value","unit","goal","holds","seconds","picture"}...]}; a picture only
-/// where there is one, with the names that Picture has.
+/// {"figures": [{"name", "value", "unit", "goal", "holds", "seconds", "picture"}...]}. "holds" is
+/// passes(); "value" is null if not finite; "picture" exists only if the figure has one, with the
+/// member names of Picture.
 nlohmann::json to_json(const std::vector<Figure>& figures);
 
-/// Measures a room's figures, calling `emit` for each as soon as it is known.
+/// Measures the figures of an area and calls `emit` for each as soon as it is known.
 using Verification = std::function<void(const std::function<void(Figure)>& emit)>;
 
 }  // namespace touchtrace

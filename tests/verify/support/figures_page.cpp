@@ -35,16 +35,16 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-/// One axis: values to pixels.
+/// Maps values to pixels along one axis.
 struct Axis {
   bool logarithmic;
   double first_pixel, last_pixel;
   double low = std::numeric_limits<double>::infinity(), high = -low;
 
-  bool shows(double value) const { return std::isfinite(value) && (!logarithmic || value > 0); }
+  bool can_show(double value) const { return std::isfinite(value) && (!logarithmic || value > 0); }
   double scaled(double value) const { return logarithmic ? std::log10(value) : value; }
   void include(double value) {
-    if (!shows(value)) return;
+    if (!can_show(value)) return;
     low = std::min(low, scaled(value)), high = std::max(high, scaled(value));
   }
   void widen() {
@@ -95,7 +95,7 @@ std::string curve_svg(const Picture::Curve& curve, std::size_t number, const Axi
   const char* color = colors[number % colors.size()];
   std::string points, dots;
   for (std::size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
-    if (!x.shows(curve.x[i]) || !y.shows(curve.y[i])) continue;
+    if (!x.can_show(curve.x[i]) || !y.can_show(curve.y[i])) continue;
     const double px = x.pixel(curve.x[i]), py = y.pixel(curve.y[i]);
     points += fmt::format("{:.1f},{:.1f} ", px, py);
     dots += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='2.5' fill='{}'/>", px, py, color);
@@ -114,7 +114,7 @@ std::string row_html(const Figure& figure) {
       "<tr><td>{}</td><td class='n'>{:.6g}</td><td>{}</td><td>{}</td><td class='{}'>{}</td>"
       "<td class='n'>{:.2f}</td></tr>\n",
       escaped(figure.name), figure.value, escaped(figure.unit), escaped(figure.goal_text()),
-      figure.holds() ? "holds" : "short", figure.holds() ? "holds" : "falls short", figure.seconds);
+      figure.passes() ? "pass" : "fail", figure.passes() ? "PASS" : "FAIL", figure.seconds);
 }
 
 constexpr const char* style =
@@ -122,12 +122,12 @@ constexpr const char* style =
     "1rem;color:#222}"
     "table{border-collapse:collapse}td,th{padding:.2rem .8rem;border-bottom:1px solid "
     "#ddd;text-align:left}"
-    ".n{text-align:right;font-variant-numeric:tabular-nums}.short{color:#b00020;font-weight:600}"
+    ".n{text-align:right;font-variant-numeric:tabular-nums}.fail{color:#b00020;font-weight:600}"
     "svg{font-size:11px;max-width:100%}";
 
 }  // namespace
 
-std::string svg_of(const Picture& picture) {
+std::string to_svg(const Picture& picture) {
   Axis x{picture.log_x, left, width - right}, y{picture.log_y, height - bottom, top};
   for (const auto& curve : picture.curves) {
     for (double value : curve.x) x.include(value);
@@ -151,7 +151,7 @@ std::string figures_page(const std::string& title, const std::vector<Figure>& fi
   page += "</table>\n";
   for (const auto& figure : figures)
     if (figure.picture)
-      page += fmt::format("<h2>{}</h2>\n{}\n", escaped(figure.name), svg_of(*figure.picture));
+      page += fmt::format("<h2>{}</h2>\n{}\n", escaped(figure.name), to_svg(*figure.picture));
   return page + "</html>\n";
 }
 

@@ -7,11 +7,11 @@
 
 namespace touchtrace::report {
 
-/// The picture as SVG: axes with ticks, one line a curve, a legend. Points that are not finite, or
-/// not positive on a logarithmic axis, are left out.
-std::string svg_of(const Picture& picture);
+/// Renders a plot as SVG: axes with ticks, one line per curve, a legend. Skips points that are not
+/// finite, and points <= 0 on a logarithmic axis.
+std::string to_svg(const Picture& picture);
 
-/// One self-contained HTML page: the table of `figures` and their pictures.
+/// Renders a self-contained HTML page: the table of `figures`, then their plots.
 std::string figures_page(const std::string& title, const std::vector<Figure>& figures);
 
 }  // namespace touchtrace::report

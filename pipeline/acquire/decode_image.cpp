@@ -1,0 +1,19 @@
+#include "pipeline/acquire/decode_image.h"
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "engine/base/files.h"
+
+namespace touchtrace {
+
+cv::Mat decode_image(const std::filesystem::path& path, int flags) {
+  std::string bytes = read_file(path);
+  if (bytes.empty()) return {};
+  try {
+    return cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8U, bytes.data()), flags);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+}  // namespace touchtrace

@@ -8,18 +8,19 @@
 namespace touchtrace {
 namespace {
 
-constexpr int most_rounds = 20;
-constexpr double settled_px = 1e-4;
+constexpr int max_iterations_to_saddle = 20;
+constexpr double step_tolerance_px = 1e-4;
 
-using Quadric = Eigen::Matrix<double, 6, 1>;  // of x^2, x y, y^2, x, y, 1
+using Quadric = Eigen::Matrix<double, 6, 1>;  // coefficients of x^2, x y, y^2, x, y, 1
 
-bool inside(const GreyImage& image, const Eigen::Vector2d& at, int radius_px) {
+bool is_inside(const GreyImage& image, const Eigen::Vector2d& at, int radius_px) {
   const double margin = radius_px + 1.0;
   return at.minCoeff() >= margin && at.x() < image.width - margin && at.y() < image.height - margin;
 }
 
-/// Weights fall to nothing at the rim, so that it does not matter which pixels are just inside.
-Quadric fitted(const GreyImage& image, const Eigen::Vector2d& at, int radius_px) {
+/// Weighted least-squares fit. Weights fall to 0 at the rim, so that the set of pixels may change
+/// without a jump.
+Quadric fit_quadric(const GreyImage& image, const Eigen::Vector2d& at, int radius_px) {
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
   Quadric right = Quadric::Zero();
   const auto column = static_cast<int>(std::lround(at.x())),
@@ -37,18 +38,18 @@ Quadric fitted(const GreyImage& image, const Eigen::Vector2d& at, int radius_px)
 
 }  // namespace
 
-std::optional<Eigen::Vector2d> saddle_point(const GreyImage& image, const Eigen::Vector2d& start_px,
-                                            int radius_px) {
+std::optional<Eigen::Vector2d> refine_saddle_point(const GreyImage& image,
+                                                   const Eigen::Vector2d& start_px, int radius_px) {
   Eigen::Vector2d at = start_px;
-  for (int round = 0; round < most_rounds; ++round) {
-    if (!inside(image, at, radius_px) || !((at - start_px).norm() <= radius_px)) return {};
-    const Quadric q = fitted(image, at, radius_px);
+  for (int i = 0; i < max_iterations_to_saddle; ++i) {
+    if (!is_inside(image, at, radius_px) || !((at - start_px).norm() <= radius_px)) return {};
+    const Quadric q = fit_quadric(image, at, radius_px);
     const Eigen::Matrix2d curvature =
         (Eigen::Matrix2d() << 2 * q[0], q[1], q[1], 2 * q[2]).finished();
     if (!(curvature.determinant() < 0.0)) return {};
     const Eigen::Vector2d step = -curvature.inverse() * q.segment<2>(3);
     at += step;
-    if (step.norm() < settled_px) return at;
+    if (step.norm() < step_tolerance_px) return at;
   }
   return {};
 }

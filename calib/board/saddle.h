@@ -6,11 +6,11 @@
 
 namespace touchtrace {
 
-/// Where four squares meet: the saddle point of the quadric that fits the grey values within
-/// `radius_px` best, fitted anew around itself until it stays (Lucchese and Mitra, APCCAS 2002).
-/// Nothing near the image's border, where there is no saddle, or more than `radius_px` from
-/// `start_px`.
-std::optional<Eigen::Vector2d> saddle_point(const GreyImage& image, const Eigen::Vector2d& start_px,
-                                            int radius_px);
+/// Refines a chessboard corner to the saddle point of a quadric fitted to the grey values within
+/// `radius_px`, repeated around the new position until it moves less than 1e-4 px (Lucchese and
+/// Mitra, APCCAS 2002). nullopt near the image border, where the quadric has no saddle, after more
+/// than 20 iterations, or more than `radius_px` from `start_px`.
+std::optional<Eigen::Vector2d> refine_saddle_point(const GreyImage& image,
+                                                   const Eigen::Vector2d& start_px, int radius_px);
 
 }  // namespace touchtrace

@@ -15,24 +15,25 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 template <class L>
 Eigen::Vector2d pixel_of(L lens, const std::array<double, max_intrinsics>& intrinsics,
                          const Eigen::Vector3d& point_m) {
-  if (!lens.sees(point_m)) return {nan, nan};
+  if (!lens.can_project(point_m)) return {nan, nan};
   return project_point<L>(intrinsics.data(), point_m);
 }
 
-/// What `L` bends to `distorted`, or NaN.
+/// Inverts L::distort() by Newton's method; NaN if it does not converge.
 template <class L>
-Eigen::Vector2d straightened(const double* coefficients, const Eigen::Vector2d& distorted) {
+Eigen::Vector2d undistort(const double* coefficients, const Eigen::Vector2d& distorted) {
   using Jet = ceres::Jet<double, 2>;
   std::array<Jet, max_coefficients> k;
   for (std::size_t i = 0; i < L::coefficients.size(); ++i) k[i] = Jet(coefficients[i]);
   Eigen::Vector2d ideal = distorted;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    const Vector2<Jet> bent = L::bend(k.data(), Vector2<Jet>(Jet(ideal.x(), 0), Jet(ideal.y(), 1)));
+    const Vector2<Jet> predicted =
+        L::distort(k.data(), Vector2<Jet>(Jet(ideal.x(), 0), Jet(ideal.y(), 1)));
     Eigen::Matrix2d jacobian;
-    jacobian << bent.x().v.transpose(), bent.y().v.transpose();
+    jacobian << predicted.x().v.transpose(), predicted.y().v.transpose();
     if (!(jacobian.determinant() > 0.0)) break;
     const Eigen::Vector2d step =
-        jacobian.inverse() * (Eigen::Vector2d(bent.x().a, bent.y().a) - distorted);
+        jacobian.inverse() * (Eigen::Vector2d(predicted.x().a, predicted.y().a) - distorted);
     ideal -= step;
     if (step.norm() <= tolerance * (1.0 + ideal.norm())) return ideal;
   }
@@ -69,7 +70,7 @@ void Camera::project(std::span<const Eigen::Vector3f> points_m,
 Eigen::Vector3d Camera::unproject(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d distorted((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
   return with_lens(lens, [&](auto l) -> Eigen::Vector3d {
-    return l.ray(straightened<decltype(l)>(distortion.data(), distorted));
+    return l.ray(undistort<decltype(l)>(distortion.data(), distorted));
   });
 }
 

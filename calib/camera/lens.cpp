@@ -41,15 +41,15 @@ std::vector<Lens> all_lenses() {
   (std::make_index_sequence<std::variant_size_v<Lens>>{});
 }
 
-ForeignLens foreign_lens(const Lens& lens) {
-  return with_lens(lens, [](auto l) { return l.foreign; });
+LensInterop lens_interop(const Lens& lens) {
+  return with_lens(lens, [](auto l) { return l.interop; });
 }
 
 bool is_perspective(const Lens& lens) {
   return with_lens(lens, [](auto l) { return std::is_base_of_v<Perspective, decltype(l)>; });
 }
 
-std::optional<Lens> lens_of(const std::string& name) {
+std::optional<Lens> find_lens(const std::string& name) {
   for (const Lens& lens : all_lenses())
     if (lens_name(lens) == name) return lens;
   return {};

@@ -10,43 +10,51 @@
 
 namespace touchtrace {
 
-/// How a camera sees, in two steps. `spread` takes a point of the camera's frame to the plane of an
-/// ideal lens, `bend` moves it there by the distortion; the pixel is (fx, fy) times that plus (cx,
-/// cy). `ray` inverts `spread` to (X/Z, Y/Z, 1).
+/// Lens models. A lens L projects a camera-frame point p in three steps:
+///     m = L::normalize(p)          ideal projection, without units
+///     d = L::distort(k, m)         distortion with the coefficients k
+///     pixel = (fx d.x + cx, fy d.y + cy)
+/// L::can_project(p): the domain of normalize(). L::ray(m): the inverse of normalize(), as
+/// (X/Z, Y/Z, 1).
 ///
-/// To add a lens, write a struct like those below and name it in `Lens`.
+/// To add a lens, write a struct like those below, derived from its ideal projection, with `name`,
+/// `coefficients`, `interop` and distort(), and append it to `Lens`, after all simpler ones. The
+/// calibration, the choice of the lens, files and tests then include it. distort() must be the
+/// identity at the centre and for k = 0, and must accept any Ceres scalar. A coefficient that
+/// another lens of the same ideal projection has must have the same index there
+/// (calib/rgbd/color_fit.cpp reuses fits).
 
 template <class T>
 using Vector2 = Eigen::Matrix<T, 2, 1>;
 template <class T>
 using Vector3 = Eigen::Matrix<T, 3, 1>;
 
-/// (X/Z, Y/Z): everything before the camera.
+/// Perspective projection (X/Z, Y/Z), Z > 0.
 struct Perspective {
   template <class T>
-  static bool sees(const Vector3<T>& p) {
+  static bool can_project(const Vector3<T>& p) {
     return p.z() > T(0);
   }
   template <class T>
-  static Vector2<T> spread(const Vector3<T>& p) {
+  static Vector2<T> normalize(const Vector3<T>& p) {
     return {p.x() / p.z(), p.y() / p.z()};
   }
   static Eigen::Vector3d ray(const Eigen::Vector2d& m) { return {m.x(), m.y(), 1.0}; }
 };
 
-/// The angle to the optical axis [rad] in the point's direction: everything but what lies straight
-/// behind. `ray` is not a number from 90 degrees on.
+/// Equidistant projection: the angle to the optical axis [rad] in the direction of (X, Y). Its
+/// domain is everything except the negative optical axis. ray() is NaN from 90 degrees on.
 struct Equidistant {
   template <class T>
-  static bool sees(const Vector3<T>& p) {
+  static bool can_project(const Vector3<T>& p) {
     return p.z() > T(0) || p.x() * p.x() + p.y() * p.y() > T(0);
   }
   template <class T>
-  static Vector2<T> spread(const Vector3<T>& p) {
+  static Vector2<T> normalize(const Vector3<T>& p) {
     using std::atan2, std::sqrt;
     const T square = p.x() * p.x() + p.y() * p.y();
     const T tangent2 = square / (p.z() * p.z());
-    constexpr double series_below = 1e-8;  // where atan(t) / t = 1 - t^2/3 to double precision
+    constexpr double series_below = 1e-8;  // there atan(t) / t = 1 - t^2/3 to double precision
     if (p.z() > T(0) && tangent2 < T(series_below)) {
       const T scale = (T(1) - tangent2 / T(3)) / p.z();
       return {p.x() * scale, p.y() * scale};
@@ -58,17 +66,16 @@ struct Equidistant {
   static Eigen::Vector3d ray(const Eigen::Vector2d& m);
 };
 
-/// What other programs call a lens. ROS and OpenCV write `coefficients`, the lens's own and zeros;
-/// kalibr four.
-struct ForeignLens {
-  const char* ros;
-  int coefficients;
-  const char* kalibr;  ///< nullptr if it has none such
+/// Names of a lens in other programs.
+struct LensInterop {
+  const char* ros;           ///< distortion_model of camera_info
+  int num_ros_coefficients;  ///< also OpenCV's: the lens's coefficients, then zeros
+  const char* kalibr;        ///< distortion_model with four coefficients; nullptr: no equivalent
 };
 
 namespace detail {
 
-/// OpenCV's p1 and p2: the lens's parts are not centred on one another.
+/// Tangential (decentring) distortion with OpenCV's p1 and p2; r2 = |m|^2.
 template <class T>
 Vector2<T> tangential(const T& p1, const T& p2, const Vector2<T>& m, const T& r2) {
   const T xy2 = T(2) * m.x() * m.y();
@@ -77,64 +84,65 @@ Vector2<T> tangential(const T& p1, const T& p2, const Vector2<T>& m, const T& r2
 
 }  // namespace detail
 
-/// What an image has once it is rectified.
+/// No distortion, as in a rectified image.
 struct Undistorted : Perspective {
   static constexpr const char* name = "none";
   static constexpr std::array<const char*, 0> coefficients{};
-  static constexpr ForeignLens foreign{"plumb_bob", 5, "radtan"};
+  static constexpr LensInterop interop{"plumb_bob", 5, "radtan"};
   template <class T>
-  static Vector2<T> bend(const T*, const Vector2<T>& m) {
+  static Vector2<T> distort(const T*, const Vector2<T>& m) {
     return m;
   }
 };
 
-/// Brown's radial-tangential distortion as OpenCV defines it: 1 + k1 r^2 + k2 r^4.
+/// Brown's radial-tangential distortion as OpenCV defines it, radial factor 1 + k1 r^2 + k2 r^4.
 struct Radtan4 : Perspective {
   static constexpr const char* name = "radtan4";
   static constexpr std::array coefficients{"k1", "k2", "p1", "p2"};
-  static constexpr ForeignLens foreign{"plumb_bob", 5, "radtan"};
+  static constexpr LensInterop interop{"plumb_bob", 5, "radtan"};
   template <class T>
-  static Vector2<T> bend(const T* k, const Vector2<T>& m) {
+  static Vector2<T> distort(const T* k, const Vector2<T>& m) {
     const T r2 = m.squaredNorm();
     return m * (T(1) + r2 * (k[0] + r2 * k[1])) + detail::tangential(k[2], k[3], m, r2);
   }
 };
 
-/// With k3 r^6.
+/// Radtan4 with k3 r^6 added to the radial factor.
 struct Radtan5 : Perspective {
   static constexpr const char* name = "radtan5";
   static constexpr std::array coefficients{"k1", "k2", "p1", "p2", "k3"};
-  static constexpr ForeignLens foreign{"plumb_bob", 5, nullptr};
+  static constexpr LensInterop interop{"plumb_bob", 5, nullptr};
   template <class T>
-  static Vector2<T> bend(const T* k, const Vector2<T>& m) {
+  static Vector2<T> distort(const T* k, const Vector2<T>& m) {
     const T r2 = m.squaredNorm();
     return m * (T(1) + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) +
            detail::tangential(k[2], k[3], m, r2);
   }
 };
 
-/// That over 1 + k4 r^2 + k5 r^4 + k6 r^6 (OpenCV's CALIB_RATIONAL_MODEL).
+/// Radtan5 with the radial factor divided by 1 + k4 r^2 + k5 r^4 + k6 r^6 (OpenCV's
+/// CALIB_RATIONAL_MODEL).
 struct Rational8 : Perspective {
   static constexpr const char* name = "rational8";
   static constexpr std::array coefficients{"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
-  static constexpr ForeignLens foreign{"rational_polynomial", 8, nullptr};
+  static constexpr LensInterop interop{"rational_polynomial", 8, nullptr};
   template <class T>
-  static Vector2<T> bend(const T* k, const Vector2<T>& m) {
+  static Vector2<T> distort(const T* k, const Vector2<T>& m) {
     const T r2 = m.squaredNorm();
-    const T above = T(1) + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
-    const T below = T(1) + r2 * (k[5] + r2 * (k[6] + r2 * k[7]));
-    return m * (above / below) + detail::tangential(k[2], k[3], m, r2);
+    const T numerator = T(1) + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+    const T denominator = T(1) + r2 * (k[5] + r2 * (k[6] + r2 * k[7]));
+    return m * (numerator / denominator) + detail::tangential(k[2], k[3], m, r2);
   }
 };
 
-/// Kannala and Brandt (PAMI 2006), OpenCV's fisheye, kalibr's equidistant: the angle times
-/// 1 + k1 a^2 + k2 a^4 + k3 a^6 + k4 a^8.
+/// Fisheye of Kannala and Brandt (PAMI 2006), OpenCV's fisheye, kalibr's equidistant: the angle a
+/// times 1 + k1 a^2 + k2 a^4 + k3 a^6 + k4 a^8.
 struct Fisheye4 : Equidistant {
   static constexpr const char* name = "fisheye4";
   static constexpr std::array coefficients{"k1", "k2", "k3", "k4"};
-  static constexpr ForeignLens foreign{"equidistant", 4, "equidistant"};
+  static constexpr LensInterop interop{"equidistant", 4, "equidistant"};
   template <class T>
-  static Vector2<T> bend(const T* k, const Vector2<T>& m) {
+  static Vector2<T> distort(const T* k, const Vector2<T>& m) {
     const T a2 = m.squaredNorm();
     return m * (T(1) + a2 * (k[0] + a2 * (k[1] + a2 * (k[2] + a2 * k[3]))));
   }
@@ -144,11 +152,11 @@ using Lens = std::variant<Undistorted, Radtan4, Radtan5, Rational8, Fisheye4>;
 
 inline constexpr int max_coefficients = 8, max_intrinsics = 4 + max_coefficients;
 
-/// The pixel of a point [m] in the camera's frame that L::sees, for any scalar, so that Ceres
-/// differentiates it. `intrinsics`: fx fy cx cy, then L::coefficients.
+/// Projects a camera-frame point [m], for which L::can_project() holds, to a pixel. `intrinsics`:
+/// fx fy cx cy, then L::coefficients. T: double or a Ceres Jet.
 template <class L, class T>
 Vector2<T> project_point(const T* intrinsics, const Vector3<T>& p) {
-  const Vector2<T> m = L::bend(intrinsics + 4, L::spread(p));
+  const Vector2<T> m = L::distort(intrinsics + 4, L::normalize(p));
   return {intrinsics[0] * m.x() + intrinsics[2], intrinsics[1] * m.y() + intrinsics[3]};
 }
 
@@ -160,11 +168,10 @@ decltype(auto) with_lens(const Lens& lens, Use&& use) {
 
 std::string lens_name(const Lens& lens);
 std::vector<std::string> coefficient_names(const Lens& lens);
-std::vector<std::string> intrinsic_names(const Lens& lens);  ///< fx fy cx cy before them
-std::vector<Lens> all_lenses();
-/// Nothing if no lens is called that.
-std::optional<Lens> lens_of(const std::string& name);
-ForeignLens foreign_lens(const Lens& lens);
-bool is_perspective(const Lens& lens);  ///< else it is a fisheye
+std::vector<std::string> intrinsic_names(const Lens& lens);  ///< fx fy cx cy, then coefficients
+std::vector<Lens> all_lenses();                              ///< in the order of `Lens`
+std::optional<Lens> find_lens(const std::string& name);      ///< nullopt for an unknown name
+LensInterop lens_interop(const Lens& lens);
+bool is_perspective(const Lens& lens);  ///< false: fisheye
 
 }  // namespace touchtrace

@@ -7,14 +7,15 @@
 namespace touchtrace {
 namespace {
 
-constexpr double least_speed_m_s = 0.02;
-constexpr int fewest_moving_views = 3;
+constexpr double min_speed_m_s = 0.02;
+constexpr int min_moving_views = 3;
 
-/// The used view nearest in time on one side of `view`, or `view` itself.
+/// Index of the nearest used view before (side -1) or after (side 1) `view`; `view` if there is
+/// none within max_gap_s.
 std::size_t neighbour(const BoardObservations& o, const std::vector<bool>& used, std::size_t view,
                       double side) {
   std::size_t best = view;
-  double nearest_s = longest_gap_s;
+  double nearest_s = max_gap_s;
   for (std::size_t other = 0; other < o.views.size(); ++other) {
     const double gap_s = side * (o.views[other].color_time_s - o.views[view].color_time_s);
     if (used[other] && gap_s > 0.0 && gap_s <= nearest_s) best = other, nearest_s = gap_s;
@@ -24,9 +25,9 @@ std::size_t neighbour(const BoardObservations& o, const std::vector<bool>& used,
 
 BoardMotion motion_between(const Eigen::Isometry3d& first, const Eigen::Isometry3d& second,
                            double seconds) {
-  const Eigen::AngleAxisd turn(second.linear() * first.linear().transpose());
+  const Eigen::AngleAxisd rotation(second.linear() * first.linear().transpose());
   return {(second.translation() - first.translation()) / seconds,
-          turn.angle() * turn.axis() / seconds, 0.0};
+          rotation.angle() * rotation.axis() / seconds, 0.0};
 }
 
 }  // namespace
@@ -47,10 +48,10 @@ std::vector<BoardMotion> board_motions(const BoardObservations& o, const std::ve
   return motions;
 }
 
-bool shows_delay(const std::vector<BoardMotion>& motions) {
+bool is_delay_observable(const std::vector<BoardMotion>& motions) {
   return std::ranges::count_if(motions, [](const BoardMotion& motion) {
-           return motion.linear_m_s.norm() > least_speed_m_s;
-         }) >= fewest_moving_views;
+           return motion.linear_m_s.norm() > min_speed_m_s;
+         }) >= min_moving_views;
 }
 
 }  // namespace touchtrace

@@ -4,16 +4,15 @@
 
 namespace touchtrace {
 
-/// How the board moves in each view, from the poses of the used views just before and after it
-/// (within `longest_gap_s` by the colour stamps); at rest where there are none. Only where the
-/// board moves does a delay between the streams show.
+/// Returns the board's velocity in each view [views], from the poses of the nearest used views
+/// before and after it. Zero where there is none within `max_gap_s` by colour time stamps.
 std::vector<BoardMotion> board_motions(const BoardObservations& observations,
                                        const std::vector<bool>& used,
                                        const RgbdParameters& parameters);
 
-/// True if enough views move for a delay to be estimated.
-bool shows_delay(const std::vector<BoardMotion>& motions);
+/// True if the board moves in enough views to estimate the delay between depth and colour.
+bool is_delay_observable(const std::vector<BoardMotion>& motions);
 
-inline constexpr double longest_gap_s = 0.15;
+inline constexpr double max_gap_s = 0.15;
 
 }  // namespace touchtrace

@@ -25,45 +25,47 @@ ceres::CostFunction* prior_of(const std::array<double, N>& mean,
 
 template <class L>
 void add_corners(const BoardProblem& problem, std::size_t view, ceres::LossFunction* loss,
-                 RgbdParameters& p, ceres::Problem& ceres_problem) {
+                 RgbdParameters& p, CeresProblem& ceres_problem) {
   const Chessboard& board = problem.observations.board;
   const BoardView& seen = problem.observations.views[view];
-  const auto rotation = std::make_shared<ViewRotation>();
   for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
-    const int corner = seen.corner(i);
+    const int corner = seen.corner_id(i);
     const Eigen::Vector3d flat_m = board.corner_m(corner);
     std::vector<double*> blocks{p.color.data(), p.camera_from_board[view].data(),
                                 p.board_warp_m.data()};
-    if (print_is_free(problem)) blocks.push_back(p.board_offsets_m[std::size_t(corner)].data());
-    ceres_problem.AddResidualBlock(
-        new CornerCost<L>(flat_m, board.warp_shape(flat_m.head<2>()), seen.corners_px[i],
-                          problem.corner_sigma_px, rotation, print_is_free(problem)),
+    if (has_free_deformation(problem))
+      blocks.push_back(p.corner_offsets_m[std::size_t(corner)].data());
+    ceres_problem.problem.AddResidualBlock(
+        new CornerCost<L>(flat_m, board.warp_basis(flat_m.head<2>()), seen.corners_px[i],
+                          problem.corner_sigma_px, ceres_problem.rotations[view],
+                          has_free_deformation(problem)),
         loss, blocks);
   }
 }
 
 template <class L>
 void add_color(const BoardProblem& problem, ceres::LossFunction* loss, RgbdParameters& p,
-               ceres::Problem& ceres_problem) {
+               CeresProblem& ceres_problem) {
   constexpr int size = 4 + static_cast<int>(L::coefficients.size());
   for (std::size_t view : used_views(problem))
     add_corners<L>(problem, view, loss, p, ceres_problem);
   PriorError<size> prior;
   std::copy_n(problem.prior.color_mean.begin(), size, prior.mean.begin());
   std::copy_n(problem.prior.color_sigma.begin(), size, prior.sigma.begin());
-  ceres_problem.AddResidualBlock(autodiff<PriorError<size>, size, size>(prior), nullptr,
-                                 p.color.data());
+  ceres_problem.problem.AddResidualBlock(autodiff<PriorError<size>, size, size>(prior), nullptr,
+                                         p.color.data());
   std::vector<int> fixed;
   for (int i = 0; i < size; ++i)
     if (std::ranges::find(problem.free_color, i) == problem.free_color.end()) fixed.push_back(i);
   if (!fixed.empty())
-    ceres_problem.SetManifold(p.color.data(), new ceres::SubsetManifold(size, fixed));
+    ceres_problem.problem.SetManifold(p.color.data(), new ceres::SubsetManifold(size, fixed));
 }
 
-/// Corners that no view shows have a prior, too, and stay where they should be.
-void add_print(const BoardProblem& problem, RgbdParameters& p, ceres::Problem& ceres_problem) {
-  const double sigma_m = problem.prior.print_sigma_m;
-  for (auto& offset_m : p.board_offsets_m) {
+/// Corners that no view shows get a prior, too: it keeps their offsets at 0.
+void add_deformation(const BoardProblem& problem, RgbdParameters& p,
+                     ceres::Problem& ceres_problem) {
+  const double sigma_m = problem.prior.deformation_sigma_m;
+  for (auto& offset_m : p.corner_offsets_m) {
     ceres_problem.AddResidualBlock(prior_of<3>({}, {sigma_m, sigma_m, sigma_m}), nullptr,
                                    offset_m.data());
     if (problem.depth_only || problem.fixed_camera)
@@ -91,8 +93,15 @@ void add_depth(const BoardProblem& problem, ceres::LossFunction* loss, RgbdParam
     ceres_problem.SetParameterBlockConstant(&p.depth_delay_s);
 }
 
-/// Ceres warns on stderr of steps that it then makes shorter.
-void keep_ceres_quiet() { FLAGS_minloglevel = google::GLOG_ERROR; }
+/// Ceres warns on stderr about rejected steps, which are normal.
+void silence_ceres_warnings() { FLAGS_minloglevel = google::GLOG_ERROR; }
+
+ceres::Problem::Options problem_options(ViewRotations& rotations) {
+  ceres::Problem::Options options;
+  options.disable_all_safety_checks = true;  // the blocks are members of one struct
+  options.evaluation_callback = &rotations;
+  return options;
+}
 
 }  // namespace
 
@@ -103,34 +112,49 @@ std::vector<std::size_t> used_views(const BoardProblem& problem) {
   return views;
 }
 
-std::unique_ptr<ceres::Problem> make_problem(const BoardProblem& problem, RgbdParameters& p) {
-  ceres::Problem::Options options;
-  options.disable_all_safety_checks = true;  // the blocks are members of one struct
-  auto result = std::make_unique<ceres::Problem>(options);
+ViewRotations::ViewRotations(const std::vector<std::array<double, 6>>& camera_from_board)
+    : camera_from_board_(camera_from_board), rotations_(camera_from_board.size()) {
+  PrepareForEvaluation(true, true);
+}
+
+void ViewRotations::PrepareForEvaluation(bool, bool new_evaluation_point) {
+  if (!new_evaluation_point) return;
+  for (std::size_t view = 0; view < rotations_.size(); ++view) {
+    const Eigen::Vector3d angle_axis(camera_from_board_[view].data());
+    rotations_[view] = {rotation_matrix(angle_axis), left_jacobian(angle_axis)};
+  }
+}
+
+CeresProblem::CeresProblem(const RgbdParameters& p)
+    : rotations(p.camera_from_board), problem(problem_options(rotations)) {}
+
+std::unique_ptr<CeresProblem> make_problem(const BoardProblem& problem, RgbdParameters& p) {
+  auto result = std::make_unique<CeresProblem>(p);
+  ceres::Problem& ceres_problem = result->problem;
   auto* loss = new ceres::HuberLoss(problem.loss_sigmas);
   with_lens(p.lens, [&](auto l) { add_color<decltype(l)>(problem, loss, p, *result); });
   const double warp_sigma_m = problem.prior.warp_sigma_m;
-  result->AddResidualBlock(prior_of<2>({}, {warp_sigma_m, warp_sigma_m}), nullptr,
-                           p.board_warp_m.data());
-  if (print_is_free(problem)) add_print(problem, p, *result);
-  if (!problem.samples.empty()) add_depth(problem, loss, p, *result);
+  ceres_problem.AddResidualBlock(prior_of<2>({}, {warp_sigma_m, warp_sigma_m}), nullptr,
+                                 p.board_warp_m.data());
+  if (has_free_deformation(problem)) add_deformation(problem, p, ceres_problem);
+  if (!problem.samples.empty()) add_depth(problem, loss, p, ceres_problem);
   if (problem.depth_only || problem.fixed_camera) {
-    result->SetParameterBlockConstant(p.color.data());
-    result->SetParameterBlockConstant(p.board_warp_m.data());
+    ceres_problem.SetParameterBlockConstant(p.color.data());
+    ceres_problem.SetParameterBlockConstant(p.board_warp_m.data());
   }
   if (problem.depth_only) {
     for (std::size_t view : used_views(problem))
-      result->SetParameterBlockConstant(p.camera_from_board[view].data());
+      ceres_problem.SetParameterBlockConstant(p.camera_from_board[view].data());
   }
   return result;
 }
 
-Eigen::Vector3d corner_on_board(const Chessboard& board, int corner, const RgbdParameters& p) {
-  Eigen::Vector3d place_m = board.corner_m(corner);
-  place_m.z() += board.warp_shape(place_m.head<2>())
-                     .dot(Eigen::Map<const Eigen::Vector2d>(p.board_warp_m.data()));
-  if (!p.board_offsets_m.empty()) place_m += p.board_offsets_m[std::size_t(corner)];
-  return place_m;
+Eigen::Vector3d deformed_corner_m(const Chessboard& board, int corner, const RgbdParameters& p) {
+  Eigen::Vector3d corner_m = board.corner_m(corner);
+  corner_m.z() += board.warp_basis(corner_m.head<2>())
+                      .dot(Eigen::Map<const Eigen::Vector2d>(p.board_warp_m.data()));
+  if (!p.corner_offsets_m.empty()) corner_m += p.corner_offsets_m[std::size_t(corner)];
+  return corner_m;
 }
 
 Eigen::Isometry3d pose_of(const std::array<double, 6>& p) {
@@ -141,18 +165,19 @@ Eigen::Isometry3d pose_of(const std::array<double, 6>& p) {
 }
 
 bool solve(const BoardProblem& problem, RgbdParameters& parameters) {
-  keep_ceres_quiet();
+  silence_ceres_warnings();
   RgbdParameters trial = parameters;
   const auto ceres_problem = make_problem(problem, trial);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.max_num_iterations = problem.most_iterations;
+  options.max_num_iterations = problem.max_iterations;
   options.function_tolerance = problem.cost_tolerance;
   options.parameter_tolerance = problem.parameter_tolerance;
-  options.initial_trust_region_radius = 1e8;  // near Gauss and Newton: half the iterations
+  options.num_threads = problem.num_threads;
+  options.initial_trust_region_radius = 1e8;  // close to Gauss-Newton: half the iterations
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(options, ceres_problem.get(), &summary);
+  ceres::Solve(options, &ceres_problem->problem, &summary);
   if (summary.termination_type != ceres::CONVERGENCE || !std::isfinite(summary.final_cost))
     return false;
   parameters = trial;
@@ -166,8 +191,9 @@ std::vector<Eigen::Vector2d> corner_residuals(const BoardObservations& observati
   const Eigen::Isometry3d pose = pose_of(p.camera_from_board[view]);
   with_lens(p.lens, [&](auto l) {
     for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
-      const Eigen::Vector3d point = pose * corner_on_board(observations.board, seen.corner(i), p);
-      if (l.sees(point))
+      const Eigen::Vector3d point =
+          pose * deformed_corner_m(observations.board, seen.corner_id(i), p);
+      if (l.can_project(point))
         residuals.push_back(seen.corners_px[i] - project_point<decltype(l)>(p.color.data(), point));
       else
         residuals.emplace_back(Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()));

@@ -8,12 +8,12 @@
 #include <ctime>
 
 #include "calib/rgbd/board_motion.h"
-#include "calib/rgbd/board_print.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/cross_validation.h"
 #include "calib/rgbd/depth_fit.h"
 #include "calib/rgbd/details.h"
 #include "calib/rgbd/prior.h"
+#include "calib/rgbd/target_deformation.h"
 #include "calib/rgbd/verdict.h"
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
@@ -21,43 +21,44 @@
 namespace touchtrace {
 namespace {
 
-constexpr double first_extent = 0.5, final_extent = 1.0;  ///< of the board that depth is taken from
-constexpr int joint_rounds = 4;
-constexpr std::size_t fewest_depth_samples = 100;
+constexpr double first_extent = 0.5, final_extent = 1.0;  ///< as in depth_samples()
+constexpr int num_joint_rounds = 4;
+constexpr std::size_t min_depth_samples = 100;
 
-void require_views(const BoardObservations& o, std::ptrdiff_t views, const char* what) {
-  if (views < fewest_views)
+void require_views(const BoardObservations& o, std::ptrdiff_t views, const char* kind) {
+  if (views < min_views)
     throw data_error(
-        fmt::format("the board of {}x{} inner corners was {} in {} views; {} are needed",
-                    o.board.columns, o.board.rows, what, views, fewest_views),
+        fmt::format("only {} {} views of a board with {}x{} inner corners; {} are needed", views,
+                    kind, o.board.columns, o.board.rows, min_views),
         "record 10 to 20 views with the whole board visible, tilted in different directions, and "
         "check --columns and --rows");
 }
 
-/// Seen from behind or in a mirror the corners turn the other way, and no pose explains them.
+/// True if the corners have the orientation of a board seen from behind or in a mirror: no pose
+/// fits them.
 bool is_mirrored(const BoardView& view, const Chessboard& board) {
   Eigen::Matrix2Xd on_board(2, view.corners_px.size()), in_image = on_board;
   for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
-    on_board.col(static_cast<Eigen::Index>(i)) = board.corner_m(view.corner(i)).head<2>();
+    on_board.col(static_cast<Eigen::Index>(i)) = board.corner_m(view.corner_id(i)).head<2>();
     in_image.col(static_cast<Eigen::Index>(i)) = view.corners_px[i];
   }
   on_board.colwise() -= on_board.rowwise().mean().eval();
-  // The sign is that of the affine map that fits best.
+  // Has the sign of the determinant of the best affine map.
   return (in_image * on_board.transpose()).determinant() < 0.0;
 }
 
-void refuse_impossible_views(const BoardObservations& o) {
+void require_valid_views(const BoardObservations& o) {
   for (const auto& view : o.views) {
     if (!std::ranges::all_of(view.corners_px, [](const auto& c) { return c.allFinite(); }))
-      throw data_error(fmt::format("{} has a corner that is no number", view.name),
-                       "leave this view out");
+      throw data_error(fmt::format("{} has a corner that is not finite", view.name),
+                       "remove this view");
     if (is_mirrored(view, o.board))
       throw data_error(fmt::format("{} shows the board from behind or in a mirror", view.name),
-                       "leave this view out, or turn mirroring off in the camera's driver");
+                       "remove this view, or turn mirroring off in the camera's driver");
   }
 }
 
-/// The same image twice tells nothing new, and would make the covariance too small.
+/// [views] false for a duplicate of an earlier view, which would make the covariance too small.
 std::vector<bool> different_views(const BoardObservations& o) {
   std::vector<bool> different(o.views.size(), true);
   for (std::size_t view = 0; view < o.views.size(); ++view)
@@ -67,18 +68,18 @@ std::vector<bool> different_views(const BoardObservations& o) {
 }
 
 Error no_convergence() {
-  return data_error(
-      "the calibration did not converge",
-      "check that all images are of one camera and one board, and tilt the board more");
+  return data_error("the calibration did not converge",
+                    "use images of one camera and one board, and tilt the board more");
 }
 
-/// The depth camera placed by itself, first from the middle of the board because the cameras'
-/// distance is unknown, then from all of it. False if there is too little depth on the board.
-bool place_depth_camera(BoardProblem& problem, RgbdParameters& p) {
+/// Estimates the depth camera with the colour camera fixed: first from the centre of the board,
+/// because the baseline of the cameras is unknown, then from all of it. Returns false if too few
+/// depth pixels are on the board.
+bool initialize_depth_camera(BoardProblem& problem, RgbdParameters& p) {
   problem.depth_only = true;
   for (double extent : {first_extent, final_extent}) {
     problem.samples = depth_samples(problem.observations, problem.used, p, extent);
-    if (problem.samples.size() < fewest_depth_samples || !solve(problem, p))
+    if (problem.samples.size() < min_depth_samples || !solve(problem, p))
       return problem.samples.clear(), false;
   }
   problem.samples = depth_samples(problem.observations, problem.used, p, final_extent);
@@ -86,13 +87,13 @@ bool place_depth_camera(BoardProblem& problem, RgbdParameters& p) {
   return true;
 }
 
-/// Everything together; each round weighs by the noise that the one before left.
+/// Solves for all parameters; each round takes its weights from the residuals of the last one.
 bool solve_jointly(BoardProblem& problem, RgbdParameters& p, DepthNoise& noise) {
-  for (int round = 0; round < joint_rounds; ++round) {
+  for (int round = 0; round < num_joint_rounds; ++round) {
     throw_if_interrupted();
-    noise = weigh_samples(problem.samples, p, round > 0);
+    noise = reweight_samples(problem.samples, p, round > 0);
     if (!solve(problem, p)) return false;
-    problem.corner_sigma_px = noise_of_corners_px(problem, p);
+    problem.corner_sigma_px = estimate_corner_sigma_px(problem, p);
   }
   return true;
 }
@@ -109,7 +110,7 @@ Camera depth_camera(const BoardObservations& o, const std::array<double, 4>& int
   return camera;
 }
 
-RgbdCalibration calibration_of(const BoardProblem& problem, const RgbdParameters& p) {
+RgbdCalibration assemble_calibration(const BoardProblem& problem, const RgbdParameters& p) {
   RgbdCalibration c;
   c.color.width = problem.observations.width, c.color.height = problem.observations.height;
   c.color.lens = p.lens;
@@ -119,7 +120,7 @@ RgbdCalibration calibration_of(const BoardProblem& problem, const RgbdParameters
   c.depth_scale = p.depth_correction[0], c.depth_offset_m = p.depth_correction[1];
   c.depth_delay_s = p.depth_delay_s;
   c.board_warp_m = p.board_warp_m;
-  c.rms_px = rms_of_used(problem.observations, problem.used, p);
+  c.rms_px = rms_of_used_views(problem.observations, problem.used, p);
   c.depth_rms_m = depth_rms_m(problem.samples, p);
   c.parameters = parameter_names(problem, p.lens);
   c.covariance = covariance_of_estimate(problem, p);
@@ -130,34 +131,34 @@ RgbdCalibration calibration_of(const BoardProblem& problem, const RgbdParameters
 }  // namespace
 
 RgbdCalibration calibrate(const BoardObservations& observations,
-                          const CalibrateSettings& settings) {
-  const auto wall = std::chrono::steady_clock::now();
-  const std::clock_t processor = std::clock();
-  require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "found");
-  refuse_impossible_views(observations);
+                          const CalibrationOptions& options) {
+  const auto wall_start = std::chrono::steady_clock::now();
+  const std::clock_t cpu_start = std::clock();
+  require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "detected");
+  require_valid_views(observations);
   const auto different = different_views(observations);
   require_views(observations, std::ranges::count(different, true), "different");
-  const ColorFit color = fit_color(observations, different, settings.lenses);
+  const ColorFit color = fit_color(observations, different, options.lenses);
   if (!color.converged) throw no_convergence();
   require_views(observations, std::ranges::count(color.used, true), "usable");
   BoardProblem problem = color_problem(observations, color);
   RgbdParameters parameters = color.parameters;
-  const double print_gain = choose_print(problem, parameters);
+  const double deformation_bic_gain = fit_target_deformation(problem, parameters);
   add_depth_prior(observations, parameters, problem.prior);
   parameters.depth = problem.prior.depth_mean;
-  problem.free_delay = shows_delay(board_motions(observations, color.used, parameters));
+  problem.free_delay = is_delay_observable(board_motions(observations, color.used, parameters));
   DepthNoise noise;
-  if (has_depth(observations) && place_depth_camera(problem, parameters) &&
+  if (has_depth(observations) && initialize_depth_camera(problem, parameters) &&
       !solve_jointly(problem, parameters, noise))
     throw no_convergence();
-  RgbdCalibration calibration = calibration_of(problem, parameters);
-  calibration.details =
-      calibration_details({problem, parameters, calibration, color, noise, different, print_gain});
-  const std::chrono::duration<double> wall_s = std::chrono::steady_clock::now() - wall;
+  RgbdCalibration calibration = assemble_calibration(problem, parameters);
+  calibration.details = calibration_details(
+      {problem, parameters, calibration, color, noise, different, deformation_bic_gain});
+  const std::chrono::duration<double> wall_s = std::chrono::steady_clock::now() - wall_start;
   calibration.details["solving"] = {
       {"wall_s", wall_s.count()},
-      {"cpu_s", static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC}};
-  if (settings.cross_validate)
+      {"cpu_s", static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC}};
+  if (options.cross_validate)
     calibration.details["held_out"] = held_out_json(cross_validate(problem, parameters));
   return calibration;
 }

@@ -5,23 +5,25 @@
 
 namespace touchtrace {
 
-inline constexpr int fewest_views = 3;
+inline constexpr int min_views = 3;
 
-struct CalibrateSettings {
-  std::vector<std::string> lenses = {};  ///< lens_name() of those to choose from; empty: all
-  bool cross_validate = false;           ///< fit again without a tenth of the views, ten times
+struct CalibrationOptions {
+  std::vector<std::string> lenses = {};  ///< lens_name() of the candidates; empty: all
+  bool cross_validate = false;           ///< adds the held-out error of ten folds to `details`
 };
 
-/// Intrinsics, distortion, the board's poses, warp and (where they tell it) print, and (where views
-/// have depth images) RGB-to-depth pose, depth intrinsics, scale, offset and delay, in one robust
-/// least-squares problem with covariance. The delay is estimated where the views are stamped and
-/// the board moves.
+/// Estimates intrinsics, distortion, board poses, warp and, where the views support it, per-corner
+/// deformation; with depth images also depth_from_color, depth intrinsics, scale, offset and delay.
+/// One robust least-squares problem with covariance. The delay is estimated only if the views have
+/// time stamps and the board moves.
 ///
-/// The depth camera's intrinsics carry a prior: the factory's within 0.5 %, or, where unknown, the
-/// colour camera's within 10 %. `details` says what the data did not tell. Deterministic. Throws
-/// data_error if fewer than `fewest_views` different views are usable, one shows the board from
-/// behind or has a corner that is no number, or nothing converges.
+/// The depth intrinsics have a prior: the factory's with a standard deviation of 0.5 %, or, if
+/// unknown, the colour camera's with 10 %. details["not_identifiable"] lists parameters that the
+/// priors determine. Deterministic.
+///
+/// Throws data_error if fewer than `min_views` different views are usable, a view shows the board
+/// from behind or has a corner that is not finite, or the solver does not converge.
 RgbdCalibration calibrate(const BoardObservations& observations,
-                          const CalibrateSettings& settings = {});
+                          const CalibrationOptions& options = {});
 
 }  // namespace touchtrace

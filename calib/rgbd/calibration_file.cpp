@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "calib/rgbd/calibration.h"
 #include "calib/rgbd/camera_info.h"
@@ -83,8 +84,8 @@ Camera camera_from(const json& value) {
   camera.height = image_size(value.at("height"));
   const auto intrinsics = numbers(value.at("intrinsics_px"), 4);
   const std::string lens = value.at("lens");
-  require(lens_of(lens).has_value(), fmt::format("there is no lens '{}'", lens));
-  camera.lens = *lens_of(lens);
+  require(find_lens(lens).has_value(), fmt::format("unknown lens '{}'", lens));
+  camera.lens = *find_lens(lens);
   camera.fx = intrinsics[0], camera.fy = intrinsics[1];
   camera.cx = intrinsics[2], camera.cy = intrinsics[3];
   const auto names = coefficient_names(camera.lens);
@@ -105,11 +106,23 @@ Eigen::Isometry3d isometry_from(const json& value) {
   return pose;
 }
 
+/// Renames keys that older versions wrote.
+json with_current_keys(json details) {
+  constexpr std::pair<const char*, const char*> renamed[] = {{"board_print", "target_deformation"},
+                                                             {"not_told", "not_identifiable"}};
+  for (const auto& [before, now] : renamed)
+    if (details.is_object() && details.contains(before)) {
+      details[now] = details[before];
+      details.erase(before);
+    }
+  return details;
+}
+
 }  // namespace
 
 RgbdCalibration calibration_from_json(const json& value) {
   require(value.at("schema") == calibration_schema,
-          fmt::format("its schema is not {}", calibration_schema));
+          fmt::format("schema {} is not {}", value.at("schema").dump(), calibration_schema));
   RgbdCalibration c;
   c.color = camera_from(value.at("color"));
   if (!value.at("depth").is_null()) c.depth = camera_from(value.at("depth"));
@@ -125,7 +138,7 @@ RgbdCalibration calibration_from_json(const json& value) {
   c.parameters = value.at("parameters").get<std::vector<std::string>>();
   const auto size = static_cast<Eigen::Index>(c.parameters.size());
   c.covariance = matrix(value.at("covariance"), size, size);
-  c.details = value.at("details");
+  c.details = with_current_keys(value.at("details"));
   return c;
 }
 
@@ -157,7 +170,7 @@ void write_calibration(const std::filesystem::path& folder, const RgbdCalibratio
   texts["camchain.yaml"] = camchain_yaml(calibration);
   texts["calibration.json"] = calibration_json(calibration).dump(1) + "\n";
   for (const auto& [name, text] : texts)
-    OutputFile(folder / name, overwrite);  // refuses before any is written
+    OutputFile(folder / name, overwrite);  // throws before any file is written
   for (const auto& [name, text] : texts) write_file(folder / name, text, overwrite);
 }
 
@@ -170,8 +183,8 @@ RgbdCalibration read_calibration(const std::filesystem::path& folder_or_file) {
   try {
     return calibration_from_json(json::parse(text));
   } catch (const std::exception& error) {
-    throw data_error(fmt::format("{} is not a usable calibration: {}", path.string(), error.what()),
-                     "write it again with `touchtrace calibrate`");
+    throw data_error(fmt::format("cannot read calibration {}: {}", path.string(), error.what()),
+                     "create it again with `touchtrace calibrate`");
   }
 }
 

@@ -6,56 +6,58 @@
 
 namespace touchtrace {
 
-/// Of data without noise, where weights lose their meaning.
-inline constexpr double smallest_corner_sigma_px = 1e-6;
-/// How much BIC must speak for something (Kass and Raftery, JASA 1995).
-inline constexpr double worth_a_mention = 2.0, very_strong = 10.0;
+/// Lower bound of the estimated corner noise: weights of noise-free data stay finite.
+inline constexpr double min_corner_sigma_px = 1e-6;
+/// Differences of BIC that are positive and very strong evidence (Kass and Raftery, JASA 1995).
+inline constexpr double bic_positive_evidence = 2.0, bic_very_strong_evidence = 10.0;
 
-/// One lens tried on the corners.
+/// Fit of one candidate lens.
 struct LensTrial {
   std::string name;  ///< lens_name(); "none": no radial coefficients
-  double bic = 0.0;  ///< relative to the best; infinite if nothing converged
-  /// Coefficients that the data cannot tell, with the reason; they stay 0.
+  double bic = 0.0;  ///< relative to the chosen lens; infinite if it did not converge
+  /// Unobservable coefficients, fixed at 0, and the reason.
   std::vector<std::pair<std::string, std::string>> removed;
 };
 
-/// The colour camera alone.
+/// Calibration of the colour camera alone.
 struct ColorFit {
   RgbdParameters parameters;
-  std::vector<bool> used;        ///< [views]; outlier views are left out
+  std::vector<bool> used;        ///< [views] false: outlier or not usable
   std::vector<int> free_color;   ///< as BoardProblem::free_color
-  double corner_sigma_px = 0.0;  ///< noise of a corner's coordinate
-  std::string chosen;            ///< name of a trial
+  double corner_sigma_px = 0.0;  ///< noise of one corner coordinate
+  std::string chosen;            ///< LensTrial::name
   std::vector<LensTrial> trials;
   bool converged = false;
 };
 
-/// Robust fit of the views in `usable`, outlier views out, then the lens of `names` (all if empty)
-/// that the Bayesian information criterion prefers; a later one must be better by 2, one of the
-/// other kind (perspective, fisheye) by 10. Coefficients
-/// that the data do not tell are removed from the last on and the rest fitted anew.
+/// Calibrates the colour camera from the views in `usable`.
 ///
-/// "none" and the radial-tangential lenses keep tangential coefficients free under their prior: set
-/// to zero they would turn every pose, with a covariance that does not know it.
+/// Fits robustly, removes outlier views, then chooses the lens among `names` (empty: all) by the
+/// Bayesian information criterion. A later lens must be better by 2, one of the other ideal
+/// projection (perspective, fisheye) by 10. Unobservable coefficients are removed, the last first,
+/// and the remaining ones fitted again.
+///
+/// "none" and the radial-tangential lenses estimate tangential coefficients under their prior.
+/// Fixed at zero, they would rotate every pose, by more than the covariance says.
 ColorFit fit_color(const BoardObservations& observations, const std::vector<bool>& usable,
                    const std::vector<std::string>& names);
 
-/// The problem of the used views once the lens is chosen; for the board as it should be.
+/// Problem of the used views with the chosen lens, without per-corner deformation.
 BoardProblem color_problem(const BoardObservations& observations, const ColorFit& fit);
 
-/// Two for each corner of the used views.
-double number_of_coordinates(const BoardObservations& observations, const std::vector<bool>& used);
+/// Twice the number of corners in the used views.
+double num_corner_coordinates(const BoardObservations& observations, const std::vector<bool>& used);
 
-/// Noise of a corner's coordinate [px] from the residuals of the used views and the degrees of
-/// freedom, on an ideal board.
+/// Noise of one corner coordinate [px], from the residuals of the used views and the degrees of
+/// freedom without per-corner deformation.
 double corner_noise_px(const BoardObservations& observations, const std::vector<bool>& used,
                        std::size_t free_color, const RgbdParameters& parameters);
 
-/// RMS over corners of the residual's length [px], as OpenCV reports it; 0 without residuals.
+/// RMS length of the residuals [px], as OpenCV reports it. 0 if there are none.
 double rms(const std::vector<Eigen::Vector2d>& residuals);
 
-/// That over the corners of the used views.
-double rms_of_used(const BoardObservations& observations, const std::vector<bool>& used,
-                   const RgbdParameters& parameters);
+/// rms() over all corners of the used views.
+double rms_of_used_views(const BoardObservations& observations, const std::vector<bool>& used,
+                         const RgbdParameters& parameters);
 
 }  // namespace touchtrace

@@ -26,41 +26,40 @@ constexpr const char* depth_names[] = {"depth_from_color.rx",
                                        "depth.cy",
                                        "depth.scale",
                                        "depth.offset"};
-constexpr int draws = 4;  ///< pairs: each also with the opposite sign
+constexpr int num_draws = 4;  ///< each is used with both signs
 
-/// J'J over parameter_names() and the poses, the board's offsets marginalised out; empty if it
-/// cannot be evaluated.
-MatrixXd information_at(const ceres::Problem& ceres_problem, const BoardProblem& problem,
+/// As information(), for an existing Ceres problem.
+MatrixXd information_at(CeresProblem& ceres_problem, const BoardProblem& problem,
                         RgbdParameters& p) {
-  return without_offsets(normal_equations(ceres_problem, problem, p)).parameters;
+  return eliminate_offsets(normal_equations(ceres_problem, problem, p)).parameters;
 }
 
-/// Cholesky of the information with its diagonal scaled to 1.
+/// Inverse of an information matrix, by a Cholesky decomposition with unit diagonal.
 struct ScaledInverse {
   VectorXd scale;
   Eigen::LLT<MatrixXd> cholesky;
-  bool good = false;
+  bool is_valid = false;
 
   explicit ScaledInverse(const MatrixXd& matrix) {
     if (matrix.size() == 0) return;
     scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
     if (!scale.allFinite()) return;
     cholesky.compute(scale.asDiagonal() * matrix * scale.asDiagonal());
-    good = cholesky.info() == Eigen::Success;
+    is_valid = cholesky.info() == Eigen::Success;
   }
-  /// Of the first `size`.
+  /// Covariance of the first `size` parameters.
   MatrixXd marginal(Index size) const {
     const MatrixXd selection = MatrixXd::Identity(scale.size(), size);
     const MatrixXd top = cholesky.solve(selection).topRows(size);
     return scale.head(size).asDiagonal() * top * scale.head(size).asDiagonal();
   }
-  /// A draw with the inverse as its covariance, from independent normal numbers.
+  /// Maps independent standard normal numbers to a draw from N(0, inverse).
   VectorXd draw(const VectorXd& normal) const {
     return scale.cwiseProduct(cholesky.matrixU().solve(normal));
   }
 };
 
-/// The information on the first `size` once the rest is marginalised out.
+/// Marginalises all but the first `size` parameters out; empty if that is not possible.
 MatrixXd marginal_information(const MatrixXd& all, Index size) {
   const Index rest = all.rows() - size;
   const MatrixXd across = all.bottomLeftCorner(rest, size);
@@ -69,7 +68,7 @@ MatrixXd marginal_information(const MatrixXd& all, Index size) {
   return all.topLeftCorner(size, size) - across.transpose() * cholesky.solve(across);
 }
 
-void move(const BoardProblem& problem, RgbdParameters& p, const VectorXd& step) {
+void add_step(const BoardProblem& problem, RgbdParameters& p, const VectorXd& step) {
   Index at = 0;
   for (int i : problem.free_color) p.color[static_cast<std::size_t>(i)] += step[at++];
   const auto add = [&](double* block, int size) {
@@ -83,13 +82,14 @@ void move(const BoardProblem& problem, RgbdParameters& p, const VectorXd& step) 
   for (std::size_t view : used_views(problem)) add(p.camera_from_board[view].data(), 6);
 }
 
-/// From increments of the angle-axis to rotations from the left.
-MatrixXd turned(const BoardProblem& problem, const RgbdParameters& p, const MatrixXd& marginal) {
+/// Converts a covariance of angle-axis increments to one of rotations from the left.
+MatrixXd with_left_rotations(const BoardProblem& problem, const RgbdParameters& p,
+                             const MatrixXd& marginal) {
   if (problem.samples.empty() || marginal.size() == 0) return marginal;
   const auto first = static_cast<Index>(problem.free_color.size()) + 2;
-  MatrixXd turn = MatrixXd::Identity(marginal.rows(), marginal.cols());
-  turn.block<3, 3>(first, first) = left_jacobian(Eigen::Vector3d(p.depth_from_color.data()));
-  return turn * marginal * turn.transpose();
+  MatrixXd jacobian = MatrixXd::Identity(marginal.rows(), marginal.cols());
+  jacobian.block<3, 3>(first, first) = left_jacobian(Eigen::Vector3d(p.depth_from_color.data()));
+  return jacobian * marginal * jacobian.transpose();
 }
 
 }  // namespace
@@ -112,12 +112,12 @@ MatrixXd information(const BoardProblem& problem, RgbdParameters p) {
 
 MatrixXd marginal_covariance(const MatrixXd& information, Eigen::Index size) {
   const ScaledInverse inverse(information);
-  return inverse.good ? inverse.marginal(size) : MatrixXd();
+  return inverse.is_valid ? inverse.marginal(size) : MatrixXd();
 }
 
 MatrixXd covariance(const BoardProblem& problem, const RgbdParameters& p) {
   const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
-  return turned(problem, p, marginal_covariance(information(problem, p), size));
+  return with_left_rotations(problem, p, marginal_covariance(information(problem, p), size));
 }
 
 MatrixXd covariance_of_estimate(const BoardProblem& problem, const RgbdParameters& estimate) {
@@ -125,27 +125,27 @@ MatrixXd covariance_of_estimate(const BoardProblem& problem, const RgbdParameter
   const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
   const auto ceres_problem = make_problem(problem, p);
   const ScaledInverse inverse(information_at(*ceres_problem, problem, p));
-  if (!inverse.good) return {};
+  if (!inverse.is_valid) return {};
   RandomStream random(1, "around the estimate");
   MatrixXd mean = MatrixXd::Zero(size, size);
-  int counted = 0;
-  for (int i = 0; i < draws; ++i) {
+  int num_valid = 0;
+  for (int i = 0; i < num_draws; ++i) {
     VectorXd normal(inverse.scale.size());
     for (double& value : normal) value = random.normal();
     const VectorXd step = inverse.draw(normal);
     for (double sign : {1.0, -1.0}) {
       p = estimate;
-      move(problem, p, sign * step);
+      add_step(problem, p, sign * step);
       const MatrixXd there = information_at(*ceres_problem, problem, p);
-      if (there.size() == 0) continue;  // behind the camera, or where the lens sees nothing
+      if (there.size() == 0) continue;  // the lens cannot project a corner
       const MatrixXd marginal = marginal_information(there, size);
       if (!marginal.allFinite() || marginal.size() == 0) continue;
-      mean += marginal, ++counted;
+      mean += marginal, ++num_valid;
     }
   }
   const MatrixXd plain = inverse.marginal(size);
-  if (counted == 0) return turned(problem, estimate, plain);
-  return turned(problem, estimate, plain * (mean / counted) * plain);
+  if (num_valid == 0) return with_left_rotations(problem, estimate, plain);
+  return with_left_rotations(problem, estimate, plain * (mean / num_valid) * plain);
 }
 
 }  // namespace touchtrace

@@ -10,10 +10,10 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t most_folds = 10;
+constexpr std::size_t max_folds = 10;
 
-/// The sum over the views of `fold` of squared residuals [px^2], or NaN.
-double squares_of_fold(BoardProblem problem, RgbdParameters p, const std::vector<bool>& fold) {
+/// Sum of squared residuals [px^2] of the held-out views `fold`; NaN if not converged.
+double held_out_squares(BoardProblem problem, RgbdParameters p, const std::vector<bool>& fold) {
   const auto all = problem.used;
   for (std::size_t view = 0; view < all.size(); ++view)
     problem.used[view] = all[view] && !fold[view];
@@ -35,7 +35,7 @@ HeldOut cross_validate(const BoardProblem& joint, const RgbdParameters& solution
   BoardProblem problem = joint;
   problem.samples.clear();
   const auto views = used_views(problem);
-  const std::size_t folds = std::min(most_folds, views.size());
+  const std::size_t folds = std::min(max_folds, views.size());
   double squares = 0.0;
   std::size_t corners = 0;
   for (std::size_t first = 0; first < folds; ++first) {
@@ -44,9 +44,9 @@ HeldOut cross_validate(const BoardProblem& joint, const RgbdParameters& solution
       fold[views[i]] = true;
       corners += problem.observations.views[views[i]].corners_px.size();
     }
-    squares += squares_of_fold(problem, solution, fold);
+    squares += held_out_squares(problem, solution, fold);
   }
-  return {rms_of_used(problem.observations, problem.used, solution),
+  return {rms_of_used_views(problem.observations, problem.used, solution),
           std::sqrt(squares / static_cast<double>(corners)), static_cast<int>(folds)};
 }
 

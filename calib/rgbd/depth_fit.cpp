@@ -15,16 +15,16 @@ namespace touchtrace {
 namespace {
 
 constexpr double samples_per_view = 120.0;
-constexpr int largest_block_px = 16;
-constexpr double plane_gate = 0.15;  ///< of the depth: farther from the plane is not the board
+constexpr int max_block_px = 16;
+constexpr double plane_gate = 0.15;  ///< maximum distance from the plane, fraction of the depth
 constexpr double outlier_sigmas = 4.0;
 
-/// Where rays of depth pixels meet the board.
+/// Flat board and depth camera of one view.
 struct BoardPlane {
   Eigen::Isometry3d board_from_depth;
   std::array<double, 4> camera;
 
-  /// x, y on the board [m] and z, the depth in the depth camera's frame [m].
+  /// As intersect_board().
   Eigen::Vector3d hit(const Eigen::Vector2d& pixel) const {
     const Eigen::Vector3d ray((pixel.x() - camera[2]) / camera[0],
                               (pixel.y() - camera[3]) / camera[1], 1.0);
@@ -41,14 +41,14 @@ BoardPlane board_plane(std::size_t view, const RgbdParameters& p) {
   return {depth_from_board.inverse(), p.depth};
 }
 
-bool on_board(const Chessboard& board, const Eigen::Vector3d& hit, double extent) {
+bool is_on_board(const Chessboard& board, const Eigen::Vector3d& hit, double extent) {
   const double width = board.square_m * (board.columns - 1),
                height = board.square_m * (board.rows - 1);
   return hit.z() > 0.0 && std::abs(hit.x() - 0.5 * width) <= 0.5 * extent * width &&
          std::abs(hit.y() - 0.5 * height) <= 0.5 * extent * height;
 }
 
-/// Area [px] of the inner corners' rectangle at the distance of its middle.
+/// Area [px] of the inner corners' rectangle seen frontally at the depth of its centre.
 double board_area_px(const Chessboard& board, const BoardPlane& plane) {
   const Eigen::Vector3d centre(0.5 * board.square_m * (board.columns - 1),
                                0.5 * board.square_m * (board.rows - 1), 0.0);
@@ -56,17 +56,17 @@ double board_area_px(const Chessboard& board, const BoardPlane& plane) {
   return 4.0 * centre.x() * centre.y() * plane.camera[0] * plane.camera[1] / (depth * depth);
 }
 
-/// The block's pixels that are on the board; none if one of them is off it. Inverse depth is what
-/// is linear over a plane's image.
+/// Mean over the valid pixels of a block; not used if a pixel is off the board. Averages inverse
+/// depth, which is linear over the image of a plane.
 struct BlockMean {
   Eigen::Vector2d pixel_sum = Eigen::Vector2d::Zero(), board_sum_m = Eigen::Vector2d::Zero();
   double inverse_sum = 0.0;
   int count = 0;
-  bool whole = true;
+  bool is_on_board = true;
 
   void add(const Eigen::Vector2d& pixel, double measured_m, bool inside,
            const Eigen::Vector3d& hit) {
-    whole = whole && inside;
+    is_on_board = is_on_board && inside;
     if (!inside || !(measured_m > 0.0) || std::abs(measured_m - hit.z()) > plane_gate * hit.z())
       return;
     pixel_sum += pixel, board_sum_m += hit.head<2>(), inverse_sum += 1.0 / measured_m, ++count;
@@ -76,21 +76,21 @@ struct BlockMean {
 BlockMean block_mean(const BoardObservations& o, std::size_t view, const BoardPlane& plane,
                      double extent, int x0, int y0, int size) {
   BlockMean mean;
-  for (int y = y0; y < y0 + size && mean.whole; ++y)
-    for (int x = x0; x < x0 + size && mean.whole; ++x) {
+  for (int y = y0; y < y0 + size && mean.is_on_board; ++y)
+    for (int x = x0; x < x0 + size && mean.is_on_board; ++x) {
       const Eigen::Vector2d pixel(x, y);
       const Eigen::Vector3d hit = plane.hit(pixel);
       const auto index = static_cast<std::size_t>(y) * static_cast<std::size_t>(o.width) +
                          static_cast<std::size_t>(x);
-      mean.add(pixel, o.views[view].depth_m[index], on_board(o.board, hit, extent), hit);
+      mean.add(pixel, o.views[view].depth_m[index], is_on_board(o.board, hit, extent), hit);
     }
   return mean;
 }
 
-/// Columns and rows of the depth image that the inner corners' rectangle may cover.
+/// Bounding box of the inner corners' rectangle in the depth image; empty if it is not visible.
 Eigen::AlignedBox2i covered_pixels(const BoardObservations& o, const BoardPlane& plane) {
   const Eigen::Isometry3d depth_from_board = plane.board_from_depth.inverse();
-  const int last = o.board.corners() - 1;
+  const int last = o.board.num_corners() - 1;
   Eigen::AlignedBox2d box;
   for (int corner : {0, o.board.columns - 1, last - o.board.columns + 1, last}) {
     const Eigen::Vector3d p = depth_from_board * o.board.corner_m(corner);
@@ -100,9 +100,9 @@ Eigen::AlignedBox2i covered_pixels(const BoardObservations& o, const BoardPlane&
   }
   const Eigen::AlignedBox2d image(Eigen::Vector2d::Zero(),
                                   Eigen::Vector2d(o.width - 1, o.height - 1));
-  const Eigen::AlignedBox2d seen = box.intersection(image);
-  if (seen.isEmpty()) return {};
-  return {seen.min().cast<int>(), seen.max().cast<int>()};
+  const Eigen::AlignedBox2d visible = box.intersection(image);
+  if (visible.isEmpty()) return {};
+  return {visible.min().cast<int>(), visible.max().cast<int>()};
 }
 
 void add_samples(const BoardObservations& o, std::size_t view, const RgbdParameters& p,
@@ -114,23 +114,23 @@ void add_samples(const BoardObservations& o, std::size_t view, const RgbdParamet
   for (int y = box.min().y(); y + size <= box.max().y() + 1; y += size)
     for (int x = box.min().x(); x + size <= box.max().x() + 1; x += size) {
       const BlockMean mean = block_mean(o, view, plane, extent, x, y, size);
-      if (!mean.whole || 2 * mean.count < size * size) continue;
+      if (!mean.is_on_board || 2 * mean.count < size * size) continue;
       const double depth = mean.count / mean.inverse_sum;
       samples.push_back({view, mean.pixel_sum / mean.count, depth,
                          DepthNoise{}.effective_sigma_m(depth),
-                         o.board.warp_shape(mean.board_sum_m / mean.count), motion});
+                         o.board.warp_basis(mean.board_sum_m / mean.count), motion});
     }
 }
 
-std::vector<double> residuals_of(const std::vector<DepthSample>& samples, const RgbdParameters& p) {
+std::vector<double> depth_residuals(const std::vector<DepthSample>& samples,
+                                    const RgbdParameters& p) {
   std::vector<double> residuals;
   for (const auto& sample : samples) residuals.push_back(depth_residual(sample, p));
   return residuals;
 }
 
-/// The exponent under which the residuals are most likely; `depths` are the model's.
-DepthNoise most_likely_noise(const std::vector<double>& residuals,
-                             const std::vector<double>& depths) {
+/// Maximum-likelihood noise, exponent included; `depths`: the model's depths [m].
+DepthNoise estimate_noise(const std::vector<double>& residuals, const std::vector<double>& depths) {
   DepthNoise best;
   double best_cost = std::numeric_limits<double>::infinity();
   const auto count = static_cast<double>(residuals.size());
@@ -153,8 +153,8 @@ double DepthNoise::effective_sigma_m(double depth_m) const {
   return sigma_at_1m * std::pow(depth_m, exponent) * std::sqrt(inflation);
 }
 
-Eigen::Vector3d board_hit(const Eigen::Vector2d& pixel, std::size_t view,
-                          const RgbdParameters& parameters) {
+Eigen::Vector3d intersect_board(const Eigen::Vector2d& pixel, std::size_t view,
+                                const RgbdParameters& parameters) {
   return board_plane(view, parameters).hit(pixel);
 }
 
@@ -170,7 +170,7 @@ int depth_block_px(const BoardObservations& observations, const std::vector<bool
     if (used[view])
       area_px += board_area_px(observations.board, board_plane(view, parameters)), views += 1.0;
   const double size = std::sqrt(area_px / (views * samples_per_view));
-  return static_cast<int>(std::clamp(size, 1.0, double(largest_block_px)));
+  return static_cast<int>(std::clamp(size, 1.0, double(max_block_px)));
 }
 
 std::vector<DepthSample> depth_samples(const BoardObservations& observations,
@@ -185,18 +185,18 @@ std::vector<DepthSample> depth_samples(const BoardObservations& observations,
   return samples;
 }
 
-DepthNoise weigh_samples(std::vector<DepthSample>& samples, const RgbdParameters& parameters,
-                         bool poses_settled) {
+DepthNoise reweight_samples(std::vector<DepthSample>& samples, const RgbdParameters& parameters,
+                            bool poses_settled) {
   std::vector<double> normalized;
   for (const auto& s : samples) normalized.push_back(depth_residual(s, parameters) / s.sigma_m);
-  const double limit = outlier_sigmas * robust_deviation(normalized);
+  const double limit = outlier_sigmas * robust_sigma(normalized);
   std::erase_if(samples, [&](const DepthSample& s) {
     return !(std::abs(depth_residual(s, parameters) / s.sigma_m) <= limit);
   });
-  const auto residuals = residuals_of(samples, parameters);
+  const auto residuals = depth_residuals(samples, parameters);
   std::vector<double> depths;
   for (const auto& s : samples) depths.push_back(board_depth_m(s, parameters));
-  DepthNoise noise = most_likely_noise(residuals, depths);
+  DepthNoise noise = estimate_noise(residuals, depths);
   for (std::size_t i = 0; i < samples.size(); ++i)
     normalized[i] = residuals[i] / noise.effective_sigma_m(depths[i]);
   normalized.resize(samples.size());

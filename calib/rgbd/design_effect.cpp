@@ -11,15 +11,15 @@ namespace touchtrace {
 namespace {
 
 constexpr int tiles_per_side = 4;
-constexpr Eigen::Index fewest_tiled_samples = 3 * tiles_per_side * tiles_per_side;
+constexpr Eigen::Index min_samples = 3 * tiles_per_side * tiles_per_side;
 
 struct ViewResiduals {
   std::vector<Eigen::Vector2d> pixels;
   std::vector<double> values;
 };
 
-/// The plane's value at each sample.
-Eigen::VectorXd plane_part(const ViewResiduals& view) {
+/// Values of the least-squares plane at each sample.
+Eigen::VectorXd fitted_plane(const ViewResiduals& view) {
   const auto count = static_cast<Eigen::Index>(view.values.size());
   Eigen::MatrixXd design(count, 3);
   for (Eigen::Index i = 0; i < count; ++i)
@@ -28,11 +28,11 @@ Eigen::VectorXd plane_part(const ViewResiduals& view) {
   return design * design.colPivHouseholderQr().solve(values);
 }
 
-/// A sum of squares that has the mean `freedom` for independent samples.
+/// Sum of squares with expectation `freedom` for independent samples.
 struct ChiSquare {
   double squares = 0.0, freedom = 0.0;
 
-  /// Their ratio; 1 if there is no more than chance would give.
+  /// Ratio of both; 1 unless it exceeds 1 by two standard deviations.
   double excess() const {
     const double ratio = squares / std::max(freedom, 1.0);
     return ratio > 1.0 + 2.0 * std::sqrt(2.0 / std::max(freedom, 1.0)) ? ratio : 1.0;
@@ -40,7 +40,8 @@ struct ChiSquare {
   void operator+=(const ChiSquare& other) { squares += other.squares, freedom += other.freedom; }
 };
 
-/// Sums over tiles of `residuals`, from which a plane was taken.
+/// Squares of tile sums of `residuals`, from which a plane was subtracted: 3 degrees of freedom
+/// fewer.
 ChiSquare tile_sums(const ViewResiduals& view, const Eigen::VectorXd& residuals) {
   Eigen::AlignedBox2d box;
   for (const auto& pixel : view.pixels) box.extend(pixel);
@@ -71,8 +72,8 @@ DesignEffect design_effect(const std::vector<DepthSample>& samples,
   ChiSquare planes, tiles;
   for (const auto& [index, view] : views) {
     const auto count = static_cast<Eigen::Index>(view.values.size());
-    if (count < fewest_tiled_samples) continue;
-    const Eigen::VectorXd plane = plane_part(view);
+    if (count < min_samples) continue;
+    const Eigen::VectorXd plane = fitted_plane(view);
     planes += {plane.squaredNorm(), 3.0};
     tiles += tile_sums(view, Eigen::Map<const Eigen::VectorXd>(view.values.data(), count) - plane);
   }

@@ -6,15 +6,14 @@
 
 namespace touchtrace {
 
-/// Kish's design effect: how much more a sum of samples varies than that of independent ones,
-/// because neighbouring depth pixels share noise. 1 unless the data show more than chance would.
+/// Kish's design effect: variance of a sum of samples over that of independent samples. Above 1
+/// because neighbouring depth pixels share noise. 1 unless the excess is significant.
 struct DesignEffect {
-  double planes =
-      1.0;  ///< of the plane fitted to a view's residuals; also grows with errors of the poses
-  double tiles = 1.0;  ///< of 4x4 tiles a view, after that plane was taken out
+  double planes = 1.0;  ///< from the plane fitted to each view's residuals; includes pose errors
+  double tiles = 1.0;   ///< from 4x4 tiles of each view, after subtracting that plane
 };
 
-/// `normalized`: the samples' residuals, divided by their deviation.
+/// `normalized`: residuals of the samples over their standard deviation.
 DesignEffect design_effect(const std::vector<DepthSample>& samples,
                            const std::vector<double>& normalized);
 

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double told = 0.7;  ///< a deviation above this share of the prior's comes from the prior
+constexpr double max_sigma_ratio = 0.7;  ///< posterior over prior sigma of identifiable parameters
 
 json points(const std::vector<Eigen::Vector2d>& values) {
   json list = json::array();
@@ -22,7 +22,7 @@ json points(const std::vector<Eigen::Vector2d>& values) {
   return list;
 }
 
-void add_depth_residuals(const CalibrationResult& r, std::size_t view, json& entry) {
+void add_depth_residuals(const DetailsInput& r, std::size_t view, json& entry) {
   double sum = 0.0, squares = 0.0, count = 0.0;
   for (const auto& sample : r.problem.samples) {
     if (sample.view != view) continue;
@@ -34,7 +34,7 @@ void add_depth_residuals(const CalibrationResult& r, std::size_t view, json& ent
   entry["depth_bias_m"] = sum / count;
 }
 
-json view_details(const CalibrationResult& r) {
+json view_details(const DetailsInput& r) {
   json list = json::array();
   const auto& observations = r.problem.observations;
   for (std::size_t view = 0; view < observations.views.size(); ++view) {
@@ -50,7 +50,7 @@ json view_details(const CalibrationResult& r) {
   return list;
 }
 
-/// Rows of the grid; null where the lens does not look.
+/// Rows of the grid; null for NaN.
 json projection_map(const RgbdCalibration& calibration) {
   const Eigen::MatrixXd sigma = projection_sigma_px(calibration);
   json rows = json::array();
@@ -62,15 +62,15 @@ json projection_map(const RgbdCalibration& calibration) {
   return rows;
 }
 
-double coverage_of_used(const CalibrationResult& r) {
+double coverage_of_used_views(const DetailsInput& r) {
   std::vector<Eigen::Vector2d> corners;
   for (std::size_t view = 0; view < r.problem.used.size(); ++view)
     if (r.problem.used[view])
       std::ranges::copy(r.problem.observations.views[view].corners_px, std::back_inserter(corners));
-  return coverage(r.calibration.color, corners);
+  return image_coverage(r.calibration.color, corners);
 }
 
-json outlier_views(const CalibrationResult& r) {
+json outlier_views(const DetailsInput& r) {
   json names = json::array();
   for (std::size_t view = 0; view < r.problem.used.size(); ++view)
     if (!r.problem.used[view] && r.different[view])
@@ -78,14 +78,14 @@ json outlier_views(const CalibrationResult& r) {
   return names;
 }
 
-json duplicate_views(const CalibrationResult& r) {
+json duplicate_views(const DetailsInput& r) {
   json names = json::array();
   for (std::size_t view = 0; view < r.different.size(); ++view)
     if (!r.different[view]) names.push_back(r.problem.observations.views[view].name);
   return names;
 }
 
-/// Deviations of the priors in the order of the covariance.
+/// Standard deviations of the priors, in the order of the covariance.
 std::vector<double> prior_sigmas(const BoardProblem& problem) {
   std::vector<double> sigmas;
   for (int i : problem.free_color)
@@ -102,12 +102,12 @@ std::vector<double> prior_sigmas(const BoardProblem& problem) {
   return sigmas;
 }
 
-json not_told(const CalibrationResult& r) {
+json not_identifiable(const DetailsInput& r) {
   json list = json::array();
   const auto priors = prior_sigmas(r.problem);
   for (std::size_t i = 0; i < priors.size(); ++i) {
-    const double sigma = deviation(r.calibration, r.calibration.parameters[i]);
-    if (!(sigma <= told * priors[i]))
+    const double sigma = parameter_sigma(r.calibration, r.calibration.parameters[i]);
+    if (!(sigma <= max_sigma_ratio * priors[i]))
       list.push_back({{"parameter", r.calibration.parameters[i]},
                       {"sigma", sigma},
                       {"prior_sigma", priors[i]}});
@@ -115,29 +115,30 @@ json not_told(const CalibrationResult& r) {
   return list;
 }
 
-json board_print(const CalibrationResult& r) {
+json target_deformation(const DetailsInput& r) {
   json offsets_m = json::array();
-  for (const auto& o : r.parameters.board_offsets_m) offsets_m.push_back({o.x(), o.y(), o.z()});
-  return {{"chosen", print_is_free(r.problem) ? "free" : "ideal"},
-          {"bic_gain", std::isfinite(r.print_gain) ? json(r.print_gain) : json()},
-          {"sigma_m", r.problem.prior.print_sigma_m},
-          {"offsets_m", offsets_m}};
+  for (const auto& o : r.parameters.corner_offsets_m) offsets_m.push_back({o.x(), o.y(), o.z()});
+  return {
+      {"chosen", has_free_deformation(r.problem) ? "free" : "ideal"},
+      {"bic_gain", std::isfinite(r.deformation_bic_gain) ? json(r.deformation_bic_gain) : json()},
+      {"sigma_m", r.problem.prior.deformation_sigma_m},
+      {"offsets_m", offsets_m}};
 }
 
 json sigmas(const RgbdCalibration& calibration) {
   json values = json::object();
-  for (const auto& name : calibration.parameters) values[name] = deviation(calibration, name);
+  for (const auto& name : calibration.parameters) values[name] = parameter_sigma(calibration, name);
   return values;
 }
 
-json depth(const CalibrationResult& r) {
+json depth(const DetailsInput& r) {
   if (r.problem.samples.empty()) return nullptr;
   return {{"samples", r.problem.samples.size()},
           {"sigma_at_1m", r.noise.sigma_at_1m},
           {"exponent", r.noise.exponent},
           {"inflation", r.noise.inflation},
-          {"delay", r.problem.free_delay ? "estimated" : "removed: the board does not move"},
-          {"bias_sigma_at_1m", depth_bias_deviation_m(r.calibration, 1.0)}};
+          {"delay", r.problem.free_delay ? "estimated" : "not estimated: the board does not move"},
+          {"bias_sigma_at_1m", depth_bias_sigma_m(r.calibration, 1.0)}};
 }
 
 json lenses(const ColorFit& color) {
@@ -155,19 +156,19 @@ json lenses(const ColorFit& color) {
 
 }  // namespace
 
-json calibration_details(const CalibrationResult& r) {
+json calibration_details(const DetailsInput& r) {
   const auto used = static_cast<int>(std::ranges::count(r.problem.used, true));
-  const Verdict verdict = judge(r.calibration, used);
+  const Verdict verdict = assess_calibration(r.calibration, used);
   return {{"verdict", grade_name(verdict.grade)},
           {"advice", verdict.advice},
           {"lens", r.color.chosen},
           {"lenses", lenses(r.color)},
-          {"board_print", board_print(r)},
+          {"target_deformation", target_deformation(r)},
           {"corner_sigma_px", r.problem.corner_sigma_px},
           {"sigmas", sigmas(r.calibration)},
           {"projection_sigma_px", projection_map(r.calibration)},
-          {"coverage", coverage_of_used(r)},
-          {"not_told", not_told(r)},
+          {"coverage", coverage_of_used_views(r)},
+          {"not_identifiable", not_identifiable(r)},
           {"views", view_details(r)},
           {"outlier_views", outlier_views(r)},
           {"duplicate_views", duplicate_views(r)},

@@ -8,29 +8,37 @@
 
 namespace touchtrace {
 
-struct CalibrationResult {
+struct DetailsInput {
   const BoardProblem& problem;
   const RgbdParameters& parameters;
   const RgbdCalibration& calibration;
   const ColorFit& color;
   const DepthNoise& noise;
-  const std::vector<bool>& different;  ///< [views]; false for one that repeats another
-  double print_gain;                   ///< of choose_print
+  const std::vector<bool>& different;  ///< [views] false: duplicate of an earlier view
+  double deformation_bic_gain;         ///< returned by fit_target_deformation()
 };
 
-/// RgbdCalibration::details:
-///     verdict "GOOD" | "WEAK" | "BAD", advice [..]
-///     lens, lenses [{name, bic relative to the best, removed [{parameter, why}..]}..],
-///     projection_sigma_px [rows of ImageGrid] (projection_map.h), coverage of the image 0..1,
-///     board_print {chosen "ideal" | "free", bic_gain of a free one, sigma_m of a corner's offset
-///     in each direction, offsets_m [[x, y, z]..] of the corners; 0 and empty for an ideal one},
-///     corner_sigma_px, sigmas {parameter: deviation}, not_told [{parameter, sigma, prior_sigma}]
-///     views [{name, used, rms_px, corners_px [[u, v]..], residuals_px [[du, dv]..], depth_rms_m,
-///     depth_bias_m}] outlier_views [..], duplicate_views [..], views_without_board [..] depth
-///     {samples, sigma_at_1m, exponent, inflation, bias_sigma_at_1m}, null for colour only
-///     solving {wall_s, cpu_s}, and of CalibrateSettings::cross_validate held_out {folds,
-///     training_rms_px, held_out_rms_px}; these two are added by calibrate().
-/// Residuals are measured minus projected; depth_bias_m is the mean of model minus measured.
-nlohmann::json calibration_details(const CalibrationResult& result);
+/// RgbdCalibration::details. Residuals are measured minus projected.
+///     verdict              "GOOD" | "WEAK" | "BAD" (verdict.h)
+///     advice               [text..]
+///     lens                 name of the chosen lens
+///     lenses               [{name, bic relative to the chosen, removed [{parameter, why}..]}..]
+///     target_deformation   {chosen "ideal" | "free", bic_gain of "free", sigma_m of an offset in
+///                          each direction, offsets_m [[x, y, z]..]}; "ideal": 0 and []
+///     corner_sigma_px      noise of one corner coordinate
+///     sigmas               {parameter: standard deviation}
+///     projection_sigma_px  [ImageGrid::rows][ImageGrid::columns] (projection_map.h); null: the
+///                          lens cannot be inverted there
+///     coverage             fraction of the image covered by corners, 0..1
+///     not_identifiable     [{parameter, sigma, prior_sigma}..]: sigma above 70 % of the prior's
+///     views                [{name, used, rms_px, corners_px [[u, v]..], residuals_px [[u, v]..],
+///                          depth_rms_m, depth_bias_m (mean of model minus measured)}..]
+///     outlier_views, duplicate_views, views_without_board  [name..]
+///     depth                {samples, sigma_at_1m, exponent, inflation (DepthNoise), delay
+///                          "estimated" or the reason why not, bias_sigma_at_1m [m]}; null: colour
+///                          only
+/// calibrate() adds solving {wall_s, cpu_s} and, with CalibrationOptions::cross_validate, held_out
+/// {folds, training_rms_px, held_out_rms_px}.
+nlohmann::json calibration_details(const DetailsInput& result);
 
 }  // namespace touchtrace

@@ -17,19 +17,20 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uintmax_t most_foreign_bytes = 1u << 20;
-constexpr int most_nodes = 100'000, deepest = 32;
+constexpr std::uintmax_t max_foreign_bytes = 1u << 20;
+constexpr int max_yaml_nodes = 100'000, max_yaml_depth = 32;
 
 void require_foreign(bool good, const std::string& what) {
   if (!good) throw std::invalid_argument(what);
 }
 
-/// Aliases are followed, so nodes are counted: a small file can name itself many times over.
-class JsonOfYaml {
+/// Converts YAML to JSON. Limits the number of nodes: a small file with nested aliases can expand
+/// to any size.
+class YamlConverter {
  public:
   json convert(const YAML::Node& node, int depth = 0) {
-    require_foreign(++nodes_ <= most_nodes && depth <= deepest,
-                    "it is too large or nested too deeply");
+    require_foreign(++nodes_ <= max_yaml_nodes && depth <= max_yaml_depth,
+                    "too large or nested too deeply");
     json result;
     if (node.IsMap()) {
       result = json::object();
@@ -49,20 +50,20 @@ class JsonOfYaml {
   int nodes_ = 0;
 };
 
-/// cv::FileStorage begins with a directive that YAML does not know.
-json parsed(std::string text) {
+/// Removes the %YAML: directive of cv::FileStorage, which is not valid YAML.
+json parse_yaml(std::string text) {
   if (text.starts_with("%YAML:")) text.erase(0, text.find('\n'));
-  return JsonOfYaml().convert(YAML::Load(text));
+  return YamlConverter().convert(YAML::Load(text));
 }
 
-/// The simplest lens that can hold the coefficients and that `fits` takes.
-template <class Fits>
+/// Camera with the simplest lens that has all nonzero coefficients and that `accepts` accepts.
+template <class Accepts>
 json camera(const json& width, const json& height, const json& intrinsics, const json& distortion,
-            Fits&& fits) {
+            Accepts&& accepts) {
   const std::vector<double> values = distortion;
   for (const Lens& lens : all_lenses()) {
     const auto names = coefficient_names(lens);
-    if (!fits(lens)) continue;
+    if (!accepts(lens)) continue;
     if (std::any_of(values.begin() + std::min(names.size(), values.size()), values.end(),
                     [](double value) { return value != 0.0; }))
       continue;
@@ -75,42 +76,44 @@ json camera(const json& width, const json& height, const json& intrinsics, const
             {"intrinsics_px", intrinsics},
             {"distortion", coefficients}};
   }
-  throw std::invalid_argument("it has a lens that touchtrace does not know");
+  throw std::invalid_argument("its lens model is not supported");
 }
 
-bool has_lens(const std::string& name, const char* ForeignLens::*program) {
+bool is_known_model(const std::string& name, const char* LensInterop::*program) {
   return std::ranges::any_of(all_lenses(), [&](const Lens& lens) {
-    const char* known = foreign_lens(lens).*program;
+    const char* known = lens_interop(lens).*program;
     return known != nullptr && name == known;
   });
 }
 
-/// camera_info names the lens; cv::FileStorage says at most that it is a fisheye.
-json camera_of_matrices(const json& y) {
+/// Camera of a camera_info, which names the lens, or a cv::FileStorage, which has at most
+/// fisheye_model.
+json camera_from_matrices(const json& y) {
   const bool fisheye = y.value("fisheye_model", 0.0) != 0.0;
   const std::string model = y.value("distortion_model", "");
-  require_foreign(model.empty() || has_lens(model, &ForeignLens::ros),
-                  fmt::format("its distortion model is '{}'", model));
+  require_foreign(model.empty() || is_known_model(model, &LensInterop::ros),
+                  fmt::format("unsupported distortion model '{}'", model));
   const json& k = y.at("camera_matrix").at("data");
-  require_foreign(k.is_array() && k.size() == 9 && k[1] == 0.0, "its camera matrix is none");
+  require_foreign(k.is_array() && k.size() == 9 && k[1] == 0.0,
+                  "camera_matrix is not a 3x3 matrix without skew");
   return camera(y.at("image_width"), y.at("image_height"), {k[0], k[4], k[2], k[5]},
                 y.at("distortion_coefficients").at("data"), [&](const Lens& lens) {
                   return model.empty() ? is_perspective(lens) != fisheye
-                                       : model == foreign_lens(lens).ros;
+                                       : model == lens_interop(lens).ros;
                 });
 }
 
-json camera_of_camchain(const json& y) {
-  require_foreign(y.at("camera_model") == "pinhole", "its camera model is not pinhole");
+json camera_from_camchain(const json& y) {
+  require_foreign(y.at("camera_model") == "pinhole", "camera_model is not pinhole");
   const bool none = y.at("distortion_model") == "none";
   const std::string model = none ? "radtan" : y.at("distortion_model").get<std::string>();
-  require_foreign(has_lens(model, &ForeignLens::kalibr),
-                  fmt::format("its distortion model is '{}'", model));
+  require_foreign(is_known_model(model, &LensInterop::kalibr),
+                  fmt::format("unsupported distortion model '{}'", model));
   const json& size = y.at("resolution");
   const json coefficients = none ? json::array() : y.at("distortion_coeffs");
-  require_foreign(none || coefficients.size() == 4, "it does not have four coefficients");
+  require_foreign(none || coefficients.size() == 4, "distortion_coeffs does not have four values");
   return camera(size.at(0), size.at(1), y.at("intrinsics"), coefficients, [&](const Lens& lens) {
-    const char* name = foreign_lens(lens).kalibr;
+    const char* name = lens_interop(lens).kalibr;
     return name != nullptr && model == name;
   });
 }
@@ -119,15 +122,15 @@ json identity() {
   return {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
 }
 
-/// The document that `calibrate` would have written of these cameras.
-json document_of(const json& y) {
-  require_foreign(y.is_object(), "it is no YAML mapping");
+/// Converts to the content of calibration.json.
+json to_calibration_json(const json& y) {
+  require_foreign(y.is_object(), "not a YAML mapping");
   const bool chain = y.contains("cam0"), pair = y.contains("cam1");
   require_foreign(chain || y.contains("camera_matrix"),
-                  "it is neither a camera_info nor a cv::FileStorage nor a camchain");
+                  "not a camera_info, cv::FileStorage or camchain");
   return {{"schema", calibration_schema},
-          {"color", chain ? camera_of_camchain(y.at("cam0")) : camera_of_matrices(y)},
-          {"depth", pair ? camera_of_camchain(y.at("cam1")) : json()},
+          {"color", chain ? camera_from_camchain(y.at("cam0")) : camera_from_matrices(y)},
+          {"depth", pair ? camera_from_camchain(y.at("cam1")) : json()},
           {"depth_from_color", pair ? y.at("cam1").at("T_cn_cnm1") : identity()},
           {"depth_scale", 1.0},
           {"depth_offset_m", 0.0},
@@ -143,48 +146,50 @@ json document_of(const json& y) {
 struct FourCoefficients {
   std::string model;
   std::array<double, 4> values;
-  double worst_px = 0.0;
+  double max_error_px = 0.0;
 };
 
-/// Radtan's k1 k2 p1 p2 that bend rays most as the camera's lens does: the distortion is linear in
-/// them, so least squares over the rays of a grid of pixels.
-FourCoefficients nearest_radtan(const Camera& c) {
+/// Least-squares fit of radtan's k1 k2 p1 p2, in which the distortion is linear, to the camera's
+/// lens over a grid of pixels.
+FourCoefficients fit_radtan(const Camera& c) {
   constexpr int cells = 20;
   Eigen::MatrixX4d design = Eigen::MatrixX4d::Zero(2 * (cells + 1) * (cells + 1), 4);
-  Eigen::VectorXd bent = Eigen::VectorXd::Zero(design.rows());
+  Eigen::VectorXd displacement = Eigen::VectorXd::Zero(design.rows());
   Eigen::Index row = 0;
   for (int i = 0; i <= cells; ++i)
     for (int j = 0; j <= cells; ++j, row += 2) {
       const Eigen::Vector2d pixel((c.width - 1.0) * i / cells, (c.height - 1.0) * j / cells);
       const Eigen::Vector3d ray = c.unproject(pixel);
-      if (!ray.allFinite()) continue;  // no lens looks there
+      if (!ray.allFinite()) continue;  // not invertible
       const double x = ray.x(), y = ray.y(), r2 = x * x + y * y;
       design.row(row) << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x;
       design.row(row + 1) << y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y;
-      bent.segment<2>(row) << (pixel.x() - c.cx) / c.fx - x, (pixel.y() - c.cy) / c.fy - y;
+      displacement.segment<2>(row) << (pixel.x() - c.cx) / c.fx - x, (pixel.y() - c.cy) / c.fy - y;
     }
-  const Eigen::Vector4d k = design.colPivHouseholderQr().solve(bent);
-  const Eigen::VectorXd error = design * k - bent;
+  const Eigen::Vector4d k = design.colPivHouseholderQr().solve(displacement);
+  const Eigen::VectorXd error = design * k - displacement;
   FourCoefficients four{"radtan", {k[0], k[1], k[2], k[3]}};
   for (row = 0; row < error.size(); row += 2)
-    four.worst_px = std::max(four.worst_px, std::hypot(c.fx * error[row], c.fy * error[row + 1]));
+    four.max_error_px =
+        std::max(four.max_error_px, std::hypot(c.fx * error[row], c.fy * error[row + 1]));
   return four;
 }
 
 FourCoefficients four_coefficients(const Camera& c) {
   const auto& d = c.distortion;
-  const char* model = foreign_lens(c.lens).kalibr;
+  const char* model = lens_interop(c.lens).kalibr;
   if (model == nullptr && d.tail<4>().isZero(0.0)) model = "radtan";
-  return model != nullptr ? FourCoefficients{model, {d[0], d[1], d[2], d[3]}} : nearest_radtan(c);
+  return model != nullptr ? FourCoefficients{model, {d[0], d[1], d[2], d[3]}} : fit_radtan(c);
 }
 
 std::string camchain_entry(const char* name, const char* topic, const Camera& c) {
   const FourCoefficients four = four_coefficients(c);
   const auto& d = four.values;
   std::string text = fmt::format("{}:\n", name);
-  if (four.worst_px > 0.0)
-    text += fmt::format("  # {} is made up for by four coefficients to {:.3f} px in the image\n",
-                        lens_name(c.lens), four.worst_px);
+  if (four.max_error_px > 0.0)
+    text += fmt::format(
+        "  # {} approximated by four coefficients; maximum error in the image {:.3f} px\n",
+        lens_name(c.lens), four.max_error_px);
   return text + fmt::format(
                     "  camera_model: pinhole\n  intrinsics: [{:#}, {:#}, {:#}, {:#}]\n"
                     "  distortion_model: {}\n  distortion_coeffs: [{:#}, {:#}, {:#}, {:#}]\n"
@@ -209,7 +214,7 @@ std::string camchain_yaml(const RgbdCalibration& calibration) {
 std::string file_storage_yaml(const Camera& c) {
   cv::FileStorage storage(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
   const cv::Matx33d camera_matrix(c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0);
-  const cv::Mat distortion(foreign_lens(c.lens).coefficients, 1, CV_64F,
+  const cv::Mat distortion(lens_interop(c.lens).num_ros_coefficients, 1, CV_64F,
                            const_cast<double*>(c.distortion.data()));
   storage << "image_width" << c.width << "image_height" << c.height;
   storage << "camera_matrix" << cv::Mat(camera_matrix) << "distortion_coefficients" << distortion;
@@ -218,13 +223,13 @@ std::string file_storage_yaml(const Camera& c) {
 }
 
 RgbdCalibration read_foreign_calibration(const std::filesystem::path& file) {
-  const std::string text = read_file(file, most_foreign_bytes);
+  const std::string text = read_file(file, max_foreign_bytes);
   try {
-    return calibration_from_json(document_of(parsed(text)));
+    return calibration_from_json(to_calibration_json(parse_yaml(text)));
   } catch (const std::exception& error) {
     throw data_error(
-        fmt::format("{} is not a usable calibration: {}", file.string(), error.what()),
-        "give a folder of `touchtrace calibrate`, a camera_info, a cv::FileStorage or a camchain");
+        fmt::format("cannot read calibration {}: {}", file.string(), error.what()),
+        "use a folder of `touchtrace calibrate`, a camera_info, a cv::FileStorage or a camchain");
   }
 }
 

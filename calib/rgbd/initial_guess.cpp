@@ -13,15 +13,15 @@
 namespace touchtrace {
 namespace {
 
-/// Over the width: a fisheye of 180 degrees across has 0.32.
+/// Fractions of the image width. An equidistant lens with a field of view of 180 degrees has 0.32.
 constexpr double fisheye_focal_lengths[] = {0.2, 0.25, 0.32, 0.4, 0.5, 0.65, 0.8, 1.0};
-constexpr std::size_t most_views_for_focal_length = 7;
-constexpr double widest_tangent = 6.0;  ///< 80 degrees: beyond it a ray says little of a pose
+constexpr std::size_t max_views_for_focal_length = 7;
+constexpr double max_ray_tangent = 6.0;  ///< 80 degrees; wider rays hardly constrain a pose
 
 std::vector<cv::Point3f> board_points(const BoardView& view, const Chessboard& board) {
   std::vector<cv::Point3f> points;
   for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
-    const Eigen::Vector3f corner = board.corner_m(view.corner(i)).cast<float>();
+    const Eigen::Vector3f corner = board.corner_m(view.corner_id(i)).cast<float>();
     points.emplace_back(corner.x(), corner.y(), corner.z());
   }
   return points;
@@ -34,14 +34,14 @@ std::vector<cv::Point2f> image_points(const BoardView& view) {
   return points;
 }
 
-/// Zhang's estimate breaks down where every view is nearly parallel to the image.
+/// Replaces a degenerate estimate, as of views that are all parallel to the image, by the width.
 double plausible_focal_length(double focal_px, int width) {
   const double typical_px = 1.0 * width;
   return std::isfinite(focal_px) && focal_px > 0.3 * width && focal_px < 10.0 * width ? focal_px
                                                                                       : typical_px;
 }
 
-double focal_length_of_homographies(const BoardObservations& observations) {
+double focal_length_from_homographies(const BoardObservations& observations) {
   std::vector<std::vector<cv::Point3f>> boards;
   std::vector<std::vector<cv::Point2f>> images;
   for (const auto& view : observations.views) {
@@ -53,7 +53,7 @@ double focal_length_of_homographies(const BoardObservations& observations) {
   return plausible_focal_length(camera(0, 0), observations.width);
 }
 
-/// Of the corners whose rays are not too far to the side.
+/// Pose from the corners whose rays are within max_ray_tangent.
 std::array<double, 6> initial_pose(const BoardView& view, const Chessboard& board,
                                    const Camera& camera) {
   std::vector<cv::Point3f> on_board;
@@ -61,7 +61,7 @@ std::array<double, 6> initial_pose(const BoardView& view, const Chessboard& boar
   const auto all = board_points(view, board);
   for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
     const Eigen::Vector3d ray = camera.unproject(view.corners_px[i]);
-    if (!(ray.head<2>().norm() < widest_tangent)) continue;
+    if (!(ray.head<2>().norm() < max_ray_tangent)) continue;
     on_board.push_back(all[i]);
     rays.emplace_back(static_cast<float>(ray.x()), static_cast<float>(ray.y()));
   }
@@ -71,12 +71,13 @@ std::array<double, 6> initial_pose(const BoardView& view, const Chessboard& boar
       cv::solvePnP(on_board, rays, cv::Matx33d::eye(), cv::noArray(), rotation, translation, false,
                    cv::SOLVEPNP_IPPE);
   } catch (const cv::Exception&) {
-    return {0.0, 0.0, 0.0, 0.0, 0.0, 1.0};  // corners in a line, or such
+    return {0.0, 0.0, 0.0, 0.0, 0.0, 1.0};  // degenerate, such as collinear corners
   }
   return {rotation[0], rotation[1], rotation[2], translation[0], translation[1], translation[2]};
 }
 
-RgbdParameters placed_by(double focal_px, const BoardObservations& o, const Lens& lens) {
+RgbdParameters guess_for_focal_length(double focal_px, const BoardObservations& o,
+                                      const Lens& lens) {
   Camera camera{.width = o.width, .height = o.height};
   camera.lens = lens;
   camera.fx = camera.fy = focal_px;
@@ -89,17 +90,17 @@ RgbdParameters placed_by(double focal_px, const BoardObservations& o, const Lens
   return parameters;
 }
 
-/// RMS of the median view: one that cannot be placed does not count.
-double typical_rms_px(const BoardObservations& o, const RgbdParameters& parameters) {
+/// RMS of the median view, robust against views with a wrong pose.
+double median_view_rms_px(const BoardObservations& o, const RgbdParameters& parameters) {
   std::vector<double> values;
   for (std::size_t view = 0; view < o.views.size(); ++view)
     values.push_back(rms(corner_residuals(o, view, parameters)));
   return median(std::move(values));
 }
 
-/// Some views spread over all; fewer than half of them may be bad.
-BoardObservations few_views(const BoardObservations& o) {
-  const std::size_t stride = 1 + o.views.size() / most_views_for_focal_length;
+/// Evenly spaced subset of the views; the focal length is right if most of them are good.
+BoardObservations subsample_views(const BoardObservations& o) {
+  const std::size_t stride = 1 + o.views.size() / max_views_for_focal_length;
   BoardObservations few{o.board, o.width, o.height, {}, {}, {}};
   for (std::size_t i = 0; i < o.views.size(); i += stride) few.views.push_back(o.views[i]);
   return few;
@@ -108,15 +109,16 @@ BoardObservations few_views(const BoardObservations& o) {
 }  // namespace
 
 RgbdParameters initial_guess(const BoardObservations& o, const Lens& lens) {
-  if (is_perspective(lens)) return placed_by(focal_length_of_homographies(o), o, lens);
-  const BoardObservations few = few_views(o);
-  double best_px = o.width, least_px = std::numeric_limits<double>::infinity();
-  for (double over_width : fisheye_focal_lengths) {
-    const double focal_px = over_width * o.width;
-    const double rms_px = typical_rms_px(few, placed_by(focal_px, few, lens));
-    if (rms_px < least_px) best_px = focal_px, least_px = rms_px;
+  if (is_perspective(lens))
+    return guess_for_focal_length(focal_length_from_homographies(o), o, lens);
+  const BoardObservations few = subsample_views(o);
+  double best_px = o.width, min_rms_px = std::numeric_limits<double>::infinity();
+  for (double relative_focal_length : fisheye_focal_lengths) {
+    const double focal_px = relative_focal_length * o.width;
+    const double rms_px = median_view_rms_px(few, guess_for_focal_length(focal_px, few, lens));
+    if (rms_px < min_rms_px) best_px = focal_px, min_rms_px = rms_px;
   }
-  return placed_by(best_px, o, lens);
+  return guess_for_focal_length(best_px, o, lens);
 }
 
 }  // namespace touchtrace

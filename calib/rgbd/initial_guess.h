@@ -4,9 +4,9 @@
 
 namespace touchtrace {
 
-/// Focal length (square pixels, centred principal point, no distortion) and one pose for each view.
-/// Of a perspective lens from the homographies (Zhang 2000); of a fisheye the one of a few focal
-/// lengths that leaves least when the boards are placed by it. The depth camera keeps its defaults.
+/// Initial focal length (square pixels, centred principal point, no distortion) and a pose for each
+/// view. Perspective lenses: focal length from homographies (Zhang 2000). Fisheyes: the one of 8
+/// focal lengths whose poses have the smallest residuals. The depth camera keeps its defaults.
 RgbdParameters initial_guess(const BoardObservations& observations, const Lens& lens);
 
 }  // namespace touchtrace

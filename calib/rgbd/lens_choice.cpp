@@ -12,7 +12,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr double most_effect = 1.0;  ///< of the distance from the centre
+constexpr double max_effect = 1.0;  ///< of one sigma, as returned by effect()
 
 std::vector<std::string> lens_names() {
   std::vector<std::string> names;
@@ -20,15 +20,14 @@ std::vector<std::string> lens_names() {
   return names;
 }
 
-/// All intrinsics of a lens.
-std::vector<int> everything(const Lens& lens) {
+std::vector<int> all_intrinsics(const Lens& lens) {
   std::vector<int> all;
   for (int i = 0; i < static_cast<int>(intrinsic_names(lens).size()); ++i) all.push_back(i);
   return all;
 }
 
-/// In the plane of the ideal lens, from the centre.
-Eigen::Vector2d outermost(const BoardProblem& problem, const RgbdParameters& p) {
+/// Undistorted coordinates of the corner that is farthest from the optical axis.
+Eigen::Vector2d outermost_corner(const BoardProblem& problem, const RgbdParameters& p) {
   Eigen::Vector2d farthest = Eigen::Vector2d::Zero();
   for (std::size_t view = 0; view < problem.used.size(); ++view) {
     if (!problem.used[view]) continue;
@@ -36,21 +35,21 @@ Eigen::Vector2d outermost(const BoardProblem& problem, const RgbdParameters& p) 
     const BoardView& seen = problem.observations.views[view];
     for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
       const Eigen::Vector3d point =
-          pose * corner_on_board(problem.observations.board, seen.corner(i), p);
+          pose * deformed_corner_m(problem.observations.board, seen.corner_id(i), p);
       const Eigen::Vector2d m =
-          with_lens(p.lens, [&](auto l) -> Eigen::Vector2d { return l.spread(point); });
+          with_lens(p.lens, [&](auto l) -> Eigen::Vector2d { return l.normalize(point); });
       if (m.norm() > farthest.norm()) farthest = m;
     }
   }
   return farthest;
 }
 
-/// How far coefficient `i`, changed by `step`, moves `m`, over m's distance from the centre.
+/// Displacement of `m` when coefficient `i` changes by `step`, relative to |m|.
 double effect(const RgbdParameters& p, std::size_t i, double step, const Eigen::Vector2d& m) {
   auto changed = p.color;
   changed[4 + i] += step;
   return with_lens(p.lens, [&](auto l) {
-    return (l.bend(changed.data() + 4, m) - l.bend(p.color.data() + 4, m)).norm() / m.norm();
+    return (l.distort(changed.data() + 4, m) - l.distort(p.color.data() + 4, m)).norm() / m.norm();
   });
 }
 
@@ -58,33 +57,35 @@ bool has_prior(const Prior& prior, int index) {
   return index < 4 || std::isfinite(prior.color_sigma[static_cast<std::size_t>(index)]);
 }
 
-/// The place in `free` of the last coefficient that only the data tell.
+/// Index in `free` of the last coefficient without a prior.
 std::optional<std::size_t> last_without_prior(const Prior& prior, const std::vector<int>& free) {
   for (std::size_t at = free.size(); at-- > 0;)
     if (!has_prior(prior, free[at])) return at;
   return {};
 }
 
-/// Of the `free` coefficients with the covariance `c`; empty if all are told.
-std::string what_is_open(const Prior& prior, const RgbdParameters& p, const std::vector<int>& free,
-                         const Eigen::MatrixXd& c, const Eigen::Vector2d& m) {
-  if (c.size() == 0) return "the equations for it are singular";
+/// Describes the unobservable ones of the `free` coefficients with covariance `c`; empty if there
+/// are none.
+std::string describe_unobservable(const Prior& prior, const RgbdParameters& p,
+                                  const std::vector<int>& free, const Eigen::MatrixXd& c,
+                                  const Eigen::Vector2d& m) {
+  if (c.size() == 0) return "the normal equations are singular";
   const auto names = coefficient_names(p.lens);
-  std::string open;
+  std::string text;
   for (std::size_t at = 0; at < free.size(); ++at) {
     if (has_prior(prior, free[at])) continue;
     const auto coefficient = static_cast<std::size_t>(free[at] - 4);
     const double sigma = std::sqrt(c(Eigen::Index(at), Eigen::Index(at)));
-    if (!(effect(p, coefficient, sigma, m) <= most_effect) ||
-        !(effect(p, coefficient, -sigma, m) <= most_effect))
-      open += fmt::format("{}{} is known to +-{:.3g} only", open.empty() ? "" : ", ",
+    if (!(effect(p, coefficient, sigma, m) <= max_effect) ||
+        !(effect(p, coefficient, -sigma, m) <= max_effect))
+      text += fmt::format("{}standard deviation of {} is {:.3g}", text.empty() ? "" : ", ",
                           names[coefficient], sigma);
   }
-  return open;
+  return text;
 }
 
-/// An information once its parameter `at` is known.
-Eigen::MatrixXd without(const Eigen::MatrixXd& information, Eigen::Index at) {
+/// Information matrix with the parameter `at` fixed.
+Eigen::MatrixXd fix_parameter(const Eigen::MatrixXd& information, Eigen::Index at) {
   if (information.size() == 0) return information;
   std::vector<Eigen::Index> rest;
   for (Eigen::Index i = 0; i < information.rows(); ++i)
@@ -95,10 +96,10 @@ Eigen::MatrixXd without(const Eigen::MatrixXd& information, Eigen::Index at) {
 }  // namespace
 
 LensChoice lens_choice(const std::string& name) {
-  const auto lens = lens_of(name);
+  const auto lens = find_lens(name);
   if (!lens)
-    throw usage_error(fmt::format("there is no lens '{}'", name), suggestion(name, lens_names()));
-  if (!std::holds_alternative<Undistorted>(*lens)) return {*lens, *lens, everything(*lens)};
+    throw usage_error(fmt::format("unknown lens '{}'", name), suggestion(name, lens_names()));
+  if (!std::holds_alternative<Undistorted>(*lens)) return {*lens, *lens, all_intrinsics(*lens)};
   return {*lens, Radtan4{}, {0, 1, 2, 3, 6, 7}};
 }
 
@@ -109,22 +110,23 @@ std::vector<LensChoice> lens_choices(const std::vector<std::string>& names) {
   return choices;
 }
 
-std::vector<Untold> untold_coefficients(const BoardProblem& problem, const RgbdParameters& p) {
+std::vector<UnobservableCoefficient> find_unobservable_coefficients(const BoardProblem& problem,
+                                                                    const RgbdParameters& p) {
   if (!last_without_prior(problem.prior, problem.free_color)) return {};
   Eigen::MatrixXd all = information(problem, p);
-  const Eigen::Vector2d m = outermost(problem, p);
-  std::vector<Untold> untold;
+  const Eigen::Vector2d m = outermost_corner(problem, p);
+  std::vector<UnobservableCoefficient> removed;
   std::vector<int> free = problem.free_color;
   while (const auto last = last_without_prior(problem.prior, free)) {
     const auto c = marginal_covariance(all, static_cast<Eigen::Index>(free.size()));
-    const std::string why = what_is_open(problem.prior, p, free, c, m);
+    const std::string why = describe_unobservable(problem.prior, p, free, c, m);
     if (why.empty()) break;
     const int index = free[*last];
-    untold.push_back({index, coefficient_names(p.lens)[static_cast<std::size_t>(index - 4)], why});
+    removed.push_back({index, coefficient_names(p.lens)[static_cast<std::size_t>(index - 4)], why});
     free.erase(free.begin() + static_cast<std::ptrdiff_t>(*last));
-    all = without(all, static_cast<Eigen::Index>(*last));
+    all = fix_parameter(all, static_cast<Eigen::Index>(*last));
   }
-  return untold;
+  return removed;
 }
 
 }  // namespace touchtrace

@@ -7,26 +7,26 @@
 
 namespace touchtrace {
 
-/// A lens that calibrate may choose, and which of RgbdParameters::color are free in it.
+/// Candidate lens and the estimated entries of RgbdParameters::color.
 struct LensChoice {
-  Lens named, lens;  ///< "none" is fitted as radtan4 without k1 and k2
+  Lens named, lens;  ///< `lens` is fitted; they differ for "none": radtan4 without k1 and k2
   std::vector<int> free_color;
 };
 
-/// Throws usage_error if there is no such lens.
+/// Throws usage_error for an unknown name.
 LensChoice lens_choice(const std::string& name);
-/// From simple to rich; all if `names` is empty.
+/// Candidates in the order of `names`; empty: all lenses, simple ones first.
 std::vector<LensChoice> lens_choices(const std::vector<std::string>& names);
 
-struct Untold {
+struct UnobservableCoefficient {
   int index;  ///< in RgbdParameters::color
   std::string name, why;
 };
 
-/// While the data leave a coefficient so open that its deviation alone would move the outermost
-/// corner by its whole distance from the centre, the last free one is untold. Coefficients with a
-/// prior are told by that.
-std::vector<Untold> untold_coefficients(const BoardProblem& problem,
-                                        const RgbdParameters& parameters);
+/// Returns the coefficients to fix at 0. While one standard deviation of any coefficient moves the
+/// outermost corner by its whole distance from the centre or more, the last free coefficient is
+/// unobservable. Coefficients with a prior are always observable.
+std::vector<UnobservableCoefficient> find_unobservable_coefficients(
+    const BoardProblem& problem, const RgbdParameters& parameters);
 
 }  // namespace touchtrace

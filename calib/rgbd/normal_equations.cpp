@@ -14,29 +14,30 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
-/// In the order of parameter_names(), then the poses, then the offsets.
-std::vector<double*> blocks_of(const BoardProblem& problem, RgbdParameters& p) {
+/// Parameter blocks in the order of parameter_names(), then poses, then offsets.
+std::vector<double*> parameter_blocks(const BoardProblem& problem, RgbdParameters& p) {
   std::vector<double*> blocks{p.color.data(), p.board_warp_m.data()};
   if (!problem.samples.empty())
     blocks.insert(blocks.end(),
                   {p.depth_from_color.data(), p.depth.data(), p.depth_correction.data()});
   if (!problem.samples.empty() && problem.free_delay) blocks.push_back(&p.depth_delay_s);
   for (std::size_t view : used_views(problem)) blocks.push_back(p.camera_from_board[view].data());
-  if (print_is_free(problem))
-    for (auto& offset_m : p.board_offsets_m) blocks.push_back(offset_m.data());
+  if (has_free_deformation(problem))
+    for (auto& offset_m : p.corner_offsets_m) blocks.push_back(offset_m.data());
   return blocks;
 }
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Rows that touch the same parameters: the corners of a view. Those of an offset come behind them.
+/// Consecutive rows that depend on the same parameters, such as the corners of a view. Columns of
+/// an offset come last and differ between rows.
 struct Rows {
   Eigen::Map<const RowMajor> jacobian;
   Eigen::Map<const VectorXd> residuals;
-  const int* columns;  ///< of the first row, others below it
-  Index parameters;    ///< columns of them
+  const int* columns;  ///< column indices, row after row
+  Index parameters;    ///< number of columns without those of an offset
 
-  const int* columns_of(Index row) const { return columns + row * jacobian.cols(); }
+  const int* column_indices(Index row) const { return columns + row * jacobian.cols(); }
 };
 
 Rows rows_from(const ceres::CRSMatrix& crs, const std::vector<double>& residuals, int first,
@@ -69,28 +70,28 @@ void add_parameters(const Rows& rows, NormalEquations& sum) {
 void add_offsets(const Rows& rows, NormalEquations& sum) {
   if (rows.parameters == rows.jacobian.cols()) return;
   for (Index row = 0; row < rows.jacobian.rows(); ++row) {
-    const int* columns = rows.columns_of(row);
+    const int* columns = rows.column_indices(row);
     const Index offset = columns[rows.parameters] - sum.parameters.rows();
     const Eigen::RowVector3d by_offset = rows.jacobian.row(row).tail<3>();
     sum.offsets_gradient.segment<3>(offset) += rows.residuals[row] * by_offset.transpose();
     sum.offsets.middleCols<3>(offset) += by_offset.transpose() * by_offset;
     for (Index a = 0; a < rows.parameters; ++a)
-      sum.across.row(columns[a]).segment<3>(offset) += rows.jacobian(row, a) * by_offset;
+      sum.coupling.row(columns[a]).segment<3>(offset) += rows.jacobian(row, a) * by_offset;
   }
 }
 
 }  // namespace
 
-NormalEquations normal_equations(const ceres::Problem& ceres_problem, const BoardProblem& problem,
+NormalEquations normal_equations(CeresProblem& ceres_problem, const BoardProblem& problem,
                                  RgbdParameters& p) {
   ceres::Problem::EvaluateOptions options;
-  options.parameter_blocks = blocks_of(problem, p);
+  options.num_threads = problem.num_threads;
+  options.parameter_blocks = parameter_blocks(problem, p);
   ceres::CRSMatrix crs;
   std::vector<double> residuals;
-  if (!const_cast<ceres::Problem&>(ceres_problem)
-           .Evaluate(options, nullptr, &residuals, nullptr, &crs))
-    return {};
-  const auto last = print_is_free(problem) ? 3 * static_cast<Index>(p.board_offsets_m.size()) : 0;
+  if (!ceres_problem.problem.Evaluate(options, nullptr, &residuals, nullptr, &crs)) return {};
+  const auto last =
+      has_free_deformation(problem) ? 3 * static_cast<Index>(p.corner_offsets_m.size()) : 0;
   const Index first = crs.num_cols - last;
   NormalEquations sum{MatrixXd::Zero(first, first),
                       MatrixXd::Zero(first, last),
@@ -106,21 +107,21 @@ NormalEquations normal_equations(const ceres::Problem& ceres_problem, const Boar
   return sum;
 }
 
-Eliminated without_offsets(const NormalEquations& n, double weight) {
-  MatrixXd across(n.across.rows(), n.across.cols());
-  VectorXd gradient(n.across.cols());
-  Eliminated result{n.parameters, n.parameters_gradient, n.squares, 0.0};
-  for (Index at = 0; at < n.across.cols(); at += 3) {
+ReducedEquations eliminate_offsets(const NormalEquations& n, double weight) {
+  MatrixXd scaled_coupling(n.coupling.rows(), n.coupling.cols());
+  VectorXd gradient(n.coupling.cols());
+  ReducedEquations result{n.parameters, n.parameters_gradient, n.squares, 0.0};
+  for (Index at = 0; at < n.coupling.cols(); at += 3) {
     const Eigen::Matrix3d square =
         n.offsets.middleCols<3>(at) + weight * Eigen::Matrix3d::Identity();
     const Eigen::LLT<Eigen::Matrix3d> cholesky(square);
-    across.middleCols<3>(at) =
-        cholesky.matrixL().solve(n.across.middleCols<3>(at).transpose()).transpose();
+    scaled_coupling.middleCols<3>(at) =
+        cholesky.matrixL().solve(n.coupling.middleCols<3>(at).transpose()).transpose();
     gradient.segment<3>(at) = cholesky.matrixL().solve(n.offsets_gradient.segment<3>(at));
     result.log_determinant += 2.0 * cholesky.matrixLLT().diagonal().array().log().sum();
   }
-  result.parameters -= across * across.transpose();
-  result.gradient -= across * gradient;
+  result.parameters -= scaled_coupling * scaled_coupling.transpose();
+  result.gradient -= scaled_coupling * gradient;
   result.squares -= gradient.squaredNorm();
   return result;
 }

@@ -7,9 +7,9 @@ namespace touchtrace {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double centre_sigma = 0.1;  // of the width
-constexpr double guessed_sigma =
-    0.1;  // relative, of the colour camera's intrinsics for the depth camera
+constexpr double centre_sigma = 0.1;            ///< fraction of the width
+constexpr double guessed_relative_sigma = 0.1;  ///< colour intrinsics used for the depth camera
+constexpr double relative_warp_sigma = 0.005;   ///< fraction of the board's diagonal
 constexpr double pose_sigma_rad = 0.1, pose_sigma_m = 0.1;
 constexpr double scale_sigma = 0.05, offset_sigma_m = 0.05;
 constexpr double delay_sigma_s = 0.1;
@@ -17,7 +17,7 @@ constexpr double delay_sigma_s = 0.1;
 }  // namespace
 
 double warp_sigma_m(const Chessboard& board) {
-  return warp_sigma * (board.corner_m(board.corners() - 1) - board.corner_m(0)).norm();
+  return relative_warp_sigma * (board.corner_m(board.num_corners() - 1) - board.corner_m(0)).norm();
 }
 
 Prior color_prior(const BoardObservations& o, const Lens& lens) {
@@ -34,7 +34,7 @@ Prior color_prior(const BoardObservations& o, const Lens& lens) {
 
 void add_depth_prior(const BoardObservations& o, const RgbdParameters& p, Prior& prior) {
   const bool known = o.depth_intrinsics[0] > 0.0;
-  const double relative = known ? factory_relative_sigma : guessed_sigma;
+  const double relative = known ? factory_relative_sigma : guessed_relative_sigma;
   if (known) prior.depth_mean = o.depth_intrinsics;
   if (!known) std::copy_n(p.color.begin(), 4, prior.depth_mean.begin());
   prior.depth_sigma = {relative * prior.depth_mean[0], relative * prior.depth_mean[1],

@@ -6,20 +6,19 @@ namespace touchtrace {
 
 inline constexpr double factory_relative_sigma = 0.005;
 inline constexpr double tangential_sigma = 2e-3;
-inline constexpr double warp_sigma = 0.005;  ///< of the board's diagonal
 
-/// The colour camera's principal point is near the image's centre, its lens nearly centred and the
-/// board nearly flat; nothing else is known.
+/// Prior of the colour camera and the board: principal point near the image centre, p1 and p2 near
+/// 0, a nearly flat board. No prior on focal lengths and radial coefficients.
 Prior color_prior(const BoardObservations& observations, const Lens& lens);
 
-/// Adds what is known of the depth camera: the factory's intrinsics within 0.5 % (centre: of the
-/// width) or, where unknown, those of the colour camera `parameters` within 10 %; a pose near the
-/// colour camera's; a scale near 1; images that show what is no later than their stamps say by a
-/// tenth of a second.
+/// Adds the prior of the depth camera. Intrinsics: the factory's with a standard deviation of 0.5 %
+/// (principal point: of the image width), or, if unknown, those of the colour camera in
+/// `parameters` with 10 %. Pose near the identity (0.1 rad, 0.1 m), scale near 1 (5 %), offset near
+/// 0 (50 mm), delay near 0 (0.1 s).
 void add_depth_prior(const BoardObservations& observations, const RgbdParameters& parameters,
                      Prior& prior);
 
-/// Deviation [m] of the board's warp.
+/// Standard deviation [m] of the warp coefficients: 0.5 % of the board's diagonal.
 double warp_sigma_m(const Chessboard& board);
 
 }  // namespace touchtrace

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd;
 
-/// Pixel by all intrinsics, then by the point.
+/// Derivative of a pixel with respect to all intrinsics, then to the point.
 using PixelJacobian = Eigen::Matrix<double, 2, max_intrinsics + 3>;
 
 PixelJacobian pixel_jacobian(const Camera& camera, const Eigen::Vector3d& ray) {
@@ -34,37 +34,37 @@ PixelJacobian pixel_jacobian(const Camera& camera, const Eigen::Vector3d& ray) {
   return jacobian;
 }
 
-/// Of each colour parameter of the covariance, its place in Camera::parameters().
-std::vector<Index> color_parameters(const RgbdCalibration& c) {
+/// Index in Camera::parameters() of each colour parameter of the covariance.
+std::vector<Index> color_parameter_indices(const RgbdCalibration& c) {
   const auto names = intrinsic_names(c.color.lens);
-  std::vector<Index> places;
+  std::vector<Index> indices;
   for (const std::string& parameter : c.parameters)
     for (std::size_t i = 0; i < names.size(); ++i)
-      if (parameter == "color." + names[i]) places.push_back(Index(i));
-  return places;
+      if (parameter == "color." + names[i]) indices.push_back(Index(i));
+  return indices;
 }
 
 }  // namespace
 
-MatrixXd free_of_turns(const RgbdCalibration& c) {
-  const auto places = color_parameters(c);
+MatrixXd rotation_free_jacobian(const RgbdCalibration& c) {
+  const auto indices = color_parameter_indices(c);
   constexpr Index pixels = ImageGrid::columns * ImageGrid::rows;
-  MatrixXd by_intrinsics = MatrixXd::Zero(2 * pixels, Index(places.size()));
-  MatrixXd by_turn = MatrixXd::Zero(2 * pixels, 3);
+  MatrixXd by_intrinsics = MatrixXd::Zero(2 * pixels, Index(indices.size()));
+  MatrixXd by_rotation = MatrixXd::Zero(2 * pixels, 3);
   for (Index i = 0; i < pixels; ++i) {
     const Eigen::Vector3d ray = c.color.unproject(
         ImageGrid::pixel(c.color, int(i % ImageGrid::columns), int(i / ImageGrid::columns)));
     if (!ray.allFinite()) continue;
     const PixelJacobian jacobian = pixel_jacobian(c.color, ray);
-    for (std::size_t k = 0; k < places.size(); ++k)
-      by_intrinsics.block<2, 1>(2 * i, Index(k)) = jacobian.col(places[k]);
-    by_turn.middleRows<2>(2 * i) = -jacobian.rightCols<3>() * cross_matrix(ray);
+    for (std::size_t k = 0; k < indices.size(); ++k)
+      by_intrinsics.block<2, 1>(2 * i, Index(k)) = jacobian.col(indices[k]);
+    by_rotation.middleRows<2>(2 * i) = -jacobian.rightCols<3>() * cross_matrix(ray);
   }
-  return by_intrinsics - by_turn * by_turn.colPivHouseholderQr().solve(by_intrinsics);
+  return by_intrinsics - by_rotation * by_rotation.colPivHouseholderQr().solve(by_intrinsics);
 }
 
 MatrixXd projection_sigma_px(const RgbdCalibration& c) {
-  const MatrixXd jacobian = free_of_turns(c);
+  const MatrixXd jacobian = rotation_free_jacobian(c);
   const MatrixXd covariance = c.covariance.topLeftCorner(jacobian.cols(), jacobian.cols());
   MatrixXd sigma(ImageGrid::rows, ImageGrid::columns);
   for (Index i = 0; i < sigma.size(); ++i) {
@@ -76,7 +76,7 @@ MatrixXd projection_sigma_px(const RgbdCalibration& c) {
   return sigma;
 }
 
-double coverage(const Camera& camera, const std::vector<Eigen::Vector2d>& corners_px) {
+double image_coverage(const Camera& camera, const std::vector<Eigen::Vector2d>& corners_px) {
   constexpr int across = 8, down = 6;
   std::set<std::pair<int, int>> covered;
   for (const auto& corner : corners_px) {

@@ -4,7 +4,7 @@
 
 namespace touchtrace {
 
-/// Pixels over the image, row by row.
+/// Regular grid of pixels that spans the image.
 struct ImageGrid {
   static constexpr int columns = 9, rows = 7;
 
@@ -14,17 +14,18 @@ struct ImageGrid {
   }
 };
 
-/// Deviation [px, RMS of the two directions] of where a far point is seen, at each pixel of the
-/// grid: how far the calibration may be off there. What a small turn of the camera would make up
-/// for over the whole image does not count, as in mrcal's projection uncertainty: no one can see
-/// it. NaN where the lens cannot be inverted.
+/// Projection uncertainty of the colour camera at each grid pixel [rows, columns]: standard
+/// deviation [px, RMS of the two directions] of the projection of a far point. As in mrcal, an
+/// error that a small rotation of the camera compensates over the whole image does not count. NaN
+/// where the lens cannot be inverted.
 Eigen::MatrixXd projection_sigma_px(const RgbdCalibration& calibration);
 
-/// Derivative of the grid's pixels by the free intrinsics of the colour camera, without what a turn
-/// makes up for: [2 pixels, parameters]. Rows of pixels that the lens does not see are 0.
-Eigen::MatrixXd free_of_turns(const RgbdCalibration& calibration);
+/// Derivative of the grid pixels with respect to the estimated intrinsics of the colour camera,
+/// after projecting out small rotations: [2 pixels, parameters]. Rows of pixels that cannot be
+/// unprojected are 0.
+Eigen::MatrixXd rotation_free_jacobian(const RgbdCalibration& calibration);
 
-/// Share of the image's cells, 8 by 6, that hold a corner.
-double coverage(const Camera& camera, const std::vector<Eigen::Vector2d>& corners_px);
+/// Fraction of the cells of an 8x6 grid over the image that hold a corner.
+double image_coverage(const Camera& camera, const std::vector<Eigen::Vector2d>& corners_px);
 
 }  // namespace touchtrace

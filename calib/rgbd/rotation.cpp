@@ -6,7 +6,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr double small_rad = 1e-6;  ///< below it the third order is nothing in double precision
+constexpr double small_rad = 1e-6;  ///< below it the first order is used; its error is below 1e-12
 
 }  // namespace
 

@@ -13,7 +13,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-double robust_deviation(std::vector<double> values) {
+double robust_sigma(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
   constexpr double median_of_abs_normal = 0.6744897501960817;
   return median(std::move(values)) / median_of_abs_normal;

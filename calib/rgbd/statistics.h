@@ -8,6 +8,6 @@ namespace touchtrace {
 double median(std::vector<double> values);
 
 /// Standard deviation of normal data about zero from the median of |value|: outliers do not count.
-double robust_deviation(std::vector<double> values);
+double robust_sigma(std::vector<double> values);
 
 }  // namespace touchtrace

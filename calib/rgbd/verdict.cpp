@@ -9,8 +9,9 @@
 namespace touchtrace {
 namespace {
 
-/// Up to `good` is GOOD, up to `weak` WEAK, beyond it (or not finite) BAD.
-void apply(Verdict& verdict, double value, double good, double weak, const std::string& advice) {
+/// Lowers the grade to WEAK if `value` > `good`, to BAD if `value` > `weak` or NaN.
+void apply_limits(Verdict& verdict, double value, double good, double weak,
+                  const std::string& advice) {
   if (value <= good) return;
   verdict.grade = std::max(verdict.grade, value <= weak ? Grade::weak : Grade::bad);
   verdict.advice.push_back(advice);
@@ -21,39 +22,43 @@ Eigen::Index index_of(const RgbdCalibration& c, const std::string& parameter) {
   return found == c.parameters.end() ? -1 : found - c.parameters.begin();
 }
 
-void judge_color(Verdict& verdict, const RgbdCalibration& c, int used_views) {
-  apply(verdict, c.rms_px, 0.5, 1.5,
-        fmt::format(
-            "corners are off by {:.2f} px RMS: use a flat board, sharp images and a still board",
-            c.rms_px));
-  apply(verdict, -used_views, -8, -4,
-        fmt::format("only {} views: show the board in 10 to 20 poses", used_views));
-  const double focal_px = std::max(deviation(c, "color.fx"), deviation(c, "color.fy"));
-  apply(verdict, focal_px / c.color.fx, 0.005, 0.02,
-        fmt::format(
-            "the focal length is known to {:.1f} px only: tilt the board more, by 30 to 45 degrees "
-            "in different directions",
-            focal_px));
-  const double centre_px = std::max(deviation(c, "color.cx"), deviation(c, "color.cy"));
-  apply(verdict, centre_px / c.color.width, 0.005, 0.02,
-        fmt::format(
-            "the principal point is known to {:.1f} px only: bring the board to all corners of the "
-            "image, turned by 90 degrees in some views",
-            centre_px));
+void assess_color(Verdict& verdict, const RgbdCalibration& c, int used_views) {
+  apply_limits(verdict, c.rms_px, 0.5, 1.5,
+               fmt::format("the reprojection error is {:.2f} px RMS: use a flat board, sharp "
+                           "images and a still board",
+                           c.rms_px));
+  apply_limits(verdict, -used_views, -8, -4,
+               fmt::format("only {} views: show the board in 10 to 20 poses", used_views));
+  const double focal_px = std::max(parameter_sigma(c, "color.fx"), parameter_sigma(c, "color.fy"));
+  apply_limits(
+      verdict, focal_px / c.color.fx, 0.005, 0.02,
+      fmt::format(
+          "the standard deviation of the focal length is {:.1f} px: tilt the board more, by 30 to "
+          "45 degrees in different directions",
+          focal_px));
+  const double centre_px = std::max(parameter_sigma(c, "color.cx"), parameter_sigma(c, "color.cy"));
+  apply_limits(verdict, centre_px / c.color.width, 0.005, 0.02,
+               fmt::format("the standard deviation of the principal point is {:.1f} px: show the "
+                           "board in all corners "
+                           "of the image, rotated by 90 degrees in some views",
+                           centre_px));
 }
 
-void judge_depth(Verdict& verdict, const RgbdCalibration& c) {
-  const double bias_mm = 1e3 * depth_bias_deviation_m(c, 1.0);
-  apply(verdict, bias_mm, 5.0, 20.0,
-        fmt::format("depth at 1 m is known to {:.1f} mm only: show the board from 0.4 to 1.5 m",
-                    bias_mm));
-  const double pose_mm =
-      1e3 * std::max({deviation(c, "depth_from_color.tx"), deviation(c, "depth_from_color.ty"),
-                      deviation(c, "depth_from_color.tz")});
-  apply(verdict, pose_mm, 5.0, 25.0,
-        fmt::format("the depth camera's place is known to {:.1f} mm only: tilt the board more, "
-                    "near the camera",
-                    pose_mm));
+void assess_depth(Verdict& verdict, const RgbdCalibration& c) {
+  const double bias_mm = 1e3 * depth_bias_sigma_m(c, 1.0);
+  apply_limits(
+      verdict, bias_mm, 5.0, 20.0,
+      fmt::format(
+          "the standard deviation of depth at 1 m is {:.1f} mm: show the board from 0.4 to 1.5 m",
+          bias_mm));
+  const double pose_mm = 1e3 * std::max({parameter_sigma(c, "depth_from_color.tx"),
+                                         parameter_sigma(c, "depth_from_color.ty"),
+                                         parameter_sigma(c, "depth_from_color.tz")});
+  apply_limits(
+      verdict, pose_mm, 5.0, 25.0,
+      fmt::format("the standard deviation of the depth camera's position is {:.1f} mm: tilt the "
+                  "board more, near the camera",
+                  pose_mm));
 }
 
 }  // namespace
@@ -68,17 +73,17 @@ double deviation(const RgbdCalibration& c, const std::string& parameter) {
   return i < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(c.covariance(i, i));
 }
 
-double depth_bias_deviation_m(const RgbdCalibration& c, double depth_m) {
+double depth_bias_sigma_m(const RgbdCalibration& c, double depth_m) {
   const auto scale = index_of(c, "depth.scale"), offset = index_of(c, "depth.offset");
   if (scale < 0 || offset < 0) return std::numeric_limits<double>::quiet_NaN();
   return std::sqrt(c.covariance(offset, offset) + 2.0 * depth_m * c.covariance(scale, offset) +
                    depth_m * depth_m * c.covariance(scale, scale));
 }
 
-Verdict judge(const RgbdCalibration& calibration, int used_views) {
+Verdict assess_calibration(const RgbdCalibration& calibration, int used_views) {
   Verdict verdict;
-  judge_color(verdict, calibration, used_views);
-  if (calibration.depth) judge_depth(verdict, calibration);
+  assess_color(verdict, calibration, used_views);
+  if (calibration.depth) assess_depth(verdict, calibration);
   return verdict;
 }
 

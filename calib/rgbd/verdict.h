@@ -11,19 +11,23 @@ enum class Grade { good, weak, bad };
 
 struct Verdict {
   Grade grade = Grade::good;
-  std::vector<std::string> advice;  ///< what is lacking and what to do about it; empty when good
+  std::vector<std::string> advice;  ///< one entry per criterion that is not good
 };
 
 const char* grade_name(Grade grade);  ///< GOOD, WEAK, BAD
 
-/// Judges by residuals, number of views, and the deviations of focal length, principal point and
-/// depth.
-Verdict judge(const RgbdCalibration& calibration, int used_views);
+/// Grades a calibration by its worst criterion; a value that is not finite is BAD. The limits of
+/// GOOD and WEAK:
+///  - colour reprojection RMS 0.5, 1.5 px; at least 8, 4 views
+///  - standard deviation of fx, fy: 0.5, 2 % of fx; of cx, cy: 0.5, 2 % of the image width
+///  - standard deviation of corrected depth at 1 m: 5, 20 mm; of the depth camera's position: 5,
+///    25 mm
+Verdict assess_calibration(const RgbdCalibration& calibration, int used_views);
 
-/// Standard deviation of a named parameter; NaN if the covariance does not have it.
-double deviation(const RgbdCalibration& calibration, const std::string& parameter);
+/// Standard deviation of a parameter; NaN if it was not estimated.
+double parameter_sigma(const RgbdCalibration& calibration, const std::string& parameter);
 
-/// Standard deviation [m] of the corrected depth of a surface that measures `depth_m`.
-double depth_bias_deviation_m(const RgbdCalibration& calibration, double depth_m);
+/// Standard deviation [m] of the corrected depth of a surface measured at `depth_m`.
+double depth_bias_sigma_m(const RgbdCalibration& calibration, double depth_m);
 
 }  // namespace touchtrace

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "calib/board/markers.h"
+#include "calib/board/charuco.h"
 #include "calib/rgbd/calibrate.h"
 #include "engine/base/files.h"
 #include "engine/base/provenance.h"
@@ -167,7 +167,7 @@ ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
   const Stopwatch stopwatch;
   const OutputFile refuses_what_exists(std::filesystem::path(options.output) / "calibration.json",
                                        invocation.overwrite);
-  CalibrateSettings settings{.cross_validate = true};
+  CalibrationOptions settings{.cross_validate = true};
   if (options.lens != "auto") settings.lenses = {options.lens};
   RgbdCalibration calibration = calibrate(observe(options), settings);
   calibration.details["provenance"] = provenance_of(options, invocation, stopwatch);

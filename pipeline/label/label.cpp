@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core/utility.hpp>
 
+#include "calib/board/opencv_threads.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/base/progress.h"
@@ -67,7 +67,7 @@ std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& fr
     progress.advance();
     return see(scene, frames, kind, clip, index);
   });
-  cv::setNumThreads(1);
+  const OpenCvThreads one_thread_per_clip(1);
   const std::size_t helpers = thread_count(options.threads);
   for_each_index(clips.size() + helpers, options.threads, [&](std::size_t i) {
     if (i >= clips.size()) return ahead.help();

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "calib/rgbd/statistics.h"
+#include "engine/base/parabola.h"
 #include "engine/base/parallel.h"
 #include "pipeline/label/body_fit.h"
 #include "pipeline/label/learn_body.h"
@@ -52,8 +53,8 @@ std::vector<double> fit_costs(const std::vector<BodyView>& views,
 /// Where the parabola through a least cost and its neighbours is least, in steps from there.
 double vertex(const std::vector<double>& costs, std::size_t least) {
   if (least == 0 || least + 1 == costs.size()) return 0.0;
-  const double before = costs[least - 1] - costs[least], after = costs[least + 1] - costs[least];
-  return before + after > 0.0 ? 0.5 * (before - after) / (before + after) : 0.0;
+  const double vertex = parabola_vertex(costs[least - 1], costs[least], costs[least + 1]);
+  return std::isfinite(vertex) ? vertex : 0.0;
 }
 
 /// The radius of the sphere that fits all views best, near that of the silhouette: between `steps`
@@ -107,7 +108,7 @@ double deviation(const std::vector<BodyView>& views, int threads, DistancesOf&& 
                  [&](std::size_t i) { of_views[i] = distances_of(views[i]); });
   Distances all;
   for (const auto& some : of_views) all.insert(all.end(), some.begin(), some.end());
-  return robust_deviation(std::move(all));
+  return robust_sigma(std::move(all));
 }
 
 double beyond_noise(double deviation_m) {

@@ -63,6 +63,16 @@ TEST_F(CalibrationFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read.details, written.details);
 }
 
+TEST_F(CalibrationFile, ReadsKeysOfOlderVersions) {
+  auto document = calibration_json(example());
+  document["details"]["board_print"] = {{"sigma_m", 1e-4}};
+  document["details"]["not_told"] = nlohmann::json::array({{{"parameter", "color.fx"}}});
+  const auto details = calibration_from_json(document).details;
+  EXPECT_EQ(details.at("target_deformation").at("sigma_m"), 1e-4);
+  EXPECT_EQ(details.at("not_identifiable").at(0).at("parameter"), "color.fx");
+  EXPECT_FALSE(details.contains("board_print") || details.contains("not_told"));
+}
+
 TEST_F(CalibrationFile, CameraInfoIsYamlWithFloats) {
   const auto camera = example().color;
   const std::string text = camera_info_yaml("color", camera);
@@ -76,7 +86,7 @@ TEST_F(CalibrationFile, CameraInfoIsYamlWithFloats) {
   EXPECT_EQ(yaml["projection_matrix"]["data"].size(), 12u);
 }
 
-TEST_F(CalibrationFile, NeverOverwritesSilentlyNorInPart) {
+TEST_F(CalibrationFile, DoesNotOverwriteNorWriteInPart) {
   write_file(folder_ / "calibration.json", "precious", false);
   EXPECT_THROW(write_calibration(folder_, example(), false), Error);
   EXPECT_FALSE(fs::exists(folder_ / "camera.yaml"));
@@ -85,8 +95,8 @@ TEST_F(CalibrationFile, NeverOverwritesSilentlyNorInPart) {
   EXPECT_EQ(read_calibration(folder_).rms_px, 0.2);
 }
 
-/// The example with one member replaced must be refused with exit code 3.
-void expect_refused(const fs::path& folder, const char* pointer, const nlohmann::json& value) {
+/// Expects a data error for the example with one member replaced.
+void expect_rejected(const fs::path& folder, const char* pointer, const nlohmann::json& value) {
   write_calibration(folder, example(), true);
   auto document = nlohmann::json::parse(read_file(folder / "calibration.json"));
   document[nlohmann::json::json_pointer(pointer)] = value;
@@ -99,22 +109,22 @@ void expect_refused(const fs::path& folder, const char* pointer, const nlohmann:
   }
 }
 
-TEST_F(CalibrationFile, RefusesWhatCannotBeACalibration) {
-  expect_refused(folder_, "/schema", "touchtrace/labels/1");
-  expect_refused(folder_, "/color/width", 0);
-  expect_refused(folder_, "/color/width", 1e300);
-  expect_refused(folder_, "/color/intrinsics_px/0", -1.0);
-  expect_refused(folder_, "/color/intrinsics_px/0", nullptr);
-  expect_refused(folder_, "/color/lens", "radtan3");
-  expect_refused(folder_, "/color/distortion", nlohmann::json::object({{"k1", 1.0}}));
-  expect_refused(folder_, "/color/distortion/k1", "far");
-  expect_refused(folder_, "/depth_from_color/0/0", 2.0);
-  expect_refused(folder_, "/depth_scale", 0.0);
-  expect_refused(folder_, "/covariance", nlohmann::json::array());
-  expect_refused(folder_, "/parameters", "fx");
+TEST_F(CalibrationFile, RejectsInvalidMembers) {
+  expect_rejected(folder_, "/schema", "touchtrace/labels/1");
+  expect_rejected(folder_, "/color/width", 0);
+  expect_rejected(folder_, "/color/width", 1e300);
+  expect_rejected(folder_, "/color/intrinsics_px/0", -1.0);
+  expect_rejected(folder_, "/color/intrinsics_px/0", nullptr);
+  expect_rejected(folder_, "/color/lens", "radtan3");
+  expect_rejected(folder_, "/color/distortion", nlohmann::json::object({{"k1", 1.0}}));
+  expect_rejected(folder_, "/color/distortion/k1", "far");
+  expect_rejected(folder_, "/depth_from_color/0/0", 2.0);
+  expect_rejected(folder_, "/depth_scale", 0.0);
+  expect_rejected(folder_, "/covariance", nlohmann::json::array());
+  expect_rejected(folder_, "/parameters", "fx");
 }
 
-TEST_F(CalibrationFile, RefusesTruncatedAndMissingFiles) {
+TEST_F(CalibrationFile, RejectsTruncatedAndMissingFiles) {
   EXPECT_THROW(read_calibration(folder_), Error);
   write_calibration(folder_, example(), false);
   const auto whole = read_file(folder_ / "calibration.json");

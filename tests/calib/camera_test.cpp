@@ -15,8 +15,8 @@ namespace {
 
 using Coefficients = std::array<double, max_coefficients>;
 
-/// Lenses that bend strongly, each with values that such lenses have.
-const std::map<std::string, Coefficients> strong{
+/// Realistic coefficients of strongly distorting lenses.
+const std::map<std::string, Coefficients> strong_distortion{
     {"none", {}},
     {"radtan4", {-0.28, 0.09, 0.0012, -0.0007}},
     {"radtan5", {-0.28, 0.09, 0.0012, -0.0007, 0.02}},
@@ -28,12 +28,12 @@ Camera camera_with(const Lens& lens) {
   camera.width = 640, camera.height = 480;
   camera.lens = lens;
   camera.set_parameters({533.0, 531.0, 342.0, 235.0});
-  const Coefficients& k = strong.at(lens_name(lens));
+  const Coefficients& k = strong_distortion.at(lens_name(lens));
   camera.distortion = Eigen::Map<const Eigen::Matrix<double, max_coefficients, 1>>(k.data());
   return camera;
 }
 
-Eigen::Vector3d point_before(RandomStream& random) {
+Eigen::Vector3d random_point(RandomStream& random) {
   const double z = random.uniform(0.3, 3.0), x = z * random.uniform(-0.5, 0.5);
   return {x, z * random.uniform(-0.4, 0.4), z};
 }
@@ -43,7 +43,7 @@ class EveryLens : public ::testing::TestWithParam<Lens> {
   const Camera camera_ = camera_with(GetParam());
 };
 
-std::vector<cv::Point2d> as_opencv_projects(const Camera& camera, const Eigen::Vector3d& p) {
+std::vector<cv::Point2d> opencv_project(const Camera& camera, const Eigen::Vector3d& p) {
   const cv::Matx33d matrix(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
   const std::vector<cv::Point3d> points{{p.x(), p.y(), p.z()}};
   std::vector<cv::Point2d> pixels;
@@ -57,11 +57,11 @@ std::vector<cv::Point2d> as_opencv_projects(const Camera& camera, const Eigen::V
   return pixels;
 }
 
-TEST_P(EveryLens, ProjectsAsOpenCv) {
+TEST_P(EveryLens, ProjectsLikeOpenCv) {
   RandomStream random(1, "points");
   for (int i = 0; i < 200; ++i) {
-    const auto p = point_before(random);
-    const auto expected = as_opencv_projects(camera_, p);
+    const auto p = random_point(random);
+    const auto expected = opencv_project(camera_, p);
     const Eigen::Vector2d pixel = camera_.project(p);
     EXPECT_TRUE(
         testing::close<double>({pixel.data(), 2}, std::array{expected[0].x, expected[0].y}, 8, 30));
@@ -71,43 +71,44 @@ TEST_P(EveryLens, ProjectsAsOpenCv) {
 TEST_P(EveryLens, UnprojectInvertsProject) {
   RandomStream random(2, "points");
   for (int i = 0; i < 200; ++i) {
-    const Eigen::Vector3d p = point_before(random);
+    const Eigen::Vector3d p = random_point(random);
     const Eigen::Vector3d ray = camera_.unproject(camera_.project(p));
     ASSERT_TRUE(ray.allFinite());
     const Eigen::Vector3d ideal = p / p.z();
-    // One rounding of a pixel, 1e-13 of 640, is 2e-16 of the ray times the inverse Jacobian (< 5).
+    // Rounding of a pixel coordinate, 1e-13 px at 640 px, is 2e-16 of the ray, times the inverse
+    // Jacobian (< 5).
     EXPECT_LT((ray - ideal).norm(), 1e-13);
   }
 }
 
-TEST_P(EveryLens, SeesStraightAhead) {
+TEST_P(EveryLens, ProjectsTheOpticalAxisToThePrincipalPoint) {
   const Eigen::Vector2d centre(camera_.cx, camera_.cy);
   EXPECT_EQ(camera_.project({0.0, 0.0, 2.0}), centre);
   EXPECT_LT((camera_.unproject(centre) - Eigen::Vector3d::UnitZ()).norm(), 1e-15);
   EXPECT_TRUE(camera_.project({1e-9, -1e-9, 1.0}).allFinite());
 }
 
-TEST_P(EveryLens, ProjectsManyPointsAsOne) {
+TEST_P(EveryLens, BatchProjectionEqualsSingleProjection) {
   RandomStream random(4, "points");
   std::vector<Eigen::Vector3f> points;
-  for (int i = 0; i < 20; ++i) points.push_back(point_before(random).cast<float>());
+  for (int i = 0; i < 20; ++i) points.push_back(random_point(random).cast<float>());
   std::vector<Eigen::Vector2d> pixels(points.size());
   camera_.project(points, pixels);
   for (std::size_t i = 0; i < points.size(); ++i)
     EXPECT_EQ(pixels[i], camera_.project(points[i].cast<double>()));
 }
 
-TEST_P(EveryLens, IsFoundByItsName) {
-  const auto found = lens_of(lens_name(GetParam()));
+TEST_P(EveryLens, HasAUniqueName) {
+  const auto found = find_lens(lens_name(GetParam()));
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->index(), GetParam().index());
-  EXPECT_FALSE(lens_of("radtan3").has_value());
+  EXPECT_FALSE(find_lens("radtan3").has_value());
 }
 
-/// The intrinsics, then the point.
+/// Inputs of a projection: intrinsics, then the point.
 constexpr int inputs = max_intrinsics + 3;
 
-/// Derivatives of the pixel, as Ceres takes them.
+/// Derivatives of the pixel with Ceres' Jets.
 Eigen::Matrix<double, 2, inputs> automatic_jacobian(const Camera& camera,
                                                     const Eigen::Vector3d& p) {
   using Jet = ceres::Jet<double, inputs>;
@@ -130,10 +131,10 @@ Eigen::Vector2d project_shifted(Camera camera, Eigen::Vector3d p, int input, dou
   return camera.project(p);
 }
 
-TEST_P(EveryLens, DerivativesAreThoseOfCentralDifferences) {
+TEST_P(EveryLens, DerivativesMatchCentralDifferences) {
   RandomStream random(3, "points");
   for (int i = 0; i < 50; ++i) {
-    const Eigen::Vector3d p = point_before(random);
+    const Eigen::Vector3d p = random_point(random);
     const auto jacobian = automatic_jacobian(camera_, p);
     ASSERT_TRUE(jacobian.allFinite());
     for (int k = 0; k < inputs; ++k) {
@@ -142,7 +143,7 @@ TEST_P(EveryLens, DerivativesAreThoseOfCentralDifferences) {
           (project_shifted(camera_, p, k, step) - project_shifted(camera_, p, k, -step)) /
           (2.0 * step);
       // Rounding of a pixel over the step, 1e-13 / 1e-5, and the third derivative times step^2 / 6:
-      // at z >= 0.3 both stay below 2e-7 of the column's scale.
+      // at z >= 0.3 both are below 2e-7 of the column's scale.
       EXPECT_LT((jacobian.col(k) - difference).norm(), 2e-7 * (1.0 + difference.norm()))
           << "input " << k;
     }
@@ -152,7 +153,7 @@ TEST_P(EveryLens, DerivativesAreThoseOfCentralDifferences) {
 INSTANTIATE_TEST_SUITE_P(Lenses, EveryLens, ::testing::ValuesIn(all_lenses()),
                          [](const auto& lens) { return lens_name(lens.param); });
 
-TEST(Camera, UnprojectSaysWhereItCannot) {
+TEST(Camera, UnprojectIsNanWhereNotInvertible) {
   auto camera = camera_with(Radtan5{});
   camera.distortion.setZero();
   camera.distortion[0] = -0.3;  // r (1 - 0.3 r^2) has its maximum 0.703 at r = 1.054
@@ -160,13 +161,13 @@ TEST(Camera, UnprojectSaysWhereItCannot) {
   EXPECT_FALSE(camera.unproject({camera.cx + 0.71 * camera.fx, camera.cy}).allFinite());
 }
 
-TEST(Camera, PerspectiveDoesNotSeeBehindAndAFisheyeDoes) {
+TEST(Camera, OnlyAFisheyeProjectsPointsBehindTheImagePlane) {
   const Eigen::Vector3d behind(1.0, 0.2, -0.1);
   EXPECT_FALSE(camera_with(Radtan4{}).project(behind).allFinite());
   const Camera fisheye = camera_with(Fisheye4{});
   const Eigen::Vector2d pixel = fisheye.project(behind);
   EXPECT_TRUE(pixel.allFinite());
-  EXPECT_FALSE(fisheye.unproject(pixel).allFinite());  // no (x', y', 1) looks there
+  EXPECT_FALSE(fisheye.unproject(pixel).allFinite());  // not a ray (X/Z, Y/Z, 1)
   EXPECT_FALSE(fisheye.project({0.0, 0.0, -1.0}).allFinite());
 }
 

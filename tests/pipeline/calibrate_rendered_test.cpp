@@ -22,8 +22,8 @@ RgbdParameters parameters_of(const scene::RgbdCamera& camera) {
   truth.lens = camera.color.lens;
   truth.color = camera.color.parameters();
   std::copy_n(camera.depth.parameters().begin(), 4, truth.depth.begin());
-  const Eigen::AngleAxisd turn(camera.depth_from_color.linear());
-  const Eigen::Vector3d rotation = turn.angle() * turn.axis();
+  const Eigen::AngleAxisd angle_axis(camera.depth_from_color.linear());
+  const Eigen::Vector3d rotation = angle_axis.angle() * angle_axis.axis();
   const Eigen::Vector3d translation = camera.depth_from_color.translation();
   truth.depth_from_color = {rotation.x(),    rotation.y(),    rotation.z(),
                             translation.x(), translation.y(), translation.z()};
@@ -31,7 +31,7 @@ RgbdParameters parameters_of(const scene::RgbdCamera& camera) {
   return truth;
 }
 
-/// The board views that the scene's camera records, written to a recording and read again.
+/// Board views rendered by the scene's camera, written to a recording and read from it.
 BoardObservations recorded_views(const scene::SceneOptions& options,
                                  const scene::RgbdCamera& camera,
                                  const std::filesystem::path& path) {
@@ -47,7 +47,7 @@ BoardObservations recorded_views(const scene::SceneOptions& options,
   return board_views_from_recording(path);
 }
 
-TEST(CalibrateRendered, FindsTheTruthWithinItsOwnUncertainty) {
+TEST(CalibrateRendered, ErrorsAreWithinTheirOwnStandardDeviations) {
   const TemporaryFolder folder;
   const scene::SceneOptions options{.image_width = 320, .image_height = 240, .board_views = 20};
   const auto camera = scene::make_camera(options);

@@ -19,12 +19,12 @@ namespace {
 
 struct Run {
   Eigen::VectorXd error;
-  double color_nees = 0.0, nees = 0.0, seconds = 0.0;
-  bool free_print = false;
+  double color_nees = 0.0, nees = 0.0, cpu_s = 0.0;
+  bool has_free_deformation = false;
   std::vector<std::string> names;
 };
 
-double thread_seconds() {
+double thread_cpu_s() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
@@ -34,9 +34,9 @@ double normalized_square(const Eigen::VectorXd& error, const Eigen::MatrixXd& co
   return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(error.size());
 }
 
-/// Tangential distortion, the board's warp and its print are others each time, as the prior has
-/// them: a covariance with a prior is true on average over what the prior allows.
-SimulatedBoards as_the_prior_has_it(const SimulatedBoards& boards, RandomStream& random) {
+/// Draws tangential distortion, warp and deformation from their priors: a posterior covariance is
+/// consistent on average over the prior.
+SimulatedBoards draw_from_prior(const SimulatedBoards& boards, RandomStream& random) {
   std::array<double, max_coefficients> lens;
   std::copy_n(boards.truth.color.begin() + 4, max_coefficients, lens.begin());
   if (is_perspective(boards.truth.lens))
@@ -45,25 +45,25 @@ SimulatedBoards as_the_prior_has_it(const SimulatedBoards& boards, RandomStream&
   SimulatedBoards other = boards;
   if (boards.clean.views.front().depth_m.empty())
     other.truth.board_warp_m = {random.normal(0.0, warp_m), random.normal(0.0, warp_m)};
-  if (boards.print_sigma_m > 0.0)
-    other = misprinted(std::move(other), boards.print_sigma_m, random);
-  return seen_through(std::move(other), boards.truth.lens, lens);
+  if (boards.deformation_sigma_m > 0.0)
+    other = with_deformed_target(std::move(other), boards.deformation_sigma_m, random);
+  return with_lens_coefficients(std::move(other), boards.truth.lens, lens);
 }
 
 Run run_once(const SimulatedBoards& all, int index) {
   RandomStream random(static_cast<std::uint64_t>(index), "simulated noise");
-  const SimulatedBoards boards = as_the_prior_has_it(all, random);
+  const SimulatedBoards boards = draw_from_prior(all, random);
   const BoardObservations observations = observe(boards, random);
-  const double start_s = thread_seconds();
-  const RgbdCalibration c = calibrate(observations, {.lenses = {lens_name(boards.truth.lens)}});
+  const double start_s = thread_cpu_s();
+  const RgbdCalibration c =
+      calibrate(observations, {.lenses = {lens_name(fitted_lens(boards).named)}});
   Run run;
-  run.seconds = thread_seconds() - start_s;
-  run.free_print = c.details["board_print"]["chosen"] == "free";
+  run.cpu_s = thread_cpu_s() - start_s;
+  run.has_free_deformation = c.details["target_deformation"]["chosen"] == "free";
   run.names = c.parameters;
   run.error = errors(c, boards.truth);
   run.nees = normalized_square(run.error, c.covariance);
-  const auto color_parameters =
-      static_cast<Eigen::Index>(intrinsic_names(boards.truth.lens).size());
+  const auto color_parameters = static_cast<Eigen::Index>(fitted_lens(boards).free_color.size());
   run.color_nees =
       normalized_square(run.error.head(color_parameters),
                         c.covariance.topLeftCorner(color_parameters, color_parameters));
@@ -108,13 +108,13 @@ MonteCarlo monte_carlo(const SimulatedBoards& boards, int count) {
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(runs.front().error.size());
   for (const auto& run : runs) {
     if (run.error.size() != bound.rows())
-      throw failure("the data do not tell a parameter of the simulated lens",
+      throw failure("a coefficient of the simulated lens is unobservable in a run",
                     "simulate less noise");
     squares += run.error.cwiseAbs2() / count;
-    result.free_prints += run.free_print;
+    result.num_free_deformations += run.has_free_deformation;
     result.nees += run.nees / count;
     result.color_nees += run.color_nees / count;
-    result.solve_seconds += run.seconds / count;
+    result.cpu_s += run.cpu_s / count;
   }
   const Eigen::VectorXd ratios = (squares.array() / bound.diagonal().array()).sqrt();
   result.rmse_ratio.assign(ratios.begin(), ratios.end());

@@ -7,19 +7,20 @@
 
 namespace touchtrace {
 
-/// Many calibrations of one scene under new noise, against the truth.
+/// Statistics over calibrations of the same scene with independent noise.
 struct MonteCarlo {
   int runs = 0;
   double color_nees = 0.0;  ///< mean of e' C^-1 e / n over the n parameters of the colour camera
   double nees = 0.0;        ///< the same over all parameters
   std::vector<std::string> names;
   std::vector<double> rmse_ratio;  ///< RMSE over the Cramer-Rao bound, for each name
-  int free_prints = 0;             ///< runs that found the board's corners to be off
-  double solve_seconds = 0.0;      ///< processor time of one calibration, mean
+  int num_free_deformations = 0;   ///< runs that estimated per-corner deformation
+  double cpu_s = 0.0;              ///< CPU seconds of one calibration, mean
 };
 
-/// Run i draws noise, tangential distortion, warp, print and the factory's error from the stream
-/// `i`; the result does not depend on the number of threads.
+/// Run i draws noise, tangential distortion, warp, deformation and the factory's error from the
+/// random stream i. The result, cpu_s apart, does not depend on the number of threads. Throws if a
+/// coefficient of the lens is unobservable in a run.
 MonteCarlo monte_carlo(const SimulatedBoards& boards, int runs);
 
 }  // namespace touchtrace

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "calib/rgbd/depth_fit.h"
-#include "calib/rgbd/lens_choice.h"
 #include "calib/rgbd/prior.h"
 #include "calib/rgbd/rotation.h"
 
@@ -13,11 +12,11 @@ namespace touchtrace {
 namespace {
 
 constexpr int reference_width = 320;
-constexpr double border = 0.025;  ///< of the width
-constexpr double smallest_tilt_cosine = 0.6;
-constexpr double least_axis_cosine = 0.25;  ///< of a corner: 75 degrees to the side
-constexpr double frame_s = 1.0 / 30.0;
-constexpr double nearest_m = 0.35, farthest_m = 0.9;
+constexpr double margin_fraction = 0.025;  ///< of the image width
+constexpr double min_tilt_cosine = 0.6;
+constexpr double min_axis_cosine = 0.25;  ///< corners are within 75 degrees of the optical axis
+constexpr double frame_interval_s = 1.0 / 30.0;
+constexpr double min_distance_m = 0.35, max_distance_m = 0.9;
 
 RgbdParameters true_cameras(double size) {
   RgbdParameters truth;
@@ -37,42 +36,41 @@ RgbdParameters true_fisheye() {
   return truth;
 }
 
-std::array<double, 6> facing(const Chessboard& board, const Eigen::Matrix3d& rotation,
-                             const Eigen::Vector3d& middle_m) {
-  const Eigen::AngleAxisd turn(rotation);
-  const Eigen::Vector3d r = turn.angle() * turn.axis();
-  const Eigen::Vector3d t = middle_m - rotation * (0.5 * board.corner_m(board.corners() - 1));
+std::array<double, 6> pose_with_centre(const Chessboard& board, const Eigen::Matrix3d& rotation,
+                                       const Eigen::Vector3d& centre_m) {
+  const Eigen::AngleAxisd angle_axis(rotation);
+  const Eigen::Vector3d r = angle_axis.angle() * angle_axis.axis();
+  const Eigen::Vector3d t = centre_m - rotation * (0.5 * board.corner_m(board.num_corners() - 1));
   return {r.x(), r.y(), r.z(), t.x(), t.y(), t.z()};
 }
 
-/// Turned in any direction and tilted up to 53 degrees.
-Eigen::Matrix3d random_turn(RandomStream& random) {
+/// Random rotation with a tilt of up to 53 degrees.
+Eigen::Matrix3d random_rotation(RandomStream& random) {
   const double x = random.uniform(-0.9, 0.9), y = random.uniform(-0.9, 0.9);
-  const Eigen::Vector3d turn(x, y, random.uniform(-1.6, 1.6));
-  return rotation_matrix(turn);
+  return rotation_matrix({x, y, random.uniform(-1.6, 1.6)});
 }
 
-/// The board's middle in the direction of `x`, `y`.
-std::array<double, 6> pose_before(const Chessboard& board, RandomStream& random) {
-  const double z = random.uniform(nearest_m, farthest_m), x = random.uniform(-0.35, 0.35);
-  const Eigen::Vector3d middle(z * x, z * random.uniform(-0.25, 0.25), z);
-  return facing(board, random_turn(random), middle);
+/// Random pose in the field of view of a perspective camera.
+std::array<double, 6> perspective_pose(const Chessboard& board, RandomStream& random) {
+  const double z = random.uniform(min_distance_m, max_distance_m), x = random.uniform(-0.35, 0.35);
+  const Eigen::Vector3d centre(z * x, z * random.uniform(-0.25, 0.25), z);
+  return pose_with_centre(board, random_rotation(random), centre);
 }
 
-/// Up to 60 degrees to the side, looking at the camera before it is tilted.
-std::array<double, 6> pose_around(const Chessboard& board, RandomStream& random) {
+/// Random pose up to 60 degrees off the optical axis; the board faces the camera, then is tilted.
+std::array<double, 6> fisheye_pose(const Chessboard& board, RandomStream& random) {
   const double across = random.uniform(-1.0, 1.0), down = random.uniform(-0.7, 0.7);
   const Eigen::Matrix3d aim = rotation_matrix({-down, across, 0.0});
-  const Eigen::Vector3d middle = aim.col(2) * random.uniform(0.2, 0.5);
-  return facing(board, aim * random_turn(random), middle);
+  const Eigen::Vector3d centre = aim.col(2) * random.uniform(0.2, 0.5);
+  return pose_with_centre(board, aim * random_rotation(random), centre);
 }
 
-std::vector<Eigen::Vector2d> projected(const SimulatedBoards& boards,
-                                       const std::array<double, 6>& pose) {
+std::vector<Eigen::Vector2d> project_corners(const SimulatedBoards& boards,
+                                             const std::array<double, 6>& pose) {
   const RgbdParameters& truth = boards.truth;
   std::vector<Eigen::Vector2d> corners;
-  for (int i = 0; i < boards.clean.board.corners(); ++i) {
-    const Eigen::Vector3d point = pose_of(pose) * corner_on_board(boards.clean.board, i, truth);
+  for (int i = 0; i < boards.clean.board.num_corners(); ++i) {
+    const Eigen::Vector3d point = pose_of(pose) * deformed_corner_m(boards.clean.board, i, truth);
     corners.push_back(with_lens(truth.lens, [&](auto l) -> Eigen::Vector2d {
       return project_point<decltype(l)>(truth.color.data(), point);
     }));
@@ -80,31 +78,31 @@ std::vector<Eigen::Vector2d> projected(const SimulatedBoards& boards,
   return corners;
 }
 
-bool in_image(const BoardObservations& o, const std::vector<Eigen::Vector2d>& corners) {
-  const double margin = border * o.width;
+bool is_in_image(const BoardObservations& o, const std::vector<Eigen::Vector2d>& corners) {
+  const double margin = margin_fraction * o.width;
   return std::ranges::all_of(corners, [&](const Eigen::Vector2d& c) {
     return c.x() > margin && c.y() > margin && c.x() < o.width - margin &&
            c.y() < o.height - margin;
   });
 }
 
-/// So that a perspective lens sees it, too.
-bool before_camera(const Chessboard& board, const Eigen::Isometry3d& camera_from_board) {
-  for (int i = 0; i < board.corners(); ++i) {
+/// True if a perspective lens can project the board, too.
+bool is_before_camera(const Chessboard& board, const Eigen::Isometry3d& camera_from_board) {
+  for (int i = 0; i < board.num_corners(); ++i) {
     const Eigen::Vector3d corner = camera_from_board * board.corner_m(i);
-    if (!(corner.z() > least_axis_cosine * corner.norm())) return false;
+    if (!(corner.z() > min_axis_cosine * corner.norm())) return false;
   }
   return true;
 }
 
-/// Seen whole and not too much from the side.
-bool usable(const BoardObservations& o, const std::array<double, 6>& pose,
-            const std::vector<Eigen::Vector2d>& corners) {
+/// True if all corners are in the image and the board is not seen too obliquely.
+bool is_usable(const BoardObservations& o, const std::array<double, 6>& pose,
+               const std::vector<Eigen::Vector2d>& corners) {
   const Eigen::Isometry3d camera_from_board = pose_of(pose);
-  const Eigen::Vector3d middle =
-      camera_from_board * (0.5 * o.board.corner_m(o.board.corners() - 1)).eval();
-  return in_image(o, corners) && before_camera(o.board, camera_from_board) &&
-         camera_from_board.linear().col(2).dot(middle.normalized()) > smallest_tilt_cosine;
+  const Eigen::Vector3d centre =
+      camera_from_board * (0.5 * o.board.corner_m(o.board.num_corners() - 1)).eval();
+  return is_in_image(o, corners) && is_before_camera(o.board, camera_from_board) &&
+         camera_from_board.linear().col(2).dot(centre.normalized()) > min_tilt_cosine;
 }
 
 template <class Pose>
@@ -112,20 +110,21 @@ void add_views(SimulatedBoards& boards, int views, const char* stream, Pose&& dr
   RandomStream random(1, stream);
   while (static_cast<int>(boards.clean.views.size()) < views) {
     const std::array<double, 6> pose = draw(boards.clean.board, random);
-    auto corners = projected(boards, pose);
-    if (!usable(boards.clean, pose, corners)) continue;
+    auto corners = project_corners(boards, pose);
+    if (!is_usable(boards.clean, pose, corners)) continue;
     boards.truth.camera_from_board.push_back(pose);
     boards.clean.views.push_back(
         {"view " + std::to_string(boards.clean.views.size()), std::move(corners), {}});
   }
 }
 
-void project_again(SimulatedBoards& boards) {
+void update_corners(SimulatedBoards& boards) {
   for (std::size_t view = 0; view < boards.clean.views.size(); ++view)
-    boards.clean.views[view].corners_px = projected(boards, boards.truth.camera_from_board[view]);
+    boards.clean.views[view].corners_px =
+        project_corners(boards, boards.truth.camera_from_board[view]);
 }
 
-/// What a depth camera without noise measures of the whole plane of the board.
+/// Noise-free depth image of the board's unbounded plane.
 std::vector<float> clean_depth(const BoardObservations& o, const RgbdParameters& truth,
                                std::size_t view, const BoardMotion& motion = {}) {
   std::vector<float> depth;
@@ -146,11 +145,16 @@ Eigen::Vector3d rotation_error(const Eigen::Matrix3d& estimate, const Eigen::Mat
 
 }  // namespace
 
+LensChoice fitted_lens(const SimulatedBoards& boards) {
+  return lens_choice(boards.fitted_lens.empty() ? lens_name(boards.truth.lens)
+                                                : boards.fitted_lens);
+}
+
 SimulatedBoards simulated_boards(int views, bool with_depth, int width) {
   SimulatedBoards boards;
   boards.truth = true_cameras(double(width) / reference_width);
   boards.clean.width = width, boards.clean.height = width * 3 / 4;
-  add_views(boards, views, "simulated boards", pose_before);
+  add_views(boards, views, "simulated boards", perspective_pose);
   if (!with_depth) return boards;
   boards.clean.depth_intrinsics = boards.truth.depth;
   for (std::size_t view = 0; view < boards.clean.views.size(); ++view)
@@ -160,7 +164,7 @@ SimulatedBoards simulated_boards(int views, bool with_depth, int width) {
 
 SimulatedBoards simulated_moving_boards(int views, double delay_s) {
   SimulatedBoards boards = simulated_boards(views, false);
-  auto& seen = boards.clean.views;
+  auto& all_views = boards.clean.views;
   auto& poses = boards.truth.camera_from_board;
   boards.truth.depth_delay_s = delay_s;
   boards.clean.depth_intrinsics = boards.truth.depth;
@@ -172,21 +176,22 @@ SimulatedBoards simulated_moving_boards(int views, double delay_s) {
     for (double& rate : motion.angular_rad_s) rate = random.normal(0.0, 0.4);
     motion.depth_after_color_s = random.uniform(-0.01, 0.01);
     auto later = pose_of(poses[view]);
-    later.translation() += frame_s * motion.linear_m_s;
-    later.linear() = rotation_matrix(frame_s * motion.angular_rad_s) * later.linear();
-    poses.push_back(facing(
+    later.translation() += frame_interval_s * motion.linear_m_s;
+    later.linear() = rotation_matrix(frame_interval_s * motion.angular_rad_s) * later.linear();
+    poses.push_back(pose_with_centre(
         boards.clean.board, later.linear(),
-        later * (0.5 * boards.clean.board.corner_m(boards.clean.board.corners() - 1)).eval()));
-    seen.push_back({"view " + std::to_string(seen.size()), projected(boards, poses.back()), {}});
-    for (const std::size_t at : {view, seen.size() - 1}) {
-      seen[at].color_time_s = double(view) + (at == view ? 0.0 : frame_s);
-      seen[at].depth_time_s = seen[at].color_time_s + motion.depth_after_color_s;
+        later * (0.5 * boards.clean.board.corner_m(boards.clean.board.num_corners() - 1)).eval()));
+    all_views.push_back(
+        {"view " + std::to_string(all_views.size()), project_corners(boards, poses.back()), {}});
+    for (const std::size_t at : {view, all_views.size() - 1}) {
+      all_views[at].color_time_s = double(view) + (at == view ? 0.0 : frame_interval_s);
+      all_views[at].depth_time_s = all_views[at].color_time_s + motion.depth_after_color_s;
     }
     motions.push_back(motion);
   }
-  for (std::size_t view = 0; view < seen.size(); ++view)
-    seen[view].depth_m = clean_depth(boards.clean, boards.truth, view,
-                                     motions[view % static_cast<std::size_t>(views)]);
+  for (std::size_t view = 0; view < all_views.size(); ++view)
+    all_views[view].depth_m = clean_depth(boards.clean, boards.truth, view,
+                                          motions[view % static_cast<std::size_t>(views)]);
   return boards;
 }
 
@@ -194,30 +199,30 @@ SimulatedBoards simulated_fisheye_boards(int views) {
   SimulatedBoards boards;
   boards.truth = true_fisheye();
   boards.clean.width = 640, boards.clean.height = 480;
-  add_views(boards, views, "simulated fisheye boards", pose_around);
+  add_views(boards, views, "simulated fisheye boards", fisheye_pose);
   return boards;
 }
 
-SimulatedBoards seen_through(SimulatedBoards boards, const Lens& lens,
-                             const std::array<double, max_coefficients>& coefficients) {
+SimulatedBoards with_lens_coefficients(SimulatedBoards boards, const Lens& lens,
+                                       const std::array<double, max_coefficients>& coefficients) {
   boards.truth.lens = lens;
   std::ranges::copy(coefficients, boards.truth.color.begin() + 4);
-  project_again(boards);
+  update_corners(boards);
   return boards;
 }
 
-SimulatedBoards warped(SimulatedBoards boards, const std::array<double, 2>& warp_m) {
+SimulatedBoards with_warp(SimulatedBoards boards, const std::array<double, 2>& warp_m) {
   boards.truth.board_warp_m = warp_m;
-  project_again(boards);
+  update_corners(boards);
   return boards;
 }
 
-SimulatedBoards misprinted(SimulatedBoards boards, double sigma_m, RandomStream& random) {
-  boards.print_sigma_m = sigma_m;
-  boards.truth.board_offsets_m.resize(std::size_t(boards.clean.board.corners()));
-  for (auto& offset_m : boards.truth.board_offsets_m)
+SimulatedBoards with_deformed_target(SimulatedBoards boards, double sigma_m, RandomStream& random) {
+  boards.deformation_sigma_m = sigma_m;
+  boards.truth.corner_offsets_m.resize(std::size_t(boards.clean.board.num_corners()));
+  for (auto& offset_m : boards.truth.corner_offsets_m)
     for (double& coordinate_m : offset_m) coordinate_m = random.normal(0.0, sigma_m);
-  project_again(boards);
+  update_corners(boards);
   return boards;
 }
 
@@ -265,8 +270,8 @@ Eigen::MatrixXd cramer_rao_bound(const SimulatedBoards& boards) {
   BoardProblem problem{
       o, std::vector<bool>(o.views.size(), true), {}, color_prior(o, boards.truth.lens)};
   add_depth_prior(o, boards.truth, problem.prior);
-  problem.prior.print_sigma_m = boards.print_sigma_m;
-  problem.free_color = lens_choice(lens_name(boards.truth.lens)).free_color;
+  problem.prior.deformation_sigma_m = boards.deformation_sigma_m;
+  problem.free_color = fitted_lens(boards).free_color;
   problem.corner_sigma_px = boards.corner_sigma_px;
   problem.samples = depth_samples(o, problem.used, boards.truth, 1.0);
   const int block = depth_block_px(o, problem.used, boards.truth);

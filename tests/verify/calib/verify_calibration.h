@@ -5,16 +5,17 @@
 
 namespace touchtrace {
 
-/// What the same corners come to, through the lenses named, if the board's print is taken for
-/// right.
+/// Calibration without per-corner deformation.
 struct IdealBoard {
   double fx, held_out_rms_px;
 };
 
+/// `lenses`: as CalibrationOptions::lenses.
 IdealBoard calibrate_with_ideal_board(const BoardObservations& observations,
                                       const std::vector<std::string>& lenses);
 
-/// Simulated boards, 1000 runs a level: NEES, RMSE over the Cramer-Rao bound, seconds.
+/// Measures calibrations of simulated boards, 1000 runs a noise level: NEES, RMSE over the
+/// Cramer-Rao bound, CPU time.
 void verify_simulated_calibration(const std::function<void(Figure)>& emit);
 
 }  // namespace touchtrace

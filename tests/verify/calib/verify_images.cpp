@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "calib/rgbd/board_print.h"
 #include "calib/rgbd/calibrate.h"
+#include "calib/rgbd/target_deformation.h"
 #include "engine/base/error.h"
 #include "pipeline/acquire/board_views.h"
 #include "tests/verify/calib/verify_calibration.h"
@@ -14,9 +14,9 @@ namespace touchtrace {
 namespace {
 
 constexpr const char* photographs = "/usr/share/doc/opencv-doc/examples/data";
-constexpr double left_focal_px = 533.6;  ///< of mrcal 2.2: 533.5 to 533.8
+constexpr double left_focal_px = 533.6;  ///< by mrcal 2.2: 533.5 to 533.8
 
-/// Of one side's camera; the board is the same.
+/// Calibration of the left or right camera; both saw the same board.
 struct Photographs {
   std::string name;
   RgbdCalibration calibration;
@@ -42,21 +42,21 @@ void emit_errors(const Photographs& p, const std::function<void(Figure)>& emit) 
   emit(at_most(p.name + "held-out RMS over the ideal board's", held_out_px / ideal_px, "", 1.0));
 }
 
-/// How far the corners are from the ideal board's, its place and size taken out: [3, corners].
-Eigen::Matrix3Xd shape_of(const RgbdCalibration& calibration) {
+/// Offsets of the corners from the ideal board after removing pose and scale: [3, corners].
+Eigen::Matrix3Xd target_shape(const RgbdCalibration& calibration) {
   const Chessboard board;
-  const RgbdParameters found = board_of(calibration);
-  Eigen::Matrix3Xd ideal(3, board.corners()), corners = ideal;
-  for (int i = 0; i < board.corners(); ++i) {
+  const RgbdParameters found = board_parameters(calibration);
+  Eigen::Matrix3Xd ideal(3, board.num_corners()), corners = ideal;
+  for (int i = 0; i < board.num_corners(); ++i) {
     ideal.col(i) = board.corner_m(i);
-    corners.col(i) = corner_on_board(board, i, found);
+    corners.col(i) = deformed_corner_m(board, i, found);
   }
   const Eigen::Affine3d similarity(Eigen::umeyama(corners, ideal));
   return similarity * corners - ideal;
 }
 
-/// The least correlation in the three directions.
-double agreement(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+/// Smallest correlation of the three directions.
+double min_correlation(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
   return (a.cwiseProduct(b).rowwise().sum().array() /
           (a.rowwise().norm().array() * b.rowwise().norm().array()))
       .minCoeff<Eigen::PropagateNaN>();
@@ -70,8 +70,9 @@ void emit_photographs(const std::function<void(Figure)>& emit) {
   emit(at_least(left.name + "views with a board", double(left.calibration.details["views"].size()),
                 "", 8.0));
   emit_errors(right, emit);
-  emit(at_least("opencv-doc, correlation of the print that left and right find",
-                agreement(shape_of(left.calibration), shape_of(right.calibration)), "", 0.9));
+  emit(at_least("opencv-doc, correlation of the deformation from left and right",
+                min_correlation(target_shape(left.calibration), target_shape(right.calibration)),
+                "", 0.9));
 }
 
 }  // namespace
@@ -79,8 +80,9 @@ void emit_photographs(const std::function<void(Figure)>& emit) {
 Verification calibration_verification() {
   return [](const std::function<void(Figure)>& emit) {
     if (!std::filesystem::is_directory(photographs))
-      throw data_error("the sample photographs of OpenCV are not installed",
-                       "apt-get install opencv-doc");
+      throw data_error(
+          std::string("no folder ") + photographs + " with OpenCV's sample photographs",
+          "apt-get install opencv-doc");
     emit_photographs(emit);
     verify_simulated_calibration(emit);
   };

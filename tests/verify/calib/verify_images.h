@@ -4,8 +4,7 @@
 
 namespace touchtrace {
 
-/// All of `touchtrace-verify calibration`: the photographs of Debian's opencv-doc, then simulated
-/// boards.
+/// `touchtrace-verify calibration`: the photographs of Debian's opencv-doc, then simulated boards.
 Verification calibration_verification();
 
 }  // namespace touchtrace

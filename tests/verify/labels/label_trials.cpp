@@ -110,7 +110,7 @@ Eigen::Vector3d white_deviation_m(const RawTrack& raw,
       if (raw.clip[i] == raw.clip[i - 2] && difference.allFinite())
         differences_m.push_back(difference[axis]);
     }
-    deviation_m[axis] = robust_deviation(std::move(differences_m)) / std::sqrt(6.0);
+    deviation_m[axis] = robust_sigma(std::move(differences_m)) / std::sqrt(6.0);
   }
   return deviation_m;
 }

@@ -1,4 +1,4 @@
-#include "calib/board/markers.h"
+#include "calib/board/charuco.h"
 
 #include <gtest/gtest.h>
 
@@ -23,8 +23,8 @@ Chessboard charuco() {
   return board;
 }
 
-/// The board as cv::aruco prints it, without a margin.
-cv::Mat printed(const Chessboard& board) {
+/// Board drawn by cv::aruco without a margin.
+cv::Mat draw_board(const Chessboard& board) {
   const int across = board.columns + 1, along = board.rows + 1;
   const auto charuco = cv::aruco::CharucoBoard::create(
       across, along, float(board.square_m), float(board.markers->side_m),
@@ -35,11 +35,11 @@ cv::Mat printed(const Chessboard& board) {
   return image;
 }
 
-/// In the board's frame, z away from the camera: the corner of the print is a square up and left.
-Eigen::Isometry3d pose_of(const Eigen::Vector3d& turn, const Eigen::Vector3d& place_m) {
+/// camera_from_board with the board's centre at `centre_m`.
+Eigen::Isometry3d board_pose(const Eigen::Vector3d& angle_axis, const Eigen::Vector3d& centre_m) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-  pose.translation() = place_m - pose.linear() * Eigen::Vector3d(0.105, 0.06, 0.0);
+  pose.linear() = Eigen::AngleAxisd(angle_axis.norm(), angle_axis.normalized()).toRotationMatrix();
+  pose.translation() = centre_m - pose.linear() * Eigen::Vector3d(0.105, 0.06, 0.0);
   return pose;
 }
 
@@ -49,8 +49,9 @@ Eigen::Matrix3d image_from_board(const Eigen::Isometry3d& pose) {
   return camera_matrix * plane;
 }
 
-/// Grey paper behind the print, a little blur and noise.
-GreyImage photographed(const Chessboard& board, const Eigen::Isometry3d& pose) {
+/// Image of the board before grey, with antialiasing and noise of 1 grey level. The drawing begins
+/// a square before corner 0.
+GreyImage render(const Chessboard& board, const Eigen::Isometry3d& pose) {
   Eigen::Matrix3d board_from_print = Eigen::Matrix3d::Identity() / print_px_per_m;
   board_from_print(2, 2) = 1.0;
   board_from_print.col(2).head<2>().setConstant(0.5 / print_px_per_m - board.square_m);
@@ -64,7 +65,7 @@ GreyImage photographed(const Chessboard& board, const Eigen::Isometry3d& pose) {
     finer_h(1, i) += shift * finer_h(2, i);
   }
   cv::Mat fine, image;
-  cv::warpPerspective(printed(board), fine, finer_h, {finer * width, finer * height},
+  cv::warpPerspective(draw_board(board), fine, finer_h, {finer * width, finer * height},
                       cv::INTER_LINEAR, cv::BORDER_CONSTANT, 170);
   cv::resize(fine, image, {width, height}, 0, 0, cv::INTER_AREA);
   RandomStream random(1, "photograph");
@@ -74,45 +75,45 @@ GreyImage photographed(const Chessboard& board, const Eigen::Isometry3d& pose) {
   return grey;
 }
 
-Eigen::Vector2d projected(const Chessboard& board, const Eigen::Isometry3d& pose, int corner) {
+Eigen::Vector2d project(const Chessboard& board, const Eigen::Isometry3d& pose, int corner) {
   return (camera_matrix * (pose * board.corner_m(corner))).hnormalized();
 }
 
 double rms_px(const Chessboard& board, const Eigen::Isometry3d& pose,
-              const std::vector<Eigen::Vector2d>& corners, const std::vector<int>& shown) {
+              const std::vector<Eigen::Vector2d>& corners, const std::vector<int>& ids) {
   double sum = 0.0;
   for (std::size_t i = 0; i < corners.size(); ++i)
-    sum += (corners[i] - projected(board, pose, shown[i])).squaredNorm();
+    sum += (corners[i] - project(board, pose, ids[i])).squaredNorm();
   return std::sqrt(sum / static_cast<double>(corners.size()));
 }
 
-struct Placed {
+struct Placement {
   const char* name;
-  Eigen::Vector3d turn, place_m;
-  std::size_t least, most;  ///< corners
-  double most_rms_px;
+  Eigen::Vector3d angle_axis, centre_m;
+  std::size_t min_corners, max_corners;
+  double max_rms_px;
 };
 
-class PlacedBoard : public ::testing::TestWithParam<Placed> {};
+class PlacedBoard : public ::testing::TestWithParam<Placement> {};
 
-TEST_P(PlacedBoard, CornersAreFoundWhereTheyAre) {
-  const Placed& placed = GetParam();
+TEST_P(PlacedBoard, CornersAreAccurate) {
+  const Placement& placed = GetParam();
   const Chessboard board = charuco();
-  const auto pose = pose_of(placed.turn, placed.place_m);
-  const auto [corners, shown] = find_marked_corners(photographed(board, pose), board);
-  EXPECT_GE(corners.size(), placed.least);
-  EXPECT_LE(corners.size(), placed.most);
-  EXPECT_LT(rms_px(board, pose, corners, shown), placed.most_rms_px);
+  const auto pose = board_pose(placed.angle_axis, placed.centre_m);
+  const auto [corners, ids] = find_charuco_corners(render(board, pose), board);
+  EXPECT_GE(corners.size(), placed.min_corners);
+  EXPECT_LE(corners.size(), placed.max_corners);
+  EXPECT_LT(rms_px(board, pose, corners, ids), placed.max_rms_px);
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    MarkedBoard, PlacedBoard,
-    ::testing::Values(Placed{"Near", {0.4, -0.3, 0.2}, {0.02, 0.01, 0.5}, 40, 40, 0.03},
-                      Placed{"Far", {0.2, 0.3, -0.1}, {0.0, 0.0, 0.8}, 40, 40, 0.05},
-                      Placed{"InPart", {0.2, 0.3, -0.1}, {0.21, 0.12, 0.5}, 8, 39, 0.03}),
+    Charuco, PlacedBoard,
+    ::testing::Values(Placement{"Near", {0.4, -0.3, 0.2}, {0.02, 0.01, 0.5}, 40, 40, 0.03},
+                      Placement{"Far", {0.2, 0.3, -0.1}, {0.0, 0.0, 0.8}, 40, 40, 0.05},
+                      Placement{"InPart", {0.2, 0.3, -0.1}, {0.21, 0.12, 0.5}, 8, 39, 0.03}),
     [](const auto& placed) { return placed.param.name; });
 
-TEST(MarkedBoard, CalibratesFromPartialViews) {
+TEST(Charuco, CalibratesFromPartialViews) {
   BoardObservations observed;
   observed.board = charuco();
   observed.width = width, observed.height = height;
@@ -121,7 +122,7 @@ TEST(MarkedBoard, CalibratesFromPartialViews) {
     const Eigen::Vector3d turn(0.5 * ((i % 3) - 1) + 0.1, 0.5 * ((i / 3) % 2 ? 1 : -1), 0.1 * i);
     const Eigen::Vector3d place(sides[i % 3], sides[(i / 4) % 3] * 0.7, 0.4 + 0.02 * i);
     add_view(observed, "view " + std::to_string(i),
-             photographed(observed.board, pose_of(turn, place)));
+             render(observed.board, board_pose(turn, place)));
   }
   ASSERT_GE(observed.views.size(), 10u);
   EXPECT_TRUE(std::ranges::any_of(
@@ -134,25 +135,25 @@ TEST(MarkedBoard, CalibratesFromPartialViews) {
   EXPECT_NEAR(found.color.cy, 238.0, 0.5);
 }
 
-TEST(MarkedBoard, NothingIsFoundWhereThereIsNone) {
+TEST(Charuco, FindsNothingWithoutABoard) {
   const GreyImage plain{width, height, std::vector<std::uint8_t>(width * height, 128)};
-  EXPECT_TRUE(find_marked_corners(plain, charuco()).first.empty());
+  EXPECT_TRUE(find_charuco_corners(plain, charuco()).first.empty());
   Chessboard other = charuco();
   other.markers->dictionary = "7x7_50";
-  const auto pose = pose_of({0.1, 0.1, 0.0}, {0.0, 0.0, 0.5});
-  EXPECT_TRUE(find_marked_corners(photographed(charuco(), pose), other).first.empty());
+  const auto pose = board_pose({0.1, 0.1, 0.0}, {0.0, 0.0, 0.5});
+  EXPECT_TRUE(find_charuco_corners(render(charuco(), pose), other).first.empty());
 }
 
-TEST(MarkedBoard, ImpossibleBoardsAreRefused) {
+TEST(Charuco, RejectsImpossibleBoards) {
   const GreyImage plain{width, height, std::vector<std::uint8_t>(width * height, 128)};
   Chessboard board = charuco();
   board.markers->dictionary = "5x5_99";
-  EXPECT_THROW(find_marked_corners(plain, board), Error);
+  EXPECT_THROW(find_charuco_corners(plain, board), Error);
   board.markers = {"5x5_100", 0.03};
-  EXPECT_THROW(find_marked_corners(plain, board), Error);
+  EXPECT_THROW(find_charuco_corners(plain, board), Error);
   board.markers = {"4x4_50", 0.02};
   board.columns = 20;
-  EXPECT_THROW(find_marked_corners(plain, board), Error);
+  EXPECT_THROW(find_charuco_corners(plain, board), Error);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "calib/board/enlarged.h"
+#include "calib/board/upscaled_image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,20 +7,20 @@
 namespace touchtrace {
 namespace {
 
-constexpr double wanted_size_px = 1280.0;
-constexpr int max_enlargement = 4;
+constexpr double target_size_px = 1280.0;
+constexpr int max_upscale_factor = 4;
 
 }  // namespace
 
-EnlargedImage::EnlargedImage(const GreyImage& image, int times) : scale(times) {
+UpscaledImage::UpscaledImage(const GreyImage& image, int factor) : scale(factor) {
   const cv::Mat original(image.height, image.width, CV_8U,
                          const_cast<std::uint8_t*>(image.pixels.data()));
   cv::resize(original, pixels, cv::Size(), scale, scale, cv::INTER_CUBIC);
 }
 
-int usual_enlargement(const GreyImage& image) {
+int default_upscale_factor(const GreyImage& image) {
   const double size_px = std::max(image.width, image.height);
-  return std::clamp(static_cast<int>(std::lround(wanted_size_px / size_px)), 1, max_enlargement);
+  return std::clamp(static_cast<int>(std::lround(target_size_px / size_px)), 1, max_upscale_factor);
 }
 
 }  // namespace touchtrace

@@ -1,0 +1,153 @@
+#include "calib/rgbd/target_deformation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "calib/rgbd/calibrate.h"
+#include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/cross_validation.h"
+#include "tests/verify/calib/monte_carlo.h"
+#include "tests/verify/calib/simulated_boards.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr double deformation_sigma_m = 1e-4;
+
+SimulatedBoards deformed_boards(int views, double corner_sigma_px, bool with_depth = false) {
+  RandomStream random(1, "print");
+  SimulatedBoards boards = with_deformed_target(
+      simulated_boards(views, with_depth, with_depth ? 320 : 640), deformation_sigma_m, random);
+  boards.corner_sigma_px = corner_sigma_px;
+  return boards;
+}
+
+std::string chosen(const RgbdCalibration& c) { return c.details["target_deformation"]["chosen"]; }
+
+Eigen::Matrix3Xd corners_of(const Chessboard& board, const RgbdParameters& p) {
+  Eigen::Matrix3Xd corners(3, board.num_corners());
+  for (int i = 0; i < board.num_corners(); ++i) corners.col(i) = deformed_corner_m(board, i, p);
+  return corners;
+}
+
+/// RMS [m] over the corners in each direction, after aligning pose and scale, which are not
+/// observable.
+Eigen::Vector3d shape_error(const Chessboard& board, const RgbdParameters& estimate,
+                            const RgbdParameters& truth) {
+  const Eigen::Matrix3Xd from = corners_of(board, estimate), to = corners_of(board, truth);
+  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to);
+  const Eigen::Matrix3Xd error = (similarity * from.colwise().homogeneous()).topRows<3>() - to;
+  return error.rowwise().squaredNorm().cwiseSqrt() / std::sqrt(board.num_corners());
+}
+
+void expect_within_own_sigma(const RgbdCalibration& c, const RgbdParameters& truth) {
+  const Eigen::VectorXd error = errors(c, truth);
+  for (Eigen::Index i = 0; i < error.size(); ++i)
+    EXPECT_LT(std::abs(error[i]), 4.5 * std::sqrt(c.covariance(i, i)))
+        << c.parameters[static_cast<std::size_t>(i)];
+}
+
+TEST(TargetDeformation, IsEstimated) {
+  const SimulatedBoards boards = deformed_boards(15, 0.05);
+  RandomStream random(2, "noise");
+  const RgbdCalibration c = calibrate(observe(boards, random));
+  ASSERT_EQ(chosen(c), "free");
+  // Estimated from 3 x 54 offsets less 7 of pose and scale: 155 degrees of freedom; 4 sigma.
+  EXPECT_NEAR(c.details["target_deformation"]["sigma_m"].get<double>(), deformation_sigma_m,
+              4.0 * deformation_sigma_m / std::sqrt(2.0 * 155.0));
+  // 0.05 px at 0.6 m and f = 610 px is 0.05 mm, 0.013 mm over 15 views; twice that along z, which
+  // is seen through tilts of about 30 degrees. The RMS of 54 errors is below 1.4 times that.
+  const Eigen::Vector3d error_m =
+      shape_error(boards.clean.board, board_parameters(c), boards.truth);
+  EXPECT_LT(error_m.x(), 0.018e-3);
+  EXPECT_LT(error_m.y(), 0.018e-3);
+  EXPECT_LT(error_m.z(), 0.036e-3);
+  expect_within_own_sigma(c, boards.truth);
+}
+
+TEST(TargetDeformation, IsNotEstimatedForAnIdealBoard) {
+  for (int views : {3, 6, 15})
+    for (std::uint64_t run = 0; run < 30; ++run) {
+      RandomStream random(run, "noise");
+      const BoardObservations o = observe(simulated_boards(views, false), random);
+      const RgbdCalibration c = calibrate(o, {.lenses = {"radtan4"}});
+      EXPECT_EQ(chosen(c), "ideal")
+          << views << " views: " << c.details["target_deformation"].dump();
+      EXPECT_TRUE(c.details["target_deformation"]["offsets_m"].empty());
+    }
+}
+
+TEST(TargetDeformation, CameraIsConsistentAndReachesTheCramerRaoBound) {
+  const MonteCarlo result = monte_carlo(deformed_boards(15, 0.1), 60);
+  EXPECT_EQ(result.num_free_deformations, result.runs);
+  // Bounds of 4 standard deviations as in calibrate_test.cpp: chi^2 with 8 degrees of freedom, and
+  // the RMSE of `runs` draws.
+  EXPECT_NEAR(result.color_nees, 1.0, 4.0 * std::sqrt(2.0 / (8.0 * result.runs)));
+  for (std::size_t i = 0; i < result.names.size(); ++i)
+    EXPECT_NEAR(result.rmse_ratio[i], 1.0, 4.0 / std::sqrt(2.0 * result.runs)) << result.names[i];
+}
+
+TEST(TargetDeformation, HeldOutViewsFitBetterThanWithTheIdealBoard) {
+  const SimulatedBoards boards = deformed_boards(15, 0.05);
+  RandomStream random(3, "noise");
+  const BoardObservations o = observe(boards, random);
+  const ColorFit fit = fit_color(o, std::vector<bool>(o.views.size(), true), {"radtan4"});
+  BoardProblem problem = color_problem(o, fit);
+  RgbdParameters parameters = fit.parameters;
+  const HeldOut ideal = cross_validate(problem, parameters);
+  fit_target_deformation(problem, parameters);
+  // 0.1 mm at 0.6 m is 0.1 px: the error falls from sqrt(0.05^2 + 0.1^2) to 0.05 px.
+  const HeldOut deformed = cross_validate(problem, parameters);
+  EXPECT_LT(deformed.held_out_rms_px, 0.6 * ideal.held_out_rms_px);
+  EXPECT_GT(deformed.ratio(), 1.0);  // the offsets come from the training views
+}
+
+/// Each view shows a part of the board, as with ChArUco.
+TEST(TargetDeformation, IsEstimatedFromPartialViews) {
+  constexpr int never = 20, once = 33;
+  const SimulatedBoards boards = deformed_boards(20, 0.05);
+  RandomStream random(4, "noise");
+  BoardObservations o = observe(boards, random);
+  for (auto& view : o.views) {
+    const auto all = view.corners_px;
+    view.corners_px.clear();
+    for (int i = 0; i < o.board.num_corners(); ++i)
+      if (i != never && (i != once || &view == &o.views[0]) && random.uniform(0.0, 1.0) < 0.6)
+        view.corners_px.push_back(all[std::size_t(i)]), view.corner_ids.push_back(i);
+  }
+  const RgbdCalibration c = calibrate(o, {.lenses = {"radtan4"}});
+  ASSERT_EQ(chosen(c), "free");
+  EXPECT_TRUE(board_parameters(c).corner_offsets_m[never].isZero(1e-12));
+  expect_within_own_sigma(c, boards.truth);
+}
+
+TEST(TargetDeformation, IsEstimatedWithADepthCamera) {
+  const SimulatedBoards boards = deformed_boards(15, 0.05, true);
+  RandomStream random(5, "noise");
+  const RgbdCalibration c = calibrate(observe(boards, random));
+  EXPECT_EQ(chosen(c), "free");
+  expect_within_own_sigma(c, boards.truth);
+}
+
+/// Pose and scale of the board are not observable: the prior keeps them.
+TEST(TargetDeformation, KeepsTheBoardsPoseAndSize) {
+  const SimulatedBoards boards = deformed_boards(15, 0.05);
+  RandomStream random(6, "noise");
+  const RgbdParameters found = board_parameters(calibrate(observe(boards, random)));
+  ASSERT_FALSE(found.corner_offsets_m.empty());
+  const Eigen::Matrix3Xd ideal = corners_of(boards.clean.board, {});
+  Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
+  double growth = 0.0;
+  for (int i = 0; i < boards.clean.board.num_corners(); ++i) {
+    const Eigen::Vector3d& offset_m = found.corner_offsets_m[std::size_t(i)];
+    mean_m += offset_m / boards.clean.board.num_corners();
+    growth += offset_m.dot(ideal.col(i) - ideal.rowwise().mean()) / ideal.squaredNorm();
+  }
+  EXPECT_LT(mean_m.norm(), 1e-3 * deformation_sigma_m);
+  EXPECT_LT(std::abs(growth), 1e-5);
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -46,9 +46,8 @@ RobustFit fit_robustly(const BoardObservations& observations, const std::vector<
     for (std::size_t view = 0; view < values.size(); ++view)
       problem.used[view] = usable[view] && values[view] <= outlier_ratio * typical;
     problem.corner_sigma_px = std::max(typical / std::sqrt(2.0), min_corner_sigma_px);
-    result.typical_rms_px = converged && std::isfinite(typical)
-                                ? typical
-                                : std::numeric_limits<double>::infinity();
+    result.typical_rms_px =
+        converged && std::isfinite(typical) ? typical : std::numeric_limits<double>::infinity();
   }
   result.used = problem.used, result.sigma_px = problem.corner_sigma_px;
   return result;

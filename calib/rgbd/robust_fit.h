@@ -24,13 +24,13 @@ struct RobustFits {
   std::optional<RobustFit> perspective, equidistant;
 
   const RobustFit& better() const;
-  /// Start for a fit of `lens`: the fit with its own ideal projection or, if that is much worse, the
-  /// other one without distortion.
+  /// Start for a fit of `lens`: the fit with its own ideal projection or, if that is much worse,
+  /// the other one without distortion.
   RgbdParameters start_of(const Lens& lens) const;
 };
 
-/// Alternates between solving and updating noise and outlier views: those with more than three times
-/// the RMS of the median view.
+/// Alternates between solving and updating noise and outlier views: those with more than three
+/// times the RMS of the median view.
 RobustFits fit_robustly(const BoardObservations& observations, const std::vector<bool>& usable,
                         const std::vector<LensChoice>& choices);
 

@@ -107,10 +107,10 @@ void print_delay(const RgbdCalibration& c) {
 void print_board(const RgbdCalibration& c) {
   fmt::print("board     bulges by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
              1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
-  const auto& print = c.details["board_print"];
-  if (print["chosen"] == "free")
+  const auto& deformation = c.details["target_deformation"];
+  if (deformation["chosen"] == "free")
     fmt::print("          corners are off by {:.3f} mm: calibrated with the camera (BIC {:+.1f})\n",
-               1e3 * print["sigma_m"].get<double>(), -print["bic_gain"].get<double>());
+               1e3 * deformation["sigma_m"].get<double>(), -deformation["bic_gain"].get<double>());
 }
 
 void print_lens(const RgbdCalibration& c) {
@@ -155,8 +155,8 @@ void print_summary(const RgbdCalibration& c) {
     fmt::print("twice     {}: counted once\n", list_of(details["duplicate_views"]));
   if (!details["views_without_board"].empty())
     fmt::print("no board  in {}\n", list_of(details["views_without_board"]));
-  for (const auto& entry : details["not_told"])
-    fmt::print("not told  by the data: {} (+- {:.3g}); it keeps its prior value\n",
+  for (const auto& entry : details["not_identifiable"])
+    fmt::print("prior     determines {} (+- {:.3g}): it is not identifiable from these views\n",
                entry["parameter"].get<std::string>(), entry["sigma"].get<double>());
   fmt::print("verdict   {}\n", details["verdict"].get<std::string>());
   for (const auto& advice : details["advice"])

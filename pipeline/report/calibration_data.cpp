@@ -18,23 +18,29 @@ void append_corners(json& corners, const json& view) {
     corners.push_back({pixels[i].at(0), pixels[i].at(1), residuals[i].at(0), residuals[i].at(1)});
 }
 
+/// Also reads the key of older versions, board_print.
+double deformation_sigma_m(const json& details) {
+  for (const char* key : {"target_deformation", "board_print"})
+    if (details.contains(key)) return details.at(key).value("sigma_m", 0.0);
+  return 0.0;
+}
+
 json data_of(const json& document, const std::string& name) {
   const json& details = document.at("details");
-  json data{
-      {"name", name},
-      {"width", document.at("color").at("width")},
-      {"height", document.at("color").at("height")},
-      {"rms_px", document.at("rms_px")},
-      {"depth_rms_m", document.at("depth_rms_m")},
-      {"verdict", details.at("verdict")},
-      {"advice", details.value("advice", json::array())},
-      {"sigmas", details.value("sigmas", json::object())},
-      {"projection_sigma_px", details.value("projection_sigma_px", json::array())},
-      {"coverage", details.value("coverage", json())},
-      {"deformation_sigma_m", details.value("board_print", json::object()).value("sigma_m", 0.0)},
-      {"views", json::array()},
-      {"corners", json::array()},
-      {"provenance", details.value("provenance", json::object())}};
+  json data{{"name", name},
+            {"width", document.at("color").at("width")},
+            {"height", document.at("color").at("height")},
+            {"rms_px", document.at("rms_px")},
+            {"depth_rms_m", document.at("depth_rms_m")},
+            {"verdict", details.at("verdict")},
+            {"advice", details.value("advice", json::array())},
+            {"sigmas", details.value("sigmas", json::object())},
+            {"projection_sigma_px", details.value("projection_sigma_px", json::array())},
+            {"coverage", details.value("coverage", json())},
+            {"deformation_sigma_m", deformation_sigma_m(details)},
+            {"views", json::array()},
+            {"corners", json::array()},
+            {"provenance", details.value("provenance", json::object())}};
   for (const auto& view : details.value("views", json::array())) {
     data["views"].push_back({{"name", view.at("name")}, {"rms_px", view.at("rms_px")}});
     if (view.at("used").get<bool>()) append_corners(data["corners"], view);

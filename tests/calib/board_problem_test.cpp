@@ -74,9 +74,11 @@ TEST(BoardProblem, SolutionDoesNotDependOnTheNumberOfThreads) {
   example.problem.num_threads = 4;
   ASSERT_TRUE(solve(example.problem, four));
   const Eigen::MatrixXd c = covariance(example.problem, one);
-  // Threads only change the rounding of sums. Both solutions have a cost within 1e-10 of the minimum
-  // cost, n / 2 for n coordinates: each is within sqrt(1e-10 n) standard deviations of the minimum.
-  const double sigmas = 2.0 * std::sqrt(1e-10 * num_corner_coordinates(example.observed, example.problem.used));
+  // Threads only change the rounding of sums. Both solutions have a cost within 1e-10 of the
+  // minimum cost, n / 2 for n coordinates: each is within sqrt(1e-10 n) standard deviations of the
+  // minimum.
+  const double sigmas =
+      2.0 * std::sqrt(1e-10 * num_corner_coordinates(example.observed, example.problem.used));
   for (std::size_t i = 0; i < 8; ++i) {
     const auto at = static_cast<Eigen::Index>(i);
     EXPECT_NEAR(one.color[i], four.color[i], sigmas * std::sqrt(c(at, at))) << i;

@@ -152,7 +152,7 @@ TEST_F(ReportPage, IncludesUncertaintyOfCalibrations) {
                   {"sigmas", json::object()},
                   {"projection_sigma_px", {{0.1, 0.123456789}, {nullptr, 0.3}}},
                   {"coverage", 0.9},
-                  {"board_print", {{"sigma_m", 6e-5}}},
+                  {"target_deformation", {{"sigma_m", 6e-5}}},
                   {"views", json::array()}}}};
   report::ReportInputs inputs;
   inputs.calibrations = {write("calibration.json", document.dump())};
@@ -160,12 +160,15 @@ TEST_F(ReportPage, IncludesUncertaintyOfCalibrations) {
   EXPECT_EQ(with.at("projection_sigma_px"), json({{0.1, 0.12346}, {nullptr, 0.3}}));
   EXPECT_EQ(with.at("coverage"), 0.9);
   EXPECT_EQ(with.at("deformation_sigma_m"), 6e-5);
-  for (const char* key : {"projection_sigma_px", "coverage", "board_print"})
+  for (const char* key : {"projection_sigma_px", "coverage", "target_deformation"})
     document["details"].erase(key);
   inputs.calibrations = {write("calibration.json", document.dump())};
   const json older = report::report_data(inputs).at("calibrations")[0];
   EXPECT_TRUE(older.at("projection_sigma_px").empty());
   EXPECT_EQ(older.at("deformation_sigma_m"), 0.0);
+  document["details"]["board_print"]["sigma_m"] = 7e-5;  // key of older versions
+  inputs.calibrations = {write("calibration.json", document.dump())};
+  EXPECT_EQ(report::report_data(inputs).at("calibrations")[0].at("deformation_sigma_m"), 7e-5);
   document["details"] = {{"verdict", "IMPORTED"}};
   inputs.calibrations = {write("calibration.json", document.dump())};
   const json imported = report::report_data(inputs).at("calibrations")[0];

@@ -1,11 +1,14 @@
-// Between images in blocks of 16 channels with a halo (conv2d.clh) and the rows of a dense layer, which keep
-// the blocks and leave the halo out: [image][channel / 16][row][column][channel % 16].
+// Conversions between images in blocks of 16 channels with a halo (conv2d.clh) and the rows of a dense layer, which
+// keep the block order but have no halo: [image][channel / 16][row][column][channel % 16].
 //
-//   block_gradient:   image = [row > 0] row_gradient, the ReLU's mask applied on the way
-//   to_blocks:        a row [channel][row][column] of the layer's parameters in the order of blocks
-//   from_blocks:      the way back
+//   block_gradient:  image = row_gradient where row > 0, else 0 (the mask of the ReLU)
+//   to_blocks:       parameter row [channel][row][column] to block order
+//   from_blocks:     block order to parameter row
 //
-// -D ROWS, COLS: without defaults. -D HALO=1, of the images. A work-item moves one block.
+// One work-item per block.
+//
+// -D ROWS, COLS: no defaults
+// -D HALO=1: of the images
 #ifndef HALO
 #define HALO 1
 #endif
@@ -14,7 +17,7 @@
 #define BLOCK (PITCH * (ROWS + 2 * HALO))
 #define CORNER (HALO * (PITCH + 16))
 
-// Images stand in rows from block `first` on.
+// `first`: index of the first image's first block in `row` and `row_gradient`.
 __kernel void block_gradient(__global const real* restrict row, __global const real* restrict row_gradient,
                              __global real* restrict image, int first) {
   const size_t block = get_global_id(0);

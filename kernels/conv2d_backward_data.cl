@@ -1,20 +1,22 @@
-// Gradient of conv2d.clh towards its input, which must stand in blocks:
+// Gradient of the convolution with respect to its input on CPUs; the input is in blocks (conv2d.clh).
 //
 //   grad_in[c][y][x] = [in[c][y][x] > 0] sum_{k, taps} weight[k][c][i][j] grad_out[k][..][..]
 //
-// with the mask of the ReLU that made the input. A gather, so that nothing is added twice and there are no
-// atomics. Input pixels (STRIDE a + r, STRIDE b + c) of all a and b make the class (r, c): with stride 1 there
-// is one class, with stride 2 there are four, by parity. Output pixel (a + y, b + x) meets a class through the
-// tap (r + HALO - STRIDE y, c + HALO - STRIDE x), if there is such a tap.
+// The factor [in > 0] is the mask of the ReLU that made the input. The sum is a gather, so that no atomics are needed.
+// Input pixels (STRIDE a + r, STRIDE b + c) for all a, b form class (r, c): one class with stride 1, four with stride
+// 2. Output pixel (a + y, b + x) contributes to a class through tap (r + HALO - STRIDE y, c + HALO - STRIDE x), if that
+// is a tap.
 //
-// Weights are packed with input channels as lanes, summed over output channels. A work-item computes `tiles`
-// times a tile (conv2d_tile.clh) of each class, its pixels being places (a, b) of the output.
+// Weights are packed with input channels as lanes (conv2d_pack.cl). One work-item computes `tiles` tiles
+// (conv2d_tile.clh) of each class, one after another; a tile's pixels are positions (a, b) of the output.
+//
+// -D: see conv2d.clh, conv2d_pack.cl, conv2d_tile.clh
 
-// The largest and the smallest y and x.
+// Largest and smallest y and x that reach a tap.
 #define LAST ((HALO + STRIDE - 1) / STRIDE)
 #define FIRST (-(HALO / STRIDE))
 
-// One class meets every y and x. Of several, which meets which is known beforehand if all rows are unrolled.
+// With one class every (y, x) reaches a tap. With several, unrolling all rows makes is_tap() a compile-time constant.
 #if STRIDE == 1
 #define EACH_CLASS(F) F(0, 0)
 #define UNROLLED_ROWS 1
@@ -25,11 +27,11 @@
 
 static bool is_tap(int i) { return i >= 0 && i < KERNEL; }
 
-static places outputs_of(__global const real* grad_out, int first, int pixels) {
-  places from;
-#define PLACE(p) from.pixel##p = grad_out + out_place(min(first + p, pixels - 1));
-  REPEAT(PIXELS, PLACE)
-#undef PLACE
+static pixel_pointers outputs_of(__global const real* grad_out, int first, int pixels) {
+  pixel_pointers from;
+#define POINT(p) from.pixel##p = grad_out + out_offset(min(first + p, pixels - 1));
+  REPEAT(PIXELS, POINT)
+#undef POINT
   return from;
 }
 
@@ -46,7 +48,7 @@ static void store_class(tile t, __global const real* in, __global real* grad_in,
 #define STORE(b, p) store_masked(t.sum##b##_##p, in + at + b * IN_BLOCK, grad_in + at + b * IN_BLOCK);
 #define STORE_PIXEL(p)                                                               \
   if (first + p < pixels && is_inside(first + p, r, c)) {                            \
-    const size_t at = tap_place(first + p) + IN_CORNER + r * IN_PITCH + c * IN_STEP; \
+    const size_t at = tap_offset(first + p) + IN_CORNER + r * IN_PITCH + c * IN_STEP; \
     EACH_BLOCK(STORE, p)                                                             \
   }
   REPEAT(PIXELS, STORE_PIXEL)
@@ -57,7 +59,7 @@ static void store_class(tile t, __global const real* in, __global real* grad_in,
 static void data_tiles(__global const real* restrict grad_out, __global const real* restrict weights,
                        __global const real* restrict in, __global real* restrict grad_in, int first,
                        int pixels) {
-  const places from = outputs_of(grad_out, first, pixels);
+  const pixel_pointers from = outputs_of(grad_out, first, pixels);
 #define START(r, c) tile sum##r##c = zero_tile();
   EACH_CLASS(START)
 #undef START

@@ -1,16 +1,18 @@
-// Forward pass of conv2d.clh. A work-item computes `tiles` tiles (conv2d_tile.clh) of output pixels and
-// output channels one after the other.
+// Forward pass of the convolution on CPUs (equation and layout: conv2d.clh). One work-item computes `tiles` tiles
+// (conv2d_tile.clh) of output pixels and output channels, one after another.
+//
+// -D: see conv2d.clh, conv2d_pack.cl, conv2d_tile.clh
 
-static places taps_of(__global const real* in, int first, int images) {
-  places from;
-#define PLACE(p) from.pixel##p = in + tap_place(ordered_pixel(min(first + p, images * OUT_AREA - 1), images));
-  REPEAT(PIXELS, PLACE)
-#undef PLACE
+static pixel_pointers taps_of(__global const real* in, int first, int images) {
+  pixel_pointers from;
+#define POINT(p) from.pixel##p = in + tap_offset(ordered_pixel(min(first + p, images * OUT_AREA - 1), images));
+  REPEAT(PIXELS, POINT)
+#undef POINT
   return from;
 }
 
-// Adds lanes first_lane .. last_lane - 1 of every block.
-static tile convolve(tile t, places from, __global const real* weights, int first_lane, int last_lane) {
+// Adds the terms of lanes first_lane .. last_lane - 1 of every block.
+static tile convolve(tile t, pixel_pointers from, __global const real* weights, int first_lane, int last_lane) {
   for (int block = 0; block < IN_BLOCKS; ++block)
     for (int lane = first_lane; lane < last_lane; ++lane) {
       const int at = block * IN_BLOCK + lane * IN_LANE;
@@ -22,12 +24,12 @@ static tile convolve(tile t, places from, __global const real* weights, int firs
   return t;
 }
 
-// What of the sums is above `least`.
+// Stores max(sum, least).
 static void store_above(real least, tile t, __global real* out, int first, int images) {
 #define STORE(b, p) store16(max(t.sum##b##_##p, (real16)(least)), 0, to + b * OUT_BLOCK);
 #define STORE_PIXEL(p)                                                     \
   if (first + p < images * OUT_AREA) {                                     \
-    __global real* to = out + out_place(ordered_pixel(min(first + p, images * OUT_AREA - 1), images)); \
+    __global real* to = out + out_offset(ordered_pixel(min(first + p, images * OUT_AREA - 1), images)); \
     EACH_BLOCK(STORE, p)                                                   \
   }
   REPEAT(PIXELS, STORE_PIXEL)

@@ -1,13 +1,16 @@
-// conv2d_forward.cl in two launches, to the same bits, for input in planes: the first adds the bias and the
-// channels before `channel`, the second the others. `sums` stand as the output does.
+// Forward pass of conv2d_forward.cl in two launches, for input in planes: the first launch adds the bias and the
+// channels below `channel`, the second the others. Without EXACT the result has the same bits as conv2d_forward.
+// `sums` has the layout of the output.
+//
+// -D: see conv2d.clh, conv2d_pack.cl, conv2d_tile.clh
 
 static tile load_sums(__global const real* sums, int first, int images) {
   tile t;
-#define LOAD(b, p) t.sum##b##_##p = vload16(0, from + b * OUT_BLOCK);
+#define LOAD(b, p) SET_SUM(t, b, p, vload16(0, from + b * OUT_BLOCK))
 #define LOAD_PIXEL(p)                                                                                       \
   {                                                                                                         \
     const uint pixel = ordered_pixel(min(first + p, images * OUT_AREA - 1), images);                        \
-    __global const real* from = sums + out_place(pixel);                                                    \
+    __global const real* from = sums + out_offset(pixel);                                                    \
     EACH_BLOCK(LOAD, p)                                                                                     \
   }
   REPEAT(PIXELS, LOAD_PIXEL)

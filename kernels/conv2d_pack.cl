@@ -1,15 +1,16 @@
-// Weights of conv2d.clh in the order in which the kernels that multiply tiles read them:
+// Packs weights [out][in][KERNEL][KERNEL] in the order in which the CPU convolutions read them (conv2d.clh):
 //
-//   packed[group of BLOCKS blocks][channel summed over][tap][TAP_SIZE lanes]
+//   packed [group of BLOCKS blocks][summed channel][tap][TAP_SIZE lanes]
 //
-// Lanes are output channels for the forward pass, input channels for the gradient towards the input.
+// Lanes are output channels for the forward pass and input channels for the gradient with respect to the input.
 //
-// -D BLOCKS: blocks of 16 lanes in a tile, without default.
+// -D BLOCKS: blocks of 16 lanes in a tile, no default
+// Other -D: see conv2d.clh
 #define TAP_SIZE (16 * BLOCKS)
 #define CHANNEL_SIZE (TAPS * TAP_SIZE)
 
-// A work-item packs a (channel, group). The weight of lane l and channel c
-// stands at parameters[at + l * lane_stride + c * channel_stride].
+// One work-item per (channel, group). The first tap of lane l and channel c is
+// parameters[at + l * lane_stride + c * channel_stride].
 __kernel void conv2d_pack(__global const real* restrict parameters, int at, int lane_stride,
                           int channel_stride, __global real* restrict packed) {
   const int channel = get_global_id(0), group = get_global_id(1);

@@ -1,19 +1,23 @@
-// Dense layers and their gradients as one GEMM; lanes run over the columns of C.
+// Dense layers and their gradients on CPUs.
 //
-//   gemm:        C[m][n] = bias[m % bias_rows][n] + sum_k A(m, k) B[k][n],  A(m, k) = a[a_at + m * a_row + k * a_step]
-//   pack:        to[i][j] = from[from_at + i * from_row + j * from_step], 0 where j >= columns
-//   column_sums: sums[n] = sum_m a[m][n]
+//   gemm:         C[m][n] = bias[m % bias_rows][n] + sum_k A(m, k) B[k][n]
+//                 A(m, k) = a[a_at + m * a_row + k * a_step]
+//   pack:         to[i][j] = from[from_at + i * from_row + j * from_step], 0 for j >= columns
+//   column_sums:  sums[n] = sum_m a[m][n]
 //
-// Rows of B, of bias and of A in column_sums must be readable up to the next multiple of 16 columns.
+// Rows of B, of the bias, and of `a` in column_sums must be readable up to the next multiple of 16 columns. Needs
+// cpu_tile.clh.
+//
+// -D PRODUCT_ROWS, EXACT: see cpu_tile.clh
 
 static void store_narrow(narrow_tile t, int columns, int row, int rows, __global real* c, int ld) {
 #define STORE(r) \
-  if (row + r < rows) store_lanes(t.a##r, columns, c + (size_t)(row + r) * ld);
+  if (row + r < rows) store_elements(t.a##r, columns, c + (size_t)(row + r) * ld);
   ROWS(STORE)
 #undef STORE
 }
 
-// What rows from `first` on start from: the rows of `matrix` again and again.
+// Pointers to rows (first + r) % rows of `matrix`.
 static row_pointers repeated_rows_of(__global const real* matrix, int ld, int first, int rows) {
   row_pointers p;
 #define POINT(r) p.x##r = matrix + (size_t)((first + r) % rows) * ld;
@@ -22,7 +26,7 @@ static row_pointers repeated_rows_of(__global const real* matrix, int ld, int fi
   return p;
 }
 
-// One work-item computes PRODUCT_ROWS x 64 of C. `bias_rows` 0: `bias` is not read.
+// One work-item per PRODUCT_ROWS x 64 values of C. With bias_rows = 0 the bias is not read.
 __kernel void gemm(__global const real* a, int a_at, int a_row, int a_step, __global const real* b,
                    int b_at, int b_ld, __global const real* bias, int bias_at, int bias_ld,
                    int bias_rows, __global real* c, int c_at, int c_ld, int rows, int columns,
@@ -45,9 +49,9 @@ __kernel void gemm(__global const real* a, int a_at, int a_row, int a_step, __gl
   }
 }
 
-// pack where the rows of `to` stand side by side in `from` (from_row = 1), for multiples of 16 of them: one
-// work-item takes 16, since one alone would fetch a line of the cache for each of its values.
-__kernel void pack_turned(__global const real* from, int from_at, int from_step, __global real* to, int to_at,
+// pack() for from_row = 1 and a multiple of 16 rows. One work-item packs 16 rows, so that it uses whole cache lines of
+// `from`.
+__kernel void pack_transposed(__global const real* from, int from_at, int from_step, __global real* to, int to_at,
                           int to_row, int columns) {
   const int i = get_global_id(0) * 16;
   from += from_at + i;
@@ -56,7 +60,7 @@ __kernel void pack_turned(__global const real* from, int from_at, int from_step,
     for (int row = 0; row < 16; ++row) to[row * to_row + j] = from[(size_t)j * from_step + row];
 }
 
-// One work-item a row of `to`.
+// One work-item per row of `to`.
 __kernel void pack(__global const real* from, int from_at, int from_row, int from_step, int columns,
                    __global real* to, int to_at, int to_row, int to_columns) {
   const int i = get_global_id(0);
@@ -65,12 +69,12 @@ __kernel void pack(__global const real* from, int from_at, int from_row, int fro
   for (int j = 0; j < to_columns; ++j) to[j] = j < columns ? from[j * from_step] : 0;
 }
 
-// One work-item 16 columns.
+// One work-item per 16 columns.
 __kernel void column_sums(__global const real* a, int a_at, int a_ld, __global real* sums, int sums_at,
                           int rows, int columns) {
   const int n = get_global_id(0) * 16;
   a += a_at + n;
-  real16 sum = 0, lost = 0;
-  for (int m = 0; m < rows; ++m) ADD_TO(real16, sum, lost, vload16(0, a + (size_t)m * a_ld))
-  store_lanes(sum, columns - n, sums + sums_at + n);
+  real16 sum = 0, compensation = 0;
+  for (int m = 0; m < rows; ++m) ADD_TO(real16, sum, compensation, vload16(0, a + (size_t)m * a_ld))
+  store_elements(sum, columns - n, sums + sums_at + n);
 }

@@ -1,7 +1,8 @@
-// What the device can multiply and add at most: 12 independent chains of fused multiply-adds on vectors
-// of 16, nothing read or written meanwhile. The yardstick of `touchtrace verify engine`.
+// Peak floating-point throughput: 12 independent chains of fused multiply-adds on vectors of 16, no memory traffic.
+// Reference for the shares of the peak that the engine's verification reports.
 //
-//   2 * 16 * 12 * turns floating-point operations a work-item
+// 2 * 16 * 12 * turns floating-point operations per work-item. out: 16 values per work-item, so that nothing is
+// optimised away.
 __kernel void fma_peak(__global real* restrict out, real factor, int turns) {
 #define START(n) real16 sum##n = (real16)(n);
   REPEAT(12, START)

@@ -1,16 +1,20 @@
-// Back-propagation through time of gru_rollout.cl: one work-item takes four sequences back through all steps.
-// With carry(t) = dl/ds(t+1), d h' what step t + 1 gives to h(t+1) plus W3' (d delta, d band):
+// Back-propagation through time of gru_rollout.cl on CPUs. One work-item takes four sequences from the last step to the
+// first. With carry(t) = dl/ds(t+1), and d h' the gradient from step t + 1 plus W3' (d delta, d band):
 //
 //   d n = d h' (1 - z) (1 - n^2),  d z = d h' (h - n) z (1 - z),  d a = d n r,  d r = d n a r (1 - r)
-//   d h = d h' z + Ur' d r + Uz' d z + Un' d a,  carry(t-1) = carry(t) + Wr' d r + Wz' d z + Wn' d n + ...
+//   d h = d h' z + Ur' d r + Uz' d z + Un' d a
+//   carry(t-1) = carry(t) + Wr' d r + Wz' d z + Wn' d n + grad_state(t-1)
 //
-//   grad_state, grad_spread, d_out as in rollout_backward.cl; h, gates as gru_rollout.cl left them
-//   d_gates [steps][S] rows of d r | d z | d n | d a, towards the sums, GATES_ROW apart
-//   d_h [S][HIDDEN]: left with garbage; u [3 HIDDEN][HIDDEN] and w3 [2 STATE][HIDDEN] as [output][input] in
-//   `parameters`; w [3 HIDDEN][16], padded with zeros
-// Weight gradients are GEMMs over all rows of these.
+//   grad_state, grad_spread, d_out: as in rollout_backward.cl; h, gates: as written by gru_rollout.cl
+//   d_gates [steps][S] rows of d r | d z | d n | d a, with respect to the pre-activations, GATES_ROW apart
+//   d_h [S][HIDDEN]: scratch
+//   u [3 HIDDEN][HIDDEN] and w3 [2 STATE][HIDDEN] as [output][input] in `parameters`; w [3 HIDDEN][16], zero-padded
+//
+// The weight gradients are matrix products over all rows of these arrays (dense.cl).
+//
+// -D HIDDEN, STATE: see dynamics.clh
 
-// Writes d_gates, and d h' z to d_h, columns n to n + 63, from d h'. All of it was read before.
+// From columns n to n + 63 of d h' writes those of d_gates, and d h' z to d_h.
 static void cell_backward(wide_tile t, row_pointers h, row_pointers gates, int n, __global real* d_gates,
                           __global real* d_h, int s, int sequences) {
 #define STORE_LANES(r_, c)                                                                         \
@@ -65,7 +69,7 @@ __kernel void gru_rollout_backward(__global const real* grad_state, __global con
                     rows_of(h + row * HIDDEN, HIDDEN, s, sequences),
                     rows_of(gates + row * GATES_ROW, GATES_ROW, s, sequences), n, d_gates + row * GATES_ROW,
                     d_h, s, sequences);
-    if (t == 0) return;  // nothing learns from the first states
+    if (t == 0) return;  // the initial hidden state gets no gradient
     const row_pointers d_now = rows_of(d_gates + row * GATES_ROW, GATES_ROW, s, sequences);
     hidden_state_backward(d_now, parameters + u_at, d_h, s, sequences);
     carry = multiply_narrow(carry, d_now, 1, w, 16, 3 * HIDDEN);

@@ -1,15 +1,17 @@
-// InfoNCE over N embeddings e_i, each of a known object (equation 5, whose sign is turned), and its
-// gradient. Every ordered pair of an anchor i and another embedding p of its object is a positive
-// one; all embeddings j of other objects are its negatives:
+// InfoNCE over N embeddings e_i, each of a known object (equation 5, negated), and its gradient. Every ordered pair of
+// an anchor i and another embedding p of its object is a positive pair; the embeddings j of all other objects are its
+// negatives:
 //
 //   loss[i] = weight[i] sum_p -log(exp(s_ip) / (exp(s_ip) + sum_j exp(s_ij)))
 //
-//   s_ij = e_i . e_j,  or with -D NORMALISED=1  s_ij = e_i . e_j / (temperature n_i n_j),
-//   n_i = sqrt(|e_i|^2 + 1e-24)
+//   s_ij = e_i . e_j,  or with NORMALISED  s_ij = e_i . e_j / (temperature n_i n_j),  n_i = sqrt(|e_i|^2 + 1e-24)
 //
-// The loss may be as small as exp(-80) while logits are 1e4: these are kept as unevaluated sums of two
-// numbers, exponents are differences of logits, and the largest term of a sum of exponentials stands
-// outside its logarithm. -D COLUMNS: size of an embedding, a multiple of 16.
+// The loss may be as small as exp(-80) while logits are 1e4. Logits are therefore double-word numbers (unevaluated sums
+// of two numbers), exponents are differences of logits, and the largest term of a sum of exponentials is factored out
+// of its logarithm.
+//
+// -D COLUMNS: size of an embedding, a multiple of 16; no default
+// -D NORMALISED=0: or 1
 #pragma OPENCL FP_CONTRACT OFF
 #ifndef NORMALISED
 #define NORMALISED 0
@@ -43,7 +45,7 @@ static pair dot_product(__global const real* a, __global const real* b) {
     sum = next;
   }
   real sums[16], rests[16];
-  store16(sum, 0, sums), store16(rest, 0, rests);
+  store16_private(sum, 0, sums), store16_private(rest, 0, rests);
   pair total = 0;
   for (int lane = 0; lane < 16; ++lane) {
     const pair next = exact_sum(total.x, sums[lane]);
@@ -52,7 +54,7 @@ static pair dot_product(__global const real* a, __global const real* b) {
   return exact_sum(total.x, total.y);
 }
 
-// scale[i] = 1 / (n_i sqrt(temperature)); one work-item an embedding
+// scale[i] = 1 / (n_i sqrt(temperature)). One work-item per embedding.
 __kernel void info_nce_scales(__global const real* embedding, real temperature, __global pair* scale) {
   const size_t i = get_global_id(0);
   const pair squares = dot_product(embedding + i * COLUMNS, embedding + i * COLUMNS);
@@ -62,7 +64,7 @@ __kernel void info_nce_scales(__global const real* embedding, real temperature, 
   scale[i] = exact_sum(root, (real)0.5 * root * ((1 - one.x) - one.y));
 }
 
-// logit[i][j] = s_ij; one work-item a pair. `scale` is read only if NORMALISED.
+// logit[i][j] = s_ij. One work-item per pair. `scale` is read only if NORMALISED.
 __kernel void info_nce_logits(__global const real* embedding, __global const pair* scale,
                               __global pair* logit) {
   const size_t j = get_global_id(0), i = get_global_id(1), count = get_global_size(0);
@@ -71,7 +73,7 @@ __kernel void info_nce_logits(__global const real* embedding, __global const pai
   logit[i * count + j] = value;
 }
 
-// loss[loss_at + i], and slope[i][j] = d loss[i] / d s_ij; one work-item an anchor
+// loss[loss_at + i] and slope[i][j] = d loss[i] / d s_ij. One work-item per anchor.
 __kernel void info_nce_rows(__global const pair* logit, __global const int* object,
                             __global const real* weight, __global real* loss, int loss_at,
                             __global real* slope) {
@@ -82,7 +84,7 @@ __kernel void info_nce_rows(__global const pair* logit, __global const int* obje
   for (int j = 0; j < count; ++j)
     if (object[j] != object[i] && (top < 0 || logit[j].x > logit[top].x)) top = j;
 
-  real others = 0, total = 0, pull = 0;  // relative to exp(s_i,top); of all positives
+  real others = 0, total = 0, pull = 0;  // others, total: relative to exp(s_i,top); pull: of all positives
   for (int j = 0; j < count; ++j) {
     slope[j] = top >= 0 && object[j] != object[i] ? exponential(difference(logit[j], logit[top])) : 0;
     if (j != top) others += slope[j];
@@ -102,13 +104,13 @@ __kernel void info_nce_rows(__global const pair* logit, __global const int* obje
   loss[loss_at + i] = w * total;
 }
 
-// gradient[i] += sum_j (slope[i][j] + slope[j][i]) d s_ij / d e_i; one work-item an embedding
+// gradient[i] += sum_j (slope[i][j] + slope[j][i]) d s_ij / d e_i. One work-item per embedding.
 __kernel void info_nce_gradient(__global const real* embedding, __global const pair* scale,
                                 real temperature, __global const pair* logit,
                                 __global const real* slope, __global real* gradient) {
   const size_t i = get_global_id(0), count = get_global_size(0);
   gradient += i * COLUMNS;
-  real along = 0;  // e_i itself, by which n_i changes
+  real along = 0;  // gradient along e_i, through n_i
   for (size_t j = 0; j < count; ++j) {
     const real both = slope[i * count + j] + slope[j * count + i];
     const real factor = NORMALISED ? both * scale[i].x * scale[j].x : both;

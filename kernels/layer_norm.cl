@@ -1,10 +1,14 @@
-// LayerNorm over rows of COLUMNS values, a multiple of 16 (Ba et al. 2016), and its gradient.
+// LayerNorm over rows of COLUMNS values (Ba et al. 2016) and its gradient. One work-item per row.
 //
-//   y = gain (x - mean) / deviation + bias,  deviation = sqrt(variance + 1e-5)
-//   statistics[row] = {mean, 1 / deviation}
+//   y = gain (x - mean) / sigma + bias,  sigma = sqrt(variance + 1e-5)
+//   statistics[row] = {mean, 1 / sigma}
+//
+// -D COLUMNS: multiple of 16, no default
+// -D EXACT: the sums over a row's vectors, and over rows in layer_norm_weights, are compensated
 #define VECTORS (COLUMNS / 16)
 
-static real lane_sum(real16 v) {
+// Sum of the 16 elements.
+static real element_sum(real16 v) {
   const real8 a = v.lo + v.hi;
   const real4 b = a.lo + a.hi;
   return b.x + b.y + b.z + b.w;
@@ -14,14 +18,14 @@ __kernel void layer_norm(__global const real* x, __global const real* parameters
                          int bias_at, __global real* y, __global real* statistics) {
   const size_t row = get_global_id(0);
   x += row * COLUMNS, y += row * COLUMNS;
-  real16 sum = 0, squares = 0;
-  for (int i = 0; i < VECTORS; ++i) sum += vload16(i, x);
-  const real mean = lane_sum(sum) / COLUMNS;
+  real16 sum = 0, squares = 0, sum_compensation = 0, squares_compensation = 0;
+  for (int i = 0; i < VECTORS; ++i) ADD_TO(real16, sum, sum_compensation, vload16(i, x))
+  const real mean = element_sum(sum) / COLUMNS;
   for (int i = 0; i < VECTORS; ++i) {
     const real16 d = vload16(i, x) - mean;
-    squares = fma(d, d, squares);
+    ADD_PRODUCT(real16, squares, squares_compensation, d, d)
   }
-  const real scale = rsqrt(lane_sum(squares) / COLUMNS + (real)1e-5);
+  const real scale = rsqrt(element_sum(squares) / COLUMNS + (real)1e-5);
   for (int i = 0; i < VECTORS; ++i) {
     const real16 normal = (vload16(i, x) - mean) * scale;
     store16(fma(normal, vload16(i, parameters + gain_at), vload16(i, parameters + bias_at)), i, y);
@@ -29,20 +33,21 @@ __kernel void layer_norm(__global const real* x, __global const real* parameters
   statistics[2 * row] = mean, statistics[2 * row + 1] = scale;
 }
 
-//   dx = (g - mean(g) - n mean(g n)) / deviation,  g = gain dy,  n = (x - mean) / deviation
+//   dx = (g - mean(g) - n mean(g n)) / sigma,  g = gain dy,  n = (x - mean) / sigma
 __kernel void layer_norm_backward(__global const real* dy, __global const real* x,
                                   __global const real* statistics, __global const real* parameters,
                                   int gain_at, __global real* dx) {
   const size_t row = get_global_id(0);
   dy += row * COLUMNS, x += row * COLUMNS, dx += row * COLUMNS;
   const real mean = statistics[2 * row], scale = statistics[2 * row + 1];
-  real16 sum = 0, product = 0;
+  real16 sum = 0, product = 0, sum_compensation = 0, product_compensation = 0;
   for (int i = 0; i < VECTORS; ++i) {
     const real16 g = vload16(i, dy) * vload16(i, parameters + gain_at);
-    sum += g;
-    product = fma(g, (vload16(i, x) - mean) * scale, product);
+    const real16 normal = (vload16(i, x) - mean) * scale;
+    ADD_TO(real16, sum, sum_compensation, g)
+    ADD_PRODUCT(real16, product, product_compensation, g, normal)
   }
-  const real mean_g = lane_sum(sum) / COLUMNS, mean_gn = lane_sum(product) / COLUMNS;
+  const real mean_g = element_sum(sum) / COLUMNS, mean_gn = element_sum(product) / COLUMNS;
   for (int i = 0; i < VECTORS; ++i) {
     const real16 g = vload16(i, dy) * vload16(i, parameters + gain_at);
     const real16 normal = (vload16(i, x) - mean) * scale;
@@ -50,18 +55,18 @@ __kernel void layer_norm_backward(__global const real* dy, __global const real* 
   }
 }
 
-//   dgain = sum over rows of dy n,  dbias = sum over rows of dy; one work-item 16 columns
+//   dgain = sum over rows of dy n,  dbias = sum over rows of dy. One work-item per 16 columns.
 __kernel void layer_norm_weights(__global const real* dy, __global const real* x,
                                  __global const real* statistics, int rows, __global real* gradient,
                                  int gain_at, int bias_at) {
   const int n = get_global_id(0);
-  real16 gain = 0, bias = 0, lost_gain = 0, lost_bias = 0;
+  real16 gain = 0, bias = 0, gain_compensation = 0, bias_compensation = 0;
   for (int row = 0; row < rows; ++row) {
     const real16 d = vload16(n, dy + (size_t)row * COLUMNS);
     const real16 v = vload16(n, x + (size_t)row * COLUMNS);
     const real16 normal = (v - statistics[2 * row]) * statistics[2 * row + 1];
-    ADD_TO(real16, gain, lost_gain, d * normal)
-    ADD_TO(real16, bias, lost_bias, d)
+    ADD_TO(real16, gain, gain_compensation, d * normal)
+    ADD_TO(real16, bias, bias_compensation, d)
   }
   store16(gain, n, gradient + gain_at);
   store16(bias, n, gradient + bias_at);

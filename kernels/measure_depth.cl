@@ -1,10 +1,12 @@
-// What a stereo sensor tells of the disparities that render_depth.cl left: f b / z + correlated
-// noise, in steps; holes; counts. One work-item a tile of LANES x TILE_ROWS pixels. Needs
-// pixel_lanes.clh, solids.clh, depth_fields.clh.
+// Depth measured by a stereo sensor from the disparities of render_depth.cl: focal length * baseline / z + correlated
+// noise, quantised; holes; counts. One work-item per tile of LANES x TILE_ROWS pixels. Needs pixel_vectors.clh,
+// solids.clh, depth_fields.clh.
+//
+// -D TILE_ROWS, HALO: see depth_fields.clh
 
 typedef ushort16 unaligned_counts __attribute__((aligned(2)));
 
-// Of disparities in a row, from one pixel to the left to the widest shadow to the right.
+// Range of the disparities in a row, from one pixel to the left to the widest shadow to the right.
 typedef struct {
   lanes low, high;
 } lane_range;
@@ -18,7 +20,7 @@ ALWAYS_INLINE lane_range range_of(__global const float* disparity, int widest_sh
   return range;
 }
 
-// Seen by the first imager only: a point to the right lands on the same pixel of the second one.
+// Whether only the first imager sees the point: a point to the right maps to the same pixel of the second imager.
 ALWAYS_INLINE lane_mask occluded(__global const float* disparity, lanes own, int widest_shadow) {
   lane_mask hidden = 0;
   for (int k = 1; k <= widest_shadow; ++k) hidden |= load_lanes(disparity + k) - own > (float)k;
@@ -33,10 +35,10 @@ ALWAYS_INLINE lane_mask at_edge(__global const float* disparity, int stride, lan
   return edge;
 }
 
-// sensor: sigma and step of disparity in pixels of the sensor, nearest and farthest depth in
-// metres. sensor_px: pixels of the sensor to one of the image. error: offset and 1 / (scale unit)
-// of counts = (z - offset) / (scale unit). widest_shadow: of occlusions in pixels of the image,
-// less than HALO; 0: no holes at all.
+// sensor: standard deviation and quantisation step of the disparity [sensor pixels], min and max depth [m]
+// sensor_px: sensor pixels per image pixel
+// error: offset and 1 / (scale unit) of counts = (z - offset) / (scale unit)
+// widest_shadow: of occlusions [image pixels], less than HALO; 0: no holes
 __kernel void measure_depth(__global const float* disparity, __global const float* fields,
                             float4 sensor, float focal_baseline, float sensor_px, float2 error,
                             int widest_shadow, int width, int height, __global ushort* counts) {
@@ -57,7 +59,7 @@ __kernel void measure_depth(__global const float* disparity, __global const floa
     const float highest = largest(max(max(above.high, level.high), below.high));
     const float lowest = -largest(-min(min(above.low, level.low), below.low));
     above = level, level = below;
-    if (widest_shadow > 0 && highest - lowest >= 1.0f) {  // a hole needs a step of a pixel or more
+    if (widest_shadow > 0 && highest - lowest >= 1.0f) {  // holes occur only at steps of a pixel or more
       __global const float* ragged = fields + 3 * size + pixel;
       row_sums ragged_sums = sums_before(ragged, stride);
       valid &= !occluded(disparity + pixel, own, min(widest_shadow, (int)(highest - lowest)));

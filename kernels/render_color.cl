@@ -1,19 +1,19 @@
-// A colour image of solids: light from their surfaces, motion blur, sensor noise.
+// Renders a colour image of solids: surface light, motion blur, sensor noise.
 //
-// One work-item renders a tile of LANES x TILE_ROWS pixels, strip after strip of one row. A pixel
-// is the mean over samples_per_axis^2 rays spread evenly over its area and, in the same order, over
-// the sub-frames of the exposure; one ray where the strip holds nothing but a single solid that
-// stays where it is and has a smooth pattern. The camera encodes light by its square root, which
-// turns shot noise into noise of the same size at every brightness (Anscombe 1948).
+// One work-item renders a tile of LANES x TILE_ROWS pixels, one row strip after another. A pixel is the mean over
+// samples_per_axis^2 rays spread evenly over its area and, in the same order, over the sub-frames of the exposure. It
+// is one ray if the strip shows a single static solid with a smooth pattern. The camera encodes light by its square
+// root, which makes the shot noise independent of brightness (Anscombe 1948).
 //
-// rays_x, rays_y [height, width]: x', y' of each pixel's centre; pitch: their step between pixels.
-// tiles [height / TILE_ROWS, width / LANES], strips [height, width / LANES]: x' low, high, y' low,
-// high of their rays.
-// solids [subframes, count, SOLID_FLOATS], near ones first; bounds span all sub-frames.
-// color [height, width, 3]: RGB.
-// Needs pixel_lanes.clh, solids.clh, visible_solids.clh, surface.clh, image_noise.clh.
+//   rays_x, rays_y [height, width]: x', y' of the pixel centres; pitch: their step between pixels
+//   tiles [height / TILE_ROWS, width / LANES], strips [height, width / LANES]: min x', max x', min y', max y' of rays
+//   solids [subframes, count, SOLID_FLOATS], near ones first; bounds cover all sub-frames
+//   color [height, width, 3]: RGB
+//
+// Needs pixel_vectors.clh, solids.clh, visible_solids.clh, surface.clh, image_noise.clh.
 //
 // -D TILE_ROWS=8
+// -D MAX_SOLIDS: see visible_solids.clh
 #ifndef TILE_ROWS
 #define TILE_ROWS 8
 #endif
@@ -43,7 +43,7 @@ ALWAYS_INLINE lane_words encode(lanes light, float scale, lanes noise) {
                         0.5f);
 }
 
-// Sixteen pixels, colours side by side: three words hold four of them.
+// Stores 16 interleaved RGB pixels; three words hold four pixels.
 ALWAYS_INLINE void store_pixels(__global uchar* color, lane_words r, lane_words g, lane_words b) {
   const lane_words pixels = r | g << 8 | b << 16;
   const uint4 p0 = pixels.s048c, p1 = pixels.s159d, p2 = pixels.s26ae, p3 = pixels.s37bf;
@@ -53,7 +53,7 @@ ALWAYS_INLINE void store_pixels(__global uchar* color, lane_words r, lane_words 
   vstore4((uint4)(e.z, a.w, c.w, e.w), 2, (__global uint*)color);
 }
 
-// Rays along each side of a pixel.
+// Number of rays along each side of a pixel.
 ALWAYS_INLINE int rays_per_axis(__global const float* solids, const int* visible, int seen,
                                 int wanted) {
   if (seen != 1) return wanted;
@@ -61,7 +61,7 @@ ALWAYS_INLINE int rays_per_axis(__global const float* solids, const int* visible
   return s[MOVES] == 0.0f && s[PATTERN] != CHESSBOARD ? 1 : wanted;
 }
 
-// The sum of the light that axis^2 rays through each pixel find.
+// Sum of the light over axis^2 rays through each pixel.
 ALWAYS_INLINE lanes3 gather(__global const float* solids, int count, int subframes,
                             const int* visible, int seen, lanes x, lanes y, float2 pitch,
                             int axis) {

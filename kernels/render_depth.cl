@@ -1,10 +1,12 @@
-// Disparities of solids as a stereo sensor's first imager sees them; measure_depth.cl makes depth
-// of them. Two launches, each one work-item a tile of LANES x TILE_ROWS pixels:
+// Disparities of solids as seen by the first imager of a stereo sensor; measure_depth.cl turns them into depth. Two
+// launches, each with one work-item per tile of LANES x TILE_ROWS pixels:
 //   depth_noise    white normal fields: shift along x and y, disparity, holes
 //   render_depth   depth along rays shifted by correlated noise (Handa et al., ICRA 2014)
-// Needs pixel_lanes.clh, solids.clh, visible_solids.clh, image_noise.clh, depth_fields.clh.
+// Needs pixel_vectors.clh, solids.clh, visible_solids.clh, image_noise.clh, depth_fields.clh.
+//
+// -D TILE_ROWS, HALO: see depth_fields.clh; -D MAX_SOLIDS: see visible_solids.clh
 
-// Launched over the image and one tile more on each side.
+// Launched over the image plus one tile on every side.
 __kernel void depth_noise(uint2 key, int width, int height, __global float* fields) {
   const int column = ((int)get_global_id(0) - 1) * LANES;
   const int first_row = ((int)get_global_id(1) - 1) * TILE_ROWS;
@@ -20,9 +22,8 @@ __kernel void depth_noise(uint2 key, int width, int height, __global float* fiel
 }
 
 // rays_x, rays_y, tiles, solids: as in render_color.cl.
-// shift: sigma of the shift of a ray along x', y'.
-// disparity [height, width] with halo: focal_baseline / z in pixels of the image, about 0 where
-// nothing is hit.
+// shift: standard deviation of the shift of a ray along x', y'.
+// disparity [height, width] with halo: focal_baseline / z in image pixels, about 0 if nothing is hit.
 __kernel void render_depth(__global const float* rays_x, __global const float* rays_y,
                            __global const float4* tiles, __global const float* solids, int count,
                            float2 shift, float focal_baseline, int width, int height,

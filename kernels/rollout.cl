@@ -1,14 +1,17 @@
-// Roll-out of the dynamics MLP (equation 1). One work-item takes four sequences through all steps.
+// Roll-out of the dynamics MLP on CPUs (equation 1). One work-item advances four sequences through all steps.
 //
-//   h1 = act(first + W1 s),  h2 = act(W2 h1 + b2),  then rollout_tiles.clh with h = h2
+//   h1 = act(input_projection + W1 s),  h2 = act(W2 h1 + b2),  then rollout_output.clh with h = h2
 //
-// `first` is the part of layer 1 that no state enters: bias and the embedding's product, hoisted out
-// of the loop. Rows are ordered [step][sequence].
-//   states [steps + 1][S][16], the first S rows given; first [steps][S] rows, first_ld apart (0: one
-//   row for all); h1, h2 [steps][S][HIDDEN]; spread [steps][S][16]; HIDDEN a multiple of 64
-//   sum1, sum2 as h1, h2, before the activation: where its slope needs them, else unused
-//   w1 [STATE][HIDDEN], w2 [HIDDEN][HIDDEN] as [input][output]; w3 [HIDDEN][32] and b3 [32] as
-//   delta | band, each padded with zeros from STATE to 16
+// Rows are ordered [step][sequence].
+//   states [steps + 1][S][16]: the first S rows are the initial states, the others are written
+//   input_projection [steps][S] rows, input_projection_ld apart (0: one row for all): bias and embedding part of layer
+//     1, which do not depend on the state and are computed outside of the loop
+//   h1, h2 [steps][S][HIDDEN]; spread [steps][S][16]
+//   pre_activation1, pre_activation2: as h1, h2; written only if the activation's slope needs them
+//   w1 [STATE][HIDDEN], w2 [HIDDEN][HIDDEN] as [input][output]
+//   w3 [HIDDEN][32], b3 [32] as delta | band, each zero-padded from STATE to 16
+//
+// -D HIDDEN, STATE, ACTIVATION: see dynamics.clh
 
 static wide_tile activated(wide_tile t) {
 #define ACTIVATE_ROW(r)                                                     \
@@ -19,7 +22,7 @@ static wide_tile activated(wide_tile t) {
   return t;
 }
 
-// Writes act(start + x w), [4][HIDDEN], to the sequences' rows of h, and the sums to those of `sum`.
+// Writes act(start + x w), [4][HIDDEN], to the sequences' rows of h, and the pre-activation to those of `sum`.
 static void hidden_layer(row_pointers x, int count, __global const real* w, row_pointers start,
                          __global real* h, __global real* sum, int s, int sequences) {
   for (int n = 0; n < HIDDEN; n += 64) {
@@ -29,22 +32,25 @@ static void hidden_layer(row_pointers x, int count, __global const real* w, row_
   }
 }
 
-__kernel void rollout(__global real* states, __global const real* first, int first_at, int first_ld,
+__kernel void rollout(__global real* states, __global const real* input_projection, int input_projection_at,
+                      int input_projection_ld,
                       __global const real* parameters, int b2_at, __global const real* w1,
                       __global const real* w2, __global const real* w3, __global const real* b3,
-                      __global real* h1, __global real* h2, __global real* sum1, __global real* sum2,
+                      __global real* h1, __global real* h2, __global real* pre_activation1,
+                      __global real* pre_activation2,
                       __global real* spread, int sequences, int steps) {
   const int s = get_global_id(0) * 4;
   const row_pointers b2 = rows_of(parameters + b2_at, 0, 0, 1);
-  first += first_at;
+  input_projection += input_projection_at;
   for (int t = 0; t < steps; ++t) {
     const row_pointers now = rows_of(states, 16, s, sequences);
     states += sequences * 16;
-    hidden_layer(now, STATE, w1, rows_of(first, first_ld, s, sequences), h1, sum1, s, sequences);
-    hidden_layer(rows_of(h1, HIDDEN, s, sequences), HIDDEN, w2, b2, h2, sum2, s, sequences);
+    hidden_layer(now, STATE, w1, rows_of(input_projection, input_projection_ld, s, sequences), h1, pre_activation1, s,
+                 sequences);
+    hidden_layer(rows_of(h1, HIDDEN, s, sequences), HIDDEN, w2, b2, h2, pre_activation2, s, sequences);
     output_layer(rows_of(h2, HIDDEN, s, sequences), w3, b3, now, states, spread, s, sequences);
-    first += (size_t)sequences * first_ld;
+    input_projection += (size_t)sequences * input_projection_ld;
     h1 += sequences * HIDDEN, h2 += sequences * HIDDEN, spread += sequences * 16;
-    sum1 += sequences * HIDDEN, sum2 += sequences * HIDDEN;
+    pre_activation1 += sequences * HIDDEN, pre_activation2 += sequences * HIDDEN;
   }
 }

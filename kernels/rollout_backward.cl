@@ -1,13 +1,16 @@
-// Back-propagation through time of rollout.cl: one work-item takes four sequences back through all
-// steps. With l the loss and carry(t) = dl/ds(t+1):
+// Back-propagation through time of rollout.cl on CPUs. One work-item takes four sequences from the last step to the
+// first. With l the loss and carry(t) = dl/ds(t+1):
 //
-//   d h2 = W3' (d delta, d band),  d h1 = W2' act'(d h2),  carry(t-1) = carry(t) + W1' act'(d h1) + ...
+//   d h2 = W3' (d delta, d band),  d h1 = W2' act'(d h2),  carry(t-1) = carry(t) + W1' act'(d h1) + grad_state(t-1)
 //
-//   grad_state, grad_spread [steps][S][16]: of the loss alone, towards the predicted state and spread
-//   d_out [steps][S][32] = d delta | d band; d_h1, d_h2 [steps][S][HIDDEN]: before the activation
-//   y1, y2 [steps][S][HIDDEN]: what the activation's slope is computed from, sum1 and sum2 or h1 and h2
-//   w2 [HIDDEN][HIDDEN], w3 [2 STATE][HIDDEN] as [output][input]; w1 [HIDDEN][16], padded with zeros
-// Weight gradients are GEMMs over all rows of these.
+//   grad_state, grad_spread [steps][S][16]: gradient of the loss with respect to predicted state and spread
+//   d_out [steps][S][32] = d delta | d band; d_h1, d_h2 [steps][S][HIDDEN]: with respect to the pre-activations
+//   y1, y2 [steps][S][HIDDEN]: arguments of the activation's slope: pre_activation1/2 or h1/h2
+//   w2 [HIDDEN][HIDDEN], w3 [2 STATE][HIDDEN] as [output][input]; w1 [HIDDEN][16], zero-padded
+//
+// The weight gradients are matrix products over all rows of these arrays (dense.cl).
+//
+// -D HIDDEN, STATE, ACTIVATION: see dynamics.clh
 
 // Writes act'(d, y), [4][HIDDEN] from column n, to the sequences' rows of d_h.
 static void store_gradient(wide_tile t, row_pointers y, int n, __global real* d_h, int s,

@@ -1,10 +1,12 @@
-// Loss of predicted states and its gradient (equation 4): L1 + pinball(Q) + pinball(1 - Q), where the
-// quantiles are state -+ spread (equation 3); `quantile` is Q, below a half.
+// Loss of the predicted states and its gradient (equation 4): L1 + pinball(Q) + pinball(1 - Q). The quantiles are
+// state - spread and state + spread (equation 3); `quantile` is Q < 0.5.
 //
-//   pinball(tau) = max(tau p, (tau - 1) p);  its slope at p = 0 is the mean of both sides'
+//   pinball(tau) of residual p = max(tau p, (tau - 1) p); the slope at p = 0 is the mean of both one-sided slopes
 //
-// One work-item a row [step][sequence] of 16 lanes, STATE of them used. weight: of the row, the mean's
-// divisor included; a row of weight 0 counts nothing, whatever its target is.
+// One work-item per row [step][sequence] of 16 values, of which STATE are used. weight: of the row, divided by the
+// number of values that the mean is taken over. A row of weight 0 contributes nothing, even if its target is NaN.
+//
+// -D STATE: at most 16, no default
 
 static real16 pinball(real16 p, real tau) { return fmax(tau * p, (tau - 1) * p); }
 static real16 pinball_slope(real16 p, real tau) { return (tau - (real)0.5) + (real)0.5 * sign(p); }
@@ -22,13 +24,13 @@ __kernel void state_loss(__global const real* states, __global const real* sprea
   const real16 value = fabs(d) + pinball(low, tau_low) + pinball(high, tau_high);
   const real16 slope_low = pinball_slope(low, tau_low), slope_high = pinball_slope(high, tau_high);
 
-  real lanes[16], sum = 0;
-  store16(value, 0, lanes);
-  for (int i = 0; i < STATE; ++i) sum += lanes[i];
+  real values[16], sum = 0;
+  store16_private(value, 0, values);
+  for (int i = 0; i < STATE; ++i) sum += values[i];
   loss[row] = w * sum;
 
-  const real16 lane = (real16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const real16 scale = select((real16)(0), (real16)(w), lane < (real16)(STATE));
+  const real16 element = (real16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const real16 scale = select((real16)(0), (real16)(w), element < (real16)(STATE));
   store16(-scale * (sign(d) + slope_low + slope_high), row, grad_state);
   store16(scale * (slope_low - slope_high), row, grad_spread);
 }

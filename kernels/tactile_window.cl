@@ -1,13 +1,17 @@
-// The input of the tactile encoder: windows of a stream of frames, in the difference basis.
+// Input of the tactile encoder: windows of WINDOW (M) frames of a stream, in the difference basis.
 //
 //   out[w][c]     = keep[w] 5 (frame[t - M + 2 + c] - frame[t - M + 1 + c]),  c = 0 .. M - 2
 //   out[w][M - 1] = keep[w] frame[t],                                         t = last_frame[w]
 //
-// keep[w] is 0 for blanked taxels and 1 / (1 - share) for the others; a taxel is blanked if
-// hash(key, w ROWS COLS + taxel) < threshold. `frames` is [frame][row][column], `out` is in planes
-// (conv2d.clh), of the windows from `first` on and the channels from `channel` on. A work-item writes one row of one window.
+// keep[w] is 0 for dropped taxels and 1 / (1 - rate) for the others. A taxel is dropped if
+// hash(key, w ROWS COLS + taxel) < threshold.
 //
-// -D WINDOW (M), ROWS, COLS: without defaults. -D HALO=1, of `out`. -D LANES: 1, 4, 8 or 16, at most COLS.
+// frames [frame][row][column]; out in planes (conv2d.clh), from window `first` and channel `channel` on. One work-item
+// per row of one window.
+//
+// -D WINDOW, ROWS, COLS: no defaults
+// -D HALO=1: of `out`
+// -D LANES: vector width, 1, 4, 8 or 16, at most COLS; no default
 #ifndef HALO
 #define HALO 1
 #endif
@@ -50,7 +54,7 @@ __kernel void tactile_window(__global const real* restrict frames, __global cons
   __global real* to = out + get_global_id(1) * WINDOW * OUT_PLANE + (row + HALO) * OUT_PITCH + HALO;
   __global const real* oldest = frames + ((size_t)last_frame[window] - WINDOW + 1) * ROWS * COLS + row * COLS;
   for (int step = 0; step < COLS; step += LANES) {
-    const int column = min(step, COLS - LANES);  // the last step may overlap the one before
+    const int column = min(step, COLS - LANES);  // the last vector may overlap the previous one
     const realv keep = keep_of(key, threshold, scale, (uint)((window * ROWS + row) * COLS + column));
     realv frame = load_lanes(oldest + channel * ROWS * COLS + column);
     for (int c = channel; c < WINDOW - 1; ++c) {

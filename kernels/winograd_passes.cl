@@ -1,8 +1,13 @@
-// The passes of winograd.clh, their matrix products in tiles of tile.clh.
+// Forward pass and gradient with respect to the input of winograd.clh. Matrix products: cpu_tile.clh.
 //
-// -D TILE_MEMORY=__local
+// A work-item uses local memory for its own points only. The work-group size is therefore 1, so that work-items never
+// share it.
+//
+// -D TILE_MEMORY=__local, GROUP_IMAGES, no defaults here
+// Other -D: see conv2d.clh
+#define ONE_WORK_ITEM __attribute__((reqd_work_group_size(1, 1, 1)))
 
-// rows x count times count x 64 columns, or the 32 that there are.
+// [rows, count] times [count, 64], or [count, 32] if only 32 columns are left.
 static void multiply_columns(__local const real* in, int count, __global const real* weights,
                              __local real* out, int columns, int n, int rows) {
   for (int row = 0; row < rows; row += 4) {
@@ -14,7 +19,8 @@ static void multiply_columns(__local const real* in, int count, __global const r
   }
 }
 
-// out[point] = in[point] weights[set of the point], all points of a set while its columns are in the cache.
+// out[point] = in[point] weights[set of the point]. Goes through all points of a set for 64 columns at a time, which
+// stay in the cache.
 static void multiply_points(__local const real* in, int in_stride, int count, __global const real* weights,
                             __local real* out, int out_stride, int columns, int rows) {
   for (int set = 0; set < WEIGHT_SETS; ++set, weights += count * columns)
@@ -27,11 +33,11 @@ static void multiply_points(__local const real* in, int in_stride, int count, __
     }
 }
 
-__kernel void winograd_forward(__global const real* restrict in, __global const real* restrict weights,
-                               __global const real* restrict parameters, int bias_at,
-                               __global real* restrict out, int images) {
+__kernel ONE_WORK_ITEM void winograd_forward(__global const real* restrict in, __global const real* restrict weights,
+                                             __global const real* restrict parameters, int bias_at,
+                                             __global real* restrict out, int images) {
   __local real in_points[POINTS * IN_STRIDE], out_points[POINTS * OUT_STRIDE];
-  const int first = get_global_id(0) * GROUP, tiles = min(GROUP, images - first) * TILES;
+  const int first = get_global_id(0) * GROUP_IMAGES, tiles = min(GROUP_IMAGES, images - first) * TILES;
   in += (size_t)first * IN_IMAGE;
   out += (size_t)first * OUT_IMAGE;
   for (int tile = 0; tile < tiles; ++tile)
@@ -42,12 +48,13 @@ __kernel void winograd_forward(__global const real* restrict in, __global const 
                     out + tile / TILES * OUT_IMAGE);
 }
 
-// `weights`: turned, [36][OUT_CHANNELS][IN_CHANNELS].
-__kernel void winograd_backward_data(__global const real* restrict grad_out,
-                                     __global const real* restrict weights, __global const real* restrict in,
-                                     __global real* restrict grad_in, int images) {
+// `weights`: transposed, [36][OUT_CHANNELS][IN_CHANNELS].
+__kernel ONE_WORK_ITEM void winograd_backward_data(__global const real* restrict grad_out,
+                                                   __global const real* restrict weights,
+                                                   __global const real* restrict in, __global real* restrict grad_in,
+                                                   int images) {
   __local real in_points[POINTS * IN_STRIDE], out_points[POINTS * OUT_STRIDE];
-  const int first = get_global_id(0) * GROUP, tiles = min(GROUP, images - first) * TILES;
+  const int first = get_global_id(0) * GROUP_IMAGES, tiles = min(GROUP_IMAGES, images - first) * TILES;
   grad_out += (size_t)first * OUT_IMAGE;
   in += (size_t)first * IN_IMAGE;
   grad_in += (size_t)first * IN_IMAGE;

@@ -1,13 +1,13 @@
 // Weights of winograd.clh from parameters [out][in][3][3].
 //
-//   weights [set][row][lane]
+//   weights [set][row][lane] = G' w G, with G the 5 x 2 matrix of the even-numbered inputs, and 1 for the middle tap
 //
-// Rows are input channels and lanes output channels for the forward pass, the other way round for the
-// gradient towards the input. In the parameters they stand row_step and lane_step apart.
+// Rows are input channels and lanes output channels for the forward pass, the reverse for the gradient with respect to
+// the input. In the parameters rows are row_step apart and lanes lane_step.
 //
-// The sets are G' w G with G the 5 x 2 of the even places, and 1 for the middle tap.
+// -D: see winograd.clh
 
-// 3 taps, `step` apart in `w`, become 6 in `set`.
+// Transforms 3 taps, `step` apart in `w`, to 6 values, `set_step` apart in `set`.
 static void taps_to_sets(const real16* w, int step, real16* set, int set_step) {
   const real16 w0 = w[0] / 2, w1 = w[step], w2 = w[2 * step] / 2;
   set[0] = w0;
@@ -18,7 +18,7 @@ static void taps_to_sets(const real16* w, int step, real16* set, int set_step) {
   set[5 * set_step] = w1;
 }
 
-// A work-item makes 16 lanes of one row of every set.
+// One work-item per 16 lanes of one row, for every set.
 __kernel void winograd_weights(__global const real* restrict parameters, int weight_at, int row_step,
                                int lane_step, __global real* restrict weights) {
   const int block = get_global_id(0), row = get_global_id(1), lanes = get_global_size(0) * 16;

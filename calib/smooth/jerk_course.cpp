@@ -96,7 +96,7 @@ std::vector<double> predictive_costs(const std::vector<WeightedTrack>& rest,
                                      const MotionNoise<double>& noise,
                                      const SmoothOptions& options) {
   std::vector<std::vector<double>> costs(tracks.size());
-  for_each_index(tracks.size(), options.threads, [&](std::size_t k) {
+  parallel_for(tracks.size(), options.threads, [&](std::size_t k) {
     const auto trajectory = pass(rest[k], noise, options);
     const auto& points = tracks[k].points;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -131,7 +131,7 @@ void find_jerk(std::vector<WeightedTrack>& tracks, MotionNoise<double>& noise,
   for (int round = 0; round < rounds; ++round) {
     std::vector<Jerks> expected(tracks.size());
     std::vector<double> squares(tracks.size());
-    for_each_index(tracks.size(), options.threads, [&](std::size_t i) {
+    parallel_for(tracks.size(), options.threads, [&](std::size_t i) {
       const auto trajectory = pass(tracks[i], noise, options);
       expected[i] = trajectory.expected_jerk();
       squares[i] = expected_squares(tracks[i], trajectory);

@@ -45,7 +45,7 @@ class NoiseCost {
   bool operator()(const T* log_noise, T* cost) const {
     const auto noise = this->noise(log_noise);
     std::vector<T> costs(tracks_.size());
-    for_each_index(tracks_.size(), threads_, [&](std::size_t i) {
+    parallel_for(tracks_.size(), threads_, [&](std::size_t i) {
       std::vector<ContactEvent<T>> events;
       for (const auto& event : events_[i]) events.push_back({T(event.time), event.release});
       costs[i] = innovation_cost_with<T, Errors::white>(

@@ -82,7 +82,7 @@ SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const Smoot
 /// Flights and weights, each given the others and the noise.
 void find_flights(std::vector<WeightedTrack>& tracks, const MotionNoise<double>& noise,
                   const SmoothOptions& options) {
-  for_each_index(tracks.size(), options.threads, [&](std::size_t i) {
+  parallel_for(tracks.size(), options.threads, [&](std::size_t i) {
     auto& track = tracks[i];
     track.flights = most_likely_flights(track, noise, options, Doubtful::drop);
     if (options.robust) find_weights(track, noise, options);
@@ -128,7 +128,7 @@ MotionNoise<double> with_correlated_errors(std::vector<WeightedTrack>& tracks,
 MotionNoise<double> find_noise(std::vector<WeightedTrack>& tracks, const SmoothOptions& options) {
   auto noise = options.noise;
   bool found = false;
-  for_each_index(tracks.size(), options.threads, [&](std::size_t i) {
+  parallel_for(tracks.size(), options.threads, [&](std::size_t i) {
     tracks[i].flights = most_likely_flights(tracks[i], noise, options, Doubtful::keep);
   });
   for (int round = 0; round < 2; ++round) {
@@ -176,7 +176,7 @@ SmoothedTracks smooth(const std::vector<Track>& tracks,
   }
   result.noise = find_noise(usable, options);
   result.causal_noise = find_causal_noise(usable, result.noise, options);
-  for_each_index(usable.size(), options.threads, [&](std::size_t k) {
+  parallel_for(usable.size(), options.threads, [&](std::size_t k) {
     result.tracks[index[k]] = finish(std::move(usable[k]), result, options);
   });
   share_factors(result.tracks);

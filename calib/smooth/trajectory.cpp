@@ -8,15 +8,13 @@
 
 #include "calib/smooth/scaled_track.h"
 #include "calib/smooth/step_back.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {
 
-double median(std::vector<double> values, double otherwise) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double median_or(std::vector<double> values, double fallback) {
+  return values.empty() ? fallback : median(std::move(values));
 }
 
 MotionNoise<double> scaled_by(const MotionNoise<double>& noise, double length, double time) {
@@ -60,9 +58,9 @@ MotionUnits MotionUnits::of(const std::vector<Track>& tracks) {
     }
   Eigen::Vector3d usual_m;
   std::ranges::transform(sigmas, usual_m.begin(),
-                         [](auto& of_axis) { return median(std::move(of_axis), 1.0); });
-  const double length_m = median({usual_m.begin(), usual_m.end()}, 1.0);
-  return {median(std::move(spacings), 1.0), length_m, usual_m / length_m};
+                         [](auto& of_axis) { return median_or(std::move(of_axis), 1.0); });
+  const double length_m = median_or({usual_m.begin(), usual_m.end()}, 1.0);
+  return {median_or(std::move(spacings), 1.0), length_m, usual_m / length_m};
 }
 
 MotionNoise<double> MotionUnits::scaled(const MotionNoise<double>& noise) const {

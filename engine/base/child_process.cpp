@@ -30,7 +30,7 @@ double seconds_since(Clock::time_point start) {
 
 Error not_started(int error) {
   return failure(fmt::format("cannot start {}: {}", this_program, std::strerror(error)),
-                 "check the limits on processes and open files");
+                 "check the limits of processes and open files (ulimit -a)");
 }
 
 std::vector<char*> pointers(std::vector<std::string>& texts) {
@@ -50,7 +50,7 @@ std::vector<std::string> environment_with(const std::map<std::string, std::strin
   return result;
 }
 
-/// Of what a spawned process does before it starts.
+/// RAII wrapper of posix_spawn_file_actions_t.
 class FileActions {
  public:
   FileActions() { posix_spawn_file_actions_init(&actions_); }
@@ -58,8 +58,9 @@ class FileActions {
   FileActions(const FileActions&) = delete;
   FileActions& operator=(const FileActions&) = delete;
 
-  void replace(int file, int by) { posix_spawn_file_actions_adddup2(&actions_, by, file); }
-  void silence(int file) {
+  /// Makes descriptor `file` a duplicate of `source`.
+  void redirect(int file, int source) { posix_spawn_file_actions_adddup2(&actions_, source, file); }
+  void discard(int file) {
     posix_spawn_file_actions_addopen(&actions_, file, "/dev/null", O_WRONLY, 0);
   }
   const posix_spawn_file_actions_t* get() const { return &actions_; }
@@ -68,7 +69,7 @@ class FileActions {
   posix_spawn_file_actions_t actions_;
 };
 
-/// This program once more; 0 or what went wrong.
+/// Starts this executable. Returns 0 or an errno value.
 int spawn_self(pid_t& process, std::vector<std::string> arguments,
                const std::map<std::string, std::string>& changes, const FileActions& actions) {
   arguments.insert(arguments.begin(), this_program);
@@ -77,7 +78,8 @@ int spawn_self(pid_t& process, std::vector<std::string> arguments,
                      pointers(environment).data());
 }
 
-/// A process that is killed and waited for unless it has ended, and the reading end of its stdout.
+/// Child process with a pipe from its stdout. The destructor kills it if it has not been waited
+/// for.
 class Child {
  public:
   Child(const std::vector<std::string>& arguments,
@@ -86,7 +88,7 @@ class Child {
     if (pipe2(ends.data(), O_CLOEXEC) != 0) throw not_started(errno);
     output_ = ends[0];
     FileActions actions;
-    actions.replace(STDOUT_FILENO, ends[1]);
+    actions.redirect(STDOUT_FILENO, ends[1]);
     const int error = spawn_self(process_, arguments, changes, actions);
     close(ends[1]);
     if (error == 0) return;
@@ -100,7 +102,7 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// False if nothing came for `silence_s`.
+  /// Reads stdout to its end. Returns false if nothing is printed for `silence_s`.
   bool read_all(std::string& text, double silence_s) const {
     auto last = Clock::now();
     std::array<char, 4096> buffer;
@@ -116,7 +118,7 @@ class Child {
     }
     return false;
   }
-  void end_now() const { kill(process_, SIGKILL); }
+  void terminate() const { kill(process_, SIGKILL); }
   int wait() {
     int status = 0;
     while (wait4(process_, &status, 0, &usage_) < 0 && errno == EINTR) {
@@ -124,7 +126,7 @@ class Child {
     process_ = 0;
     return status;
   }
-  /// After wait().
+  /// Valid after wait().
   double cpu_seconds() const {
     const auto seconds = [](const timeval& time) {
       return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
@@ -141,7 +143,7 @@ class Child {
 }  // namespace
 
 std::string ChildResult::ending() const {
-  if (silent) return "hangs";
+  if (timed_out) return "hangs";
   return signal ? fmt::format("ended by signal {} ({})", signal, strsignal(signal))
                 : fmt::format("ended with exit code {}", exit_code);
 }
@@ -151,8 +153,8 @@ ChildResult run_self(const std::vector<std::string>& arguments,
   const auto start = Clock::now();
   Child child(arguments, environment);
   ChildResult result;
-  result.silent = !child.read_all(result.output, silence_s);
-  if (result.silent) child.end_now();
+  result.timed_out = !child.read_all(result.output, silence_s);
+  if (result.timed_out) child.terminate();
   const int status = child.wait();
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
@@ -166,8 +168,8 @@ BackgroundProcess::BackgroundProcess(const std::vector<std::string>& arguments,
   const int file = memfd_create("input", MFD_CLOEXEC);
   if (file < 0) return;
   FileActions actions;
-  actions.replace(STDIN_FILENO, file);
-  actions.silence(STDOUT_FILENO), actions.silence(STDERR_FILENO);
+  actions.redirect(STDIN_FILENO, file);
+  actions.discard(STDOUT_FILENO), actions.discard(STDERR_FILENO);
   if (write(file, input.data(), input.size()) == static_cast<ssize_t>(input.size()) &&
       lseek(file, 0, SEEK_SET) == 0 && spawn_self(process_, arguments, {}, actions) != 0)
     process_ = 0;

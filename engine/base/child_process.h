@@ -10,10 +10,10 @@
 namespace touchtrace {
 
 struct ChildResult {
-  int exit_code = -1;   ///< -1 where a signal ended it
-  int signal = 0;       ///< that ended it
-  bool silent = false;  ///< killed after it had printed nothing for too long
-  std::string output;   ///< stdout
+  int exit_code = -1;      ///< -1 if ended by a signal
+  int signal = 0;          ///< that ended it
+  bool timed_out = false;  ///< killed because it printed nothing for too long
+  std::string output;      ///< stdout
   double wall_seconds = 0.0, cpu_seconds = 0.0;
 
   bool succeeded() const { return exit_code == 0; }
@@ -21,17 +21,17 @@ struct ChildResult {
   std::string ending() const;
 };
 
-/// Runs this very program again, with `arguments` and with `environment` put over its own, and
-/// waits for its end. It is killed once it has printed nothing for `silence_s`, or when the user
-/// asks to stop. stderr is shared. Throws failure if it cannot be started.
+/// Runs this executable again with `arguments` and with `environment` added to its own, and waits
+/// for it. Kills it if it prints nothing to stdout for `silence_s` or on an interrupt. stderr is
+/// shared. Throws failure if it cannot be started.
 ChildResult run_self(const std::vector<std::string>& arguments,
                      const std::map<std::string, std::string>& environment, double silence_s);
 
-/// This very program at work beside this process, silently. It is killed, unless it has ended, when
-/// this goes out of scope. Nothing happens if it cannot be started.
+/// Runs this executable again in the background, without output. The destructor kills it if it is
+/// still running. If it cannot be started, nothing happens.
 class BackgroundProcess {
  public:
-  /// `input`: what it reads from stdin.
+  /// `input`: its stdin.
   BackgroundProcess(const std::vector<std::string>& arguments, std::string_view input);
   ~BackgroundProcess();
   BackgroundProcess(const BackgroundProcess&) = delete;

@@ -4,23 +4,23 @@
 
 namespace touchtrace {
 
-Error::Error(ExitCode code, const std::string& problem, std::string remedy)
-    : std::runtime_error(problem), code_(code), remedy_(std::move(remedy)) {}
+Error::Error(ExitCode code, const std::string& problem, std::string hint)
+    : std::runtime_error(problem), code_(code), hint_(std::move(hint)) {}
 
-Error usage_error(const std::string& problem, const std::string& remedy) {
-  return {ExitCode::usage, problem, remedy};
+Error usage_error(const std::string& problem, const std::string& hint) {
+  return {ExitCode::usage, problem, hint};
 }
 
-Error data_error(const std::string& problem, const std::string& remedy) {
-  return {ExitCode::data, problem, remedy};
+Error data_error(const std::string& problem, const std::string& hint) {
+  return {ExitCode::data, problem, hint};
 }
 
-Error device_error(const std::string& problem, const std::string& remedy) {
-  return {ExitCode::no_device, problem, remedy};
+Error device_error(const std::string& problem, const std::string& hint) {
+  return {ExitCode::no_device, problem, hint};
 }
 
-Error failure(const std::string& problem, const std::string& remedy) {
-  return {ExitCode::failed, problem, remedy};
+Error failure(const std::string& problem, const std::string& hint) {
+  return {ExitCode::failed, problem, hint};
 }
 
 }  // namespace touchtrace

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 Error io_failure(const std::string& what, const fs::path& path) {
   return failure(fmt::format("{} {}: {}", what, path.string(), std::strerror(errno)),
-                 "check that the disk has room and that the folder can be written");
+                 "check that the disk is not full and the folder is writable");
 }
 
 void sync_to_disk(const fs::path& path, int flags) {
@@ -69,12 +69,13 @@ std::string host_name() {
   return name.data();
 }
 
-/// Of temporary files for `path` by any process of this machine; then the process, then ".tmp".
+/// Start of the names of temporary files for `path` on this machine; the process id and ".tmp"
+/// follow.
 std::string temporary_prefix(const fs::path& path) {
   return fmt::format(".{}.{}-", path.filename().string(), host_name());
 }
 
-/// Removes what processes that were killed left of earlier tries at `path`.
+/// Removes temporary files for `path` whose process does not exist any more.
 void remove_abandoned(const fs::path& path) {
   const auto prefix = temporary_prefix(path);
   std::error_code ignored;
@@ -93,13 +94,14 @@ void remove_abandoned(const fs::path& path) {
 
 OutputFile::OutputFile(fs::path path, bool overwrite) : path_(std::move(path)) {
   if (!overwrite && fs::exists(path_))
-    throw usage_error(fmt::format("{} exists", path_.string()),
-                      "choose another output, or pass --overwrite to replace it");
+    throw usage_error(fmt::format("{} already exists", path_.string()),
+                      "choose another output or pass --overwrite");
   std::error_code error;
-  made_folder_ = fs::create_directories(folder_of(path_), error);
+  created_folder_ = fs::create_directories(folder_of(path_), error);
   if (error)
-    throw failure(fmt::format("cannot make the folder of {}: {}", path_.string(), error.message()),
-                  "choose an output in a folder that can be written");
+    throw failure(
+        fmt::format("cannot create the folder of {}: {}", path_.string(), error.message()),
+        "choose an output in a writable folder");
   remove_abandoned(path_);
   temporary_ = folder_of(path_) / fmt::format("{}{}.tmp", temporary_prefix(path_), getpid());
 }
@@ -108,7 +110,7 @@ OutputFile::~OutputFile() {
   if (committed_) return;
   std::error_code ignored;
   fs::remove(temporary_, ignored);
-  if (made_folder_) fs::remove(folder_of(path_), ignored);  // fails where something is in it
+  if (created_folder_) fs::remove(folder_of(path_), ignored);  // fails if not empty
 }
 
 void OutputFile::commit() {
@@ -136,8 +138,8 @@ std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
                      "check the path");
   if (size > max_bytes)
     throw data_error(
-        fmt::format("{} has {} bytes; at most {} are read", path.string(), size, max_bytes),
-        "check that this is the file that was meant");
+        fmt::format("{} has {} bytes, more than the limit of {}", path.string(), size, max_bytes),
+        "check that this is the intended file");
   std::string bytes(size, '\0');
   std::ifstream stream(path, std::ios::binary);
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(size)))
@@ -148,9 +150,9 @@ std::string read_file(const fs::path& path, std::uintmax_t max_bytes) {
 std::string sha256_of_file(const fs::path& path) {
   static std::mutex mutex;
   static std::map<std::tuple<std::string, std::uintmax_t, fs::file_time_type>, std::string> known;
-  std::error_code missing;  // is said below
-  const auto key = std::tuple(fs::absolute(path).string(), fs::file_size(path, missing),
-                              fs::last_write_time(path, missing));
+  std::error_code ignored;  // computed_sha256() reports it
+  const auto key = std::tuple(fs::absolute(path).string(), fs::file_size(path, ignored),
+                              fs::last_write_time(path, ignored));
   const std::lock_guard lock(mutex);
   auto& hash = known[key];
   if (hash.empty()) hash = computed_sha256(path);

@@ -6,15 +6,16 @@
 
 namespace touchtrace {
 
-/// An output file that appears whole or not at all.
+/// Output file that is written atomically.
 ///
-/// The constructor refuses a path that exists unless `overwrite`; the caller writes `temporary()`,
-/// in the same folder, and `commit()` does fsync, rename, fsync of the folder. Without a commit the
-/// destructor removes the temporary file, and the folder if it was made for it and is empty, so
-/// neither an error nor Ctrl-C leaves a half-written output; what a killed process left is removed
-/// by the next one on this machine that writes to the same path.
+/// The caller writes to temporary(), in the same folder; commit() calls fsync, renames it to path()
+/// and calls fsync on the folder. Without commit() the destructor removes the temporary file, and
+/// the folder if the constructor created it and it is empty. Neither an error nor Ctrl-C therefore
+/// leaves a partial output. Temporary files of killed processes are removed by the next OutputFile
+/// for the same path on the same machine.
 class OutputFile {
  public:
+  /// Creates missing folders. Throws usage_error if `path` exists and `overwrite` is false.
   OutputFile(std::filesystem::path path, bool overwrite);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -26,20 +27,20 @@ class OutputFile {
 
  private:
   std::filesystem::path path_, temporary_;
-  bool made_folder_ = false, committed_ = false;
+  bool created_folder_ = false, committed_ = false;
 };
 
-/// Writes `bytes` as an OutputFile.
+/// Writes `bytes` to an OutputFile.
 void write_file(const std::filesystem::path& path, std::string_view bytes, bool overwrite);
 
-/// The whole file. Throws data_error if it is missing, unreadable or larger than `max_bytes`.
+/// Reads a whole file. Throws data_error if it is missing, unreadable or larger than `max_bytes`.
 std::string read_file(const std::filesystem::path& path, std::uintmax_t max_bytes = 1u << 30);
 
-/// SHA-256 of a file, as sha256sum prints it. Computed once while size and time of change stay:
-/// recordings have gigabytes, and more than one part of a verb asks.
+/// SHA-256 of a file in hexadecimal, as printed by sha256sum. Cached by path, size and modification
+/// time, because recordings are gigabytes and are hashed more than once per command.
 std::string sha256_of_file(const std::filesystem::path& path);
 
-/// The same of a text.
+/// SHA-256 of a text in hexadecimal.
 std::string sha256_of(std::string_view text);
 
 }  // namespace touchtrace

@@ -10,10 +10,10 @@
 namespace touchtrace {
 namespace {
 
-std::atomic<bool> stop_asked{false};
+std::atomic<bool> interrupt_requested{false};
 
 void on_signal(int signal_number) {
-  if (stop_asked.exchange(true)) _exit(128 + signal_number);
+  if (interrupt_requested.exchange(true)) _exit(128 + signal_number);
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ void catch_interrupts() {
   std::signal(SIGTERM, on_signal);
 }
 
-bool interrupted() noexcept { return stop_asked.load(std::memory_order_relaxed); }
+bool interrupted() noexcept { return interrupt_requested.load(std::memory_order_relaxed); }
 
 void throw_if_interrupted() {
   if (interrupted())

@@ -2,11 +2,12 @@
 
 namespace touchtrace {
 
-/// From now on Ctrl-C and SIGTERM set a flag; a second one ends the process at once.
+/// Installs handlers for SIGINT and SIGTERM: the first signal sets a flag, the second one ends the
+/// process.
 void catch_interrupts();
-/// True once the user asked to stop.
+/// Whether the flag is set.
 bool interrupted() noexcept;
-/// Throws Error(ExitCode::interrupted) once the user asked to stop. Long loops call it each turn.
+/// Throws Error(ExitCode::interrupted) if the flag is set. To be called regularly in long loops.
 void throw_if_interrupted();
 
 }  // namespace touchtrace

@@ -8,7 +8,8 @@
 
 namespace touchtrace {
 
-/// The row of a table whose `name` that is. Throws usage_error with the known names.
+/// Row of a table by its `name`. `kind`: what the rows are, for the message. Throws usage_error
+/// with a suggestion for an unknown name.
 template <class Row>
 const Row& find_named(const std::vector<Row>& rows, const char* kind, const std::string& name) {
   std::vector<std::string> names;
@@ -16,8 +17,7 @@ const Row& find_named(const std::vector<Row>& rows, const char* kind, const std:
     if (row.name == name) return row;
     names.push_back(row.name);
   }
-  throw usage_error("there is no " + std::string(kind) + " '" + name + "'",
-                    suggestion(name, names));
+  throw usage_error("unknown " + std::string(kind) + " '" + name + "'", suggestion(name, names));
 }
 
 }  // namespace touchtrace

@@ -18,15 +18,15 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void validate_number(const Option& option, double value) {
   if (!(value >= option.minimum && value <= option.maximum))
-    throw usage_error(fmt::format("--{} is {}", option.name, value),
-                      fmt::format("give a value from {} to {}", option.minimum, option.maximum));
+    throw usage_error(fmt::format("--{} {} is out of range", option.name, value),
+                      fmt::format("pass a value from {} to {}", option.minimum, option.maximum));
 }
 
 void validate_text(const Option& option, const std::string& value) {
   if (option.required && value.empty())
     throw usage_error(fmt::format("--{} is missing", option.name), option.help);
   if (!option.choices.empty() && std::ranges::find(option.choices, value) == option.choices.end())
-    throw usage_error(fmt::format("--{} cannot be '{}'", option.name, value),
+    throw usage_error(fmt::format("invalid --{} '{}'", option.name, value),
                       suggestion(value, option.choices));
 }
 

@@ -8,26 +8,26 @@
 
 namespace touchtrace {
 
-/// One described member of an options struct.
+/// Description of one member of an options struct.
 struct Option {
   using Target = std::variant<bool*, int*, std::uint64_t*, double*, std::string*,
                               std::vector<std::string>*, std::vector<double>*>;
 
   std::string name;         ///< "learning-rate": the flag --learning-rate, the key learning_rate
-  Target target;            ///< the member that it sets
-  std::string help;         ///< one line, with the unit
-  double minimum, maximum;  ///< of numbers, both allowed
-  std::vector<std::string> choices;  ///< of strings; empty: any
+  Target target;            ///< the member
+  std::string help;         ///< one line, with unit
+  double minimum, maximum;  ///< of numbers, inclusive
+  std::vector<std::string> choices;  ///< allowed strings; empty: any
   bool required = false;
-  bool positional = false;  ///< given without its flag, in the order of description
+  bool positional = false;  ///< given without its flag, in the order of the descriptions
 };
 
-/// The one description of an options struct. From it follow the flags, the keys of the
-/// configuration file, --help, validation and the options in the provenance.
+/// Description of an options struct, from which the flags, the keys of the configuration file,
+/// --help, the validation and the options in the provenance are derived.
 ///
 ///     struct LabelOptions { std::string tracker = "csrt"; };
 ///     void describe(OptionSet& set, LabelOptions& o) {
-///       set.choice("tracker", o.tracker, "how targets are followed", {"csrt", "kcf"});
+///       set.choice("tracker", o.tracker, "tracker of hand and object", {"csrt", "kcf"});
 ///     }
 class OptionSet {
  public:
@@ -49,10 +49,10 @@ class OptionSet {
   const std::vector<Option>& options() const { return options_; }
   std::vector<std::string> names() const;
 
-  /// Every option's present value, by key (dashes become underscores).
+  /// Current values by key: the name with dashes replaced by underscores.
   nlohmann::json values() const;
-  /// Throws usage_error if a value is out of range, not a choice, not finite, or required and
-  /// empty.
+  /// Throws usage_error if a value is out of range, not finite, not one of the choices, or required
+  /// and empty.
   void validate() const;
 
  private:

@@ -14,7 +14,7 @@ std::size_t thread_count(int threads) {
                      : std::max(1u, std::thread::hardware_concurrency());
 }
 
-void for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
+void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
   std::atomic<std::size_t> next{0};
   std::exception_ptr failed;
   std::mutex mutex;

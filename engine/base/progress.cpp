@@ -23,8 +23,8 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-Progress::Progress(std::string what, std::uint64_t total)
-    : what_(std::move(what)),
+Progress::Progress(std::string task, std::uint64_t total)
+    : task_(std::move(task)),
       total_(total),
       start_(std::chrono::steady_clock::now()),
       terminal_(isatty(STDERR_FILENO) == 1) {}
@@ -43,7 +43,7 @@ void Progress::advance(std::uint64_t count, const std::string& note) {
   throw_if_interrupted();
   const std::lock_guard lock(mutex_);
   done_ += count;
-  total_ = std::max(total_, done_);  // where there was more to do than was thought
+  total_ = std::max(total_, done_);  // if there are more steps than announced
   const double now_s = seconds();
   if (silent || now_s < next_print_s_) return;
   print(now_s, note);
@@ -53,7 +53,7 @@ void Progress::advance(std::uint64_t count, const std::string& note) {
 void Progress::print(double now_s, const std::string& note) {
   const double fraction = total_ ? static_cast<double>(done_) / static_cast<double>(total_) : 0.0;
   const double left_s = fraction > 0.0 ? now_s * (1.0 - fraction) / fraction : 0.0;
-  fmt::print(stderr, "{}{}: {}/{} ({:.0f} %), {} left{}{}{}", terminal_ ? "\r" : "", what_, done_,
+  fmt::print(stderr, "{}{}: {}/{} ({:.0f} %), {} left{}{}{}", terminal_ ? "\r" : "", task_, done_,
              total_, 100.0 * fraction, clock_text(left_s), note.empty() ? "" : ", ", note,
              terminal_ ? "\x1b[K" : "\n");
   std::fflush(stderr);

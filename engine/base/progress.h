@@ -7,28 +7,29 @@
 
 namespace touchtrace {
 
-/// Progress with time left, on stderr, once the work has taken a second.
-///
-/// A terminal gets one line that rewrites itself; a file gets a line every ten seconds.
-/// Every call of `advance` also honours Ctrl-C (throw_if_interrupted). Thread-safe.
+/// Progress report with estimated time left on stderr, starting after one second: one line that is
+/// updated in place on a terminal, else a line every ten seconds. Thread-safe.
 class Progress {
  public:
-  Progress(std::string what, std::uint64_t total);
+  /// `task`: start of the line; `total`: number of steps.
+  Progress(std::string task, std::uint64_t total);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  /// Adds `count` steps. `note`: end of the line. Calls throw_if_interrupted().
   void advance(std::uint64_t count = 1, const std::string& note = {});
+  /// Seconds since the construction.
   double seconds() const;
 
-  /// No progress is printed from now on (`--quiet`).
+  /// Turns off all progress reports (--quiet).
   static void silence();
 
  private:
   void print(double now_s, const std::string& note);
 
   std::mutex mutex_;
-  std::string what_;
+  std::string task_;
   std::uint64_t total_, done_ = 0;
   std::chrono::steady_clock::time_point start_;
   double next_print_s_ = 1.0;

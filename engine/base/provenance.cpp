@@ -37,7 +37,7 @@ std::string Provenance::input_hash(const std::filesystem::path& path) const {
 
 void to_json(nlohmann::json& json, const Provenance& p) {
   json = {{"schema", p.schema},
-          {"verb", p.verb},
+          {"verb", p.command},
           {"options", p.options},
           {"seed", p.seed},
           {"inputs", nlohmann::json::array()},
@@ -52,7 +52,7 @@ void to_json(nlohmann::json& json, const Provenance& p) {
 
 void from_json(const nlohmann::json& json, Provenance& p) {
   p.schema = json.at("schema");
-  p.verb = json.at("verb");
+  p.command = json.at("verb");
   p.options = json.at("options");
   p.seed = json.at("seed");
   for (const auto& input : json.at("inputs"))
@@ -64,10 +64,10 @@ void from_json(const nlohmann::json& json, Provenance& p) {
   p.created = json.at("created");
 }
 
-Provenance start_provenance(std::string schema, std::string verb) {
+Provenance start_provenance(std::string schema, std::string command) {
   Provenance provenance;
   provenance.schema = std::move(schema);
-  provenance.verb = std::move(verb);
+  provenance.command = std::move(command);
   provenance.version = version;
   provenance.created = utc_now();
   return provenance;

@@ -8,40 +8,41 @@
 
 namespace touchtrace {
 
-/// What made an artefact; every artefact carries one, as JSON.
+/// Origin of an output file. Every output contains one as JSON.
 struct Provenance {
   struct Input {
     std::string path, sha256;
   };
 
-  std::string schema;      ///< what the artefact is and its version, e.g. "touchtrace/labels/1"
-  std::string verb;        ///< the verb that made it
-  nlohmann::json options;  ///< every option's value, defaults included
+  std::string schema;      ///< kind and version of the output, e.g. "touchtrace/labels/1"
+  std::string command;     ///< "label"; JSON key "verb"
+  nlohmann::json options;  ///< all option values, including defaults
   std::uint64_t seed = 0;
   std::vector<Input> inputs;
-  std::string device;  ///< OpenCL device, empty where none was used
+  std::string device;  ///< OpenCL device; empty if none was used
   double wall_seconds = 0.0, cpu_seconds = 0.0;
-  std::string version;  ///< of touchtrace
+  std::string version;  ///< touchtrace version
   std::string created;  ///< UTC, ISO 8601
 
+  /// Adds path and hash of an input file.
   void add_input(const std::filesystem::path& path);
-  /// The recorded hash of the first input whose file name is `path`'s; empty if there is none.
+  /// Hash of the first input with the same file name as `path`; empty if there is none.
   std::string input_hash(const std::filesystem::path& path) const;
 };
 
 void to_json(nlohmann::json& json, const Provenance& provenance);
 void from_json(const nlohmann::json& json, Provenance& provenance);
 
-/// A provenance with schema, verb, version and time filled in.
-Provenance start_provenance(std::string schema, std::string verb);
+/// Provenance with schema, command, version and creation time.
+Provenance start_provenance(std::string schema, std::string command);
 
-/// Wall and processor seconds of this process since the construction.
+/// Wall and CPU seconds of this process since the construction.
 class Stopwatch {
  public:
   Stopwatch();
   double wall_seconds() const;
   double cpu_seconds() const;
-  /// Writes both into the provenance.
+  /// Stores both in the provenance.
   void stop(Provenance& provenance) const;
 
  private:

@@ -3,35 +3,36 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 namespace touchtrace {
 
-/// The block cipher behind the streams: Philox 4x32-10, as published with Random123.
+/// Philox 4x32-10 block function (Salmon et al., SC'11), as in Random123.
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key) noexcept;
 
-/// A named stream of random numbers: Philox 4x32-10 (Salmon et al., SC'11), counter-based.
+/// Named stream of random numbers from the counter-based generator Philox 4x32-10.
 ///
-/// Streams of different names or seeds are independent, and every number can be had by its index,
-/// so results depend neither on the order of draws nor on the number of threads. The same on every
-/// platform, unlike the distributions of <random>.
+/// Streams with different names or seeds are independent. Numbers can be drawn by index, so results
+/// need not depend on the order of draws or the number of threads. Unlike the distributions of
+/// <random>, results are the same on every platform.
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::string_view name);
 
-  /// The four words of block `index`; pure.
+  /// Four random words of block `index`.
   std::array<std::uint32_t, 4> block(std::uint64_t index) const noexcept;
-  /// Standard normal number `index`; pure.
+  /// Standard normal number `index`.
   double normal_at(std::uint64_t index) const noexcept;
-  /// Uniform number `index` in [0, 1); pure.
+  /// Uniform number `index` in [0, 1).
   double uniform_at(std::uint64_t index) const noexcept;
 
-  /// The next number of the stream, and one step on.
+  // Sequential draws, which advance position().
   double uniform() noexcept { return uniform_at(position_++); }
   double uniform(double low, double high) noexcept { return low + (high - low) * uniform(); }
   double normal() noexcept { return normal_at(position_++); }
-  double normal(double mean, double deviation) noexcept { return mean + deviation * normal(); }
-  /// Uniform integer in [0, bound), without bias; bound > 0.
+  double normal(double mean, double std) noexcept { return mean + std * normal(); }
+  /// Unbiased uniform integer in [0, bound), bound > 0.
   std::uint64_t below(std::uint64_t bound) noexcept;
 
   std::uint64_t position() const noexcept { return position_; }
@@ -42,5 +43,13 @@ class RandomStream {
   std::uint64_t name_hash_;
   std::uint64_t position_ = 0;
 };
+
+/// `count` standard normal values, rounded to float precision.
+template <class T = float>
+std::vector<T> normal_floats(std::size_t count, RandomStream& random) {
+  std::vector<T> values(count);
+  for (T& value : values) value = static_cast<float>(random.normal());
+  return values;
+}
 
 }  // namespace touchtrace

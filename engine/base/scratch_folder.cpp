@@ -13,8 +13,8 @@ namespace touchtrace {
 ScratchFolder::ScratchFolder() {
   std::string pattern = (std::filesystem::temp_directory_path() / "touchtrace-XXXXXX").string();
   if (!mkdtemp(pattern.data()))
-    throw failure(fmt::format("cannot make a folder like {}: {}", pattern, std::strerror(errno)),
-                  "free space there, or set TMPDIR to a folder that can be written");
+    throw failure(fmt::format("cannot create a folder {}: {}", pattern, std::strerror(errno)),
+                  "free space there or set TMPDIR to a writable folder");
   path_ = pattern;
 }
 

@@ -4,10 +4,10 @@
 
 namespace touchtrace {
 
-/// A new folder among the system's temporary files, gone with its contents at the end.
+/// New folder in the system's temporary directory; the destructor removes it with its contents.
 class ScratchFolder {
  public:
-  /// Throws failure if there is no room for it.
+  /// Throws failure if it cannot be created.
   ScratchFolder();
   ~ScratchFolder();
   ScratchFolder(const ScratchFolder&) = delete;

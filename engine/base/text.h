@@ -6,16 +6,16 @@
 
 namespace touchtrace {
 
-/// The name nearest to `wrong` by edit distance, or empty if none is near enough to suggest.
+/// Name with the smallest edit distance to `wrong`; empty if none is near enough to suggest.
 std::string nearest_name(std::string_view wrong, const std::vector<std::string>& names);
 
 /// "a, b, c"
 std::string comma_separated(const std::vector<std::string>& names);
 
-/// The parts of a text between `separator`s, those that are empty too.
-std::vector<std::string> separated(std::string_view text, char separator);
+/// Splits a text at every `separator`; keeps empty parts.
+std::vector<std::string> split_text(std::string_view text, char separator);
 
-/// "did you mean 'x'? known: ..." for an unknown name.
+/// "did you mean 'x'? known: a, b, x", without the question if no name is near.
 std::string suggestion(std::string_view wrong, const std::vector<std::string>& names);
 
 }  // namespace touchtrace

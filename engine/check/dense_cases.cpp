@@ -2,6 +2,7 @@
 // sums of its gradients, set up as the model sets them up.
 #include <fmt/core.h>
 
+#include "engine/base/integer_math.h"
 #include "engine/check/dense_reference.h"
 #include "engine/check/host_arrays.h"
 #include "engine/check/rows.h"
@@ -12,7 +13,7 @@ namespace {
 
 constexpr int vector_lanes = 16;
 
-int padded(int columns) { return (columns + vector_lanes - 1) / vector_lanes * vector_lanes; }
+int padded(int columns) { return round_up(columns, vector_lanes); }
 
 /// A matrix on the device, its rows padded to whole vectors.
 MatrixView upload_padded(Runtime& runtime, const std::vector<double>& values, int rows,

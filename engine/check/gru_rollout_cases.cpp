@@ -36,8 +36,8 @@ Arrays gru_reference_backward(const RolloutShape& s, const Arrays& in, const Arr
   return {{}, {}, grad.first, w.w, w.u, w.bias, w.w3, w.b3};
 }
 
-Buffer<float> upload_turned(Runtime& runtime, const std::vector<double>& weight, int inputs,
-                            int hidden) {
+Buffer<float> upload_transposed(Runtime& runtime, const std::vector<double>& weight, int inputs,
+                                int hidden) {
   return upload(runtime, padded_rows(transposed(weight, 3 * hidden, inputs), 3 * hidden,
                                      gru_weights_row(hidden)));
 }
@@ -53,8 +53,8 @@ GruArrays gru_rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& 
               .bias_at = 0,
               .u_at = 3 * hidden,
               .w3_at = 3 * hidden + 3 * hidden * hidden,
-              .w = upload_turned(runtime, in[3], s.state, hidden),
-              .u = upload_turned(runtime, in[4], hidden, hidden),
+              .w = upload_transposed(runtime, in[3], s.state, hidden),
+              .u = upload_transposed(runtime, in[4], hidden, hidden),
               .w3 = upload(runtime, padded_rows(transposed(in[6], 2 * s.state, hidden), s.state,
                                                 state_lanes)),
               .b3 = upload(runtime, padded_rows(in[7], s.state, state_lanes)),

@@ -40,8 +40,8 @@ struct OperationCase {
 struct Operation {
   std::string name;
   std::vector<OperationCase> cases;
-  std::size_t small_cases = 1;  ///< the first ones, small enough for oclgrind
-  bool has_lanes = false;       ///< kernels of its own for the body `lanes`
+  std::size_t small_cases = 1;   ///< the first ones, small enough for oclgrind
+  bool has_gpu_variant = false;  ///< has kernels of KernelVariant::gpu
 };
 
 /// The table of operations: one row each, in operations.cpp.

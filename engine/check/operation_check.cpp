@@ -13,15 +13,9 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-std::vector<double> normal_floats(std::size_t size, RandomStream& random) {
-  std::vector<double> values(size);
-  for (auto& value : values) value = static_cast<float>(random.normal());
-  return values;
-}
-
 Arrays normal_like(const Arrays& shapes, RandomStream& random) {
   Arrays arrays;
-  for (const auto& shape : shapes) arrays.push_back(normal_floats(shape.size(), random));
+  for (const auto& shape : shapes) arrays.push_back(normal_floats<double>(shape.size(), random));
   return arrays;
 }
 
@@ -91,16 +85,18 @@ double norm_error(const std::vector<double>& actual, std::vector<double> referen
   return off == 0 ? 0.0 : worse(0.0, off / norm);
 }
 
-std::vector<Body> bodies_of(const Operation& operation, const DeviceInfo& device) {
-  if (!operation.has_lanes || !has_room_for_lanes(device)) return {Body::vectors};
-  return {Body::vectors, Body::lanes};
+std::vector<KernelVariant> supported_variants(const Operation& operation,
+                                              const DeviceInfo& device) {
+  if (!operation.has_gpu_variant || !supports_gpu_variant(device)) return {KernelVariant::cpu};
+  return {KernelVariant::cpu, KernelVariant::gpu};
 }
 
 Arrays draw_inputs(const OperationCase& operation, std::uint64_t seed, double kink_margin) {
   RandomStream random(seed, "inputs of " + operation.shape);
   for (int trial = 0; trial < 100; ++trial) {
     Arrays inputs;
-    for (const auto size : operation.input_sizes) inputs.push_back(normal_floats(size, random));
+    for (const auto size : operation.input_sizes)
+      inputs.push_back(normal_floats<double>(size, random));
     if (operation.prepare) operation.prepare(inputs);
     if (!operation.kink_distance || kink_margin == 0 ||
         operation.kink_distance(inputs) > kink_margin)

@@ -11,9 +11,8 @@ inline constexpr double output_error_bound = 8.0;         ///< in eps sqrt(n) sc
 inline constexpr double gradient_error_bound = 5e-5;      ///< relative, in norm
 inline constexpr double reference_gradient_bound = 1e-6;  ///< relative
 
-/// The bodies that an operation is to be tested with on a device: its kernels' own, where the
-/// device has room for them.
-std::vector<Body> bodies_of(const Operation& operation, const DeviceInfo& device);
+/// Kernel variants of an operation that the device supports.
+std::vector<KernelVariant> supported_variants(const Operation& operation, const DeviceInfo& device);
 
 /// Inputs of a case: prepared standard normal numbers that float holds exactly, further than
 /// `kink_margin` from every kink. Throws failure if no such inputs are found.

@@ -9,25 +9,26 @@
 
 namespace touchtrace {
 
-/// Kernels of a program that the driver has built, but not compiled: PoCL compiles each one when it
-/// is first launched, in one thread.
+/// Kernels of a built program to be compiled by another process: PoCL compiles a kernel on its
+/// first launch, in one thread.
 struct CompilerTask {
-  int device;  ///< its number
+  int device;  ///< DeviceInfo::number
   std::string options, source;
   std::vector<std::string> kernels;
 };
 
-/// Says that this program, called with `arguments`, does compile_from_stdin().
-void offer_compiler_process(std::vector<std::string> arguments);
+/// Registers the arguments with which this executable runs compile_from_stdin().
+void register_compiler_arguments(std::vector<std::string> arguments);
 
-/// Another process that compiles the kernels, the last one first, into the driver's cache on disk,
-/// while this one takes them as it needs them: what the cache holds by then is loaded from there.
-/// If that process fails, nothing is lost but time. Null where nobody offered one.
+/// Starts a process that compiles the kernels into the driver's disk cache, last kernel first,
+/// while this process compiles them on demand, first kernel first. Each loads from the cache what
+/// the other has compiled. If the process fails, only time is lost. Returns null if no arguments
+/// are registered.
 std::unique_ptr<BackgroundProcess> start_compiler(const CompilerTask& task);
 
-/// That process: compile_kernels() of the task on stdin.
+/// Entry point of that process: compile_kernels() with the task on stdin.
 void compile_from_stdin();
-/// Launches each kernel once, on numbers and arrays that are zero. Throws cl::Error.
+/// Launches each kernel once with zero-valued arguments. Throws cl::Error.
 void compile_kernels(const CompilerTask& task);
 
 }  // namespace touchtrace

@@ -37,9 +37,9 @@ std::string lower(std::string text) {
   return text;
 }
 
-bool fits(const DeviceInfo& info, const std::string& wish) {
-  return wish == std::to_string(info.number) || wish == info.type ||
-         lower(info.name + " " + info.platform).find(lower(wish)) != std::string::npos;
+bool matches(const DeviceInfo& info, const std::string& selector) {
+  return selector == std::to_string(info.number) || selector == info.type ||
+         lower(info.name + " " + info.platform).find(lower(selector)) != std::string::npos;
 }
 
 /// GPUs before accelerators before CPUs, then by compute units.
@@ -80,22 +80,20 @@ std::vector<DeviceInfo> list_devices() {
   return found;
 }
 
-ChosenDevice choose_device(const std::string& wish) {
+ChosenDevice choose_device(const std::string& selector) {
   const auto devices = list_devices();
   if (devices.empty())
-    throw device_error(
-        "no OpenCL device was found",
-        "install PoCL, which runs on any processor: apt-get install pocl-opencl-icd");
-  if (wish.empty()) {
+    throw device_error("no OpenCL device found",
+                       "install PoCL, which runs on any CPU: apt-get install pocl-opencl-icd");
+  if (selector.empty()) {
     const auto& best = *std::ranges::max_element(devices, slower);
-    return {best, best.type == "cpu" ? "no GPU offers OpenCL here, so the processor computes"
-                                     : "the fastest device that offers OpenCL here"};
+    return {best,
+            best.type == "cpu" ? "no OpenCL GPU found, using the CPU" : "fastest OpenCL device"};
   }
   for (const auto& info : devices)
-    if (fits(info, wish)) return {info, fmt::format("asked for by --device {}", wish)};
-  throw device_error(
-      fmt::format("no OpenCL device fits '{}'", wish),
-      "pass --device with a number, a type or a part of a name of:" + list_text(devices));
+    if (matches(info, selector)) return {info, fmt::format("selected by --device {}", selector)};
+  throw device_error(fmt::format("no OpenCL device matches '{}'", selector),
+                     "pass a number, a type or a part of a name to --device:" + list_text(devices));
 }
 
 ChosenDevice choose_device_for_small_steps() {
@@ -103,7 +101,7 @@ ChosenDevice choose_device_for_small_steps() {
   setenv("POCL_DEVICES", "pthread basic", replace);
   for (const auto& info : list_devices())
     if (info.is_pocl && info.name.starts_with("basic"))
-      return {info, "it answers small steps soonest"};
+      return {info, "lowest latency for small steps"};
   return choose_device("");
 }
 

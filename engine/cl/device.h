@@ -8,9 +8,9 @@
 
 namespace touchtrace {
 
-/// What is known of an OpenCL device without using it.
+/// Properties of an OpenCL device.
 struct DeviceInfo {
-  int number;                                        ///< place in list_devices(), for --device
+  int number;                                        ///< index in list_devices(), for --device
   std::string name, vendor, platform, driver, type;  ///< type: "cpu", "gpu", "accelerator"
   int compute_units;
   std::uint64_t memory_bytes;
@@ -18,22 +18,24 @@ struct DeviceInfo {
   cl::Device handle;
 };
 
-/// Every device of every platform; empty if there is no OpenCL at all. Never throws for a bad
-/// driver.
+/// All devices of all platforms; empty without OpenCL. Skips platforms whose driver reports an
+/// error.
 std::vector<DeviceInfo> list_devices();
 
 struct ChosenDevice {
   DeviceInfo info;
-  std::string reason;  ///< one sentence for the user
+  std::string reason;  ///< why it was chosen, for the user
 };
 
-/// `wish`: empty for the fastest usable device, or a number, a type ("cpu", "gpu") or a part of a
-/// name. Throws device_error, listing what there is, if nothing fits.
-ChosenDevice choose_device(const std::string& wish);
+/// Chooses a device. `selector`: a number, a type ("cpu", "gpu") or a part of a name; empty: GPUs
+/// before accelerators before CPUs, then by compute units. Throws device_error, which lists the
+/// devices, if none matches.
+ChosenDevice choose_device(const std::string& selector);
 
-/// The device that answers a single small step soonest: PoCL's "basic", which runs kernels in the
-/// thread that asks for them, where other devices have to wake another thread first; the fastest
-/// device where PoCL is missing. PoCL offers it only if this is the process's first use of OpenCL.
+/// Chooses the device with the lowest latency of small launches: PoCL's "basic" device, which runs
+/// kernels in the calling thread instead of waking another one; choose_device("") without PoCL.
+/// Must be the process's first use of OpenCL, because it sets the environment variable by which
+/// PoCL decides which devices to offer.
 ChosenDevice choose_device_for_small_steps();
 
 }  // namespace touchtrace

@@ -6,9 +6,8 @@
 
 namespace touchtrace {
 
-/// A buffer for a processor that computes in the host's memory, in huge pages where the system
-/// gives them, since kernels stride through several MiB, more than small pages' addresses can be
-/// kept at hand for. Throws cl::Error.
+/// Allocates a buffer in host memory for a CPU device, in huge pages if the system grants them:
+/// kernels stride through several MiB, more than the TLB covers with small pages. Throws cl::Error.
 cl::Buffer huge_page_buffer(const cl::Context& context, std::size_t bytes);
 
 }  // namespace touchtrace

@@ -4,8 +4,8 @@ namespace touchtrace {
 
 std::string name_of(Purpose purpose) {
   switch (purpose) {
-    case Purpose::moves_and_sums:
-      return "moves and sums";
+    case Purpose::data_movement:
+      return "data movement";
     case Purpose::forward:
       return "forward";
     case Purpose::rollout:
@@ -14,8 +14,8 @@ std::string name_of(Purpose purpose) {
       return "loss";
     case Purpose::data_gradient:
       return "data gradient";
-    case Purpose::weights_gradient:
-      return "weights gradient";
+    case Purpose::weight_gradient:
+      return "weight gradient";
     case Purpose::optimiser:
       return "optimiser";
   }
@@ -31,16 +31,19 @@ void Launch::enqueue(Runtime& runtime) const {
     runtime.launch(created_, global_, *local_);
   else
     runtime.launch(created_, global_);
-  if (runtime.watcher()) runtime.watcher()(*this);
+  if (runtime.launch_observer()) runtime.launch_observer()(*this);
 }
 
-Launch Launch::in_groups_of(std::size_t items) && {
+Launch Launch::with_local_size(std::size_t local_size) && {
   const std::size_t* groups = global_.get();
-  if (global_.dimensions() == 1) global_ = {groups[0] * items}, local_ = cl::NDRange(items);
-  if (global_.dimensions() == 2)
-    global_ = {groups[0] * items, groups[1]}, local_ = cl::NDRange(items, 1);
-  if (global_.dimensions() == 3)
-    global_ = {groups[0] * items, groups[1], groups[2]}, local_ = cl::NDRange(items, 1, 1);
+  if (global_.dimensions() == 1) {
+    global_ = {groups[0] * local_size}, local_ = cl::NDRange(local_size);
+  } else if (global_.dimensions() == 2) {
+    global_ = {groups[0] * local_size, groups[1]}, local_ = cl::NDRange(local_size, 1);
+  } else {
+    global_ = {groups[0] * local_size, groups[1], groups[2]};
+    local_ = cl::NDRange(local_size, 1, 1);
+  }
   return std::move(*this);
 }
 
@@ -61,7 +64,7 @@ std::size_t Launch::items() const {
   return product;
 }
 
-double Launch::bytes_of_arrays() const {
+double Launch::buffer_bytes() const {
   std::map<cl_mem, double> bytes;
   for (const auto& [index, buffer] : buffers())
     if (buffer()) bytes[buffer()] = static_cast<double>(buffer.getInfo<CL_MEM_SIZE>());

@@ -21,28 +21,29 @@ inline cl::NDRange range(int x, int y, int z) {
                      static_cast<std::size_t>(z));
 }
 
-/// What a launch does in a training update. Roll-outs go both ways.
+/// Category of a launch in profiles. Roll-outs count as `rollout` in both directions.
 enum class Purpose {
-  moves_and_sums,  ///< data between layouts, sums of parts
+  data_movement,  ///< layout changes, reductions of partial sums
   forward,
   rollout,
   loss,
   data_gradient,
-  weights_gradient,
+  weight_gradient,
   optimiser
 };
-/// "moves and sums", "data gradient" and so on.
+/// "data movement", "weight gradient", ...
 std::string name_of(Purpose purpose);
 
-/// What one turn of a launch costs.
+/// Cost of one execution of a launch.
 struct LaunchCost {
-  double flops = 0.0;  ///< floating-point operations of sums and products;
-                       ///< 0 where only data are moved
-  double bytes = 0.0;  ///< of arrays read and written, each once
+  double flops = 0.0;  ///< floating-point additions and multiplications
+  double bytes = 0.0;  ///< sizes of the arrays read or written, each counted once
 };
 
-/// A kernel with its arguments, to be queued again and again: what a plan is made of. Its range
-/// counts work-items that know nothing of each other, or with in_groups_of work-groups.
+/// Kernel with arguments and global size, enqueued any number of times. Keeps its buffers alive.
+/// enqueue() throws device_error if the program does not compile or the device rejects the launch.
+/// Copies made after the first enqueue() share the cl_kernel: set() on one affects both.
+/// Not thread-safe.
 class Launch {
  public:
   using Argument = std::variant<cl_int, cl_uint, cl_float, cl::Buffer>;
@@ -59,36 +60,37 @@ class Launch {
 
   void enqueue(Runtime& runtime) const;
 
-  /// The same launch, with a work-group of `items` in the place of each item of its range.
-  Launch in_groups_of(std::size_t items) &&;
-  /// The same launch, which says what it costs.
-  Launch costing(const LaunchCost& cost) && {
+  /// Makes the global size count work-groups: multiplies dimension 0 by `local_size`; the local
+  /// size becomes (local_size, 1, 1). Default: 1 on CPUs, else the driver's choice. Kernels with a
+  /// reqd_work_group_size need it.
+  Launch with_local_size(std::size_t local_size) &&;
+  /// Sets the cost; default: no operations and the sizes of all buffers.
+  Launch with_cost(const LaunchCost& cost) && {
     cost_ = cost;
     return std::move(*this);
   }
-  Launch costing(double flops, double bytes) && {
-    return std::move(*this).costing(LaunchCost{flops, bytes});
+  Launch with_cost(double flops, double bytes) && {
+    return std::move(*this).with_cost(LaunchCost{flops, bytes});
   }
-  /// The same launch, which says whether it was tuned for the device.
+  /// Sets whether the launch's configuration was tuned on the device.
   Launch tuned(bool is_tuned) && {
     is_tuned_ = is_tuned;
     return std::move(*this);
   }
-  bool is_tuned() const { return is_tuned_; }
-  /// The same launch, which says what it does; else it moves or sums.
-  Launch serving(Purpose purpose) && {
+  /// Sets the category in profiles; default Purpose::data_movement.
+  Launch with_purpose(Purpose purpose) && {
     purpose_ = purpose;
     return std::move(*this);
   }
-  Purpose purpose() const { return purpose_; }
-  /// As said by costing(); else the bytes of all its arrays.
-  LaunchCost cost() const { return cost_ ? *cost_ : LaunchCost{0.0, bytes_of_arrays()}; }
 
-  /// Of the range: where kernels compute a tile an item, each stays on one core.
+  bool is_tuned() const { return is_tuned_; }
+  Purpose purpose() const { return purpose_; }
+  LaunchCost cost() const { return cost_ ? *cost_ : LaunchCost{0.0, buffer_bytes()}; }
+  /// Number of work-items.
   std::size_t items() const;
-  /// The kernel's.
+  /// Name of the kernel.
   const std::string& name() const { return kernel_.name; }
-  /// The arguments that are arrays, by their index.
+  /// Buffer arguments, by index.
   std::map<cl_uint, cl::Buffer> buffers() const;
 
  private:
@@ -98,19 +100,19 @@ class Launch {
     return buffer.handle();
   }
   void set_created(cl_uint index) const;
-  double bytes_of_arrays() const;
+  double buffer_bytes() const;
 
   Kernel kernel_;
   cl::NDRange global_;
   std::optional<cl::NDRange> local_;
-  std::vector<Argument> arguments_;  ///< keeps buffers alive: OpenCL's kernel arguments do not
+  std::vector<Argument> arguments_;  ///< keeps buffers alive, which OpenCL kernels do not
   std::optional<LaunchCost> cost_;
   bool is_tuned_ = false;
-  Purpose purpose_ = Purpose::moves_and_sums;
-  mutable cl::Kernel created_;  ///< null until the first turn
+  Purpose purpose_ = Purpose::data_movement;
+  mutable cl::Kernel created_;  ///< null until the first enqueue()
 };
 
-/// Launches in their order.
+/// Launches in the order in which they are enqueued.
 using Launches = std::vector<Launch>;
 
 inline void append(Launches& launches, const Launches& more) {

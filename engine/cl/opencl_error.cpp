@@ -32,7 +32,7 @@ constexpr std::array<std::pair<cl_int, const char*>, 20> names{{
     {CL_INVALID_GLOBAL_WORK_SIZE, "CL_INVALID_GLOBAL_WORK_SIZE"},
 }};
 
-bool out_of_memory(cl_int code) {
+bool is_out_of_memory(cl_int code) {
   return code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_RESOURCES ||
          code == CL_OUT_OF_HOST_MEMORY || code == CL_INVALID_BUFFER_SIZE;
 }
@@ -44,14 +44,14 @@ std::string opencl_error_name(cl_int code) {
   return fmt::format("{} ({})", found == names.end() ? "OpenCL error" : found->second, code);
 }
 
-Error opencl_error(const cl::Error& error, std::string_view doing, const std::string& device) {
+Error opencl_error(const cl::Error& error, std::string_view action, const std::string& device) {
   return device_error(
-      fmt::format("{} failed on {}: {} from {}", doing, device, opencl_error_name(error.err()),
+      fmt::format("{} failed on {}: {} from {}", action, device, opencl_error_name(error.err()),
                   error.what()),
-      out_of_memory(error.err())
-          ? "take fewer sequences or steps at once (--sequences, --steps), a shorter --window, a "
-            "lower --resolution, or a --device with more memory"
-          : "choose another device with --device; `touchtrace doctor` says which ones work");
+      is_out_of_memory(error.err())
+          ? "reduce --sequences, --steps, --window or --resolution, or choose a --device with more "
+            "memory"
+          : "choose another device with --device; `touchtrace doctor` shows which devices work");
 }
 
 }  // namespace touchtrace

@@ -11,8 +11,8 @@ namespace touchtrace {
 /// "CL_OUT_OF_RESOURCES (-5)"
 std::string opencl_error_name(cl_int code);
 
-/// The device_error for an OpenCL call that failed: what was being done, on which device, and what
-/// to do. Codes that mean "out of memory" name the options that lower the need.
-Error opencl_error(const cl::Error& error, std::string_view doing, const std::string& device);
+/// device_error for a failed OpenCL call: "ACTION failed on DEVICE: ...". For error codes that mean
+/// out of memory the hint names options that reduce memory use.
+Error opencl_error(const cl::Error& error, std::string_view action, const std::string& device);
 
 }  // namespace touchtrace

@@ -15,7 +15,7 @@ constexpr std::string_view separator = "__";
 constexpr std::string_view name_characters =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
 
-/// The last name of `text`.
+/// Last identifier in `text`; empty if there is none.
 std::string last_name(std::string_view text) {
   const auto end = text.find_last_of(name_characters);
   if (end == std::string_view::npos) return {};
@@ -23,6 +23,7 @@ std::string last_name(std::string_view text) {
   return std::string(text.substr(before + 1, end - before));
 }
 
+/// First identifier in `text`; empty if there is none.
 std::string first_name(std::string_view text) {
   text.remove_prefix(std::min(text.find_first_of(name_characters), text.size()));
   return std::string(text.substr(0, text.find_first_not_of(name_characters)));
@@ -40,7 +41,8 @@ std::string_view without_comment(std::string_view line) {
   return line.substr(0, line.find_last_not_of(' ') + 1);
 }
 
-/// The function, constant or type that starts (or ends: "} name;") in a line at file scope.
+/// Function, constant or type that is defined in a line at file scope, also by "} name;"; else
+/// empty.
 std::string name_defined_in(std::string_view line) {
   line = without_comment(line);
   for (const std::string_view start : {"static ", "__kernel ", "__constant "})
@@ -63,42 +65,42 @@ void for_each_line(std::string_view text, Visit visit) {
   }
 }
 
-/// A part with everything that keeps it apart from the others.
-std::string part_source(const ProgramPart& part, int number) {
+/// Source of one module, with its names made unique and its macros local.
+std::string module_source(const ProgramModule& module, int number) {
   std::string text;
-  std::set<std::string> own, macros;
-  for (const auto& [name, value] : part.defines) {
+  std::set<std::string> names, macros;
+  for (const auto& [name, value] : module.defines) {
     text += fmt::format("#define {} {}\n", name, value);
     macros.insert(name);
   }
-  for (const auto& file : part.files)
+  for (const auto& file : module.files)
     for_each_line(kernel_sources().at(file), [&](std::string_view line) {
       constexpr std::string_view define = "#define ";
       if (line.starts_with(define)) macros.insert(first_name(line.substr(define.size())));
-      if (auto name = name_defined_in(line); !name.empty()) own.insert(std::move(name));
+      if (auto name = name_defined_in(line); !name.empty()) names.insert(std::move(name));
     });
-  for (const auto& name : own)
-    text += fmt::format("#define {} {}\n", name, name_in_program(name, number));
-  for (const auto& file : part.files)
+  for (const auto& name : names)
+    text += fmt::format("#define {} {}\n", name, mangled_kernel_name(name, number));
+  for (const auto& file : module.files)
     text += fmt::format("#line 1 \"{}\"\n{}\n", file, kernel_sources().at(file));
-  macros.merge(own);
+  macros.merge(names);
   for (const auto& name : macros) text += fmt::format("#undef {}\n", name);
   return text + "#pragma OPENCL FP_CONTRACT ON\n";
 }
 
 }  // namespace
 
-std::string name_in_program(const std::string& kernel, int number) {
+std::string mangled_kernel_name(const std::string& kernel, int number) {
   return fmt::format("{}{}{}", kernel, separator, number);
 }
 
-std::string name_in_part(const std::string& in_program) {
-  return in_program.substr(0, in_program.rfind(separator));
+std::string unmangled_kernel_name(const std::string& mangled) {
+  return mangled.substr(0, mangled.rfind(separator));
 }
 
-std::string joined_source(const std::vector<ProgramPart>& parts) {
+std::string combined_source(const std::vector<ProgramModule>& modules) {
   std::string source;
-  for (int number = 0; const auto& part : parts) source += part_source(part, number++);
+  for (int number = 0; const auto& module : modules) source += module_source(module, number++);
   return source;
 }
 

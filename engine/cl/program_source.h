@@ -6,23 +6,23 @@
 
 namespace touchtrace {
 
-/// Values of the -D of a part of a program, by name.
+/// Values of the -D macros of a program module, by name.
 using Defines = std::map<std::string, std::string>;
 
-/// Files of kernels/, one after the other, and their -D.
-struct ProgramPart {
+/// Files of kernels/, concatenated in this order, and the macros that they are compiled with.
+struct ProgramModule {
   std::vector<std::string> files;
   Defines defines;
 };
 
-/// What a kernel of part `number` is called in the program that joined_source() makes.
-std::string name_in_program(const std::string& kernel, int number);
-/// The kernel's own name again.
-std::string name_in_part(const std::string& in_program);
+/// Name of a kernel of module `number` within combined_source().
+std::string mangled_kernel_name(const std::string& kernel, int number);
+/// Inverse of mangled_kernel_name().
+std::string unmangled_kernel_name(const std::string& mangled);
 
-/// Parts as one source, since a driver takes far longer for a program than for what it holds.
-/// OpenCL C has no namespaces: what a part defines at file scope gets the part's number behind its
-/// name, and its macros end with it.
-std::string joined_source(const std::vector<ProgramPart>& parts);
+/// Combines modules into one source, because drivers need far longer per program than per kernel.
+/// OpenCL C has no namespaces: the names that a module defines at file scope get the module's
+/// number appended, and its macros are undefined at its end.
+std::string combined_source(const std::vector<ProgramModule>& modules);
 
 }  // namespace touchtrace

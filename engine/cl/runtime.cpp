@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/base/integer_math.h"
 #include "engine/base/provenance.h"
 #include "engine/base/text.h"
 #include "engine/cl/host_memory.h"
@@ -12,19 +13,19 @@
 namespace touchtrace {
 namespace {
 
-// A driver that takes longer did not find the program in its cache, and no kernels then.
-constexpr double longest_cached_build_s = 0.3;
+// A build that takes longer did not find the program, and so no kernels, in the driver's cache.
+constexpr double max_cached_build_s = 0.3;
 
 const char* options_for(Accuracy accuracy) {
   return accuracy == Accuracy::fast ? "-cl-std=CL1.2 -cl-kernel-arg-info -cl-denorms-are-zero"
                                     : "-cl-std=CL1.2 -cl-kernel-arg-info -D EXACT=1";
 }
 
-/// "the kernels gemm, pack of common.clh, dense.cl with -D WIDTH=2"
-std::string described(const ProgramPart& part, const std::vector<std::string>& kernels) {
+/// "the kernels gemm, pack of common.clh, dense.cl -D WIDTH=2"
+std::string description(const ProgramModule& module, const std::vector<std::string>& kernels) {
   std::string text = fmt::format("the kernel{} {} of {}", kernels.size() > 1 ? "s" : "",
-                                 comma_separated(kernels), comma_separated(part.files));
-  for (const auto& [name, value] : part.defines) text += fmt::format(" -D {}={}", name, value);
+                                 comma_separated(kernels), comma_separated(module.files));
+  for (const auto& [name, value] : module.defines) text += fmt::format(" -D {}={}", name, value);
   return text;
 }
 
@@ -32,13 +33,13 @@ std::string build_log(const cl::Program& program, const cl::Device& device) {
   try {
     return program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
   } catch (const cl::Error&) {
-    return "(the driver gives no log)";
+    return "(no build log)";
   }
 }
 
 using ByteCount = std::shared_ptr<std::atomic<std::size_t>>;
 
-/// Adds `bytes` to `count` for as long as the buffer lives.
+/// Adds `bytes` to `count` until the buffer is released.
 void count_until_released(cl::Buffer& buffer, std::size_t bytes, const ByteCount& count) {
   struct Release {
     std::size_t bytes;
@@ -54,15 +55,15 @@ void count_until_released(cl::Buffer& buffer, std::size_t bytes, const ByteCount
   *count += bytes;
 }
 
-/// Memory in whole MiB, rounded up.
-std::uint64_t mebibytes(std::uint64_t bytes) { return (bytes + (1u << 20) - 1) >> 20; }
+/// MiB, rounded up.
+std::uint64_t mebibytes(std::uint64_t bytes) { return ceil_div<std::uint64_t>(bytes, 1u << 20); }
 
 }  // namespace
 
-Runtime::Runtime(ChosenDevice device, Accuracy accuracy, std::optional<Body> body) try
+Runtime::Runtime(ChosenDevice device, Accuracy accuracy, std::optional<KernelVariant> variant) try
     : device_(device),
       accuracy_(accuracy),
-      body_(body.value_or(body_for(device.info))),
+      kernel_variant_(variant.value_or(default_variant(device.info))),
       context_(device_.info.handle),
       queue_(context_, device_.info.handle),
       side_queue_(context_, device_.info.handle) {
@@ -72,66 +73,82 @@ Runtime::Runtime(ChosenDevice device, Accuracy accuracy, std::optional<Body> bod
 
 Kernel Runtime::kernel(const std::vector<std::string>& files, const std::string& name,
                        const Defines& defines) {
-  const auto same = [&](const Part& part) {
-    return part.text.files == files && part.text.defines == defines;
+  const auto is_same = [&](const Module& module) {
+    return module.text.files == files && module.text.defines == defines;
   };
-  auto part = std::ranges::find_if(parts_, same);
-  if (part == parts_.end()) part = parts_.insert(parts_.end(), Part{{files, defines}, {}, {}});
-  if (std::ranges::count(part->kernels, name) == 0) part->kernels.push_back(name);
-  return {name, static_cast<int>(part - parts_.begin())};
+  auto module = std::ranges::find_if(modules_, is_same);
+  if (module == modules_.end())
+    module = modules_.insert(modules_.end(), Module{{files, defines}, {}, {}, 0, {}});
+  if (std::ranges::count(module->kernels, name) == 0) module->kernels.push_back(name);
+  return {name, static_cast<int>(module - modules_.begin())};
 }
 
 cl::Kernel Runtime::create(const Kernel& kernel) {
-  const auto& part = parts_.at(static_cast<std::size_t>(kernel.part));
-  if (!part.program()) build_parts();
+  const auto& module = modules_.at(static_cast<std::size_t>(kernel.module));
+  if (!module.program() && !module.build_error) build_pending();
+  if (module.build_error) throw *module.build_error;
   return guarded(fmt::format("creating the kernel {}", kernel.name), [&] {
-    return cl::Kernel(part.program, name_in_program(kernel.name, part.number).c_str());
+    return cl::Kernel(module.program, mangled_kernel_name(kernel.name, module.number).c_str());
   });
 }
 
-void Runtime::build_parts() {
-  std::vector<Part*> parts;
-  for (auto& part : parts_)
-    if (!part.program()) part.number = static_cast<int>(parts.size()), parts.push_back(&part);
+void Runtime::build_pending() {
+  std::vector<Module*> pending;
+  for (auto& module : modules_)
+    if (!module.program() && !module.build_error) pending.push_back(&module);
   const Stopwatch stopwatch;
-  const auto program = build(parts);
-  for (auto* part : parts) part->program = program;
-  if (device_.info.is_pocl && stopwatch.wall_seconds() > longest_cached_build_s)
-    compile_beside(program, parts);
+  cl::Program program;
+  try {
+    program = build(pending);
+  } catch (const Error&) {
+    for (auto* module : pending) build_alone(*module);
+    return;
+  }
+  for (int number = 0; auto* module : pending) module->program = program, module->number = number++;
+  if (device_.info.is_pocl && stopwatch.wall_seconds() > max_cached_build_s)
+    compile_in_background(program, pending);
 }
 
-void Runtime::compile_beside(const cl::Program& program, const std::vector<Part*>& parts) {
+void Runtime::build_alone(Module& module) {
+  try {
+    module.program = build({&module});
+    module.number = 0;
+  } catch (const Error& error) {
+    module.build_error = error;
+  }
+}
+
+void Runtime::compile_in_background(const cl::Program& program,
+                                    const std::vector<Module*>& modules) {
   CompilerTask task{
       device_.info.number, options_for(accuracy_), program.getInfo<CL_PROGRAM_SOURCE>(), {}};
-  for (const auto* part : parts)
-    for (const auto& kernel : part->kernels)
-      task.kernels.push_back(name_in_program(kernel, part->number));
+  for (const auto* module : modules)
+    for (const auto& kernel : module->kernels)
+      task.kernels.push_back(mangled_kernel_name(kernel, module->number));
   compiler_ = start_compiler(task);
 }
 
-cl::Program Runtime::build(const std::vector<Part*>& parts) {
-  std::vector<ProgramPart> texts;
-  for (const auto* part : parts) texts.push_back(part->text);
-  cl::Program program(context_, joined_source(texts));
+cl::Program Runtime::build(const std::vector<Module*>& modules) {
+  std::vector<ProgramModule> texts;
+  for (const auto* module : modules) texts.push_back(module->text);
+  cl::Program program(context_, combined_source(texts));
   try {
     program.build({device_.info.handle}, options_for(accuracy_));
   } catch (const cl::Error& error) {
-    if (parts.size() > 1)  // finds the one to blame
-      for (auto* part : parts) build({part});
-    throw build_error(error, program, parts);
+    throw build_error(error, program, modules);
   }
   return program;
 }
 
 Error Runtime::build_error(const cl::Error& error, const cl::Program& program,
-                           const std::vector<Part*>& parts) const {
+                           const std::vector<Module*>& modules) const {
   std::vector<std::string> kernels;
-  for (const auto* part : parts) kernels.push_back(described(part->text, part->kernels));
+  for (const auto* module : modules) kernels.push_back(description(module->text, module->kernels));
   return device_error(
       fmt::format("{} cannot be built for {} with {} ({}):\n{}", comma_separated(kernels),
                   device_.info.name, options_for(accuracy_), opencl_error_name(error.err()),
                   build_log(program, device_.info.handle)),
-      "choose another device with --device, and report this log");
+      "choose another device with --device and report this log");
 }
 
 void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global,
@@ -139,13 +156,13 @@ void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global,
   try {
     queue().enqueueNDRangeKernel(kernel, cl::NullRange, global, local);
   } catch (const cl::Error& error) {
-    const auto name = name_in_part(kernel.getInfo<CL_KERNEL_FUNCTION_NAME>());
+    const auto name = unmangled_kernel_name(kernel.getInfo<CL_KERNEL_FUNCTION_NAME>());
     throw opencl_error(error, fmt::format("the kernel {}", name), device_.info.name);
   }
 }
 
 void Runtime::chain(cl::CommandQueue& first, cl::CommandQueue& second) {
-  guarded("joining two queues", [&] {
+  guarded("synchronising two queues", [&] {
     std::vector<cl::Event> done(1);
     first.enqueueMarkerWithWaitList(nullptr, &done.front());
     first.flush();
@@ -154,26 +171,26 @@ void Runtime::chain(cl::CommandQueue& first, cl::CommandQueue& second) {
 }
 
 void Runtime::fork() {
-  if (!on_side_) chain(queue_, side_queue_);
+  if (!on_side_queue_) chain(queue_, side_queue_);
 }
 
 void Runtime::join() {
-  if (!on_side_) chain(side_queue_, queue_);
+  if (!on_side_queue_) chain(side_queue_, queue_);
 }
 
-void Runtime::on_side(const std::function<void()>& launch_all) {
-  const bool before = std::exchange(on_side_, true);
+void Runtime::on_side_queue(const std::function<void()>& enqueue_all) {
+  const bool before = std::exchange(on_side_queue_, true);
   try {
-    launch_all();
+    enqueue_all();
   } catch (...) {
-    on_side_ = before;
+    on_side_queue_ = before;
     throw;
   }
-  on_side_ = before;
+  on_side_queue_ = before;
 }
 
 void Runtime::finish() {
-  guarded("waiting for the kernels", [&] {
+  guarded("waiting for kernels", [&] {
     side_queue_.finish();
     return queue_.finish();
   });
@@ -186,13 +203,13 @@ void Runtime::launch(const cl::Kernel& kernel, const cl::NDRange& global) {
 }
 
 void Runtime::check_memory(std::size_t bytes) {
-  const auto doing = fmt::format("allocating {} MiB, with {} MiB in use already and {} MiB in all,",
-                                 mebibytes(bytes), mebibytes(*allocated_bytes_),
-                                 mebibytes(device_.info.memory_bytes));
-  // Some drivers promise more than there is, and the process is killed when it is written to.
+  const auto action =
+      fmt::format("allocating {} MiB, with {} of {} MiB in use,", mebibytes(bytes),
+                  mebibytes(*allocated_bytes_), mebibytes(device_.info.memory_bytes));
+  // Some drivers allocate more than there is; the process is then killed on the first write.
   const auto used = std::min<std::uint64_t>(*allocated_bytes_, device_.info.memory_bytes);
   if (bytes > device_.info.memory_bytes - used)
-    throw opencl_error(cl::Error(CL_MEM_OBJECT_ALLOCATION_FAILURE, "the device's memory"), doing,
+    throw opencl_error(cl::Error(CL_MEM_OBJECT_ALLOCATION_FAILURE, "the device's memory"), action,
                        device_.info.name);
 }
 

@@ -11,22 +11,27 @@
 #include <type_traits>
 #include <vector>
 
-#include "engine/cl/body.h"
 #include "engine/cl/compiler_process.h"
 #include "engine/cl/device.h"
+#include "engine/cl/kernel_variant.h"
 #include "engine/cl/opencl_error.h"
 #include "engine/cl/program_source.h"
 
 namespace touchtrace {
 
-/// `fast` flushes denormals; `exact` does not, and long sums are compensated.
+/// Numerical mode of the kernels.
+/// `fast`: denormals are flushed to zero; sums are plain.
+/// `exact`: denormals are kept; convolutions never use Winograd's method; long sums are compensated
+/// (Kahan): those of matrix products, convolutions and their gradients, roll-outs, LayerNorm, the
+/// optimiser (which also accumulates steps below a parameter's last place) and the loss. Not
+/// compensated: sums of a fixed 16 terms, and adding the partial sums of micro-batches.
 enum class Accuracy { fast, exact };
-/// Of "fast" or "exact".
+/// Parses "fast" or "exact".
 inline Accuracy accuracy_of(std::string_view name) {
   return name == "exact" ? Accuracy::exact : Accuracy::fast;
 }
 
-/// An array of `T` in device memory.
+/// Array of `T` in device memory.
 template <class T>
 class Buffer {
  public:
@@ -41,45 +46,46 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
-/// A kernel that a Runtime was asked for; create() makes it.
+/// Handle of a kernel registered with Runtime::kernel().
 struct Kernel {
   std::string name;
-  int part;  ///< of those that the runtime was asked for
+  int module;  ///< index of its program module in the Runtime
 };
 
 class Launch;
-/// Called with each Launch right after it was queued.
-using LaunchWatcher = std::function<void(const Launch&)>;
+/// Called with each Launch after it has been enqueued.
+using LaunchObserver = std::function<void(const Launch&)>;
 
-/// One device with its context, its queues, and the programs built for it. Everything goes to one
-/// in-order queue, except between fork() and join().
+/// OpenCL device with context, command queues and the programs built for it. Commands go to one
+/// in-order queue, except between fork() and join(). Errors of OpenCL calls are thrown as
+/// device_error. Not thread-safe.
 class Runtime {
  public:
-  /// `body`: empty for the device's own; tests run each on every device.
+  /// `variant`: default_variant() of the device if empty.
   explicit Runtime(ChosenDevice device, Accuracy accuracy = Accuracy::fast,
-                   std::optional<Body> body = {});
+                   std::optional<KernelVariant> variant = {});
 
   const DeviceInfo& device() const { return device_.info; }
   const std::string& reason() const { return device_.reason; }
   Accuracy accuracy() const { return accuracy_; }
-  Body body() const { return body_; }
-  /// The one that launches go to now.
-  cl::CommandQueue& queue() { return on_side_ ? side_queue_ : queue_; }
+  KernelVariant kernel_variant() const { return kernel_variant_; }
+  /// Queue that commands currently go to.
+  cl::CommandQueue& queue() { return on_side_queue_ ? side_queue_ : queue_; }
   const cl::Context& context() const { return context_; }
 
-  /// A kernel of `files` of kernels/, in that order. It is built when create() first needs it,
-  /// together with everything asked for until then.
+  /// Registers a kernel of `files` of kernels/, concatenated in this order. It is built by the
+  /// first create() that needs it, together with all kernels registered until then.
   Kernel kernel(const std::vector<std::string>& files, const std::string& name,
                 const Defines& defines = {});
-  /// Without arguments. Throws device_error with device, options, log and the kernels' names on a
-  /// build failure.
+  /// Creates a kernel without arguments. Throws device_error with device, options, build log and
+  /// kernel names if its module does not build; other modules remain usable.
   cl::Kernel create(const Kernel& kernel);
 
-  /// Throws device_error if the device has not this much memory left: asked before many buffers are
-  /// made, so that a model that is far too large fails at once.
+  /// Throws device_error if less than this much device memory is left. Called before many
+  /// allocations, so that a model that is too large fails at once.
   void check_memory(std::size_t bytes);
-  /// Of parts of a buffer [bytes], enough for every device that we know.
-  static constexpr std::size_t part_alignment = 512;
+  /// Alignment of sub-buffers [bytes], sufficient for all known devices.
+  static constexpr std::size_t sub_buffer_alignment = 512;
   template <class T>
   Buffer<T> allocate(std::size_t size) {
     return {allocate_bytes(size * sizeof(T)), size};
@@ -90,13 +96,13 @@ class Runtime {
     fill(buffer, T{});
     return buffer;
   }
-  /// `size` elements of a buffer from `at` on, shared. Throws device_error unless `at` is a
-  /// multiple of `part_alignment` bytes.
+  /// Elements `offset` .. `offset` + `size` - 1 of a buffer, sharing its memory. Throws
+  /// device_error unless the offset is a multiple of sub_buffer_alignment bytes.
   template <class T>
-  Buffer<T> part_of(const Buffer<T>& whole, std::size_t at, std::size_t size) {
-    const cl_buffer_region region{at * sizeof(T), size * sizeof(T)};
+  Buffer<T> sub_buffer(const Buffer<T>& whole, std::size_t offset, std::size_t size) {
+    const cl_buffer_region region{offset * sizeof(T), size * sizeof(T)};
     auto handle = whole.handle();
-    return {guarded("sharing a part of a buffer",
+    return {guarded("creating a sub-buffer",
                     [&] {
                       return handle.createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION,
                                                     &region);
@@ -116,7 +122,7 @@ class Runtime {
     write(buffer, values);
     return buffer;
   }
-  /// Blocks until the values may be reused.
+  /// Writes and waits.
   template <class T>
   void write(const Buffer<T>& buffer, std::span<const T> values, std::size_t offset = 0) {
     if (values.empty()) return;
@@ -125,33 +131,34 @@ class Runtime {
                                         values.size_bytes(), values.data());
     });
   }
-  /// Only queues the writing: the values must last until the queue has come past it.
+  /// Writes without waiting: `values` must stay valid until the command has completed.
   template <class T>
-  void queue_write(const Buffer<T>& buffer, std::span<const std::type_identity_t<T>> values,
-                   std::size_t offset = 0) {
+  void enqueue_write(const Buffer<T>& buffer, std::span<const std::type_identity_t<T>> values,
+                     std::size_t offset = 0) {
     guarded("writing to the device", [&] {
       return queue().enqueueWriteBuffer(buffer.handle(), CL_FALSE, offset * sizeof(T),
                                         values.size_bytes(), values.data());
     });
   }
-  /// Queues `size` elements from `from` on to go to `to`; the two must not overlap.
+  /// Copies `size` elements within a buffer without waiting; the ranges must not overlap.
   template <class T>
-  void queue_copy(const Buffer<T>& buffer, std::size_t from, std::size_t to, std::size_t size) {
+  void enqueue_copy(const Buffer<T>& buffer, std::size_t from, std::size_t to, std::size_t size) {
     if (size == 0) return;
     guarded("copying on the device", [&] {
       return queue().enqueueCopyBuffer(buffer.handle(), buffer.handle(), from * sizeof(T),
                                        to * sizeof(T), size * sizeof(T));
     });
   }
-  /// Only queues the reading: the values are there once the queue has come past it.
+  /// Reads without waiting: `values` are valid once the command has completed.
   template <class T>
-  void queue_read(const Buffer<T>& buffer, std::span<std::type_identity_t<T>> values,
-                  std::size_t offset = 0) {
+  void enqueue_read(const Buffer<T>& buffer, std::span<std::type_identity_t<T>> values,
+                    std::size_t offset = 0) {
     guarded("reading from the device", [&] {
       return queue().enqueueReadBuffer(buffer.handle(), CL_FALSE, offset * sizeof(T),
                                        values.size_bytes(), values.data());
     });
   }
+  /// Reads and waits.
   template <class T>
   void read(const Buffer<T>& buffer, std::span<T> values, std::size_t offset = 0) {
     if (values.empty()) return;
@@ -167,65 +174,70 @@ class Runtime {
     return values;
   }
 
-  /// Queues a launch; returns at once. Throws device_error if the device refuses it.
+  /// Enqueues a kernel without waiting.
   void launch(const cl::Kernel& kernel, const cl::NDRange& global, const cl::NDRange& local);
-  /// Queues a kernel without barriers: in work-groups of one work-item on a CPU, where a work-item
-  /// is a tile, and of the driver's choice elsewhere.
+  /// Enqueues a kernel without barriers: with local size 1 on a CPU, where a work-item computes a
+  /// tile, and with the driver's choice elsewhere.
   void launch(const cl::Kernel& kernel, const cl::NDRange& global);
-  /// Between fork() and join() a second queue runs beside the first one, so that a device with
-  /// several cores need not wait where a launch ends: it gets what on_side() launches. It waits for
-  /// what was queued before fork(); what is queued after join() waits for it. Inside on_side() all
-  /// of this changes nothing.
+
+  /// Between fork() and join() a second queue runs concurrently with the first, so that cores are
+  /// not idle at the end of each launch. It gets the commands enqueued inside on_side_queue(),
+  /// waits for commands enqueued before fork(), and commands enqueued after join() wait for it.
+  /// Inside on_side_queue(), fork() and join() do nothing.
   void fork();
   void join();
-  void on_side(const std::function<void()>& launch_all);
+  void on_side_queue(const std::function<void()>& enqueue_all);
 
-  /// Waits until everything queued is done.
+  /// Waits until both queues are empty.
   void finish();
 
-  /// From now on `watcher` sees every launch; an empty one ends that.
-  void watch(LaunchWatcher watcher) { watcher_ = std::move(watcher); }
-  const LaunchWatcher& watcher() const { return watcher_; }
+  /// Calls `observer` after every Launch from now on; empty: none.
+  void set_launch_observer(LaunchObserver observer) { observer_ = std::move(observer); }
+  const LaunchObserver& launch_observer() const { return observer_; }
 
  private:
-  /// The result of an OpenCL call; its errors become device_errors that say what was being done.
+  /// Result of an OpenCL call; its errors become device_errors that name the action.
   template <class Call>
-  auto guarded(std::string_view doing, Call call) {
+  auto guarded(std::string_view action, Call call) {
     try {
       return call();
     } catch (const cl::Error& error) {
-      throw opencl_error(error, doing, device_.info.name);
+      throw opencl_error(error, action, device_.info.name);
     }
   }
   cl::Buffer allocate_bytes(std::size_t bytes);
-  /// What `second` gets from now on waits for what `first` holds.
+  /// Makes later commands of `second` wait for the present commands of `first`.
   void chain(cl::CommandQueue& first, cl::CommandQueue& second);
-  /// What kernels were asked of.
-  struct Part {
-    ProgramPart text;
-    std::vector<std::string> kernels;
-    cl::Program program;  ///< null until it is built
-    int number = 0;       ///< in its program
+
+  struct Module {
+    ProgramModule text;
+    std::vector<std::string> kernels;  ///< registered ones
+    cl::Program program;               ///< null until it is built
+    int number = 0;                    ///< within the program
+    std::optional<Error> build_error;  ///< set if the build failed; not tried again
   };
 
-  void build_parts();
-  cl::Program build(const std::vector<Part*>& parts);
-  void compile_beside(const cl::Program& program, const std::vector<Part*>& parts);
+  /// Builds all registered modules that are neither built nor failed.
+  void build_pending();
+  cl::Program build(const std::vector<Module*>& modules);
+  /// Builds one module; stores the error if that fails.
+  void build_alone(Module& module);
+  void compile_in_background(const cl::Program& program, const std::vector<Module*>& modules);
   Error build_error(const cl::Error& error, const cl::Program& program,
-                    const std::vector<Part*>& parts) const;
+                    const std::vector<Module*>& modules) const;
 
   ChosenDevice device_;
   Accuracy accuracy_;
-  Body body_;
+  KernelVariant kernel_variant_;
   cl::Context context_;
   cl::CommandQueue queue_, side_queue_;
-  bool on_side_ = false;
-  /// In use now; shared with the buffers, which may live longer than the runtime.
+  bool on_side_queue_ = false;
+  /// Bytes in use; shared with the buffers, which may outlive the runtime.
   std::shared_ptr<std::atomic<std::size_t>> allocated_bytes_ =
       std::make_shared<std::atomic<std::size_t>>(0);
-  std::vector<Part> parts_;
-  std::unique_ptr<BackgroundProcess> compiler_;  ///< null unless kernels were built anew
-  LaunchWatcher watcher_;
+  std::vector<Module> modules_;
+  std::unique_ptr<BackgroundProcess> compiler_;  ///< null unless kernels had to be compiled
+  LaunchObserver observer_;
 };
 
 }  // namespace touchtrace

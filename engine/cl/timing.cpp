@@ -13,11 +13,11 @@ double device_clock_s(const Runtime& runtime) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-TimedCall::TimedCall(Runtime& runtime, std::function<void()> enqueue, double shortest_s)
+TimedCall::TimedCall(Runtime& runtime, std::function<void()> enqueue, double min_duration_s)
     : runtime_(runtime), enqueue_(std::move(enqueue)) {
   seconds_of(1);
   const double once = std::max(seconds_of(1), 1e-6);
-  calls_ = std::max(1, static_cast<int>(std::ceil(shortest_s / once)));
+  calls_ = std::max(1, static_cast<int>(std::ceil(min_duration_s / once)));
 }
 
 double TimedCall::seconds_of(int calls) const {
@@ -29,19 +29,13 @@ double TimedCall::seconds_of(int calls) const {
 
 double TimedCall::seconds() const { return seconds_of(calls_); }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
-std::vector<std::vector<double>> seconds_in_turns(
-    Runtime& runtime, const std::vector<std::function<void()>>& enqueues, int turns) {
+std::vector<std::vector<double>> interleaved_seconds(
+    Runtime& runtime, const std::vector<std::function<void()>>& enqueues, int rounds) {
   std::vector<TimedCall> calls;
   for (const auto& enqueue : enqueues) calls.emplace_back(runtime, enqueue);
-  std::vector<std::vector<double>> seconds(static_cast<std::size_t>(turns));
-  for (auto& turn : seconds)
-    for (const auto& call : calls) turn.push_back(call.seconds());
+  std::vector<std::vector<double>> seconds(static_cast<std::size_t>(rounds));
+  for (auto& round : seconds)
+    for (const auto& call : calls) round.push_back(call.seconds());
   return seconds;
 }
 
@@ -49,14 +43,14 @@ double median_seconds(Runtime& runtime, const std::function<void()>& enqueue, in
   const TimedCall call(runtime, enqueue);
   std::vector<double> seconds;
   for (int repeat = 0; repeat < repeats; ++repeat) seconds.push_back(call.seconds());
-  return median_of(seconds);
+  return median(seconds);
 }
 
-PeakWork peak_work(Runtime& runtime) {
+PeakBenchmark peak_benchmark(Runtime& runtime) {
   constexpr int turns = 100000;
-  // A CPU's unit runs one work-item at a time, a GPU's hundreds.
-  const int items_a_unit = runtime.device().type == "gpu" ? 512 : 8;
-  const int items = items_a_unit * runtime.device().compute_units;
+  // A compute unit of a CPU runs one work-item at a time, that of a GPU hundreds.
+  const int items_per_unit = runtime.device().type == "gpu" ? 512 : 8;
+  const int items = items_per_unit * runtime.device().compute_units;
   const auto out = runtime.allocate<float>(static_cast<std::size_t>(items) * 16);
   return {Launch(runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak"), range(items), out, 0.5f,
                  turns),
@@ -64,17 +58,17 @@ PeakWork peak_work(Runtime& runtime) {
 }
 
 double peak_flops(Runtime& runtime) {
-  const auto peak = peak_work(runtime);
+  const auto peak = peak_benchmark(runtime);
   return peak.flops / median_seconds(runtime, [&] { peak.launch.enqueue(runtime); });
 }
 
-double operations_at_peak(Runtime& runtime, const std::function<void()>& enqueue, int turns) {
-  const auto peak = peak_work(runtime);
+double peak_equivalent_flops(Runtime& runtime, const std::function<void()>& enqueue, int rounds) {
+  const auto peak = peak_benchmark(runtime);
   std::vector<double> operations;
-  for (const auto& turn :
-       seconds_in_turns(runtime, {enqueue, [&] { peak.launch.enqueue(runtime); }}, turns))
-    operations.push_back(peak.flops / turn[1] * turn[0]);
-  return median_of(operations);
+  for (const auto& round :
+       interleaved_seconds(runtime, {enqueue, [&] { peak.launch.enqueue(runtime); }}, rounds))
+    operations.push_back(peak.flops / round[1] * round[0]);
+  return median(operations);
 }
 
 }  // namespace touchtrace

@@ -3,21 +3,22 @@
 #include <functional>
 #include <vector>
 
+#include "engine/base/statistics.h"
 #include "engine/cl/launch.h"
 
 namespace touchtrace {
 
-/// The clock of device time: of the processor seconds of all threads on a CPU, so that a busy
-/// machine does not show; else of wall time.
+/// Clock of device time [s]: CPU seconds of all threads on a CPU device, so that other processes do
+/// not count; else wall time.
 double device_clock_s(const Runtime& runtime);
 
-/// Device time of a call, which queues any number of launches. Constructing it does the call
-/// several times unmeasured.
+/// Measures the device time of a call that enqueues launches. The constructor makes several
+/// unmeasured calls.
 class TimedCall {
  public:
-  /// Measurements take at least `shortest_s`, with as many calls as that needs.
-  TimedCall(Runtime& runtime, std::function<void()> enqueue, double shortest_s = 0.02);
-  /// Of one call, from one measurement.
+  /// A measurement repeats the call until it takes about `min_duration_s`.
+  TimedCall(Runtime& runtime, std::function<void()> enqueue, double min_duration_s = 0.02);
+  /// Seconds per call, from one measurement.
   double seconds() const;
 
  private:
@@ -28,33 +29,29 @@ class TimedCall {
   int calls_ = 1;
 };
 
-/// Seconds of device time that one call of `enqueue` costs, everything it queued included: the
-/// median of `repeats` measurements.
+/// Device time of one call of `enqueue` [s], including everything it enqueues: median of `repeats`
+/// measurements.
 double median_seconds(Runtime& runtime, const std::function<void()>& enqueue, int repeats = 7);
 
-/// The same of several, in turns, so that a clock or a neighbour that changes meanwhile meets all
-/// of them: [turn][which].
-std::vector<std::vector<double>> seconds_in_turns(
-    Runtime& runtime, const std::vector<std::function<void()>>& enqueues, int turns = 9);
+/// Device times of several calls [round][call], measured in interleaved order, so that changes of
+/// the clock rate or of the machine's load affect all of them alike.
+std::vector<std::vector<double>> interleaved_seconds(
+    Runtime& runtime, const std::vector<std::function<void()>>& enqueues, int rounds = 9);
 
-double median_of(std::vector<double> values);
-
-/// Fused multiply-adds on registers alone, as many as keep all of a device busy. Of
-/// kernels/fma_peak.cl.
-struct PeakWork {
+/// Fused multiply-adds in registers on all of the device's compute units (kernels/fma_peak.cl).
+struct PeakBenchmark {
   Launch launch;
   double flops;
 };
 
-PeakWork peak_work(Runtime& runtime);
+PeakBenchmark peak_benchmark(Runtime& runtime);
 
-/// Floating-point operations a second that the device reaches when it does nothing but peak_work();
-/// per processor second on a CPU.
+/// Peak throughput of the device [floating-point operations per second; per CPU second on a CPU].
 double peak_flops(Runtime& runtime);
 
-/// Floating-point operations that the device could have done at its peak in the time of one call of
-/// `enqueue`. Call and peak are measured in turns, so that a clock or a neighbour that changes
-/// meanwhile does not show: the median of the turns.
-double operations_at_peak(Runtime& runtime, const std::function<void()>& enqueue, int turns = 9);
+/// Floating-point operations that the device could execute at its peak in the time of one call of
+/// `enqueue`: median over interleaved measurements of the call and the peak.
+double peak_equivalent_flops(Runtime& runtime, const std::function<void()>& enqueue,
+                             int rounds = 9);
 
 }  // namespace touchtrace

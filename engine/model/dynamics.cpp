@@ -1,5 +1,6 @@
 #include "engine/model/dynamics.h"
 
+#include "engine/base/integer_math.h"
 #include "engine/model/dynamics_gru.h"
 #include "engine/model/dynamics_mlp.h"
 
@@ -9,8 +10,8 @@ namespace {
 
 /// The next place where a part of a buffer may begin.
 std::size_t next_part_at(std::size_t floats) {
-  constexpr std::size_t unit = Runtime::part_alignment / sizeof(float);
-  return (floats + unit - 1) / unit * unit;
+  constexpr std::size_t unit = Runtime::sub_buffer_alignment / sizeof(float);
+  return round_up(floats, unit);
 }
 
 }  // namespace
@@ -19,8 +20,8 @@ Dynamics::Dynamics(Runtime& runtime, int sequences, int steps) {
   const std::size_t spreads = std::size_t(steps) * sequences * state_lanes,
                     states = spreads + std::size_t(sequences) * state_lanes;
   outcome_ = runtime.allocate<float>(next_part_at(states) + spreads);
-  states_ = runtime.part_of(outcome_, 0, states);
-  spread_ = runtime.part_of(outcome_, next_part_at(states), spreads);
+  states_ = runtime.sub_buffer(outcome_, 0, states);
+  spread_ = runtime.sub_buffer(outcome_, next_part_at(states), spreads);
 }
 
 void Dynamics::allocate_gradients(Runtime& runtime) {

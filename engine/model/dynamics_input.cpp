@@ -79,7 +79,7 @@ void DynamicsInput::plan_embedding_gradients(Runtime& runtime, const MatrixView&
   if (grad_inputs.size() > 0)
     backward_.push_back(gemm(runtime, grad_sums, weights_.value(names_.weight).from_column(column),
                              {}, {grad_inputs, 0, size}, rows, size, outputs_)
-                            .serving(Purpose::data_gradient));
+                            .with_purpose(Purpose::data_gradient));
 }
 
 }  // namespace touchtrace

@@ -18,7 +18,7 @@ Error while_making(const ModelSpec& spec, int sequences, int steps, const Error&
   return Error(error.code(),
                fmt::format("a model for {} sequences of {} steps{}: {}", sequences, steps, windows,
                            error.what()),
-               error.remedy());
+               error.hint());
 }
 
 }  // namespace
@@ -140,7 +140,7 @@ void Model::beside_object_encoder(const std::function<void()>& object,
                                   const std::function<void()>& others) {
   if (!object_) return others();
   runtime_.fork();
-  runtime_.on_side(object);
+  runtime_.on_side_queue(object);
   others();
   runtime_.join();
 }

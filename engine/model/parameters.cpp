@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/base/error.h"
+#include "engine/base/integer_math.h"
 #include "engine/base/random.h"
 
 namespace touchtrace {
@@ -15,7 +16,7 @@ namespace {
 
 constexpr std::size_t alignment = 16;
 
-std::size_t aligned(std::size_t size) { return (size + alignment - 1) / alignment * alignment; }
+std::size_t aligned(std::size_t size) { return round_up(size, alignment); }
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "engine/base/error.h"
+#include "engine/base/integer_math.h"
 
 namespace touchtrace {
 namespace {
@@ -112,7 +113,7 @@ void share_out(Runtime& runtime, Parts&& parts, Enqueue enqueue_part) {
     if (part.queue == 0)
       enqueue_part(part);
     else
-      runtime.on_side([&] { enqueue_part(part); });
+      runtime.on_side_queue([&] { enqueue_part(part); });
   if (several) runtime.join();
 }
 
@@ -154,7 +155,7 @@ TactileEncoder::Plan::Plan(Runtime& device, const std::string& name,
       part_windows(part_of(shape, training, tuning)),
       shapes(shape.of_windows(part_windows).layers()),
       features(device.allocate<float>(shape.features().row_size())) {
-  const int count = (all.windows.windows + part_windows - 1) / part_windows;
+  const int count = ceil_div(all.windows.windows, part_windows);
   const std::size_t at_once = std::min(count, queues), kept = training ? count : at_once;
   device.check_memory(sizeof(float) * (kept * size_of_images(shapes) +
                                        (training ? at_once * size_of_gradients(shapes) : 0)));
@@ -183,7 +184,7 @@ void TactileEncoder::Plan::add_parts() {
 
 Buffer<float> TactileEncoder::Plan::features_of(int first, int size) {
   const auto window = shapes[2].out_size() / std::size_t(part_windows);
-  return runtime.part_of(features, first * window, size * window);
+  return runtime.sub_buffer(features, first * window, size * window);
 }
 
 void TactileEncoder::Plan::add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape,

@@ -57,7 +57,7 @@ void TouchEmbedding::plan_backward(Runtime& runtime, const std::string& name,
       from_blocks(runtime, weight_shape_, grad_weight.buffer, weights.grad(name + ".dense.weight")),
       column_sums(runtime, grad, weights.grad(name + ".dense.bias"), rows, size),
       gemm(runtime, grad, weight_, {}, grad_features, rows, feature_size, size)
-          .serving(Purpose::data_gradient),
+          .with_purpose(Purpose::data_gradient),
   };
 }
 

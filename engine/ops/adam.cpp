@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "engine/base/integer_math.h"
+
 namespace touchtrace {
 namespace {
 
@@ -12,14 +14,12 @@ Kernel adam_kernel(Runtime& runtime, const char* name, int chunk) {
   return runtime.kernel({"common.clh", "adam.cl"}, name, {{"CHUNK", std::to_string(chunk)}});
 }
 
-int chunks_of(int size, int chunk) { return (size + chunk - 1) / chunk; }
-
 Launch update_launch(Runtime& runtime, int size, const auto&... arguments) {
   constexpr int chunk = 1024, group = 256;
-  if (runtime.body() == Body::vectors)
-    return {adam_kernel(runtime, "adam", chunk), range(chunks_of(size, chunk)), arguments...};
-  return Launch(adam_kernel(runtime, "adam", 1), range(chunks_of(size, group)), arguments...)
-      .in_groups_of(group);
+  if (runtime.kernel_variant() == KernelVariant::cpu)
+    return {adam_kernel(runtime, "adam", chunk), range(ceil_div(size, chunk)), arguments...};
+  return Launch(adam_kernel(runtime, "adam", 1), range(ceil_div(size, group)), arguments...)
+      .with_local_size(group);
 }
 
 }  // namespace
@@ -28,7 +28,8 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
            const Buffer<float>& decay, const Buffer<float>& loss)
     : runtime_(runtime) {
   const int size = static_cast<int>(parameters.size());
-  const int chunk = runtime.body() == Body::lanes ? 256 : 1024, chunks = chunks_of(size, chunk);
+  const int chunk = runtime.kernel_variant() == KernelVariant::gpu ? 256 : 1024,
+            chunks = ceil_div(size, chunk);
   first_ = runtime.allocate_zeros<float>(parameters.size());
   second_ = runtime.allocate_zeros<float>(parameters.size());
   partial_ = runtime.allocate<float>(static_cast<std::size_t>(chunks));
@@ -37,15 +38,15 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
   if (exact) lost_ = runtime.allocate_zeros<float>(parameters.size());
   measure_ = {
       Launch(adam_kernel(runtime, "squares", chunk), range(chunks), gradient, size, partial_)
-          .costing(2.0 * size, 4.0 * size)
-          .serving(Purpose::optimiser),
+          .with_cost(2.0 * size, 4.0 * size)
+          .with_purpose(Purpose::optimiser),
       Launch(adam_kernel(runtime, "norm", chunk), range(1), partial_, chunks, norm_)
-          .costing(chunks, 4.0 * chunks)
-          .serving(Purpose::optimiser)};
+          .with_cost(chunks, 4.0 * chunks)
+          .with_purpose(Purpose::optimiser)};
   update_ = {update_launch(runtime, size, parameters, gradient, first_, second_, decay, size, norm_,
                            loss, 0.0f, 0.0f, 0.0f, 0.0f, exact ? lost_ : norm_)
-                 .costing(17.0 * size, 4.0 * size * (exact ? 10.0 : 8.0))
-                 .serving(Purpose::optimiser)};
+                 .with_cost(17.0 * size, 4.0 * size * (exact ? 10.0 : 8.0))
+                 .with_purpose(Purpose::optimiser)};
 }
 
 std::vector<std::pair<std::string, Buffer<float>>> Adam::state() const {

@@ -26,21 +26,21 @@ Launch block_gradient(Runtime& runtime, const ChannelBlocksShape& shape, const B
                       const Buffer<float>& row_gradient, const Buffer<float>& images, int first) {
   return Launch(channel_blocks_kernel(runtime, shape, "block_gradient"), range(blocks_of(shape)),
                 rows, row_gradient, images, first * shape.channels / 16)
-      .costing(0.0, 12.0 * shape.row_size());
+      .with_cost(0.0, 12.0 * shape.row_size());
 }
 
 Launch to_blocks(Runtime& runtime, const ChannelBlocksShape& shape, const MatrixView& plain,
                  const Buffer<float>& blocks) {
   return Launch(channel_blocks_kernel(runtime, shape, "to_blocks"), range(blocks_of(shape)),
                 plain.buffer, plain.at, blocks)
-      .costing(0.0, 8.0 * shape.row_size());
+      .with_cost(0.0, 8.0 * shape.row_size());
 }
 
 Launch from_blocks(Runtime& runtime, const ChannelBlocksShape& shape, const Buffer<float>& blocks,
                    const MatrixView& plain) {
   return Launch(channel_blocks_kernel(runtime, shape, "from_blocks"), range(blocks_of(shape)),
                 blocks, plain.buffer, plain.at)
-      .costing(0.0, 8.0 * shape.row_size());
+      .with_cost(0.0, 8.0 * shape.row_size());
 }
 
 }  // namespace touchtrace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "engine/base/integer_math.h"
 #include "engine/ops/conv2d_methods.h"
 
 namespace touchtrace {
@@ -92,7 +93,7 @@ bool winograd_applies(const Conv2dShape& shape) {
 
 Conv2dMethod best_method(const Conv2dShape& shape) {
   if (!winograd_applies(shape)) return Conv2dMethod::direct;
-  const int tiles = ((shape.out_rows() + 3) / 4) * ((shape.out_cols() + 3) / 4);
+  const int tiles = ceil_div(shape.out_rows(), 4) * ceil_div(shape.out_cols(), 4);
   return 81 * tiles < 9 * shape.out_rows() * shape.out_cols() ? Conv2dMethod::winograd
                                                               : Conv2dMethod::direct;
 }
@@ -100,8 +101,10 @@ Conv2dMethod best_method(const Conv2dShape& shape) {
 std::unique_ptr<Conv2d> make_conv2d(Runtime& runtime, const Conv2dShape& shape,
                                     const Conv2dParameters& parameters,
                                     const Conv2dChoice& choice) {
-  if (runtime.body() == Body::lanes) return make_conv2d_lanes(runtime, shape, parameters);
+  if (runtime.kernel_variant() == KernelVariant::gpu)
+    return make_conv2d_gpu(runtime, shape, parameters);
   const bool winograd = choice.method == Conv2dMethod::winograd && winograd_applies(shape) &&
+                        runtime.accuracy() == Accuracy::fast &&
                         winograd_group(runtime, shape, choice) > 0;
   return (winograd ? make_conv2d_winograd : make_conv2d_direct)(runtime, shape, parameters, choice);
 }

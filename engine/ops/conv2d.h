@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/base/integer_math.h"
 #include "engine/cl/launch.h"
 #include "engine/ops/conv2d_choice.h"
 
@@ -34,8 +35,8 @@ struct Conv2dShape {
   int taps() const { return kernel * kernel; }
   int halo() const { return kernel / 2; }
   int out_halo() const { return compact_output ? 0 : halo(); }
-  int out_rows() const { return (rows + stride - 1) / stride; }
-  int out_cols() const { return (cols + stride - 1) / stride; }
+  int out_rows() const { return ceil_div(rows, stride); }
+  int out_cols() const { return ceil_div(cols, stride); }
   std::size_t in_size() const;        ///< floats of the input with its halo
   std::size_t out_size() const;       ///< floats of the output with its halo, if it has one
   std::size_t grad_out_size() const;  ///< floats of the output's gradient with its halo

@@ -5,7 +5,7 @@
 namespace touchtrace {
 
 Conv2dCandidates conv2d_candidates(const Runtime& runtime, const Conv2dShape& shape) {
-  if (runtime.body() == Body::lanes) return {};  // has one way
+  if (runtime.kernel_variant() == KernelVariant::gpu) return {};  // has one way
   auto products = winograd_candidates(runtime, shape);
   auto direct = direct_candidates();
   // Where Winograd's method applies it hardly ever loses to another tile of the direct one.

@@ -3,8 +3,9 @@
 namespace touchtrace {
 
 /// `winograd`: 81 multiplications instead of 144 in the forward pass and the gradient towards the
-/// input (kernels/winograd.clh), if the kernel is 3 and the stride 2, the input is in blocks and
-/// the device's local memory holds what one image needs; otherwise `direct`.
+/// input (kernels/winograd.clh), if the kernel is 3 and the stride 2, the input is in blocks, the
+/// device's local memory holds the points of one image, and the runtime's accuracy is
+/// Accuracy::fast; otherwise `direct`.
 enum class Conv2dMethod { direct, winograd };
 
 /// How the body `vectors` computes a layer where several ways are right: they differ in time, and

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "engine/base/integer_math.h"
 #include "engine/ops/conv2d_methods.h"
 
 namespace touchtrace {
@@ -8,8 +9,6 @@ namespace {
 // How much work an item should do at least, since a work-group of one item costs a CPU runtime
 // about as much as 200 vector operations.
 constexpr int wanted_vector_operations = 20000;
-int ceil_div(int a, int b) { return (a + b - 1) / b; }
-
 // Of the 32 vector registers of AVX-512.
 constexpr int usual_accumulators = 24;
 constexpr int most_pixels = 12;  // of a tile, as conv2d_tile.clh names them
@@ -87,13 +86,13 @@ class DirectConv2d final : public Conv2d {
         packed_(runtime.allocate<float>(shape.weight_size())),
         weights_gradient_(runtime, shape, parameters, choice) {
     if (parameters.gradient.size() > 0 && !shape.in_planes)
-      packed_turned_ = runtime.allocate<float>(shape.weight_size());
+      packed_transposed_ = runtime.allocate<float>(shape.weight_size());
   }
 
   Launches prepare() override {
     Launches launches{pack(forward_pass(shape_, choice_), packed_)};
-    if (packed_turned_.size() > 0)
-      launches.push_back(pack(data_pass(shape_, choice_), packed_turned_));
+    if (packed_transposed_.size() > 0)
+      launches.push_back(pack(data_pass(shape_, choice_), packed_transposed_));
     return launches;
   }
 
@@ -103,12 +102,14 @@ class DirectConv2d final : public Conv2d {
                    range(items(pass, part), pass.groups()), part.in, packed_, parameters_.values,
                    parameters_.bias_at, part.out, part.images,
                    tiles_an_item(runtime_, shape_, pass, choice_))
-                .costing(conv2d_cost(shape_, part.images))
-                .serving(Purpose::forward)};
+                .with_cost(conv2d_cost(shape_, part.images))
+                .with_purpose(Purpose::forward)};
   }
 
   Conv2dHalves forward_halves(const Conv2dImages& part, int channel) override {
-    if (!shape_.in_planes) return Conv2d::forward_halves(part, channel);
+    // Two launches cannot share compensations, so Accuracy::exact sums in one.
+    if (!shape_.in_planes || runtime_.accuracy() == Accuracy::exact)
+      return Conv2d::forward_halves(part, channel);
     const auto pass = forward_pass(shape_, choice_);
     const auto kernel = [&](const char* name) {
       return tiled_kernel(runtime_, shape_, pass, name, "conv2d_halves.cl");
@@ -118,10 +119,10 @@ class DirectConv2d final : public Conv2d {
     const auto sums = runtime_.allocate<float>(part.out.size());
     return {{Launch(kernel("conv2d_first_half"), size, part.in, packed_, parameters_.values,
                     parameters_.bias_at, sums, part.images, tiles, channel)
-                 .serving(Purpose::forward)},
+                 .with_purpose(Purpose::forward)},
             {Launch(kernel("conv2d_second_half"), size, part.in, packed_, sums, part.out,
                     part.images, tiles, channel)
-                 .serving(Purpose::forward)}};
+                 .with_purpose(Purpose::forward)}};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {
@@ -130,10 +131,10 @@ class DirectConv2d final : public Conv2d {
     const auto pass = data_pass(shape_, choice_);
     launches.push_back(Launch(tiled_kernel(runtime_, shape_, pass, "conv2d_backward_data"),
                               range(items(pass, part), pass.groups()), part.grad_out,
-                              packed_turned_, part.in, part.grad_in, part.images,
+                              packed_transposed_, part.in, part.grad_in, part.images,
                               tiles_an_item(runtime_, shape_, pass, choice_))
-                           .costing(conv2d_cost(shape_, part.images))
-                           .serving(Purpose::data_gradient));
+                           .with_cost(conv2d_cost(shape_, part.images))
+                           .with_purpose(Purpose::data_gradient));
     return launches;
   }
 
@@ -155,7 +156,7 @@ class DirectConv2d final : public Conv2d {
   Conv2dShape shape_;
   Conv2dParameters parameters_;
   Conv2dChoice choice_;
-  Buffer<float> packed_, packed_turned_;
+  Buffer<float> packed_, packed_transposed_;
   Conv2dWeightsGradient weights_gradient_;
 };
 

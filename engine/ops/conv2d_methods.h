@@ -19,8 +19,8 @@ std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape
                                              const Conv2dParameters& parameters,
                                              const Conv2dChoice& choice);
 /// The body of GPUs; `shape` as both methods take it.
-std::unique_ptr<Conv2d> make_conv2d_lanes(Runtime& runtime, const Conv2dShape& shape,
-                                          const Conv2dParameters& parameters);
+std::unique_ptr<Conv2d> make_conv2d_gpu(Runtime& runtime, const Conv2dShape& shape,
+                                        const Conv2dParameters& parameters);
 
 /// Whether the method computes such a layer at all.
 bool winograd_applies(const Conv2dShape& shape);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "engine/base/integer_math.h"
 #include "engine/ops/conv2d_methods.h"
 
 namespace touchtrace {
@@ -10,8 +11,6 @@ namespace {
 constexpr int wanted_items = 32;
 // What stays in a first-level cache.
 constexpr int cache_bytes = 40 * 1024;
-
-int rounded_up(int a, int b) { return (a + b - 1) / b; }
 
 int blocks_of_input(const Conv2dShape& shape) {
   return shape.in_planes ? 1 : shape.in_channels / 16;
@@ -27,7 +26,7 @@ int usual_group(const Conv2dShape& shape) {
 Kernel weights_kernel(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice,
                       const char* name) {
   auto defines = conv2d_defines(shape);
-  defines["GROUP"] =
+  defines["GROUP_IMAGES"] =
       std::to_string(choice.gradient_images > 0 ? choice.gradient_images : usual_group(shape));
   return runtime.kernel({"common.clh", "conv2d.clh", "conv2d_backward_weights.cl"}, name, defines);
 }
@@ -35,7 +34,7 @@ Kernel weights_kernel(Runtime& runtime, const Conv2dShape& shape, const Conv2dCh
 /// Into how many the sum over images is cut, which decides its rounding.
 int usual_chunks(const Conv2dShape& shape) {
   const int pairs = shape.out_channels / 32 * blocks_of_input(shape);
-  return std::min(rounded_up(wanted_items, pairs), shape.images);
+  return std::min(ceil_div(wanted_items, pairs), shape.images);
 }
 
 int chunks_of(const Conv2dShape& shape, const Conv2dChoice& choice) {
@@ -60,13 +59,13 @@ Conv2dWeightsGradient::Conv2dWeightsGradient(Runtime& runtime, const Conv2dShape
 }
 
 Launch Conv2dWeightsGradient::sum(const Conv2dImages& part, bool first) {
-  const int chunk_images = rounded_up(part.images, chunks_);
+  const int chunk_images = ceil_div(part.images, chunks_);
   return Launch(weights_kernel(runtime_, shape_, choice_, "conv2d_backward_weights"),
                 range(shape_.out_channels / 32, blocks_of_input(shape_), chunks_), part.in,
                 part.grad_out, partial_, partial_bias_, part.images, chunk_images,
                 part.sums * chunks_, first ? 1 : 0)
-      .costing(conv2d_cost(shape_, part.images))
-      .serving(Purpose::weights_gradient);
+      .with_cost(conv2d_cost(shape_, part.images))
+      .with_purpose(Purpose::weight_gradient);
 }
 
 Launch Conv2dWeightsGradient::finish() {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "engine/base/integer_math.h"
 #include "engine/ops/conv2d_methods.h"
 
 namespace touchtrace {
@@ -12,7 +13,7 @@ constexpr int points = 81, weight_sets = 36;
 constexpr std::size_t largest_group_bytes = 512 * 1024;
 
 int tiles_of(const Conv2dShape& shape) {
-  return ((shape.out_rows() + 3) / 4) * ((shape.out_cols() + 3) / 4);
+  return ceil_div(shape.out_rows(), 4) * ceil_div(shape.out_cols(), 4);
 }
 
 /// Images whose points this much local memory holds.
@@ -34,31 +35,34 @@ class WinogradConv2d final : public Conv2d {
         group_(winograd_group(runtime, shape, choice)),
         weights_(runtime.allocate<float>(sets_size())),
         weights_gradient_(runtime, shape, parameters, choice) {
-    if (parameters.gradient.size() > 0) weights_turned_ = runtime.allocate<float>(sets_size());
+    if (parameters.gradient.size() > 0) weights_transposed_ = runtime.allocate<float>(sets_size());
   }
 
   Launches prepare() override {
     const int in = shape_.in_channels, out = shape_.out_channels, taps = shape_.taps();
     Launches launches{transform(in, taps, out, taps * in, weights_)};
-    if (weights_turned_.size() > 0)
-      launches.push_back(transform(out, taps * in, in, taps, weights_turned_));
+    if (weights_transposed_.size() > 0)
+      launches.push_back(transform(out, taps * in, in, taps, weights_transposed_));
     return launches;
   }
 
   Launches forward(const Conv2dImages& part) override {
     return {Launch(kernel("forward", conv2d_forward_defines(shape_)), groups(part), part.in,
                    weights_, parameters_.values, parameters_.bias_at, part.out, part.images)
-                .costing(cost(part))
-                .serving(Purpose::forward)};
+                .with_local_size(1)  // a work-item has the work-group's local memory to itself
+                .with_cost(cost(part))
+                .with_purpose(Purpose::forward)};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {
     Launches launches{weights_gradient_.sum(part, first)};
     if (part.grad_in.size() > 0)
       launches.push_back(Launch(kernel("backward_data", conv2d_defines(shape_)), groups(part),
-                                part.grad_out, weights_turned_, part.in, part.grad_in, part.images)
-                             .costing(cost(part))
-                             .serving(Purpose::data_gradient));
+                                part.grad_out, weights_transposed_, part.in, part.grad_in,
+                                part.images)
+                             .with_local_size(1)
+                             .with_cost(cost(part))
+                             .with_purpose(Purpose::data_gradient));
     return launches;
   }
 
@@ -75,12 +79,12 @@ class WinogradConv2d final : public Conv2d {
         conv2d_cost(shape_, part.images).bytes};
   }
   cl::NDRange groups(const Conv2dImages& part) const {
-    return range((part.images + group_ - 1) / group_);
+    return range(ceil_div(part.images, group_));
   }
   Kernel kernel(const std::string& pass, Defines defines) {
-    defines["GROUP"] = std::to_string(group_);
+    defines["GROUP_IMAGES"] = std::to_string(group_);
     defines["TILE_MEMORY"] = "__local";
-    return runtime_.kernel({"common.clh", "tile.clh", "conv2d.clh", "winograd.clh",
+    return runtime_.kernel({"common.clh", "cpu_tile.clh", "conv2d.clh", "winograd.clh",
                             "winograd_weights.cl", "winograd_transform.clh", "winograd_passes.cl"},
                            "winograd_" + pass, defines);
   }
@@ -95,7 +99,7 @@ class WinogradConv2d final : public Conv2d {
   Conv2dShape shape_;
   Conv2dParameters parameters_;
   int group_;
-  Buffer<float> weights_, weights_turned_;
+  Buffer<float> weights_, weights_transposed_;
   Conv2dWeightsGradient weights_gradient_;
 };
 
@@ -113,7 +117,7 @@ int winograd_group(const Runtime& runtime, const Conv2dShape& shape, const Conv2
 std::vector<Conv2dChoice> winograd_candidates(const Runtime& runtime, const Conv2dShape& shape) {
   const Conv2dChoice usual{Conv2dMethod::winograd};
   std::vector<Conv2dChoice> candidates;
-  if (!winograd_applies(shape)) return candidates;
+  if (!winograd_applies(shape) || runtime.accuracy() == Accuracy::exact) return candidates;
   const int group = winograd_group(runtime, shape, usual);
   if (group > 0) candidates.push_back(usual);
   for (const int images : {group / 4, group / 2, group * 2}) {

@@ -1,17 +1,19 @@
 #include "engine/ops/gru_rollout.h"
 
+#include "engine/base/integer_math.h"
+
 namespace touchtrace {
 namespace {
 
 Kernel gru_kernel(Runtime& runtime, const char* name, const GruArrays& a) {
-  return runtime.kernel({"common.clh", "tile.clh", "dynamics.clh", "rollout_tiles.clh",
+  return runtime.kernel({"common.clh", "cpu_tile.clh", "dynamics.clh", "rollout_output.clh",
                          "gru_rollout.cl", "gru_rollout_backward.cl"},
                         name,
                         {{"HIDDEN", std::to_string(a.hidden)}, {"STATE", std::to_string(a.state)}});
 }
 
 /// Four sequences a work-item.
-cl::NDRange gru_tiles(int sequences) { return range((sequences + 3) / 4); }
+cl::NDRange gru_tiles(int sequences) { return range(ceil_div(sequences, 4)); }
 
 /// Of one pass: the products with both weights and with the padded output's, whose weights are read
 /// once and whose rows hold four gates.
@@ -27,16 +29,16 @@ Launch gru_rollout(Runtime& runtime, const GruArrays& a) {
   return Launch(gru_kernel(runtime, "gru_rollout", a), gru_tiles(a.sequences), a.states, a.h,
                 a.first.buffer, a.first.at, a.first.row, a.w, a.u, a.parameters, a.bias_at, a.w3,
                 a.b3, a.gates, a.spread, a.sequences, a.steps)
-      .costing(gru_cost(a))
-      .serving(Purpose::rollout);
+      .with_cost(gru_cost(a))
+      .with_purpose(Purpose::rollout);
 }
 
 Launch gru_rollout_backward(Runtime& runtime, const GruArrays& a, const GruGradients& g) {
   return Launch(gru_kernel(runtime, "gru_rollout_backward", a), gru_tiles(a.sequences),
                 g.grad_state, g.grad_spread, a.spread, a.h, a.gates, a.parameters, a.u_at, a.w3_at,
                 g.w, g.d_out, g.d_gates, g.d_h, a.sequences, a.steps)
-      .costing(gru_cost(a))
-      .serving(Purpose::rollout);
+      .with_cost(gru_cost(a))
+      .with_purpose(Purpose::rollout);
 }
 
 }  // namespace touchtrace

@@ -14,7 +14,7 @@ Launches info_nce(Runtime& runtime, const InfoNceArrays& a) {
   const auto scale = runtime.allocate<float>(normalised ? 2 * count : 0);
   Launches launches;
   const auto add = [&](const char* name, const cl::NDRange& global, const auto&... arguments) {
-    launches.push_back(Launch(kernel(name), global, arguments...).serving(Purpose::loss));
+    launches.push_back(Launch(kernel(name), global, arguments...).with_purpose(Purpose::loss));
   };
   if (normalised) add("info_nce_scales", range(a.count), a.embedding, a.temperature, scale);
   add("info_nce_logits", range(a.count, a.count), a.embedding, scale, logit);

@@ -1,14 +1,17 @@
 #include "engine/ops/rollout.h"
 
+#include "engine/base/integer_math.h"
+
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t lanes_group = 256;  // as in rollout_lanes.clh
+constexpr std::size_t gpu_work_group_size = 256;  // as in rollout_gpu.clh
 
 /// Whether local memory holds what a step hands on, too.
-bool on_lanes(const Runtime& runtime, const RolloutArrays& a) {
-  const std::size_t bytes = 4 * sizeof(float) * (2 * a.hidden + 2 * state_lanes + lanes_group);
-  return runtime.body() == Body::lanes &&
+bool uses_gpu_kernel(const Runtime& runtime, const RolloutArrays& a) {
+  const std::size_t bytes =
+      4 * sizeof(float) * (2 * a.hidden + 2 * state_lanes + gpu_work_group_size);
+  return runtime.kernel_variant() == KernelVariant::gpu &&
          bytes <= runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
 }
 
@@ -16,18 +19,18 @@ bool on_lanes(const Runtime& runtime, const RolloutArrays& a) {
 Launch rollout_launch(Runtime& runtime, const RolloutArrays& a, const std::string& pass,
                       const auto&... arguments) {
   using Files = std::vector<std::string>;
-  const bool lanes = on_lanes(runtime, a);
-  const auto files = lanes ? Files{"common.clh", "dynamics.clh", "rollout_lanes.clh",
-                                   "rollout_lanes.cl", "rollout_lanes_backward.cl"}
-                           : Files{"common.clh",        "tile.clh",   "dynamics.clh",
-                                   "rollout_tiles.clh", "rollout.cl", "rollout_backward.cl"};
+  const bool gpu = uses_gpu_kernel(runtime, a);
+  const auto files = gpu ? Files{"common.clh", "dynamics.clh", "rollout_gpu.clh", "rollout_gpu.cl",
+                                 "rollout_gpu_backward.cl"}
+                         : Files{"common.clh",         "cpu_tile.clh", "dynamics.clh",
+                                 "rollout_output.clh", "rollout.cl",   "rollout_backward.cl"};
   const Defines defines{{"HIDDEN", std::to_string(a.hidden)},
                         {"STATE", std::to_string(a.state)},
                         {"ACTIVATION", kernel_name_of(a.activation)},
-                        {"ACTIVATION_LANES", lanes ? "4" : "16"}};
-  Launch launch(runtime.kernel(files, (lanes ? "rollout_lanes" : "rollout") + pass, defines),
-                range((a.sequences + 3) / 4), arguments...);
-  return lanes ? std::move(launch).in_groups_of(lanes_group) : launch;
+                        {"ACTIVATION_LANES", gpu ? "4" : "16"}};
+  Launch launch(runtime.kernel(files, (gpu ? "rollout_gpu" : "rollout") + pass, defines),
+                range(ceil_div(a.sequences, 4)), arguments...);
+  return gpu ? std::move(launch).with_local_size(gpu_work_group_size) : launch;
 }
 
 /// Multiply-adds of one step of one sequence: the two hidden layers and the padded output.
@@ -48,8 +51,8 @@ Launch rollout(Runtime& runtime, const RolloutArrays& a) {
   return rollout_launch(runtime, a, "", a.states, a.first.buffer, a.first.at, a.first.row,
                         a.parameters, a.b2_at, a.w1, a.w2, a.w3, a.b3, a.h1, a.h2,
                         sums ? a.sum1 : a.h1, sums ? a.sum2 : a.h2, a.spread, a.sequences, a.steps)
-      .costing(rows * flops_a_row(a), bytes_moved(a, rows))
-      .serving(Purpose::rollout);
+      .with_cost(rows * flops_a_row(a), bytes_moved(a, rows))
+      .with_purpose(Purpose::rollout);
 }
 
 Launch rollout_backward(Runtime& runtime, const RolloutArrays& a, const RolloutGradients& g) {
@@ -58,8 +61,8 @@ Launch rollout_backward(Runtime& runtime, const RolloutArrays& a, const RolloutG
   return rollout_launch(runtime, a, "_backward", g.grad_state, g.grad_spread, a.spread,
                         sums ? a.sum1 : a.h1, sums ? a.sum2 : a.h2, a.parameters, a.w2_at, a.w3_at,
                         g.w1, g.d_out, g.d_h1, g.d_h2, a.sequences, a.steps)
-      .costing(rows * flops_a_row(a), bytes_moved(a, rows))
-      .serving(Purpose::rollout);
+      .with_cost(rows * flops_a_row(a), bytes_moved(a, rows))
+      .with_purpose(Purpose::rollout);
 }
 
 }  // namespace touchtrace

@@ -8,8 +8,8 @@ Launch state_loss(Runtime& runtime, const StateLossArrays& a) {
   const double values = 16.0 * a.sequences * a.steps;
   return Launch(kernel, range(a.sequences * a.steps), a.states, a.spread, a.target, a.weight,
                 a.sequences, a.band_quantile, a.row_loss, a.grad_state, a.grad_spread)
-      .costing(24.0 * values, 20.0 * values)
-      .serving(Purpose::loss);
+      .with_cost(24.0 * values, 20.0 * values)
+      .with_purpose(Purpose::loss);
 }
 
 }  // namespace touchtrace

@@ -8,14 +8,14 @@
 namespace touchtrace {
 namespace {
 
-constexpr const char* remedy = "use a model that touchtrace train wrote";
+constexpr const char* hint = "use a model that touchtrace train wrote";
 
 nlohmann::json parse_metadata(const TensorFile& file, const char* key) {
   const auto found = file.metadata.find(key);
   auto json =
       nlohmann::json::parse(found == file.metadata.end() ? "" : found->second, nullptr, false);
   if (json.is_discarded())
-    throw data_error(fmt::format("the model has no valid '{}' among its metadata", key), remedy);
+    throw data_error(fmt::format("the model has no valid '{}' among its metadata", key), hint);
   return json;
 }
 
@@ -23,7 +23,7 @@ ModelSpec spec_of(const TensorFile& file) {
   try {
     return parse_metadata(file, "spec").get<ModelSpec>();
   } catch (const nlohmann::json::exception&) {
-    throw data_error("the model's specification is not one", remedy);
+    throw data_error("the model's specification is not one", hint);
   }
 }
 

@@ -2,12 +2,6 @@
 
 namespace touchtrace {
 
-std::vector<float> normal_floats(std::size_t size, RandomStream& random) {
-  std::vector<float> values(size);
-  for (float& value : values) value = static_cast<float>(random.normal());
-  return values;
-}
-
 std::vector<float> noise_stream(const ModelSpec& spec, int frames, RandomStream& random) {
   return normal_floats(std::size_t(frames) * spec.rows * spec.cols, random);
 }

@@ -9,8 +9,6 @@ namespace touchtrace {
 
 // Streams and batches of noise, for figures and tests.
 
-std::vector<float> normal_floats(std::size_t size, RandomStream& random);
-
 /// [frames, rows, cols]
 std::vector<float> noise_stream(const ModelSpec& spec, int frames, RandomStream& random);
 

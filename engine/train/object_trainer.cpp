@@ -6,7 +6,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/random.h"
-#include "engine/cl/watch.h"
+#include "engine/cl/launch_inspection.h"
 #include "engine/model/object_model.h"
 #include "engine/ops/adam.h"
 #include "engine/train/schedule.h"
@@ -66,7 +66,7 @@ struct ObjectTrainer::Plan {
     if (!std::isfinite(loss) || !std::isfinite(norm))
       throw failure(fmt::format("update {} of the object encoder is not finite, first what {} "
                                 "computes",
-                                updates + 1, first_not_finite(runtime, [&] { pass(); })),
+                                updates + 1, first_non_finite_kernel(runtime, [&] { pass(); })),
                     "lower --learning-rate, or look for extreme values in the tactile frames");
     ++updates;
     return loss;

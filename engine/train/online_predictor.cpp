@@ -53,25 +53,25 @@ struct OnlinePredictor::Plan {
     check("frame", frame.size(), frame_size());
     if (!file.spec.touch) return;
     make_room();
-    runtime.queue_write(stream, frame, ++slot * frame_size());
+    runtime.enqueue_write(stream, frame, ++slot * frame_size());
   }
 
   /// For the next frame, behind those of its window.
   void make_room() {
     if (slot + 1 < slots()) return;
-    runtime.queue_copy(stream, (slots() - shared_frames()) * frame_size(), 0,
-                       shared_frames() * frame_size());
+    runtime.enqueue_copy(stream, (slots() - shared_frames()) * frame_size(), 0,
+                         shared_frames() * frame_size());
     slot = shared_frames() - 1;
   }
 
   /// The window that ends at a slot.
   void queue_window(std::int32_t last_slot) {
     last_frame = last_slot;
-    runtime.queue_write(model->input().last_frame, std::span(&last_frame, 1));
+    runtime.enqueue_write(model->input().last_frame, std::span(&last_frame, 1));
   }
 
   void queue_state() {
-    if (!std::exchange(state_queued, true)) runtime.queue_write(model->states(), state);
+    if (!std::exchange(state_queued, true)) runtime.enqueue_write(model->states(), state);
   }
 
   void work_ahead() {

@@ -13,6 +13,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/integer_math.h"
 
 namespace touchtrace {
 namespace {
@@ -139,7 +140,7 @@ void write_safetensors(const std::filesystem::path& path, const TensorFile& file
         {"dtype", "F32"}, {"shape", tensor.shape}, {"data_offsets", {begin, data.size()}}};
   }
   std::string text = header.dump();
-  text.resize((text.size() + length_bytes - 1) / length_bytes * length_bytes, ' ');
+  text.resize(round_up(text.size(), length_bytes), ' ');
   const std::uint64_t header_bytes = text.size();
   write_file(path,
              std::string(reinterpret_cast<const char*>(&header_bytes), length_bytes) + text + data,
@@ -154,7 +155,7 @@ TensorFile read_safetensors(const std::filesystem::path& path) {
     throw data_error(path.string() + ": its header is not that of a safetensors file",
                      "use a file that touchtrace train wrote, or write it again");
   } catch (const Error& error) {
-    throw data_error(fmt::format("{}: {}", path.string(), error.what()), error.remedy());
+    throw data_error(fmt::format("{}: {}", path.string(), error.what()), error.hint());
   }
 }
 

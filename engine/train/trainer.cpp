@@ -8,7 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/random.h"
-#include "engine/cl/watch.h"
+#include "engine/cl/launch_inspection.h"
 #include "engine/model/model.h"
 #include "engine/ops/adam.h"
 #include "engine/train/batch_rows.h"
@@ -117,7 +117,7 @@ struct Trainer::Plan {
     if (const auto part = not_finite_part(batch); !part.empty()) return part + " are";
     if (!all_finite(runtime.download(model.weights().values))) return "the weights are";
     if (stream.size() > 0 && !all_finite(runtime.download(stream))) return "the tactile frames are";
-    const auto name = first_not_finite(runtime, [&] { pass(); });
+    const auto name = first_non_finite_kernel(runtime, [&] { pass(); });
     return name.empty() ? "the gradient's norm is" : fmt::format("what {} computes is", name);
   }
 };

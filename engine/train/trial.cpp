@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "engine/base/error.h"
+#include "engine/cl/launch_inspection.h"
 #include "engine/cl/timing.h"
-#include "engine/cl/watch.h"
 
 namespace touchtrace {
 
@@ -34,7 +34,7 @@ std::optional<Trial> unless_refused(bool first, const std::function<std::optiona
 std::vector<TrialTime> compare(Runtime& runtime, const std::vector<Trial>& trials) {
   std::vector<std::function<void()>> enqueues;
   for (const auto& trial : trials) enqueues.push_back(trial.enqueue);
-  const auto turns = seconds_in_turns(runtime, enqueues);
+  const auto turns = interleaved_seconds(runtime, enqueues);
   std::vector<TrialTime> times;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     std::vector<double> seconds, ratios;
@@ -42,7 +42,7 @@ std::vector<TrialTime> compare(Runtime& runtime, const std::vector<Trial>& trial
       seconds.push_back(turn[i] * trials[i].waiting);
       ratios.push_back(seconds.back() / (turn[0] * trials[0].waiting));
     }
-    times.push_back({1e3 * median_of(seconds), median_of(ratios)});
+    times.push_back({1e3 * median(seconds), median(ratios)});
   }
   return times;
 }

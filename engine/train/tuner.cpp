@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "engine/base/integer_math.h"
 #include "engine/base/progress.h"
 #include "engine/cl/timing.h"
 #include "engine/model/touch_encoder.h"
@@ -41,9 +42,9 @@ int usual_part(const TactileEncoderShape& encoder) {
 
 /// Half and twice the usual one, which tuned layers still serve, and parts of equal size.
 std::vector<int> part_candidates(const TactileEncoderShape& encoder) {
-  const int usual = usual_part(encoder), parts = (encoder.windows.windows + usual - 1) / usual;
+  const int usual = usual_part(encoder), parts = ceil_div(encoder.windows.windows, usual);
   std::vector<int> sizes{usual};
-  for (const int size : {usual / 2, (encoder.windows.windows + parts - 1) / parts, 2 * usual})
+  for (const int size : {usual / 2, ceil_div(encoder.windows.windows, parts), 2 * usual})
     if (size >= 8 && size < encoder.windows.windows && std::ranges::count(sizes, size) == 0)
       sizes.push_back(size);
   return sizes;
@@ -96,7 +97,7 @@ class Tuner {
   }
 
   void tune_layers(const TactileEncoderShape& encoder, int part) {
-    const int parts = std::min((encoder.windows.windows + part - 1) / part, most_parts);
+    const int parts = std::min(ceil_div(encoder.windows.windows, part), most_parts);
     for (const auto& layer : encoder.of_windows(part).layers())
       if (!is_known(tuning_, layer)) keep(tuned_layer(layer, parts), layer_ways);
   }
@@ -224,9 +225,9 @@ TunedTimes update_times(Runtime& runtime, const ModelSpec& spec, int sequences, 
       by_choices(runtime, spec, sequences, steps, tuning);
   std::vector<double> usual, chosen;
   for (const auto& turn :
-       seconds_in_turns(runtime, {[&] { by_rules.update(); }, [&] { by_choices.update(); }}))
+       interleaved_seconds(runtime, {[&] { by_rules.update(); }, [&] { by_choices.update(); }}))
     usual.push_back(1e3 * turn[0]), chosen.push_back(1e3 * turn[1]);
-  return {median_of(usual), median_of(chosen)};
+  return {median(usual), median(chosen)};
 }
 
 }  // namespace touchtrace

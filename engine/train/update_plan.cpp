@@ -4,8 +4,8 @@
 
 #include "engine/base/progress.h"
 #include "engine/base/provenance.h"
+#include "engine/cl/launch_inspection.h"
 #include "engine/cl/timing.h"
-#include "engine/cl/watch.h"
 #include "engine/train/noise_training.h"
 
 namespace touchtrace {
@@ -57,7 +57,7 @@ class Turns {
         progress.advance();
       }
   }
-  double median(std::size_t call) const { return median_of(seconds_[call]); }
+  double median(std::size_t call) const { return touchtrace::median(seconds_[call]); }
 
  private:
   Runtime& runtime_;
@@ -82,7 +82,7 @@ MeasuredUpdate measure_update(Runtime& runtime, const ModelSpec& spec, int seque
   NoiseTraining training(runtime, spec, sequences, steps, tuning, live,
                          {.learning_rate = 0.0, .weight_decay = 0.0});
   const auto launches = launches_of(runtime, training);
-  const auto peak = peak_work(runtime);
+  const auto peak = peak_benchmark(runtime);
   std::vector<double> wall, cpu;
   Turns measured(runtime);
   measured.add([&] { peak.launch.enqueue(runtime); }, 0.02);
@@ -97,11 +97,11 @@ MeasuredUpdate measure_update(Runtime& runtime, const ModelSpec& spec, int seque
   for (const auto& launch : launches) measured.add([&] { launch.enqueue(runtime); }, 4e-3);
   measured.run(turns);
   const auto in_place = seconds_in_place(runtime, training, turns);
-  MeasuredUpdate result{{}, peak.flops / measured.median(0), median_of(wall), median_of(cpu)};
+  MeasuredUpdate result{{}, peak.flops / measured.median(0), median(wall), median(cpu)};
   for (std::size_t i = 0; i < launches.size(); ++i) {
     std::vector<double> seconds;
     for (const auto& update : in_place) seconds.push_back(update[i]);
-    result.launches.push_back({planned(launches[i]), measured.median(i + 2), median_of(seconds)});
+    result.launches.push_back({planned(launches[i]), measured.median(i + 2), median(seconds)});
   }
   return result;
 }

@@ -136,7 +136,7 @@ ExitCode dispatch(const Program& program, int argc, const char* const* argv) {
     compile_from_stdin();
     return ExitCode::done;
   }
-  offer_compiler_process({compile_kernels});
+  register_compiler_arguments({compile_kernels});
   CLI::App root{program.summary, program.name};
   root.footer(exit_codes);
   root.set_version_flag("--version", version);
@@ -154,9 +154,9 @@ ExitCode dispatch(const Program& program, int argc, const char* const* argv) {
   return ExitCode::usage;
 }
 
-int report(ExitCode code, const std::string& problem, const std::string& remedy) {
+int report(ExitCode code, const std::string& problem, const std::string& hint) {
   fmt::print(stderr, "touchtrace: {}\n", problem);
-  if (!remedy.empty()) fmt::print(stderr, "  what to do: {}\n", remedy);
+  if (!hint.empty()) fmt::print(stderr, "  hint: {}\n", hint);
   return static_cast<int>(code);
 }
 
@@ -170,7 +170,7 @@ int run_command_line(const Program& program, int argc, const char* const* argv) 
       throw failure("standard output cannot be written", "check the disk");
     return static_cast<int>(code);
   } catch (const Error& error) {
-    return report(error.code(), error.what(), error.remedy());
+    return report(error.code(), error.what(), error.hint());
   } catch (const std::bad_alloc&) {
     return report(ExitCode::failed, "out of memory", "use fewer or smaller inputs");
   } catch (const std::exception& error) {

@@ -101,7 +101,7 @@ std::vector<scene::ObjectSpec> objects_of(const std::string& name, const std::st
 
 std::vector<std::string> object_names(const SimulateOptions& options) {
   if (options.object.empty()) return {scene::default_object(options.scene.activity).name};
-  return separated(options.object, ',');
+  return split_text(options.object, ',');
 }
 
 Provenance provenance_of(const scene::SceneOptions& scene, const Invocation& invocation,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/base/integer_math.h"
+
 namespace touchtrace::label {
 namespace {
 
@@ -39,7 +41,7 @@ Foreground::Foreground(const std::vector<std::uint16_t>& depth,
       limit_(limit),
       width_(static_cast<std::size_t>(width)),
       columns_(width_),
-      clean_((width_ + block - 1) / block * block) {
+      clean_(round_up(width_, block)) {
   for (auto& row : before_) row.resize(width_);
 }
 

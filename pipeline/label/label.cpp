@@ -69,7 +69,7 @@ std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& fr
   });
   const OpenCvThreads one_thread_per_clip(1);
   const std::size_t helpers = thread_count(options.threads);
-  for_each_index(clips.size() + helpers, options.threads, [&](std::size_t i) {
+  parallel_for(clips.size() + helpers, options.threads, [&](std::size_t i) {
     if (i >= clips.size()) return ahead.help();
     FramesAhead::Reader reader(ahead, i);
     if (clips[i].count > 0)

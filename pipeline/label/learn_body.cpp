@@ -55,7 +55,7 @@ BodyFit fit_view(const BodyView& view, const RoundedBody& body, const Eigen::Iso
 Learnt fitted(const Evidence& evidence, const Guess& guess) {
   const auto& [body, poses] = guess;
   Learnt learnt{body, std::vector<BodyFit>(evidence.views.size())};
-  for_each_index(evidence.views.size(), evidence.threads, [&](std::size_t i) {
+  parallel_for(evidence.views.size(), evidence.threads, [&](std::size_t i) {
     learnt.fits[i] = fit_view(evidence.views[i], guess.body, poses.empty() ? nullptr : &poses[i]);
   });
   learnt.cost_m2 = 0.5 * (evidence.compactness() * body.half_extents_m()).squaredNorm();
@@ -115,7 +115,7 @@ Learnt best_of_searches(const Evidence& evidence, Progress& progress) {
   std::vector<Search> searches(starts.size());
   for (int round = 0; round < rounds; ++round) {
     // each on all threads: those of searches that are done help with the last
-    for_each_index(searches.size(), evidence.threads, [&](std::size_t i) {
+    parallel_for(searches.size(), evidence.threads, [&](std::size_t i) {
       if (round == 0) searches[i] = begin(starts[i], evidence);
       searches[i].go_on(evidence, progress);
     });

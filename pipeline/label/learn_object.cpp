@@ -9,6 +9,7 @@
 
 #include "calib/rgbd/statistics.h"
 #include "engine/base/error.h"
+#include "engine/base/integer_math.h"
 #include "engine/base/parallel.h"
 #include "pipeline/label/marked_sides.h"
 
@@ -159,7 +160,7 @@ double shown_of(const SceneModel& model, const RgbdFrame& frame, const Patch& pa
 /// At most so many, spread evenly.
 std::vector<const Sighting*> spread(const std::vector<const Sighting*>& sightings,
                                     std::size_t most) {
-  const std::size_t stride = (sightings.size() + most - 1) / most;
+  const std::size_t stride = ceil_div(sightings.size(), most);
   std::vector<const Sighting*> some;
   for (std::size_t i = 0; i < sightings.size(); i += stride) some.push_back(sightings[i]);
   return some;
@@ -186,7 +187,7 @@ ObjectShape object_shape(const SceneModel& model, const FrameSource& frames,
   const auto some = some_of(sightings);
   std::vector<BodyView> views(some.size());
   std::vector<double> parts(views.size());
-  for_each_index(views.size(), threads, [&](std::size_t i) {
+  parallel_for(views.size(), threads, [&](std::size_t i) {
     const auto& [index, patch, marked] = *some[i];
     const auto frame = frames.camera_frame(index);
     parts[i] = shown_of(model, frame, patch, boxed.radius_m);

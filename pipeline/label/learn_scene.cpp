@@ -19,8 +19,8 @@ constexpr std::size_t most_background = 15, frames_per_clip = 8;
 std::vector<std::vector<std::uint16_t>> background_depths(const FrameSource& frames, int threads) {
   std::vector<std::vector<std::uint16_t>> depths(
       std::min(most_background, frames.background_frames));
-  for_each_index(depths.size(), threads,
-                 [&](std::size_t i) { depths[i] = frames.background(i).depth; });
+  parallel_for(depths.size(), threads,
+               [&](std::size_t i) { depths[i] = frames.background(i).depth; });
   return depths;
 }
 
@@ -68,7 +68,7 @@ std::vector<SampledFrame> sample(const SceneModel& model, const FrameSource& fra
   std::vector<SampledFrame> samples;
   for (const auto& clip : clips)
     for (const auto index : sampled_frames(clip)) samples.push_back({&clip, index, {}});
-  for_each_index(samples.size(), threads, [&](std::size_t i) {
+  parallel_for(samples.size(), threads, [&](std::size_t i) {
     throw_if_interrupted();
     samples[i].surface = model.segmenter.moving_surface(frames.camera_frame(samples[i].index));
   });

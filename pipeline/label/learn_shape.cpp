@@ -45,8 +45,8 @@ std::vector<BodyView> smooth_in(std::vector<BodyView> views) {
 std::vector<double> fit_costs(const std::vector<BodyView>& views,
                               const std::vector<double>& radii_m, int threads) {
   std::vector<double> costs(radii_m.size());
-  for_each_index(radii_m.size(), threads,
-                 [&](std::size_t i) { costs[i] = fit_cost(views, radii_m[i]); });
+  parallel_for(radii_m.size(), threads,
+               [&](std::size_t i) { costs[i] = fit_cost(views, radii_m[i]); });
   return costs;
 }
 
@@ -104,8 +104,7 @@ Distances from_body(const BodyView& view, const RoundedBody& body) {
 template <class DistancesOf>
 double deviation(const std::vector<BodyView>& views, int threads, DistancesOf&& distances_of) {
   std::vector<Distances> of_views(views.size());
-  for_each_index(views.size(), threads,
-                 [&](std::size_t i) { of_views[i] = distances_of(views[i]); });
+  parallel_for(views.size(), threads, [&](std::size_t i) { of_views[i] = distances_of(views[i]); });
   Distances all;
   for (const auto& some : of_views) all.insert(all.end(), some.begin(), some.end());
   return robust_sigma(std::move(all));

@@ -135,7 +135,7 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
   else
     of_object.release_s = hand_opens_s;
   SmoothedBodies bodies;
-  for_each_index(2, threads, [&](std::size_t body) {
+  parallel_for(2, threads, [&](std::size_t body) {
     if (body == 0)
       bodies.object = smooth(object, flights, of_object);
     else

@@ -50,7 +50,7 @@ std::string message_of(const std::function<void()>& read) {
     read();
     return {static_cast<char>(Outcome::success)};
   } catch (const Error& error) {
-    return static_cast<char>(Outcome::error) + std::string(error.what()) + '\0' + error.remedy();
+    return static_cast<char>(Outcome::error) + std::string(error.what()) + '\0' + error.hint();
   } catch (const std::bad_alloc&) {
     return static_cast<char>(Outcome::error) +
            std::string("reading the file needs too much memory") + '\0' + damaged_hint;

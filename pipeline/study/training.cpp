@@ -114,7 +114,7 @@ class TrainingRun {
         throw Error(error.code(), error.what(),
                     fmt::format("{}; the checkpoint {} is whole: the same command with --resume "
                                 "goes on from it",
-                                error.remedy(), checkpoint_.path().string()));
+                                error.hint(), checkpoint_.path().string()));
       throw;
     }
     return finish(overwrite);

@@ -16,8 +16,7 @@ void expect_failure(const std::string& arguments, int exit_code, const std::stri
   const auto result = run_program(arguments);
   EXPECT_EQ(result.exit_code, exit_code) << arguments << "\n" << result.output;
   EXPECT_NE(result.output.find(says), std::string::npos) << arguments << "\n" << result.output;
-  EXPECT_NE(result.output.find("what to do:"), std::string::npos) << arguments << "\n"
-                                                                  << result.output;
+  EXPECT_NE(result.output.find("hint:"), std::string::npos) << arguments << "\n" << result.output;
 }
 
 /// The commands as --help lists them.
@@ -56,7 +55,7 @@ TEST(CommandLine, UnknownNamesAreErrorsThatSuggest) {
   expect_failure("simulate --activty wave x.h5", 2, "did you mean 'activity'");
   expect_failure("simulate --activity wav out.h5", 2, "did you mean 'wave'");
   expect_failure("simulate --object bal out.h5", 2, "did you mean 'ball'");
-  expect_failure("devices --device no-such-device", 4, "no OpenCL device fits");
+  expect_failure("devices --device no-such-device", 4, "no OpenCL device matches");
 }
 
 TEST(CommandLine, ConfigurationFileIsChecked) {

@@ -64,7 +64,7 @@ TEST_F(Tune, SaysWhereItCannotKeepAnything) {
   std::ofstream(cache_ / "touchtrace") << "not a folder";
   const auto result = run("tune");
   EXPECT_EQ(result.exit_code, 1) << result.output;
-  EXPECT_NE(result.output.find("what to do:"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("hint:"), std::string::npos) << result.output;
 }
 
 }  // namespace

@@ -12,9 +12,11 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/integer_math.h"
 #include "engine/base/options.h"
 #include "engine/base/provenance.h"
 #include "engine/base/random.h"
+#include "engine/base/statistics.h"
 #include "engine/base/text.h"
 #include "tests/support/scratch.h"
 #include "tests/verify/support/figure.h"
@@ -24,8 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The known answers that Random123 ships (kat_vectors).
-TEST(Random, PhiloxKnownAnswers) {
+// Known answers of Random123 (kat_vectors).
+TEST(Random, PhiloxMatchesKnownAnswers) {
   using Block = std::array<std::uint32_t, 4>;
   EXPECT_EQ(philox4x32({0, 0, 0, 0}, {0, 0}),
             (Block{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
@@ -36,7 +38,7 @@ TEST(Random, PhiloxKnownAnswers) {
             (Block{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
 }
 
-TEST(Random, StreamsDifferByNameAndSeedAndCanBeSought) {
+TEST(Random, StreamsDifferByNameAndSeedAndSupportSeek) {
   RandomStream a(7, "a"), b(7, "b"), c(8, "a");
   EXPECT_NE(a.uniform_at(0), b.uniform_at(0));
   EXPECT_NE(a.uniform_at(0), c.uniform_at(0));
@@ -46,8 +48,8 @@ TEST(Random, StreamsDifferByNameAndSeedAndCanBeSought) {
   EXPECT_EQ(a.normal(), sixth);
 }
 
-// Bounds are five standard errors of each moment at n draws.
-TEST(Random, NormalMomentsAndUniformRange) {
+// Bounds: five standard errors of each moment with n draws.
+TEST(Random, NormalMomentsAndUniformRangeAreCorrect) {
   constexpr int n = 200000;
   RandomStream stream(1, "moments");
   double sum = 0, squares = 0, fourth = 0, low = 1, high = 0;
@@ -71,7 +73,21 @@ TEST(Random, BelowIsUnbiased) {
   for (int count : seen) EXPECT_LT(std::abs(count - n / 3), 5 * std::sqrt(n * 2.0 / 9.0));
 }
 
-TEST(Text, NearestName) {
+TEST(IntegerMath, RoundsUp) {
+  EXPECT_EQ(ceil_div(0, 4), 0);
+  EXPECT_EQ(ceil_div(8, 4), 2);
+  EXPECT_EQ(ceil_div(9, 4), 3);
+  EXPECT_EQ(round_up(9, 4), 12);
+  EXPECT_EQ(round_up(std::size_t{8}, std::size_t{8}), 8u);
+}
+
+TEST(Median, IsTheMiddleOrUpperMiddleValue) {
+  EXPECT_EQ(median({3, 1, 2}), 2);
+  EXPECT_EQ(median({4, 1, 3, 2}), 3);
+  EXPECT_TRUE(std::isnan(median({})));
+}
+
+TEST(Text, NearestNameIsFoundUnlessTooFar) {
   const std::vector<std::string> names{"wave", "throw", "pingpong"};
   EXPECT_EQ(nearest_name("wav", names), "wave");
   EXPECT_EQ(nearest_name("trhow", names), "throw");
@@ -87,24 +103,24 @@ struct SomeOptions {
 
 OptionSet describe(SomeOptions& o) {
   OptionSet set;
-  set.integer("count", o.count, "how many", 1, 10);
-  set.number("rate-hz", o.rate_hz, "how often", 0.1, 100);
-  set.choice("kind", o.kind, "which", {"a", "b"});
-  set.path("output", o.output, "where");
+  set.integer("count", o.count, "number of samples", 1, 10);
+  set.number("rate-hz", o.rate_hz, "sampling rate [Hz]", 0.1, 100);
+  set.choice("kind", o.kind, "kind of sample", {"a", "b"});
+  set.path("output", o.output, "output file");
   return set;
 }
 
 void expect_usage_error(SomeOptions options) {
   try {
     describe(options).validate();
-    FAIL() << "was accepted";
+    FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::usage);
-    EXPECT_FALSE(error.remedy().empty());
+    EXPECT_FALSE(error.hint().empty());
   }
 }
 
-TEST(Options, AreValidatedAndListed) {
+TEST(Options, InvalidValuesAreUsageErrors) {
   SomeOptions good{3, 15, "a", "x"};
   const OptionSet set = describe(good);
   EXPECT_NO_THROW(set.validate());
@@ -115,7 +131,7 @@ TEST(Options, AreValidatedAndListed) {
   expect_usage_error({3, 15, "a", ""});
 }
 
-TEST(Figures, NaNNeverHolds) {
+TEST(Figures, NaNNeverPasses) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(at_most("x", nan, "", 1).passes());
   EXPECT_FALSE(reported("x", nan, "").passes());
@@ -133,18 +149,18 @@ class Files : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(Files, OutputAppearsWholeOrNotAtAll) {
+TEST_F(Files, OutputIsWrittenAtomically) {
   {
     OutputFile output(folder_ / "a", false);
     std::ofstream(output.temporary()) << "half";
   }
-  EXPECT_FALSE(fs::exists(folder_));  // made for the output, and gone with it
+  EXPECT_FALSE(fs::exists(folder_));  // created for the output, removed without commit()
   write_file(folder_ / "a", "whole", false);
   EXPECT_EQ(read_file(folder_ / "a"), "whole");
   EXPECT_EQ(entries(), 1u);
 }
 
-TEST_F(Files, WhatAKilledProcessLeftIsRemovedByTheNext) {
+TEST_F(Files, TemporaryFilesOfKilledProcessesAreRemoved) {
   write_file(folder_ / "a", "first", false);
   const pid_t child = fork();
   if (child == 0) {
@@ -156,12 +172,12 @@ TEST_F(Files, WhatAKilledProcessLeftIsRemovedByTheNext) {
   EXPECT_EQ(entries(), 2u);
   EXPECT_EQ(read_file(folder_ / "a"), "first");
   OutputFile other(folder_ / "a", true);
-  std::ofstream(other.temporary()) << "another's, which is alive";
+  std::ofstream(other.temporary()) << "of a running process";
   write_file(folder_ / "b", "whole", false);
-  EXPECT_EQ(entries(), 3u) << "a, b and the file that is being written";
+  EXPECT_EQ(entries(), 3u) << "a, b and the temporary file";
 }
 
-TEST_F(Files, ExistingOutputIsKeptUnlessAskedFor) {
+TEST_F(Files, ExistingOutputIsOnlyReplacedWithOverwrite) {
   write_file(folder_ / "a", "first", false);
   EXPECT_THROW(write_file(folder_ / "a", "second", false), Error);
   EXPECT_EQ(read_file(folder_ / "a"), "first");
@@ -169,13 +185,13 @@ TEST_F(Files, ExistingOutputIsKeptUnlessAskedFor) {
   EXPECT_EQ(read_file(folder_ / "a"), "second");
 }
 
-TEST_F(Files, Sha256OfAbc) {
+TEST_F(Files, Sha256MatchesKnownAnswer) {
   write_file(folder_ / "abc", "abc", false);
   EXPECT_EQ(sha256_of_file(folder_ / "abc"),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
-TEST(ProvenanceJson, RoundTrip) {
+TEST(ProvenanceJson, RoundTripsAndFindsInputsByFileName) {
   Provenance made = start_provenance("touchtrace/test/1", "test");
   made.inputs.push_back({"/data/wave.h5", "0123"});
   made.options = {{"count", 3}};

@@ -16,7 +16,7 @@
 namespace touchtrace {
 namespace {
 
-/// The error that `call` throws; fails the test if it throws none.
+/// Error that `call` throws; fails the test if it does not throw.
 template <class Call>
 Error error_of(Call call) {
   try {
@@ -24,7 +24,7 @@ Error error_of(Call call) {
   } catch (const Error& error) {
     return error;
   }
-  ADD_FAILURE() << "nothing was thrown";
+  ADD_FAILURE() << "no error";
   return failure("", "");
 }
 
@@ -32,7 +32,7 @@ bool mentions(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(Device, IsChosenByNumberTypeOrPartOfItsName) {
+TEST(Device, IsSelectedByNumberTypeOrPartOfItsName) {
   const auto devices = list_devices();
   ASSERT_FALSE(devices.empty());
   const auto& last = devices.back();
@@ -41,24 +41,24 @@ TEST(Device, IsChosenByNumberTypeOrPartOfItsName) {
   EXPECT_EQ(choose_device(last.name.substr(1, 6)).info.name, last.name);
 }
 
-TEST(Device, ThatDoesNotExistIsAnErrorWithAList) {
+TEST(Device, UnknownSelectorIsAnErrorThatListsTheDevices) {
   const auto error = error_of([] { choose_device("abacus"); });
   EXPECT_EQ(error.code(), ExitCode::no_device);
-  EXPECT_TRUE(mentions(error.remedy(), list_devices().front().name)) << error.remedy();
+  EXPECT_TRUE(mentions(error.hint(), list_devices().front().name)) << error.hint();
 }
 
-TEST(SelfTest, TakesNoWrongValueNoNanAndNoFault) {
+TEST(SelfTest, FailsOnErrorsNanAndFaults) {
   OperationResult result;
   EXPECT_TRUE(result.holds());
   result.output_error = 1.01 * output_error_bound;
   EXPECT_FALSE(result.holds());
   result.output_error = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(result.holds());
-  result.output_error = 0.0, result.fault = "it burns";
+  result.output_error = 0.0, result.fault = "crashed";
   EXPECT_FALSE(result.holds());
 }
 
-/// An operation y = x whose kernel errs by `error` in one value.
+/// Operation y = x with an error of `error` in one value.
 OperationCase identity_off_by(double error) {
   OperationCase c;
   c.shape = "identity";
@@ -72,7 +72,7 @@ OperationCase identity_off_by(double error) {
   return c;
 }
 
-TEST(OperationCheck, FindsOneWrongValue) {
+TEST(OperationCheck, DetectsOneWrongValue) {
   Runtime runtime(choose_device(""));
   const auto inputs = draw_inputs(identity_off_by(0), 1);
   EXPECT_EQ(output_error(runtime, identity_off_by(0), inputs), 0.0);
@@ -80,29 +80,29 @@ TEST(OperationCheck, FindsOneWrongValue) {
   EXPECT_TRUE(std::isinf(output_error(runtime, identity_off_by(NAN), inputs)));
 }
 
-TEST(Runtime, SideQueueRunsBehindTheForkAndBeforeTheJoin) {
+TEST(Runtime, SideQueueRunsAfterForkAndBeforeJoin) {
   constexpr std::size_t size = 1 << 16;
   Runtime runtime(choose_device(""));
   const auto values = runtime.allocate<float>(size), total = runtime.allocate<float>(1);
   const auto adding = sum(runtime, values, total);
-  for (int turn = 1; turn <= 20; ++turn) {
-    runtime.fill(values, static_cast<float>(turn));
+  for (int round = 1; round <= 20; ++round) {
+    runtime.fill(values, static_cast<float>(round));
     runtime.fork();
-    runtime.on_side([&] { adding.enqueue(runtime); });
+    runtime.on_side_queue([&] { adding.enqueue(runtime); });
     runtime.join();
-    EXPECT_EQ(runtime.download(total)[0], static_cast<float>(turn) * size);
+    EXPECT_EQ(runtime.download(total)[0], static_cast<float>(round) * size);
   }
 }
 
-TEST(Runtime, SaysHowMuchMemoryWasWantedAndWhatLowersIt) {
+TEST(Runtime, OutOfMemoryErrorNamesSizeAndOptions) {
   Runtime runtime(choose_device(""));
   const auto error = error_of([&] { runtime.allocate<float>(std::size_t{1} << 46); });
   EXPECT_EQ(error.code(), ExitCode::no_device);
   EXPECT_TRUE(mentions(error.what(), "268435456 MiB")) << error.what();
-  EXPECT_TRUE(mentions(error.remedy(), "--sequences")) << error.remedy();
+  EXPECT_TRUE(mentions(error.hint(), "--sequences")) << error.hint();
 }
 
-TEST(Runtime, SaysWhatTheMemoryWasWantedFor) {
+TEST(Runtime, OutOfMemoryErrorNamesTheModelSize) {
   Runtime runtime(choose_device(""));
   const auto error =
       error_of([&] { Model(runtime, ModelSpec{}, 4096, 200, Model::Use::training); });
@@ -111,9 +111,9 @@ TEST(Runtime, SaysWhatTheMemoryWasWantedFor) {
       << error.what();
 }
 
-TEST(Runtime, CountsMemoryUntilItIsFree) {
+TEST(Runtime, CountsMemoryUntilItIsReleased) {
   Runtime runtime(choose_device(""));
-  // a single buffer may be a quarter of all: OpenCL promises no more
+  // OpenCL guarantees single buffers of a quarter of the memory only
   const auto fifth = static_cast<std::size_t>(runtime.device().memory_bytes / 5);
   for (int i = 0; i < 6; ++i) EXPECT_NO_THROW(runtime.allocate<char>(fifth)) << i;
   std::vector<Buffer<char>> held;
@@ -121,14 +121,14 @@ TEST(Runtime, CountsMemoryUntilItIsFree) {
   EXPECT_THROW(runtime.allocate<char>(fifth + (1 << 20)), Error);
 }
 
-/// Pages of the address space of this process.
+/// Size of this process's address space [pages].
 long mapped_pages() {
   long pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   return pages;
 }
 
-TEST(Runtime, GivesMemoryBack) {
+TEST(Runtime, ReleasesMemory) {
   Runtime runtime(choose_device(""));
   constexpr std::size_t floats = 16u << 20;  // 64 MiB
   runtime.allocate<float>(floats);
@@ -137,7 +137,7 @@ TEST(Runtime, GivesMemoryBack) {
   EXPECT_LT((mapped_pages() - before) * sysconf(_SC_PAGESIZE), 3 * long(floats * sizeof(float)));
 }
 
-TEST(Runtime, ShowsDeviceOptionsAndLogOfAKernelThatDoesNotBuild) {
+TEST(Runtime, BuildErrorNamesKernelDefinesDeviceAndLog) {
   Runtime runtime(choose_device(""));
   const auto error = error_of([&] {
     runtime.create(
@@ -149,7 +149,7 @@ TEST(Runtime, ShowsDeviceOptionsAndLogOfAKernelThatDoesNotBuild) {
   EXPECT_TRUE(mentions(error.what(), runtime.device().name)) << error.what();
 }
 
-/// The sum of `values`, in their type.
+/// Sum of `values` in their own type.
 template <class T>
 Launch sum_in(Runtime& runtime, const char* type, const std::vector<T>& values,
               const Buffer<T>& total) {
@@ -157,18 +157,31 @@ Launch sum_in(Runtime& runtime, const char* type, const std::vector<T>& values,
                 runtime.upload<T>(values), static_cast<int>(values.size()), total);
 }
 
-TEST(Runtime, KeepsThePartsOfAProgramApart) {
+TEST(Runtime, ModulesOfAProgramHaveSeparateNamesAndMacros) {
   Runtime runtime(choose_device(""));
   const auto total = runtime.allocate<float>(1);
-  const auto fine_total = runtime.allocate<double>(1);
+  const auto double_total = runtime.allocate<double>(1);
   const auto sum = sum_in<float>(runtime, "float", {1.0f, 2.0f}, total);
-  const auto fine_sum = sum_in<double>(runtime, "double", {1.0, 0x1p-50}, fine_total);
-  sum.enqueue(runtime), fine_sum.enqueue(runtime);
+  const auto double_sum = sum_in<double>(runtime, "double", {1.0, 0x1p-50}, double_total);
+  sum.enqueue(runtime), double_sum.enqueue(runtime);
   EXPECT_EQ(runtime.download(total)[0], 3.0f);
-  EXPECT_EQ(runtime.download(fine_total)[0], 1.0 + 0x1p-50);
+  EXPECT_EQ(runtime.download(double_total)[0], 1.0 + 0x1p-50);
 }
 
-TEST(Runtime, BuildsWhatItWasAskedForTogether) {
+TEST(Runtime, FailedBuildDoesNotAffectOtherKernels) {
+  Runtime runtime(choose_device(""));
+  const auto broken =
+      runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak", {{"REAL", "nonsense"}});
+  const auto sum = runtime.kernel({"common.clh", "sum.cl"}, "sum");
+  EXPECT_NO_THROW(runtime.create(sum));
+  EXPECT_THROW(runtime.create(broken), Error);
+  const auto later = runtime.kernel({"common.clh", "adam.cl"}, "adam");
+  EXPECT_NO_THROW(runtime.create(later));
+  EXPECT_NO_THROW(runtime.create(sum));
+  EXPECT_THROW(runtime.create(broken), Error);
+}
+
+TEST(Runtime, BuildsRegisteredKernelsInOneProgram) {
   Runtime runtime(choose_device(""));
   const auto program_of = [&](const Kernel& kernel) {
     return runtime.create(kernel).getInfo<CL_KERNEL_PROGRAM>();
@@ -180,18 +193,18 @@ TEST(Runtime, BuildsWhatItWasAskedForTogether) {
   EXPECT_EQ(program_of(norm)(), program_of(adam)());
 }
 
-TEST(CompilerProcess, LaunchesKernelsOnNothing) {
+TEST(CompilerProcess, LaunchesKernelsWithDummyArguments) {
   const auto number = choose_device("").info.number;
   const auto source =
-      joined_source({{{"common.clh", "adam.cl"}, {}},
-                     {{"common.clh", "tactile_window.cl"},
-                      {{"WINDOW", "10"}, {"ROWS", "32"}, {"COLS", "32"}, {"LANES", "16"}}}});
+      combined_source({{{"common.clh", "adam.cl"}, {}},
+                       {{"common.clh", "tactile_window.cl"},
+                        {{"WINDOW", "10"}, {"ROWS", "32"}, {"COLS", "32"}, {"LANES", "16"}}}});
   const std::vector<std::string> kernels{"squares__0", "norm__0", "adam__0", "tactile_window__1"};
   EXPECT_NO_THROW(compile_kernels({number, "-cl-kernel-arg-info", source, kernels}));
   EXPECT_THROW(compile_kernels({number, "-cl-kernel-arg-info", source, {"absent__0"}}), cl::Error);
 }
 
-TEST(Runtime, SaysWhichKernelADeviceRefuses) {
+TEST(Runtime, LaunchErrorNamesTheKernel) {
   Runtime runtime(choose_device(""));
   auto kernel = runtime.create(runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak"));
   const auto error = error_of([&] { runtime.launch(kernel, cl::NDRange(16), cl::NDRange(1)); });

@@ -25,7 +25,7 @@ std::vector<double> part(const std::vector<double>& flat, const Parameter& row) 
 }
 
 void expect_agreement(const ModelSpec& spec, const TaxelDropout& dropout,
-                      std::optional<Body> body = {}) {
+                      std::optional<KernelVariant> body = {}) {
   Runtime runtime(choose_device(""), Accuracy::fast, body);
   const auto result = compare_model(runtime, spec, 5, 20, dropout, 3);
   EXPECT_LE(result.loss_error(), 1e-5);
@@ -72,7 +72,7 @@ TEST(Model, LossAndGradientAgreeWithOtherConvolutions) {
 }
 
 TEST(Model, LossAndGradientAgreeWithTheKernelsForGpus) {
-  expect_agreement(small_spec(ObjectEncoder::joint), {0.3, 77}, Body::lanes);
+  expect_agreement(small_spec(ObjectEncoder::joint), {0.3, 77}, KernelVariant::gpu);
 }
 
 class ReferenceGradient : public ::testing::TestWithParam<ModelSpec> {};

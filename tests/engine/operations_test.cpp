@@ -30,10 +30,11 @@ class EveryOperation : public ::testing::TestWithParam<Operation> {
     const auto devices = list_devices();
     ASSERT_FALSE(devices.empty()) << "no OpenCL device: install pocl-opencl-icd";
     for (const auto& device : devices)
-      for (const auto body : bodies_of(GetParam(), device)) {
+      for (const auto body : supported_variants(GetParam(), device)) {
         Runtime runtime({device, "test"}, Accuracy::fast, body);
         for (const auto& operation : GetParam().cases) {
-          SCOPED_TRACE(device.name + (body == Body::lanes ? ", lanes: " : ": ") + operation.shape);
+          SCOPED_TRACE(device.name + (body == KernelVariant::gpu ? ", lanes: " : ": ") +
+                       operation.shape);
           check(runtime, operation);
         }
       }
@@ -58,7 +59,7 @@ TEST_P(EveryOperation, AgreesWithTheReferenceInExactModeToo) {
   const auto& operation = GetParam().cases.front();
   const auto inputs = draw_inputs(operation, test_seed(), gradient_kink_margin);
   for (const auto& device : list_devices())
-    for (const auto body : bodies_of(GetParam(), device)) {
+    for (const auto body : supported_variants(GetParam(), device)) {
       Runtime runtime({device, "test"}, Accuracy::exact, body);
       EXPECT_LE(output_error(runtime, operation, inputs), output_error_bound);
       if (!operation.backward) continue;
@@ -107,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(Table, EveryOperation, ::testing::ValuesIn(operations()
 
 // The row "winograd" would also pass with the direct method in its place.
 TEST(Conv2d, TakesWinogradsMethodWhereLocalMemoryHoldsTheImage) {
-  Runtime runtime(choose_device(""), Accuracy::fast, Body::vectors);
+  Runtime runtime(choose_device(""), Accuracy::fast, KernelVariant::cpu);
   const Conv2dShape shape{2, 32, 16, 16, 64, false};
   const auto weights = shape.weight_size();
   const auto conv = make_conv2d(

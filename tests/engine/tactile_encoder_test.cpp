@@ -20,9 +20,7 @@ constexpr int stream_frames = 40;
 
 std::vector<double> normal_floats(std::size_t size, const char* name) {
   RandomStream random(20, name);
-  std::vector<double> values(size);
-  for (auto& value : values) value = static_cast<float>(random.normal());
-  return values;
+  return touchtrace::normal_floats<double>(size, random);
 }
 
 double norm_of_difference(const std::vector<double>& a, const std::vector<double>& b) {

@@ -9,7 +9,7 @@
 #include "engine/base/files.h"
 #include "engine/check/operation_check.h"
 #include "engine/check/rows.h"
-#include "engine/cl/watch.h"
+#include "engine/cl/launch_inspection.h"
 #include "engine/ops/conv2d_candidates.h"
 #include "engine/ops/conv2d_methods.h"
 #include "engine/train/encoder_trials.h"

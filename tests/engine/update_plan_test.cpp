@@ -63,7 +63,7 @@ TEST(UpdatePlan, KnowsWhatEachProductIsFor) {
   EXPECT_EQ(products_for(Purpose::forward), 2);
   EXPECT_EQ(products_for(Purpose::data_gradient), 2);
   // Those two, the first layer towards states, the second, and the outputs' two halves.
-  EXPECT_EQ(products_for(Purpose::weights_gradient), 6);
+  EXPECT_EQ(products_for(Purpose::weight_gradient), 6);
 }
 
 TEST(UpdatePlan, LeavesOutWhatSeesNoLiveTaxel) {

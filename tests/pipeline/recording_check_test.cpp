@@ -30,7 +30,7 @@ std::string fault_of(const std::filesystem::path& path) {
     check_file(path, true);
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::data) << error.what();
-    EXPECT_FALSE(error.remedy().empty());
+    EXPECT_FALSE(error.hint().empty());
     return error.what();
   }
   ADD_FAILURE() << path << " was accepted";

@@ -65,7 +65,7 @@ TEST(SceneAssumptions, AWrongNameIsCorrected) {
     assumed({"glove-crosstalk=0.024"});
     FAIL();
   } catch (const Error& error) {
-    EXPECT_NE(error.remedy().find("'glove-cross-talk'"), std::string::npos) << error.remedy();
+    EXPECT_NE(error.hint().find("'glove-cross-talk'"), std::string::npos) << error.hint();
   }
 }
 

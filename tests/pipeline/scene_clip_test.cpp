@@ -40,7 +40,7 @@ TEST(SceneClip, UnknownNamesAreRefusedWithTheKnownOnes) {
   try {
     find_object("bal");
   } catch (const Error& error) {
-    EXPECT_NE(error.remedy().find("ball"), std::string::npos);
+    EXPECT_NE(error.hint().find("ball"), std::string::npos);
   }
 }
 
@@ -152,8 +152,8 @@ TEST(SceneClip, WhatNobodyThrowsIsRefusedWithWhatTheyDo) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::usage);
-    EXPECT_NE(error.remedy().find("egg"), std::string::npos);
-    EXPECT_EQ(error.remedy().find("hammer"), std::string::npos);
+    EXPECT_NE(error.hint().find("egg"), std::string::npos);
+    EXPECT_EQ(error.hint().find("hammer"), std::string::npos);
   }
 }
 

@@ -9,14 +9,15 @@
 
 namespace touchtrace::testing {
 
-/// The one comparator of numbers in all tests: |a - r| <= atol + k eps sqrt(n) scale, with eps of
-/// `T`'s precision, n the terms of the sum behind each value and scale the largest |r|. NaN never
-/// passes.
+/// Compares arrays: |a - r| <= atol + k eps sqrt(n) scale for every element, with eps of `T`, n the
+/// number of terms summed in each value, and scale the largest |r|. NaN never passes. Used by all
+/// tests.
 template <class T>
 ::testing::AssertionResult close(std::span<const T> actual, std::span<const double> reference,
                                  double k, double n, double atol = 0.0) {
   if (actual.size() != reference.size())
-    return ::testing::AssertionFailure() << actual.size() << " values against " << reference.size();
+    return ::testing::AssertionFailure()
+           << actual.size() << " values instead of " << reference.size();
   double scale = 0.0;
   for (double r : reference) scale = std::max(scale, std::abs(r));
   const double bound =
@@ -30,8 +31,8 @@ template <class T>
   }
   if (bad == 0) return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure()
-         << bad << " of " << actual.size() << " values off by more than " << bound << "; worst at "
-         << worst << ": " << actual[worst] << " against " << reference[worst];
+         << bad << " of " << actual.size() << " values differ by more than " << bound
+         << "; worst at " << worst << ": " << actual[worst] << " instead of " << reference[worst];
 }
 
 }  // namespace touchtrace::testing

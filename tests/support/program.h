@@ -11,12 +11,13 @@ namespace touchtrace::testing {
 
 struct ProgramResult {
   int exit_code;
-  std::string output;  ///< stdout and stderr together unless the arguments redirect one
+  std::string output;  ///< stdout and stderr, unless the arguments redirect one
 };
 
-/// Runs `touchtrace ARGUMENTS` through the shell, as a user would; `under` is put before it.
-inline ProgramResult run_program(const std::string& arguments, const std::string& under = "") {
-  const std::string command = under + TOUCHTRACE_PROGRAM + " " + arguments + " 2>&1 </dev/null";
+/// Runs `touchtrace ARGUMENTS` in a shell. `prefix`: put before the program, such as environment
+/// variables.
+inline ProgramResult run_program(const std::string& arguments, const std::string& prefix = "") {
+  const std::string command = prefix + TOUCHTRACE_PROGRAM + " " + arguments + " 2>&1 </dev/null";
   FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return {-1, "popen failed"};
   ProgramResult result{-1, {}};

@@ -9,8 +9,8 @@
 
 namespace touchtrace::testing {
 
-/// A folder for the running test alone: tests run at once, in processes of their own, and so do the
-/// tests of other checkouts.
+/// Path of a folder for the running test only: tests run concurrently in their own processes, also
+/// those of other checkouts.
 inline std::filesystem::path scratch_folder() {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   std::string name =

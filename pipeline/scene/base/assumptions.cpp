@@ -89,7 +89,7 @@ void assume(SceneParameters& parameters, const std::string& setting) {
                       "see `touchtrace assumptions` for the names");
   const Assumption& assumption = find_assumption(setting.substr(0, equals));
   std::vector<double> values;
-  for (const std::string& text : separated(setting.substr(equals + 1), ':'))
+  for (const std::string& text : split_text(setting.substr(equals + 1), ':'))
     values.push_back(number_of(text));
   if (!allowed(assumption, values))
     throw usage_error(fmt::format("{} cannot be '{}'", assumption.name, setting.substr(equals + 1)),
@@ -100,7 +100,7 @@ void assume(SceneParameters& parameters, const std::string& setting) {
 SceneParameters assumed(const std::vector<std::string>& settings) {
   SceneParameters parameters;
   for (const std::string& list : settings)
-    for (const std::string& setting : separated(list, ',')) assume(parameters, setting);
+    for (const std::string& setting : split_text(list, ',')) assume(parameters, setting);
   return parameters;
 }
 

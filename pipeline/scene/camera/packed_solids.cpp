@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double nearest_plane_m = 0.02;  // NEAR of solids.clh
-constexpr std::size_t region_lines = 16;  // LANES of pixel_lanes.clh
+constexpr std::size_t region_lines = 16;  // LANES of pixel_vectors.clh
 constexpr double always = 1e9;
 constexpr float never = 1e30f;  // FAR of solids.clh
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "engine/base/integer_math.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -43,7 +44,7 @@ RayMap make_ray_map(const Camera& camera, double margin_px) {
       map.x.push_back(static_cast<float>(ray.x())), map.y.push_back(static_cast<float>(ray.y()));
     }
   map.tile_columns = camera.width / RayMap::lanes;
-  map.tile_lines = (camera.height + RayMap::tile_rows - 1) / RayMap::tile_rows;
+  map.tile_lines = ceil_div(camera.height, int{RayMap::tile_rows});
   const auto cover = [&](std::vector<float>& regions, int rows) {
     for (int row = 0; row < camera.height; row += rows)
       for (int column = 0; column < camera.width; column += RayMap::lanes)

@@ -97,10 +97,10 @@ Renderer::Device::Device(Runtime& r, const RgbdCamera& camera)
       color(r.allocate<std::uint8_t>(color_rays.x.size() * 3)),
       counts(r.allocate<std::uint16_t>(depth_rays.x.size())) {
   using Files = std::vector<std::string>;
-  const Files color_files{"pixel_lanes.clh", "solids.clh",      "visible_solids.clh",
-                          "surface.clh",     "image_noise.clh", "render_color.cl"};
-  const Files depth_files{"pixel_lanes.clh", "solids.clh",       "visible_solids.clh",
-                          "image_noise.clh", "depth_fields.clh", "render_depth.cl",
+  const Files color_files{"pixel_vectors.clh", "solids.clh",      "visible_solids.clh",
+                          "surface.clh",       "image_noise.clh", "render_color.cl"};
+  const Files depth_files{"pixel_vectors.clh", "solids.clh",       "visible_solids.clh",
+                          "image_noise.clh",   "depth_fields.clh", "render_depth.cl",
                           "measure_depth.cl"};
   const auto kernel = [&](const Files& files, const char* name) {
     return r.create(r.kernel(files, name, defines()));
@@ -119,8 +119,8 @@ void Renderer::Device::upload(const RgbdCamera& camera, const Exposure& exposure
   if (solids.size() < packed.size()) solids = runtime.allocate<float>(packed.size());
   if (depth_solids.size() < depth_packed.size())
     depth_solids = runtime.allocate<float>(depth_packed.size());
-  runtime.queue_write(solids, packed);
-  runtime.queue_write(depth_solids, depth_packed);
+  runtime.enqueue_write(solids, packed);
+  runtime.enqueue_write(depth_solids, depth_packed);
 }
 
 void Renderer::Device::launch_color(const RgbdCamera& camera, const Exposure& exposure,

@@ -129,7 +129,7 @@ int main(int argc, char** argv) {
     run({argv + 1, argv + argc});
     return 0;
   } catch (const Error& error) {
-    fmt::print(stderr, "engine_step: {}\n{}\n", error.what(), error.remedy());
+    fmt::print(stderr, "engine_step: {}\n{}\n", error.what(), error.hint());
     return static_cast<int>(error.code());
   } catch (const std::exception& error) {
     fmt::print(stderr, "engine_step: {}\n", error.what());

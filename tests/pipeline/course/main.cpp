@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
     write_course({argv + 1, argv + argc});
     return 0;
   } catch (const Error& error) {
-    fmt::print(stderr, "study_course: {}\n{}\n", error.what(), error.remedy());
+    fmt::print(stderr, "study_course: {}\n{}\n", error.what(), error.hint());
     return static_cast<int>(error.code());
   } catch (const std::exception& error) {
     fmt::print(stderr, "study_course: {}\n", error.what());

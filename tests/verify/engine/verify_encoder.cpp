@@ -54,7 +54,7 @@ struct LayerCosts {
 
 void measure(Runtime& runtime, const Launches& launches, double flops, Cost& cost) {
   cost.flops += flops;
-  cost.at_peak += operations_at_peak(runtime, [&] { enqueue(runtime, launches); });
+  cost.at_peak += peak_equivalent_flops(runtime, [&] { enqueue(runtime, launches); });
 }
 
 /// `windows` images in parts of `shape.images`, each with arrays of its own, as in the encoder.

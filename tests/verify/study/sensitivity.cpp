@@ -201,11 +201,11 @@ json document_to_begin_with(const SensitivityOptions& options, Provenance proven
   }
   json found = json::parse(read_file(options.output), nullptr, false);
   const json cells = found.is_object() ? found.value("cells", json()) : json();
-  const char* remedy = "give another output, or --overwrite without --resume";
+  const char* hint = "give another output, or --overwrite without --resume";
   if (!cells.is_array() || !std::ranges::all_of(cells, is_cell))
-    throw data_error(fmt::format("{} does not hold the cells of a study", options.output), remedy);
+    throw data_error(fmt::format("{} does not hold the cells of a study", options.output), hint);
   if (options_of(found) != options_of(begun))
-    throw usage_error(fmt::format("{} was made with other options", options.output), remedy);
+    throw usage_error(fmt::format("{} was made with other options", options.output), hint);
   return found;
 }
 

@@ -4,8 +4,8 @@
 
 namespace touchtrace {
 
-/// A work-group's tile of a matrix product (kernels/lanes.clh).
-struct LanesTile {
+/// A work-group's tile of a matrix product (kernels/gpu_tile.clh).
+struct GpuTile {
   int rows, columns;
 
   std::size_t items() const { return static_cast<std::size_t>(rows * columns / 16); }

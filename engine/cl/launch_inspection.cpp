@@ -1,4 +1,4 @@
-#include "engine/cl/watch.h"
+#include "engine/cl/launch_inspection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,26 +6,26 @@
 namespace touchtrace {
 namespace {
 
-/// Nobody watches any more when this goes out of scope.
-class Watch {
+/// Sets the runtime's launch observer, and removes it in the destructor.
+class ScopedObserver {
  public:
-  Watch(Runtime& runtime, LaunchWatcher watcher) : runtime_(runtime) {
-    runtime_.watch(std::move(watcher));
+  ScopedObserver(Runtime& runtime, LaunchObserver observer) : runtime_(runtime) {
+    runtime_.set_launch_observer(std::move(observer));
   }
-  ~Watch() { runtime_.watch({}); }
-  Watch(const Watch&) = delete;
-  Watch& operator=(const Watch&) = delete;
+  ~ScopedObserver() { runtime_.set_launch_observer({}); }
+  ScopedObserver(const ScopedObserver&) = delete;
+  ScopedObserver& operator=(const ScopedObserver&) = delete;
 
  private:
   Runtime& runtime_;
 };
 
-/// The array as floats. Those of int32 hold small numbers, which are finite as floats too.
+/// The buffer as floats. int32 buffers hold small numbers, which are finite as floats, too.
 Buffer<float> as_floats(const cl::Buffer& buffer) {
   return {buffer, buffer.getInfo<CL_MEM_SIZE>() / sizeof(float)};
 }
 
-void zero_what_is_not_finite(Runtime& runtime, const cl::Buffer& buffer) {
+void zero_non_finite_values(Runtime& runtime, const cl::Buffer& buffer) {
   auto values = runtime.download(as_floats(buffer));
   std::ranges::replace_if(
       values, [](float v) { return !std::isfinite(v); }, 0.0f);
@@ -43,19 +43,19 @@ bool all_finite(Runtime& runtime, const Launch& launch) {
 
 void visit_launches(Runtime& runtime, const std::function<void()>& pass,
                     const std::function<void(const Launch&)>& visit) {
-  const Watch watch(runtime, [&](const Launch& launch) {
+  const ScopedObserver observer(runtime, [&](const Launch& launch) {
     runtime.finish();  // both queues
     visit(launch);
   });
   pass();
 }
 
-std::string first_not_finite(Runtime& runtime, const std::function<void()>& pass) {
+std::string first_non_finite_kernel(Runtime& runtime, const std::function<void()>& pass) {
   std::map<cl_mem, cl::Buffer> buffers;
   visit_launches(runtime, pass, [&](const Launch& launch) {
     for (const auto& [index, buffer] : launch.buffers()) buffers.emplace(buffer(), buffer);
   });
-  for (const auto& [handle, buffer] : buffers) zero_what_is_not_finite(runtime, buffer);
+  for (const auto& [handle, buffer] : buffers) zero_non_finite_values(runtime, buffer);
   std::string first;
   visit_launches(runtime, pass, [&](const Launch& launch) {
     if (first.empty() && !all_finite(runtime, launch)) first = launch.name();

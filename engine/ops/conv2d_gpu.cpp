@@ -1,7 +1,8 @@
 #include <algorithm>
 
+#include "engine/base/integer_math.h"
 #include "engine/ops/conv2d_methods.h"
-#include "engine/ops/lanes.h"
+#include "engine/ops/gpu_tile.h"
 
 namespace touchtrace {
 namespace {
@@ -11,24 +12,20 @@ namespace {
 constexpr int wanted_groups = 512;
 constexpr int depth = 16;  // terms that a tile sums at once
 
-int quotient_up(int a, int b) { return (a + b - 1) / b; }
-
 /// Tiles of 4096 values, as wide as they can be to divide the columns.
-LanesTile lanes_tile(int columns) {
-  return columns % 64 == 0 ? LanesTile{64, 64} : LanesTile{128, 32};
-}
+GpuTile gpu_tile(int columns) { return columns % 64 == 0 ? GpuTile{64, 64} : GpuTile{128, 32}; }
 
-class LanesConv2d final : public Conv2d {
+class GpuConv2d final : public Conv2d {
  public:
-  LanesConv2d(Runtime& runtime, const Conv2dShape& shape, const Conv2dParameters& parameters)
+  GpuConv2d(Runtime& runtime, const Conv2dShape& shape, const Conv2dParameters& parameters)
       : runtime_(runtime),
         shape_(shape),
         parameters_(parameters),
-        out_tile_(lanes_tile(shape.out_channels)),
-        in_tile_(lanes_tile(shape.in_channels)),
+        out_tile_(gpu_tile(shape.out_channels)),
+        in_tile_(gpu_tile(shape.in_channels)),
         packed_(runtime.allocate<float>(shape.weight_size())) {
     if (parameters.gradient.size() == 0) return;
-    if (!shape.in_planes) packed_turned_ = runtime.allocate<float>(shape.weight_size());
+    if (!shape.in_planes) packed_transposed_ = runtime.allocate<float>(shape.weight_size());
     plan_chunks();
     partial_ = runtime.allocate<float>(std::size_t(all_chunks()) * sums() * shape.out_channels);
   }
@@ -37,21 +34,21 @@ class LanesConv2d final : public Conv2d {
     Launches launches{Launch(kernel("forward", "pack", out_tile_),
                              range(shape_.out_channels, terms()), parameters_.values,
                              parameters_.weight_at, packed_)};
-    if (packed_turned_.size() > 0)
-      launches.push_back(Launch(kernel("data", "pack_turned", in_tile_),
+    if (packed_transposed_.size() > 0)
+      launches.push_back(Launch(kernel("data", "pack_transposed", in_tile_),
                                 range(shape_.in_channels, shape_.out_channels, shape_.taps()),
-                                parameters_.values, parameters_.weight_at, packed_turned_));
+                                parameters_.values, parameters_.weight_at, packed_transposed_));
     return launches;
   }
 
   Launches forward(const Conv2dImages& part) override {
     const int pixels = part.images * area();
     return {Launch(kernel("forward", "forward", out_tile_),
-                   range(quotient_up(pixels, out_tile_.rows), out_groups()), part.in, packed_,
+                   range(ceil_div(pixels, out_tile_.rows), out_groups()), part.in, packed_,
                    parameters_.values, parameters_.bias_at, part.out, part.images)
-                .in_groups_of(out_tile_.items())
-                .costing(conv2d_cost(shape_, part.images))
-                .serving(Purpose::forward)};
+                .with_local_size(out_tile_.items())
+                .with_cost(conv2d_cost(shape_, part.images))
+                .with_purpose(Purpose::forward)};
   }
 
   Launches backward(const Conv2dImages& part, bool first) override {
@@ -75,53 +72,52 @@ class LanesConv2d final : public Conv2d {
 
   void plan_chunks() {
     const int pixels = shape_.images * area();
-    const int wanted =
-        quotient_up(wanted_groups, quotient_up(sums(), out_tile_.rows) * out_groups());
-    chunk_pixels_ = quotient_up(quotient_up(pixels, wanted), depth) * depth;
-    chunks_ = quotient_up(pixels, chunk_pixels_);
+    const int wanted = ceil_div(wanted_groups, ceil_div(sums(), out_tile_.rows) * out_groups());
+    chunk_pixels_ = round_up(ceil_div(pixels, wanted), depth);
+    chunks_ = ceil_div(pixels, chunk_pixels_);
   }
 
   Launch sum_weights(const Conv2dImages& part, bool first) {
     return Launch(kernel("weights", "weights", out_tile_),
-                  range(quotient_up(sums(), out_tile_.rows), out_groups(), chunks_), part.in,
+                  range(ceil_div(sums(), out_tile_.rows), out_groups(), chunks_), part.in,
                   part.grad_out, partial_, part.images, chunk_pixels_, part.sums * chunks_,
                   first ? 1 : 0)
-        .in_groups_of(out_tile_.items())
-        .costing(conv2d_cost(shape_, part.images))
-        .serving(Purpose::weights_gradient);
+        .with_local_size(out_tile_.items())
+        .with_cost(conv2d_cost(shape_, part.images))
+        .with_purpose(Purpose::weight_gradient);
   }
 
   Launch backward_data(const Conv2dImages& part) {
     return Launch(kernel("data", "data", in_tile_),
-                  range(quotient_up(part.images * area(), in_tile_.rows),
+                  range(ceil_div(part.images * area(), in_tile_.rows),
                         shape_.in_channels / in_tile_.columns, shape_.stride * shape_.stride),
-                  part.grad_out, packed_turned_, part.in, part.grad_in, part.images)
-        .in_groups_of(in_tile_.items())
-        .costing(conv2d_cost(shape_, part.images))
-        .serving(Purpose::data_gradient);
+                  part.grad_out, packed_transposed_, part.in, part.grad_in, part.images)
+        .with_local_size(in_tile_.items())
+        .with_cost(conv2d_cost(shape_, part.images))
+        .with_purpose(Purpose::data_gradient);
   }
 
-  Kernel kernel(const std::string& pass, const std::string& name, const LanesTile& tile) {
+  Kernel kernel(const std::string& pass, const std::string& name, const GpuTile& tile) {
     auto defines = pass == "forward" ? conv2d_forward_defines(shape_) : conv2d_defines(shape_);
     tile.define(defines);
-    return runtime_.kernel({"common.clh", "lanes.clh", "conv2d.clh", "conv2d_lanes.clh",
-                            "conv2d_lanes_" + pass + ".cl"},
-                           "conv2d_lanes_" + name, defines);
+    return runtime_.kernel({"common.clh", "gpu_tile.clh", "conv2d.clh", "conv2d_gpu.clh",
+                            "conv2d_gpu_" + pass + ".cl"},
+                           "conv2d_gpu_" + name, defines);
   }
 
   Runtime& runtime_;
   Conv2dShape shape_;
   Conv2dParameters parameters_;
-  LanesTile out_tile_, in_tile_;
+  GpuTile out_tile_, in_tile_;
   int chunk_pixels_ = 0, chunks_ = 0;
-  Buffer<float> packed_, packed_turned_, partial_;
+  Buffer<float> packed_, packed_transposed_, partial_;
 };
 
 }  // namespace
 
-std::unique_ptr<Conv2d> make_conv2d_lanes(Runtime& runtime, const Conv2dShape& shape,
-                                          const Conv2dParameters& parameters) {
-  return std::make_unique<LanesConv2d>(runtime, shape, parameters);
+std::unique_ptr<Conv2d> make_conv2d_gpu(Runtime& runtime, const Conv2dShape& shape,
+                                        const Conv2dParameters& parameters) {
+  return std::make_unique<GpuConv2d>(runtime, shape, parameters);
 }
 
 }  // namespace touchtrace

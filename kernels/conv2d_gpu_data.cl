@@ -1,24 +1,26 @@
-// Gradient of conv2d.clh towards its input on GPUs; the input must stand in blocks.
+// Gradient of the convolution with respect to its input on GPUs; the input is in blocks (conv2d.clh).
 //
 //   grad_in[c][y][x] = [in[c][y][x] > 0] sum_{k, taps} weight[k][c][i][j] grad_out[k][..][..]
 //
-// A gather: the taps that the input pixel (STRIDE a + row, STRIDE b + column) gets follow from its class (row, column)
-// alone. So each class is a matrix product: its rows are the input pixels of that class in all images, its
-// columns input channels, its terms [tap of the class][output channel]. A work-group computes a tile of one class;
+// The sum is a gather. The taps that reach input pixel (STRIDE a + row, STRIDE b + column) depend only on its class
+// (row, column). Each class is a matrix product: rows are the input pixels of that class in all images, columns are
+// input channels, terms are [tap of the class][output channel]. One work-group per tile of one class (gpu_tile.clh);
 // TILE_COLUMNS divides IN_CHANNELS.
 //
-//   packed  [tap][output channel][input channel]
+//   packed [tap][output channel][input channel]
+//
+// -D: see conv2d.clh, gpu_tile.clh
 #define LEFT_ALONG_DEPTH 1
 
-// One work-item a weight.
-__kernel void conv2d_lanes_pack_turned(__global const real* restrict parameters, int weight_at,
+// One work-item per weight.
+__kernel void conv2d_gpu_pack_transposed(__global const real* restrict parameters, int weight_at,
                                        __global real* restrict packed) {
   const int in = get_global_id(0), out = get_global_id(1), tap = get_global_id(2);
   packed[(tap * OUT_CHANNELS + out) * IN_CHANNELS + in] = parameters[weight_at + out * TERMS + in * TAPS + tap];
 }
 
-// One axis of a class: how many pixels there are, and which taps they get: tap n is first_tap + n STRIDE and reads the
-// output pixel first_out - n further on than the pixel's own place among its class.
+// One axis of a class. Tap n of the class is first_tap + n STRIDE; for the class's pixel a it reads output pixel
+// a + first_out - n.
 typedef struct {
   int pixels, first_tap, taps, first_out;
 } class_axis;
@@ -32,7 +34,7 @@ static class_axis axis_of(int remainder, int size) {
   return axis;
 }
 
-// A pixel of a class, counted through all images.
+// Position of a pixel within its class.
 typedef struct {
   int image, row, column;
 } class_pixel;
@@ -43,7 +45,7 @@ static class_pixel pixel_of(int number, class_axis rows, class_axis columns) {
   return p;
 }
 
-// Where the pixel's first tap reads, without its channel.
+// Offset of the output pixel that the class pixel's first tap reads, in channel 0.
 static size_t out_of_class(class_pixel p, class_axis rows, class_axis columns) {
   return (size_t)p.image * OUT_IMAGE + OUT_CORNER + (p.row + rows.first_out) * OUT_PITCH +
          (p.column + columns.first_out) * OUT_STEP;
@@ -58,7 +60,7 @@ static void store_masked(real4 sums, __global const real* in, __global real* gra
   vstore4(select((real4)(0), sums, vload4(0, in) > (real4)(0)), 0, grad_in);
 }
 
-__kernel IN_GROUPS void conv2d_lanes_data(
+__kernel WORK_GROUP_ATTRIBUTE void conv2d_gpu_data(
     __global const real* restrict grad_out, __global const real* restrict packed, __global const real*
     restrict in, __global real* restrict grad_in, int images) {
   const int row = get_group_id(2) / STRIDE, column = get_group_id(2) % STRIDE;
@@ -72,15 +74,15 @@ __kernel IN_GROUPS void conv2d_lanes_data(
 #define TAP_COLUMN(k) ((k) / OUT_CHANNELS % columns.taps)
 #define TAP(k) ((rows.first_tap + TAP_ROW(k) * STRIDE) * KERNEL + columns.first_tap + TAP_COLUMN(k) * STRIDE)
 #define LEFT(q, r, k) \
-  grad_out[outs[q] + out_channel_place((k) % OUT_CHANNELS) - TAP_ROW(k) * OUT_PITCH - TAP_COLUMN(k) * OUT_STEP]
+  grad_out[outs[q] + out_channel_offset((k) % OUT_CHANNELS) - TAP_ROW(k) * OUT_PITCH - TAP_COLUMN(k) * OUT_STEP]
 #define RIGHT(k, c) packed[(TAP(k) * OUT_CHANNELS + (k) % OUT_CHANNELS) * IN_CHANNELS + channel + (c)]
-  lane_tile tile = fill_lanes((real4)(0));
+  item_tile tile = fill_tile((real4)(0));
   INNER_PRODUCT(tile, terms)
-  const size_t lanes_at = (channel + lane_column()) / 16 * IN_BLOCK + lane_column() % 16;
+  const size_t channels_at = (channel + item_column()) / 16 * IN_BLOCK + item_column() % 16;
 #define STORE(r, sums)                                                                               \
   if (first + (r) < pixels) {                                                                        \
-    const size_t at = lanes_at + in_of_class(pixel_of(first + (r), rows, columns), row, column);     \
+    const size_t at = channels_at + in_of_class(pixel_of(first + (r), rows, columns), row, column);     \
     store_masked(sums, in + at, grad_in + at);                                                       \
   }
-  EACH_LANE_ROW(STORE)
+  EACH_ITEM_ROW(STORE)
 }

@@ -1,7 +1,9 @@
-// GPUs' bodies of gemm and column_sums in dense.cl, which gives the equations.
+// GPU variants of gemm and column_sums; equations: dense.cl.
+//
+// -D: see gpu_tile.clh
 
-// A work-group computes a tile of C. `bias_rows` 0: `bias` is not read.
-__kernel IN_GROUPS void gemm_lanes(
+// One work-group per tile of C. With bias_rows = 0 the bias is not read.
+__kernel WORK_GROUP_ATTRIBUTE void gemm_gpu(
     __global const real* a, int a_at, int a_row, int a_step, __global const real* b, int b_at, int b_ld,
     __global const real* bias, int bias_at, int bias_ld, int bias_rows, __global real* c, int c_at, int
     c_ld, int rows, int columns, int count) {
@@ -9,9 +11,9 @@ __kernel IN_GROUPS void gemm_lanes(
   a += a_at + (size_t)first * a_row, b += b_at + n;
 #define LEFT(q, r, k) (first + (r) < rows && (k) < count ? a[(size_t)(r) * a_row + (size_t)(k) * a_step] : 0)
 #define RIGHT(k, c) (n + (c) < columns && (k) < count ? b[(size_t)(k) * b_ld + (c)] : 0)
-  lane_tile tile = fill_lanes((real4)(0));
+  item_tile tile = fill_tile((real4)(0));
   INNER_PRODUCT(tile, count)
-  const int column = n + lane_column();
+  const int column = n + item_column();
 #define STORE(r, sums)                                                                    \
   if (first + (r) < rows) {                                                               \
     real values[4];                                                                       \
@@ -21,22 +23,23 @@ __kernel IN_GROUPS void gemm_lanes(
     for (int i = 0; i < 4; ++i)                                                           \
       if (column + i < columns) to[column + i] = values[i] + (bias_rows ? start[column + i] : 0); \
   }
-  EACH_LANE_ROW(STORE)
+  EACH_ITEM_ROW(STORE)
 }
 
-// A work-group sums 16 columns: 16 lanes each take every 16th row, whose sums are then added in their order.
+// One work-group per 16 columns. 16 work-items per column each add every 16th row; one of them adds their sums in
+// ascending order.
 #define SLICES 16
-__kernel __attribute__((reqd_work_group_size(16 * SLICES, 1, 1))) void column_sums_lanes(
+__kernel __attribute__((reqd_work_group_size(16 * SLICES, 1, 1))) void column_sums_gpu(
     __global const real* a, int a_at, int a_ld, __global real* sums, int sums_at, int rows, int columns) {
   __local real slices[SLICES][16];
-  const int slice = lane() / 16, n = get_group_id(0) * 16 + lane() % 16;
-  real sum = 0, lost = 0;
+  const int slice = item() / 16, n = get_group_id(0) * 16 + item() % 16;
+  real sum = 0, compensation = 0;
   for (int m = slice; m < rows; m += SLICES)
-    ADD_TO(real, sum, lost, n < columns ? a[a_at + (size_t)m * a_ld + n] : 0)
-  slices[slice][lane() % 16] = sum;
+    ADD_TO(real, sum, compensation, n < columns ? a[a_at + (size_t)m * a_ld + n] : 0)
+  slices[slice][item() % 16] = sum;
   barrier(CLK_LOCAL_MEM_FENCE);
   if (slice > 0 || n >= columns) return;
-  sum = 0, lost = 0;
-  for (int i = 0; i < SLICES; ++i) ADD_TO(real, sum, lost, slices[i][lane()])
+  sum = 0, compensation = 0;
+  for (int i = 0; i < SLICES; ++i) ADD_TO(real, sum, compensation, slices[i][item()])
   sums[sums_at + n] = sum;
 }

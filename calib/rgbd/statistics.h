@@ -2,11 +2,13 @@
 
 #include <vector>
 
-#include "engine/base/statistics.h"
-
 namespace touchtrace {
 
-/// Standard deviation of normal data about zero from the median of |value|: outliers do not count.
+/// Median; the upper of the two middle values if their number is even. NaN if empty.
+double median(std::vector<double> values);
+
+/// Robust estimate of the standard deviation of normal data with mean zero, from the median of
+/// |value|.
 double robust_sigma(std::vector<double> values);
 
 }  // namespace touchtrace

@@ -68,7 +68,7 @@ const char* grade_name(Grade grade) {
   return names[static_cast<int>(grade)];
 }
 
-double deviation(const RgbdCalibration& c, const std::string& parameter) {
+double parameter_sigma(const RgbdCalibration& c, const std::string& parameter) {
   const auto i = index_of(c, parameter);
   return i < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(c.covariance(i, i));
 }

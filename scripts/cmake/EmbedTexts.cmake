@@ -1,6 +1,6 @@
-# touchtrace_embed_texts(target HEADER FUNCTION pattern...): puts files into the program, so that it runs without its
-# source tree. HEADER declares FUNCTION, which gives the text of every file by its name.
-function(touchtrace_embed_texts target header function)
+# touchtrace_embed_texts(library HEADER FUNCTION pattern...): compiles the text of files into a library, so that the
+# program runs without its source tree. HEADER declares FUNCTION, which returns the text of each file by its name.
+function(touchtrace_embed_texts library header function)
   file(GLOB files CONFIGURE_DEPENDS ${ARGN})
   set(generated ${PROJECT_BINARY_DIR}/generated/${function}.cpp)
   add_custom_command(
@@ -9,6 +9,5 @@ function(touchtrace_embed_texts target header function)
             -P ${PROJECT_SOURCE_DIR}/scripts/cmake/WriteTexts.cmake
     DEPENDS ${files} ${PROJECT_SOURCE_DIR}/scripts/cmake/WriteTexts.cmake
     VERBATIM)
-  add_library(${target} STATIC ${generated})
-  target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_sources(touchtrace_${library} PRIVATE ${generated})
 endfunction()

@@ -1,17 +1,9 @@
 #include "calib/rgbd/statistics.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 namespace touchtrace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double robust_sigma(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);

@@ -9,7 +9,7 @@
 
 #include "calib/rgbd/board_motion.h"
 #include "calib/rgbd/design_effect.h"
-#include "calib/rgbd/statistics.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {

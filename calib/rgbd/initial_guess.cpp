@@ -8,7 +8,7 @@
 #include "calib/camera/camera.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/lens_choice.h"
-#include "calib/rgbd/statistics.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {

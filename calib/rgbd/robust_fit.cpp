@@ -6,8 +6,8 @@
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/initial_guess.h"
 #include "calib/rgbd/prior.h"
-#include "calib/rgbd/statistics.h"
 #include "engine/base/interrupt.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {

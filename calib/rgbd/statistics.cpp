@@ -1,4 +1,4 @@
-#include "calib/rgbd/statistics.h"
+#include "engine/base/statistics.h"
 
 #include <cmath>
 #include <utility>

@@ -7,4 +7,8 @@ namespace touchtrace {
 /// Median; the upper of the two middle values if their number is even, NaN if there are none.
 double median(std::vector<double> values);
 
+/// Robust estimate of the standard deviation of normal data with mean zero, from the median of
+/// |value|. NaN if there are none.
+double robust_sigma(std::vector<double> values);
+
 }  // namespace touchtrace

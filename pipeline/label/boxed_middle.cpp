@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/rgbd/statistics.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/marked_sides.h"
 
 namespace touchtrace::label {

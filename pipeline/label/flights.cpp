@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "calib/rgbd/statistics.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace::label {
 namespace {

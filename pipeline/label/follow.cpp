@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "calib/rgbd/statistics.h"
 #include "engine/base/interrupt.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/box_tracker.h"
 #include "pipeline/label/lift.h"
 #include "pipeline/label/pose_tracker.h"

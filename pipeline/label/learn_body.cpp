@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
-#include "calib/rgbd/statistics.h"
 #include "engine/base/parallel.h"
 #include "engine/base/progress.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/body_fit.h"
 #include "pipeline/label/shape_problem.h"
 

@@ -7,10 +7,10 @@
 #include <limits>
 #include <tuple>
 
-#include "calib/rgbd/statistics.h"
 #include "engine/base/error.h"
 #include "engine/base/integer_math.h"
 #include "engine/base/parallel.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/marked_sides.h"
 
 namespace touchtrace::label {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "calib/rgbd/statistics.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/parallel.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/learn_object.h"
 
 namespace touchtrace::label {

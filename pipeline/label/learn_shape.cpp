@@ -5,9 +5,9 @@
 #include <functional>
 #include <numbers>
 
-#include "calib/rgbd/statistics.h"
 #include "engine/base/parabola.h"
 #include "engine/base/parallel.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/body_fit.h"
 #include "pipeline/label/learn_body.h"
 #include "pipeline/label/sphere_fit.h"

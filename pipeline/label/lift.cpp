@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/rgbd/statistics.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace::label {
 namespace {

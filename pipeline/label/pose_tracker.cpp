@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "calib/rgbd/statistics.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace::label {
 namespace {

@@ -9,7 +9,7 @@
 #include "calib/rgbd/calibrate.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/cross_validation.h"
-#include "calib/rgbd/statistics.h"
+#include "engine/base/statistics.h"
 #include "tests/verify/calib/monte_carlo.h"
 
 namespace touchtrace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "calib/rgbd/statistics.h"
 #include "engine/base/random.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/label/states.h"
 #include "pipeline/label/timeline.h"

@@ -33,7 +33,7 @@ Arrays gru_reference_backward(const RolloutShape& s, const Arrays& in, const Arr
   const auto grad =
       gru_rollout_backward_reference(s, gru_trace(s, in), gru_weights_of(in), grads[0], grads[1]);
   const auto& w = grad.weights;
-  return {{}, {}, grad.first, w.w, w.u, w.bias, w.w3, w.b3};
+  return {{}, {}, grad.input_projection, w.w, w.u, w.bias, w.w3, w.b3};
 }
 
 Buffer<float> upload_transposed(Runtime& runtime, const std::vector<double>& weight, int inputs,
@@ -58,7 +58,7 @@ GruArrays gru_rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& 
               .w3 = upload(runtime, padded_rows(transposed(in[6], 2 * s.state, hidden), s.state,
                                                 state_lanes)),
               .b3 = upload(runtime, padded_rows(in[7], s.state, state_lanes)),
-              .first = {upload(runtime, in[2]), 0, s.shared_first ? 0 : 3 * hidden},
+              .input_projection = {upload(runtime, in[2]), 0, s.shared_input_projection ? 0 : 3 * hidden},
               .states = upload(runtime, joined(padded_rows(in[0], s.state, state_lanes),
                                                std::vector<double>(gru_rows(s) * state_lanes))),
               .h = upload(runtime, joined(in[1], std::vector<double>(gru_rows(s) * hidden))),
@@ -113,17 +113,17 @@ Arrays gru_backward(Runtime& runtime, const RolloutShape& s, const Arrays& in,
                                           hidden_side(d_gates, hidden));
   const auto out = dense_backward_reference({rows, hidden, 2 * s.state},
                                             split(h, in[1].size()).second, in[6], d_out);
-  return {{}, {}, s.shared_first ? x.bias : d_x, x.weight, y.weight, y.bias, out.weight, out.bias};
+  return {{}, {}, s.shared_input_projection ? x.bias : d_x, x.weight, y.weight, y.bias, out.weight, out.bias};
 }
 
 OperationCase gru_case(const RolloutShape& s) {
   OperationCase c;
   c.shape = fmt::format("{} sequences x {} steps, state {}, hidden {}{}", s.sequences, s.steps,
-                        s.state, s.hidden, s.shared_first ? ", no touch" : "");
+                        s.state, s.hidden, s.shared_input_projection ? ", no touch" : "");
   const std::size_t state = s.state, hidden = s.hidden, gates = 3 * hidden;
   c.input_sizes = {s.sequences * state,
                    s.sequences * hidden,
-                   (s.shared_first ? 1 : gru_rows(s)) * gates,
+                   (s.shared_input_projection ? 1 : gru_rows(s)) * gates,
                    gates * state,
                    gates * hidden,
                    gates,

@@ -68,7 +68,7 @@ CellGradient cell_gradient(const RolloutShape& s, const GruTrace& trace, int t,
 }  // namespace
 
 GruTrace gru_rollout_reference(const RolloutShape& s, const GruValues& initial,
-                               const GruValues& initial_h, const GruValues& first,
+                               const GruValues& initial_h, const GruValues& input_projection,
                                const GruWeights& w) {
   const auto layers = layers_of_gru(s);
   const auto size = std::size_t(s.sequences) * s.state, gates = initial_h.size() * 3;
@@ -76,7 +76,8 @@ GruTrace gru_rollout_reference(const RolloutShape& s, const GruValues& initial,
   for (int t = 0; t < s.steps; ++t) {
     auto x = dense_reference(layers.state, step_of(trace.states, t, size), w.w, {});
     for (std::size_t i = 0; i < gates; ++i)
-      x[i] += s.shared_first ? first[i % (3 * s.hidden)] : first[t * gates + i];
+      x[i] += s.shared_input_projection ? input_projection[i % (3 * s.hidden)]
+                                        : input_projection[t * gates + i];
     const auto before = step_of(trace.h, t, initial_h.size());
     append_cell(s.hidden, x, dense_reference(layers.hidden, before, w.u, w.bias), before, trace);
     const auto now = step_of(trace.h, t + 1, initial_h.size());
@@ -94,7 +95,8 @@ GruReferenceGradients gru_rollout_backward_reference(const RolloutShape& s, cons
   const auto size = std::size_t(s.sequences) * s.state,
              hidden = std::size_t(s.sequences) * s.hidden;
   GruReferenceGradients grad;
-  grad.first.resize((s.shared_first ? 1 : s.steps * s.sequences) * 3 * s.hidden);
+  grad.input_projection.resize((s.shared_input_projection ? 1 : s.steps * s.sequences) * 3 *
+                               s.hidden);
   GruValues carry(size, 0.0), d_h(hidden, 0.0);
   for (int t = s.steps - 1; t >= 0; --t) {
     add(carry, step_of(grad_state, t, size));
@@ -109,7 +111,8 @@ GruReferenceGradients gru_rollout_backward_reference(const RolloutShape& s, cons
     const auto y =
         dense_backward_reference(layers.hidden, step_of(trace.h, t, hidden), w.u, cell.y);
     for (std::size_t i = 0; i < cell.x.size(); ++i)
-      grad.first[s.shared_first ? i % (3 * s.hidden) : t * cell.x.size() + i] += cell.x[i];
+      grad.input_projection[s.shared_input_projection ? i % (3 * s.hidden)
+                                                      : t * cell.x.size() + i] += cell.x[i];
     d_h = cell.before;
     add(d_h, y.in), add(carry, x.in);
     add(grad.weights.w, x.weight);

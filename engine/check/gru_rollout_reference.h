@@ -22,7 +22,7 @@ struct GruTrace {
 };
 
 struct GruReferenceGradients {
-  std::vector<double> first;
+  std::vector<double> input_projection;
   GruWeights weights;
 };
 
@@ -30,7 +30,8 @@ struct GruReferenceGradients {
 /// [T * S, 3 hidden] or, shared, [3 hidden].
 GruTrace gru_rollout_reference(const RolloutShape& shape, const std::vector<double>& initial,
                                const std::vector<double>& initial_h,
-                               const std::vector<double>& first, const GruWeights& weights);
+                               const std::vector<double>& input_projection,
+                               const GruWeights& weights);
 
 /// `grad_state`, `grad_spread`: [T, S, state], towards the predicted states and spread.
 GruReferenceGradients gru_rollout_backward_reference(const RolloutShape& shape,

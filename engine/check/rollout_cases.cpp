@@ -33,33 +33,34 @@ Arrays reference_backward(const RolloutShape& s, const Arrays& in, const Arrays&
   const auto trace = rollout_reference(s, in[0], in[1], weights);
   const auto grad = rollout_backward_reference(s, trace, weights, grads[0], grads[1]);
   const auto& w = grad.weights;
-  return {{}, grad.first, w.w1, w.w2, w.b2, w.w3, w.b3};
+  return {{}, grad.input_projection, w.w1, w.w2, w.b2, w.w3, w.b3};
 }
 
 /// The arrays on the device, with the forward pass done.
 RolloutArrays rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& in) {
   const auto hidden = row_count(s) * s.hidden;
-  RolloutArrays a{.sequences = s.sequences,
-                  .steps = s.steps,
-                  .state = s.state,
-                  .hidden = s.hidden,
-                  .activation = s.activation,
-                  .parameters = upload(runtime, joined(joined(in[4], in[3]), in[5])),
-                  .b2_at = 0,
-                  .w2_at = s.hidden,
-                  .w3_at = s.hidden + s.hidden * s.hidden,
-                  .w1 = upload(runtime, transposed(in[2], s.hidden, s.state)),
-                  .w2 = upload(runtime, transposed(in[3], s.hidden, s.hidden)),
-                  .w3 = upload(runtime, padded_rows(transposed(in[5], 2 * s.state, s.hidden),
-                                                    s.state, state_lanes)),
-                  .b3 = upload(runtime, padded_rows(in[6], s.state, state_lanes)),
-                  .first = {upload(runtime, in[1]), 0, s.shared_first ? 0 : s.hidden},
-                  .states = runtime.allocate<float>((row_count(s) + s.sequences) * state_lanes),
-                  .h1 = runtime.allocate<float>(hidden),
-                  .h2 = runtime.allocate<float>(hidden),
-                  .sum1 = runtime.allocate<float>(slope_from_sum(s.activation) ? hidden : 0),
-                  .sum2 = runtime.allocate<float>(slope_from_sum(s.activation) ? hidden : 0),
-                  .spread = runtime.allocate<float>(row_count(s) * state_lanes)};
+  RolloutArrays a{
+      .sequences = s.sequences,
+      .steps = s.steps,
+      .state = s.state,
+      .hidden = s.hidden,
+      .activation = s.activation,
+      .parameters = upload(runtime, joined(joined(in[4], in[3]), in[5])),
+      .b2_at = 0,
+      .w2_at = s.hidden,
+      .w3_at = s.hidden + s.hidden * s.hidden,
+      .w1 = upload(runtime, transposed(in[2], s.hidden, s.state)),
+      .w2 = upload(runtime, transposed(in[3], s.hidden, s.hidden)),
+      .w3 = upload(runtime,
+                   padded_rows(transposed(in[5], 2 * s.state, s.hidden), s.state, state_lanes)),
+      .b3 = upload(runtime, padded_rows(in[6], s.state, state_lanes)),
+      .input_projection = {upload(runtime, in[1]), 0, s.shared_input_projection ? 0 : s.hidden},
+      .states = runtime.allocate<float>((row_count(s) + s.sequences) * state_lanes),
+      .h1 = runtime.allocate<float>(hidden),
+      .h2 = runtime.allocate<float>(hidden),
+      .pre_activation1 = runtime.allocate<float>(slope_from_sum(s.activation) ? hidden : 0),
+      .pre_activation2 = runtime.allocate<float>(slope_from_sum(s.activation) ? hidden : 0),
+      .spread = runtime.allocate<float>(row_count(s) * state_lanes)};
   const auto initial = padded_rows(in[0], s.state, state_lanes);
   runtime.write<float>(a.states, std::vector<float>(initial.begin(), initial.end()));
   rollout(runtime, a).enqueue(runtime);
@@ -101,7 +102,7 @@ Arrays backward(Runtime& runtime, const RolloutShape& s, const Arrays& in, const
   const auto first = layer(s.state, s.hidden, states, in[2], d_h1);
   const auto second = layer(s.hidden, s.hidden, download(runtime, arrays.h1), in[3], d_h2);
   const auto third = layer(s.hidden, 2 * s.state, download(runtime, arrays.h2), in[5], d_out);
-  return {{},           s.shared_first ? first.bias : d_h1,
+  return {{},           s.shared_input_projection ? first.bias : d_h1,
           first.weight, second.weight,
           second.bias,  third.weight,
           third.bias};
@@ -111,18 +112,19 @@ double kink_distance(const RolloutShape& s, const Arrays& in) {
   double distance = 1.0;
   if (!has_kink(s.activation)) return distance;
   const auto trace = rollout_reference(s, in[0], in[1], weights_of(in));
-  for (double sum : joined(trace.sum1, trace.sum2)) distance = std::min(distance, std::abs(sum));
+  for (double sum : joined(trace.pre_activation1, trace.pre_activation2))
+    distance = std::min(distance, std::abs(sum));
   return distance;
 }
 
 OperationCase rollout_case(const RolloutShape& s) {
   OperationCase c;
-  c.shape =
-      fmt::format("{} sequences x {} steps, state {}, hidden {}, {}{}", s.sequences, s.steps,
-                  s.state, s.hidden, name_of(s.activation), s.shared_first ? ", no touch" : "");
+  c.shape = fmt::format("{} sequences x {} steps, state {}, hidden {}, {}{}", s.sequences, s.steps,
+                        s.state, s.hidden, name_of(s.activation),
+                        s.shared_input_projection ? ", no touch" : "");
   const std::size_t state = s.state, hidden = s.hidden;
   c.input_sizes = {s.sequences * state,
-                   (s.shared_first ? 1 : row_count(s)) * hidden,
+                   (s.shared_input_projection ? 1 : row_count(s)) * hidden,
                    hidden * state,
                    hidden * hidden,
                    hidden,

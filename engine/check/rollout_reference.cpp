@@ -27,21 +27,23 @@ Values activated(const RolloutShape& s, const Values& sums) {
 
 }  // namespace
 
-RolloutTrace rollout_reference(const RolloutShape& s, const Values& initial, const Values& first,
-                               const RolloutWeights& w) {
+RolloutTrace rollout_reference(const RolloutShape& s, const Values& initial,
+                               const Values& input_projection, const RolloutWeights& w) {
   const auto layers = layers_of(s);
   const auto hidden = std::size_t(s.sequences) * s.hidden,
              size = std::size_t(s.sequences) * s.state;
   RolloutTrace trace{initial, {}, {}, {}};
   for (int t = 0; t < s.steps; ++t) {
-    auto sum1 = dense_reference(layers.first, step_of(trace.states, t, size), w.w1, {});
+    auto pre_activation1 = dense_reference(layers.first, step_of(trace.states, t, size), w.w1, {});
     for (std::size_t i = 0; i < hidden; ++i)
-      sum1[i] += s.shared_first ? first[i % s.hidden] : first[t * hidden + i];
-    const auto sum2 = dense_reference(layers.second, activated(s, sum1), w.w2, w.b2);
-    append_prediction(dense_reference(layers.third, activated(s, sum2), w.w3, w.b3), s.state,
-                      trace.states, trace.spread);
-    append(trace.sum1, sum1);
-    append(trace.sum2, sum2);
+      pre_activation1[i] += s.shared_input_projection ? input_projection[i % s.hidden]
+                                                      : input_projection[t * hidden + i];
+    const auto pre_activation2 =
+        dense_reference(layers.second, activated(s, pre_activation1), w.w2, w.b2);
+    append_prediction(dense_reference(layers.third, activated(s, pre_activation2), w.w3, w.b3),
+                      s.state, trace.states, trace.spread);
+    append(trace.pre_activation1, pre_activation1);
+    append(trace.pre_activation2, pre_activation2);
   }
   return trace;
 }
@@ -55,21 +57,24 @@ RolloutReferenceGradients rollout_backward_reference(const RolloutShape& s,
   const auto hidden = std::size_t(s.sequences) * s.hidden,
              size = std::size_t(s.sequences) * s.state;
   RolloutReferenceGradients grad;
-  grad.first.resize(s.shared_first ? s.hidden : s.steps * hidden);
+  grad.input_projection.resize(s.shared_input_projection ? s.hidden : s.steps * hidden);
   Values carry(size, 0.0);
   for (int t = s.steps - 1; t >= 0; --t) {
-    const auto sum1 = step_of(trace.sum1, t, hidden), sum2 = step_of(trace.sum2, t, hidden);
+    const auto pre_activation1 = step_of(trace.pre_activation1, t, hidden),
+               pre_activation2 = step_of(trace.pre_activation2, t, hidden);
     add(carry, step_of(grad_state, t, size));
     const auto d_out = output_gradient(s.state, carry, step_of(grad_spread, t, size),
                                        step_of(trace.spread, t, size));
-    auto third = dense_backward_reference(layers.third, activated(s, sum2), w.w3, d_out);
-    third.in = activation_backward_reference(s.activation, sum2, std::move(third.in));
-    auto second = dense_backward_reference(layers.second, activated(s, sum1), w.w2, third.in);
-    second.in = activation_backward_reference(s.activation, sum1, std::move(second.in));
+    auto third = dense_backward_reference(layers.third, activated(s, pre_activation2), w.w3, d_out);
+    third.in = activation_backward_reference(s.activation, pre_activation2, std::move(third.in));
+    auto second =
+        dense_backward_reference(layers.second, activated(s, pre_activation1), w.w2, third.in);
+    second.in = activation_backward_reference(s.activation, pre_activation1, std::move(second.in));
     const auto first =
         dense_backward_reference(layers.first, step_of(trace.states, t, size), w.w1, second.in);
     for (std::size_t i = 0; i < hidden; ++i)
-      grad.first[s.shared_first ? i % s.hidden : t * hidden + i] += second.in[i];
+      grad.input_projection[s.shared_input_projection ? i % s.hidden : t * hidden + i] +=
+          second.in[i];
     add(carry, first.in);
     add(grad.weights.w1, first.weight);
     add(grad.weights.w2, second.weight), add(grad.weights.b2, second.bias);

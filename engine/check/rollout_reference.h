@@ -8,7 +8,7 @@ namespace touchtrace {
 
 struct RolloutShape {
   int sequences, steps, state, hidden;
-  bool shared_first;  ///< `first` is one row [hidden] for all instead of [T * S, hidden]
+  bool shared_input_projection;  ///< `first` is one row [hidden] for all instead of [T * S, hidden]
   Activation activation = Activation::relu;
 };
 
@@ -21,19 +21,20 @@ struct RolloutWeights {
 
 /// A roll-out with what its gradient needs. Rows in the order [T][S].
 struct RolloutTrace {
-  std::vector<double> states;      ///< [T + 1, S, state]
-  std::vector<double> sum1, sum2;  ///< [T, S, hidden], before the activations
-  std::vector<double> spread;      ///< [T, S, state]
+  std::vector<double> states;                            ///< [T + 1, S, state]
+  std::vector<double> pre_activation1, pre_activation2;  ///< [T, S, hidden], before the activations
+  std::vector<double> spread;                            ///< [T, S, state]
 };
 
 struct RolloutReferenceGradients {
-  std::vector<double> first;
+  std::vector<double> input_projection;
   RolloutWeights weights;
 };
 
 /// rollout.h in plain loops.
 RolloutTrace rollout_reference(const RolloutShape& shape, const std::vector<double>& initial,
-                               const std::vector<double>& first, const RolloutWeights& weights);
+                               const std::vector<double>& input_projection,
+                               const RolloutWeights& weights);
 
 /// `grad_state`, `grad_spread`: [T, S, state], towards the predicted states and spread.
 RolloutReferenceGradients rollout_backward_reference(const RolloutShape& shape,

@@ -1,6 +1,5 @@
 #include "engine/model/dynamics.h"
 
-#include "engine/base/integer_math.h"
 #include "engine/model/dynamics_gru.h"
 #include "engine/model/dynamics_mlp.h"
 
@@ -8,10 +7,10 @@ namespace touchtrace {
 
 namespace {
 
-/// The next place where a part of a buffer may begin.
-std::size_t next_part_at(std::size_t floats) {
+/// Rounds up to the next valid offset of a sub-buffer.
+std::size_t align_sub_buffer(std::size_t floats) {
   constexpr std::size_t unit = Runtime::sub_buffer_alignment / sizeof(float);
-  return round_up(floats, unit);
+  return (floats + unit - 1) / unit * unit;
 }
 
 }  // namespace
@@ -19,9 +18,9 @@ std::size_t next_part_at(std::size_t floats) {
 Dynamics::Dynamics(Runtime& runtime, int sequences, int steps) {
   const std::size_t spreads = std::size_t(steps) * sequences * state_lanes,
                     states = spreads + std::size_t(sequences) * state_lanes;
-  outcome_ = runtime.allocate<float>(next_part_at(states) + spreads);
-  states_ = runtime.sub_buffer(outcome_, 0, states);
-  spread_ = runtime.sub_buffer(outcome_, next_part_at(states), spreads);
+  states_and_spread_ = runtime.allocate<float>(align_sub_buffer(states) + spreads);
+  states_ = runtime.sub_buffer(states_and_spread_, 0, states);
+  spread_ = runtime.sub_buffer(states_and_spread_, align_sub_buffer(states), spreads);
 }
 
 void Dynamics::allocate_gradients(Runtime& runtime) {

@@ -35,11 +35,11 @@ DynamicsGru::DynamicsGru(Runtime& runtime, const ModelSpec& spec, const Weights&
           .bias_at = weights.value(bias_hh).at,
           .u_at = weights.value(weight_hh).at,
           .w3_at = output_.weight_at(),
-          .w = input_.state_part(),
+          .w = input_.state_weight(),
           .u = runtime.allocate<float>(std::size_t(spec.hidden) * gru_weights_row(spec.hidden)),
           .w3 = output_.weight(),
           .b3 = output_.bias(),
-          .first = input_.sums(),
+          .input_projection = input_.input_projection(),
           .states = states_,
           .h = runtime.allocate_zeros<float>((std::size_t(steps) + 1) * sequences * spec.hidden),
           .gates =
@@ -52,14 +52,14 @@ DynamicsGru::DynamicsGru(Runtime& runtime, const ModelSpec& spec, const Weights&
   append(prepare_, output_.prepare());
   append(forward_, input_.forward());
   forward_.push_back(gru_rollout(runtime, arrays_));
-  go_on_.push_back(pack(runtime, {arrays_.h, steps * sequences * hidden, hidden},
-                        {arrays_.h, 0, hidden}, sequences, hidden, hidden));
+  carry_state_.push_back(pack(runtime, {arrays_.h, steps * sequences * hidden, hidden},
+                              {arrays_.h, 0, hidden}, sequences, hidden, hidden));
 }
 
 void DynamicsGru::plan_backward(Runtime& runtime, const Embeddings& grad) {
   const int rows = arrays_.sequences * arrays_.steps, hidden = arrays_.hidden;
   allocate_gradients(runtime);
-  // Zeros, since the sums over steps read the gaps between rows, too.
+  // Zeroed, since column sums also read the gaps between rows.
   const MatrixView d_gates{runtime.allocate_zeros<float>(std::size_t(rows) * gru_gates_row(hidden)),
                            0, gru_gates_row(hidden)};
   const auto d_out = runtime.allocate<float>(std::size_t(rows) * 2 * state_lanes);
@@ -70,7 +70,7 @@ void DynamicsGru::plan_backward(Runtime& runtime, const Embeddings& grad) {
       runtime, arrays_,
       {.grad_state = grad_state_,
        .grad_spread = grad_spread_,
-       .w = input_.padded_state_part(),
+       .w = input_.padded_state_weight(),
        .d_out = d_out,
        .d_gates = d_gates.buffer,
        .d_h = runtime.allocate<float>(std::size_t(arrays_.sequences) * hidden)})};
@@ -91,7 +91,7 @@ void DynamicsGru::plan_hidden_gradients(Runtime& runtime, const MatrixView& d_ga
         runtime, grad, weights_.grad(bias_hh).from_column(gate * hidden), rows, gates * hidden));
   };
   add(0, 0, 2);  // reset and update
-  add(2, 3, 1);  // new: the part that reset scales
+  add(2, 3, 1);  // new: the term that reset scales
 }
 
 }  // namespace touchtrace

@@ -6,27 +6,27 @@
 
 namespace touchtrace {
 
-/// A GRU in the MLP's place: it remembers h, zeros at first, through a roll-out.
+/// GRU instead of the MLP. The hidden state h starts at zero and lasts for a roll-out.
 ///
 ///   h' = GRU(h, [state, g_t, e_i]),  [delta, band] = W h' + b
 ///
-/// with the equations and the parameters of PyTorch's GRUCell and Linear.
+/// Equations and parameters are those of PyTorch's GRUCell and Linear.
 class DynamicsGru : public Dynamics {
  public:
   /// Adds "dynamics.cell.weight_ih" [3 hidden, state + embedding + embedding],
   /// "dynamics.cell.weight_hh" [3 hidden, hidden], "dynamics.cell.bias_ih" and
-  /// "dynamics.cell.bias_hh" [3 hidden], each as reset, update and new gate; "dynamics.out.weight"
-  /// [2 state, hidden] and "dynamics.out.bias".
+  /// "dynamics.cell.bias_hh" [3 hidden], each in the order reset, update, new gate;
+  /// "dynamics.out.weight" [2 state, hidden] and "dynamics.out.bias".
   static void declare(const ModelSpec& spec, ParameterTable& table);
 
   DynamicsGru(Runtime& runtime, const ModelSpec& spec, const Weights& weights,
               const Embeddings& embeddings, int sequences, int steps);
 
   void plan_backward(Runtime& runtime, const Embeddings& grad) override;
-  void forget(Runtime& runtime) const override { runtime.fill(arrays_.h, 0.0f); }
+  void reset_state(Runtime& runtime) const override { runtime.fill(arrays_.h, 0.0f); }
 
  private:
-  /// Of weight_hh and bias_hh, from `d_gates` as gru_rollout.h has them.
+  /// Gradients of weight_hh and bias_hh from `d_gates` (layout: gru_rollout.h).
   void plan_hidden_gradients(Runtime& runtime, const MatrixView& d_gates);
 
   Weights weights_;

@@ -6,47 +6,52 @@
 
 namespace touchtrace {
 
-/// The layer of the dynamics that takes [state, g_t, e_i]. The embeddings' parts of its sums do not
-/// depend on the state, so they are one GEMM over S and one over all rows, ahead of the loop over
-/// the steps, which adds the state's part.
+/// First layer of the dynamics, from [state, g_t, e_i]. The products with the embeddings do not
+/// depend on the state: two GEMMs, over S and over T S rows, compute them before the roll-out,
+/// which adds the product with the state at every step.
 class DynamicsInput {
  public:
   struct Names {
     std::string weight, bias;
   };
 
-  /// Adds the weight [outputs, state + embedding + embedding] and the bias [outputs]. What the spec
-  /// leaves out has no columns.
+  /// Adds the weight [outputs, state + embedding + embedding] and the bias [outputs]. Inputs that
+  /// the spec omits have no columns.
   static void declare(const ModelSpec& spec, const Names& names, int outputs, double half_range,
                       ParameterTable& table);
+  /// Columns of the weight.
   static int inputs(const ModelSpec& spec);
 
-  /// `state_row`: how far apart the rows of state_part() are to be.
+  /// `state_row`: distance of the rows of state_weight() in floats.
   DynamicsInput(Runtime& runtime, const ModelSpec& spec, const Weights& weights, const Names& names,
                 const Embeddings& embeddings, int sequences, int steps, int state_row);
 
-  /// `grad_sums`: [T * S, outputs], towards all sums; `states`: [T * S, 16], before each step.
-  void plan_backward(Runtime& runtime, const MatrixView& grad_sums, const Buffer<float>& states,
+  /// `grad_output`: [T * S, outputs] gradient with respect to the layer's pre-activations.
+  /// `states`: [T * S, 16] before each step.
+  void plan_backward(Runtime& runtime, const MatrixView& grad_output, const Buffer<float>& states,
                      const Embeddings& grad);
 
   const Launches& prepare() const { return prepare_; }
   const Launches& forward() const { return forward_; }
   const Launches& backward() const { return backward_; }
 
-  /// [T * S, outputs], without the state's part; row 0: one row for all.
-  const MatrixView& sums() const { return sums_; }
-  const Buffer<float>& state_part() const { return state_part_; }  ///< transposed: [state, outputs]
-  /// [outputs, 16], padded; only where the weights have a gradient.
-  const Buffer<float>& padded_state_part() const { return padded_state_part_; }
+  /// [T * S, outputs] bias and products with the embeddings; row 0: the same row for all.
+  const MatrixView& input_projection() const { return input_projection_; }
+  /// [state, outputs] columns of the weight for the state, transposed.
+  const Buffer<float>& state_weight() const { return state_weight_; }
+  /// [outputs, 16] the same columns, zero-padded; only with a weight gradient.
+  const Buffer<float>& padded_state_weight() const { return padded_state_weight_; }
 
  private:
-  /// [rows, outputs]: what `inputs` [rows, embedding] give from column `column` of the weight on,
-  /// added to row m % start_rows of the sums so far.
-  MatrixView plan_hoisted(Runtime& runtime, const Buffer<float>& inputs, int column, int rows,
-                          int start_rows);
-  /// The part that an embedding has, from the gradient towards the sums.
-  void plan_embedding_gradients(Runtime& runtime, const MatrixView& grad_sums, int rows, int column,
-                                const Buffer<float>& inputs, const Buffer<float>& grad_inputs);
+  /// Plans the product of `inputs` [rows, embedding] with the weight's columns from `column` on,
+  /// added to row m % start_rows of input_projection_. Returns the sum [rows, outputs].
+  MatrixView plan_projection(Runtime& runtime, const Buffer<float>& inputs, int column, int rows,
+                             int start_rows);
+  /// Plans the weight gradient of an embedding's columns and, unless `grad_inputs` is empty, the
+  /// gradient with respect to the embedding.
+  void plan_embedding_gradients(Runtime& runtime, const MatrixView& grad_output, int rows,
+                                int column, const Buffer<float>& inputs,
+                                const Buffer<float>& grad_inputs);
 
   int touch_column() const { return spec_.state; }
   int object_column() const { return spec_.state + spec_.embedding; }
@@ -57,8 +62,8 @@ class DynamicsInput {
   Names names_;
   Embeddings embeddings_;
   int sequences_, steps_, outputs_;
-  MatrixView sums_;
-  Buffer<float> state_part_, padded_state_part_;
+  MatrixView input_projection_;
+  Buffer<float> state_weight_, padded_state_weight_;
   Launches prepare_, forward_, backward_;
 };
 

@@ -34,21 +34,22 @@ DynamicsMlp::DynamicsMlp(Runtime& runtime, const ModelSpec& spec, const Weights&
               .b2_at = weights.value("dynamics.2.bias").at,
               .w2_at = weights.value("dynamics.2.weight").at,
               .w3_at = output_.weight_at(),
-              .w1 = input_.state_part(),
+              .w1 = input_.state_weight(),
               .w2 = runtime.allocate<float>(std::size_t(spec.hidden) * spec.hidden),
               .w3 = output_.weight(),
               .b3 = output_.bias(),
-              .first = input_.sums(),
+              .input_projection = input_.input_projection(),
               .states = states_,
               .h1 = {},
               .h2 = {},
-              .sum1 = {},
-              .sum2 = {},
+              .pre_activation1 = {},
+              .pre_activation2 = {},
               .spread = spread_} {
   const auto values = std::size_t(sequences) * steps * spec.hidden;
   for (auto* values_of : {&arrays_.h1, &arrays_.h2}) *values_of = runtime.allocate<float>(values);
   if (slope_from_sum(spec.activation))
-    for (auto* sums : {&arrays_.sum1, &arrays_.sum2}) *sums = runtime.allocate<float>(values);
+    for (auto* sums : {&arrays_.pre_activation1, &arrays_.pre_activation2})
+      *sums = runtime.allocate<float>(values);
   append(prepare_, input_.prepare());
   prepare_.push_back(pack(runtime, weights.value("dynamics.2.weight").transposed(),
                           {arrays_.w2, 0, spec.hidden}, spec.hidden, spec.hidden, spec.hidden));
@@ -70,7 +71,7 @@ void DynamicsMlp::plan_backward(Runtime& runtime, const Embeddings& grad) {
   backward_ = {rollout_backward(runtime, arrays_,
                                 {.grad_state = grad_state_,
                                  .grad_spread = grad_spread_,
-                                 .w1 = input_.padded_state_part(),
+                                 .w1 = input_.padded_state_weight(),
                                  .d_out = d_out,
                                  .d_h1 = d_h1.buffer,
                                  .d_h2 = d_h2.buffer})};

@@ -5,12 +5,12 @@
 
 namespace touchtrace {
 
-/// The dynamics MLP of the paper: [state, g_t, e_i] -> hidden -> hidden -> [delta, band], the next
-/// state is state + delta, the spread is softplus(band).
+/// MLP of the paper: [state, g_t, e_i] -> hidden -> hidden -> [delta, band]. The next state is
+/// state + delta, the spread is softplus(band).
 class DynamicsMlp : public Dynamics {
  public:
   /// Adds "dynamics.0.weight" [hidden, state + embedding + embedding], "dynamics.2.weight" [hidden,
-  /// hidden], "dynamics.4.weight" [2 state, hidden] and a bias for each.
+  /// hidden], "dynamics.4.weight" [2 state, hidden] and their biases.
   static void declare(const ModelSpec& spec, ParameterTable& table);
 
   DynamicsMlp(Runtime& runtime, const ModelSpec& spec, const Weights& weights,
@@ -19,8 +19,6 @@ class DynamicsMlp : public Dynamics {
   void plan_backward(Runtime& runtime, const Embeddings& grad) override;
 
  private:
-  void allocate(Runtime& runtime, const ModelSpec& spec);
-
   Weights weights_;
   DynamicsInput input_;
   DynamicsOutput output_;

@@ -20,24 +20,24 @@ DynamicsOutput::DynamicsOutput(Runtime& runtime, const ModelSpec& spec, const We
       bias_(runtime.allocate<float>(2 * state_lanes)) {
   const auto weight = weights.value(name + ".weight"), bias = weights.value(name + ".bias");
   const int state = spec.state;
-  for (int part = 0; part < 2; ++part) {  // delta, band
-    const int to = part * state_lanes;
-    prepare_.push_back(pack(runtime, weight.from_row(part * state).transposed(),
+  for (int half = 0; half < 2; ++half) {  // delta, band
+    const int to = half * state_lanes;
+    prepare_.push_back(pack(runtime, weight.from_row(half * state).transposed(),
                             {weight_, to, 2 * state_lanes}, spec.hidden, state, state_lanes));
     prepare_.push_back(
-        pack(runtime, bias.from_column(part * state), {bias_, to}, 1, state, state_lanes));
+        pack(runtime, bias.from_column(half * state), {bias_, to}, 1, state, state_lanes));
   }
 }
 
-void DynamicsOutput::plan_backward(Runtime& runtime, const Buffer<float>& d_out,
+void DynamicsOutput::plan_backward(Runtime& runtime, const Buffer<float>& grad_output,
                                    const MatrixView& h, int rows) {
   const int state = spec_.state;
   const auto weight = weights_.grad(name_ + ".weight"), bias = weights_.grad(name_ + ".bias");
-  for (int part = 0; part < 2; ++part) {
-    const auto grad = MatrixView{d_out, 0, 2 * state_lanes}.from_column(part * state_lanes);
-    backward_.push_back(gemm(runtime, grad.transposed(), h, {}, weight.from_row(part * state),
+  for (int half = 0; half < 2; ++half) {
+    const auto grad = MatrixView{grad_output, 0, 2 * state_lanes}.from_column(half * state_lanes);
+    backward_.push_back(gemm(runtime, grad.transposed(), h, {}, weight.from_row(half * state),
                              state, spec_.hidden, rows));
-    backward_.push_back(column_sums(runtime, grad, bias.from_column(part * state), rows, state));
+    backward_.push_back(column_sums(runtime, grad, bias.from_column(half * state), rows, state));
   }
 }
 

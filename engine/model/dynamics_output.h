@@ -6,7 +6,7 @@
 
 namespace touchtrace {
 
-/// The last layer of the dynamics: from hidden values [delta, band].
+/// Last layer of the dynamics, from hidden values to [delta, band]; evaluated by the roll-out.
 class DynamicsOutput {
  public:
   /// Adds "NAME.weight" [2 state, hidden] and "NAME.bias" [2 state].
@@ -15,16 +15,17 @@ class DynamicsOutput {
   DynamicsOutput(Runtime& runtime, const ModelSpec& spec, const Weights& weights,
                  const std::string& name);
 
-  /// `h`: [rows, hidden]; `d_out`: [rows, 2, 16], towards delta and band.
-  void plan_backward(Runtime& runtime, const Buffer<float>& d_out, const MatrixView& h, int rows);
+  /// `h`: [rows, hidden]. `grad_output`: [rows, 2, 16] with respect to delta and band.
+  void plan_backward(Runtime& runtime, const Buffer<float>& grad_output, const MatrixView& h,
+                     int rows);
 
   const Launches& prepare() const { return prepare_; }
   const Launches& backward() const { return backward_; }
 
-  // As the kernels of the roll-outs take them.
+  // Arguments of the roll-out kernels:
   int weight_at() const { return weights_.value(name_ + ".weight").at; }
-  const Buffer<float>& weight() const { return weight_; }  ///< [hidden, 2, 16], padded
-  const Buffer<float>& bias() const { return bias_; }      ///< [2, 16], padded
+  const Buffer<float>& weight() const { return weight_; }  ///< [hidden, 2, 16], zero-padded
+  const Buffer<float>& bias() const { return bias_; }      ///< [2, 16], zero-padded
 
  private:
   ModelSpec spec_;

@@ -10,13 +10,13 @@
 namespace touchtrace {
 namespace {
 
-/// The same error, saying what the device was to hold.
-Error while_making(const ModelSpec& spec, int sequences, int steps, const Error& error) {
+/// Adds the size of the model to an error.
+Error with_model_size(const ModelSpec& spec, int sequences, int steps, const Error& error) {
   const auto windows = spec.touch ? fmt::format(" with windows of {} x {} x {}", spec.window_frames,
                                                 spec.rows, spec.cols)
                                   : "";
   return Error(error.code(),
-               fmt::format("a model for {} sequences of {} steps{}: {}", sequences, steps, windows,
+               fmt::format("model for {} sequences of {} steps{}: {}", sequences, steps, windows,
                            error.what()),
                error.hint());
 }
@@ -27,11 +27,11 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
              const LiveTaxels& live, const Tuning& tuning) try
     : runtime_(runtime), spec_(spec), sequences_(sequences), steps_(steps) {
   validate(spec);
-  const bool own_object_encoder = spec.object == ObjectEncoder::joint && use == Use::training;
+  const bool has_object_encoder = spec.object == ObjectEncoder::joint && use == Use::training;
   if (spec.touch && use != Use::rollout)
-    TouchEncoder::declare("tactile", window_encoder(spec, 1), spec.embedding, table_);
-  if (own_object_encoder)
-    TouchEncoder::declare("object", segment_encoder(spec, 1), spec.embedding, table_);
+    TactileEncoder::declare("tactile", window_encoder(spec, 1), spec.embedding, table_);
+  if (has_object_encoder)
+    TactileEncoder::declare("object", segment_encoder(spec, 1), spec.embedding, table_);
   declare_dynamics(spec, table_);
   weights_ = std::make_unique<Weights>(allocate_weights(runtime, table_, use == Use::training));
   if (spec.touch && use == Use::rollout)
@@ -39,7 +39,7 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
         runtime.allocate<float>(std::size_t(sequences) * steps * spec.embedding);
   else if (spec.touch)
     plan_tactile_encoder(live, tuning);
-  if (own_object_encoder)
+  if (has_object_encoder)
     plan_object_encoder(live, tuning);
   else if (spec.object != ObjectEncoder::none)
     input_.object_embedding = runtime.allocate<float>(std::size_t(sequences) * spec.embedding);
@@ -47,19 +47,19 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   if (use == Use::training) plan_loss();
 } catch (const Error& error) {
   if (error.code() != ExitCode::no_device) throw;
-  throw while_making(spec, sequences, steps, error);
+  throw with_model_size(spec, sequences, steps, error);
 }
 
 void Model::plan_tactile_encoder(const LiveTaxels& live, const Tuning& tuning) {
-  tactile_ = std::make_unique<TouchEncoder>(
+  tactile_ = std::make_unique<TactileEncoder>(
       runtime_, "tactile", window_encoder(spec_, sequences_ * steps_, live), *weights_, tuning);
-  input_.last_frame = tactile_->last_frame();
+  input_.window_end = tactile_->window_end();
 }
 
 void Model::plan_object_encoder(const LiveTaxels& live, const Tuning& tuning) {
-  object_ = std::make_unique<TouchEncoder>(
+  object_ = std::make_unique<TactileEncoder>(
       runtime_, "object", segment_encoder(spec_, sequences_, live), *weights_, tuning);
-  input_.segment_last_frame = object_->last_frame();
+  input_.segment_end = object_->window_end();
   input_.object = runtime_.allocate<std::int32_t>(std::size_t(sequences_));
   input_.contrast_weight = runtime_.allocate<float>(std::size_t(sequences_));
 }
@@ -102,24 +102,24 @@ void Model::plan_loss() {
 }
 
 void Model::prepare() {
-  beside_object_encoder([&] { object_->prepare(); },
-                        [&] {
-                          if (tactile_) tactile_->prepare();
-                          enqueue(runtime_, dynamics_->prepare());
-                        });
+  enqueue_concurrently([&] { object_->prepare(); },
+                       [&] {
+                         if (tactile_) tactile_->prepare();
+                         enqueue(runtime_, dynamics_->prepare());
+                       });
 }
 
 void Model::forward(const Buffer<float>& stream, const TaxelDropout& dropout,
                     const TaxelDropout& segment_dropout) {
-  beside_object_encoder([&] { object_->forward(stream, segment_dropout); },
-                        [&] {
-                          if (tactile_) tactile_->forward(stream, dropout);
-                        });
+  enqueue_concurrently([&] { object_->forward(stream, segment_dropout); },
+                       [&] {
+                         if (tactile_) tactile_->forward(stream, dropout);
+                       });
   enqueue(runtime_, dynamics_->forward());
 }
 
-void Model::forward_late(const Buffer<float>& stream) {
-  tactile_->forward_late(stream);
+void Model::finish_forward(const Buffer<float>& stream) {
+  tactile_->finish_forward(stream);
   enqueue(runtime_, dynamics_->forward());
 }
 
@@ -127,17 +127,16 @@ void Model::backward() {
   runtime_.fill(weights_->gradient, 0.0f);
   enqueue(runtime_, state_loss_);
   enqueue(runtime_, dynamics_->backward());
-  enqueue(
-      runtime_,
-      total_loss_);  // the contrastive part adds to what the dynamics gives to the object embedding
-  beside_object_encoder([&] { object_->backward(); },
-                        [&] {
-                          if (tactile_) tactile_->backward();
-                        });
+  // Now, since the contrastive loss adds to the object embedding gradient that the dynamics writes.
+  enqueue(runtime_, total_loss_);
+  enqueue_concurrently([&] { object_->backward(); },
+                       [&] {
+                         if (tactile_) tactile_->backward();
+                       });
 }
 
-void Model::beside_object_encoder(const std::function<void()>& object,
-                                  const std::function<void()>& others) {
+void Model::enqueue_concurrently(const std::function<void()>& object,
+                                 const std::function<void()>& others) {
   if (!object_) return others();
   runtime_.fork();
   runtime_.on_side_queue(object);

@@ -8,8 +8,9 @@ namespace touchtrace {
 namespace {
 
 ParameterTable object_parameters(const ModelSpec& spec) {
+  validate(spec);
   ParameterTable table;
-  TouchEncoder::declare("object", segment_encoder(spec, 1), spec.embedding, table);
+  TactileEncoder::declare("object", segment_encoder(spec, 1), spec.embedding, table);
   return table;
 }
 

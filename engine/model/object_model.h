@@ -1,12 +1,11 @@
 #pragma once
 
-#include "engine/model/touch_encoder.h"
+#include "engine/model/tactile_encoder.h"
 
 namespace touchtrace {
 
-/// The object encoder in training, alone, for N segments of touch (section III-C): their
-/// embeddings, and the contrastive loss between them. Everything is allocated and built by the
-/// constructor.
+/// Object encoder for training alone, on N segments (section III-C): embeddings, contrastive loss
+/// and gradient. The constructor allocates all buffers; it throws usage_error for an invalid spec.
 class ObjectModel {
  public:
   ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments, const Tuning& tuning = {});
@@ -17,23 +16,21 @@ class ObjectModel {
   const ParameterTable& table() const { return table_; }
   const Weights& weights() const { return weights_; }
 
-  /// [N], for the caller to write: the last frame of each segment in the stream, the object of
-  /// each and the weight of its pairs in the loss, as info_nce.h takes them.
-  const Buffer<int>& last_frame() const { return encoder_.last_frame(); }
-  const Buffer<int>& object() const { return object_; }
-  const Buffer<float>& weight() const { return weight_; }
+  // Inputs written by the caller, [N]:
+  const Buffer<int>& window_end() const { return encoder_.window_end(); }  ///< last stream frame
+  const Buffer<int>& object() const { return object_; }                    ///< object index
+  const Buffer<float>& weight() const { return weight_; }  ///< of each positive pair (info_nce.h)
 
-  /// To be called whenever the weights changed.
+  /// Call after every change of the weights.
   void prepare() { encoder_.prepare(); }
   /// `stream`: [frames, rows, cols].
   void forward(const Buffer<float>& stream, const TaxelDropout& dropout) {
     encoder_.forward(stream, dropout);
   }
-  /// The loss of the last forward pass, and its gradient into weights().gradient.
+  /// Computes loss() of the last forward pass and overwrites weights().gradient.
   void backward();
 
-  const Buffer<float>& embedding() const { return encoder_.embedding(); }  ///< [N, embedding]
-  const Buffer<float>& loss() const { return loss_; }                      ///< [1]
+  const Buffer<float>& loss() const { return loss_; }  ///< [1]
 
  private:
   void plan_loss(const ModelSpec& spec);
@@ -42,7 +39,7 @@ class ObjectModel {
   int segments_;
   ParameterTable table_;
   Weights weights_;
-  TouchEncoder encoder_;
+  TactileEncoder encoder_;
   Buffer<int> object_;
   Buffer<float> weight_, loss_;
   Launches loss_launches_;

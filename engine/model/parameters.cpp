@@ -22,7 +22,7 @@ std::size_t aligned(std::size_t size) { return round_up(size, alignment); }
 
 Parameter ParameterTable::add(std::string name, std::vector<int> shape, Initial initial) {
   if (std::ranges::find(rows_, name, &Parameter::name) != rows_.end())
-    throw failure(fmt::format("there are two parameters '{}'", name), "report this as a bug");
+    throw failure(fmt::format("duplicate parameter '{}'", name), "report this as a bug");
   const auto size =
       std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
   rows_.push_back({std::move(name), std::move(shape), size_, size, initial});
@@ -33,7 +33,7 @@ Parameter ParameterTable::add(std::string name, std::vector<int> shape, Initial 
 const Parameter& ParameterTable::at(std::string_view name) const {
   const auto found = std::ranges::find(rows_, name, &Parameter::name);
   if (found == rows_.end())
-    throw failure(fmt::format("there is no parameter '{}'", name), "report this as a bug");
+    throw failure(fmt::format("unknown parameter '{}'", name), "report this as a bug");
   return *found;
 }
 

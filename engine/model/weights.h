@@ -7,12 +7,12 @@
 
 namespace touchtrace {
 
-/// All weights of a model on a device and, in training, their gradient: flat, as `table` lays out.
+/// Weights of a model on a device and, in training, their gradient: flat, laid out by `table`.
 struct Weights {
   const ParameterTable& table;
-  Buffer<float> values, gradient;
+  Buffer<float> values, gradient;  ///< gradient: empty for prediction
 
-  /// A parameter as a matrix [shape[0], shape[1]], or as one row.
+  /// Views a parameter as a matrix [shape[0], shape[1]], or as one row.
   MatrixView value(std::string_view name) const { return view(values, name); }
   MatrixView grad(std::string_view name) const { return view(gradient, name); }
 
@@ -23,7 +23,7 @@ struct Weights {
   }
 };
 
-/// Room for the weights of a complete table and, for training, for their gradient.
+/// Allocates weights and, if `training`, the gradient. `table` must be complete.
 inline Weights allocate_weights(Runtime& runtime, const ParameterTable& table, bool training) {
   return {table, runtime.allocate<float>(table.size()),
           runtime.allocate<float>(training ? table.size() : 0)};

@@ -35,7 +35,7 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
   partial_ = runtime.allocate<float>(static_cast<std::size_t>(chunks));
   norm_ = runtime.allocate<float>(1);
   const bool exact = runtime.accuracy() == Accuracy::exact;
-  if (exact) lost_ = runtime.allocate_zeros<float>(parameters.size());
+  if (exact) compensation_ = runtime.allocate_zeros<float>(parameters.size());
   measure_ = {
       Launch(adam_kernel(runtime, "squares", chunk), range(chunks), gradient, size, partial_)
           .with_cost(2.0 * size, 4.0 * size)
@@ -44,7 +44,7 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
           .with_cost(chunks, 4.0 * chunks)
           .with_purpose(Purpose::optimiser)};
   update_ = {update_launch(runtime, size, parameters, gradient, first_, second_, decay, size, norm_,
-                           loss, 0.0f, 0.0f, 0.0f, 0.0f, exact ? lost_ : norm_)
+                           loss, 0.0f, 0.0f, 0.0f, 0.0f, exact ? compensation_ : norm_)
                  .with_cost(17.0 * size, 4.0 * size * (exact ? 10.0 : 8.0))
                  .with_purpose(Purpose::optimiser)};
 }
@@ -52,7 +52,7 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
 std::vector<std::pair<std::string, Buffer<float>>> Adam::state() const {
   std::vector<std::pair<std::string, Buffer<float>>> arrays{{"adam.first_moment", first_},
                                                             {"adam.second_moment", second_}};
-  if (lost_.size() > 0) arrays.emplace_back("adam.lost_digits", lost_);
+  if (compensation_.size() > 0) arrays.emplace_back("adam.lost_digits", compensation_);
   return arrays;
 }
 

@@ -31,7 +31,7 @@ class Adam {
  private:
   Runtime& runtime_;
   Buffer<float> first_, second_, partial_, norm_;
-  Buffer<float> lost_;  ///< of parameters' last places; empty in Accuracy::fast
+  Buffer<float> compensation_;  ///< of parameters' last places; empty in Accuracy::fast
   Launches measure_;
   Launches update_;
 };

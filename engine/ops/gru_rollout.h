@@ -19,8 +19,8 @@ struct GruArrays {
   Buffer<float> w, u;    ///< weight_ih's part of the state and weight_hh, transposed: [state] and
                          ///< [hidden] rows of 3 hidden, gru_weights_row() apart
   Buffer<float> w3, b3;  ///< transposed and padded: [hidden, 2, 16], [2, 16]
-  MatrixView first;      ///< [T * S, 3 hidden]; row 0: one row for all
-  Buffer<float> states;  ///< [T + 1, S, 16]; the first S rows are the initial states
+  MatrixView input_projection;  ///< [T * S, 3 hidden]; row 0: one row for all
+  Buffer<float> states;         ///< [T + 1, S, 16]; the first S rows are the initial states
   Buffer<float> h;       ///< [T + 1, S, hidden]; the first S rows are the initial hidden states
   Buffer<float> gates;   ///< [T * S] rows of r, z, n, a, gru_gates_row() apart
   Buffer<float> spread;  ///< [T, S, 16]

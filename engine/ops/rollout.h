@@ -15,14 +15,15 @@ struct RolloutArrays {
   int sequences, steps, state, hidden;
   Activation activation;
   Buffer<float> parameters;
-  int b2_at, w2_at, w3_at;   ///< into `parameters`: [hidden], [hidden, hidden], [2 state, hidden]
-  Buffer<float> w1, w2;      ///< transposed: [state, hidden], [hidden, hidden]
-  Buffer<float> w3, b3;      ///< transposed and padded: [hidden, 2, 16], [2, 16]
-  MatrixView first;          ///< [T * S, hidden]; row 0: one row for all
-  Buffer<float> states;      ///< [T + 1, S, 16]; the first S rows are the initial states
-  Buffer<float> h1, h2;      ///< [T, S, hidden]
-  Buffer<float> sum1, sum2;  ///< as h1, h2, before the activation, where its slope_from_sum()
-  Buffer<float> spread;      ///< [T, S, 16]
+  int b2_at, w2_at, w3_at;  ///< into `parameters`: [hidden], [hidden, hidden], [2 state, hidden]
+  Buffer<float> w1, w2;     ///< transposed: [state, hidden], [hidden, hidden]
+  Buffer<float> w3, b3;     ///< transposed and padded: [hidden, 2, 16], [2, 16]
+  MatrixView input_projection;  ///< [T * S, hidden]; row 0: one row for all
+  Buffer<float> states;         ///< [T + 1, S, 16]; the first S rows are the initial states
+  Buffer<float> h1, h2;         ///< [T, S, hidden]
+  Buffer<float> pre_activation1,
+      pre_activation2;   ///< as h1, h2, before the activation, where its slope_from_sum()
+  Buffer<float> spread;  ///< [T, S, 16]
 };
 
 struct RolloutGradients {

@@ -8,10 +8,9 @@ namespace touchtrace {
 namespace {
 
 const Conv2dShape& shape_of(const Tuning::Layer& row) { return row.shape; }
-const Conv2dShape& shape_of(const Tuning::Part& row) { return row.first_layer; }
+const Conv2dShape& shape_of(const Tuning::MicroBatch& row) { return row.first_layer; }
 
-/// Whether they are the same layer but for the number of images and dead pixels, which are the
-/// data's.
+/// Ignores the number of images and dead pixels, which depend on the data.
 bool same_layer(const Conv2dShape& a, const Conv2dShape& b) {
   const auto key = [](const Conv2dShape& s) {
     return std::tuple(s.in_channels, s.rows, s.cols, s.out_channels, s.in_planes, s.kernel,
@@ -20,21 +19,21 @@ bool same_layer(const Conv2dShape& a, const Conv2dShape& b) {
   return key(a) == key(b);
 }
 
-/// How many times as many images one has as the other.
+/// Ratio of the numbers of images, >= 1.
 double ratio_of_images(const Conv2dShape& a, const Conv2dShape& b) {
   const auto [few, many] = std::minmax(a.images, b.images);
   return static_cast<double>(many) / few;
 }
 
-/// Of several that are as near, the one with fewer images.
+/// Prefers fewer images among equally near ones.
 template <class Row>
-const Row* nearest(const std::vector<Row>& rows, const Conv2dShape& shape, double largest_ratio) {
+const Row* nearest(const std::vector<Row>& rows, const Conv2dShape& shape, double max_ratio) {
   const Row* best = nullptr;
   const auto key = [&](const Row& row) {
     return std::pair(ratio_of_images(shape_of(row), shape), shape_of(row).images);
   };
   for (const auto& row : rows)
-    if (same_layer(shape_of(row), shape) && key(row).first <= largest_ratio &&
+    if (same_layer(shape_of(row), shape) && key(row).first <= max_ratio &&
         (!best || key(row) < key(*best)))
       best = &row;
   return best;
@@ -55,12 +54,12 @@ const Tuning::Layer* Tuning::layer(const Conv2dShape& shape) const {
   return nearest(layers, shape, 2.0);
 }
 
-const Tuning::Part* Tuning::part(const Conv2dShape& first_layer) const {
-  return nearest(parts, first_layer, std::numeric_limits<double>::infinity());
+const Tuning::MicroBatch* Tuning::micro_batch(const Conv2dShape& first_layer) const {
+  return nearest(micro_batches, first_layer, std::numeric_limits<double>::infinity());
 }
 
 void Tuning::set(const Layer& layer) { replace(layers, layer); }
 
-void Tuning::set(const Part& part) { replace(parts, part); }
+void Tuning::set(const MicroBatch& batch) { replace(micro_batches, batch); }
 
 }  // namespace touchtrace

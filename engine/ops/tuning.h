@@ -6,38 +6,38 @@
 
 namespace touchtrace {
 
-/// Milliseconds that the usual rule and the choice took when they were compared.
+/// Times of the default and of the tuned configuration when they were compared.
 struct TunedTimes {
-  double usual_ms = 0.0, chosen_ms = 0.0;
+  double default_ms = 0.0, tuned_ms = 0.0;
 };
 
-/// What was measured to be fastest on one device, for training. The same choices give the same
-/// bits, others give others; a shape without one goes by the rules that suit most devices.
+/// Fastest configurations for training, measured on one device. Shapes without an entry use the
+/// default configuration. Another tuning changes the last bits of the result.
 struct Tuning {
   struct Layer {
     Conv2dShape shape;
     Conv2dChoice choice;
     TunedTimes times{};
   };
-  /// Images that go through all layers together, since what one layer writes may still be in the
-  /// cache when the next one reads it.
-  struct Part {
-    Conv2dShape first_layer;  ///< with the images of all parts
+  /// Number of images that go through all layers together, so that the output of a layer may still
+  /// be in the cache when the next one reads it.
+  struct MicroBatch {
+    Conv2dShape first_layer;  ///< with the images of all micro-batches
     int images;
     TunedTimes times{};
   };
 
   std::vector<Layer> layers;
-  std::vector<Part> parts;
+  std::vector<MicroBatch> micro_batches;
 
-  /// That of a shape, dead pixels aside, or else of the same layer with the nearest number of
-  /// images: a layer with at most twice as many or half of them, since methods pay from some number
-  /// of images on; a part with any. Null without such a one.
+  /// Entry of a shape, dead pixels ignored, or else of the same layer with the nearest number of
+  /// images; null if there is none. For a layer the numbers differ at most by a factor of 2, since
+  /// methods pay from some number of images on.
   const Layer* layer(const Conv2dShape& shape) const;
-  const Part* part(const Conv2dShape& first_layer) const;
-  /// In the place of those of the same shape.
+  const MicroBatch* micro_batch(const Conv2dShape& first_layer) const;
+  /// Adds an entry or replaces that of the same shape.
   void set(const Layer& layer);
-  void set(const Part& part);
+  void set(const MicroBatch& batch);
 };
 
 }  // namespace touchtrace

@@ -13,7 +13,7 @@ namespace {
 
 void check_size(const char* what, std::size_t size, std::size_t expected) {
   if (size != expected)
-    throw failure(fmt::format("a batch has {} values of {} instead of {}", size, what, expected),
+    throw failure(fmt::format("batch has {} values of '{}'; expected {}", size, what, expected),
                   "report this as a bug");
 }
 
@@ -22,7 +22,7 @@ void write_rows(Runtime& runtime, const Buffer<float>& to, std::span<const std::
   std::vector<float> rows;
   for (const auto i : row) {
     if (i < 0 || (std::size_t(i) + 1) * size > from.size())
-      throw failure(fmt::format("there is no embedding {}", i), "report this as a bug");
+      throw failure(fmt::format("unknown embedding {}", i), "report this as a bug");
     std::ranges::copy(from.subspan(std::size_t(i) * size, size), std::back_inserter(rows));
   }
   runtime.write<float>(to, rows);
@@ -41,8 +41,8 @@ void check(const RolloutBatch& batch, const ModelSpec& spec, std::size_t frames)
   for (const auto first : batch.first_frame)
     if (first < spec.window_frames - 1 || std::size_t(first) + batch.steps > frames)
       throw data_error(
-          fmt::format("a roll-out of {} steps from frame {} needs tactile frames that the "
-                      "stream of {} does not have",
+          fmt::format("roll-out of {} steps from frame {} is outside the tactile stream of {} "
+                      "frames",
                       batch.steps, first, frames),
           "use a longer recording or fewer steps");
 }
@@ -59,10 +59,10 @@ void check_objects(const RolloutBatch& batch, const ModelSpec& spec, std::size_t
 
 void write_windows(Runtime& runtime, const Model& model, const RolloutBatch& batch) {
   if (!model.spec().touch) return;
-  std::vector<std::int32_t> last_frame;
+  std::vector<std::int32_t> window_end;
   for (int t = 0; t < batch.steps; ++t)
-    for (const auto first : batch.first_frame) last_frame.push_back(first + t);
-  runtime.write<std::int32_t>(model.input().last_frame, last_frame);
+    for (const auto first : batch.first_frame) window_end.push_back(first + t);
+  runtime.write<std::int32_t>(model.input().window_end, window_end);
 }
 
 void write_initial_states(Runtime& runtime, const Model& model, const BatchBlock& block,
@@ -91,7 +91,7 @@ void write_targets(Runtime& runtime, const Model& model, const RolloutBatch& bat
     }
   const double total = std::accumulate(weight.begin(), weight.end(), 0.0);
   if (!(total > 0.0))
-    throw data_error("a batch holds no label that is to be trusted", "label the recording again");
+    throw data_error("no label of the batch has a weight", "label the recording again");
   for (float& w : weight) w = static_cast<float>(w / (total * state));
   runtime.write<float>(model.input().target, target);
   runtime.write<float>(model.input().weight, weight);
@@ -100,9 +100,8 @@ void write_targets(Runtime& runtime, const Model& model, const RolloutBatch& bat
 void write_segments(Runtime& runtime, const Model& model, const RolloutBatch& batch,
                     double object_loss) {
   const auto& input = model.input();
-  if (input.segment_last_frame.size() == 0) return;
-  runtime.write<std::int32_t>(input.segment_last_frame,
-                              segment_last_frames(model.spec(), batch.segment_frame));
+  if (input.segment_end.size() == 0) return;
+  runtime.write<std::int32_t>(input.segment_end, segment_ends(model.spec(), batch.segment_frame));
   runtime.write<std::int32_t>(input.object, batch.object);
   runtime.write<float>(input.contrast_weight, contrast_weights(batch.object, object_loss));
 }
@@ -113,14 +112,14 @@ void write_object_embeddings(Runtime& runtime, const Model& model,
 }
 
 void write_object_embeddings(Runtime& runtime, const Model& model, const BatchBlock& block,
-                             const TouchEmbeddings& of_sequences) {
+                             const DistinctEmbeddings& of_sequences) {
   std::vector<std::int32_t> row;
   for (int s = 0; s < model.sequences(); ++s) row.push_back(of_sequences.row[block.sequence(s)]);
   write_object_embeddings(runtime, model, row, of_sequences.values);
 }
 
 void write_tactile_embeddings(Runtime& runtime, const Model& model, const BatchBlock& block,
-                              const TouchEmbeddings& of_steps) {
+                              const DistinctEmbeddings& of_steps) {
   std::vector<std::int32_t> row;
   for (int t = 0; t < model.steps(); ++t)
     for (int s = 0; s < model.sequences(); ++s)

@@ -1,38 +1,86 @@
 #include "engine/train/checkpoint_metadata.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
+
 #include "engine/base/error.h"
 #include "engine/train/tuning_json.h"
 
 namespace touchtrace {
 namespace {
 
+using nlohmann::json;
+
 constexpr const char* checkpoint_format = "touchtrace/checkpoint/3";
+constexpr const char* checkpoint_hint =
+    "name one that touchtrace train wrote, or start from scratch with --overwrite";
+
+/// `old_key`: of older checkpoints.
+int count_in(const json& training, const char* key, const char* old_key) {
+  const auto& value = training.at(training.contains(key) ? key : old_key);
+  if (!value.is_number_integer() || value < 0 || value > INT32_MAX)
+    throw data_error(fmt::format("'{}' is not a non-negative integer", key), "");
+  return value.get<int>();
+}
 
 }  // namespace
 
-std::map<std::string, std::string> to_metadata(const ModelSpec& spec,
-                                               const CheckpointMetadata& checkpoint) {
+std::map<std::string, std::string> to_metadata(const CheckpointMetadata& checkpoint) {
   const auto& counts = checkpoint.counts;
-  const nlohmann::json training{{"tried", counts.tried},
-                                {"left_out", counts.left_out},
-                                {"left_out_in_a_row", counts.left_out_in_a_row},
-                                {"tuning", checkpoint.tuning},
-                                {"notes", checkpoint.notes}};
+  const json training{{"attempted", counts.attempted},
+                      {"skipped", counts.skipped},
+                      {"consecutive_skips", counts.consecutive_skips},
+                      {"tuning", checkpoint.tuning},
+                      {"notes", checkpoint.notes}};
   return {{"format", checkpoint_format},
-          {"spec", nlohmann::json(spec).dump()},
+          {"spec", json(checkpoint.spec).dump()},
           {"training", training.dump()}};
 }
 
 CheckpointMetadata checkpoint_metadata(const TensorFile& file,
                                        const std::filesystem::path& path) try {
-  if (file.metadata.at("format") != checkpoint_format) throw std::out_of_range("format");
-  const auto training = nlohmann::json::parse(file.metadata.at("training"));
-  return {{training.at("tried"), training.at("left_out"), training.at("left_out_in_a_row")},
+  if (file.metadata.at("format") != checkpoint_format)
+    throw data_error(
+        fmt::format("format '{}'; expected '{}'", file.metadata.at("format"), checkpoint_format),
+        "");
+  const auto training = json::parse(file.metadata.at("training"));
+  return {json::parse(file.metadata.at("spec")).get<ModelSpec>(),
+          {count_in(training, "attempted", "tried"), count_in(training, "skipped", "left_out"),
+           count_in(training, "consecutive_skips", "left_out_in_a_row")},
           training.at("tuning").get<Tuning>(),
           training.at("notes")};
-} catch (const std::exception&) {
-  throw data_error(path.string() + " is not a whole checkpoint",
-                   "name one that touchtrace train wrote, or start anew with --overwrite");
+} catch (const Error& error) {
+  throw data_error(fmt::format("{} is not a valid checkpoint: {}", path.string(), error.what()),
+                   checkpoint_hint);
+} catch (const std::exception&) {  // a missing key or invalid JSON
+  throw data_error(path.string() + " is not a valid checkpoint", checkpoint_hint);
+}
+
+void check_resumable(const CheckpointMetadata& checkpoint, const ModelSpec& spec,
+                     const Tuning& tuning, const std::filesystem::path& path) {
+  const json stored = checkpoint.spec, wanted = spec;
+  for (const auto& side : {stored, wanted})
+    for (const auto& [key, ignored] : side.items()) {
+      const auto in = [&key = key](const json& spec_json) {
+        return spec_json.contains(key) ? spec_json.at(key).dump() : "absent";
+      };
+      if (in(stored) != in(wanted))
+        throw data_error(fmt::format("{} was written for another model: '{}' is {}, here {}",
+                                     path.string(), key, in(stored), in(wanted)),
+                         "resume with the options that it was started with");
+    }
+  if (json(checkpoint.tuning) != json(tuning))
+    throw data_error(path.string() + " was started with another tuning",
+                     "resume with the tuning that the checkpoint contains");
+}
+
+const Tensor& optimiser_tensor(const TensorFile& file, const std::string& name, std::size_t size) {
+  constexpr const char *compensation = "adam.compensation", *old_name = "adam.lost_digits";
+  const bool is_old =
+      name == compensation &&
+      std::ranges::find(file.tensors, old_name, &Tensor::name) != file.tensors.end();
+  return file.at(is_old ? old_name : name, size);
 }
 
 }  // namespace touchtrace

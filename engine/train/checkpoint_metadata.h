@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "engine/model/model_spec.h"
 #include "engine/ops/tuning.h"
@@ -9,23 +11,30 @@
 
 namespace touchtrace {
 
-/// How far training is.
+/// Progress of a training.
 struct UpdateCounts {
-  int tried = 0;     ///< every random stream and the place in the data are counted by it
-  int left_out = 0;  ///< of these, since they were not finite
-  int left_out_in_a_row = 0;
+  int attempted = 0;  ///< all updates; random streams and the position in the data depend on it
+  int skipped = 0;    ///< of these, not finite
+  int consecutive_skips = 0;  ///< up to the last update
 };
 
-/// What a checkpoint holds beside its tensors.
+/// Contents of a checkpoint except its tensors.
 struct CheckpointMetadata {
+  ModelSpec spec;
   UpdateCounts counts;
-  Tuning tuning;         ///< that it was started with
-  nlohmann::json notes;  ///< the caller's
+  Tuning tuning;         ///< that the training was started with
+  nlohmann::json notes;  ///< of the caller
 };
 
-std::map<std::string, std::string> to_metadata(const ModelSpec& spec,
-                                               const CheckpointMetadata& checkpoint);
-/// Throws data_error, naming `path`, if the file is no checkpoint.
+std::map<std::string, std::string> to_metadata(const CheckpointMetadata& checkpoint);
+/// Throws data_error, naming `path`, if the file is not a checkpoint or its values are invalid.
 CheckpointMetadata checkpoint_metadata(const TensorFile& file, const std::filesystem::path& path);
+/// Throws data_error, naming `path` and the difference, unless a training with `spec` and `tuning`
+/// can resume from the checkpoint.
+void check_resumable(const CheckpointMetadata& checkpoint, const ModelSpec& spec,
+                     const Tuning& tuning, const std::filesystem::path& path);
+/// Tensor of the optimiser's state; also finds it under the name that older checkpoints have.
+/// Throws data_error if it is missing or has another size.
+const Tensor& optimiser_tensor(const TensorFile& file, const std::string& name, std::size_t size);
 
 }  // namespace touchtrace

@@ -11,7 +11,7 @@ std::string_view bytes_of(std::span<const T> values) {
   return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
 }
 
-/// Numbers, from 0 on in the order of appearance, that are equal where keys are.
+/// Assigns equal keys equal numbers, counting from 0 in the order of appearance.
 class Numbering {
  public:
   std::int32_t operator()(std::string_view key) {
@@ -22,7 +22,7 @@ class Numbering {
   std::unordered_map<std::string_view, std::int32_t> numbers_;
 };
 
-/// For every frame a number that equal frames share.
+/// A number for each frame; equal frames have equal numbers.
 std::vector<std::int32_t> contents_of(std::span<const float> stream, std::size_t frame_size) {
   Numbering numbering;
   std::vector<std::int32_t> contents;
@@ -34,15 +34,15 @@ std::vector<std::int32_t> contents_of(std::span<const float> stream, std::size_t
 }  // namespace
 
 DistinctWindows distinct_windows(std::span<const float> stream, const TactileWindowShape& shape,
-                                 std::span<const std::int32_t> last_frame) {
+                                 std::span<const std::int32_t> window_end) {
   const auto contents = contents_of(stream, std::size_t(shape.rows) * shape.cols);
   const auto frames = static_cast<std::size_t>(shape.frames);
   Numbering numbering;
   DistinctWindows windows;
-  for (const auto last : last_frame) {
+  for (const auto last : window_end) {
     const auto window = std::span(contents).subspan(last + 1 - frames, frames);
     windows.row.push_back(numbering(bytes_of(std::span<const std::int32_t>(window))));
-    if (windows.row.back() == std::ssize(windows.last_frame)) windows.last_frame.push_back(last);
+    if (windows.row.back() == std::ssize(windows.window_end)) windows.window_end.push_back(last);
   }
   return windows;
 }

@@ -8,16 +8,16 @@
 
 namespace touchtrace {
 
-/// Windows of a stream of which no two are equal, and which of them each window asked for is.
+/// Windows of a stream without duplicates.
 struct DistinctWindows {
-  std::vector<std::int32_t> last_frame;  ///< of each
-  std::vector<std::int32_t> row;         ///< [windows asked for], into last_frame
+  std::vector<std::int32_t> window_end;  ///< last frame of each distinct window
+  std::vector<std::int32_t> row;         ///< [requested windows] index into window_end
 };
 
-/// Roll-outs that overlap share windows, and windows without contact may be equal anywhere in the
-/// stream. `stream`: [frames, rows, cols]; `last_frame`: of the windows asked for, all inside it;
-/// of `shape`, the number of windows does not matter.
+/// Removes duplicates: overlapping roll-outs share windows, and windows without contact are often
+/// equal. `stream`: [frames, rows, cols]. `window_end`: last frames of the requested windows, which
+/// must be inside the stream. `shape.windows` is ignored.
 DistinctWindows distinct_windows(std::span<const float> stream, const TactileWindowShape& shape,
-                                 std::span<const std::int32_t> last_frame);
+                                 std::span<const std::int32_t> window_end);
 
 }  // namespace touchtrace

@@ -11,11 +11,11 @@ namespace touchtrace {
 namespace {
 
 constexpr TaxelDropout dropout{0.2, 1};
-constexpr int queues = 2;  // that an encoder's parts share
+constexpr int num_queues = 2;  // of ConvStack
 
-ParameterTable parameters_of(const TactileEncoderShape& shape) {
+ParameterTable parameters_of(const ConvStackShape& shape) {
   ParameterTable table;
-  TactileEncoder::declare("encoder", shape, table);
+  ConvStack::declare("encoder", shape, table);
   return table;
 }
 
@@ -29,7 +29,7 @@ std::size_t stream_size(const TactileWindowShape& windows) {
 }
 
 /// Window w ends at frame M - 1 + w.
-std::vector<int> last_frames(const TactileWindowShape& windows) {
+std::vector<int> window_ends(const TactileWindowShape& windows) {
   std::vector<int> last(static_cast<std::size_t>(windows.windows));
   std::iota(last.begin(), last.end(), windows.frames - 1);
   return last;
@@ -37,38 +37,37 @@ std::vector<int> last_frames(const TactileWindowShape& windows) {
 
 }  // namespace
 
-EncoderTrials::EncoderTrials(Runtime& runtime, const TactileEncoderShape& shape)
+EncoderTrials::EncoderTrials(Runtime& runtime, const ConvStackShape& shape)
     : runtime_(runtime),
       shape_(shape),
       table_(parameters_of(shape)),
       weights_{table_, runtime.upload<float>(table_.initial_values(1)),
                runtime.allocate_zeros<float>(table_.size())},
       stream_(runtime.upload<float>(normal_noise(stream_size(shape.windows), "stream"))),
-      last_frame_(runtime.upload<int>(last_frames(shape.windows))) {}
+      window_end_(runtime.upload<int>(window_ends(shape.windows))) {}
 
 std::optional<Trial> EncoderTrials::make(const Tuning& tuning) {
-  return unless_refused(!first_, [&]() -> std::optional<Trial> {
-    const auto encoder =
-        std::make_shared<TactileEncoder>(runtime_, "encoder", shape_, weights_, tuning);
+  return make_if_supported(!reference_, [&]() -> std::optional<Trial> {
+    const auto encoder = std::make_shared<ConvStack>(runtime_, "encoder", shape_, weights_, tuning);
     runtime_.write<float>(encoder->grad_features(),
                           normal_noise(encoder->grad_features().size(), "gradient"));
     const auto now = results(*encoder);
-    if (!first_) first_ = now;
-    if (now.features != first_->features ||
-        !(norm_error(now.gradient, first_->gradient) <= 2 * gradient_error_bound))
+    if (!reference_) reference_ = now;
+    if (now.features != reference_->features ||
+        !(norm_error(now.gradient, reference_->gradient) <= 2 * gradient_error_bound))
       return std::nullopt;
     return make_trial(
-        runtime_, [this, encoder] { pass(*encoder); }, queues);
+        runtime_, [this, encoder] { pass(*encoder); }, num_queues);
   });
 }
 
-void EncoderTrials::pass(TactileEncoder& encoder) const {
+void EncoderTrials::pass(ConvStack& encoder) const {
   encoder.prepare();
-  encoder.forward(stream_, last_frame_, dropout);
+  encoder.forward(stream_, window_end_, dropout);
   encoder.backward();
 }
 
-EncoderTrials::Results EncoderTrials::results(TactileEncoder& encoder) const {
+EncoderTrials::Results EncoderTrials::results(ConvStack& encoder) const {
   runtime_.fill(weights_.gradient, 0.0f);
   pass(encoder);
   return {runtime_.download(encoder.features()), download(runtime_, weights_.gradient)};

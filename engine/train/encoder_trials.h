@@ -1,19 +1,23 @@
 #pragma once
 
-#include "engine/model/tactile_encoder.h"
+#include <optional>
+#include <vector>
+
+#include "engine/model/conv_stack.h"
 #include "engine/train/trial.h"
 
 namespace touchtrace {
 
-/// Ways to train the convolutions of an encoder, on noise. The first one sets what others must
-/// agree with.
+/// Training variants of the convolutions of an encoder, on random data. The first variant is the
+/// reference.
 class EncoderTrials {
  public:
-  EncoderTrials(Runtime& runtime, const TactileEncoderShape& shape);
+  EncoderTrials(Runtime& runtime, const ConvStackShape& shape);
 
-  /// Empty if the device refuses this way; if the features are not the same bits as those of the
-  /// first, since no sum of the forward pass goes over windows; or if the gradient is not that of
-  /// the first within twice the bound of operation_check.h. Valid as long as this object.
+  /// Returns nullopt if the device rejects the variant; if the features are not bitwise equal to
+  /// the first's (no sum of the forward pass is over windows); or if the gradient differs from the
+  /// first's by more than twice the bound of operation_check.h. The trial must not outlive this
+  /// object.
   std::optional<Trial> make(const Tuning& tuning);
 
  private:
@@ -21,16 +25,16 @@ class EncoderTrials {
     std::vector<float> features;
     std::vector<double> gradient;
   };
-  void pass(TactileEncoder& encoder) const;
-  Results results(TactileEncoder& encoder) const;
+  void pass(ConvStack& encoder) const;
+  Results results(ConvStack& encoder) const;
 
   Runtime& runtime_;
-  TactileEncoderShape shape_;
+  ConvStackShape shape_;
   ParameterTable table_;
   Weights weights_;
   Buffer<float> stream_;
-  Buffer<int> last_frame_;
-  std::optional<Results> first_;
+  Buffer<int> window_end_;
+  std::optional<Results> reference_;
 };
 
 }  // namespace touchtrace

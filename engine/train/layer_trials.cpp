@@ -17,7 +17,7 @@ std::vector<double> noise(std::size_t size, const char* name) {
   return {values.begin(), values.end()};
 }
 
-/// What a ReLU leaves.
+/// Like the output of a ReLU.
 std::vector<double> positive_noise(std::size_t size, const char* name) {
   auto values = noise(size, name);
   for (auto& value : values) value = std::max(value, 0.0);
@@ -26,14 +26,14 @@ std::vector<double> positive_noise(std::size_t size, const char* name) {
 
 }  // namespace
 
-bool agree(const Conv2dShape& shape, const LayerResults& results, const LayerResults& others) {
+bool agree(const Conv2dShape& shape, const LayerResults& results, const LayerResults& reference) {
   const double terms = static_cast<double>(shape.taps()) * shape.in_channels;
-  return array_error(results.out, others.out, terms) <= 2 * output_error_bound &&
-         norm_error(results.grad_in, others.grad_in) <= 2 * gradient_error_bound &&
-         norm_error(results.gradient, others.gradient) <= 2 * gradient_error_bound;
+  return array_error(results.out, reference.out, terms) <= 2 * output_error_bound &&
+         norm_error(results.grad_in, reference.grad_in) <= 2 * gradient_error_bound &&
+         norm_error(results.gradient, reference.gradient) <= 2 * gradient_error_bound;
 }
 
-LayerTrials::LayerTrials(Runtime& runtime, const Conv2dShape& s, int parts)
+LayerTrials::LayerTrials(Runtime& runtime, const Conv2dShape& s, int micro_batches)
     : runtime_(runtime), shape_(s) {
   const auto parameters = s.weight_size() + s.out_channels;
   parameters_ = {upload(runtime, noise(parameters, "weights")),
@@ -44,22 +44,22 @@ LayerTrials::LayerTrials(Runtime& runtime, const Conv2dShape& s, int parts)
       positive_noise(std::size_t(s.images) * s.in_channels * in.rows * in.cols, "in"), in);
   const auto gradient =
       with_halo(noise(std::size_t(s.images) * s.out_channels * out.rows * out.cols, "out"), out);
-  for (int part = 0; part < parts; ++part)
-    parts_.push_back({s.images, upload(runtime, images),
-                      runtime.allocate_zeros<float>(s.out_size()), upload(runtime, gradient),
-                      runtime.allocate_zeros<float>(s.in_planes ? 0 : s.in_size())});
+  for (int i = 0; i < micro_batches; ++i)
+    micro_batches_.push_back(
+        {s.images, upload(runtime, images), runtime.allocate_zeros<float>(s.out_size()),
+         upload(runtime, gradient), runtime.allocate_zeros<float>(s.in_planes ? 0 : s.in_size())});
 }
 
 std::optional<Trial> LayerTrials::make(const Conv2dChoice& choice) {
-  return unless_refused(!first_, [&]() -> std::optional<Trial> {
+  return make_if_supported(!reference_, [&]() -> std::optional<Trial> {
     const std::shared_ptr<Conv2d> layer = make_conv2d(runtime_, shape_, parameters_, choice);
     const auto launches = pass(*layer);
     const auto now = results(launches);
-    if (!first_) first_ = now;
-    if (!agree(shape_, now, *first_)) return std::nullopt;
+    if (!reference_) reference_ = now;
+    if (!agree(shape_, now, *reference_)) return std::nullopt;
     return make_trial(
         runtime_, [this, layer, launches] { enqueue(runtime_, launches); },
-        std::min<int>(2, parts_.size()));
+        std::min<int>(2, micro_batches_.size()));
   });
 }
 
@@ -68,8 +68,9 @@ Launches LayerTrials::pass(Conv2d& layer) const {
   const auto add = [&](const Launches& more) {
     std::ranges::copy(more, std::back_inserter(launches));
   };
-  for (const auto& part : parts_) add(layer.forward(part));
-  for (const auto& part : parts_) add(layer.backward(part, &part == &parts_.front()));
+  for (const auto& batch : micro_batches_) add(layer.forward(batch));
+  for (const auto& batch : micro_batches_)
+    add(layer.backward(batch, &batch == &micro_batches_.front()));
   add(layer.finish());
   return launches;
 }
@@ -77,7 +78,7 @@ Launches LayerTrials::pass(Conv2d& layer) const {
 LayerResults LayerTrials::results(const Launches& launches) {
   runtime_.fill(parameters_.gradient, 0.0f);
   enqueue(runtime_, launches);
-  const auto& last = parts_.back();
+  const auto& last = micro_batches_.back();
   return {download(runtime_, last.out), download(runtime_, last.grad_in),
           download(runtime_, parameters_.gradient)};
 }

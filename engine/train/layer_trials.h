@@ -1,41 +1,43 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "engine/ops/conv2d.h"
 #include "engine/train/trial.h"
 
 namespace touchtrace {
 
-/// What an update computes of a layer.
+/// Results of a layer in an update.
 struct LayerResults {
   std::vector<double> out, grad_in, gradient;
 };
 
-/// Whether results are those of another way within twice the bounds of operation_check.h, which
-/// hold for both against plain loops.
-bool agree(const Conv2dShape& shape, const LayerResults& results, const LayerResults& others);
+/// Whether the results of two variants agree within twice the bounds of operation_check.h, which
+/// hold for each against the double reference.
+bool agree(const Conv2dShape& shape, const LayerResults& results, const LayerResults& reference);
 
-/// Ways to train a convolution, on noise. The first one sets what others must agree with.
+/// Training variants of a convolution, on random data. The first variant is the reference.
 class LayerTrials {
  public:
-  /// `parts`: of shape.images images each.
-  LayerTrials(Runtime& runtime, const Conv2dShape& shape, int parts);
+  /// `micro_batches`: number of micro-batches of shape.images images each.
+  LayerTrials(Runtime& runtime, const Conv2dShape& shape, int micro_batches);
 
-  /// Empty if the device refuses this way, or if its results do not agree with the first one's.
-  /// Valid as long as this object.
+  /// Returns nullopt if the device rejects the variant or its results disagree with the first's.
+  /// The trial must not outlive this object.
   std::optional<Trial> make(const Conv2dChoice& choice);
 
  private:
-  /// An update's share of the layer.
+  /// Launches of the layer in an update.
   Launches pass(Conv2d& layer) const;
   LayerResults results(const Launches& launches);
 
   Runtime& runtime_;
   Conv2dShape shape_;
   Conv2dParameters parameters_;
-  std::vector<Conv2dImages> parts_;
-  std::optional<LayerResults> first_;
+  std::vector<Conv2dImages> micro_batches_;
+  std::optional<LayerResults> reference_;
 };
 
 }  // namespace touchtrace

@@ -8,22 +8,27 @@
 namespace touchtrace {
 namespace {
 
-constexpr const char* hint = "use a model that touchtrace train wrote";
+constexpr const char* model_file_hint = "use a model that touchtrace train wrote";
 
 nlohmann::json parse_metadata(const TensorFile& file, const char* key) {
   const auto found = file.metadata.find(key);
   auto json =
       nlohmann::json::parse(found == file.metadata.end() ? "" : found->second, nullptr, false);
   if (json.is_discarded())
-    throw data_error(fmt::format("the model has no valid '{}' among its metadata", key), hint);
+    throw data_error(fmt::format("{}: metadata has no valid '{}'", file.path.string(), key),
+                     model_file_hint);
   return json;
 }
 
 ModelSpec spec_of(const TensorFile& file) {
+  const auto json = parse_metadata(file, "spec");
   try {
-    return parse_metadata(file, "spec").get<ModelSpec>();
-  } catch (const nlohmann::json::exception&) {
-    throw data_error("the model's specification is not one", hint);
+    return json.get<ModelSpec>();
+  } catch (const nlohmann::json::exception& error) {
+    throw data_error(fmt::format("{}: model specification: {}", file.path.string(), error.what()),
+                     model_file_hint);
+  } catch (const Error& error) {
+    throw data_error(fmt::format("{}: {}", file.path.string(), error.what()), error.hint());
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "engine/cl/runtime.h"
 #include "engine/model/model.h"
@@ -8,18 +9,19 @@
 
 namespace touchtrace {
 
-/// What Trainer::save wrote: all that a predictor starts from.
+/// Contents of a file that Trainer::save wrote.
 struct ModelFile {
   TensorFile file;
   ModelSpec spec;
-  nlohmann::json metadata;  ///< as given to Trainer::save
+  nlohmann::json metadata;  ///< as passed to Trainer::save
 
-  /// The model with the file's weights, ready for forward passes. Throws data_error if a weight is
-  /// missing or has another size.
+  /// Makes a model with the file's weights, ready for forward passes. Throws data_error if a weight
+  /// is missing or has another size.
   std::unique_ptr<Model> make(Runtime& runtime, int sequences, int steps, Model::Use use) const;
 };
 
-/// Throws data_error for a file that is none of Trainer::save's.
+/// Safe for untrusted files. Throws data_error that names the file and, for an invalid
+/// specification, key, value and expected range.
 ModelFile read_model_file(const std::filesystem::path& path);
 
 }  // namespace touchtrace

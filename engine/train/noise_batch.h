@@ -7,17 +7,19 @@
 
 namespace touchtrace {
 
-// Streams and batches of noise, for figures and tests.
+// Random streams and batches, to measure and test training without a recording.
 
-/// [frames, rows, cols]
+std::vector<float> normal_floats(std::size_t size, RandomStream& random);
+
+/// Standard normal frames [frames, rows, cols].
 std::vector<float> noise_stream(const ModelSpec& spec, int frames, RandomStream& random);
 
-/// Roll-outs with noise for states, targets and weights, from any frame of a stream of `frames`;
-/// with an object encoder of three objects, each with a segment from any frame.
+/// Roll-outs with random states, targets and weights, from random frames of a stream of `frames`.
+/// With an object encoder: three objects, each sequence with a segment from a random frame.
 RolloutBatch noise_batch(const ModelSpec& spec, int sequences, int steps, int frames,
                          RandomStream& random);
 
-/// Embeddings of the objects of noise_batch, with no encoder behind them.
+/// Random embeddings of the objects of noise_batch(), without an encoder.
 FrozenObjects noise_objects(const ModelSpec& spec, RandomStream& random);
 
 }  // namespace touchtrace

@@ -1,20 +1,20 @@
 #pragma once
 
 #include "engine/base/random.h"
-#include "engine/model/touch_encoder.h"
+#include "engine/model/conv_stack_shape.h"
 #include "engine/train/trainer.h"
 
 namespace touchtrace {
 
-/// A training on one batch of noise, to look into what its updates do and what they take.
+/// Training on one random batch, to measure updates without a recording.
 class NoiseTraining {
  public:
-  /// `live`: the stream is zero for taxels that are not.
+  /// `live`: the stream is zero for the other taxels.
   NoiseTraining(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
                 const Tuning& tuning = {}, const LiveTaxels& live = {},
                 const TrainOptions& options = {});
 
-  /// Its loss.
+  /// Returns the loss before the update.
   double update() { return trainer_.update(batch_); }
 
  private:

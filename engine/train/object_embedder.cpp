@@ -5,13 +5,14 @@
 #include "engine/train/segment_rows.h"
 
 namespace touchtrace {
+
 ObjectEmbedder::ObjectEmbedder(Runtime& runtime, const ModelSpec& spec, const TensorFile& weights)
     : spec_(spec), embedder_(runtime, "object", spec, weights) {}
 
 std::vector<float> ObjectEmbedder::embed(const Buffer<float>& stream,
                                          std::span<const std::int32_t> first_frame) {
   check_segments(spec_, first_frame, stream.size() / (std::size_t(spec_.rows) * spec_.cols));
-  return embedder_.embed(stream, segment_last_frames(spec_, first_frame));
+  return embedder_.embed(stream, segment_ends(spec_, first_frame));
 }
 
 std::vector<Tensor> object_encoder_of(TensorFile file) {

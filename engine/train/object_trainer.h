@@ -1,28 +1,37 @@
 #pragma once
 
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/cl/runtime.h"
+#include "engine/model/model_spec.h"
+#include "engine/ops/tuning.h"
 #include "engine/train/safetensors.h"
-#include "engine/train/trainer.h"
+#include "engine/train/train_options.h"
 
 namespace touchtrace {
 
-/// Segments of touch with the object in hand.
+/// Segments of tactile frames, each with its object.
 struct SegmentBatch {
   std::vector<std::int32_t> first_frame;  ///< [N], of segment_frames frames each
-  std::vector<std::int32_t> object;       ///< [N], a number for each object
+  std::vector<std::int32_t> object;       ///< [N] object index
 };
 
 /// Contrastive training of the object encoder alone, before its embeddings are frozen (section
-/// IV-B): segments of the same object are drawn together, those of different ones apart.
+/// IV-B).
 class ObjectTrainer {
  public:
-  /// `segments`: N of every batch. `tactile`: [frames, rows, cols]. `tuning`: as in trainer.h.
+  /// `segments`: N of every batch. `tactile`: [frames, rows, cols]. `tuning`: see trainer.h.
+  /// `options.max_consecutive_skips` is ignored: no update is skipped.
   ObjectTrainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options, int segments,
                 std::span<const float> tactile, const Tuning& tuning = {});
   ~ObjectTrainer();
 
-  /// One update of the contrastive loss (equation 5): all segments of a batch with a segment's
-  /// object are its positives, those of other objects its negatives. Returns the loss before the
-  /// update. Throws Error(failed) if loss or gradient is not finite.
+  /// One update of the contrastive loss (equation 5): segments of the same object are positives,
+  /// others negatives. Returns the loss before the update. Throws Error(failed) if loss or gradient
+  /// is not finite.
   double update(const SegmentBatch& batch);
   int updates() const;
 
@@ -30,8 +39,8 @@ class ObjectTrainer {
   std::vector<Tensor> weights() const;
 
  private:
-  struct Plan;
-  std::unique_ptr<Plan> plan_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace touchtrace

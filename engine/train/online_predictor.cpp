@@ -12,81 +12,100 @@
 #include "engine/train/object_embedder.h"
 
 namespace touchtrace {
+namespace {
 
-struct OnlinePredictor::Plan {
+void check_argument(const char* what, std::size_t size, std::size_t expected) {
+  if (size != expected)
+    throw failure(fmt::format("{} of {} values; expected {}", what, size, expected),
+                  "report this as a bug");
+}
+
+}  // namespace
+
+struct OnlinePredictor::Impl {
   Runtime& runtime;
   ModelFile file;
   std::unique_ptr<Model> model;
-  /// [slots(), rows, cols], a frame in each slot, so that every window is one piece; at the end the
-  /// frames that the next window shares go back to the beginning. Empty without touch.
+  /// [num_slots(), rows, cols] one frame per slot, so that each window is contiguous. When all
+  /// slots are used, the frames that the next window shares are copied to the front. Empty without
+  /// touch.
   Buffer<float> stream;
-  std::int32_t slot;            ///< of the last frame given
-  std::int32_t last_frame = 0;  ///< of the window that is asked for
+  std::int32_t slot;            ///< of the last frame
+  std::int32_t window_end = 0;  ///< source of a non-blocking write
   std::array<float, state_lanes> state{};
-  std::vector<float> outcome;  ///< of the model but for its first state: a state, ..., a spread
-  bool knows_object = false, worked_ahead = false, state_queued = false;
+  std::vector<float> result;  ///< Model::states_and_spread() without the first state
+  bool knows_object = false, is_precomputed = false, state_queued = false;
 
-  Plan(Runtime& on, const std::filesystem::path& path)
+  Impl(Runtime& on, const std::filesystem::path& path)
       : runtime(on),
         file(read_model_file(path)),
         model(file.make(on, 1, 1, Model::Use::prediction)),
         slot(shared_frames() - 1),
-        outcome(model->outcome().size() - state_lanes) {
-    if (file.spec.touch) stream = on.allocate_zeros<float>(slots() * frame_size());
+        result(model->states_and_spread().size() - state_lanes) {
+    if (file.spec.touch) stream = on.allocate_zeros<float>(num_slots() * frame_size());
   }
 
-  /// Of a window and the next one.
+  /// Number of frames that consecutive windows share.
   std::int32_t shared_frames() const { return file.spec.window_frames - 1; }
-  std::int32_t slots() const { return 32 * file.spec.window_frames; }
+  std::int32_t num_slots() const { return 32 * file.spec.window_frames; }
 
   std::size_t frame_size() const {
     return file.spec.touch ? std::size_t(file.spec.rows) * file.spec.cols : 0;
   }
 
-  void check(const char* what, std::size_t size, std::size_t expected) const {
-    if (size != expected)
-      throw failure(fmt::format("a {} of {} values was given instead of {}", what, size, expected),
-                    "report this as a bug");
+  /// Calls `enqueue`, which waits for what it enqueues. If it throws, waits before rethrowing:
+  /// pending writes read the caller's frame and this object.
+  template <class Enqueue>
+  void run(Enqueue enqueue) {
+    try {
+      enqueue();
+    } catch (...) {
+      try {
+        runtime.finish();
+      } catch (const Error&) {
+        // The first error says more; a device that fails has stopped reading.
+      }
+      throw;
+    }
   }
 
   void queue_frame(std::span<const float> frame) {
-    check("frame", frame.size(), frame_size());
     if (!file.spec.touch) return;
-    make_room();
-    runtime.enqueue_write(stream, frame, ++slot * frame_size());
+    free_slot();
+    runtime.enqueue_write(stream, frame, (slot + 1) * frame_size());
+    ++slot;
   }
 
-  /// For the next frame, behind those of its window.
-  void make_room() {
-    if (slot + 1 < slots()) return;
-    runtime.enqueue_copy(stream, (slots() - shared_frames()) * frame_size(), 0,
-                         shared_frames() * frame_size());
+  /// Frees the slot for the next frame, after the frames of its window.
+  void free_slot() {
+    if (slot + 1 < num_slots()) return;
+    runtime.enqueue_copy(stream, (num_slots() - shared_frames()) * frame_size(), 0,
+                       shared_frames() * frame_size());
     slot = shared_frames() - 1;
   }
 
-  /// The window that ends at a slot.
   void queue_window(std::int32_t last_slot) {
-    last_frame = last_slot;
-    runtime.enqueue_write(model->input().last_frame, std::span(&last_frame, 1));
+    window_end = last_slot;
+    runtime.enqueue_write(model->input().window_end, std::span(&window_end, 1));
   }
 
   void queue_state() {
     if (!std::exchange(state_queued, true)) runtime.enqueue_write(model->states(), state);
   }
 
-  void work_ahead() {
+  void precompute() {
     queue_state();
-    if (file.spec.touch && !worked_ahead) {
-      make_room();
+    if (file.spec.touch && !is_precomputed) {
+      free_slot();
       queue_window(slot + 1);
-      model->forward_early(stream);
-      worked_ahead = true;
+      model->precompute_forward(stream);
+      is_precomputed = true;
     }
     runtime.finish();
   }
 
   void forward() {
-    if (std::exchange(worked_ahead, false)) return model->forward_late(stream);
+    if (std::exchange(is_precomputed, false)) return model->finish_forward(stream);
     if (file.spec.touch) queue_window(slot);
     model->forward(stream);
   }
@@ -99,55 +118,65 @@ struct OnlinePredictor::Plan {
     knows_object = true;
   }
 
-  void step() {
+  void check_object() const {
     if (file.spec.object != ObjectEncoder::none && !knows_object)
-      throw failure(
-          "a model with an object encoder was asked for a step before it was shown an object",
-          "call set_object first");
+      throw failure("step of a model with an object encoder before set_object",
+                    "call set_object first");
+  }
+
+  void step() {
     queue_state();
     forward();
-    model->continue_rollouts();
-    runtime.read(model->outcome(), std::span<float>(outcome), state_lanes);
-    std::copy_n(outcome.begin(), state_lanes, state.begin());
+    model->carry_state();
+    runtime.read(model->states_and_spread(), std::span<float>(result), state_lanes);
+    std::copy_n(result.begin(), state_lanes, state.begin());
     state_queued = false;
   }
 };
 
 OnlinePredictor::OnlinePredictor(Runtime& runtime, const std::filesystem::path& model)
-    : plan_(std::make_unique<Plan>(runtime, model)) {}
+    : impl_(std::make_unique<Impl>(runtime, model)) {}
 
 OnlinePredictor::~OnlinePredictor() = default;
 
-const ModelSpec& OnlinePredictor::spec() const { return plan_->file.spec; }
-const nlohmann::json& OnlinePredictor::metadata() const { return plan_->file.metadata; }
+const ModelSpec& OnlinePredictor::spec() const { return impl_->file.spec; }
+const nlohmann::json& OnlinePredictor::metadata() const { return impl_->file.metadata; }
 
 void OnlinePredictor::set_state(std::span<const float> state) {
-  plan_->check("state", state.size(), std::size_t(spec().state));
-  std::ranges::copy(state, plan_->state.begin());
-  plan_->state_queued = false;
-  plan_->model->begin_rollouts();
+  check_argument("state", state.size(), std::size_t(spec().state));
+  std::ranges::copy(state, impl_->state.begin());
+  impl_->state_queued = false;
+  impl_->model->reset_state();
 }
 
 void OnlinePredictor::set_object(std::span<const float> segment) {
-  const auto size = spec().segment_frames * plan_->frame_size();
-  plan_->check("segment", segment.size(), size);
-  plan_->set_object(segment);
+  check_argument("segment", segment.size(), spec().segment_frames * impl_->frame_size());
+  impl_->set_object(segment);
 }
 
 void OnlinePredictor::push(std::span<const float> frame) {
-  plan_->queue_frame(frame);
-  plan_->worked_ahead = false;
-  plan_->runtime.finish();
+  check_argument("frame", frame.size(), impl_->frame_size());
+  impl_->is_precomputed = false;
+  impl_->run([&] {
+    impl_->queue_frame(frame);
+    impl_->runtime.finish();
+  });
 }
 
-void OnlinePredictor::work_ahead() { plan_->work_ahead(); }
+void OnlinePredictor::precompute() {
+  impl_->run([&] { impl_->precompute(); });
+}
 
 OnlinePredictor::Step OnlinePredictor::step(std::span<const float> frame) {
-  plan_->queue_frame(frame);
-  plan_->step();
+  check_argument("frame", frame.size(), impl_->frame_size());
+  impl_->check_object();
+  impl_->run([&] {
+    impl_->queue_frame(frame);
+    impl_->step();
+  });
   const auto size = std::size_t(spec().state);
-  return {std::span(plan_->state).first(size),
-          std::span(plan_->outcome).last(state_lanes).first(size)};
+  return {std::span(impl_->state).first(size),
+          std::span(impl_->result).last(state_lanes).first(size)};
 }
 
 }  // namespace touchtrace

@@ -1,41 +1,42 @@
+#include "engine/train/predictor.h"
+
 #include <algorithm>
 #include <optional>
 
 #include "engine/train/batch_rows.h"
 #include "engine/train/model_file.h"
 #include "engine/train/segment_rows.h"
-#include "engine/train/touch_embedder.h"
-#include "engine/train/trainer.h"
+#include "engine/train/tactile_embedder.h"
 
 namespace touchtrace {
 namespace {
 
-// Roll-outs go through the device in blocks of this size at most, so that memory stays bounded.
-constexpr int block_sequences = 32, block_steps = 20;
+// Maximum size of a block of roll-outs on the device; bounds memory.
+constexpr int max_sequences = 32, max_steps = 20;
 
 }  // namespace
 
-struct Predictor::Plan {
+struct Predictor::Impl {
   Runtime& runtime;
   ModelFile file;
   std::unique_ptr<Model> model;
-  std::optional<TouchEmbedder> touch, object;
+  std::optional<TactileEmbedder> touch, object;
 
-  Plan(Runtime& on, const std::filesystem::path& path) : runtime(on), file(read_model_file(path)) {
-    fit(1, 1);  // so that a file without all weights is refused at once
+  Impl(Runtime& on, const std::filesystem::path& path) : runtime(on), file(read_model_file(path)) {
+    resize(1, 1);  // reads the weights, so that an incomplete file fails now
     if (file.spec.touch) touch.emplace(on, "tactile", file.spec, file.file);
     if (file.spec.object != ObjectEncoder::none) object.emplace(on, "object", file.spec, file.file);
   }
 
-  /// A model of this size, kept from call to call.
-  void fit(int sequences, int steps) {
+  /// Makes the model take this many sequences and steps.
+  void resize(int sequences, int steps) {
     if (model && model->sequences() == sequences && model->steps() == steps) return;
     model = file.make(runtime, sequences, steps, Model::Use::rollout);
   }
 
-  /// g_t of every step and e_i of every sequence of a batch.
   struct Embedded {
-    TouchEmbeddings steps, objects;
+    DistinctEmbeddings steps;    ///< g_t, [S, T]
+    DistinctEmbeddings objects;  ///< e_i, [S]
   };
 
   Embedded embed(const RolloutBatch& batch, std::span<const float> tactile) {
@@ -43,27 +44,27 @@ struct Predictor::Plan {
     if (!touch && !object) return embedded;
     const auto stream = runtime.upload(tactile);
     if (touch) {
-      std::vector<std::int32_t> last_frame;
+      std::vector<std::int32_t> window_end;
       for (const auto first : batch.first_frame)
-        for (int t = 0; t < batch.steps; ++t) last_frame.push_back(first + t);
-      embedded.steps = touch->embed_distinct(tactile, stream, last_frame);
+        for (int t = 0; t < batch.steps; ++t) window_end.push_back(first + t);
+      embedded.steps = touch->embed_distinct(tactile, stream, window_end);
     }
     if (object)
-      embedded.objects = object->embed_distinct(
-          tactile, stream, segment_last_frames(file.spec, batch.segment_frame));
+      embedded.objects =
+          object->embed_distinct(tactile, stream, segment_ends(file.spec, batch.segment_frame));
     return embedded;
   }
 
-  /// Rolls the block's sequences out to the end and writes them to `rollout`.
+  /// Rolls out the block's sequences to the last step and writes them to `rollout`.
   void predict(BatchBlock block, const Embedded& embedded, Rollout& rollout) {
     std::vector<float> state = block.batch.initial_state;
     if (object) write_object_embeddings(runtime, *model, block, embedded.objects);
-    model->begin_rollouts();
+    model->reset_state();
     for (; block.first_step < block.batch.steps; block.first_step += model->steps()) {
       if (touch) write_tactile_embeddings(runtime, *model, block, embedded.steps);
       write_initial_states(runtime, *model, block, state);
       model->forward({});
-      model->continue_rollouts();
+      model->carry_state();
       collect(block, rollout);
       const int last = std::min(block.first_step + model->steps(), block.batch.steps) - 1;
       for (int s = 0; s < block.batch.sequences; ++s)
@@ -94,25 +95,25 @@ struct Predictor::Plan {
 };
 
 Predictor::Predictor(Runtime& runtime, const std::filesystem::path& model)
-    : plan_(std::make_unique<Plan>(runtime, model)) {}
+    : impl_(std::make_unique<Impl>(runtime, model)) {}
 
 Predictor::~Predictor() = default;
 
-const ModelSpec& Predictor::spec() const { return plan_->file.spec; }
-const nlohmann::json& Predictor::metadata() const { return plan_->file.metadata; }
+const ModelSpec& Predictor::spec() const { return impl_->file.spec; }
+const nlohmann::json& Predictor::metadata() const { return impl_->file.metadata; }
 
 Rollout Predictor::predict(const RolloutBatch& batch, std::span<const float> tactile) {
-  const auto& spec = plan_->file.spec;
+  const auto& spec = impl_->file.spec;
   const std::size_t frames = tactile.size() / (std::size_t(spec.rows) * spec.cols);
   check(batch, spec, frames);
   check_objects(batch, spec, frames, Model::Use::prediction);
   const auto values = std::size_t(batch.sequences) * batch.steps * spec.state;
   Rollout rollout{std::vector<float>(values), std::vector<float>(values)};
   if (values == 0) return rollout;
-  plan_->fit(std::min(batch.sequences, block_sequences), std::min(batch.steps, block_steps));
-  const auto embedded = plan_->embed(batch, tactile);
-  for (int s = 0; s < batch.sequences; s += plan_->model->sequences())
-    plan_->predict({batch, s, 0}, embedded, rollout);
+  impl_->resize(std::min(batch.sequences, max_sequences), std::min(batch.steps, max_steps));
+  const auto embedded = impl_->embed(batch, tactile);
+  for (int s = 0; s < batch.sequences; s += impl_->model->sequences())
+    impl_->predict({batch, s, 0}, embedded, rollout);
   return rollout;
 }
 

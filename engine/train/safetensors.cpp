@@ -24,35 +24,35 @@ constexpr std::size_t length_bytes = 8, max_header_bytes = 100'000'000, max_tens
 constexpr int max_depth = 4;
 constexpr const char* metadata_key = "__metadata__";
 
-[[noreturn]] void refuse(const std::string& what) {
-  throw data_error(what, "use a file that touchtrace train wrote, or write it again");
+[[noreturn]] void reject(const std::string& problem) {
+  throw data_error(problem, "use a file that touchtrace train wrote, or write it again");
 }
 
-/// Parses the header; nlohmann alone keeps the last of two equal keys and any depth.
+/// Parses the header, rejecting duplicate keys and deep nesting, which nlohmann::json accepts.
 nlohmann::json parse_header(std::string_view text) {
   std::vector<std::set<std::string>> keys;
   const auto watch = [&](int depth, nlohmann::json::parse_event_t event, nlohmann::json& value) {
     using Event = nlohmann::json::parse_event_t;
-    if (depth > max_depth) refuse("its header is nested too deep");
+    if (depth > max_depth) reject("header is nested too deeply");
     if (event == Event::object_start) keys.emplace_back();
     if (event == Event::object_end) keys.pop_back();
     if (event == Event::key && !keys.back().insert(value.get<std::string>()).second)
-      refuse(fmt::format("its header has two keys {}", value.dump()));
+      reject(fmt::format("duplicate key {} in the header", value.dump()));
     return true;
   };
-  if (text.empty() || text.front() != '{') refuse("its header does not start with '{'");
+  if (text.empty() || text.front() != '{') reject("header does not start with '{'");
   try {
     return nlohmann::json::parse(text, watch);
   } catch (const nlohmann::json::exception&) {
-    refuse("its header is not JSON");
+    reject("header is not valid JSON");
   }
 }
 
-/// The number of values of a shape, refusing what no file can hold.
+/// Number of values of a shape. Rejects what exceeds `limit`.
 std::size_t value_count(const std::vector<std::size_t>& shape, std::size_t limit) {
   std::size_t count = 1;
   for (const std::size_t extent : shape) {
-    if (extent != 0 && count > limit / extent) refuse("a shape is larger than the file");
+    if (extent != 0 && count > limit / extent) reject("a shape exceeds the size of the file");
     count *= extent;
   }
   return count;
@@ -62,22 +62,23 @@ struct Range {
   std::size_t begin, end;
 };
 
-/// A row of the header, its values not read yet.
+/// Entry of the header, without values, and the range of these.
 std::pair<Tensor, Range> parse_row(const std::string& name, const nlohmann::json& row,
                                    std::size_t data_bytes) {
-  if (row.at("dtype") != "F32") refuse(fmt::format("'{}' is not of dtype F32", name));
+  if (row.at("dtype") != "F32") reject(fmt::format("tensor '{}' does not have dtype F32", name));
   const auto sizes = [&](const char* key) {
     for (const auto& number : row.at(key))
-      if (!number.is_number_unsigned()) refuse(fmt::format("'{}' has a bad {}", name, key));
+      if (!number.is_number_unsigned())
+        reject(fmt::format("tensor '{}' has an invalid {}", name, key));
     return row.at(key).get<std::vector<std::size_t>>();
   };
   Tensor tensor{name, sizes("shape"), {}};
   const auto offsets = sizes("data_offsets");
   if (offsets.size() != 2 || offsets[0] > offsets[1] || offsets[1] > data_bytes)
-    refuse(fmt::format("'{}' lies outside the file", name));
+    reject(fmt::format("tensor '{}' is outside the file", name));
   const std::size_t count = value_count(tensor.shape, data_bytes / sizeof(float));
   if (count * sizeof(float) != offsets[1] - offsets[0])
-    refuse(fmt::format("'{}' has a shape that does not fit its offsets", name));
+    reject(fmt::format("shape of tensor '{}' does not match its offsets", name));
   return {std::move(tensor), {offsets[0], offsets[1]}};
 }
 
@@ -86,25 +87,25 @@ void read_values(std::vector<std::pair<Tensor, Range>>& rows, std::string_view d
                     [](const auto& row) { return std::pair(row.second.begin, row.second.end); });
   std::size_t end = 0;
   for (auto& [tensor, range] : rows) {
-    if (range.begin != end) refuse(fmt::format("'{}' leaves a gap or overlaps", tensor.name));
+    if (range.begin != end)
+      reject(fmt::format("tensor '{}' overlaps another or leaves a gap", tensor.name));
     end = range.end;
     tensor.values.resize((range.end - range.begin) / sizeof(float));
     if (!tensor.values.empty())
       std::memcpy(tensor.values.data(), data.data() + range.begin, range.end - range.begin);
   }
-  if (end != data.size()) refuse("it holds bytes that no tensor owns");
+  if (end != data.size()) reject("the file has bytes that belong to no tensor");
 }
 
 TensorFile parse(std::string_view bytes) {
   std::uint64_t header_bytes = 0;
-  if (bytes.size() < length_bytes) refuse("it is too short");
+  if (bytes.size() < length_bytes) reject("file is too short");
   std::memcpy(&header_bytes, bytes.data(), length_bytes);
   bytes.remove_prefix(length_bytes);
-  if (header_bytes > std::min(bytes.size(), max_header_bytes))
-    refuse("its header reaches past its end");
+  if (header_bytes > std::min(bytes.size(), max_header_bytes)) reject("header exceeds the file");
   const auto header = parse_header(bytes.substr(0, header_bytes));
   const auto data = bytes.substr(header_bytes);
-  if (header.size() > max_tensors) refuse("it holds too many tensors");
+  if (header.size() > max_tensors) reject("too many tensors");
   TensorFile file;
   std::vector<std::pair<Tensor, Range>> rows;
   for (const auto& [name, row] : header.items()) {
@@ -122,9 +123,11 @@ TensorFile parse(std::string_view bytes) {
 
 const Tensor& TensorFile::at(const std::string& name, std::size_t size) const {
   const auto found = std::ranges::find(tensors, name, &Tensor::name);
-  if (found == tensors.end()) refuse(fmt::format("there is no tensor '{}'", name));
+  const auto prefix = path.empty() ? std::string() : path.string() + ": ";
+  if (found == tensors.end()) reject(fmt::format("{}no tensor '{}'", prefix, name));
   if (found->values.size() != size)
-    refuse(fmt::format("'{}' holds {} values instead of {}", name, found->values.size(), size));
+    reject(fmt::format("{}tensor '{}' has {} values; expected {}", prefix, name,
+                       found->values.size(), size));
   return *found;
 }
 
@@ -150,9 +153,11 @@ void write_safetensors(const std::filesystem::path& path, const TensorFile& file
 TensorFile read_safetensors(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
   try {
-    return parse(bytes);
+    auto file = parse(bytes);
+    file.path = path;
+    return file;
   } catch (const nlohmann::json::exception&) {
-    throw data_error(path.string() + ": its header is not that of a safetensors file",
+    throw data_error(path.string() + ": header is not that of a safetensors file",
                      "use a file that touchtrace train wrote, or write it again");
   } catch (const Error& error) {
     throw data_error(fmt::format("{}: {}", path.string(), error.what()), error.hint());

@@ -7,14 +7,10 @@
 #include <iterator>
 
 #include "engine/base/error.h"
-#include "engine/base/random.h"
-#include "engine/cl/launch_inspection.h"
 #include "engine/model/model.h"
-#include "engine/ops/adam.h"
 #include "engine/train/batch_rows.h"
 #include "engine/train/checkpoint_metadata.h"
-#include "engine/train/schedule.h"
-#include "engine/train/tuning_json.h"
+#include "engine/train/update_loop.h"
 #include "engine/train/weight_file.h"
 
 namespace touchtrace {
@@ -24,10 +20,11 @@ bool all_finite(std::span<const float> values) {
   return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
 }
 
-/// The first part of a batch that is not finite; empty if all is. Labels of weight 0 do not count.
-std::string not_finite_part(const RolloutBatch& batch) {
+/// Names the first input of a batch that is not finite; empty if none is. Labels of weight 0 do
+/// not count.
+std::string invalid_input(const RolloutBatch& batch) {
   if (!all_finite(batch.initial_state)) return "the initial states";
-  if (!all_finite(batch.weight)) return "the labels' weights";
+  if (!all_finite(batch.weight)) return "the label weights";
   const auto size = batch.target.size() / (std::size_t(batch.sequences) * batch.steps);
   for (std::size_t i = 0; i * size < batch.target.size(); ++i)
     if ((batch.weight.empty() || batch.weight[i] != 0.0f) &&
@@ -36,40 +33,39 @@ std::string not_finite_part(const RolloutBatch& batch) {
   return {};
 }
 
+std::size_t taxels_of(const ModelSpec& spec) {
+  validate(spec);
+  return std::size_t(spec.rows) * spec.cols;
+}
+
 }  // namespace
 
-struct Trainer::Plan {
+struct Trainer::Impl {
   Runtime& runtime;
   TrainOptions options;
   Tuning tuning;
-  Model model;
-  Adam adam;
   std::size_t frames;
-  Buffer<float> stream;
-  RandomStream dropout_keys;
+  Model model;
+  UpdateLoop loop;
   FrozenObjects objects;
-  UpdateCounts counts;
 
-  Plan(Runtime& on, const ModelSpec& spec, const TrainOptions& wanted, int sequences, int steps,
-       std::span<const float> tactile, const Tuning& choices)
+  Impl(Runtime& on, const ModelSpec& spec, const TrainOptions& train_options, int sequences,
+       int steps, std::span<const float> tactile, const Tuning& train_tuning)
       : runtime(on),
-        options(wanted),
-        tuning(choices),
+        options(train_options),
+        tuning(train_tuning),
+        frames(tactile.size() / taxels_of(spec)),
         model(on, spec, sequences, steps, Model::Use::training,
-              live_taxels(tactile, std::size_t(spec.rows) * spec.cols), choices),
-        adam(on, model.weights().values, model.weights().gradient,
-             decays(on, model.table(), wanted.weight_decay), model.loss()),
-        frames(tactile.size() / (std::size_t(spec.rows) * spec.cols)),
-        dropout_keys(wanted.seed, "taxel drop-out") {
-    if (spec.touch) stream = runtime.upload(tactile);
-    runtime.write<float>(model.weights().values, model.table().initial_values(wanted.seed));
-  }
+              live_taxels(tactile, taxels_of(spec)), train_tuning),
+        loop(on, train_options, model.weights(), model.loss(), {"update", "taxel drop-out"},
+             spec.touch ? tactile : std::span<const float>()) {}
 
   void upload(const RolloutBatch& batch) {
     if (batch.sequences != model.sequences() || batch.steps != model.steps() ||
         batch.target.empty())
-      throw failure(fmt::format("a batch of {} x {} was given to a trainer of {} x {}",
-                                batch.sequences, batch.steps, model.sequences(), model.steps()),
+      throw failure(fmt::format("batch of {} x {} with {} targets; the trainer expects {} x {}",
+                                batch.sequences, batch.steps, batch.target.size(),
+                                model.sequences(), model.steps()),
                     "report this as a bug");
     check(batch, model.spec(), frames);
     check_objects(batch, model.spec(), frames, Model::Use::training);
@@ -81,70 +77,41 @@ struct Trainer::Plan {
       write_object_embeddings(runtime, model, batch.object, objects.embedding);
   }
 
-  void pass() {
-    const auto number = static_cast<std::uint64_t>(counts.tried);
+  void pass(const UpdateLoop::Keys& keys) {
     model.prepare();
-    const auto keys = dropout_keys.block(number);
-    model.forward(stream, {options.taxel_dropout, keys[0]}, {options.taxel_dropout, keys[1]});
+    model.forward(loop.stream(), {options.taxel_dropout, keys[0]},
+                  {options.taxel_dropout, keys[1]});
     model.backward();
   }
 
-  double step(const RolloutBatch& batch) {
-    pass();
-    adam.enqueue({counts.tried - counts.left_out + 1, learning_rate(options, counts.tried),
-                  options.clip_norm});
-    const float loss = runtime.download(model.loss())[0], norm = runtime.download(adam.norm())[0];
-    if (!std::isfinite(loss) || !std::isfinite(norm)) return leave_out(batch);
-    ++counts.tried;
-    counts.left_out_in_a_row = 0;
-    return loss;
-  }
-
-  /// After an update that changed nothing, since it was not finite.
-  double leave_out(const RolloutBatch& batch) {
-    const auto problem = fmt::format("update {}: {} not finite", counts.tried + 1, culprit(batch));
-    if (counts.left_out_in_a_row >= options.skips_in_a_row)
-      throw failure(problem,
-                    "lower --learning-rate, look for extreme values in labels and tactile frames, "
-                    "or leave such updates out with --skip-not-finite; the weights are those "
-                    "before this update");
-    fmt::print(stderr, "warning: {}; it is left out\n", problem);
-    ++counts.tried, ++counts.left_out, ++counts.left_out_in_a_row;
-    return std::nan("");
-  }
-
-  std::string culprit(const RolloutBatch& batch) {
-    if (const auto part = not_finite_part(batch); !part.empty()) return part + " are";
-    if (!all_finite(runtime.download(model.weights().values))) return "the weights are";
-    if (stream.size() > 0 && !all_finite(runtime.download(stream))) return "the tactile frames are";
-    const auto name = first_non_finite_kernel(runtime, [&] { pass(); });
-    return name.empty() ? "the gradient's norm is" : fmt::format("what {} computes is", name);
+  std::vector<Tensor> weight_tensors() const {
+    return tensors_of(model.table(), runtime.download(model.weights().values));
   }
 };
 
 Trainer::Trainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options,
                  int sequences, int steps, std::span<const float> tactile, const Tuning& tuning)
-    : plan_(std::make_unique<Plan>(runtime, spec, options, sequences, steps, tactile, tuning)) {}
+    : impl_(std::make_unique<Impl>(runtime, spec, options, sequences, steps, tactile, tuning)) {}
 
 Trainer::~Trainer() = default;
 
 double Trainer::update(const RolloutBatch& batch) {
-  plan_->upload(batch);
-  return plan_->step(batch);
+  impl_->upload(batch);
+  return impl_->loop.update({[&](const UpdateLoop::Keys& keys) { impl_->pass(keys); },
+                             [&] { return invalid_input(batch); }});
 }
 
-void Trainer::freeze_objects(FrozenObjects objects) { plan_->objects = std::move(objects); }
+void Trainer::freeze_objects(FrozenObjects objects) { impl_->objects = std::move(objects); }
 
-int Trainer::updates() const { return plan_->counts.tried; }
+int Trainer::updates() const { return impl_->loop.counts().attempted; }
 
 void Trainer::save(const std::filesystem::path& path, const nlohmann::json& metadata,
                    bool overwrite) const {
-  const auto& model = plan_->model;
-  auto tensors = tensors_of(model.table(), plan_->runtime.download(model.weights().values));
-  std::ranges::copy(plan_->objects.encoder, std::back_inserter(tensors));
+  auto tensors = impl_->weight_tensors();
+  std::ranges::copy(impl_->objects.encoder, std::back_inserter(tensors));
   write_safetensors(path,
                     {{{"format", "touchtrace/model/1"},
-                      {"spec", nlohmann::json(model.spec()).dump()},
+                      {"spec", nlohmann::json(impl_->model.spec()).dump()},
                       {"metadata", metadata.dump()}},
                      std::move(tensors)},
                     overwrite);
@@ -152,31 +119,27 @@ void Trainer::save(const std::filesystem::path& path, const nlohmann::json& meta
 
 void Trainer::save_checkpoint(const std::filesystem::path& path,
                               const nlohmann::json& notes) const {
-  const auto& model = plan_->model;
-  const auto read = [&](const Buffer<float>& buffer) { return plan_->runtime.download(buffer); };
-  auto tensors = tensors_of(model.table(), read(model.weights().values));
-  for (const auto& [name, array] : plan_->adam.state())
-    tensors.push_back({name, {array.size()}, read(array)});
-  std::ranges::copy(plan_->objects.encoder, std::back_inserter(tensors));
-  write_safetensors(
-      path, {to_metadata(model.spec(), {plan_->counts, plan_->tuning, notes}), std::move(tensors)},
-      true);
+  auto tensors = impl_->weight_tensors();
+  for (const auto& [name, array] : impl_->loop.optimiser_state())
+    tensors.push_back({name, {array.size()}, impl_->runtime.download(array)});
+  std::ranges::copy(impl_->objects.encoder, std::back_inserter(tensors));
+  write_safetensors(path,
+                    {to_metadata({impl_->model.spec(), impl_->loop.counts(), impl_->tuning, notes}),
+                     std::move(tensors)},
+                    true);
 }
 
 void Trainer::load_checkpoint(const std::filesystem::path& path) {
   const auto file = read_safetensors(path);
   const auto checkpoint = checkpoint_metadata(file, path);
-  if (nlohmann::json(checkpoint.tuning) != nlohmann::json(plan_->tuning))
-    throw data_error(path.string() + " was started with other choices of touchtrace tune",
-                     "go on with those that the checkpoint holds");
-  const auto values = values_of(plan_->model.table(), file);
-  const auto state = plan_->adam.state();
-  for (const auto& [name, array] : state)
-    file.at(name, array.size());  // throws before any is written
-  for (const auto& [name, array] : state)
-    plan_->runtime.write<float>(array, file.at(name, array.size()).values);
-  plan_->runtime.write<float>(plan_->model.weights().values, values);
-  plan_->counts = checkpoint.counts;
+  check_resumable(checkpoint, impl_->model.spec(), impl_->tuning, path);
+  // Everything is read before anything is written.
+  std::vector<std::pair<Buffer<float>, std::vector<float>>> writes;
+  writes.emplace_back(impl_->model.weights().values, values_of(impl_->model.table(), file));
+  for (const auto& [name, array] : impl_->loop.optimiser_state())
+    writes.emplace_back(array, optimiser_tensor(file, name, array.size()).values);
+  for (const auto& [array, values] : writes) impl_->runtime.write<float>(array, values);
+  impl_->loop.resume(checkpoint.counts);
 }
 
 nlohmann::json Trainer::checkpoint_notes(const std::filesystem::path& path) {

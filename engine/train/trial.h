@@ -8,26 +8,31 @@
 
 namespace touchtrace {
 
-/// One of several ways to compute the same, to be timed beside the others.
+/// One variant of a computation, to be timed against others.
 struct Trial {
   std::function<void()> enqueue;
-  double waiting;  ///< what cores without an item left add to the time, as a factor
+  double idle_factor;  ///< >= 1, multiplies the time: accounts for idle cores
 };
 
-/// With `waiting` from the launches of `enqueue`, `beside` of which run beside each other: the
-/// mean, by their operations, of how much longer their items take than all cores would need: 8
-/// items on 3 cores take as long as 9. 1 on what is no CPU, where time is by the wall.
-Trial make_trial(Runtime& runtime, std::function<void()> enqueue, int beside);
+/// Makes a trial. `concurrency`: number of launches that run at the same time.
+///
+/// The idle factor follows from the launches of `enqueue`: the mean, weighted by operations, of how
+/// much longer their work-items take than perfectly balanced cores would; 8 items on 3 cores take
+/// as long as 9. It is 1 on other devices than CPUs, where wall time is measured.
+Trial make_trial(Runtime& runtime, std::function<void()> enqueue, int concurrency);
 
-/// Calls `make`; empty as well if the device refuses what it asks for, unless this is the `first`
-/// trial.
-std::optional<Trial> unless_refused(bool first, const std::function<std::optional<Trial>()>& make);
+/// Calls `make`. Returns nullopt if the device rejects the variant, unless it is the first one:
+/// then rethrows.
+std::optional<Trial> make_if_supported(bool is_first,
+                                       const std::function<std::optional<Trial>()>& make);
 
+/// Times include the idle factor.
 struct TrialTime {
-  double ms, ratio;  ///< waiting included; the median of its ratio to the first trial's
+  double ms;     ///< median
+  double ratio;  ///< median ratio to the first trial
 };
 
-/// Of each trial, measured in turns.
+/// Measures all trials, interleaved.
 std::vector<TrialTime> compare(Runtime& runtime, const std::vector<Trial>& trials);
 
 }  // namespace touchtrace

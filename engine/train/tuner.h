@@ -3,36 +3,37 @@
 #include <functional>
 #include <vector>
 
+#include "engine/model/conv_stack_shape.h"
 #include "engine/model/model_spec.h"
-#include "engine/model/tactile_encoder.h"
+#include "engine/ops/tuning.h"
 
 namespace touchtrace {
 
-/// The encoders of a training update of S sequences and T steps: that of the windows of touch and
-/// that of the objects' segments, of which a batch of contrastive training holds
-/// `object_segments`. Empty without touch.
-std::vector<TactileEncoderShape> encoders_in_training(const ModelSpec& spec, int sequences,
-                                                      int steps, int object_segments);
+/// Encoders of a training update of S sequences and T steps: that of the windows, and that of the
+/// segments, of which a contrastive batch (ObjectEncoder::frozen) has `object_segments`. Empty
+/// without touch.
+std::vector<ConvStackShape> training_encoders(const ModelSpec& spec, int sequences, int steps,
+                                              int object_segments);
 
-/// Whether nothing is left to tune for these encoders.
-bool is_complete(const Tuning& tuning, const std::vector<TactileEncoderShape>& encoders);
+/// Whether these encoders are tuned completely.
+bool is_complete(const Tuning& tuning, const std::vector<ConvStackShape>& encoders);
 
-/// Measures what `tuning` lacks for these encoders: each layer's choice, the number of windows in a
-/// part, and the layers' choices for such a part. Of ways that differ by less than the measurement
-/// tells, the usual one stays. `found` is called after each shape, so that it can be kept; Ctrl-C
-/// throws in between.
-void tune(Runtime& runtime, const std::vector<TactileEncoderShape>& encoders, Tuning& tuning,
-          const std::function<void()>& found);
+/// Adds to `tuning` what it lacks for these encoders: the configuration of each layer, the size of
+/// a micro-batch, and the layers' configurations for that size. The default configuration is kept
+/// unless another is measurably faster. Calls `on_result` after each shape, so that it can be
+/// saved; Ctrl-C throws in between.
+void tune(Runtime& runtime, const std::vector<ConvStackShape>& encoders, Tuning& tuning,
+          const std::function<void()>& on_result);
 
-/// Takes complete choices for these encoders back: all go by the usual rules, as tuned.
-void leave_to_rules(Tuning& tuning, const std::vector<TactileEncoderShape>& encoders);
+/// Sets the default configurations for these encoders, marked as tuned.
+void reset_to_defaults(Tuning& tuning, const std::vector<ConvStackShape>& encoders);
 
-/// Whether choices make whole updates so much faster that they are worth having: what is faster
-/// alone may not be beside the other layers.
-bool is_worth_having(const TunedTimes& updates);
+/// Whether the tuning makes whole updates faster: a layer that is faster alone need not be faster
+/// between the others.
+bool is_faster(const TunedTimes& updates);
 
-/// Milliseconds of whole updates, in turns: without and with the choices.
-TunedTimes update_times(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
-                        const Tuning& tuning);
+/// Measures whole updates without and with `tuning`, interleaved.
+TunedTimes measure_update_times(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
+                                const Tuning& tuning);
 
 }  // namespace touchtrace

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* file_format = "touchtrace/tuning/1";
-constexpr std::uintmax_t largest_file = 16u << 20;
+constexpr std::uintmax_t max_file_bytes = 16u << 20;
 
 const std::string& hash_of_kernels() {
   static const std::string hash = [] {
@@ -29,7 +29,7 @@ const std::string& hash_of_kernels() {
   return hash;
 }
 
-/// What the choices of a device hold for.
+/// Everything that a tuning is valid for.
 json key_of(const DeviceInfo& device) {
   return {{"device", device.name},
           {"platform", device.platform},
@@ -41,8 +41,8 @@ bool is_of_device(const json& section, const DeviceInfo& device) {
   return section.at("device") == device.name && section.at("platform") == device.platform;
 }
 
-/// False for what is damaged.
-bool is_of_another(const json& section, const DeviceInfo& device) try {
+/// False for a damaged section.
+bool is_of_other_device(const json& section, const DeviceInfo& device) try {
   return !is_of_device(section, device);
 } catch (const json::exception&) {
   return false;
@@ -54,10 +54,10 @@ bool has_key(const json& section, const json& key) {
   return true;
 }
 
-/// The sections of a file, one a device; empty if it is missing, nothing if it is not one.
+/// Sections of a file, one per device; empty if it is missing, nullopt if it is not a tuning file.
 std::optional<json> sections_in(const fs::path& path) try {
   if (!fs::exists(path)) return json::array();
-  const auto document = json::parse(read_file(path, largest_file));
+  const auto document = json::parse(read_file(path, max_file_bytes));
   if (document.at("format") != file_format || !document.at("devices").is_array())
     return std::nullopt;
   return document.at("devices");
@@ -66,8 +66,7 @@ std::optional<json> sections_in(const fs::path& path) try {
 }
 
 void warn(const fs::path& path, const std::string& why) {
-  fmt::print(stderr,
-             "warning: tuned choices in {} are ignored: {}; touchtrace tune makes them anew\n",
+  fmt::print(stderr, "warning: tuning in {} ignored: {}; run touchtrace tune to make a new one\n",
              path.string(), why);
 }
 
@@ -76,7 +75,7 @@ Tuning tuning_in(const json& sections, const fs::path& path, const DeviceInfo& d
   for (const auto& section : sections) {
     if (!is_of_device(section, device)) continue;
     if (has_key(section, key)) return section.get<Tuning>();
-    warn(path, fmt::format("{} had another driver or other kernels", device.name));
+    warn(path, fmt::format("it is for another driver or other kernels of {}", device.name));
   }
   return {};
 }
@@ -84,16 +83,16 @@ Tuning tuning_in(const json& sections, const fs::path& path, const DeviceInfo& d
 }  // namespace
 
 fs::path tuning_path() {
-  constexpr const char* place = "touchtrace/tuning.json";
+  constexpr const char* name = "touchtrace/tuning.json";
   const char* cache = std::getenv("XDG_CACHE_HOME");
-  // The specification has relative paths ignored.
-  if (cache && fs::path(cache).is_absolute()) return fs::path(cache) / place;
+  // The specification says to ignore relative paths.
+  if (cache && fs::path(cache).is_absolute()) return fs::path(cache) / name;
   const char* home = std::getenv("HOME");
-  return home && *home ? fs::path(home) / ".cache" / place : fs::path();
+  return home && *home ? fs::path(home) / ".cache" / name : fs::path();
 }
 
 Tuning read_tuning(const fs::path& path, const DeviceInfo& device) {
-  constexpr const char* damaged = "the file is damaged or another program's";
+  constexpr const char* damaged = "the file is damaged or not a tuning file";
   if (path.empty()) return {};
   const auto sections = sections_in(path);
   if (!sections) return warn(path, damaged), Tuning{};
@@ -108,7 +107,7 @@ Tuning read_tuning(const fs::path& path, const DeviceInfo& device) {
 void write_tuning(const fs::path& path, const DeviceInfo& device, const Tuning& tuning) {
   json devices = json::array();
   for (const auto& section : sections_in(path).value_or(json::array()))
-    if (is_of_another(section, device)) devices.push_back(section);
+    if (is_of_other_device(section, device)) devices.push_back(section);
   json section = key_of(device);
   section.update(json(tuning));
   devices.push_back(std::move(section));

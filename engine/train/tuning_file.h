@@ -7,17 +7,17 @@
 
 namespace touchtrace {
 
-/// Where the choices of `touchtrace tune` are kept: touchtrace/tuning.json in $XDG_CACHE_HOME, or
+/// Path of the file that `touchtrace tune` writes: touchtrace/tuning.json in $XDG_CACHE_HOME, or
 /// else in ~/.cache (XDG Base Directory Specification 0.8). Empty if neither is set.
 std::filesystem::path tuning_path();
 
-/// The choices for a device, its driver and these kernels. None if there are none: if the file is
-/// missing, damaged or another program's, or if the device's are of another driver or of other
-/// kernels; but for the first a warning says so. Never throws for what a file holds.
+/// Reads the tuning for a device, its driver and the built-in kernels. Empty if the file is
+/// missing. Empty with a warning if the file is damaged or not a tuning file, or if the device's
+/// tuning is for another driver or other kernels. Never throws because of the contents.
 Tuning read_tuning(const std::filesystem::path& path, const DeviceInfo& device);
 
-/// Replaces the device's choices and leaves those of other devices. The file is whole at any
-/// moment. Throws failure if it cannot be written.
+/// Replaces the tuning of the device and keeps that of other devices. Atomic. Throws failure if the
+/// file cannot be written.
 void write_tuning(const std::filesystem::path& path, const DeviceInfo& device,
                   const Tuning& tuning);
 

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int largest_number = 1 << 20;
+constexpr int max_number = 1 << 20;
 
 template <class Struct>
 using Number = std::pair<const char*, int Struct::*>;
@@ -35,21 +35,24 @@ constexpr std::array<Number<Conv2dChoice>, 5> choice_numbers{
 constexpr std::array<std::pair<const char*, Conv2dMethod>, 2> methods{
     {{"direct", Conv2dMethod::direct}, {"winograd", Conv2dMethod::winograd}}};
 
-Error damaged(const char* name) {
-  return data_error(fmt::format("a tuned choice has no valid '{}'", name),
-                    "touchtrace tune makes it anew");
+Error invalid(const char* key) {
+  return data_error(fmt::format("tuning has no valid '{}'", key), "run touchtrace tune again");
 }
 
-int number_from(const json& row, const char* name) {
-  const auto& value = row.at(name);
-  if (!value.is_number_integer() || value < 1 || value > largest_number) throw damaged(name);
+/// Value of a key, or of the name that it had in older files.
+const json& at(const json& row, const char* key, const char* old_key) {
+  return row.at(row.contains(key) ? key : old_key);
+}
+
+int number_in(const json& value, const char* key) {
+  if (!value.is_number_integer() || value < 1 || value > max_number) throw invalid(key);
   return value.get<int>();
 }
 
-double time_from(const json& row, const char* name) {
-  const auto value = row.at(name).get<double>();
-  if (!(value >= 0.0)) throw damaged(name);
-  return value;
+double time_in(const json& value, const char* key) {
+  const auto ms = value.get<double>();
+  if (!(ms >= 0.0)) throw invalid(key);
+  return ms;
 }
 
 void add_shape(json& row, const Conv2dShape& shape) {
@@ -59,17 +62,18 @@ void add_shape(json& row, const Conv2dShape& shape) {
 
 Conv2dShape shape_from(const json& row) {
   Conv2dShape shape{};
-  for (const auto& [name, number] : shape_numbers) shape.*number = number_from(row, name);
+  for (const auto& [name, number] : shape_numbers) shape.*number = number_in(row.at(name), name);
   shape.in_planes = row.at("in_planes").get<bool>();
   return shape;
 }
 
 void add_times(json& row, const TunedTimes& times) {
-  row["usual_ms"] = times.usual_ms, row["chosen_ms"] = times.chosen_ms;
+  row["default_ms"] = times.default_ms, row["tuned_ms"] = times.tuned_ms;
 }
 
 TunedTimes times_from(const json& row) {
-  return {time_from(row, "usual_ms"), time_from(row, "chosen_ms")};
+  return {time_in(at(row, "default_ms", "usual_ms"), "default_ms"),
+          time_in(at(row, "tuned_ms", "chosen_ms"), "tuned_ms")};
 }
 
 json layer_json(const Tuning::Layer& layer) {
@@ -86,22 +90,23 @@ json layer_json(const Tuning::Layer& layer) {
 Tuning::Layer layer_from(const json& row) {
   Tuning::Layer layer{shape_from(row), {}, times_from(row)};
   for (const auto& [name, number] : choice_numbers)
-    if (row.contains(name)) layer.choice.*number = number_from(row, name);
+    if (row.contains(name)) layer.choice.*number = number_in(row.at(name), name);
   for (const auto& [name, method] : methods)
     if (row.at("method") == name) return layer.choice.method = method, layer;
-  throw damaged("method");
+  throw invalid("method");
 }
 
-json part_json(const Tuning::Part& part) {
+json micro_batch_json(const Tuning::MicroBatch& batch) {
   json row;
-  add_shape(row, part.first_layer);
-  add_times(row, part.times);
-  row["part_images"] = part.images;
+  add_shape(row, batch.first_layer);
+  add_times(row, batch.times);
+  row["micro_batch_images"] = batch.images;
   return row;
 }
 
-Tuning::Part part_from(const json& row) {
-  return {shape_from(row), number_from(row, "part_images"), times_from(row)};
+Tuning::MicroBatch micro_batch_from(const json& row) {
+  constexpr const char* key = "micro_batch_images";
+  return {shape_from(row), number_in(at(row, key, "part_images"), key), times_from(row)};
 }
 
 }  // namespace
@@ -117,15 +122,17 @@ std::string describe(const Conv2dChoice& choice) {
 }
 
 void to_json(json& document, const Tuning& tuning) {
-  document = {{"layers", json::array()}, {"parts", json::array()}};
+  document = {{"layers", json::array()}, {"micro_batches", json::array()}};
   for (const auto& layer : tuning.layers) document["layers"].push_back(layer_json(layer));
-  for (const auto& part : tuning.parts) document["parts"].push_back(part_json(part));
+  for (const auto& batch : tuning.micro_batches)
+    document["micro_batches"].push_back(micro_batch_json(batch));
 }
 
 void from_json(const json& document, Tuning& tuning) {
   tuning = {};
   for (const auto& row : document.at("layers")) tuning.layers.push_back(layer_from(row));
-  for (const auto& row : document.at("parts")) tuning.parts.push_back(part_from(row));
+  for (const auto& row : at(document, "micro_batches", "parts"))
+    tuning.micro_batches.push_back(micro_batch_from(row));
 }
 
 }  // namespace touchtrace

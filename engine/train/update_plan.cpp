@@ -4,8 +4,8 @@
 
 #include "engine/base/progress.h"
 #include "engine/base/provenance.h"
-#include "engine/cl/launch_inspection.h"
 #include "engine/cl/timing.h"
+#include "engine/cl/launch_inspection.h"
 #include "engine/train/noise_training.h"
 
 namespace touchtrace {
@@ -15,7 +15,7 @@ PlannedLaunch planned(const Launch& launch) {
   return {launch.name(), launch.purpose(), launch.cost(), launch.is_tuned()};
 }
 
-/// Those of one update of `training`.
+/// Launches of one update.
 Launches launches_of(Runtime& runtime, NoiseTraining& training) {
   Launches launches;
   visit_launches(
@@ -24,7 +24,7 @@ Launches launches_of(Runtime& runtime, NoiseTraining& training) {
   return launches;
 }
 
-/// What each launch of an update takes where it stands: [update][launch].
+/// MeasuredLaunch::seconds_in_place of each launch, [update][launch].
 std::vector<std::vector<double>> seconds_in_place(Runtime& runtime, NoiseTraining& training,
                                                   int updates) {
   std::vector<std::vector<double>> seconds(static_cast<std::size_t>(updates));
@@ -40,18 +40,18 @@ std::vector<std::vector<double>> seconds_in_place(Runtime& runtime, NoiseTrainin
   return seconds;
 }
 
-/// Calls that are timed in turns, and what each took.
-class Turns {
+/// Calls that are timed interleaved.
+class InterleavedTimings {
  public:
-  explicit Turns(Runtime& runtime) : runtime_(runtime) {}
+  explicit InterleavedTimings(Runtime& runtime) : runtime_(runtime) {}
 
-  void add(std::function<void()> enqueue, double shortest_s) {
-    calls_.emplace_back(runtime_, std::move(enqueue), shortest_s);
+  void add(std::function<void()> enqueue, double min_duration_s) {
+    calls_.emplace_back(runtime_, std::move(enqueue), min_duration_s);
     seconds_.emplace_back();
   }
-  void run(int turns) {
-    Progress progress("measuring", calls_.size() * static_cast<std::size_t>(turns));
-    for (int turn = 0; turn < turns; ++turn)
+  void run(int rounds) {
+    Progress progress("measuring", calls_.size() * static_cast<std::size_t>(rounds));
+    for (int round = 0; round < rounds; ++round)
       for (std::size_t i = 0; i < calls_.size(); ++i) {
         seconds_[i].push_back(calls_[i].seconds());
         progress.advance();
@@ -78,13 +78,13 @@ std::vector<PlannedLaunch> launches_of_update(Runtime& runtime, const ModelSpec&
 
 MeasuredUpdate measure_update(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
                               const LiveTaxels& live, const Tuning& tuning) {
-  constexpr int turns = 7;
+  constexpr int rounds = 7;
   NoiseTraining training(runtime, spec, sequences, steps, tuning, live,
                          {.learning_rate = 0.0, .weight_decay = 0.0});
   const auto launches = launches_of(runtime, training);
   const auto peak = peak_benchmark(runtime);
   std::vector<double> wall, cpu;
-  Turns measured(runtime);
+  InterleavedTimings measured(runtime);
   measured.add([&] { peak.launch.enqueue(runtime); }, 0.02);
   measured.add(
       [&] {
@@ -95,8 +95,8 @@ MeasuredUpdate measure_update(Runtime& runtime, const ModelSpec& spec, int seque
       },
       0.08);
   for (const auto& launch : launches) measured.add([&] { launch.enqueue(runtime); }, 4e-3);
-  measured.run(turns);
-  const auto in_place = seconds_in_place(runtime, training, turns);
+  measured.run(rounds);
+  const auto in_place = seconds_in_place(runtime, training, rounds);
   MeasuredUpdate result{{}, peak.flops / measured.median(0), median(wall), median(cpu)};
   for (std::size_t i = 0; i < launches.size(); ++i) {
     std::vector<double> seconds;

@@ -7,8 +7,9 @@ namespace touchtrace {
 std::vector<Tensor> tensors_of(const ParameterTable& table, std::span<const float> values) {
   std::vector<Tensor> tensors;
   for (const auto& row : table.rows()) {
-    const auto part = values.subspan(row.offset, row.size);
-    tensors.push_back({row.name, {row.shape.begin(), row.shape.end()}, {part.begin(), part.end()}});
+    const auto slice = values.subspan(row.offset, row.size);
+    tensors.push_back(
+        {row.name, {row.shape.begin(), row.shape.end()}, {slice.begin(), slice.end()}});
   }
   return tensors;
 }

@@ -49,15 +49,15 @@ std::filesystem::path writable_tuning_path() {
 }
 
 void print_row(const std::string& what, const TunedTimes& times, const std::string& choice) {
-  fmt::print("  {:<46} {:>9.3f} {:>9.3f}  {}\n", what, times.usual_ms, times.chosen_ms, choice);
+  fmt::print("  {:<46} {:>9.3f} {:>9.3f}  {}\n", what, times.default_ms, times.tuned_ms, choice);
 }
 
 /// What is computed how, encoder by encoder.
-void print_choices(const Tuning& tuning, const std::vector<TactileEncoderShape>& encoders) {
+void print_choices(const Tuning& tuning, const std::vector<ConvStackShape>& encoders) {
   fmt::print("  {:<46} {:>9} {:>9}  {}\n", "", "usual ms", "chosen ms", "choice");
   for (const auto& encoder : encoders) {
     const auto first = encoder.layers()[0];
-    const auto& part = *tuning.part(first);
+    const auto& part = *tuning.micro_batch(first);
     print_row(fmt::format("{} windows of {} x {} x {}", first.images, first.in_channels, first.rows,
                           first.cols),
               part.times, fmt::format("parts of {}", part.images));
@@ -72,7 +72,7 @@ void print_choices(const Tuning& tuning, const std::vector<TactileEncoderShape>&
 }
 
 nlohmann::json times_json(const TunedTimes& times) {
-  return {{"usual_ms", times.usual_ms}, {"chosen_ms", times.chosen_ms}};
+  return {{"default_ms", times.default_ms}, {"tuned_ms", times.tuned_ms}};
 }
 
 ExitCode run(const TuneOptions& options, const Invocation& invocation) {
@@ -80,7 +80,7 @@ ExitCode run(const TuneOptions& options, const Invocation& invocation) {
   const auto path = writable_tuning_path();
   const auto spec = spec_of(options);
   const auto encoders =
-      encoders_in_training(spec, options.sequences, options.steps, options.object_segments);
+      training_encoders(spec, options.sequences, options.steps, options.object_segments);
   auto tuning = read_tuning(path, runtime.device());
   const bool was_complete = is_complete(tuning, encoders);
   const auto keep = [&] { write_tuning(path, runtime.device(), tuning); };
@@ -88,11 +88,11 @@ ExitCode run(const TuneOptions& options, const Invocation& invocation) {
     keep();  // says now, rather than after the first minute, whether the file can be written
     tune(runtime, encoders, tuning, keep);
   }
-  const auto update = update_times(runtime, spec, options.sequences, options.steps, tuning);
-  const bool stays = was_complete || is_worth_having(update);
+  const auto update = measure_update_times(runtime, spec, options.sequences, options.steps, tuning);
+  const bool stays = was_complete || is_faster(update);
   const auto measured = tuning;
   if (!stays) {
-    leave_to_rules(tuning, encoders);
+    reset_to_defaults(tuning, encoders);
     keep();
   }
   if (invocation.json) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/train/trainer.h"
+#include "engine/train/predictor.h"
 #include "pipeline/study/model_card.h"
 #include "pipeline/study/rollouts.h"
 #include "pipeline/study/score.h"

@@ -5,6 +5,7 @@
 
 #include "engine/base/random.h"
 #include "engine/train/object_trainer.h"
+#include "engine/train/trainer.h"
 #include "pipeline/dataset/dataset.h"
 
 namespace touchtrace::study {

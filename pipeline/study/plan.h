@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/model/touch_encoder.h"
+#include "engine/model/tactile_encoder.h"
 #include "pipeline/study/tracker_choice.h"
 
 namespace touchtrace::study {

@@ -43,7 +43,7 @@ void describe(OptionSet& set, TrainingOptions& o) {
   set.number("taxel-dropout", o.optimizer.taxel_dropout, "share of taxels blanked in an update",
              0.0, 0.9);
   set.integer(
-      "skip-not-finite", o.optimizer.skips_in_a_row,
+      "skip-not-finite", o.optimizer.max_consecutive_skips,
       "updates in a row that may be left out since loss or gradient are not finite; 0: stop "
       "at the first",
       0, 1000);

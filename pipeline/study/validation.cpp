@@ -1,5 +1,6 @@
 #include "pipeline/study/validation.h"
 
+#include "engine/train/predictor.h"
 #include "pipeline/study/score.h"
 
 namespace touchtrace::study {

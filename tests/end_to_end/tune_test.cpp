@@ -47,7 +47,7 @@ TEST_F(Tune, IsKeptUsedByThePlanAndIgnoredIfDamaged) {
   EXPECT_FALSE(first.at("was_complete"));
   EXPECT_EQ(first.at("path"), file_.string());
   EXPECT_EQ(first.at("tuning").at("layers").size(), 3u);
-  EXPECT_GT(first.at("update").at("chosen_ms").get<double>(), 0.0);
+  EXPECT_GT(first.at("update").at("tuned_ms").get<double>(), 0.0);
   const auto second = json_of("tune");
   EXPECT_TRUE(second.at("was_complete"));
   EXPECT_EQ(second.at("tuning"), first.at("tuning"));

@@ -5,10 +5,10 @@
 namespace touchtrace {
 namespace {
 
-TEST(Extremes, EveryFigureHolds) {
+TEST(Extremes, EveryFigureMeetsItsGoal) {
   verify_extremes([](const Figure& figure) {
     EXPECT_TRUE(figure.passes()) << figure.name << ": " << figure.value << ", goal "
-                                 << figure.goal_text();
+                                << figure.goal_text();
   });
 }
 

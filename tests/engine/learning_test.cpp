@@ -9,8 +9,8 @@ namespace {
 using testing::small_spec;
 using testing::TrainerTest;
 
-/// A point on a line pushed by an acceleration that the touched taxels carry: a bright column at
-/// its value. The state is position and velocity; nothing but touch tells where it will be pushed.
+/// A point on a line with a random acceleration. The state is position and velocity; only the
+/// tactile frame shows the acceleration, as the position of a bright column.
 struct PushedPoint {
   static constexpr int frames = 3000, rows = 8, cols = 8;
 
@@ -57,7 +57,7 @@ struct PushedPoint {
   std::vector<std::array<float, 2>> states;
 };
 
-/// Mean loss of the last fifth of the updates.
+/// Trains and returns the mean loss of the last fifth of the updates.
 double train(Trainer& trainer, const PushedPoint& task, int updates) {
   RandomStream random(2, "batches");
   double loss = 0.0;
@@ -74,7 +74,7 @@ double mean_error(const Rollout& rollout, const std::vector<float>& target) {
   return sum / double(target.size());
 }
 
-TEST_F(TrainerTest, LearnsWhatOnlyTouchTells) {
+TEST_F(TrainerTest, UsesTouch) {
   const PushedPoint task;
   RandomStream random(4, "unseen");
   const auto batch = task.batch(40, 25, random);
@@ -98,7 +98,7 @@ TEST_F(TrainerTest, LearnsWhatOnlyTouchTells) {
   EXPECT_LT(error[1], 0.5 * error[0]);
 }
 
-TEST_F(TrainerTest, BandsHoldTheirShareOfWhatHappens) {
+TEST_F(TrainerTest, CalibratesBands) {
   const PushedPoint task;
   TrainOptions options;
   options.updates = 400;

@@ -1,4 +1,4 @@
-// The whole model's loss and gradient against the composition of the double-precision references.
+// Loss and gradient of the whole model against the double reference.
 #include "engine/model/model.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 using testing::small_spec;
 using testing::with_gru;
 
-std::vector<double> part(const std::vector<double>& flat, const Parameter& row) {
+std::vector<double> slice(const std::vector<double>& flat, const Parameter& row) {
   const auto begin = flat.begin() + std::ptrdiff_t(row.offset);
   return {begin, begin + std::ptrdiff_t(row.size)};
 }
@@ -31,21 +31,21 @@ void expect_agreement(const ModelSpec& spec, const TaxelDropout& dropout,
   EXPECT_LE(result.loss_error(), 1e-5);
   EXPECT_LE(result.gradient_error(), 1e-5);
   for (const auto& row : result.table.rows())
-    EXPECT_LE(
-        relative_distance(part(result.device.gradient, row), part(result.reference.gradient, row)),
-        5e-5)
+    EXPECT_LE(relative_distance(slice(result.device.gradient, row),
+                                slice(result.reference.gradient, row)),
+              5e-5)
         << row.name;
 }
 
-TEST(Model, LossAndGradientOfARolloutAgreeWithDouble) { expect_agreement(small_spec(true), {}); }
+TEST(Model, LossAndGradientMatchReference) { expect_agreement(small_spec(true), {}); }
 
-TEST(Model, LossAndGradientAgreeWithTaxelsBlanked) {
+TEST(Model, LossAndGradientMatchReferenceWithTaxelDropout) {
   expect_agreement(small_spec(true), {0.3, 77});
 }
 
-TEST(Model, LossAndGradientAgreeWithoutTouch) { expect_agreement(small_spec(false), {}); }
+TEST(Model, LossAndGradientMatchReferenceWithoutTouch) { expect_agreement(small_spec(false), {}); }
 
-TEST(Model, LossAndGradientAgreeWithSmoothActivations) {
+TEST(Model, LossAndGradientMatchReferenceWithSmoothActivations) {
   for (const auto activation : {Activation::silu, Activation::tanh}) {
     auto spec = small_spec(true);
     spec.activation = activation;
@@ -53,31 +53,31 @@ TEST(Model, LossAndGradientAgreeWithSmoothActivations) {
   }
 }
 
-TEST(Model, LossAndGradientAgreeWithAGru) {
+TEST(Model, LossAndGradientMatchReferenceWithGru) {
   expect_agreement(with_gru(small_spec(true)), {0.3, 77});
   expect_agreement(with_gru(small_spec(false)), {});
   expect_agreement(with_gru(small_spec(ObjectEncoder::joint)), {});
 }
 
-TEST(Model, LossAndGradientAgreeWithAnObjectEncoderTrainedAlong) {
+TEST(Model, LossAndGradientMatchReferenceWithJointObjectEncoder) {
   expect_agreement(small_spec(ObjectEncoder::joint), {0.3, 77});
 }
 
-TEST(Model, LossAndGradientAgreeWithNormalisedObjectEmbeddings) {
+TEST(Model, LossAndGradientMatchReferenceWithNormalisedObjectEmbeddings) {
   expect_agreement(small_spec(ObjectEncoder::joint, 0.1f), {});
 }
 
-TEST(Model, LossAndGradientAgreeWithOtherConvolutions) {
+TEST(Model, LossAndGradientMatchReferenceWithOtherConvolutions) {
   expect_agreement(small_spec(5, {2, 1, 2}), {0.3, 77});
 }
 
-TEST(Model, LossAndGradientAgreeWithTheKernelsForGpus) {
+TEST(Model, LossAndGradientMatchReferenceWithGpuKernels) {
   expect_agreement(small_spec(ObjectEncoder::joint), {0.3, 77}, KernelVariant::gpu);
 }
 
 class ReferenceGradient : public ::testing::TestWithParam<ModelSpec> {};
 
-TEST_P(ReferenceGradient, AgreesWithCentralDifferences) {
+TEST_P(ReferenceGradient, MatchesCentralDifferences) {
   Runtime runtime(choose_device(""));
   const auto spec = GetParam();
   const auto result = compare_model(runtime, spec, 5, 20, {}, 3);
@@ -94,7 +94,7 @@ TEST_P(ReferenceGradient, AgreesWithCentralDifferences) {
     expected += result.reference.gradient[i] * direction[i];
     norm += std::pow(result.reference.gradient[i], 2);
   }
-  // Rounding of the loss over twice the step: 1e-16 * 3 / 2e-8, some 2e-8 of a slope of about 1.
+  // Rounding of the loss over twice the step: 1e-16 * 3 / 2e-8, about 2e-8 for a slope of 1.
   EXPECT_NEAR((loss_at(step) - loss_at(-step)) / (2 * step), expected, 1e-6 * std::sqrt(norm));
 }
 
@@ -104,14 +104,14 @@ INSTANTIATE_TEST_SUITE_P(Model, ReferenceGradient,
                                            small_spec(5, {2, 1, 2}),
                                            with_gru(small_spec(ObjectEncoder::joint))));
 
-TEST(Model, WithoutTouchHasNoTactileParameters) {
+TEST(Model, HasNoTactileParametersWithoutTouch) {
   Runtime runtime(choose_device(""));
   const Model model(runtime, small_spec(false), 2, 3, Model::Use::training);
   for (const auto& row : model.table().rows()) EXPECT_FALSE(row.name.starts_with("tactile"));
   EXPECT_EQ(model.table().at("dynamics.0.weight").shape, (std::vector<int>{64, 5}));
 }
 
-TEST(Model, HasAnObjectEncoderOnlyWhereItIsTrainedAlong) {
+TEST(Model, HasObjectEncoderOnlyIfTrainedJointly) {
   Runtime runtime(choose_device(""));
   const auto has_encoder = [&](ObjectEncoder object, Model::Use use) {
     const Model model(runtime, small_spec(object), 2, 3, use);
@@ -128,13 +128,14 @@ TEST(Model, HasAnObjectEncoderOnlyWhereItIsTrainedAlong) {
   EXPECT_FALSE(has_encoder(ObjectEncoder::joint, Model::Use::prediction));
 }
 
-TEST(Model, RefusesSizesThatTheKernelsDoNotTake) {
+TEST(Model, RejectsInvalidSpecs) {
   Runtime runtime(choose_device(""));
   const std::vector<std::function<void(ModelSpec&)>> changes{
       [](ModelSpec& s) { s.hidden = 100; },
       [](ModelSpec& s) { s.state = 17; },
       [](ModelSpec& s) { s.embedding = 20; },
       [](ModelSpec& s) { s.rows = 5; },
+      [](ModelSpec& s) { s.rows = 0, s.touch = false; },
       [](ModelSpec& s) { s.tactile_kernel = 4; },
       [](ModelSpec& s) { s.tactile_strides[1] = 3; },
       [](ModelSpec& s) { s.band_quantile = 0.0; },

@@ -1,5 +1,4 @@
-// Contrastive training of the object encoder, frozen embeddings, and what a predictor makes of
-// them.
+// Contrastive training of the object encoder, frozen embeddings, and prediction with them.
 #include <cmath>
 #include <numeric>
 
@@ -15,7 +14,7 @@ namespace {
 using testing::small_spec;
 using testing::TrainerTest;
 
-/// Three objects: frames of noise on a pattern of the object's own, `clip` frames of each in turn.
+/// Clips of `clip` frames of three objects in turn: the pattern of the object, and noise.
 struct Patterns {
   static constexpr int objects = 3, clip = 30, clips = 12;
 
@@ -70,7 +69,7 @@ class ObjectEncoderTest : public TrainerTest {
     return noise_batch(spec_, 5, steps, Patterns::clips * Patterns::clip, random);
   }
 
-  /// A model with frozen embeddings, trained for two updates.
+  /// Path of a model with frozen embeddings after two updates.
   std::filesystem::path frozen_model() {
     Trainer trainer(runtime_, spec_, {}, 5, 4, patterns_.stream);
     trainer.freeze_objects(frozen());
@@ -85,7 +84,7 @@ class ObjectEncoderTest : public TrainerTest {
   double first_loss_ = 0.0, last_loss_ = 0.0;
 };
 
-TEST_F(ObjectEncoderTest, TellsObjectsApart) {
+TEST_F(ObjectEncoderTest, SeparatesObjects) {
   const auto encoder = trained_encoder(60);
   EXPECT_LT(last_loss_, 0.05 * first_loss_);
   RandomStream random(9, "unseen");
@@ -104,7 +103,7 @@ TEST_F(ObjectEncoderTest, TellsObjectsApart) {
   }
 }
 
-TEST_F(ObjectEncoderTest, TrainsToTheSameBits) {
+TEST_F(ObjectEncoderTest, TrainsReproducibly) {
   const auto a = trained_encoder(4), b = trained_encoder(4);
   for (std::size_t i = 0; i < a.tensors.size(); ++i) {
     EXPECT_TRUE(a.tensors[i].name.starts_with("object."));
@@ -112,7 +111,7 @@ TEST_F(ObjectEncoderTest, TrainsToTheSameBits) {
   }
 }
 
-TEST_F(ObjectEncoderTest, RefusesSegmentsOutsideTheStream) {
+TEST_F(ObjectEncoderTest, RejectsSegmentsOutsideTheStream) {
   ObjectTrainer trainer(runtime_, spec_, {}, 2, patterns_.stream);
   EXPECT_THROW(trainer.update({{0, Patterns::clips * Patterns::clip - 3}, {0, 1}}), Error);
   EXPECT_THROW(trainer.update({{0, -1}, {0, 1}}), Error);
@@ -120,7 +119,7 @@ TEST_F(ObjectEncoderTest, RefusesSegmentsOutsideTheStream) {
   EXPECT_NO_THROW(trainer.update({{0, 4}, {0, 1}}));
 }
 
-TEST_F(ObjectEncoderTest, BlocksDoNotShow) {
+TEST_F(ObjectEncoderTest, EmbeddingDoesNotDependOnOtherSegments) {
   const auto encoder = trained_encoder(1);
   ObjectEmbedder embedder(runtime_, spec_, encoder);
   const auto stream = runtime_.upload<float>(patterns_.stream);
@@ -134,13 +133,13 @@ TEST_F(ObjectEncoderTest, BlocksDoNotShow) {
   }
 }
 
-TEST(MeanEmbeddings, AreTheMeansOfEachObject) {
+TEST(MeanEmbeddings, AveragesByObject) {
   const std::vector<float> e{1, 2, 3, 4, 5, 6};
   const std::vector<std::int32_t> object{1, 0, 1};
   EXPECT_EQ(mean_embeddings(e, object, 2), (std::vector<float>{3, 4, 3, 4}));
 }
 
-TEST_F(ObjectEncoderTest, FrozenWeightsAreSavedWithTheModelAndStay) {
+TEST_F(ObjectEncoderTest, SavesFrozenWeightsUnchanged) {
   const auto encoder = frozen().encoder;
   const auto model = read_safetensors(frozen_model()),
              checkpoint = read_safetensors(folder_ / "checkpoint");
@@ -150,7 +149,7 @@ TEST_F(ObjectEncoderTest, FrozenWeightsAreSavedWithTheModelAndStay) {
   }
 }
 
-TEST_F(ObjectEncoderTest, TrainingNeedsTheFrozenEmbeddings) {
+TEST_F(ObjectEncoderTest, TrainingRequiresFrozenEmbeddings) {
   Trainer trainer(runtime_, spec_, {}, 5, 4, patterns_.stream);
   EXPECT_THROW(trainer.update(batch(4, "training")), Error);
   trainer.freeze_objects(frozen());
@@ -160,7 +159,7 @@ TEST_F(ObjectEncoderTest, TrainingNeedsTheFrozenEmbeddings) {
   EXPECT_NO_THROW(trainer.update(batch(4, "training")));
 }
 
-/// One sequence of a batch.
+/// Batch of sequence `s` only.
 RolloutBatch alone(const RolloutBatch& batch, int s, const ModelSpec& spec) {
   RolloutBatch one{1, batch.steps, {batch.first_frame[s]}, {}, {}, {}};
   const auto* state = &batch.initial_state[std::size_t(s) * spec.state];
@@ -169,7 +168,7 @@ RolloutBatch alone(const RolloutBatch& batch, int s, const ModelSpec& spec) {
   return one;
 }
 
-TEST_F(ObjectEncoderTest, APredictorKnowsTheObjectFromTheSegment) {
+TEST_F(ObjectEncoderTest, PredictorUsesTheSegment) {
   Predictor predictor(runtime_, frozen_model());
   const auto given = batch(45, "prediction");
   const auto together = predictor.predict(given, patterns_.stream);
@@ -179,14 +178,14 @@ TEST_F(ObjectEncoderTest, APredictorKnowsTheObjectFromTheSegment) {
     const auto at = std::ptrdiff_t(s) * given.steps * spec_.state;
     EXPECT_TRUE(std::ranges::equal(rollout.state,
                                    std::span(together.state).subspan(at, rollout.state.size())));
-    one.segment_frame[0] = (one.segment_frame[0] + Patterns::clip) % 200;  // another object's
+    one.segment_frame[0] = (one.segment_frame[0] + Patterns::clip) % 200;  // of another object
     EXPECT_NE(predictor.predict(one, patterns_.stream).state, rollout.state);
     one.segment_frame.clear();
     EXPECT_THROW(predictor.predict(one, patterns_.stream), Error);
   }
 }
 
-TEST_F(ObjectEncoderTest, AnOnlinePredictorStepsAsAPredictor) {
+TEST_F(ObjectEncoderTest, OnlinePredictorMatchesPredictor) {
   const auto model = frozen_model();
   const auto one = alone(batch(6, "online"), 0, spec_);
   const auto rollout = Predictor(runtime_, model).predict(one, patterns_.stream);
@@ -197,9 +196,9 @@ TEST_F(ObjectEncoderTest, AnOnlinePredictorStepsAsAPredictor) {
   OnlinePredictor online(runtime_, model);
   online.set_state(one.initial_state);
   for (int i = spec_.window_frames - 1; i > 0; --i) online.push(frames(one.first_frame[0] - i, 1));
-  EXPECT_THROW(online.step(frames(one.first_frame[0], 1)), Error) << "an object never shown";
+  EXPECT_THROW(online.step(frames(one.first_frame[0], 1)), Error) << "no object set";
+  // The rejected step has not appended its frame.
   online.set_object(frames(one.segment_frame[0], spec_.segment_frames));
-  for (int i = spec_.window_frames - 1; i > 0; --i) online.push(frames(one.first_frame[0] - i, 1));
   for (int t = 0; t < one.steps; ++t) {
     const auto step = online.step(frames(one.first_frame[0] + t, 1));
     for (int i = 0; i < spec_.state; ++i)

@@ -1,7 +1,10 @@
 #include "engine/train/online_predictor.h"
 
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <sstream>
+#include <thread>
 
 #include "engine/base/error.h"
 #include "engine/train/safetensors.h"
@@ -14,16 +17,16 @@ using testing::NoiseRun;
 using testing::small_spec;
 using testing::with_gru;
 
-/// A model trained a little, and a roll-out that begins at frame `first` of a stream.
+/// A briefly trained model and a roll-out that starts at frame `first` of a stream.
 class OnlinePredictorTest : public testing::TrainerTest {
  protected:
-  // More than twice the frames that the predictor keeps on the device: it begins anew twice.
+  // More than twice the frames that the predictor stores on the device, so that it wraps twice.
   static constexpr int first = 5, steps = 223;
 
   void prepare(bool touch) { prepare(small_spec(touch)); }
   void prepare(const ModelSpec& spec) {
     NoiseRun run(runtime_, spec);
-    run.go_on_to(3);
+    run.train_until(3);
     run.trainer.save(model_, {{"made", "here"}}, true);
     batch_.sequences = 1, batch_.steps = steps, batch_.first_frame = {first};
     RandomStream random(3, "roll-out");
@@ -37,16 +40,16 @@ class OnlinePredictorTest : public testing::TrainerTest {
     return std::span(stream_).subspan(f * size, size);
   }
 
-  /// Asks for the roll-out one step at a time, and works ahead before every step or every other.
-  Rollout follow(OnlinePredictor& online, int frames_between) const {
+  /// Rolls out step by step, with precompute() before each step that is a multiple of `period`.
+  Rollout follow(OnlinePredictor& online, int period) const {
     Rollout rollout;
     for (int f = 0; f < first; ++f) {
-      online.work_ahead();
+      online.precompute();
       online.push(frame(f));
     }
     online.set_state(batch_.initial_state);
     for (int f = first; f < first + steps; ++f) {
-      if (f % frames_between == 0) online.work_ahead();
+      if (f % period == 0) online.precompute();
       const auto [state, spread] = online.step(frame(f));
       rollout.state.insert(rollout.state.end(), state.begin(), state.end());
       rollout.spread.insert(rollout.spread.end(), spread.begin(), spread.end());
@@ -59,21 +62,21 @@ class OnlinePredictorTest : public testing::TrainerTest {
   std::vector<float> stream_;
 };
 
-TEST_F(OnlinePredictorTest, StepsAreARolloutToTheBit) {
+TEST_F(OnlinePredictorTest, MatchesARolloutBitwise) {
   for (const auto& spec : {small_spec(true), small_spec(false), with_gru(small_spec(true))}) {
     prepare(spec);
     const auto expected = Predictor(runtime_, model_).predict(batch_, stream_);
     OnlinePredictor online(runtime_, model_);
     EXPECT_EQ(online.metadata(), (nlohmann::json{{"made", "here"}}));
-    for (const int frames_between : {1, 2, steps + first}) {
-      const auto rollout = follow(online, frames_between);
+    for (const int period : {1, 2, steps + first}) {
+      const auto rollout = follow(online, period);
       EXPECT_EQ(rollout.state, expected.state);
       EXPECT_EQ(rollout.spread, expected.spread);
     }
   }
 }
 
-TEST_F(OnlinePredictorTest, FramesBeforeTheFirstAreZeros) {
+TEST_F(OnlinePredictorTest, FramesBeforeTheFirstAreZero) {
   prepare(true);
   const auto spec = small_spec(true);
   const std::size_t size = frame(0).size();
@@ -89,8 +92,8 @@ TEST_F(OnlinePredictorTest, FramesBeforeTheFirstAreZeros) {
   EXPECT_TRUE(std::ranges::equal(spread, expected.spread));
 }
 
-// In a process of its own, since only the first use of OpenCL decides what PoCL offers.
-TEST_F(OnlinePredictorTest, TheDeviceForSmallStepsGivesTheSameBits) {
+// In a separate process, since PoCL chooses its devices at the first use of OpenCL.
+TEST_F(OnlinePredictorTest, MatchesARolloutOnTheDeviceForSmallSteps) {
   prepare(true);
   batch_.steps = 1;
   const auto expected = Predictor(runtime_, model_).predict(batch_, stream_);
@@ -113,12 +116,38 @@ TEST_F(OnlinePredictorTest, TheDeviceForSmallStepsGivesTheSameBits) {
     }
 }
 
-TEST_F(OnlinePredictorTest, RefusesOtherSizes) {
+TEST_F(OnlinePredictorTest, RejectsInvalidSizes) {
   prepare(true);
   OnlinePredictor online(runtime_, model_);
   EXPECT_THROW(online.set_state(std::vector<float>(4)), Error);
   EXPECT_THROW(online.push({}), Error);
   EXPECT_THROW(online.step(std::vector<float>(frame(0).size() + 1)), Error);
+}
+
+// Fault injection: the queue is blocked, so that the write of the frame stays pending, and the
+// first launch fails.
+TEST_F(OnlinePredictorTest, ThrowsOnlyAfterPendingWritesAreDone) {
+  prepare(true);
+  OnlinePredictor online(runtime_, model_);
+  online.set_state(batch_.initial_state);
+  online.step(frame(0));
+  for (const bool ahead : {false, true}) {
+    cl::UserEvent gate(runtime_.context());
+    const std::vector<cl::Event> wait{gate};
+    runtime_.queue().enqueueBarrierWithWaitList(&wait);
+    runtime_.watch([](const Launch&) { throw failure("injected", ""); });
+    std::atomic<bool> opened = false;
+    std::thread opener([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      opened = true;
+      gate.setStatus(CL_COMPLETE);
+    });
+    EXPECT_THROW(ahead ? online.precompute() : (void)online.step(frame(1)), Error);
+    EXPECT_TRUE(opened) << "the caller's frame may still be read";
+    opener.join();
+    runtime_.watch({});
+    runtime_.finish();
+  }
 }
 
 }  // namespace

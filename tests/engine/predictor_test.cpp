@@ -1,3 +1,6 @@
+#include "engine/train/predictor.h"
+
+#include <array>
 #include <cmath>
 
 #include "engine/base/error.h"
@@ -15,7 +18,7 @@ class PredictorTest : public testing::TrainerTest {
   std::filesystem::path model(bool touch) { return model(small_spec(touch)); }
   std::filesystem::path model(const ModelSpec& spec) {
     NoiseRun run(runtime_, spec);
-    run.go_on_to(3);
+    run.train_until(3);
     run.trainer.save(folder_ / "model", {}, true);
     return folder_ / "model";
   }
@@ -29,7 +32,7 @@ void expect_finite(const Rollout& rollout) {
   }
 }
 
-TEST_F(PredictorTest, TakesAnyNumberOfSequencesAndSteps) {
+TEST_F(PredictorTest, AcceptsAnyNumberOfSequencesAndSteps) {
   const auto spec = small_spec(true);
   RandomStream random(3, "stream");
   const auto stream = noise_stream(spec, 520, random);
@@ -43,9 +46,9 @@ TEST_F(PredictorTest, TakesAnyNumberOfSequencesAndSteps) {
   EXPECT_TRUE(predictor.predict({}, stream).state.empty());
 }
 
-class Blocks : public PredictorTest, public ::testing::WithParamInterface<DynamicsKind> {};
+class PredictorBlocks : public PredictorTest, public ::testing::WithParamInterface<DynamicsKind> {};
 
-TEST_P(Blocks, DoNotShow) {
+TEST_P(PredictorBlocks, SequencesDoNotAffectEachOther) {
   auto spec = small_spec(true);
   spec.dynamics = GetParam();
   RandomStream random(3, "stream");
@@ -68,7 +71,7 @@ TEST_P(Blocks, DoNotShow) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Predictor, Blocks,
+INSTANTIATE_TEST_SUITE_P(Dynamics, PredictorBlocks,
                          ::testing::Values(DynamicsKind::mlp, DynamicsKind::gru));
 
 TEST_F(PredictorTest, NeedsNoStreamWithoutTouch) {
@@ -78,7 +81,7 @@ TEST_F(PredictorTest, NeedsNoStreamWithoutTouch) {
   expect_finite(Predictor(runtime_, model(false)).predict(batch, {}));
 }
 
-TEST_F(PredictorTest, RefusesWindowsOutsideTheStream) {
+TEST_F(PredictorTest, RejectsWindowsOutsideTheStream) {
   const auto spec = small_spec(true);
   RandomStream random(3, "stream");
   const auto stream = noise_stream(spec, 30, random);
@@ -89,7 +92,7 @@ TEST_F(PredictorTest, RefusesWindowsOutsideTheStream) {
   EXPECT_THROW(predictor.predict(batch, {}), Error);
 }
 
-TEST_F(PredictorTest, ModelsThatNameNeitherQuantileNorConvolutionsHaveThePapers) {
+TEST_F(PredictorTest, ReadsModelsWithoutQuantileAndConvolutions) {
   auto file = read_safetensors(model(true));
   auto spec = nlohmann::json::parse(file.metadata["spec"]);
   for (const char* key : {"band_quantile", "tactile_kernel", "tactile_strides"})
@@ -102,14 +105,14 @@ TEST_F(PredictorTest, ModelsThatNameNeitherQuantileNorConvolutionsHaveThePapers)
   EXPECT_EQ(read.tactile_strides, (std::array{2, 2, 2}));
 }
 
-TEST(ModelSpec, KeepsItsConvolutions) {
+TEST(ModelSpec, RoundTripsThroughJson) {
   const auto spec = small_spec(5, {1, 2, 1});
   const auto read = nlohmann::json::parse(nlohmann::json(spec).dump()).get<ModelSpec>();
   EXPECT_EQ(read.tactile_kernel, 5);
   EXPECT_EQ(read.tactile_strides, spec.tactile_strides);
 }
 
-TEST_F(PredictorTest, RefusesFilesThatAreNoModel) {
+TEST_F(PredictorTest, RejectsFilesThatAreNotModels) {
   write_safetensors(folder_ / "empty", {}, false);
   EXPECT_THROW(Predictor(runtime_, folder_ / "empty"), Error);
   auto file = read_safetensors(model(true));
@@ -123,6 +126,60 @@ TEST_F(PredictorTest, RefusesFilesThatAreNoModel) {
   file.tensors.pop_back();
   write_safetensors(folder_ / "bad", file, true);
   EXPECT_THROW(Predictor(runtime_, folder_ / "bad"), Error);
+}
+
+/// Message of the error that a model with another value of a key in its specification causes.
+std::string spec_error(Runtime& runtime, TensorFile file, const std::filesystem::path& path,
+                       const std::string& key, const std::string& value) {
+  auto spec = nlohmann::json::parse(file.metadata["spec"]);
+  spec[key] = nlohmann::json::parse(value);
+  file.metadata["spec"] = spec.dump();
+  write_safetensors(path, file, true);
+  try {
+    Predictor(runtime, path);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::data) << key << " " << value;
+    return error.what();
+  }
+  ADD_FAILURE() << "accepted " << key << " " << value;
+  return {};
+}
+
+TEST_F(PredictorTest, NamesFileKeyValueAndRangeOfAnInvalidSpec) {
+  const auto path = folder_ / "crafted";
+  const std::vector<std::array<std::string, 3>> cases{
+      {"rows", "0", "6..64"},
+      {"rows", "65", "6..64"},
+      {"cols", "-1", "6..64"},
+      {"cols", "4294967302", "6..64"},  // 6 in 32 bits
+      {"cols", "18446744073709551615", "6..64"},
+      {"rows", "9.5", "6..64"},
+      {"rows", "1e300", "6..64"},
+      {"rows", "\"9\"", "6..64"},
+      {"window_frames", "33", "1..32"},
+      {"tactile_kernel", "4", "3..5"},
+      {"tactile_strides", "[2,2]", "1 or 2"},
+      {"tactile_strides", "[2,2,3]", "1 or 2"},
+      {"embedding", "24", "16..1024"},
+      {"hidden", "0", "64..1024"},
+      {"state", "17", "1..16"},
+      {"band_quantile", "0.5", "between 0 and 0.5"},
+      {"band_quantile", "null", "between 0 and 0.5"},
+      {"dynamics", "\"lstm\"", "'mlp'"},
+      {"activation", "\"step\"", "'relu'"},
+      {"object", "\"known\"", "'none'"},
+      {"touch", "1", "true or false"}};
+  for (const bool touch : {false, true}) {
+    const auto file = read_safetensors(model(touch));
+    for (const auto& [key, value, range] : cases) {
+      const auto message = spec_error(runtime_, file, path, key, value);
+      for (const auto& word : {path.string(), "'" + key + "'", range})
+        EXPECT_NE(message.find(word), std::string::npos) << word << " in: " << message;
+    }
+    EXPECT_NE(spec_error(runtime_, file, path, "rows", "0").find("is 0;"), std::string::npos);
+    const auto nested = std::string(100'000, '[') + std::string(100'000, ']');
+    spec_error(runtime_, file, path, "rows", nested);
+  }
 }
 
 }  // namespace

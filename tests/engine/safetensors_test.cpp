@@ -26,7 +26,7 @@ class Safetensors : public ::testing::Test {
 
   std::filesystem::path path() const { return folder_ / "file.safetensors"; }
 
-  /// Writes a header, its length (unless `length` replaces it) and the data, and reads it back.
+  /// Writes a header, its length (or `length`) and data, and reads the file.
   TensorFile read_back(const std::string& header, const std::string& data,
                        std::uint64_t length = 0) {
     const std::uint64_t size = length ? length : header.size();
@@ -36,8 +36,8 @@ class Safetensors : public ::testing::Test {
     return read_safetensors(path());
   }
 
-  void expect_refused(const std::string& header, const std::string& data,
-                      std::uint64_t length = 0) {
+  void expect_rejected(const std::string& header, const std::string& data,
+                       std::uint64_t length = 0) {
     try {
       read_back(header, data, length);
       ADD_FAILURE() << "accepted: " << header.substr(0, 200);
@@ -52,7 +52,7 @@ class Safetensors : public ::testing::Test {
 
 const std::string four(4, '\1'), eight(8, '\1');
 
-TEST_F(Safetensors, GivesBackWhatWasWritten) {
+TEST_F(Safetensors, RoundTrips) {
   const TensorFile file{
       {{"spec", R"({"touch":true})"}},
       {{"b", {2, 3}, {1, 2, 3, 4, 5, 6}}, {"a", {}, {-0.5f}}, {"none", {0, 4}, {}}}};
@@ -68,7 +68,7 @@ TEST_F(Safetensors, GivesBackWhatWasWritten) {
   EXPECT_THROW(write_safetensors(path(), file, false), Error) << "an existing file was overwritten";
 }
 
-TEST_F(Safetensors, IsReadByPlainPython) {
+TEST_F(Safetensors, IsReadableByPlainPython) {
   write_safetensors(path(), {{{"note", "x"}}, {{"w", {2, 2}, {1, 2, 3, 4.5f}}, {"v", {1}, {7}}}},
                     false);
   const std::string script =
@@ -81,9 +81,9 @@ TEST_F(Safetensors, IsReadByPlainPython) {
   EXPECT_EQ(std::system(("/usr/bin/python3 -c \"" + script + "\" " + path().string()).c_str()), 0);
 }
 
-TEST_F(Safetensors, IsReadByThePythonPackageWhereThereIsOne) {
+TEST_F(Safetensors, IsReadableByPythonPackage) {
   if (std::system("python3 -c 'import safetensors, numpy' 2>/dev/null") != 0)
-    GTEST_SKIP() << "python3 has no package safetensors";
+    GTEST_SKIP() << "Python package safetensors not installed";
   write_safetensors(path(), {{{"note", "x"}}, {{"w", {2, 2}, {1, 2, 3, 4.5f}}, {"v", {1}, {7}}}},
                     false);
   const std::string script =
@@ -93,29 +93,29 @@ TEST_F(Safetensors, IsReadByThePythonPackageWhereThereIsOne) {
   EXPECT_EQ(std::system(("python3 -c \"" + script + "\" " + path().string()).c_str()), 0);
 }
 
-TEST_F(Safetensors, TakesPaddedHeadersAndAnyOrder) {
+TEST_F(Safetensors, AcceptsPaddedHeadersAndAnyOrder) {
   const auto file = read_back(R"({"b":{"dtype":"F32","shape":[1],"data_offsets":[4,8]},)"
                               R"("a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]}}   )",
                               eight);
   EXPECT_EQ(file.tensors.front().name, "a");
 }
 
-TEST_F(Safetensors, RefusesWhatIsNotWhole) {
+TEST_F(Safetensors, RejectsIncompleteFiles) {
   const std::string header = R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})";
   EXPECT_NO_THROW(read_back(header, eight));
-  expect_refused(header, four);
-  expect_refused(header, eight + four);
-  expect_refused(header, eight, header.size() + 100);
-  expect_refused(header, eight, ~std::uint64_t{0});
-  expect_refused(header, eight, std::uint64_t{1} << 40);
-  expect_refused(header.substr(0, 20), "");
-  expect_refused("", "");
-  expect_refused("[1]", "");
+  expect_rejected(header, four);
+  expect_rejected(header, eight + four);
+  expect_rejected(header, eight, header.size() + 100);
+  expect_rejected(header, eight, ~std::uint64_t{0});
+  expect_rejected(header, eight, std::uint64_t{1} << 40);
+  expect_rejected(header.substr(0, 20), "");
+  expect_rejected("", "");
+  expect_rejected("[1]", "");
   write_file(path(), "abc", true);
   EXPECT_THROW(read_safetensors(path()), Error);
 }
 
-TEST_F(Safetensors, RefusesEveryTruncation) {
+TEST_F(Safetensors, RejectsEveryTruncation) {
   write_safetensors(path(), {{{"k", "v"}}, {{"w", {3}, {1, 2, 3}}, {"x", {1}, {4}}}}, false);
   const auto whole = read_file(path());
   for (std::size_t size = 0; size < whole.size(); ++size) {
@@ -124,7 +124,7 @@ TEST_F(Safetensors, RefusesEveryTruncation) {
   }
 }
 
-TEST_F(Safetensors, RefusesOverlapsGapsAndBadRows) {
+TEST_F(Safetensors, RejectsOverlapsGapsAndInvalidEntries) {
   const auto two = [](const std::string& first, const std::string& second) {
     return R"({"a":{"dtype":"F32","shape":[1],"data_offsets":)" + first +
            R"(},"b":{"dtype":"F32","shape":[1],"data_offsets":)" + second + "}}";
@@ -133,27 +133,27 @@ TEST_F(Safetensors, RefusesOverlapsGapsAndBadRows) {
   for (const std::string bad :
        {"[0,4]", "[2,6]", "[5,9]", "[8,4]", "[-4,0]", "[4]", "[4,8,9]", "[4.0,8.0]", "\"x\"",
         "[18446744073709551612,18446744073709551616]"})
-    expect_refused(two("[0,4]", bad), eight);
+    expect_rejected(two("[0,4]", bad), eight);
 }
 
-TEST_F(Safetensors, RefusesBadShapesTypesAndKeys) {
+TEST_F(Safetensors, RejectsInvalidShapesTypesAndKeys) {
   const auto one = [](const std::string& dtype, const std::string& shape) {
     return R"({"a":{"dtype":)" + dtype + R"(,"shape":)" + shape + R"(,"data_offsets":[0,8]}})";
   };
   EXPECT_NO_THROW(read_back(one(R"("F32")", "[2]"), eight));
   for (const std::string shape : {"[3]", "[-2]", "[2.0]", "2", "[[2]]", "[4294967296,4294967296]",
                                   "[9223372036854775809,2]", "null"})
-    expect_refused(one(R"("F32")", shape), eight);
+    expect_rejected(one(R"("F32")", shape), eight);
   for (const std::string dtype : {R"("F64")", R"("I32")", "7"})
-    expect_refused(one(dtype, "[2]"), eight);
-  expect_refused(R"({"a":{"shape":[2],"data_offsets":[0,8]}})", eight);
-  expect_refused(R"({"a":7})", "");
-  expect_refused(R"({"__metadata__":{"k":7}})", "");
-  expect_refused(R"({"a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]},)"
-                 R"("a":{"dtype":"F32","shape":[1],"data_offsets":[4,8]}})",
-                 eight);
-  expect_refused(R"({"a":{"dtype":"F32","shape":[2],"shape":[2],"data_offsets":[0,8]}})", eight);
-  expect_refused("{\"a\":" + std::string(100'000, '['), "");
+    expect_rejected(one(dtype, "[2]"), eight);
+  expect_rejected(R"({"a":{"shape":[2],"data_offsets":[0,8]}})", eight);
+  expect_rejected(R"({"a":7})", "");
+  expect_rejected(R"({"__metadata__":{"k":7}})", "");
+  expect_rejected(R"({"a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]},)"
+                  R"("a":{"dtype":"F32","shape":[1],"data_offsets":[4,8]}})",
+                  eight);
+  expect_rejected(R"({"a":{"dtype":"F32","shape":[2],"shape":[2],"data_offsets":[0,8]}})", eight);
+  expect_rejected("{\"a\":" + std::string(100'000, '['), "");
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 namespace touchtrace::testing {
 
-/// A model small enough for plain loops, with odd sizes where they are allowed.
+/// Specification small enough for plain loops, with odd sizes where they are allowed.
 inline ModelSpec small_spec(bool touch) {
   return {.touch = touch,
           .window_frames = 3,
@@ -15,13 +15,13 @@ inline ModelSpec small_spec(bool touch) {
           .state = 5};
 }
 
-/// `spec` with a GRU in the MLP's place.
+/// `spec` with a GRU instead of the MLP.
 inline ModelSpec with_gru(ModelSpec spec) {
   spec.dynamics = DynamicsKind::gru;
   return spec;
 }
 
-/// The same with an object encoder.
+/// Small specification with an object encoder.
 inline ModelSpec small_spec(ObjectEncoder object, float contrast_temperature = 0.0f) {
   auto spec = small_spec(true);
   spec.object = object;
@@ -30,7 +30,7 @@ inline ModelSpec small_spec(ObjectEncoder object, float contrast_temperature = 0
   return spec;
 }
 
-/// The same with other convolutions over touch.
+/// Small specification with a jointly trained object encoder and other convolutions.
 inline ModelSpec small_spec(int kernel, const std::array<int, 3>& strides) {
   auto spec = small_spec(ObjectEncoder::joint);
   spec.tactile_kernel = kernel;

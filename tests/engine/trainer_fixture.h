@@ -8,13 +8,14 @@
 
 #include "engine/base/files.h"
 #include "engine/train/noise_batch.h"
+#include "engine/train/predictor.h"
 #include "engine/train/trainer.h"
 #include "tests/engine/small_spec.h"
 #include "tests/support/scratch.h"
 
 namespace touchtrace::testing {
 
-/// Tests with a folder of their own, on the fastest device.
+/// Fixture with a scratch folder and the default device.
 class TrainerTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -27,7 +28,7 @@ class TrainerTest : public ::testing::Test {
   Runtime runtime_{choose_device("")};
 };
 
-/// A trainer on noise, with everything that a resumed run must restore in play.
+/// Training on random data that uses every state that a resumed run must restore.
 struct NoiseRun {
   static constexpr int sequences = 3, steps = 4, frames = 40;
 
@@ -48,12 +49,12 @@ struct NoiseRun {
     RandomStream random(1, "stream");
     return noise_stream(spec, frames, random);
   }
-  /// That of the next update.
+  /// Batch of the next update.
   RolloutBatch batch() const {
     RandomStream random(trainer.updates(), "batch");
     return noise_batch(spec, sequences, steps, frames, random);
   }
-  void go_on_to(int update) {
+  void train_until(int update) {
     while (trainer.updates() < update) trainer.update(batch());
   }
   std::string weights(const std::filesystem::path& path) {

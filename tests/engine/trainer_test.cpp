@@ -1,5 +1,6 @@
 #include "engine/train/trainer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -15,77 +16,147 @@ using testing::NoiseRun;
 using testing::small_spec;
 using testing::TrainerTest;
 
-TEST_F(TrainerTest, ResumesBitIdentically) {
+TEST_F(TrainerTest, ResumesBitwise) {
   Runtime exact(choose_device(""), Accuracy::exact);
   for (auto* runtime : {&runtime_, &exact})
     for (const auto& spec : {small_spec(false), small_spec(true), small_spec(ObjectEncoder::joint),
                              testing::with_gru(small_spec(true))}) {
       NoiseRun whole(*runtime, spec);
-      whole.go_on_to(10);
+      whole.train_until(10);
       for (int stop : {1, 7}) {
         NoiseRun killed(*runtime, spec);
-        killed.go_on_to(stop);
+        killed.train_until(stop);
         killed.trainer.save_checkpoint(folder_ / "checkpoint", {{"clips", 7}});
         EXPECT_EQ(Trainer::checkpoint_notes(folder_ / "checkpoint").at("clips"), 7);
         NoiseRun resumed(*runtime, spec);
-        resumed.go_on_to(3);
+        resumed.train_until(3);
         resumed.trainer.load_checkpoint(folder_ / "checkpoint");
         EXPECT_EQ(resumed.trainer.updates(), stop);
-        resumed.go_on_to(10);
+        resumed.train_until(10);
         EXPECT_EQ(resumed.weights(folder_ / "a"), whole.weights(folder_ / "b"));
       }
     }
 }
 
-TEST_F(TrainerTest, RefusesAForeignCheckpoint) {
+TEST_F(TrainerTest, RejectsCheckpointsOfOtherModels) {
   NoiseRun run(runtime_, false), other(runtime_, true);
-  run.go_on_to(1);
+  run.train_until(1);
   const auto before = run.weights(folder_ / "before");
-  EXPECT_THROW(run.trainer.load_checkpoint(folder_ / "before"), Error) << "a model without moments";
+  EXPECT_THROW(run.trainer.load_checkpoint(folder_ / "before"), Error)
+      << "a model, not a checkpoint";
   other.trainer.save_checkpoint(folder_ / "checkpoint");
-  EXPECT_THROW(run.trainer.load_checkpoint(folder_ / "checkpoint"), Error) << "another model's";
+  EXPECT_THROW(run.trainer.load_checkpoint(folder_ / "checkpoint"), Error) << "of another model";
   EXPECT_THROW(run.trainer.load_checkpoint(folder_ / "missing"), Error);
   EXPECT_EQ(run.weights(folder_ / "after"), before);
 }
 
-bool says(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+/// Message of load_checkpoint() for a trainer of another spec.
+std::string resume_error(Runtime& runtime, const ModelSpec& spec,
+                         const std::filesystem::path& checkpoint) {
+  NoiseRun run(runtime, spec);
+  try {
+    run.trainer.load_checkpoint(checkpoint);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::data);
+    return error.what();
+  }
+  ADD_FAILURE() << "resumed another model";
+  return {};
 }
 
-/// What an update on `batch` says is not finite.
-std::string refusal(NoiseRun& run, const RolloutBatch& batch) {
+TEST_F(TrainerTest, RejectsCheckpointsOfSpecsWithEqualWeightSizes) {
+  const auto path = folder_ / "checkpoint";
+  NoiseRun(runtime_, small_spec(true)).trainer.save_checkpoint(path);
+  auto activation = small_spec(true), quantile = activation, wider = activation;
+  activation.activation = Activation::tanh;
+  quantile.band_quantile = 0.2;
+  wider.cols = 7;  // as many features after the strides
+  for (const auto& [spec, key] : {std::pair{activation, "'activation' is \"relu\", here \"tanh\""},
+                                  {quantile, "'band_quantile' is 0.1, here 0.2"},
+                                  {wider, "'cols' is 6, here 7"}})
+    EXPECT_NE(resume_error(runtime_, spec, path).find(key), std::string::npos) << key;
+  EXPECT_NE(resume_error(runtime_, quantile, path).find(path.string()), std::string::npos);
+}
+
+TEST_F(TrainerTest, RejectsCheckpointsWithInvalidCounts) {
+  const auto path = folder_ / "checkpoint";
+  NoiseRun run(runtime_, false);
+  run.trainer.save_checkpoint(path);
+  const auto good = read_safetensors(path);
+  for (const char* value : {"-1", "1.5", "4294967296", "\"1\"", "null"}) {
+    auto file = good;
+    auto training = nlohmann::json::parse(file.metadata.at("training"));
+    training["attempted"] = nlohmann::json::parse(value);
+    file.metadata["training"] = training.dump();
+    write_safetensors(path, file, true);
+    EXPECT_THROW(run.trainer.load_checkpoint(path), Error) << value;
+  }
+}
+
+TEST_F(TrainerTest, ResumesCheckpointsWithTheNamesOfOlderVersions) {
+  Runtime exact(choose_device(""), Accuracy::exact);
+  const auto path = folder_ / "checkpoint";
+  NoiseRun whole(exact, true), resumed(exact, true);
+  whole.train_until(2);
+  whole.trainer.save_checkpoint(path);
+  auto file = read_safetensors(path);
+  auto training = nlohmann::json::parse(file.metadata.at("training"));
+  for (const auto& [key, old_key] : {std::pair{"attempted", "tried"},
+                                     {"skipped", "left_out"},
+                                     {"consecutive_skips", "left_out_in_a_row"}}) {
+    training[old_key] = training.at(key);
+    training.erase(key);
+  }
+  auto& tuning = training.at("tuning");
+  tuning["parts"] = tuning.at("micro_batches");
+  tuning.erase("micro_batches");
+  file.metadata["training"] = training.dump();
+  std::ranges::find(file.tensors, "adam.compensation", &Tensor::name)->name = "adam.lost_digits";
+  write_safetensors(path, file, true);
+  resumed.trainer.load_checkpoint(path);
+  EXPECT_EQ(resumed.trainer.updates(), 2);
+  for (auto* run : {&whole, &resumed}) run->train_until(4);
+  EXPECT_EQ(resumed.weights(folder_ / "a"), whole.weights(folder_ / "b"));
+}
+
+bool contains(const std::string& text, const std::string& word) {
+  return text.find(word) != std::string::npos;
+}
+
+/// Message of an update that fails because a value is not finite.
+std::string not_finite_error(NoiseRun& run, const RolloutBatch& batch) {
   try {
     run.trainer.update(batch);
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::failed);
     return error.what();
   }
-  ADD_FAILURE() << "trained on what is not finite";
+  ADD_FAILURE() << "trained on values that are not finite";
   return {};
 }
 
-TEST_F(TrainerTest, StopsAtAValueThatIsNotFiniteAndNamesWhatMadeIt) {
+TEST_F(TrainerTest, NamesTheSourceOfAValueThatIsNotFinite) {
   NoiseRun run(runtime_, true);
-  run.go_on_to(2);
+  run.train_until(2);
   const auto before = run.weights(folder_ / "before");
   const auto good = run.batch();
   auto batch = good;
   batch.initial_state[3] = std::numeric_limits<float>::infinity();
-  EXPECT_TRUE(says(refusal(run, batch), "the initial states are not finite"));
+  EXPECT_TRUE(contains(not_finite_error(run, batch), "the initial states are not finite"));
   batch = good, batch.target[7] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_TRUE(says(refusal(run, batch), "the labels are not finite"));
+  EXPECT_TRUE(contains(not_finite_error(run, batch), "the labels are not finite"));
   batch = good, batch.initial_state.assign(batch.initial_state.size(), 3e38f);
-  EXPECT_TRUE(says(refusal(run, batch), "what rollout computes is not finite"));
+  EXPECT_TRUE(contains(not_finite_error(run, batch), "the output of rollout is not finite"));
   batch = good, batch.target[7] = 3e38f;
-  EXPECT_TRUE(says(refusal(run, batch), "what state_loss computes is not finite"));
+  EXPECT_TRUE(contains(not_finite_error(run, batch), "the output of state_loss is not finite"));
   EXPECT_EQ(run.weights(folder_ / "after"), before);
   EXPECT_EQ(run.trainer.updates(), 2);
   EXPECT_TRUE(std::isfinite(run.trainer.update(good)));
 }
 
-TEST_F(TrainerTest, LeavesOutSomeUpdatesInARowIfAskedTo) {
+TEST_F(TrainerTest, SkipsConsecutiveUpdatesUpToTheMaximum) {
   auto options = NoiseRun::options();
-  options.skips_in_a_row = 2;
+  options.max_consecutive_skips = 2;
   NoiseRun run(runtime_, true, options), other(runtime_, true, options);
   const auto good = run.batch();
   auto bad = good;
@@ -97,17 +168,17 @@ TEST_F(TrainerTest, LeavesOutSomeUpdatesInARowIfAskedTo) {
   EXPECT_EQ(run.weights(folder_ / "after"), before);
   EXPECT_EQ(run.trainer.updates(), 3);
   run.trainer.save_checkpoint(folder_ / "checkpoint");
-  refusal(run, bad);
+  not_finite_error(run, bad);
   run.trainer.update(good);
-  EXPECT_TRUE(std::isnan(run.trainer.update(bad))) << "a good update does not start the count anew";
+  EXPECT_TRUE(std::isnan(run.trainer.update(bad))) << "a good update does not reset the count";
 
   other.trainer.load_checkpoint(folder_ / "checkpoint");
-  refusal(other, bad);
+  not_finite_error(other, bad);
   other.trainer.update(good);
   EXPECT_EQ(other.weights(folder_ / "resumed"), run.weights(folder_ / "whole"));
 }
 
-TEST_F(TrainerTest, LabelsOfWeightZeroCountNothing) {
+TEST_F(TrainerTest, IgnoresLabelsOfWeightZero) {
   RandomStream random(9, "batch");
   NoiseRun one(runtime_, true), other(runtime_, true);
   auto batch = noise_batch(one.spec, one.sequences, one.steps, one.frames, random);
@@ -121,41 +192,42 @@ TEST_F(TrainerTest, LabelsOfWeightZeroCountNothing) {
   EXPECT_THROW(one.trainer.update(batch), Error);
 }
 
-TEST_F(TrainerTest, RefusesSegmentsThatDoNotFit) {
+TEST_F(TrainerTest, RejectsInvalidSegments) {
   NoiseRun run(runtime_, small_spec(ObjectEncoder::joint));
   RandomStream random(9, "batch");
   const auto good = noise_batch(run.spec, run.sequences, run.steps, run.frames, random);
-  const auto refused = [&](auto change) {
+  const auto expect_rejected = [&](auto change) {
     auto batch = good;
     change(batch);
     EXPECT_THROW(run.trainer.update(batch), Error);
   };
-  refused([](RolloutBatch& b) { b.object.clear(); });
-  refused([](RolloutBatch& b) { b.segment_frame.pop_back(); });
-  refused([](RolloutBatch& b) { b.segment_frame[1] = -1; });
-  refused([&](RolloutBatch& b) { b.segment_frame[1] = run.frames - run.spec.segment_frames + 1; });
+  expect_rejected([](RolloutBatch& b) { b.object.clear(); });
+  expect_rejected([](RolloutBatch& b) { b.segment_frame.pop_back(); });
+  expect_rejected([](RolloutBatch& b) { b.segment_frame[1] = -1; });
+  expect_rejected(
+      [&](RolloutBatch& b) { b.segment_frame[1] = run.frames - run.spec.segment_frames + 1; });
   EXPECT_NO_THROW(run.trainer.update(good));
 }
 
-TEST_F(TrainerTest, RefusesBatchesThatDoNotFit) {
+TEST_F(TrainerTest, RejectsInvalidBatches) {
   NoiseRun run(runtime_, true);
   RandomStream random(9, "batch");
   const auto good = noise_batch(run.spec, run.sequences, run.steps, run.frames, random);
-  const auto refused = [&](auto change) {
+  const auto expect_rejected = [&](auto change) {
     auto batch = good;
     change(batch);
     EXPECT_THROW(run.trainer.update(batch), Error);
   };
-  refused([&](RolloutBatch& b) { b.first_frame[0] = run.spec.window_frames - 2; });
-  refused([&](RolloutBatch& b) { b.first_frame[0] = run.frames - run.steps + 1; });
-  refused([](RolloutBatch& b) { b.first_frame.pop_back(); });
-  refused([](RolloutBatch& b) { b.target.clear(); });
-  refused([](RolloutBatch& b) { b.sequences = 2; });
-  refused([](RolloutBatch& b) { b.weight.pop_back(); });
+  expect_rejected([&](RolloutBatch& b) { b.first_frame[0] = run.spec.window_frames - 2; });
+  expect_rejected([&](RolloutBatch& b) { b.first_frame[0] = run.frames - run.steps + 1; });
+  expect_rejected([](RolloutBatch& b) { b.first_frame.pop_back(); });
+  expect_rejected([](RolloutBatch& b) { b.target.clear(); });
+  expect_rejected([](RolloutBatch& b) { b.sequences = 2; });
+  expect_rejected([](RolloutBatch& b) { b.weight.pop_back(); });
   EXPECT_NO_THROW(run.trainer.update(good));
 }
 
-/// A problem for engine_step, which runs in a process of its own.
+/// Writes a problem for engine_step, which runs in its own process.
 void write_problem(const std::filesystem::path& path, const ModelSpec& spec) {
   RandomStream random(6, "problem");
   const auto stream = noise_stream(spec, 60, random);
@@ -175,7 +247,7 @@ void write_problem(const std::filesystem::path& path, const ModelSpec& spec) {
   write_safetensors(path, file, false);
 }
 
-TEST_F(TrainerTest, ThreadsDoNotChangeABit) {
+TEST_F(TrainerTest, DoesNotDependOnTheNumberOfThreads) {
   write_problem(folder_ / "problem", small_spec(ObjectEncoder::joint));
   const auto trained = [&](const std::string& threads) {
     const auto out = folder_ / ("weights" + threads);

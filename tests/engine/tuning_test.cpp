@@ -29,17 +29,17 @@ using testing::TrainerTest;
 
 const Conv2dShape planes{3, 10, 16, 16, 32, true}, blocks{5, 32, 16, 16, 64, false};
 
-/// Nothing that any rule would choose for NoiseRun's encoder.
+/// Configurations for NoiseRun's encoder that differ from the default in every number.
 Tuning odd_tuning() {
   Tuning tuning;
-  const TactileEncoderShape encoder{{12, 3, 9, 6}};
-  tuning.set(Tuning::Part{encoder.layers()[0], 5});
+  const ConvStackShape encoder{{12, 3, 9, 6}};
+  tuning.set(Tuning::MicroBatch{encoder.layers()[0], 5});
   for (const auto& layer : encoder.of_windows(5).layers())
     tuning.set(Tuning::Layer{layer, {Conv2dMethod::winograd, 12, 2, 3, 1, 3}, {1.5, 1.25}});
   return tuning;
 }
 
-TEST(Conv2dCandidates, AgreeWithPlainLoops) {
+TEST(Conv2dCandidates, MatchReference) {
   Runtime runtime(choose_device(""));
   for (const auto& shape : {planes, blocks}) {
     const auto [products, gradients] = conv2d_candidates(runtime, shape);
@@ -57,14 +57,14 @@ TEST(Conv2dCandidates, AgreeWithPlainLoops) {
   }
 }
 
-TEST(LayerTrials, TakeTheOtherMethod) {
+TEST(LayerTrials, AcceptBothMethods) {
   Runtime runtime(choose_device(""));
   LayerTrials trials(runtime, blocks, 2);
   EXPECT_TRUE(trials.make({Conv2dMethod::direct}));
   EXPECT_TRUE(trials.make({Conv2dMethod::winograd}));
 }
 
-TEST(LayerTrials, WhatDoesNotAgreeIsRefused) {
+TEST(LayerTrials, RejectDifferentResults) {
   const LayerResults good{{1, -2, 3}, {4, 5}, {6, 7, 8}};
   const auto with = [&](auto change) {
     auto results = good;
@@ -97,8 +97,8 @@ TEST(Tuning, FallsBackToTheNearestNumberOfImages) {
   tuning.set(Tuning::Layer{of(32), {}});
   EXPECT_EQ(tuning.layers.size(), 2u);
   EXPECT_EQ(tuning.layer(of(32))->choice.method, Conv2dMethod::direct);
-  tuning.set(Tuning::Part{of(160), 40});
-  EXPECT_EQ(tuning.part(of(640))->images, 40);
+  tuning.set(Tuning::MicroBatch{of(160), 40});
+  EXPECT_EQ(tuning.micro_batch(of(640))->images, 40);
 }
 
 class TuningFile : public TrainerTest {
@@ -107,7 +107,7 @@ class TuningFile : public TrainerTest {
   DeviceInfo device_ = runtime_.device();
 
   json document() { return json::parse(read_file(path_)); }
-  /// What is read, and whether there was a warning.
+  /// The tuning and whether reading it warned.
   std::pair<Tuning, bool> read() {
     ::testing::internal::CaptureStderr();
     auto tuning = read_tuning(path_, device_);
@@ -115,12 +115,12 @@ class TuningFile : public TrainerTest {
   }
   void expect_ignored() {
     const auto [tuning, warned] = read();
-    EXPECT_TRUE(tuning.layers.empty() && tuning.parts.empty());
+    EXPECT_TRUE(tuning.layers.empty() && tuning.micro_batches.empty());
     EXPECT_TRUE(warned);
   }
 };
 
-TEST_F(TuningFile, KeepsTheChoicesOfEachDevice) {
+TEST_F(TuningFile, KeepsTheTuningOfEachDevice) {
   EXPECT_TRUE(read_tuning(path_, device_).layers.empty());
   write_tuning(path_, device_, odd_tuning());
   auto other = device_;
@@ -135,7 +135,7 @@ TEST_F(TuningFile, KeepsTheChoicesOfEachDevice) {
   EXPECT_TRUE(read().first.layers.empty());
 }
 
-TEST_F(TuningFile, IgnoresWhatIsStaleForeignOrDamaged) {
+TEST_F(TuningFile, IgnoresStaleForeignAndDamagedFiles) {
   write_tuning(path_, device_, odd_tuning());
   const auto good = document();
   const auto changed = [&](auto change) {
@@ -154,7 +154,7 @@ TEST_F(TuningFile, IgnoresWhatIsStaleForeignOrDamaged) {
   changed([](json& d) { d["devices"][0]["layers"][0]["images"] = -1; });
   changed([](json& d) { d["devices"][0]["layers"][0]["group_images"] = 1e9; });
   changed([](json& d) { d["devices"][0]["layers"][0]["method"] = "magic"; });
-  changed([](json& d) { d["devices"][0]["parts"][0]["part_images"] = "many"; });
+  changed([](json& d) { d["devices"][0]["micro_batches"][0]["micro_batch_images"] = "many"; });
   const auto text = good.dump();
   for (const std::size_t length : {std::size_t(0), text.size() / 2, text.size() - 1}) {
     write_file(path_, text.substr(0, length), true);
@@ -164,7 +164,7 @@ TEST_F(TuningFile, IgnoresWhatIsStaleForeignOrDamaged) {
   EXPECT_EQ(document(), good) << "a damaged file is replaced";
 }
 
-TEST_F(TuningFile, LiesWhereTheUserKeepsCaches) {
+TEST_F(TuningFile, IsInTheCacheFolder) {
   const char *cache_before = std::getenv("XDG_CACHE_HOME"), *home_before = std::getenv("HOME");
   const std::string cache_value = cache_before ? cache_before : "", home_value = home_before;
   const auto with = [](const char* cache, const char* home) {
@@ -180,39 +180,39 @@ TEST_F(TuningFile, LiesWhereTheUserKeepsCaches) {
   EXPECT_TRUE(read_tuning("", device_).layers.empty());
 }
 
-TEST_F(TrainerTest, TunedRunsGiveTheSameBitsAndGoOnAfterTuningAnew) {
+TEST_F(TrainerTest, ResumesWithTheTuningOfTheCheckpoint) {
   const auto spec = small_spec(true);
-  NoiseRun usual(runtime_, spec), whole(runtime_, spec, odd_tuning()),
+  NoiseRun untuned(runtime_, spec), whole(runtime_, spec, odd_tuning()),
       again(runtime_, spec, odd_tuning());
-  for (auto* run : {&usual, &whole, &again}) run->go_on_to(8);
+  for (auto* run : {&untuned, &whole, &again}) run->train_until(8);
   const auto expected = whole.weights(folder_ / "whole");
   EXPECT_EQ(again.weights(folder_ / "again"), expected);
-  EXPECT_NE(usual.weights(folder_ / "usual"), expected) << "the choices are not used";
+  EXPECT_NE(untuned.weights(folder_ / "untuned"), expected) << "the tuning is not used";
 
   NoiseRun killed(runtime_, spec, odd_tuning());
-  killed.go_on_to(3);
+  killed.train_until(3);
   killed.trainer.save_checkpoint(folder_ / "checkpoint");
-  NoiseRun tuned_anew(runtime_, spec);
-  EXPECT_THROW(tuned_anew.trainer.load_checkpoint(folder_ / "checkpoint"), Error);
+  NoiseRun tuned_again(runtime_, spec);
+  EXPECT_THROW(tuned_again.trainer.load_checkpoint(folder_ / "checkpoint"), Error);
   NoiseRun resumed(runtime_, spec, Trainer::checkpoint_tuning(folder_ / "checkpoint"));
   resumed.trainer.load_checkpoint(folder_ / "checkpoint");
-  resumed.go_on_to(8);
+  resumed.train_until(8);
   EXPECT_EQ(resumed.weights(folder_ / "resumed"), expected);
 }
 
-TEST_F(TrainerTest, AChoiceLargerThanTheDeviceOrTheImagesDoesNoHarm) {
+TEST_F(TrainerTest, AcceptsNumbersBeyondDeviceAndImages) {
   auto tuning = odd_tuning();
   for (auto& layer : tuning.layers)
     layer.choice = {Conv2dMethod::winograd, 1 << 20, 1 << 20, 1 << 20, 1 << 10, 1 << 20};
-  NoiseRun run(runtime_, small_spec(true), tuning), usual(runtime_, small_spec(true));
+  NoiseRun run(runtime_, small_spec(true), tuning), untuned(runtime_, small_spec(true));
   const auto batch = run.batch();
-  EXPECT_NEAR(run.trainer.update(batch), usual.trainer.update(batch), 1e-5);
+  EXPECT_NEAR(run.trainer.update(batch), untuned.trainer.update(batch), 1e-5);
 }
 
-/// The encoder of NoiseRun, over more windows than one part holds.
-const std::vector<TactileEncoderShape> small_encoders{{{40, 3, 9, 6}}};
+/// The encoder of NoiseRun with more windows than a micro-batch.
+const std::vector<ConvStackShape> small_encoders{{{40, 3, 9, 6}}};
 
-TEST_F(TrainerTest, TuningGoesOnWhereItWasStopped) {
+TEST_F(TrainerTest, ResumesTuning) {
   Tuning tuning;
   int kept = 0;
   const auto stop_at_two = [&] {
@@ -228,12 +228,12 @@ TEST_F(TrainerTest, TuningGoesOnWhereItWasStopped) {
     EXPECT_EQ(json(tuning).at("layers").at(i), before.at(i)) << "tuned twice";
   const int until_now = kept;
   tune(runtime_, small_encoders, tuning, [&] { ++kept; });
-  EXPECT_EQ(kept, until_now) << "a second run tunes nothing";
-  leave_to_rules(tuning, small_encoders);
+  EXPECT_EQ(kept, until_now) << "a second run tunes again";
+  reset_to_defaults(tuning, small_encoders);
   EXPECT_TRUE(is_complete(tuning, small_encoders));
   for (const auto& layer : tuning.layers)
-    EXPECT_EQ(layer.choice, TactileEncoder::usual_choice(layer.shape));
-  EXPECT_EQ(tuning.parts.front().images, TactileEncoder::part_windows);
+    EXPECT_EQ(layer.choice, ConvStack::default_configuration(layer.shape));
+  EXPECT_EQ(tuning.micro_batches.front().images, ConvStack::micro_batch_windows);
   EncoderTrials trials(runtime_, small_encoders.front());
   EXPECT_TRUE(trials.make({}));
 }

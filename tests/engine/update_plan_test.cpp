@@ -14,7 +14,7 @@ std::size_t launches_of(const std::vector<PlannedLaunch>& plan, const std::strin
   return static_cast<std::size_t>(std::ranges::count(plan, kernel, &PlannedLaunch::kernel));
 }
 
-TEST(UpdatePlan, ListsWhatIsQueuedAndNoPartThatIsLeftOut) {
+TEST(UpdatePlan, ListsEnqueuedLaunchesOnly) {
   Runtime runtime(choose_device(""));
   const auto full = launches_of_update(runtime, testing::small_spec(true), 3, 4);
   const auto without_touch = launches_of_update(runtime, testing::small_spec(false), 3, 4);
@@ -29,7 +29,7 @@ TEST(UpdatePlan, ListsWhatIsQueuedAndNoPartThatIsLeftOut) {
   EXPECT_EQ(launches_of(without_touch, "layer_norm"), 0u);
 }
 
-TEST(UpdatePlan, MeasuresEveryLaunchInItsOrder) {
+TEST(UpdatePlan, MeasuresEveryLaunchInOrder) {
   Runtime runtime(choose_device(""));
   for (const auto& spec :
        {testing::small_spec(ObjectEncoder::joint), testing::small_spec(ObjectEncoder::frozen),
@@ -51,7 +51,7 @@ TEST(UpdatePlan, MeasuresEveryLaunchInItsOrder) {
   }
 }
 
-TEST(UpdatePlan, KnowsWhatEachProductIsFor) {
+TEST(UpdatePlan, KnowsThePurposeOfEachProduct) {
   Runtime runtime(choose_device(""));
   const auto plan = launches_of_update(runtime, testing::small_spec(true), 3, 4);
   const auto products_for = [&](Purpose purpose) {
@@ -59,14 +59,14 @@ TEST(UpdatePlan, KnowsWhatEachProductIsFor) {
       return launch.kernel == "gemm" && launch.purpose == purpose;
     });
   };
-  // The encoder's dense layer, and the dynamics' first layer towards the embedding.
+  // The dense layer of the encoder, and the columns for the embedding in the dynamics' first layer.
   EXPECT_EQ(products_for(Purpose::forward), 2);
   EXPECT_EQ(products_for(Purpose::data_gradient), 2);
-  // Those two, the first layer towards states, the second, and the outputs' two halves.
+  // These two, the columns for the state, the second layer, and the two halves of the output layer.
   EXPECT_EQ(products_for(Purpose::weight_gradient), 6);
 }
 
-TEST(UpdatePlan, LeavesOutWhatSeesNoLiveTaxel) {
+TEST(UpdatePlan, SkipsOutputsWithoutLiveTaxel) {
   Runtime runtime(choose_device(""));
   const auto spec = testing::small_spec(true);
   LiveTaxels live(9 * 6, 1);
@@ -77,15 +77,15 @@ TEST(UpdatePlan, LeavesOutWhatSeesNoLiveTaxel) {
       if (launch.kernel == kernel) sum += launch.cost.flops;
     return sum;
   };
-  // Of five rows of outputs the first three read rows 0 to 4; 6 outputs of 15 read none of them.
+  // Of five output rows the first three read rows 0 to 4; 6 of 15 outputs read none of them.
   for (const char* kernel : {"conv2d_forward", "conv2d_backward_weights"}) {
-    const double all = flops_of(kernel, {}), of_an_output = 2.0 * 9 * 12 * 3 * 32;
-    EXPECT_EQ(all - flops_of(kernel, live), 6 * of_an_output) << kernel;
-    EXPECT_EQ(all - flops_of(kernel, LiveTaxels(9 * 6, 0)), 15 * of_an_output) << kernel;
+    const double all = flops_of(kernel, {}), per_output = 2.0 * 9 * 12 * 3 * 32;
+    EXPECT_EQ(all - flops_of(kernel, live), 6 * per_output) << kernel;
+    EXPECT_EQ(all - flops_of(kernel, LiveTaxels(9 * 6, 0)), 15 * per_output) << kernel;
   }
 }
 
-TEST(UpdatePlan, AGruIsOneLaunchEachWay) {
+TEST(UpdatePlan, HasOneLaunchPerGruPass) {
   Runtime runtime(choose_device(""));
   const auto plan = launches_of_update(runtime, testing::with_gru(testing::small_spec(true)), 3, 4);
   for (const char* kernel : {"gru_rollout", "gru_rollout_backward"})
@@ -94,7 +94,7 @@ TEST(UpdatePlan, AGruIsOneLaunchEachWay) {
     EXPECT_EQ(launches_of(plan, kernel), 0u) << kernel;
 }
 
-TEST(UpdatePlan, CountsTheOperationsOfARollout) {
+TEST(UpdatePlan, CountsRolloutOperations) {
   Runtime runtime(choose_device(""));
   const auto plan = launches_of_update(runtime, testing::small_spec(false), 3, 4);
   const auto rollout = std::ranges::find(plan, "rollout", &PlannedLaunch::kernel);

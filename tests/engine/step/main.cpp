@@ -1,18 +1,19 @@
-// What peers and tests outside the process ask of the engine: reads weights and batches from a
-// safetensors file, so that PyTorch can compute the same.
+// Runs the engine in a separate process, for tests and for comparisons with PyTorch. PROBLEM is a
+// safetensors file with weights and batches (problem.h).
 //
-//   engine_step PROBLEM gradient OUT   loss and gradient of the first batch, no taxel blanked
-//   engine_step PROBLEM train N OUT    weights after N updates, from the trainer's own start
-//   engine_step PROBLEM time [OUT]     for each number N read: N updates, and a line "WALL CPU" of
-//                                      milliseconds an update; OUT gets the weights each time
-//   engine_step PROBLEM online [ahead] for each number N read: N steps of OnlinePredictor, which
-//   may
-//                                      work ahead between them; a line
-//                                      of each one's microseconds, and the last state and spread;
-//                                      each starts from the first initial state, and the last one's
-//                                      frame is the first of first_frame
+//   engine_step PROBLEM gradient OUT
+//     Writes loss and gradient of the first batch, without dropout.
+//   engine_step PROBLEM train N OUT
+//     Writes the weights after N updates from the trainer's initial weights.
+//   engine_step PROBLEM time [OUT]
+//     For each number N read from stdin: N updates, then a line "WALL CPU" of milliseconds per
+//     update. Writes the weights to OUT each time.
+//   engine_step PROBLEM online [ahead]
+//     For each number N read from stdin: N steps of OnlinePredictor (ahead: with precompute()),
+//     each from the first initial state; the last one's frame is the first of first_frame. Prints
+//     the microseconds of each step, then the last state and spread.
 //
-// All but `online` compute on the device that ENGINE_STEP_DEVICE names, as --device does.
+// Uses the device named by ENGINE_STEP_DEVICE, as with --device; `online` ignores it.
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -46,7 +47,7 @@ void write_gradient(Runtime& runtime, const Problem& p, const std::string& out) 
   write_safetensors(out, {{}, std::move(tensors)}, true);
 }
 
-/// Updates on the problem's batches, one after the other and again from the first.
+/// Training on the problem's batches, cyclically.
 class Training {
  public:
   Training(Runtime& runtime, const Problem& p)
@@ -54,7 +55,7 @@ class Training {
         trainer_(runtime, p.spec, p.options, p.batches.at(0).sequences, p.batches.at(0).steps,
                  p.stream) {}
 
-  void go_on(int updates) {
+  void run_updates(int updates) {
     for (int i = 0; i < updates; ++i)
       trainer_.update(problem_.batches[std::size_t(trainer_.updates()) % problem_.batches.size()]);
   }
@@ -67,7 +68,7 @@ class Training {
 
 void train(Runtime& runtime, const Problem& p, int updates, const std::string& out) {
   Training training(runtime, p);
-  training.go_on(updates);
+  training.run_updates(updates);
   training.save(out);
 }
 
@@ -75,7 +76,7 @@ void time_updates(Runtime& runtime, const Problem& p, const std::string& out) {
   Training training(runtime, p);
   for (int updates; std::cin >> updates;) {
     const Stopwatch stopwatch;
-    training.go_on(updates);
+    training.run_updates(updates);
     const double wall = stopwatch.wall_seconds(), cpu = stopwatch.cpu_seconds();
     if (!out.empty()) training.save(out);
     std::cout << 1e3 * wall / updates << ' ' << 1e3 * cpu / updates << std::endl;
@@ -97,7 +98,7 @@ void time_online(const std::string& path, const Problem& p, bool ahead) {
     OnlinePredictor::Step result;
     for (int i = 1; i <= steps; ++i) {
       predictor.set_state(initial);
-      if (ahead) predictor.work_ahead();
+      if (ahead) predictor.precompute();
       const auto now = frame(p, (last + steps / frames * frames + frames - steps + i) % frames);
       const Stopwatch stopwatch;
       result = predictor.step(now);

@@ -5,23 +5,23 @@
 namespace touchtrace::testing {
 namespace {
 
-/// One of the file's tensors, cut into parts of the same size; empty parts if there is none.
-class Parts {
+/// A tensor of the file, split into slices of equal size; empty slices if it does not exist.
+class SplitTensor {
  public:
-  Parts(const TensorFile& file, const std::string& name, std::size_t parts) : parts_(parts) {
+  SplitTensor(const TensorFile& file, const std::string& name, std::size_t count) : count_(count) {
     for (const auto& tensor : file.tensors)
       if (tensor.name == name) values_ = tensor.values;
   }
   template <class T = float>
-  std::vector<T> part(std::size_t number) const {
-    const auto size = static_cast<std::ptrdiff_t>(values_.size() / parts_);
+  std::vector<T> slice(std::size_t number) const {
+    const auto size = static_cast<std::ptrdiff_t>(values_.size() / count_);
     const auto begin = values_.begin() + static_cast<std::ptrdiff_t>(number) * size;
     return {begin, begin + size};
   }
   std::size_t size() const { return values_.size(); }
 
  private:
-  std::size_t parts_;
+  std::size_t count_;
   std::vector<float> values_;
 };
 
@@ -42,20 +42,20 @@ std::vector<RolloutBatch> batches_of(const TensorFile& file, int state) {
   const int sequences = std::stoi(file.metadata.at("sequences")),
             steps = std::stoi(file.metadata.at("steps"));
   const std::size_t count =
-      Parts(file, "initial_state", 1).size() / (std::size_t(sequences) * state);
-  const Parts first_frame(file, "first_frame", count), initial(file, "initial_state", count),
+      SplitTensor(file, "initial_state", 1).size() / (std::size_t(sequences) * state);
+  const SplitTensor first_frame(file, "first_frame", count), initial(file, "initial_state", count),
       target(file, "target", count), weight(file, "weight", count), object(file, "object", count),
       segment_frame(file, "segment_frame", count);
   std::vector<RolloutBatch> batches;
   for (std::size_t i = 0; i < count; ++i)
     batches.push_back({.sequences = sequences,
                        .steps = steps,
-                       .first_frame = first_frame.part<std::int32_t>(i),
-                       .initial_state = initial.part(i),
-                       .target = target.part(i),
-                       .weight = weight.part(i),
-                       .object = object.part<std::int32_t>(i),
-                       .segment_frame = segment_frame.part<std::int32_t>(i)});
+                       .first_frame = first_frame.slice<std::int32_t>(i),
+                       .initial_state = initial.slice(i),
+                       .target = target.slice(i),
+                       .weight = weight.slice(i),
+                       .object = object.slice<std::int32_t>(i),
+                       .segment_frame = segment_frame.slice<std::int32_t>(i)});
   return batches;
 }
 
@@ -66,7 +66,7 @@ Problem read_problem(const std::string& path) {
   p.spec = nlohmann::json::parse(p.file.metadata.at("spec")).get<ModelSpec>();
   p.options = options_of(p.file);
   p.batches = batches_of(p.file, p.spec.state);
-  p.stream = Parts(p.file, "stream", 1).part(0);
+  p.stream = SplitTensor(p.file, "stream", 1).slice(0);
   return p;
 }
 

@@ -8,11 +8,11 @@
 
 namespace touchtrace::testing {
 
-/// What a peer computes too: the metadata "spec" (JSON), "sequences", "steps", perhaps "options"
-/// (JSON: updates, learning_rate, weight_decay, object_loss, seed), and the tensors stream [frames,
-/// rows, cols] and, one batch after the other, first_frame [S], initial_state [S, state], target
-/// [S, T, state] and perhaps weight [S, T], for an object encoder object [S] and segment_frame [S];
-/// perhaps weights of the model, too.
+/// Training problem in a safetensors file. Metadata: "spec" (JSON), "sequences", "steps" and
+/// optionally "options" (JSON: updates, learning_rate, weight_decay, object_loss, seed). Tensors:
+/// stream [frames, rows, cols]; for each batch, concatenated, first_frame [S], initial_state
+/// [S, state], target [S, T, state], optionally weight [S, T] and, with an object encoder, object
+/// [S] and segment_frame [S]; optionally the weights of the model.
 struct Problem {
   TensorFile file;
   ModelSpec spec;

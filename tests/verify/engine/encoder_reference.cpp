@@ -18,8 +18,8 @@ void FlatParameters::set(const std::string& name, const std::vector<double>& gra
   std::ranges::copy(grad, gradient.begin() + static_cast<std::ptrdiff_t>(table.at(name).offset));
 }
 
-EncoderTrace encode_reference(const std::string& name, const TactileEncoderShape& shape,
-                              int embedding, const FlatParameters& p, std::vector<double> windows) {
+EncoderTrace encode_reference(const std::string& name, const ConvStackShape& shape, int embedding,
+                              const FlatParameters& p, std::vector<double> windows) {
   EncoderTrace trace{.name = name,
                      .shapes = shape.layers(),
                      .layers = {},

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "engine/check/dense_reference.h"
+#include "engine/model/conv_stack.h"
 #include "engine/model/parameters.h"
-#include "engine/model/tactile_encoder.h"
 
 namespace touchtrace {
 
-/// Parameters read by name, and their gradients written by name.
+/// Flat parameters and gradients, accessed by name.
 struct FlatParameters {
   const ParameterTable& table;
   const std::vector<double>& values;
@@ -20,12 +20,12 @@ struct FlatParameters {
   void set(const std::string& name, const std::vector<double>& grad);
 };
 
-/// An encoder of touch with what its gradient needs.
+/// Forward pass of a tactile encoder with the values that its backward pass needs.
 struct EncoderTrace {
   std::string name;
   std::array<Conv2dShape, 3> shapes;
-  std::array<std::vector<double>, 4> layers;  ///< the windows, then the layers' outputs
-  std::array<std::vector<double>, 3> sums;    ///< before the ReLUs
+  std::array<std::vector<double>, 4> layers;  ///< windows, then the output of each layer
+  std::array<std::vector<double>, 3> sums;    ///< pre-activations
   std::vector<double> dense, embedding;
 
   DenseShape dense_shape() const {
@@ -35,10 +35,9 @@ struct EncoderTrace {
   std::string conv(int layer) const { return name + ".conv" + std::to_string(layer); }
 };
 
-/// touch_encoder.h in plain loops. `windows`: of tactile_window_reference.
-EncoderTrace encode_reference(const std::string& name, const TactileEncoderShape& shape,
-                              int embedding, const FlatParameters& parameters,
-                              std::vector<double> windows);
+/// Reference of tactile_encoder.h in plain loops. `windows`: from tactile_window_reference().
+EncoderTrace encode_reference(const std::string& name, const ConvStackShape& shape, int embedding,
+                              const FlatParameters& parameters, std::vector<double> windows);
 
 /// Sets the gradients of the encoder's parameters.
 void encode_backward_reference(const EncoderTrace& trace, const std::vector<double>& grad_embedding,

@@ -9,9 +9,10 @@
 namespace touchtrace {
 namespace {
 
-// What float's rounding moves a sum by over 20 steps, with room.
+// More than float rounding changes a pre-activation by over 20 steps.
 constexpr double kink_margin = 2e-6;
-constexpr double object_loss = 0.3;  ///< lambda_obj, so that both parts of the loss show
+constexpr double object_loss =
+    0.3;  ///< lambda_obj; large enough that both terms of the loss matter
 
 std::vector<double> as_double(const std::vector<float>& values) {
   return {values.begin(), values.end()};
@@ -73,12 +74,12 @@ ModelComparison compare_model(Runtime& runtime, const ModelSpec& spec, int seque
   result.problem = {.sequences = sequences,
                     .steps = steps,
                     .stream = as_double(stream),
-                    .last_frame = runtime.download(model.input().last_frame),
+                    .window_end = runtime.download(model.input().window_end),
                     .initial = as_double(batch.initial_state),
                     .target = by_step(batch.target, sequences, steps, spec.state),
                     .weight = as_double(runtime.download(model.input().weight)),
                     .dropout = dropout,
-                    .segment_last_frame = runtime.download(model.input().segment_last_frame),
+                    .segment_end = runtime.download(model.input().segment_end),
                     .object = runtime.download(model.input().object),
                     .contrast_weight = as_double(runtime.download(model.input().contrast_weight)),
                     .segment_dropout = segment_dropout};

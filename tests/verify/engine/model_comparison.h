@@ -8,7 +8,8 @@
 
 namespace touchtrace {
 
-/// One training step of a fresh model on noise, on a device and in plain loops in double.
+/// Loss and gradient of a freshly initialised model on random data, from a device and from the
+/// reference in double.
 struct ModelComparison {
   ParameterTable table;
   LossAndGradient device, reference;
@@ -19,13 +20,13 @@ struct ModelComparison {
   double gradient_error() const;  ///< relative, in norm; NaN if the device gives one
 };
 
-/// `frame_value` changes the values of the noise that the tactile frames hold; empty: none.
+/// `frame_value`: applied to each standard normal taxel value; empty: identity.
 ModelComparison compare_model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
                               const TaxelDropout& dropout, std::uint64_t seed,
                               const std::function<float(float)>& frame_value = {});
 
-/// The first comparison from `seed` on, which moves there, in which float and double pass every
-/// kink of the dynamics MLP and the loss on the same side.
+/// First comparison from `seed` on in which float and double are on the same side of every kink of
+/// the dynamics MLP and the loss. Sets `seed` to the seed that it used.
 ModelComparison compare_away_from_kinks(Runtime& runtime, const ModelSpec& spec, int sequences,
                                         int steps, std::uint32_t& seed,
                                         const std::function<float(float)>& frame_value = {});

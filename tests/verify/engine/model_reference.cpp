@@ -8,7 +8,7 @@
 #include "engine/check/info_nce_reference.h"
 #include "engine/check/state_loss_reference.h"
 #include "engine/check/tactile_window_reference.h"
-#include "engine/model/touch_encoder.h"
+#include "engine/model/tactile_encoder.h"
 #include "tests/verify/engine/dynamics_reference.h"
 #include "tests/verify/engine/encoder_reference.h"
 
@@ -17,18 +17,18 @@ namespace {
 
 using Values = std::vector<double>;
 
-/// The loss, and its gradients towards the predicted states and the spread.
+/// Returns the state loss and sets its gradients with respect to predicted states and spread.
 double state_loss(const ModelProblem& problem, const ModelSpec& spec,
                   const DynamicsReference& dynamics, Values& grad_state, Values& grad_spread) {
   double loss = 0.0;
   const std::size_t first = problem.initial.size();
   for (std::size_t i = 0; i < problem.target.size(); ++i) {
     const double weight = problem.weight[i / spec.state];
-    const auto part = state_loss_reference(dynamics.states[first + i], dynamics.spread[i],
+    const auto term = state_loss_reference(dynamics.states[first + i], dynamics.spread[i],
                                            problem.target[i], spec.band_quantile);
-    loss += weight * part.value;
-    grad_state.push_back(weight * part.grad_state);
-    grad_spread.push_back(weight * part.grad_spread);
+    loss += weight * term.value;
+    grad_state.push_back(weight * term.grad_state);
+    grad_spread.push_back(weight * term.grad_spread);
   }
   return loss;
 }
@@ -49,54 +49,47 @@ double kink_distance(const ModelProblem& problem, const std::vector<EncoderTrace
   return distance;
 }
 
-/// What the dynamics sees beside the state: for each row of [T][S] the embeddings that there are.
+/// Inputs of the dynamics in addition to the state: the existing embeddings of each row of [T, S].
 Values joined_embeddings(const std::vector<EncoderTrace>& encoders, std::size_t rows, int size) {
   Values joined;
   for (std::size_t row = 0; row < rows; ++row)
     for (const auto& encoder : encoders) {
-      const auto own_rows = encoder.embedding.size() / size;  // T S of touch, S of objects
+      const auto own_rows = encoder.embedding.size() / size;  // T S for touch, S for objects
       const auto begin = encoder.embedding.begin() + std::ptrdiff_t(row % own_rows) * size;
       joined.insert(joined.end(), begin, begin + size);
     }
   return joined;
 }
 
-/// Columns [begin, end) of a matrix of rows of `columns`.
-Values columns_of(const Values& matrix, int columns, int begin, int end) {
-  Values part;
-  for (std::size_t i = 0; i < matrix.size(); ++i)
-    if (int(i % columns) >= begin && int(i % columns) < end) part.push_back(matrix[i]);
-  return part;
-}
-
-/// The gradient towards encoder number `which`'s embedding, from that towards joined_embeddings.
+/// Gradient with respect to the embedding of encoder `index`, from that with respect to
+/// joined_embeddings(), whose rows have `columns` values.
 Values embedding_gradient(const Values& joined, const EncoderTrace& encoder, int columns, int size,
-                          int which) {
-  const auto part = columns_of(joined, columns, which * size, (which + 1) * size);
+                          int index) {
+  const auto own = columns_between(joined, columns, index * size, (index + 1) * size);
   Values grad(encoder.embedding.size(), 0.0);
-  for (std::size_t i = 0; i < part.size(); ++i) grad[i % grad.size()] += part[i];
+  for (std::size_t i = 0; i < own.size(); ++i) grad[i % grad.size()] += own[i];
   return grad;
 }
 
 std::vector<EncoderTrace> encode_all(const ModelSpec& spec, const FlatParameters& p,
                                      const ModelProblem& problem) {
   std::vector<EncoderTrace> encoders;
-  const auto add = [&](const char* name, const TactileEncoderShape& shape,
-                       const std::vector<int>& last_frame, const TaxelDropout& dropout) {
+  const auto add = [&](const char* name, const ConvStackShape& shape,
+                       const std::vector<int>& window_end, const TaxelDropout& dropout) {
     encoders.push_back(encode_reference(
         name, shape, spec.embedding, p,
-        tactile_window_reference(shape.windows, problem.stream, last_frame, dropout)));
+        tactile_window_reference(shape.windows, problem.stream, window_end, dropout)));
   };
   if (spec.touch)
-    add("tactile", window_encoder(spec, problem.sequences * problem.steps), problem.last_frame,
+    add("tactile", window_encoder(spec, problem.sequences * problem.steps), problem.window_end,
         problem.dropout);
   if (spec.object == ObjectEncoder::joint)
-    add("object", segment_encoder(spec, problem.sequences), problem.segment_last_frame,
+    add("object", segment_encoder(spec, problem.sequences), problem.segment_end,
         problem.segment_dropout);
   return encoders;
 }
 
-/// The contrastive loss of the object embeddings; its gradient is added to theirs.
+/// Returns the contrastive loss of the object embeddings and adds its gradient to theirs.
 double contrast(const ModelSpec& spec, const ModelProblem& problem, const EncoderTrace& encoder,
                 Values& grad_embedding) {
   const auto result =
@@ -123,9 +116,9 @@ LossAndGradient model_reference(const ModelSpec& spec, const ParameterTable& tab
   double loss = state_loss(problem, spec, dynamics, grad_state, grad_spread);
   const auto grad_embeddings = dynamics.backward(grad_state, grad_spread, p);
   for (int i = 0; i < int(encoders.size()); ++i) {
-    auto towards = embedding_gradient(grad_embeddings, encoders[i], columns, spec.embedding, i);
-    if (encoders[i].name == "object") loss += contrast(spec, problem, encoders[i], towards);
-    encode_backward_reference(encoders[i], towards, p);
+    auto grad = embedding_gradient(grad_embeddings, encoders[i], columns, spec.embedding, i);
+    if (encoders[i].name == "object") loss += contrast(spec, problem, encoders[i], grad);
+    encode_backward_reference(encoders[i], grad, p);
   }
   return {loss, p.gradient, kink_distance(problem, encoders, dynamics)};
 }

@@ -13,26 +13,26 @@ namespace {
 
 constexpr int updates = 200;
 
-/// Small, but with every part of the default model.
+/// Small, with all modules of the default model.
 constexpr ModelSpec small_model{
     .window_frames = 4, .rows = 12, .cols = 12, .embedding = 16, .hidden = 64};
 
-/// A training run on noise, the same for every one of these.
+/// A training on random data; all instances are equal.
 class Run {
  public:
   explicit Run(Runtime& runtime)
       : trainer_(runtime, small_model, {.updates = updates}, sequences, steps, stream()) {}
 
-  void go_on_to(int update) {
+  void train_until(int update) {
     while (trainer_.updates() < update) {
       RandomStream random(static_cast<std::uint64_t>(trainer_.updates()), "verify bits, batch");
       trainer_.update(noise_batch(small_model, sequences, steps, frames, random));
     }
   }
-  /// The file of the weights after all updates.
+  /// Contents of the model file after all updates.
   std::string weights() {
     const ScratchFolder folder;
-    go_on_to(updates);
+    train_until(updates);
     trainer_.save(folder.path() / "weights", {}, false);
     return read_file(folder.path() / "weights");
   }
@@ -55,11 +55,11 @@ double differing_bytes(const std::string& a, const std::string& b) {
   return count;
 }
 
-/// The weights of a run whose trainer dies after `stop` updates and goes on from its checkpoint.
+/// Weights of a run that is killed after `stop` updates and resumed from its checkpoint.
 std::string resumed_weights(Runtime& runtime, int stop) {
   const ScratchFolder folder;
   Run stopped(runtime), resumed(runtime);
-  stopped.go_on_to(stop);
+  stopped.train_until(stop);
   stopped.trainer().save_checkpoint(folder.path() / "checkpoint");
   resumed.trainer().load_checkpoint(folder.path() / "checkpoint");
   return resumed.weights();

@@ -9,7 +9,7 @@
 namespace touchtrace {
 namespace {
 
-/// The worst error of any anchor; logits close to each other or not, of dot products or normalised.
+/// Largest error over anchors, nearly equal and different logits, dot products and unit vectors.
 double worst_error(Runtime& runtime, double logit, std::uint64_t seed) {
   double worst = 0.0;
   for (bool alike : {false, true})

@@ -4,29 +4,29 @@
 
 namespace touchtrace {
 
-/// The rows of `touchtrace-verify engine`: every group below, on the device chosen by default.
+/// Rows of `touchtrace-verify engine`: all groups below, on the default device.
 Verification verify_engine();
 
-// The groups, each from the verify_*.cpp of its own name.
+// Groups, each in the verify_*.cpp of the same name.
 
-/// Worst errors of every operation at every shape of the table, on every device.
+/// Largest error of each operation over the shapes of the table, on every device.
 void verify_operations(const std::function<void(Figure)>& emit);
-/// The contrastive loss where float is weak.
+/// Contrastive loss with large logits and with nearly equal ones, where float loses accuracy.
 void verify_contrast(const std::function<void(Figure)>& emit);
-/// The tactile encoder: seconds of a step, and shares of the multiply-add peak.
+/// Tactile encoder: time of a step and fractions of the multiply-add peak.
 void verify_encoder(const std::function<void(Figure)>& emit);
-/// The whole model: gradient against double, and seconds of a step.
+/// Whole model: gradient against double, and time of a step.
 void verify_training(const std::function<void(Figure)>& emit);
-/// Inputs and sizes at which something could go wrong; what subnormal numbers cost.
+/// Extreme inputs and sizes; slowdown by subnormal numbers.
 void verify_extremes(const std::function<void(Figure)>& emit);
-/// The same bits from the same seed, and when stopped and resumed.
+/// Bitwise reproducibility, also of a resumed training.
 void verify_bits(const std::function<void(Figure)>& emit);
 
-// Areas of their own, of one row each, for figures that need a process of their own.
+// Areas of one row each, for figures that need a process of their own.
 
-/// One update of the default model: its loss.
+/// Loss of one update of the default model.
 Verification verify_first_step();
-/// A short training run: a hash of its weights.
+/// Hash of the weights after a short training.
 Verification verify_weights();
 
 }  // namespace touchtrace

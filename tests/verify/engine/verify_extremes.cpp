@@ -16,8 +16,7 @@
 namespace touchtrace {
 namespace {
 
-/// Of a size and on frames at which something could go wrong, and still small enough for plain
-/// loops.
+/// Model of an extreme size or on extreme frames, small enough for plain loops.
 struct ExtremeModel {
   const char* name;
   ModelSpec spec;
@@ -26,7 +25,7 @@ struct ExtremeModel {
 };
 
 std::vector<ExtremeModel> extreme_models() {
-  const ModelSpec usual{.window_frames = 3, .rows = 12, .cols = 12, .hidden = 64};
+  const ModelSpec normal{.window_frames = 3, .rows = 12, .cols = 12, .hidden = 64};
   const ModelSpec one{
       .window_frames = 1, .rows = 7, .cols = 13, .embedding = 16, .hidden = 64, .state = 1};
   const ModelSpec many{.window_frames = 32,
@@ -41,10 +40,10 @@ std::vector<ExtremeModel> extreme_models() {
   fine.tactile_strides = {1, 1, 1};
   wide.tactile_kernel = 5;
   return {
-      {"frames of zeros", usual, 2, 6, [](float) { return 0.0f; }},
-      {"constant frames", usual, 2, 6, [](float) { return 0.37f; }},
-      {"saturated frames", usual, 2, 6, [](float v) { return v > 0 ? 1023.0f : 0.0f; }},
-      {"subnormal frames", usual, 2, 6, [](float v) { return 1e-39f * v; }},
+      {"frames of zeros", normal, 2, 6, [](float) { return 0.0f; }},
+      {"constant frames", normal, 2, 6, [](float) { return 0.37f; }},
+      {"saturated frames", normal, 2, 6, [](float v) { return v > 0 ? 1023.0f : 0.0f; }},
+      {"subnormal frames", normal, 2, 6, [](float v) { return 1e-39f * v; }},
       {"1 sequence, 1 step, M = 1, 7 x 13", one, 1, 1, {}},
       {"5 sequences, 3 steps, M = 32, 9 x 6, Q = 0.3, SiLU", many, 5, 3, {}},
       {"2 sequences, 1 step, 6 x 6, strides of 1", fine, 2, 1, {}},
@@ -63,8 +62,8 @@ void verify_model(Runtime& runtime, const ExtremeModel& extreme,
                larger(result.loss_error(), result.gradient_error()), "relative", 1e-5));
 }
 
-/// The state loss where states meet targets and quantiles meet them too: L1 and both pinballs stand
-/// at their kinks, one after the other and all at once.
+/// Inputs of the state loss at which states or quantiles equal the targets: L1 and the two pinball
+/// terms are at their kinks, one at a time and all at once.
 Arrays inputs_at_kinks(const OperationCase& loss) {
   Arrays in;
   for (const auto size : loss.input_sizes) in.emplace_back(size, 1.0);
@@ -90,7 +89,7 @@ void verify_kinks(Runtime& runtime, const std::function<void(Figure)>& emit) {
                reference_gradient_bound));
 }
 
-/// A training pass of the default model; every array can be scaled.
+/// Training pass of the default model on random data times `scale`.
 class Pass {
  public:
   Pass(Runtime& runtime, float scale)
@@ -122,20 +121,20 @@ class Pass {
   Buffer<float> stream_;
 };
 
-/// Passes on usual and on subnormal numbers in turns: the median of their ratios.
+/// Median ratio of passes on subnormal and on normal numbers, interleaved.
 double slowdown_by_subnormals(Runtime& runtime) {
-  Pass usual(runtime, 1.0f), subnormal(runtime, 1e-39f);
+  Pass normal(runtime, 1.0f), subnormal(runtime, 1e-39f);
   std::array<double, 5> ratios{};
   for (double& ratio : ratios) {
-    const double usual_s = usual.seconds();
-    ratio = subnormal.seconds() / usual_s;
+    const double normal_s = normal.seconds();
+    ratio = subnormal.seconds() / normal_s;
   }
   std::ranges::nth_element(ratios, ratios.begin() + 2);
   return ratios[2];
 }
 
-/// Points that swing: sine and cosine of random phase and size.
-RolloutBatch swinging_points(int sequences, int steps, RandomStream& random) {
+/// States on a circle: sine and cosine of random phase and amplitude.
+RolloutBatch rotating_points(int sequences, int steps, RandomStream& random) {
   RolloutBatch batch;
   batch.sequences = sequences, batch.steps = steps;
   for (int s = 0; s < sequences; ++s) {
@@ -149,17 +148,18 @@ RolloutBatch swinging_points(int sequences, int steps, RandomStream& random) {
   return batch;
 }
 
-/// Trains a small model without touch to follow such points, and rolls it out from thrice as far.
+/// Trains a small model without touch on rotating_points() and rolls it out from initial states
+/// three times as large. Returns the number of predicted values that are not finite.
 double not_finite_in_long_rollouts(Runtime& runtime) {
   constexpr int sequences = 8, steps = 10, count = 300;
   const ScratchFolder folder;
   Trainer trainer(runtime, {.touch = false, .hidden = 64, .state = 2}, {.updates = count},
                   sequences, steps, {});
   RandomStream random(1, "swinging points");
-  while (trainer.updates() < count) trainer.update(swinging_points(sequences, steps, random));
+  while (trainer.updates() < count) trainer.update(rotating_points(sequences, steps, random));
   trainer.save(folder.path() / "model", {}, false);
 
-  auto batch = swinging_points(sequences, 500, random);
+  auto batch = rotating_points(sequences, 500, random);
   batch.target.clear();
   for (float& value : batch.initial_state) value *= 3.0f;
   const auto rollout = Predictor(runtime, folder.path() / "model").predict(batch, {});
@@ -174,9 +174,9 @@ void verify_extremes(const std::function<void(Figure)>& emit) {
   Runtime runtime(choose_device(""));
   for (const auto& extreme : extreme_models()) verify_model(runtime, extreme, emit);
   verify_kinks(runtime, emit);
-  emit(at_most("training pass on subnormal numbers against usual ones",
+  emit(at_most("training pass on subnormal numbers against normal ones",
                slowdown_by_subnormals(runtime), "times", 1.2));
-  emit(at_most("values of 500-step roll-outs after training, from thrice its states, not finite",
+  emit(at_most("values of 500-step roll-outs from 3 times the trained states that are not finite",
                not_finite_in_long_rollouts(runtime), "", 0.0));
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using Error = std::function<double(const OperationCase&)>;
 
-/// The worst over the shapes of an operation; NaN is the worst of all.
+/// Largest error over the shapes of an operation; NaN counts as largest.
 double worst(const Operation& operation, const Error& error) {
   double largest = 0.0;
   for (const auto& operation_case : operation.cases)
@@ -36,7 +36,7 @@ void verify_operation(Runtime& runtime, const Operation& operation, std::uint64_
         at_most(name + ", gradient", worst(operation, gradient), "relative", gradient_error_bound));
 }
 
-/// What exact mode gains in the longest inner products of the table.
+/// Gain of Accuracy::exact in the longest inner products of the table.
 void verify_exact(std::uint64_t seed, const std::function<void(Figure)>& emit) {
   const auto& dense = *std::ranges::find(operations(), "dense", &Operation::name);
   const auto& longest = *std::ranges::max_element(dense.cases, {}, &OperationCase::terms);

@@ -11,17 +11,17 @@ namespace {
 
 using Environment = std::map<std::string, std::string>;
 
-constexpr double longest_silence_s = 60.0;
+constexpr double max_silence_s = 60.0;
 
 ChildResult verify(const std::string& area, const Environment& environment) {
-  auto result = run_self({area, "--json"}, environment, longest_silence_s);
+  auto result = run_self({area, "--json"}, environment, max_silence_s);
   if (!result.succeeded())
     throw failure(fmt::format("`touchtrace-verify {}` {}", area, result.ending()),
                   "run it alone to see why");
   return result;
 }
 
-/// The value of the only row of an area.
+/// Value of the only row of an area.
 double value_of(const ChildResult& result) {
   return nlohmann::json::parse(result.output).at("figures").at(0).at("value");
 }
@@ -31,7 +31,7 @@ void verify_start(const std::string& name, const Environment& environment, doubl
   const auto result = verify("first-step", environment);
   emit(at_most("process start to first training step and end, " + name, result.wall_seconds, "s",
                goal_s));
-  emit(reported("the same in processor time", result.cpu_seconds, "s"));
+  emit(reported("the same in CPU time", result.cpu_seconds, "s"));
 }
 
 }  // namespace

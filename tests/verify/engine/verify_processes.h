@@ -4,9 +4,9 @@
 
 namespace touchtrace::cli {
 
-/// Figures of the engine that need processes of their own: start to first training step with
-/// programs cached and not, and the same bits on one thread and on two. They run other areas of
-/// `touchtrace-verify`.
+/// Engine figures that need separate processes, which run other areas of `touchtrace-verify`: time
+/// from start to first training step with and without cached programs, and bitwise equality on one
+/// thread and on two.
 void verify_processes(const std::function<void(Figure)>& emit);
 
 }  // namespace touchtrace::cli

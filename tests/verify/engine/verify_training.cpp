@@ -11,11 +11,11 @@ namespace {
 
 using Emit = std::function<void(Figure)>;
 
-/// `wanted`: what is not about sizes.
-void verify_gradient(Runtime& runtime, const char* name, const ModelSpec& wanted, int sequences,
+/// `kind`: specification with other sizes than those used here.
+void verify_gradient(Runtime& runtime, const char* name, const ModelSpec& kind, int sequences,
                      const Emit& emit) {
   std::uint32_t seed = std::random_device{}();
-  ModelSpec spec = wanted;
+  ModelSpec spec = kind;
   spec.window_frames = 4, spec.rows = spec.cols = 12, spec.hidden = 64;
   const auto result = compare_away_from_kinks(runtime, spec, sequences, 20, seed);
   emit(at_most(fmt::format("{}, 20 steps, loss against double, seed {}", name, seed),
@@ -24,7 +24,7 @@ void verify_gradient(Runtime& runtime, const char* name, const ModelSpec& wanted
                "relative", 1e-5));
 }
 
-/// CPU milliseconds of an update, the mean of `count`.
+/// Mean CPU milliseconds of `count` updates.
 double update_ms(NoiseTraining& training, int count) {
   const Stopwatch stopwatch;
   for (int i = 0; i < count; ++i) training.update();

@@ -1,11 +1,11 @@
-#include "engine/model/touch_embedding.h"
+#include "engine/model/embedding_head.h"
 
 #include <cmath>
 
 namespace touchtrace {
 
-void TouchEmbedding::declare(const std::string& name, int size, const ChannelBlocksShape& features,
-                             ParameterTable& table) {
+void EmbeddingHead::declare(const std::string& name, int size, const ChannelBlocksShape& features,
+                            ParameterTable& table) {
   const int feature_size = features.channels * features.rows * features.cols;
   const Initial dense{0.0, 1.0 / std::sqrt(feature_size)};
   table.add(name + ".dense.weight", {size, feature_size}, dense);
@@ -14,9 +14,9 @@ void TouchEmbedding::declare(const std::string& name, int size, const ChannelBlo
   table.add(name + ".norm.bias", {size}, {0.0, 0.0});
 }
 
-TouchEmbedding::TouchEmbedding(Runtime& runtime, const std::string& name, const Weights& weights,
-                               const ChannelBlocksShape& shape, const Buffer<float>& features,
-                               const Buffer<float>& grad_features) {
+EmbeddingHead::EmbeddingHead(Runtime& runtime, const std::string& name, const Weights& weights,
+                             const ChannelBlocksShape& shape, const Buffer<float>& features,
+                             const Buffer<float>& grad_features) {
   const int rows = shape.images, size = weights.table.at(name + ".dense.bias").shape.front();
   const auto weight = weights.value(name + ".dense.weight");
   const int feature_size = weight.row;
@@ -43,9 +43,8 @@ TouchEmbedding::TouchEmbedding(Runtime& runtime, const std::string& name, const 
     plan_backward(runtime, name, weights, input, {grad_features, 0, feature_size});
 }
 
-void TouchEmbedding::plan_backward(Runtime& runtime, const std::string& name,
-                                   const Weights& weights, const MatrixView& features,
-                                   const MatrixView& grad_features) {
+void EmbeddingHead::plan_backward(Runtime& runtime, const std::string& name, const Weights& weights,
+                                  const MatrixView& features, const MatrixView& grad_features) {
   const int rows = norm_.rows, size = norm_.columns, feature_size = features.row;
   grad_embedding_ = runtime.allocate<float>(norm_.y.size());
   const MatrixView grad{runtime.allocate<float>(norm_.x.size()), 0, size};

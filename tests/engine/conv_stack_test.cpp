@@ -1,4 +1,4 @@
-#include "engine/model/tactile_encoder.h"
+#include "engine/model/conv_stack.h"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -30,14 +30,14 @@ double norm_of_difference(const std::vector<double>& a, const std::vector<double
   return a.size() == b.size() ? std::sqrt(difference / norm) : NAN;
 }
 
-/// The encoder in plain loops.
+/// Reference of ConvStack in plain loops.
 class Reference {
  public:
-  Reference(const TactileEncoderShape& shape, const ParameterTable& table,
+  Reference(const ConvStackShape& shape, const ParameterTable& table,
             const std::vector<double>& parameters, const std::vector<double>& stream,
-            const std::vector<int>& last_frame, const TaxelDropout& dropout)
+            const std::vector<int>& window_end, const TaxelDropout& dropout)
       : table_(table), parameters_(parameters), shapes_(shape.layers()) {
-    activations_.push_back(tactile_window_reference(shape.windows, stream, last_frame, dropout));
+    activations_.push_back(tactile_window_reference(shape.windows, stream, window_end, dropout));
     for (int layer = 1; layer <= 3; ++layer)
       activations_.push_back(
           conv2d_reference(shapes_[layer - 1], activations_.back(), weight(layer), bias(layer)));
@@ -75,29 +75,29 @@ class Reference {
   std::vector<std::vector<double>> activations_;
 };
 
-class EncoderOfSize : public ::testing::TestWithParam<TactileEncoderShape> {};
+class ConvStackOfShape : public ::testing::TestWithParam<ConvStackShape> {};
 
-TEST_P(EncoderOfSize, AgreesWithPlainLoops) {
+TEST_P(ConvStackOfShape, MatchesReference) {
   const auto shape = GetParam();
   const auto& [windows, frames, rows, cols, halo] = shape.windows;
   Runtime runtime(choose_device(""));
   ParameterTable table;
   table.add("something before", {7}, {});
-  TactileEncoder::declare("object", shape, table);
+  ConvStack::declare("object", shape, table);
   const auto initial = table.initial_values(3);
   const std::vector<double> parameters(initial.begin(), initial.end());
   const auto stream = normal_floats(std::size_t(stream_frames) * rows * cols, "stream");
-  std::vector<int> last_frame;
+  std::vector<int> window_end;
   for (int w = 0; w < windows; ++w)
-    last_frame.push_back(stream_frames - 1 - w % (stream_frames - frames + 1));
+    window_end.push_back(stream_frames - 1 - w % (stream_frames - frames + 1));
   const TaxelDropout dropout{0.2, 99};
-  const Reference reference(shape, table, parameters, stream, last_frame, dropout);
+  const Reference reference(shape, table, parameters, stream, window_end, dropout);
 
   const Weights weights{table, upload(runtime, parameters),
                         runtime.allocate_zeros<float>(table.size())};
-  TactileEncoder encoder(runtime, "object", shape, weights);
+  ConvStack encoder(runtime, "object", shape, weights);
   encoder.prepare();
-  encoder.forward(upload(runtime, stream), runtime.upload<int>(last_frame), dropout);
+  encoder.forward(upload(runtime, stream), runtime.upload<int>(window_end), dropout);
   const auto features_shape = shape.features();
   const auto in_blocks = [&](const std::vector<double>& features) {
     return in_block_order(features, features_shape.channels,
@@ -121,37 +121,37 @@ TEST_P(EncoderOfSize, AgreesWithPlainLoops) {
   EXPECT_LE(norm_of_difference(download(runtime, weights.gradient), twice), 5e-5);
 }
 
-std::string name_of(const ::testing::TestParamInfo<TactileEncoderShape>& info) {
+std::string name_of(const ::testing::TestParamInfo<ConvStackShape>& info) {
   const auto& [w, kernel, strides, live] = info.param;
   return fmt::format("{}x{}x{}x{}_by_{}_of_{}{}{}", w.windows, w.frames, w.rows, w.cols, kernel,
                      strides[0], strides[1], strides[2]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, EncoderOfSize,
-                         ::testing::Values(TactileEncoderShape{{3, 10, 32, 32}},
-                                           TactileEncoderShape{{3, 1, 6, 6}},
-                                           TactileEncoderShape{{3, 32, 8, 12}},
-                                           TactileEncoderShape{{3, 3, 7, 13}},
-                                           TactileEncoderShape{{201, 2, 16, 16}},
-                                           TactileEncoderShape{{35, 10, 6, 6}, 3, {1, 1, 1}},
-                                           TactileEncoderShape{{3, 4, 13, 7}, 3, {2, 1, 2}},
-                                           TactileEncoderShape{{3, 2, 7, 6}, 5, {1, 2, 1}}),
+INSTANTIATE_TEST_SUITE_P(Shapes, ConvStackOfShape,
+                         ::testing::Values(ConvStackShape{{3, 10, 32, 32}},
+                                           ConvStackShape{{3, 1, 6, 6}},
+                                           ConvStackShape{{3, 32, 8, 12}},
+                                           ConvStackShape{{3, 3, 7, 13}},
+                                           ConvStackShape{{201, 2, 16, 16}},
+                                           ConvStackShape{{35, 10, 6, 6}, 3, {1, 1, 1}},
+                                           ConvStackShape{{3, 4, 13, 7}, 3, {2, 1, 2}},
+                                           ConvStackShape{{3, 2, 7, 6}, 5, {1, 2, 1}}),
                          name_of);
 
-TEST(TactileEncoder, GivesTheSameBitsTwice) {
+TEST(ConvStack, IsReproducible) {
   const auto run = [&] {
     Runtime runtime(choose_device(""));
     ParameterTable table;
-    const TactileEncoderShape shape{{45, 10, 32, 32}};
-    TactileEncoder::declare("tactile", shape, table);
+    const ConvStackShape shape{{45, 10, 32, 32}};
+    ConvStack::declare("tactile", shape, table);
     const Weights weights{table, runtime.upload<float>(table.initial_values(1)),
                           runtime.allocate_zeros<float>(table.size())};
-    TactileEncoder encoder(runtime, "tactile", shape, weights);
-    std::vector<int> last_frame(45);
-    std::iota(last_frame.begin(), last_frame.end(), 9);
+    ConvStack encoder(runtime, "tactile", shape, weights);
+    std::vector<int> window_end(45);
+    std::iota(window_end.begin(), window_end.end(), 9);
     encoder.prepare();
     encoder.forward(upload(runtime, normal_floats(54 * 32 * 32, "stream")),
-                    runtime.upload<int>(last_frame), {0.2, 5});
+                    runtime.upload<int>(window_end), {0.2, 5});
     runtime.write<float>(encoder.grad_features(), runtime.download(encoder.features()));
     encoder.backward();
     return runtime.download(weights.gradient);
@@ -159,42 +159,42 @@ TEST(TactileEncoder, GivesTheSameBitsTwice) {
   EXPECT_EQ(run(), run());
 }
 
-/// Features and gradient of 40 windows of a glove that is dead in the corner away from the origin.
+/// Features and gradient of 40 windows whose taxels in one corner are always zero.
 std::pair<std::vector<float>, std::vector<float>> run_with_dead_corner(bool known) {
   Runtime runtime(choose_device(""));
   auto stream = normal_floats(49 * 32 * 32, "stream");
   for (std::size_t i = 0; i < stream.size(); ++i)
     if (i / 32 % 32 >= 12 && i % 32 >= 13) stream[i] = 0.0;
-  TactileEncoderShape shape{{40, 10, 32, 32}};
+  ConvStackShape shape{{40, 10, 32, 32}};
   if (known) shape.live = live_taxels(std::vector<float>(stream.begin(), stream.end()), 32 * 32);
   EXPECT_EQ(shape.layers()[0].dead.size(), known ? 9u * 9u : 0u);
   ParameterTable table;
-  TactileEncoder::declare("tactile", shape, table);
+  ConvStack::declare("tactile", shape, table);
   const Weights weights{table, runtime.upload<float>(table.initial_values(1)),
                         runtime.allocate_zeros<float>(table.size())};
-  TactileEncoder encoder(runtime, "tactile", shape, weights);
-  std::vector<int> last_frame(40);
-  std::iota(last_frame.begin(), last_frame.end(), 9);
+  ConvStack encoder(runtime, "tactile", shape, weights);
+  std::vector<int> window_end(40);
+  std::iota(window_end.begin(), window_end.end(), 9);
   encoder.prepare();
-  encoder.forward(upload(runtime, stream), runtime.upload<int>(last_frame), {0.2, 5});
+  encoder.forward(upload(runtime, stream), runtime.upload<int>(window_end), {0.2, 5});
   runtime.write<float>(encoder.grad_features(), runtime.download(encoder.features()));
   encoder.backward();
   return {runtime.download(encoder.features()), runtime.download(weights.gradient)};
 }
 
-TEST(TactileEncoder, DeadTaxelsChangeNoBitWhereTheyAreKnown) {
+TEST(ConvStack, SkippingDeadTaxelsDoesNotChangeTheResult) {
   EXPECT_EQ(run_with_dead_corner(true), run_with_dead_corner(false));
 }
 
-TEST(TactileEncoder, RefusesSizesItCannotTake) {
+TEST(ConvStack, RejectsInvalidSizes) {
   for (const TactileWindowShape& window :
        {TactileWindowShape{1, 10, 5, 32}, {1, 10, 32, 65}, {1, 0, 32, 32}, {1, 33, 32, 32}}) {
     ParameterTable table;
-    EXPECT_THROW(TactileEncoder::declare("tactile", {window}, table), Error);
+    EXPECT_THROW(ConvStack::declare("tactile", {window}, table), Error);
   }
 }
 
-TEST(TaxelDropout, BlanksItsShareAndKeepsTheMean) {
+TEST(TaxelDropout, ZeroesItsFractionAndKeepsTheMean) {
   const TactileWindowShape shape{64, 1, 32, 32};
   const std::vector<double> ones(32 * 32, 1.0);
   const auto out = tactile_window_reference(shape, ones, std::vector<int>(64, 0), {0.2, 123});

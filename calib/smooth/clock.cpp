@@ -1,5 +1,7 @@
 #include "calib/smooth/clock.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,16 +14,20 @@ namespace {
 
 using Times = std::span<const double>;
 
-constexpr std::size_t fewest_for_drift = 8;
+constexpr std::size_t min_stamps_for_rate = 8;
 
 void check(Times device_s, Times host_s) {
   if (device_s.empty() || device_s.size() != host_s.size())
-    throw data_error("a stream without time stamps", "record it again");
+    throw data_error(
+        fmt::format("stream has {} device and {} host time stamps", device_s.size(), host_s.size()),
+        "record it again");
   for (std::size_t i = 0; i < device_s.size(); ++i) {
     if (!std::isfinite(device_s[i]) || !std::isfinite(host_s[i]))
-      throw data_error("a time stamp that is not a number", "run: touchtrace check RECORDING");
+      throw data_error(fmt::format("time stamp {} is not finite", i),
+                       "run: touchtrace check RECORDING");
     if (i > 0 && !(device_s[i] > device_s[i - 1]))
-      throw data_error("a device counter that does not increase",
+      throw data_error(fmt::format("device time does not increase at stamp {}: {} s after {} s", i,
+                                   device_s[i], device_s[i - 1]),
                        "run: touchtrace check RECORDING");
   }
 }
@@ -32,7 +38,7 @@ double mean(Times values) {
   return values.front() + sum / static_cast<double>(values.size());
 }
 
-/// Andrew's monotone chain: indices of the lower convex hull.
+/// Indices of the lower convex hull (Andrew's monotone chain).
 std::vector<std::size_t> lower_hull(Times x, Times y) {
   std::vector<std::size_t> hull;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -46,24 +52,24 @@ std::vector<std::size_t> lower_hull(Times x, Times y) {
   return hull;
 }
 
-/// The line through the hull's edge below the mean device time: no other line below has a smaller
-/// mean distance.
-ClockFit envelope(Times device_s, Times host_s) {
+/// Line through the hull edge below the mean device time. No other line below all stamps has a
+/// smaller mean distance.
+ClockFit fit_lower_line(Times device_s, Times host_s) {
   const auto hull = lower_hull(device_s, host_s);
-  const double middle = mean(device_s);
+  const double mean_device_s = mean(device_s);
   std::size_t edge = 0;
-  while (edge + 2 < hull.size() && device_s[hull[edge + 1]] < middle) ++edge;
+  while (edge + 2 < hull.size() && device_s[hull[edge + 1]] < mean_device_s) ++edge;
   const auto a = hull[edge];
   ClockFit fit;
-  if (device_s.size() >= fewest_for_drift) {
+  if (device_s.size() >= min_stamps_for_rate) {
     const auto b = hull[edge + 1];
     fit.rate = (host_s[b] - host_s[a]) / (device_s[b] - device_s[a]);
   }
   fit.offset_s = host_s[a] - fit.rate * device_s[a];
-  if (device_s.size() < fewest_for_drift)
+  if (device_s.size() < min_stamps_for_rate)
     for (std::size_t i = 0; i < device_s.size(); ++i)
       fit.offset_s = std::min(fit.offset_s, host_s[i] - device_s[i]);
-  fit.mean_delay_s = mean(host_s) - fit.host_time_s(middle);
+  fit.mean_delay_s = mean(host_s) - fit.host_time_s(mean_device_s);
   return fit;
 }
 
@@ -73,13 +79,13 @@ ClockFit fit_clock(const std::vector<double>& device_time_s,
                    const std::vector<double>& host_time_s) {
   check(device_time_s, host_time_s);
   const Times device(device_time_s), host(host_time_s);
-  auto fit = envelope(device, host);
+  auto fit = fit_lower_line(device, host);
   const auto half = device.size() / 2;
-  if (half < fewest_for_drift) return fit;
-  const auto first = envelope(device.first(half), host.first(half));
-  const auto second = envelope(device.subspan(half), host.subspan(half));
-  // a half's rate deviates 2 sqrt(2) or more times as much as the whole's
-  fit.rate_deviation = std::abs(first.rate - second.rate) / std::sqrt(2.0) / std::sqrt(8.0);
+  if (half < min_stamps_for_rate) return fit;
+  const auto first = fit_lower_line(device.first(half), host.first(half));
+  const auto second = fit_lower_line(device.subspan(half), host.subspan(half));
+  // the standard deviation of a half's rate is at least 2 sqrt(2) times the whole's
+  fit.rate_sigma = std::abs(first.rate - second.rate) / std::sqrt(2.0) / std::sqrt(8.0);
   return fit;
 }
 

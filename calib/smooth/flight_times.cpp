@@ -15,18 +15,18 @@
 namespace touchtrace {
 namespace {
 
-constexpr double grid_step_s = 0.02, margin_s = 0.35, shortest_flight_s = 0.04;
+constexpr double grid_step_s = 0.02, margin_s = 0.35, min_flight_s = 0.04;
 constexpr int grid_half = 3;
-constexpr std::size_t fewest_points_of_flight = 3;
-constexpr double scan_step_s = 0.001, least_deviation_s = 1e-4;
+constexpr std::size_t min_points_per_flight = 3;  // in a flight and its margins
+constexpr double scan_step_s = 0.001, min_sigma_s = 1e-4;
 constexpr int scan_half = 30;
-/// Of likely times, in deviations: at this spacing the trapezoid rule is exact to 1e-15 for a bell,
-/// and what lies beyond 4.5 is as good as impossible.
-constexpr double spacing_deviations = 0.75;
+/// Grid spacing of EventTimeDistribution in standard deviations: for a normal distribution the
+/// trapezoid rule is exact to 1e-15, and times beyond 4.5 are negligible.
+constexpr double spacing_sigmas = 0.75;
 
-/// The stretch of a track around one flight, with its weights. Its jerk stays out: found with the
-/// times that are to be found, it would bear them out.
-WeightedTrack around(const WeightedTrack& track, const Flight& flight) {
+/// Part of a track around one flight, without jerk covariances: they were estimated with the
+/// current event times and would confirm them.
+WeightedTrack window_around(const WeightedTrack& track, const Flight& flight) {
   WeightedTrack window;
   for (std::size_t i = 0; i < track.points.size(); ++i) {
     const double t = track.points[i].time_s;
@@ -37,10 +37,10 @@ WeightedTrack around(const WeightedTrack& track, const Flight& flight) {
   return window;
 }
 
-/// -log likelihood of a stretch as a function of one flight's release and landing, in units of time
-/// from the stretch's first point. The other flights stay as they are, but for one that begins
-/// where this one lands: it goes on doing so. Where this one begins so itself, its release is not
-/// free.
+/// Negative log-likelihood of a window as a function of one flight's release and landing, in time
+/// units from the window's first point. The other flights are fixed, except that one which begins
+/// with this one's landing keeps doing so. If this flight itself begins with a hit, its release is
+/// fixed to the landing before.
 class FlightCost {
  public:
   FlightCost(const WeightedTrack& window, const MotionUnits& units, const Flight& flight,
@@ -57,14 +57,14 @@ class FlightCost {
         begins_with_hit_(!before.empty() && flight.release_s <= before.back().landing_s),
         ends_with_hit_(!after.empty() && after.front().release_s <= flight.landing_s) {}
 
-  bool release_is_free() const { return !begins_with_hit_; }
+  bool is_release_free() const { return !begins_with_hit_; }
 
-  /// False for times out of order.
+  /// Returns false if the times are out of order.
   template <class T>
   bool operator()(const T* times, T* cost) const {
     const T release = begins_with_hit_ ? T(before_.back().time) : times[0], &landing = times[1];
     const auto next = static_cast<std::size_t>(ends_with_hit_);
-    if (landing < release + T(shortest_flight_s / units_.time_s) ||
+    if (landing < release + T(min_flight_s / units_.time_s) ||
         (!before_.empty() && release < T(before_.back().time)) ||
         (next < after_.size() && T(after_[next].time) < landing))
       return false;
@@ -73,6 +73,7 @@ class FlightCost {
   }
 
   double without_flight() const { return with_events<double>({}, after_time()); }
+  /// Of a flight, by the Bayesian information criterion.
   double penalty() const { return std::log(3.0 * static_cast<double>(track_.size())); }
   double scaled_time(double time_s) const { return (time_s - origin_s_) / units_.time_s; }
   double time_s(double scaled) const { return origin_s_ + scaled * units_.time_s; }
@@ -83,12 +84,12 @@ class FlightCost {
   template <class T>
   T with_events(const std::vector<ContactEvent<T>>& own, const T& next_hit) const {
     std::vector<ContactEvent<T>> events;
-    for (const auto& event : before_) events.push_back({T(event.time), event.release});
+    for (const auto& event : before_) events.push_back({T(event.time), event.is_release});
     events.insert(events.end(), own.begin(), own.end());
-    for (const auto& event : after_) events.push_back({T(event.time), event.release});
+    for (const auto& event : after_) events.push_back({T(event.time), event.is_release});
     if (ends_with_hit_) events[before_.size() + own.size()].time = next_hit;
-    return innovation_cost(track_, MotionPrior<T>(noise_.cast<T>(), std::move(events)), gravity_,
-                           initial_);
+    return negative_log_likelihood(track_, MotionPrior<T>(noise_.cast<T>(), std::move(events)),
+                                   gravity_, initial_);
   }
 
   MotionUnits units_;
@@ -101,11 +102,11 @@ class FlightCost {
   bool begins_with_hit_, ends_with_hit_;
 };
 
-/// The best point of a grid around the guess; the likelihood has kinks where an event passes a
-/// frame.
+/// Sets `times` to the best point of a grid around the guess and returns its cost. Needed because
+/// the likelihood has kinks where an event passes a frame.
 double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
   double lowest = std::numeric_limits<double>::infinity();
-  const int release_half = cost.release_is_free() ? grid_half : 0;
+  const int release_half = cost.is_release_free() ? grid_half : 0;
   for (int i = -release_half; i <= release_half; ++i)
     for (int j = -grid_half; j <= grid_half; ++j) {
       const double at[] = {cost.scaled_time(guess.release_s + i * grid_step_s),
@@ -116,72 +117,76 @@ double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
   return lowest;
 }
 
-struct FineTimes {
-  std::array<double, 2 * scan_half + 1> time_s, likelihood;
+struct FineDistribution {
+  std::array<double, 2 * scan_half + 1> time_s, probability;
 };
 
-/// One event's time given the other's: `likelihood` of evenly spaced times.
+/// Distribution of one event's time given the other's, on `count` times around `center_s`. `event`:
+/// 0 release, 1 landing.
 template <std::size_t count>
 void scan(const FlightCost& cost, const double* times, int event, double center_s, double step_s,
-          std::array<double, count>& time_s, std::array<double, count>& likelihood) {
+          std::array<double, count>& time_s, std::array<double, count>& probability) {
   for (std::size_t i = 0; i < count; ++i) {
     time_s[i] = center_s + (static_cast<double>(i) - static_cast<double>(count / 2)) * step_s;
     double at[] = {times[0], times[1]};
     at[event] = cost.scaled_time(time_s[i]);
-    if (!cost(at, &likelihood[i])) likelihood[i] = std::numeric_limits<double>::infinity();
+    if (!cost(at, &probability[i])) probability[i] = std::numeric_limits<double>::infinity();
   }
-  const double least = *std::ranges::min_element(likelihood);
-  for (double& l : likelihood) l = std::exp(least - l);
-  const double total = std::accumulate(likelihood.begin(), likelihood.end(), 0.0);
-  for (double& l : likelihood) l /= total;
+  const double lowest = *std::ranges::min_element(probability);
+  for (double& p : probability) p = std::exp(lowest - p);
+  const double total = std::accumulate(probability.begin(), probability.end(), 0.0);
+  for (double& p : probability) p /= total;
 }
 
-/// Of each of `result`'s times, how likely an event that takes `duration_s` is under way: it is one
-/// at every time within, as far as position and velocity go.
-void blur(const FineTimes& fine, double duration_s, LikelyTimes& result) {
+/// Sets `result`'s probabilities to `fine` convolved with a box of width `duration_s`: any time
+/// within the event may be its time, as far as position and velocity are concerned.
+void convolve_with_duration(const FineDistribution& fine, double duration_s,
+                            EventTimeDistribution& result) {
   double total = 0.0;
-  for (std::size_t k = 0; k < LikelyTimes::count; ++k) {
-    result.likelihood[k] = 0.0;
+  for (std::size_t k = 0; k < EventTimeDistribution::count; ++k) {
+    result.probability[k] = 0.0;
     for (std::size_t i = 0; i < fine.time_s.size(); ++i) {
       const double inside_s = 0.5 * duration_s - std::abs(fine.time_s[i] - result.time_s[k]);
-      result.likelihood[k] +=
-          fine.likelihood[i] * std::clamp(inside_s / scan_step_s + 0.5, 0.0, 1.0);
+      result.probability[k] +=
+          fine.probability[i] * std::clamp(inside_s / scan_step_s + 0.5, 0.0, 1.0);
     }
-    total += result.likelihood[k];
+    total += result.probability[k];
   }
-  for (double& l : result.likelihood) l /= total;
+  for (double& p : result.probability) p /= total;
 }
 
-/// What is known of one event's time given the other's, from its mean and deviation within +-30 ms.
-LikelyTimes likely_times(const FlightCost& cost, const double* times, int event,
-                         double duration_s) {
-  FineTimes fine;
-  scan(cost, times, event, cost.time_s(times[event]), scan_step_s, fine.time_s, fine.likelihood);
+/// Distribution of one event's time given the other's, on a grid that its mean and standard
+/// deviation within +-30 ms determine.
+EventTimeDistribution event_distribution(const FlightCost& cost, const double* times, int event,
+                                         double duration_s) {
+  FineDistribution fine;
+  scan(cost, times, event, cost.time_s(times[event]), scan_step_s, fine.time_s, fine.probability);
   double mean = 0.0, variance = duration_s * duration_s / 12.0;
-  for (std::size_t i = 0; i < fine.time_s.size(); ++i) mean += fine.likelihood[i] * fine.time_s[i];
+  for (std::size_t i = 0; i < fine.time_s.size(); ++i) mean += fine.probability[i] * fine.time_s[i];
   for (std::size_t i = 0; i < fine.time_s.size(); ++i)
-    variance += fine.likelihood[i] * std::pow(fine.time_s[i] - mean, 2);
-  LikelyTimes result;
-  scan(cost, times, event, mean,
-       spacing_deviations * std::max(least_deviation_s, std::sqrt(variance)), result.time_s,
-       result.likelihood);
-  if (duration_s > 0.0) blur(fine, duration_s, result);
+    variance += fine.probability[i] * std::pow(fine.time_s[i] - mean, 2);
+  EventTimeDistribution result;
+  scan(cost, times, event, mean, spacing_sigmas * std::max(min_sigma_s, std::sqrt(variance)),
+       result.time_s, result.probability);
+  if (duration_s > 0.0) convolve_with_duration(fine, duration_s, result);
   return result;
 }
 
-/// The flight with its best times, or nothing if the data speak against it.
+/// Returns the flight with its maximum-likelihood times, or nullopt if there are too few points or
+/// it is implausible and to be dropped.
 std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& units,
                              const Flight& guess, const std::vector<Flight>& before,
                              const std::vector<Flight>& after, const MotionNoise<double>& noise,
-                             const SmoothOptions& options, Doubtful doubtful) {
-  const auto window = around(track, guess);
-  if (window.points.size() < fewest_points_of_flight) return std::nullopt;
+                             const SmoothOptions& options, ImplausibleFlights implausible) {
+  const auto window = window_around(track, guess);
+  if (window.points.size() < min_points_per_flight) return std::nullopt;
   auto* cost = new FlightCost(window, units, guess, before, after, noise, options);
   const ceres::GradientProblem problem(new ceres::AutoDiffFirstOrderFunction<FlightCost, 2>(cost));
   double times[2] = {0.0, 0.0};
-  const double most = doubtful == Doubtful::keep ? std::numeric_limits<double>::infinity()
-                                                 : cost->without_flight() - cost->penalty();
-  if (!(search_grid(*cost, guess, times) < most)) return std::nullopt;
+  const double max_cost = implausible == ImplausibleFlights::keep
+                              ? std::numeric_limits<double>::infinity()
+                              : cost->without_flight() - cost->penalty();
+  if (!(search_grid(*cost, guess, times) < max_cost)) return std::nullopt;
 
   ceres::GradientProblemSolver::Options solver;
   solver.logging_type = ceres::SILENT;
@@ -191,45 +196,45 @@ std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& unit
   double refined[2] = {times[0], times[1]};
   ceres::Solve(solver, problem, refined, &summary);
   if (summary.IsSolutionUsable()) std::copy_n(refined, 2, times);
-  const Flight flight{cost->release_is_free() ? cost->time_s(times[0]) : before.back().landing_s,
+  const Flight flight{cost->is_release_free() ? cost->time_s(times[0]) : before.back().landing_s,
                       cost->time_s(times[1])};
-  if (around(track, flight).points.size() < fewest_points_of_flight) return std::nullopt;
+  if (window_around(track, flight).points.size() < min_points_per_flight) return std::nullopt;
   return flight;
 }
 
 }  // namespace
 
-std::vector<Flight> most_likely_flights(const WeightedTrack& track,
-                                        const MotionNoise<double>& noise,
-                                        const SmoothOptions& options, Doubtful doubtful) {
+std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoise<double>& noise,
+                                     const SmoothOptions& options, ImplausibleFlights implausible) {
   const auto units = MotionUnits::of({track.points});
   std::vector<Flight> found;
-  std::vector<Flight> left = track.flights;
-  while (!left.empty()) {
-    const Flight guess = left.front();
-    left.erase(left.begin());
-    const bool hit = !left.empty() && left.front().release_s <= guess.landing_s;
-    const auto flight = refine(track, units, guess, found, left, noise, options, doubtful);
+  std::vector<Flight> remaining = track.flights;
+  while (!remaining.empty()) {
+    const Flight guess = remaining.front();
+    remaining.erase(remaining.begin());
+    const bool ends_with_hit = !remaining.empty() && remaining.front().release_s <= guess.landing_s;
+    const auto flight = refine(track, units, guess, found, remaining, noise, options, implausible);
     if (!flight) continue;
     found.push_back(*flight);
-    if (hit) left.front().release_s = flight->landing_s;
+    if (ends_with_hit) remaining.front().release_s = flight->landing_s;
   }
   return found;
 }
 
-void find_likely_times(WeightedTrack& track, const MotionNoise<double>& noise,
-                       const SmoothOptions& options) {
+void estimate_event_distributions(WeightedTrack& track, const MotionNoise<double>& noise,
+                                  const SmoothOptions& options) {
   const auto units = MotionUnits::of({track.points});
   auto& flights = track.flights;
   for (auto flight = flights.begin(); flight != flights.end(); ++flight) {
     const std::vector<Flight> before(flights.begin(), flight), after(flight + 1, flights.end());
-    const FlightCost cost(around(track, *flight), units, *flight, before, after, noise, options);
+    const FlightCost cost(window_around(track, *flight), units, *flight, before, after, noise,
+                          options);
     const double times[] = {cost.scaled_time(flight->release_s),
                             cost.scaled_time(flight->landing_s)};
-    flight->likely_landings = likely_times(cost, times, 1, 0.0);
-    flight->likely_releases = cost.release_is_free()
-                                  ? likely_times(cost, times, 0, options.release_s)
-                                  : before.back().likely_landings;
+    flight->landing_distribution = event_distribution(cost, times, 1, 0.0);
+    flight->release_distribution =
+        cost.is_release_free() ? event_distribution(cost, times, 0, options.release_duration_s)
+                               : before.back().landing_distribution;
   }
 }
 

@@ -7,30 +7,30 @@
 
 namespace touchtrace {
 
-/// What is assumed of a motion in touch.
-enum class TouchedMotion { white_jerk, swinging };
+/// Process model of a motion in contact.
+enum class ContactModel { white_jerk, damped_oscillator };
 
-/// Jerk density and measurement scale, and of a swinging motion frequency and damping, else density
-/// and duration of throwing and the drag in flight, that maximise the likelihood of all
-/// innovations, by Ceres. Weak priors (a factor of 10 around the options' values, 1 for the scale,
-/// and around a swing of half a radian a frame with a damping of a half) hold what the data do not
-/// tell. A track's jerk is left out: one density for all. Nothing if there are fewer than 6 points
-/// or the search fails.
-std::optional<MotionNoise<double>> most_likely_noise(const std::vector<WeightedTrack>& tracks,
-                                                     const SmoothOptions& options,
-                                                     TouchedMotion motion);
+/// Maximum-likelihood noise of all tracks (Ceres, BFGS), assuming white measurement errors and
+/// ignoring WeightedTrack::jerk_covariance. Estimated: jerk density and measurement scale; for a
+/// damped oscillator also frequency and damping; else, with flights, drag and, for a bouncing body,
+/// the landing velocity's sigma, for others density and duration of throws.
+/// Weak log-normal priors (standard deviation: a factor of 10) keep unobservable parameters near
+/// their initial values: those of `options`; measurement scale 1; frequency half a radian per
+/// frame, damping 0.5. The jerk density has none.
+/// Returns nullopt for fewer than 6 points or if the search fails.
+std::optional<MotionNoise<double>> maximum_likelihood_noise(
+    const std::vector<WeightedTrack>& tracks, const SmoothOptions& options, ContactModel model);
 
-/// What becomes of flights that explain the data worse than no flight does, by the Bayesian
+/// Treatment of flights that explain the data worse than no flight does, by the Bayesian
 /// information criterion.
-enum class Doubtful { keep, drop };
+enum class ImplausibleFlights { keep, drop };
 
-/// The track's flights with the times that maximise the likelihood (a grid of +-60 ms, then Ceres).
-std::vector<Flight> most_likely_flights(const WeightedTrack& track,
-                                        const MotionNoise<double>& noise,
-                                        const SmoothOptions& options, Doubtful doubtful);
+/// Returns the track's flights with maximum-likelihood times: grid search over +-60 ms, then BFGS.
+std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoise<double>& noise,
+                                     const SmoothOptions& options, ImplausibleFlights implausible);
 
-/// Sets which other times the events of the track's flights may have had, each given all others.
-void find_likely_times(WeightedTrack& track, const MotionNoise<double>& noise,
-                       const SmoothOptions& options);
+/// Sets the time distribution of each event of the track's flights, given all other events.
+void estimate_event_distributions(WeightedTrack& track, const MotionNoise<double>& noise,
+                                  const SmoothOptions& options);
 
 }  // namespace touchtrace

@@ -13,25 +13,27 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t fewest_points = 6;
-constexpr double log_deviation = 2.3;  // a factor of 10
-constexpr double least_scale = 1e-3;   // of a body at rest, whose measurements are all the same
-constexpr double usual_swing = 0.5, usual_damping = 0.5;
+constexpr std::size_t min_points_for_noise = 6;
+constexpr double prior_sigma = 2.3;        // of logarithms: a factor of 10
+constexpr double min_scale = 1e-3;         // reached at rest, if all measurements are equal
+constexpr double initial_frequency = 0.5;  // radians per time unit
+constexpr double initial_damping = 0.5;
 
-/// Jerk density, measurement scale and, of a swinging motion, frequency and damping, of one with
-/// flights drag and how it is thrown, of a bouncing one drag and how unlike its hits are, as
-/// logarithms of multiples of what is usual.
-constexpr int of_any = 2, of_swinging = 4, of_bouncing = 4, of_thrown = 5;
+/// Numbers of parameters: jerk density and measurement scale; with frequency and damping; with drag
+/// and landing velocity; with drag, throw density and throw duration.
+constexpr int contact_parameters = 2, oscillator_parameters = 4, bouncing_parameters = 4,
+              throw_parameters = 5;
 
-/// -log likelihood as a function of these logarithms, if errors are white: what neighbours have in
-/// common is told from what such errors leave.
+/// Negative log-likelihood plus prior as a function of the parameters' logarithms relative to their
+/// initial values. Errors are white here: correlated ones are estimated from the variance that
+/// white ones leave unexplained.
 class NoiseCost {
  public:
   NoiseCost(const std::vector<WeightedTrack>& tracks, const SmoothOptions& options,
-            const MotionUnits& units, TouchedMotion motion)
+            const MotionUnits& units, ContactModel model)
       : noise_(units.scaled(options.noise)),
-        motion_(motion),
-        threads_(options.threads),
+        model_(model),
+        num_threads_(options.num_threads),
         gravity_(options.gravity_m_per_s2 / units.acceleration()),
         initial_(scaled(options.initial, units)) {
     noise_.correlated_scale = 0.0;
@@ -45,23 +47,23 @@ class NoiseCost {
   bool operator()(const T* log_noise, T* cost) const {
     const auto noise = this->noise(log_noise);
     std::vector<T> costs(tracks_.size());
-    parallel_for(tracks_.size(), threads_, [&](std::size_t i) {
+    parallel_for(tracks_.size(), num_threads_, [&](std::size_t i) {
       std::vector<ContactEvent<T>> events;
-      for (const auto& event : events_[i]) events.push_back({T(event.time), event.release});
-      costs[i] = innovation_cost_with<T, Errors::white>(
+      for (const auto& event : events_[i]) events.push_back({T(event.time), event.is_release});
+      costs[i] = negative_log_likelihood_with<T, ErrorModel::white>(
           tracks_[i], MotionPrior<T>(noise, std::move(events)), gravity_, initial_);
     });
     *cost = std::accumulate(costs.begin(), costs.end(), T(0));
-    for (int i = 1; i < parameters(); ++i)
-      *cost += 0.5 * log_noise[i] * log_noise[i] / (log_deviation * log_deviation);
+    for (int i = 1; i < num_parameters(); ++i)
+      *cost += 0.5 * log_noise[i] * log_noise[i] / (prior_sigma * prior_sigma);
     return true;
   }
 
-  int parameters() const {
-    if (motion_ == TouchedMotion::swinging) return of_swinging;
-    const auto stays = [](const auto& events) { return events.empty(); };
-    if (std::ranges::all_of(events_, stays)) return of_any;
-    return noise_.bounces() ? of_bouncing : of_thrown;
+  int num_parameters() const {
+    if (model_ == ContactModel::damped_oscillator) return oscillator_parameters;
+    const auto is_empty = [](const auto& events) { return events.empty(); };
+    if (std::ranges::all_of(events_, is_empty)) return contact_parameters;
+    return noise_.is_bouncing() ? bouncing_parameters : throw_parameters;
   }
 
   template <class T>
@@ -69,17 +71,17 @@ class NoiseCost {
     using std::exp;
     auto noise = noise_.template cast<T>();
     noise.jerk_density = exp(log_noise[0]);
-    noise.measurement_scale = least_scale + exp(log_noise[1]);
-    if (motion_ == TouchedMotion::swinging) {
-      noise.swing_rad_per_s = usual_swing * exp(log_noise[2]);
-      noise.swing_damping = usual_damping * exp(log_noise[3]);
-    } else if (parameters() > of_any) {
+    noise.measurement_scale = min_scale + exp(log_noise[1]);
+    if (model_ == ContactModel::damped_oscillator) {
+      noise.oscillator_rad_per_s = initial_frequency * exp(log_noise[2]);
+      noise.oscillator_damping = initial_damping * exp(log_noise[3]);
+    } else if (num_parameters() > contact_parameters) {
       noise.flight_drag_per_s *= exp(log_noise[2]);
-      if (noise_.bounces()) {
-        noise.landing_velocity_m_per_s *= exp(log_noise[3]);
+      if (noise_.is_bouncing()) {
+        noise.landing_velocity_sigma_m_per_s *= exp(log_noise[3]);
       } else {
         noise.throw_jerk_density *= exp(log_noise[3]);
-        noise.throw_s *= exp(log_noise[4]);
+        noise.throw_duration_s *= exp(log_noise[4]);
       }
     }
     return noise;
@@ -87,19 +89,19 @@ class NoiseCost {
 
  private:
   MotionNoise<double> noise_;
-  TouchedMotion motion_;
-  int threads_;
+  ContactModel model_;
+  int num_threads_;
   Eigen::Vector3d gravity_;
   InitialMotion initial_;
   std::vector<ScaledTrack> tracks_;
   std::vector<std::vector<ContactEvent<double>>> events_;
 };
 
-/// The best decade of the jerk density, as a start: the likelihood has more than one maximum.
+/// Best decade of the jerk density, as the start: the likelihood has several maxima.
 double best_log_density(const NoiseCost& cost) {
   double best = 0.0, lowest = std::numeric_limits<double>::infinity();
   for (int decade = -12; decade <= 24; ++decade) {
-    const double at[of_thrown] = {decade * std::log(10.0)};
+    const double at[throw_parameters] = {decade * std::log(10.0)};
     double value;
     cost(at, &value);
     if (value < lowest) lowest = value, best = at[0];
@@ -107,29 +109,28 @@ double best_log_density(const NoiseCost& cost) {
   return best;
 }
 
-ceres::FirstOrderFunction* differentiated(NoiseCost* cost) {
-  if (cost->parameters() == of_any)
-    return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_any>(cost);
-  static_assert(of_swinging == of_bouncing);
-  if (cost->parameters() == of_bouncing)
-    return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_bouncing>(cost);
-  return new ceres::AutoDiffFirstOrderFunction<NoiseCost, of_thrown>(cost);
+ceres::FirstOrderFunction* with_derivatives(NoiseCost* cost) {
+  if (cost->num_parameters() == contact_parameters)
+    return new ceres::AutoDiffFirstOrderFunction<NoiseCost, contact_parameters>(cost);
+  static_assert(oscillator_parameters == bouncing_parameters);
+  if (cost->num_parameters() == bouncing_parameters)
+    return new ceres::AutoDiffFirstOrderFunction<NoiseCost, bouncing_parameters>(cost);
+  return new ceres::AutoDiffFirstOrderFunction<NoiseCost, throw_parameters>(cost);
 }
 
 }  // namespace
 
-std::optional<MotionNoise<double>> most_likely_noise(const std::vector<WeightedTrack>& tracks,
-                                                     const SmoothOptions& options,
-                                                     TouchedMotion motion) {
+std::optional<MotionNoise<double>> maximum_likelihood_noise(
+    const std::vector<WeightedTrack>& tracks, const SmoothOptions& options, ContactModel model) {
   std::vector<Track> points;
   std::size_t count = 0;
   for (const auto& track : tracks) points.push_back(track.points), count += track.points.size();
-  if (count < fewest_points) return std::nullopt;
+  if (count < min_points_for_noise) return std::nullopt;
 
   const auto units = MotionUnits::of(points);
-  auto* cost = new NoiseCost(tracks, options, units, motion);
-  double log_noise[of_thrown] = {best_log_density(*cost)};
-  const ceres::GradientProblem problem(differentiated(cost));
+  auto* cost = new NoiseCost(tracks, options, units, model);
+  double log_noise[throw_parameters] = {best_log_density(*cost)};
+  const ceres::GradientProblem problem(with_derivatives(cost));
   ceres::GradientProblemSolver::Options solver;
   solver.logging_type = ceres::SILENT;
   solver.line_search_direction_type = ceres::BFGS;

@@ -1,162 +1,168 @@
 #include "calib/smooth/smooth.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
 #include "calib/smooth/likelihood.h"
-#include "calib/smooth/robust_pass.h"
+#include "calib/smooth/robust_smoother.h"
+#include "calib/smooth/time_varying_noise.h"
+#include "engine/base/error.h"
 #include "engine/base/parallel.h"
 
 namespace touchtrace {
 namespace {
 
-/// Of the variance; where errors are white, long tails and what a motion's noise exaggerates leave
-/// up to a fifth.
-constexpr double least_correlated_share = 0.25;
+/// With white errors, long tails and overestimated motion noise leave up to a fifth of the variance
+/// unexplained; more than this indicates correlated errors.
+constexpr double min_correlated_fraction = 0.25;
 
-bool is_finite(const TrackPoint& point) {
+bool is_valid(const TrackPoint& point) {
   return std::isfinite(point.time_s) && point.position_m.allFinite() && point.sigma_m.allFinite() &&
          point.sigma_m.minCoeff() > 0.0;
 }
 
 SmoothStatus check(const Track& track) {
   if (track.empty()) return SmoothStatus::no_samples;
-  if (!std::ranges::all_of(track, is_finite)) return SmoothStatus::not_finite;
+  if (!std::ranges::all_of(track, is_valid)) return SmoothStatus::not_finite;
   if (!std::ranges::is_sorted(track, {}, &TrackPoint::time_s)) return SmoothStatus::unordered_times;
   return SmoothStatus::converged;
 }
 
-/// One trajectory for each of the likely times of a flight's events, all flights at once: they are
-/// far enough apart.
+/// One trajectory per grid time of the events' distributions. All flights move together, as they
+/// are too far apart to interact.
 std::vector<Trajectory> trajectories_of(WeightedTrack track, const MotionNoise<double>& noise,
                                         const SmoothOptions& options) {
-  if (track.flights.empty()) return {pass(track, noise, options)};
+  if (track.flights.empty()) return {smooth_once(track, noise, options)};
   std::vector<Trajectory> result;
-  for (std::size_t k = 0; k < LikelyTimes::count; ++k) {
+  for (std::size_t k = 0; k < EventTimeDistribution::count; ++k) {
     for (auto& flight : track.flights) {
-      flight.release_s = flight.likely_releases.time_s[k];
-      flight.landing_s = flight.likely_landings.time_s[k];
+      flight.release_s = flight.release_distribution.time_s[k];
+      flight.landing_s = flight.landing_distribution.time_s[k];
     }
-    result.push_back(pass(track, noise, options));
+    result.push_back(smooth_once(track, noise, options));
   }
   return result;
 }
 
-/// The track before anything of its later part was used.
-WeightedTrack blind(const WeightedTrack& track) {
+/// The track without estimates that depend on later measurements.
+WeightedTrack causal_track(const WeightedTrack& track) {
   return {track.points, std::vector<double>(track.points.size(), 1.0), {}};
 }
 
-/// Of the flights as they were found.
+/// Variance factors at the estimated event times.
 VarianceFactors factors_of(const WeightedTrack& track, const SmoothedTrack& smoothed,
                            const MotionNoise<double>& noise, const SmoothOptions& options) {
   VarianceFactors factors;
-  const double usual = options.robust ? robust_share : 1.0;
+  const double expected_mean_square = options.robust ? robust_variance_ratio : 1.0;
   if (track.flights.empty())
-    factors.add(track, smoothed.trajectories.front(), usual);
+    factors.add(track, smoothed.trajectories.front(), expected_mean_square);
   else
-    factors.add(track, pass(track, noise, options), usual);
+    factors.add(track, smooth_once(track, noise, options), expected_mean_square);
   return factors;
 }
 
 SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const SmoothOptions& options) {
   SmoothedTrack result;
-  const bool found = !options.robust || find_weights(track, all.noise, options);
-  find_likely_times(track, all.noise, options);
+  const bool has_weights = !options.robust || estimate_weights(track, all.noise, options);
+  estimate_event_distributions(track, all.noise, options);
   result.trajectories = trajectories_of(track, all.noise, options);
-  result.filter = pass(blind(track), all.causal_noise, options);
-  if (!found || !result.filter.finite() ||
-      !std::ranges::all_of(result.trajectories, &Trajectory::finite)) {
+  result.filter = smooth_once(causal_track(track), all.causal_noise, options);
+  if (!has_weights || !result.filter.is_finite() ||
+      !std::ranges::all_of(result.trajectories, &Trajectory::is_finite)) {
     result.status = SmoothStatus::not_converged;
     return result;
   }
   result.status = SmoothStatus::converged;
-  if (options.fit_noise) result.factors = factors_of(track, result, all.noise, options);
+  if (options.estimate_noise) result.factors = factors_of(track, result, all.noise, options);
   result.flights = std::move(track.flights);
   result.weights = std::move(track.weights);
   return result;
 }
 
-/// Flights and weights, each given the others and the noise.
-void find_flights(std::vector<WeightedTrack>& tracks, const MotionNoise<double>& noise,
-                  const SmoothOptions& options) {
-  parallel_for(tracks.size(), options.threads, [&](std::size_t i) {
+/// Estimates flights, dropping implausible ones, then weights.
+void estimate_flights_and_weights(std::vector<WeightedTrack>& tracks,
+                                  const MotionNoise<double>& noise, const SmoothOptions& options) {
+  parallel_for(tracks.size(), options.num_threads, [&](std::size_t i) {
     auto& track = tracks[i];
-    track.flights = most_likely_flights(track, noise, options, Doubtful::drop);
-    if (options.robust) find_weights(track, noise, options);
+    track.flights = estimate_flights(track, noise, options, ImplausibleFlights::drop);
+    if (options.robust) estimate_weights(track, noise, options);
   });
 }
 
-/// The noise with the course of its jerk, where that foretells measurements better.
-MotionNoise<double> with_course(std::vector<WeightedTrack>& tracks, MotionNoise<double> noise,
-                                const SmoothOptions& options) {
-  const auto share = best_jerk_share(tracks, noise, options);
-  if (!share) {
-    if (options.robust) noise.measurement_scale /= std::sqrt(robust_share);
+/// Estimates time-varying process noise, if it predicts held-out measurements better.
+MotionNoise<double> with_time_varying_noise(std::vector<WeightedTrack>& tracks,
+                                            MotionNoise<double> noise,
+                                            const SmoothOptions& options) {
+  const auto fraction = select_prior_jerk_fraction(tracks, noise, options);
+  if (!fraction) {
+    if (options.robust) noise.measurement_scale /= std::sqrt(robust_variance_ratio);
     return noise;
   }
-  noise.usual_jerk_share = *share;
+  noise.prior_jerk_fraction = *fraction;
   for (int round = 0; round < 2; ++round) {
-    find_jerk(tracks, noise, options, enough_rounds);
-    find_flights(tracks, noise, options);
+    estimate_jerk_covariances(tracks, noise, options, enough_iterations);
+    estimate_flights_and_weights(tracks, noise, options);
   }
   return noise;
 }
 
-/// The noise with errors that neighbours have in common, if the white ones leave much of the
-/// deviations that the tracks state. Innovations cannot tell them: in the band of such errors a
-/// hand's motion is a hundred times as strong.
+/// Adds correlated errors if white ones leave much of the tracks' stated variance unexplained. The
+/// innovations cannot identify them: in their frequency band a hand's motion is a hundred times
+/// stronger.
 MotionNoise<double> with_correlated_errors(std::vector<WeightedTrack>& tracks,
                                            MotionNoise<double> noise,
                                            const SmoothOptions& options) {
-  if (noise.left_share() < least_correlated_share) return noise;
-  noise.correlated_scale = std::sqrt(noise.left_share());
-  if (!tracks.front().jerk.empty()) {
-    find_jerk(tracks, noise, options, few_rounds);
+  if (noise.unexplained_variance_fraction() < min_correlated_fraction) return noise;
+  noise.correlated_scale = std::sqrt(noise.unexplained_variance_fraction());
+  if (!tracks.front().jerk_covariance.empty()) {
+    estimate_jerk_covariances(tracks, noise, options, few_iterations);
     noise.correlated_scale = 0.0;
-    noise.correlated_scale = std::sqrt(noise.left_share());
+    noise.correlated_scale = std::sqrt(noise.unexplained_variance_fraction());
   }
-  find_flights(tracks, noise, options);
+  estimate_flights_and_weights(tracks, noise, options);
   return noise;
 }
 
-/// Flights, noise and weights in turn: first the flights, for noise would make up for a wrong guess
-/// of their times, and is needed to doubt them; at last, where there was enough to find it, with
-/// the course of the jerk.
-MotionNoise<double> find_noise(std::vector<WeightedTrack>& tracks, const SmoothOptions& options) {
+/// Alternates between flights, noise and weights. Flights come first, because noise would
+/// compensate for wrong event times, and are dropped only once there is noise to judge them by.
+/// Time-varying noise and correlated errors come last, and only if the constant noise could be
+/// estimated.
+MotionNoise<double> estimate_noise(std::vector<WeightedTrack>& tracks,
+                                   const SmoothOptions& options) {
   auto noise = options.noise;
-  bool found = false;
-  parallel_for(tracks.size(), options.threads, [&](std::size_t i) {
-    tracks[i].flights = most_likely_flights(tracks[i], noise, options, Doubtful::keep);
+  bool is_estimated = false;
+  parallel_for(tracks.size(), options.num_threads, [&](std::size_t i) {
+    tracks[i].flights = estimate_flights(tracks[i], noise, options, ImplausibleFlights::keep);
   });
   for (int round = 0; round < 2; ++round) {
-    if (options.fit_noise) {
-      const auto likely = most_likely_noise(tracks, options, TouchedMotion::white_jerk);
-      noise = likely.value_or(noise), found = likely.has_value();
+    if (options.estimate_noise) {
+      const auto estimate = maximum_likelihood_noise(tracks, options, ContactModel::white_jerk);
+      noise = estimate.value_or(noise), is_estimated = estimate.has_value();
     }
-    find_flights(tracks, noise, options);
+    estimate_flights_and_weights(tracks, noise, options);
   }
-  if (!found) return noise;
-  return with_correlated_errors(tracks, with_course(tracks, noise, options), options);
+  if (!is_estimated) return noise;
+  return with_correlated_errors(tracks, with_time_varying_noise(tracks, noise, options), options);
 }
 
-/// As find_noise, of filters that know of no flights. They extrapolate, and the acceleration that
-/// white noise on jerk lets grow without bounds would throw them off: theirs swings.
-MotionNoise<double> find_causal_noise(std::vector<WeightedTrack> tracks,
-                                      const MotionNoise<double>& noise,
-                                      const SmoothOptions& options) {
-  if (!options.fit_noise) return noise;
+/// Noise of the causal filters, which ignore flights. They extrapolate, where white-noise jerk lets
+/// the acceleration grow without bound, so their velocity is a damped oscillator.
+MotionNoise<double> estimate_causal_noise(std::vector<WeightedTrack> tracks,
+                                          const MotionNoise<double>& noise,
+                                          const SmoothOptions& options) {
+  if (!options.estimate_noise) return noise;
   for (auto& track : tracks) track.flights.clear();
-  return most_likely_noise(tracks, options, TouchedMotion::swinging).value_or(noise);
+  return maximum_likelihood_noise(tracks, options, ContactModel::damped_oscillator).value_or(noise);
 }
 
-/// What all tell together.
-void share_factors(std::vector<SmoothedTrack>& tracks) {
-  VarianceFactors of_all;
-  for (const auto& track : tracks) of_all.add(track.factors);
-  for (auto& track : tracks) track.factors = of_all;
+void pool_factors(std::vector<SmoothedTrack>& tracks) {
+  VarianceFactors pooled;
+  for (const auto& track : tracks) pooled.add(track.factors);
+  for (auto& track : tracks) track.factors = pooled;
 }
 
 }  // namespace
@@ -164,6 +170,10 @@ void share_factors(std::vector<SmoothedTrack>& tracks) {
 SmoothedTracks smooth(const std::vector<Track>& tracks,
                       const std::vector<std::vector<Flight>>& flights,
                       const SmoothOptions& options) {
+  if (!flights.empty() && flights.size() != tracks.size())
+    throw usage_error(
+        fmt::format("{} lists of flights for {} tracks", flights.size(), tracks.size()),
+        "pass one list per track, or none at all");
   SmoothedTracks result;
   result.tracks.resize(tracks.size());
   std::vector<WeightedTrack> usable;
@@ -171,20 +181,21 @@ SmoothedTracks smooth(const std::vector<Track>& tracks,
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     result.tracks[i].status = check(tracks[i]);
     if (result.tracks[i].status != SmoothStatus::converged) continue;
-    usable.push_back({tracks[i], std::vector<double>(tracks[i].size(), 1.0), flights[i]});
+    usable.push_back({tracks[i], std::vector<double>(tracks[i].size(), 1.0),
+                      flights.empty() ? std::vector<Flight>{} : flights[i]});
     index.push_back(i);
   }
-  result.noise = find_noise(usable, options);
-  result.causal_noise = find_causal_noise(usable, result.noise, options);
-  parallel_for(usable.size(), options.threads, [&](std::size_t k) {
+  result.noise = estimate_noise(usable, options);
+  result.causal_noise = estimate_causal_noise(usable, result.noise, options);
+  parallel_for(usable.size(), options.num_threads, [&](std::size_t k) {
     result.tracks[index[k]] = finish(std::move(usable[k]), result, options);
   });
-  share_factors(result.tracks);
+  pool_factors(result.tracks);
   return result;
 }
 
 SmoothedTrack smooth(const Track& track, const SmoothOptions& options) {
-  return smooth(std::vector<Track>{track}, {{}}, options).tracks.front();
+  return smooth(std::vector<Track>{track}, {}, options).tracks.front();
 }
 
 }  // namespace touchtrace

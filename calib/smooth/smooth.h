@@ -8,39 +8,42 @@
 namespace touchtrace {
 
 struct SmoothOptions {
-  Eigen::Vector3d gravity_m_per_s2{0.0, 9.81, 0.0};
+  Eigen::Vector3d gravity_m_per_s2{0.0, 9.81, 0.0};  ///< in the tracks' frame
+  /// Prior at the first sample.
   InitialMotion initial{std::numeric_limits<double>::infinity(),
                         std::numeric_limits<double>::infinity()};
-  MotionNoise<double> noise;
-  double release_s = 0.0;  ///< that a release takes, from hardly held to free
-  /// Jerk density and measurement scale by the likelihood of the innovations, and where these leave
-  /// a quarter of the variances that the tracks state, that is of errors that neighbours have in
-  /// common; else as in `noise`.
-  bool fit_noise = true;
-  /// Cauchy's loss of the whitened distance, c^2 log(1 + r^2 / c^2) with c = 4; else least squares.
-  bool robust = true;
-  int threads = 0;  ///< tracks worked on at a time, 0: one a core; the result is the same
+  MotionNoise<double> noise;        ///< initial guess; used as it is unless estimate_noise
+  double release_duration_s = 0.0;  ///< from loosening the grip to free flight
+  bool estimate_noise = true;
+  bool robust = true;   ///< Cauchy loss of the whitened residual, scale 4; else squared
+  int num_threads = 0;  ///< over tracks; 0: one per core; does not change the result
 };
 
 struct SmoothedTracks {
-  MotionNoise<double> noise;
-  MotionNoise<double> causal_noise;  ///< of the filters, which know of no flights
+  MotionNoise<double> noise;         ///< of the smoother
+  MotionNoise<double> causal_noise;  ///< of the causal filter, which ignores flights
   std::vector<SmoothedTrack> tracks;
 };
 
-/// Smooths the tracks of one body, clip by clip, with one noise for all: white noise on jerk while
-/// touched, gravity in `flights` [tracks] (a guess of their times, +-60 ms, or empty). Times of
-/// release and landing are variables; where the data speak against a flight it is left out.
+/// Smooths the tracks of one body, one track per clip.
+/// `tracks`: positions with standard deviations, ordered by time, in an inertial frame.
+/// `flights`: per track, release and landing times correct to +-60 ms, or empty: no track has any.
+/// Throws usage_error if `flights` is neither empty nor as long as `tracks`.
 ///
-/// What is nonlinear (event times, process noise) is Ceres'; what is linear given those is one
-/// banded Kalman and Rauch-Tung-Striebel pass, and the robust loss a sequence of such passes with
-/// new weights. Where the noise is fitted, residuals say by how much its covariances are off
-/// (VarianceFactors).
+/// Model: white-noise jerk in contact; gravity and linear drag in flight. Given event times and
+/// noise: Kalman filter and Rauch-Tung-Striebel smoother, O(n), iteratively reweighted for the
+/// robust loss. Event times and noise maximise the likelihood of the innovations (Ceres). Flights
+/// that the Bayesian information criterion rejects are dropped. With estimate_noise and 6 samples
+/// or more, all tracks share one maximum-likelihood noise, extended by
+///  - time-varying process noise, if it predicts held-out samples better;
+///  - correlated errors, if white ones leave 25 % of the stated variance unexplained;
+///  - smoothed covariances scaled by the mean square of studentised residuals (VarianceFactors).
+/// Bad data do not throw: query states only if SmoothedTrack::status is `converged`.
 SmoothedTracks smooth(const std::vector<Track>& tracks,
                       const std::vector<std::vector<Flight>>& flights,
                       const SmoothOptions& options);
 
-/// One track without flights.
+/// Smooths one track without flights.
 SmoothedTrack smooth(const Track& track, const SmoothOptions& options);
 
 }  // namespace touchtrace

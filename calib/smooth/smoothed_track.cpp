@@ -10,23 +10,23 @@ namespace {
 
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
-Vector9 vector_of(const MotionState& state) {
+Vector9 to_vector(const MotionState& state) {
   Vector9 result;
   result << state.position_m, state.velocity_m_per_s, state.acceleration_m_per_s2;
   return result;
 }
 
-/// The mean of states that are as likely as `parts` say, with their spread in its covariance.
+/// Mean and covariance of a mixture of states.
 template <std::size_t count>
-MotionState mean_of(const std::array<MotionState, count>& states,
-                    const std::array<double, count>& parts) {
+MotionState mixture(const std::array<MotionState, count>& states,
+                    const std::array<double, count>& probability) {
   Vector9 center = Vector9::Zero();
-  for (std::size_t k = 0; k < count; ++k) center += parts[k] * vector_of(states[k]);
+  for (std::size_t k = 0; k < count; ++k) center += probability[k] * to_vector(states[k]);
   MotionState mean{center.head<3>(), center.segment<3>(3), center.tail<3>(), {}};
   mean.covariance.setZero();
   for (std::size_t k = 0; k < count; ++k) {
-    const Vector9 off = vector_of(states[k]) - center;
-    mean.covariance += parts[k] * (states[k].covariance + off * off.transpose());
+    const Vector9 offset = to_vector(states[k]) - center;
+    mean.covariance += probability[k] * (states[k].covariance + offset * offset.transpose());
   }
   return mean;
 }
@@ -40,7 +40,7 @@ const char* name_of(SmoothStatus status) {
     case SmoothStatus::no_samples:
       return "no samples";
     case SmoothStatus::not_finite:
-      return "a time, position or deviation that is not a number";
+      return "time, position or standard deviation not finite, or standard deviation not positive";
     case SmoothStatus::unordered_times:
       return "times out of order";
     case SmoothStatus::not_converged:
@@ -49,26 +49,27 @@ const char* name_of(SmoothStatus status) {
   return "unknown";
 }
 
-const LikelyTimes& SmoothedTrack::nearest_event(double time_s) const {
-  const LikelyTimes* nearest = nullptr;
-  double least_s = std::numeric_limits<double>::infinity();
+const EventTimeDistribution& SmoothedTrack::nearest_event(double time_s) const {
+  const EventTimeDistribution* nearest = nullptr;
+  double min_distance_s = std::numeric_limits<double>::infinity();
   for (const auto& flight : flights)
-    for (const auto& [event_s, likely] : {std::pair{flight.release_s, &flight.likely_releases},
-                                          {flight.landing_s, &flight.likely_landings}})
-      if (const double away_s = std::abs(event_s - time_s); away_s < least_s)
-        least_s = away_s, nearest = likely;
+    for (const auto& [event_s, distribution] :
+         {std::pair{flight.release_s, &flight.release_distribution},
+          {flight.landing_s, &flight.landing_distribution}})
+      if (const double distance_s = std::abs(event_s - time_s); distance_s < min_distance_s)
+        min_distance_s = distance_s, nearest = distribution;
   return *nearest;
 }
 
-MotionState SmoothedTrack::with_likely_times(double time_s) const {
+MotionState SmoothedTrack::average_over_event_times(double time_s) const {
   if (trajectories.size() == 1) return trajectories.front().smoothed(time_s);
-  std::array<MotionState, LikelyTimes::count> states;
+  std::array<MotionState, EventTimeDistribution::count> states;
   for (std::size_t k = 0; k < states.size(); ++k) states[k] = trajectories[k].smoothed(time_s);
-  return mean_of(states, nearest_event(time_s).likelihood);
+  return mixture(states, nearest_event(time_s).probability);
 }
 
 MotionState SmoothedTrack::smoothed(double time_s) const {
-  auto state = with_likely_times(time_s);
+  auto state = average_over_event_times(time_s);
   state.covariance *= factors.at(flights, time_s);
   return state;
 }

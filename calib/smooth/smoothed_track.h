@@ -7,32 +7,32 @@
 
 namespace touchtrace {
 
-/// What became of a track. Everything but `converged` comes without states.
+/// Outcome of smoothing a track. Only `converged` comes with states.
 enum class SmoothStatus { converged, no_samples, not_finite, unordered_times, not_converged };
 
-/// "no samples", ...: for messages.
+/// Description for messages, such as "no samples".
 const char* name_of(SmoothStatus status);
 
-/// A track's motion. Times of release and landing are known only so well: states are the mean over
-/// trajectories with other times, as likely as the nearest event's are, and the covariance carries
-/// their spread.
+/// Smoothed motion of a track. Release and landing times are uncertain: states are the mean over
+/// trajectories with different times, weighted by the time distribution of the nearest event, and
+/// their spread is part of the covariance.
 struct SmoothedTrack {
   SmoothStatus status = SmoothStatus::no_samples;
-  std::vector<Flight>
-      flights;  ///< with their times found; those that the data do not support are gone
-  std::vector<double> weights;           ///< [points] of the robust loss, 1: fully believed
-  std::vector<Trajectory> trajectories;  ///< [LikelyTimes::count], or one if nothing flies
-  VarianceFactors factors;               ///< of smoothed covariances; the same for all tracks
-  Trajectory filter;  ///< knows neither flights nor weights: those use later frames
+  std::vector<Flight> flights;           ///< with estimated times, without the rejected ones
+  std::vector<double> weights;           ///< [points] of the robust loss; 1: inlier
+  std::vector<Trajectory> trajectories;  ///< [EventTimeDistribution::count]; one without flights
+  VarianceFactors factors;  ///< of smoothed covariances, shared by the tracks of one smooth() call
+  Trajectory filter;        ///< causal: without flights and weights, which depend on later samples
 
-  /// From all measurements; outside their time the prior continues the motion. Needs `converged`.
+  /// Estimate from all measurements. Outside their time span the prior extrapolates. Needs
+  /// `converged`.
   MotionState smoothed(double time_s) const;
-  /// From the measurements up to `time_s` only. Needs `converged`.
+  /// Estimate from the measurements up to `time_s`. Needs `converged`.
   MotionState causal(double time_s) const { return filter.causal(time_s); }
 
  private:
-  MotionState with_likely_times(double time_s) const;
-  const LikelyTimes& nearest_event(double time_s) const;
+  MotionState average_over_event_times(double time_s) const;
+  const EventTimeDistribution& nearest_event(double time_s) const;
 };
 
 }  // namespace touchtrace

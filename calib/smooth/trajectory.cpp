@@ -6,42 +6,45 @@
 #include <limits>
 #include <utility>
 
+#include "calib/smooth/rts_step.h"
 #include "calib/smooth/scaled_track.h"
-#include "calib/smooth/step_back.h"
-#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {
 
-double median_or(std::vector<double> values, double fallback) {
-  return values.empty() ? fallback : median(std::move(values));
+double median_or(std::vector<double> values, double otherwise) {
+  if (values.empty()) return otherwise;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
-MotionNoise<double> scaled_by(const MotionNoise<double>& noise, double length, double time) {
+MotionNoise<double> in_units(const MotionNoise<double>& noise, double length, double time) {
   MotionNoise<double> result = noise;
   const double jerk = std::pow(time, 5) / (length * length), acceleration = time * time / length;
   result.jerk_density *= jerk;
-  result.swing_rad_per_s *= time;
+  result.oscillator_rad_per_s *= time;
   result.throw_jerk_density *= jerk;
   result.flight_drag_per_s *= time;
-  result.throw_s /= time;
-  result.correlation_s /= time;
+  result.throw_duration_s /= time;
+  result.correlation_time_s /= time;
   result.flight_jerk_density *= jerk;
-  result.flight_acceleration_m_per_s2 *= acceleration;
-  result.landing_velocity_m_per_s *= time / length;
-  result.landing_acceleration_m_per_s2 *= acceleration;
+  result.flight_acceleration_sigma_m_per_s2 *= acceleration;
+  result.landing_velocity_sigma_m_per_s *= time / length;
+  result.landing_acceleration_sigma_m_per_s2 *= acceleration;
   return result;
 }
 
-template <class Body>
-constexpr Eigen::Index first_axis(std::size_t body) {
-  return Body::axes * static_cast<Eigen::Index>(body);
+/// First axis of a group of axes: a group is one element of Trajectory::States.
+template <class State>
+constexpr Eigen::Index first_axis(std::size_t group) {
+  return State::axes * static_cast<Eigen::Index>(group);
 }
 
-/// Of the axes of the body that is `body`th of them.
-template <class Body>
-typename Body::Place of_body(const Eigen::Vector3d& values, std::size_t body) {
-  return values.segment<Body::axes>(first_axis<Body>(body));
+/// Values of the group's axes.
+template <class State>
+typename State::AxisVector axes_of(const Eigen::Vector3d& values, std::size_t group) {
+  return values.segment<State::axes>(first_axis<State>(group));
 }
 
 }  // namespace
@@ -56,31 +59,24 @@ MotionUnits MotionUnits::of(const std::vector<Track>& tracks) {
       if (i > 0 && track[i].time_s > track[i - 1].time_s)
         spacings.push_back(track[i].time_s - track[i - 1].time_s);
     }
-  Eigen::Vector3d usual_m;
-  std::ranges::transform(sigmas, usual_m.begin(),
+  Eigen::Vector3d median_m;
+  std::ranges::transform(sigmas, median_m.begin(),
                          [](auto& of_axis) { return median_or(std::move(of_axis), 1.0); });
-  const double length_m = median_or({usual_m.begin(), usual_m.end()}, 1.0);
-  return {median_or(std::move(spacings), 1.0), length_m, usual_m / length_m};
+  const double length_m = median_or({median_m.begin(), median_m.end()}, 1.0);
+  return {median_or(std::move(spacings), 1.0), length_m, median_m / length_m};
 }
 
 MotionNoise<double> MotionUnits::scaled(const MotionNoise<double>& noise) const {
-  return scaled_by(noise, length_m, time_s);
+  return in_units(noise, length_m, time_s);
 }
 
 MotionNoise<double> MotionUnits::unscaled(const MotionNoise<double>& noise) const {
-  return scaled_by(noise, 1.0 / length_m, 1.0 / time_s);
-}
-
-Eigen::Matrix3d MotionState::axis_covariance(Eigen::Index axis) const {
-  Eigen::Matrix3d result;
-  for (Eigen::Index i = 0; i < 3; ++i)
-    for (Eigen::Index j = 0; j < 3; ++j) result(i, j) = covariance(3 * i + axis, 3 * j + axis);
-  return result;
+  return in_units(noise, 1.0 / length_m, 1.0 / time_s);
 }
 
 InitialMotion scaled(const InitialMotion& initial, const MotionUnits& units) {
-  return {initial.velocity_m_per_s * units.time_s / units.length_m,
-          initial.acceleration_m_per_s2 / units.acceleration()};
+  return {initial.velocity_sigma_m_per_s * units.time_s / units.length_m,
+          initial.acceleration_sigma_m_per_s2 / units.acceleration()};
 }
 
 Trajectory::Trajectory(const WeightedTrack& track, const MotionNoise<double>& noise,
@@ -90,74 +86,75 @@ Trajectory::Trajectory(const WeightedTrack& track, const MotionNoise<double>& no
       origin_m_(track.points.front().position_m),
       gravity_(gravity_m_per_s2 / units_.acceleration()),
       prior_(units_.scaled(noise), contact_events(track.flights, origin_s_, units_.time_s)),
-      jerk_(track.jerk) {
+      jerk_covariance_(track.jerk_covariance) {
   const ScaledTrack points(track, units_);
   for (const auto& point : points) {
     times_.push_back(point.time);
     correlated_sigma_.push_back(point.correlated_sigma(prior_.noise()));
-    own_variance_.push_back(point.own_variance(prior_.noise()));
+    white_variance_.push_back(point.white_variance(prior_.noise()));
   }
   if (noise.correlated_scale > 0.0)
-    run<Errors::correlated>(points, scaled(initial, units_));
+    solve<ErrorModel::correlated>(points, scaled(initial, units_));
   else
-    run<Errors::white>(points, scaled(initial, units_));
+    solve<ErrorModel::white>(points, scaled(initial, units_));
 }
 
-template <Errors errors>
-void Trajectory::run(const ScaledTrack& points, const InitialMotion& initial) {
-  if (jerk_.empty())
-    run_bodies<Axis<errors>>(points, initial);
+template <ErrorModel errors>
+void Trajectory::solve(const ScaledTrack& points, const InitialMotion& initial) {
+  if (jerk_covariance_.empty())
+    solve_states<IndependentAxis<errors>>(points, initial);
   else
-    run_bodies<Whole<errors>>(points, initial);
+    solve_states<CoupledAxes<errors>>(points, initial);
 }
 
-template <class Body>
-void Trajectory::run_bodies(const ScaledTrack& points, const InitialMotion& initial) {
-  auto& knots = knots_.emplace<Knots<Body>>();
-  Bodies<Body> now;
-  for (std::size_t body = 0; body < now.size(); ++body)
-    now[body] = initial_state<Body>(points, first_axis<Body>(body), initial);
+template <class State>
+void Trajectory::solve_states(const ScaledTrack& points, const InitialMotion& initial) {
+  auto& knots = knots_.emplace<Knots<State>>();
+  States<State> now;
+  for (std::size_t group = 0; group < now.size(); ++group)
+    now[group] = initial_state<State>(points, first_axis<State>(group), initial);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    now = after<Body>(now, times_[k > 0 ? k - 1 : 0], times_[k]);
-    for (std::size_t body = 0; body < now.size(); ++body)
-      now[body].measure(of_body<Body>(points[k].position, body),
-                        of_body<Body>(own_variance_[k] / points[k].weight, body),
-                        of_body<Body>(correlated_sigma_[k], body));
+    now = predict<State>(now, times_[k > 0 ? k - 1 : 0], times_[k]);
+    for (std::size_t group = 0; group < now.size(); ++group)
+      now[group].update(axes_of<State>(points[k].position, group),
+                        axes_of<State>(white_variance_[k] / points[k].weight, group),
+                        axes_of<State>(correlated_sigma_[k], group));
     knots.filtered.push_back(now);
   }
   knots.smoothed = knots.filtered;
   for (std::size_t k = times_.size() - 1; k-- > 0;)
     knots.smoothed[k] =
-        before<Body>(knots.filtered[k], times_[k], times_[k + 1], knots.smoothed[k + 1]);
+        smooth_step<State>(knots.filtered[k], times_[k], times_[k + 1], knots.smoothed[k + 1]);
 }
 
-template <class Body>
-typename Body::Between Trajectory::jerk(double time, std::size_t body) const {
-  if (jerk_.empty()) return Body::Between::Identity();
-  const auto up_to = std::lower_bound(times_.begin(), times_.end(), time) - times_.begin();
-  const auto knot = std::min(static_cast<std::size_t>(up_to), jerk_.size() - 1);
-  const auto first = first_axis<Body>(body);
-  return jerk_[knot].block<Body::axes, Body::axes>(first, first);
+template <class State>
+typename State::AxisMatrix Trajectory::jerk_covariance_at(double time, std::size_t group) const {
+  if (jerk_covariance_.empty()) return State::AxisMatrix::Identity();
+  const auto next = std::lower_bound(times_.begin(), times_.end(), time) - times_.begin();
+  const auto knot = std::min(static_cast<std::size_t>(next), jerk_covariance_.size() - 1);
+  const auto first = first_axis<State>(group);
+  return jerk_covariance_[knot].block<State::axes, State::axes>(first, first);
 }
 
-template <class Body>
-Trajectory::Bodies<Body> Trajectory::after(const Bodies<Body>& bodies, double from,
-                                           double to) const {
+template <class State>
+Trajectory::States<State> Trajectory::predict(const States<State>& states, double from,
+                                              double to) const {
   const auto step = prior_.between(from, to);
-  Bodies<Body> result;
-  for (std::size_t body = 0; body < bodies.size(); ++body)
-    result[body] = bodies[body].after(step, of_body<Body>(gravity_, body), jerk<Body>(to, body));
+  States<State> result;
+  for (std::size_t group = 0; group < states.size(); ++group)
+    result[group] = states[group].predict(step, axes_of<State>(gravity_, group),
+                                          jerk_covariance_at<State>(to, group));
   return result;
 }
 
-template <class Body>
-Trajectory::Bodies<Body> Trajectory::before(const Bodies<Body>& filtered, double from, double to,
-                                            const Bodies<Body>& later) const {
+template <class State>
+Trajectory::States<State> Trajectory::smooth_step(const States<State>& filtered, double from,
+                                                  double to, const States<State>& later) const {
   const auto step = prior_.between(from, to);
-  Bodies<Body> result;
-  for (std::size_t body = 0; body < filtered.size(); ++body)
-    result[body] = step_back<Body>(filtered[body], step, of_body<Body>(gravity_, body),
-                                   jerk<Body>(to, body), later[body]);
+  States<State> result;
+  for (std::size_t group = 0; group < filtered.size(); ++group)
+    result[group] = rts_step<State>(filtered[group], step, axes_of<State>(gravity_, group),
+                                    jerk_covariance_at<State>(to, group), later[group]);
   return result;
 }
 
@@ -166,42 +163,45 @@ std::size_t Trajectory::knot_before(double time) const {
   return static_cast<std::size_t>(after - times_.begin()) - 1;
 }
 
-template <class Body>
-Trajectory::Bodies<Body> Trajectory::filtered_at(const Knots<Body>& knots, double time) const {
+template <class State>
+Trajectory::States<State> Trajectory::filtered_at(const Knots<State>& knots, double time) const {
   const auto knot = knot_before(time);
-  return after<Body>(knots.filtered[knot], times_[knot], time);
+  return predict<State>(knots.filtered[knot], times_[knot], time);
 }
 
-/// x(t) = F^-1 (x0 - w)
-template <class Body>
-Trajectory::Bodies<Body> Trajectory::before_the_first(const Knots<Body>& knots, double time) const {
-  const auto step = prior_.touched(times_.front() - time);
+/// x(t) = F^-1 (x0 - w), in contact
+template <class State>
+Trajectory::States<State> Trajectory::extrapolate_backwards(const Knots<State>& knots,
+                                                            double time) const {
+  const auto step = prior_.in_contact(times_.front() - time);
   auto backwards = step;
   backwards.F = step.F.inverse().eval();
-  Bodies<Body> result = knots.smoothed.front();
-  for (std::size_t body = 0; body < result.size(); ++body) {
-    const auto& [mean, covariance] = knots.smoothed.front()[body];
-    result[body] = {
-        Body::template moved<1>(backwards, mean),
-        Body::moved_covariance(backwards, covariance + Body::noise(step, jerk<Body>(time, body)))};
+  States<State> result = knots.smoothed.front();
+  for (std::size_t group = 0; group < result.size(); ++group) {
+    const auto& [mean, covariance] = knots.smoothed.front()[group];
+    result[group] = {
+        State::template propagate<1>(backwards, mean),
+        State::propagate_covariance(
+            backwards,
+            covariance + State::process_noise(step, jerk_covariance_at<State>(time, group)))};
   }
   return result;
 }
 
-template <class Body>
-Trajectory::Bodies<Body> Trajectory::smoothed_at(const Knots<Body>& knots, double time) const {
-  if (time < times_.front()) return before_the_first<Body>(knots, time);
+template <class State>
+Trajectory::States<State> Trajectory::smoothed_at(const Knots<State>& knots, double time) const {
+  if (time < times_.front()) return extrapolate_backwards<State>(knots, time);
   const auto knot = knot_before(time);
-  const auto filtered = filtered_at<Body>(knots, time);
+  const auto filtered = filtered_at<State>(knots, time);
   if (knot + 1 == times_.size()) return filtered;
-  return before<Body>(filtered, time, times_[knot + 1], knots.smoothed[knot + 1]);
+  return smooth_step<State>(filtered, time, times_[knot + 1], knots.smoothed[knot + 1]);
 }
 
 MotionState Trajectory::smoothed(double time_s) const {
   const double time = (time_s - origin_s_) / units_.time_s;
   return std::visit(
-      [&]<class Body>(const Knots<Body>& knots) {
-        return in_metres<Body>(smoothed_at(knots, time));
+      [&]<class State>(const Knots<State>& knots) {
+        return to_metres<State>(smoothed_at(knots, time));
       },
       knots_);
 }
@@ -210,74 +210,75 @@ MotionState Trajectory::causal(double time_s) const {
   const double time = (time_s - origin_s_) / units_.time_s;
   if (time < times_.front()) return smoothed(time_s);
   return std::visit(
-      [&]<class Body>(const Knots<Body>& knots) {
-        return in_metres<Body>(filtered_at(knots, time));
+      [&]<class State>(const Knots<State>& knots) {
+        return to_metres<State>(filtered_at(knots, time));
       },
       knots_);
 }
 
-std::vector<ForetoldPoint> Trajectory::foretold() const {
-  std::vector<ForetoldPoint> result;
+std::vector<PredictedMeasurement> Trajectory::predicted_measurements() const {
+  std::vector<PredictedMeasurement> result;
   std::visit(
-      [&]<class Body>(const Knots<Body>& knots) {
+      [&]<class State>(const Knots<State>& knots) {
         for (std::size_t k = 0; k < times_.size(); ++k)
-          result.push_back(foretold<Body>(knots.smoothed[k], k));
+          result.push_back(predict_measurement<State>(knots.smoothed[k], k));
       },
       knots_);
   return result;
 }
 
-template <class Body>
-ForetoldPoint Trajectory::foretold(const Bodies<Body>& bodies, std::size_t knot) const {
-  constexpr int axes = Body::axes;
-  ForetoldPoint point;
-  for (std::size_t body = 0; body < bodies.size(); ++body) {
-    const auto first = first_axis<Body>(body);
-    const auto sigma = of_body<Body>(correlated_sigma_[knot], body);
-    const auto& [mean, covariance] = bodies[body];
-    point.position_m.segment<axes>(first) = Body::template measured<1>(mean, sigma);
+template <class State>
+PredictedMeasurement Trajectory::predict_measurement(const States<State>& states,
+                                                     std::size_t knot) const {
+  constexpr int axes = State::axes;
+  PredictedMeasurement point;
+  for (std::size_t group = 0; group < states.size(); ++group) {
+    const auto first = first_axis<State>(group);
+    const auto sigma = axes_of<State>(correlated_sigma_[knot], group);
+    const auto& [mean, covariance] = states[group];
+    point.position_m.segment<axes>(first) = State::template observe<1>(mean, sigma);
     point.variance_m2.segment<axes>(first) =
-        Body::template measured<axes>(
-            Body::template measured<Body::size>(covariance, sigma).transpose(), sigma)
+        State::template observe<axes>(
+            State::template observe<State::size>(covariance, sigma).transpose(), sigma)
             .diagonal();
   }
   const double length_m = units_.length_m, length_m2 = length_m * length_m;
   return {origin_m_ + length_m * point.position_m, length_m2 * point.variance_m2,
-          length_m2 * own_variance_[knot]};
+          length_m2 * white_variance_[knot]};
 }
 
-std::vector<Eigen::Matrix3d> Trajectory::expected_jerk() const {
+std::vector<Eigen::Matrix3d> Trajectory::expected_jerk_covariances() const {
   std::vector<Eigen::Matrix3d> result(times_.size(), Eigen::Matrix3d::Zero());
   std::visit(
-      [&]<class Body>(const Knots<Body>& knots) {
-        if constexpr (Body::axes == 3)
+      [&]<class State>(const Knots<State>& knots) {
+        if constexpr (State::axes == 3)
           for (std::size_t k = 1; k < times_.size(); ++k) {
             const auto step = prior_.between(times_[k - 1], times_[k]);
-            if (step.Q_free.isZero(0.0) && times_[k] > times_[k - 1])
-              result[k] = touchtrace::expected_jerk(knots.filtered[k - 1][0], step, jerk_[k],
-                                                    knots.smoothed[k][0]);
+            if (step.Q_fixed.isZero(0.0) && times_[k] > times_[k - 1])
+              result[k] = expected_jerk_covariance(knots.filtered[k - 1][0], step,
+                                                   jerk_covariance_[k], knots.smoothed[k][0]);
           }
       },
       knots_);
   return result;
 }
 
-template <class Body>
-MotionState Trajectory::in_metres(const Bodies<Body>& bodies) const {
-  constexpr int axes = Body::axes;
+template <class State>
+MotionState Trajectory::to_metres(const States<State>& states) const {
+  constexpr int axes = State::axes;
   const double s = units_.length_m, h = units_.time_s;
   const Eigen::Vector3d unit(s, s / h, s / (h * h));
-  Eigen::Matrix3d mean;  // a column an order
+  Eigen::Matrix3d mean;  // one column per order
   MotionState state;
   state.covariance.setZero();
-  for (std::size_t body = 0; body < bodies.size(); ++body) {
-    const auto first = first_axis<Body>(body);
+  for (std::size_t group = 0; group < states.size(); ++group) {
+    const auto first = first_axis<State>(group);
     for (int i = 0; i < 3; ++i) {
-      mean.block<axes, 1>(first, i) = unit[i] * bodies[body].mean.template segment<axes>(axes * i);
+      mean.block<axes, 1>(first, i) = unit[i] * states[group].mean.template segment<axes>(axes * i);
       for (int j = 0; j < 3; ++j)
         state.covariance.block<axes, axes>(3 * i + first, 3 * j + first) =
             unit[i] * unit[j] *
-            bodies[body].covariance.template block<axes, axes>(axes * i, axes * j);
+            states[group].covariance.template block<axes, axes>(axes * i, axes * j);
     }
   }
   state.position_m = origin_m_ + mean.col(0);
@@ -286,15 +287,15 @@ MotionState Trajectory::in_metres(const Bodies<Body>& bodies) const {
   return state;
 }
 
-bool Trajectory::finite() const {
-  const auto is_finite = [](const auto& body) {
-    return body.mean.allFinite() && body.covariance.allFinite() &&
-           body.covariance.diagonal().minCoeff() > 0.0;
+bool Trajectory::is_finite() const {
+  const auto is_valid = [](const auto& state) {
+    return state.mean.allFinite() && state.covariance.allFinite() &&
+           state.covariance.diagonal().minCoeff() > 0.0;
   };
   return std::visit(
       [&](const auto& knots) {
-        return std::ranges::all_of(knots.smoothed, [&](const auto& bodies) {
-          return std::ranges::all_of(bodies, is_finite);
+        return std::ranges::all_of(knots.smoothed, [&](const auto& states) {
+          return std::ranges::all_of(states, is_valid);
         });
       },
       knots_);

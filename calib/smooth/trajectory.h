@@ -5,81 +5,77 @@
 #include <variant>
 #include <vector>
 
-#include "calib/smooth/body_state.h"
+#include "calib/smooth/kalman_state.h"
 
 namespace touchtrace {
 
-/// One measured position, with the deviation of each axis, of all its errors together.
+/// Measured position with the standard deviation of its total error along each axis.
 struct TrackPoint {
   double time_s;
   Eigen::Vector3d position_m, sigma_m;
 };
 
-/// In order of time; equal times are allowed.
+/// Measurements ordered by time; equal times are allowed.
 using Track = std::vector<TrackPoint>;
 
-/// Times that an event may have had, evenly spaced, and how likely each is: sums over them are
-/// integrals by the trapezoid rule. Where only a guess is known nothing is likely.
-struct LikelyTimes {
+/// Discrete distribution of an event's time on an even grid. Sums over it are integrals by the
+/// trapezoid rule. All zero for a guess.
+struct EventTimeDistribution {
   static constexpr std::size_t count = 13;
-  std::array<double, count> time_s{}, likelihood{};  ///< these sum to 1
+  std::array<double, count> time_s{}, probability{};  ///< probabilities sum to 1
 };
 
-/// Free flight, from the end of contact to its beginning. One that begins when the one before it
-/// lands begins with a hit.
+/// Free flight from the end of contact to its next beginning. A flight that begins when the one
+/// before it lands begins with a hit.
 struct Flight {
   double release_s, landing_s;
-  LikelyTimes likely_releases{}, likely_landings{};
+  EventTimeDistribution release_distribution{}, landing_distribution{};
 };
 
-/// A track with all that is believed of it.
+/// Track with its current estimates of weights, flights and process noise.
 struct WeightedTrack {
   Track points;
-  std::vector<double> weights;  ///< [points] in (0, 1]: they divide the variances
+  std::vector<double> weights;  ///< [points] in (0, 1]; variances are divided by them
   std::vector<Flight> flights;
-  /// [points] Covariance of the jerk up to each point, over the noise's density; empty: the
-  /// identity, and axes are independent.
-  std::vector<Eigen::Matrix3d> jerk = {};
+  /// [points] Covariance of the jerk before each point over the noise's density. Empty: identity,
+  /// and the axes are filtered independently.
+  std::vector<Eigen::Matrix3d> jerk_covariance = {};
 };
 
-/// Where a body is and how it moves, and how well that is known.
+/// Position, velocity and acceleration with their joint covariance.
 struct MotionState {
   Eigen::Vector3d position_m, velocity_m_per_s, acceleration_m_per_s2;
-  /// Of (position, velocity, acceleration), three axes each.
-  Eigen::Matrix<double, 9, 9> covariance;
-
-  /// [3, 3] of one axis' (position, velocity, acceleration).
-  Eigen::Matrix3d axis_covariance(Eigen::Index axis) const;
+  Eigen::Matrix<double, 9, 9> covariance;  ///< order: position, velocity, acceleration
 };
 
-/// Metres and seconds to the units in which numbers are of order one: t / h, p / s from an origin.
+/// Units in which a track's numbers are of order one.
 struct MotionUnits {
   double time_s = 1.0, length_m = 1.0;
-  Eigen::Vector3d usual_sigma = Eigen::Vector3d::Ones();  ///< of each axis, in such units
+  Eigen::Vector3d median_sigma = Eigen::Vector3d::Ones();  ///< of each axis, in `length_m`
 
-  /// The median spacing of `tracks`, and the median deviations of the axes and of these.
+  /// Time: median spacing of `tracks`. Length: median of the axes' median sigmas.
   static MotionUnits of(const std::vector<Track>& tracks);
   MotionNoise<double> scaled(const MotionNoise<double>& noise) const;
   MotionNoise<double> unscaled(const MotionNoise<double>& noise) const;
   double acceleration() const { return length_m / (time_s * time_s); }
 };
 
-/// What is known of a motion before its first measurement; infinite: nothing.
+/// Prior at the first measurement: standard deviations around zero. Infinite: no prior.
 struct InitialMotion {
-  double velocity_m_per_s, acceleration_m_per_s2;  ///< deviations around zero
+  double velocity_sigma_m_per_s, acceleration_sigma_m_per_s2;
 };
 
-/// A measurement as the others and itself foretell it, correlated errors and all.
-struct ForetoldPoint {
+/// Smoothed prediction of a measurement: position plus correlated error.
+struct PredictedMeasurement {
   Eigen::Vector3d position_m, variance_m2;
-  Eigen::Vector3d own_variance_m2;  ///< of the rest of its error, before its weight divides it
+  Eigen::Vector3d white_variance_m2;  ///< of the measurement's white error, not divided by weight
 };
 
 struct ScaledTrack;
 
-/// A smoothed motion: knots at the measurements, states in between by the same prior, exactly.
-/// Filter and Rauch-Tung-Striebel smoother in O(n); covariances are sums of squares, never
-/// differences.
+/// Smoothed motion: Kalman filter and Rauch-Tung-Striebel smoother with states at the measurements,
+/// O(n). States in between follow exactly from the same prior. Covariances are sums of positive
+/// semidefinite terms, never differences.
 class Trajectory {
  public:
   Trajectory() = default;
@@ -87,56 +83,53 @@ class Trajectory {
   Trajectory(const WeightedTrack& track, const MotionNoise<double>& noise,
              const Eigen::Vector3d& gravity_m_per_s2, const InitialMotion& initial);
 
-  bool empty() const { return times_.empty(); }
-  double first_s() const { return origin_s_ + times_.front() * units_.time_s; }
-  double last_s() const { return origin_s_ + times_.back() * units_.time_s; }
-
-  /// From all measurements. Outside [first_s, last_s] the prior continues the motion.
+  /// Estimate from all measurements. Outside their time span the prior extrapolates.
   MotionState smoothed(double time_s) const;
-  /// From the measurements up to `time_s` only; before the first: as `smoothed`.
+  /// Estimate from the measurements up to `time_s`; before the first one as `smoothed`.
   MotionState causal(double time_s) const;
-  /// [points] What each measurement should have been but for the error that no neighbour has.
-  std::vector<ForetoldPoint> foretold() const;
-  /// [points] The covariance that is to be expected, given all measurements, of the jerk up to
-  /// each point, in the units of WeightedTrack::jerk; zero where a flight or nothing says so.
-  std::vector<Eigen::Matrix3d> expected_jerk() const;
-  /// False if a number overflowed or a covariance is not positive.
-  bool finite() const;
+  /// [points] Smoothed predictions of the measurements.
+  std::vector<PredictedMeasurement> predicted_measurements() const;
+  /// [points] Expected covariance of the jerk before each point given all measurements, in the
+  /// units of WeightedTrack::jerk_covariance. Zero if unknown: at the first point and in steps that
+  /// touch a flight or its throwing phases. Needs a track with jerk covariances.
+  std::vector<Eigen::Matrix3d> expected_jerk_covariances() const;
+  /// Whether no number overflowed and all variances are positive.
+  bool is_finite() const;
 
  private:
-  /// Axes one by one where they are independent, else all together.
-  template <class Body>
-  using Bodies = std::array<Body, 3 / Body::axes>;
-  template <class Body>
+  /// Three independent axes, or one state of three coupled axes.
+  template <class State>
+  using States = std::array<State, 3 / State::axes>;
+  template <class State>
   struct Knots {
-    std::vector<Bodies<Body>> filtered, smoothed;
+    std::vector<States<State>> filtered, smoothed;
   };
-  template <Errors errors>
-  using Axis = BodyState<double, 1, errors>;
-  template <Errors errors>
-  using Whole = BodyState<double, 3, errors>;
+  template <ErrorModel errors>
+  using IndependentAxis = KalmanState<double, 1, errors>;
+  template <ErrorModel errors>
+  using CoupledAxes = KalmanState<double, 3, errors>;
 
-  template <Errors errors>
-  void run(const ScaledTrack& points, const InitialMotion& initial);
-  template <class Body>
-  void run_bodies(const ScaledTrack& points, const InitialMotion& initial);
-  template <class Body>
-  Bodies<Body> after(const Bodies<Body>& bodies, double from, double to) const;
-  template <class Body>
-  Bodies<Body> before(const Bodies<Body>& filtered, double from, double to,
-                      const Bodies<Body>& later) const;
-  template <class Body>
-  Bodies<Body> filtered_at(const Knots<Body>& knots, double time) const;
-  template <class Body>
-  Bodies<Body> smoothed_at(const Knots<Body>& knots, double time) const;
-  template <class Body>
-  Bodies<Body> before_the_first(const Knots<Body>& knots, double time) const;
-  template <class Body>
-  MotionState in_metres(const Bodies<Body>& bodies) const;
-  template <class Body>
-  ForetoldPoint foretold(const Bodies<Body>& bodies, std::size_t knot) const;
-  template <class Body>
-  typename Body::Between jerk(double time, std::size_t body) const;
+  template <ErrorModel errors>
+  void solve(const ScaledTrack& points, const InitialMotion& initial);
+  template <class State>
+  void solve_states(const ScaledTrack& points, const InitialMotion& initial);
+  template <class State>
+  States<State> predict(const States<State>& states, double from, double to) const;
+  template <class State>
+  States<State> smooth_step(const States<State>& filtered, double from, double to,
+                            const States<State>& later) const;
+  template <class State>
+  States<State> filtered_at(const Knots<State>& knots, double time) const;
+  template <class State>
+  States<State> smoothed_at(const Knots<State>& knots, double time) const;
+  template <class State>
+  States<State> extrapolate_backwards(const Knots<State>& knots, double time) const;
+  template <class State>
+  MotionState to_metres(const States<State>& states) const;
+  template <class State>
+  PredictedMeasurement predict_measurement(const States<State>& states, std::size_t knot) const;
+  template <class State>
+  typename State::AxisMatrix jerk_covariance_at(double time, std::size_t state) const;
   std::size_t knot_before(double time) const;
 
   MotionUnits units_;
@@ -144,10 +137,11 @@ class Trajectory {
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero(), gravity_ = Eigen::Vector3d::Zero();
   MotionPrior<double> prior_{{}, {}};
   std::vector<double> times_;
-  std::vector<Eigen::Vector3d> correlated_sigma_, own_variance_;
-  std::vector<Eigen::Matrix3d> jerk_;
-  std::variant<Knots<Axis<Errors::white>>, Knots<Whole<Errors::white>>,
-               Knots<Axis<Errors::correlated>>, Knots<Whole<Errors::correlated>>>
+  std::vector<Eigen::Vector3d> correlated_sigma_, white_variance_;
+  std::vector<Eigen::Matrix3d> jerk_covariance_;
+  std::variant<Knots<IndependentAxis<ErrorModel::white>>, Knots<CoupledAxes<ErrorModel::white>>,
+               Knots<IndependentAxis<ErrorModel::correlated>>,
+               Knots<CoupledAxes<ErrorModel::correlated>>>
       knots_;
 };
 

@@ -7,21 +7,28 @@
 namespace touchtrace {
 namespace {
 
-/// Before a release a throw is wound up, but for its last frames; after a landing a hand settles.
-constexpr double winds_up_s = 0.55, releases_s = 0.07, settles_s = 0.3;
-constexpr double fewest_residuals = 100.0;
-/// As smooth as hands are in simulated scenes; less comes of positions that were not measured one
-/// by one.
-constexpr double least_factor = 0.4;
-/// Of a measurement's variance: where less is left to a residual, nothing else foretells it.
-constexpr double least_left = 0.02;
+/// Phases that affect how well the noise model fits; indices of VarianceFactors::phases_.
+enum class Phase { contact, before_throw };
 
-/// Nothing in flight and near its ends.
+/// Before a release: wind-up, whose last part counts as part of the flight. After a landing the
+/// hand settles.
+constexpr double wind_up_duration_s = 0.55, release_margin_s = 0.07, settling_duration_s = 0.3;
+constexpr double min_residuals = 100.0;
+/// Hands in simulated scenes are this smooth; a smaller factor means that the positions were not
+/// measured independently.
+constexpr double min_factor = 0.4;
+/// Of a measurement's variance. If less remains for its residual, no other measurement predicts it.
+constexpr double min_residual_variance_fraction = 0.02;
+
+/// Nullopt in flight and near its ends.
 std::optional<Phase> phase_at(const std::vector<Flight>& flights, double time_s) {
-  Phase phase = Phase::settled;
-  for (const auto& [release_s, landing_s, releases, landings] : flights) {
-    if (time_s > release_s - releases_s && time_s < landing_s + settles_s) return std::nullopt;
-    if (time_s < release_s && time_s > release_s - winds_up_s) phase = Phase::winding_up;
+  Phase phase = Phase::contact;
+  for (const auto& flight : flights) {
+    if (time_s > flight.release_s - release_margin_s &&
+        time_s < flight.landing_s + settling_duration_s)
+      return std::nullopt;
+    if (time_s < flight.release_s && time_s > flight.release_s - wind_up_duration_s)
+      phase = Phase::before_throw;
   }
   return phase;
 }
@@ -29,30 +36,31 @@ std::optional<Phase> phase_at(const std::vector<Flight>& flights, double time_s)
 }  // namespace
 
 double VarianceFactors::Residuals::mean_or_1() const {
-  return count < fewest_residuals ? 1.0 : squares / count;
+  return count < min_residuals ? 1.0 : sum_of_squares / count;
 }
 
-void VarianceFactors::add(const WeightedTrack& track, const Trajectory& trajectory, double usual) {
-  const auto foretold = trajectory.foretold();
-  for (std::size_t i = 0; i < foretold.size(); ++i) {
+void VarianceFactors::add(const WeightedTrack& track, const Trajectory& trajectory,
+                          double expected_mean_square) {
+  const auto predicted = trajectory.predicted_measurements();
+  for (std::size_t i = 0; i < predicted.size(); ++i) {
     const auto phase = phase_at(track.flights, track.points[i].time_s);
     if (!phase) continue;
-    auto& [squares, count] = phases_[static_cast<std::size_t>(*phase)];
+    auto& [sum_of_squares, count] = phases_[static_cast<std::size_t>(*phase)];
     for (int axis = 0; axis < 3; ++axis) {
-      const double variance = foretold[i].own_variance_m2[axis] / track.weights[i],
-                   left = variance - foretold[i].variance_m2[axis],
-                   residual = track.points[i].position_m[axis] - foretold[i].position_m[axis];
-      if (!(left > least_left * variance)) continue;
-      squares += residual * residual / left / usual;
+      const double variance = predicted[i].white_variance_m2[axis] / track.weights[i],
+                   residual_variance = variance - predicted[i].variance_m2[axis],
+                   residual = track.points[i].position_m[axis] - predicted[i].position_m[axis];
+      if (!(residual_variance > min_residual_variance_fraction * variance)) continue;
+      sum_of_squares += residual * residual / residual_variance / expected_mean_square;
       count += 1.0;
     }
   }
 }
 
-void VarianceFactors::add(const VarianceFactors& others) {
+void VarianceFactors::add(const VarianceFactors& other) {
   for (std::size_t i = 0; i < phases_.size(); ++i) {
-    phases_[i].squares += others.phases_[i].squares;
-    phases_[i].count += others.phases_[i].count;
+    phases_[i].sum_of_squares += other.phases_[i].sum_of_squares;
+    phases_[i].count += other.phases_[i].count;
   }
 }
 
@@ -60,7 +68,7 @@ double VarianceFactors::at(const std::vector<Flight>& flights, double time_s) co
   const auto phase = phase_at(flights, time_s);
   if (!phase) return 1.0;
   const double factor = phases_[static_cast<std::size_t>(*phase)].mean_or_1();
-  return std::max(*phase == Phase::settled ? least_factor : 1.0, factor);
+  return std::max(*phase == Phase::contact ? min_factor : 1.0, factor);
 }
 
 }  // namespace touchtrace

@@ -7,33 +7,28 @@
 
 namespace touchtrace {
 
-/// How a body moves, as far as it matters to how true covariances are.
-enum class Phase {
-  settled,    ///< in touch, and not about to be thrown
-  winding_up  ///< about to be thrown
-};
-
-/// By how much smoothed covariances are too large or too small: the mean square of studentised
-/// residuals (the variance of unit weight; Baarda 1968), of each phase its own. It is 1 if noise is
-/// what it is taken for. A hand moves more smoothly between frames than noise on jerk does that
-/// foretells the next frame best, and before a throw less so: there are pushes of a few
-/// milliseconds, and as they may leave no trace in a residual, no covariance is made smaller there.
-/// In flight, at its ends and shortly after them covariances stay as they are.
+/// Scale factors of smoothed covariances: mean squares of studentised residuals (variance of unit
+/// weight; Baarda 1968), one per phase. 1 if the noise model is correct. Between frames a hand
+/// moves more smoothly than the noise on jerk that predicts the next frame best, so its factor is
+/// below 1. Before a throw it is not: pushes of a few milliseconds may leave no trace in a
+/// residual, so no covariance is reduced there. In flight, at its ends and shortly after it the
+/// factor is 1.
 class VarianceFactors {
  public:
-  /// `trajectory`: of `track`; `usual`: the mean square where noise is what it is taken for.
-  void add(const WeightedTrack& track, const Trajectory& trajectory, double usual);
-  void add(const VarianceFactors& others);
+  /// Adds the residuals of `track`, whose smoothed motion is `trajectory`. `expected_mean_square`:
+  /// their mean square if the noise model is correct.
+  void add(const WeightedTrack& track, const Trajectory& trajectory, double expected_mean_square);
+  void add(const VarianceFactors& other);
 
-  /// Of a motion with such flights.
+  /// Factor at a time of a motion with these flights.
   double at(const std::vector<Flight>& flights, double time_s) const;
 
  private:
   struct Residuals {
-    double squares = 0.0, count = 0.0;
+    double sum_of_squares = 0.0, count = 0.0;
     double mean_or_1() const;
   };
-  std::array<Residuals, 2> phases_;
+  std::array<Residuals, 2> phases_;  ///< contact, before a throw
 };
 
 }  // namespace touchtrace

@@ -127,7 +127,7 @@ std::vector<std::string> tracker_names() {
 nlohmann::json clock_summary(const ClockFit& clock) {
   return {{"offset_s", clock.offset_s},
           {"drift_ppm", clock.drift_ppm()},
-          {"drift_deviation_ppm", 1e6 * clock.rate_deviation},
+          {"drift_deviation_ppm", 1e6 * clock.rate_sigma},
           {"mean_delay_s", clock.mean_delay_s}};
 }
 

@@ -61,7 +61,7 @@ Variances object_systematic(double time_s, const ClipTrack& track,
   Variances variances = Variances::Zero();
   variances.head<3>().setConstant(track.object_middle_sigma_m * track.object_middle_sigma_m);
   if (!nearest) return variances;
-  variances.head<3>() += noise.left_share() * nearest->sigma_m.cwiseAbs2();
+  variances.head<3>() += noise.unexplained_variance_fraction() * nearest->sigma_m.cwiseAbs2();
   if (nearest->follows_hand) {
     variances.head<3>().array() += std::pow(hidden_systematic_m, 2);
     variances.tail<3>().array() += std::pow(hidden_systematic_m / hidden_systematic_s, 2);
@@ -128,12 +128,12 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
   SmoothOptions of_hand;
   of_hand.gravity_m_per_s2 = gravity_m_per_s2;
   of_hand.initial = initial_motion;
-  of_hand.threads = threads;
+  of_hand.num_threads = threads;
   SmoothOptions of_object = of_hand;
   if (bounces)
     of_object.noise = bouncing_ball();
   else
-    of_object.release_s = hand_opens_s;
+    of_object.release_duration_s = hand_opens_s;
   SmoothedBodies bodies;
   parallel_for(2, threads, [&](std::size_t body) {
     if (body == 0)

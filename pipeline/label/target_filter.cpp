@@ -32,12 +32,12 @@ void TargetFilter::start(const Eigen::Vector3d& position_m, double sigma_m) {
 void TargetFilter::predict(double seconds, bool falling, const Eigen::Vector3d& gravity_m_per_s2) {
   const auto step = coast(seconds, falling ? falling_density : hand_density, falling);
   for (std::size_t axis = 0; axis < 3; ++axis)
-    axes_[axis] = axes_[axis].after(step, gravity_m_per_s2[static_cast<Eigen::Index>(axis)]);
+    axes_[axis] = axes_[axis].predict(step, gravity_m_per_s2[static_cast<Eigen::Index>(axis)]);
 }
 
 void TargetFilter::measure(const Eigen::Vector3d& position_m, double sigma_m) {
   for (std::size_t axis = 0; axis < 3; ++axis)
-    axes_[axis].measure(position_m[static_cast<Eigen::Index>(axis)], sigma_m * sigma_m);
+    axes_[axis].update(position_m[static_cast<Eigen::Index>(axis)], sigma_m * sigma_m);
 }
 
 Eigen::Vector3d TargetFilter::position_m() const {

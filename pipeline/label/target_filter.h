@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "calib/smooth/body_state.h"
+#include "calib/smooth/kalman_state.h"
 
 namespace touchtrace::label {
 

@@ -14,7 +14,7 @@ struct Stamps {
   std::vector<double> device_s, host_s;
 };
 
-/// Stamps with exponential delays over `latency_s`, 3 % lost.
+/// Stamps with exponential delays above `latency_s`; 3 % are lost.
 Stamps stamps(double seconds, double rate_hz, double offset_s, double drift_ppm, double latency_s,
               double jitter_s, std::uint64_t seed) {
   RandomStream random(seed, "stamps");
@@ -29,7 +29,7 @@ Stamps stamps(double seconds, double rate_hz, double offset_s, double drift_ppm,
   return result;
 }
 
-TEST(Clock, FindsOffsetAndDriftUpToTheLeastLatency) {
+TEST(Clock, EstimatesOffsetAndDriftUpToTheMinimumLatency) {
   double offset_squares = 0.0, drift_squares = 0.0;
   constexpr int runs = 40;
   for (int run = 0; run < runs; ++run) {
@@ -43,21 +43,22 @@ TEST(Clock, FindsOffsetAndDriftUpToTheLeastLatency) {
   EXPECT_LT(std::sqrt(drift_squares / runs), 20.0);
 }
 
-TEST(Clock, LineLiesBelowEveryStamp) {
+TEST(Clock, LineIsBelowEveryStamp) {
   const auto s = stamps(30.0, 20.0, -3.0, -80.0, 0.0, 0.01, 9);
   const auto fit = fit_clock(s.device_s, s.host_s);
   for (std::size_t i = 0; i < s.device_s.size(); ++i)
     EXPECT_GE(s.host_s[i] - fit.host_time_s(s.device_s[i]), -1e-9);
 }
 
-TEST(Clock, FewStampsGiveAnOffset) {
+TEST(Clock, FitsOnlyTheOffsetOfFewStamps) {
   const auto fit = fit_clock({1.0, 2.0}, {11.5, 12.1});
   EXPECT_EQ(fit.rate, 1.0);
   EXPECT_NEAR(fit.offset_s, 10.1, 1e-12);
 }
 
-TEST(Clock, RefusesWhatIsNoClock) {
+TEST(Clock, RejectsMissingEqualAndNonFiniteStamps) {
   EXPECT_THROW(fit_clock({}, {}), Error);
+  EXPECT_THROW(fit_clock({1.0, 2.0}, {2.0}), Error);
   EXPECT_THROW(fit_clock({1.0, 1.0}, {2.0, 3.0}), Error);
   EXPECT_THROW(fit_clock({1.0, 2.0}, {2.0, NAN}), Error);
 }

@@ -9,9 +9,9 @@
 namespace touchtrace {
 namespace {
 
-/// A motion drawn from the prior itself, and its measurements.
+/// Motion drawn from the prior, with its measurements.
 struct PriorMotion {
-  std::vector<Eigen::Matrix3d> states;  ///< rows p, v, a; a column an axis
+  std::vector<Eigen::Matrix3d> states;  ///< [p v a, axes]
   Track track;
 };
 
@@ -32,17 +32,18 @@ PriorMotion draw_motion(int frames, double jerk_density, double sigma_m, std::ui
   return motion;
 }
 
-/// What was found of the noise, and how true velocities' intervals are.
-struct Found {
+/// Estimated noise and calibration of the velocities' covariances.
+struct Calibration {
   MotionNoise<double> noise;
-  double covered = 0.0, nees = 0.0;  ///< share in their 80 % intervals; 1 if covariances are true
+  double coverage = 0.0;  ///< fraction of velocities inside their 80 % intervals
+  double nees = 0.0;      ///< normalised estimation error squared per axis; 1 if calibrated
 };
 
-Found smooth_motions(const std::vector<PriorMotion>& motions, const SmoothOptions& options) {
+Calibration smooth_motions(const std::vector<PriorMotion>& motions, const SmoothOptions& options) {
   std::vector<Track> tracks;
   for (const auto& motion : motions) tracks.push_back(motion.track);
   const auto smoothed = smooth(tracks, std::vector<std::vector<Flight>>(tracks.size()), options);
-  Found found{smoothed.noise};
+  Calibration found{smoothed.noise};
   double count = 0.0;
   for (std::size_t k = 0; k < tracks.size(); ++k)
     for (std::size_t i = 0; i < tracks[k].size(); ++i) {
@@ -52,33 +53,35 @@ Found smooth_motions(const std::vector<PriorMotion>& motions, const SmoothOption
       const Eigen::Matrix3d covariance = estimate.covariance.block<3, 3>(3, 3);
       found.nees += error.dot(covariance.llt().solve(error));
       for (int axis = 0; axis < 3; ++axis, ++count)
-        found.covered += std::abs(error[axis]) < 1.28155 * std::sqrt(covariance(axis, axis));
+        found.coverage += std::abs(error[axis]) < 1.28155 * std::sqrt(covariance(axis, axis));
     }
   found.nees /= count;
-  found.covered /= count;
+  found.coverage /= count;
   return found;
 }
 
-TEST(SmoothIntervals, AreTrueForAMotionOfThePrior) {
+TEST(SmoothIntervals, AreCalibratedForMotionsOfThePrior) {
   std::vector<PriorMotion> motions;
   for (std::uint64_t seed = 0; seed < 40; ++seed)
     motions.push_back(draw_motion(100, 100.0, 0.002, seed));
   SmoothOptions options;
   options.robust = false;
-  const Found found = smooth_motions(motions, options);
+  const Calibration found = smooth_motions(motions, options);
   EXPECT_NEAR(found.noise.jerk_density, 100.0, 5.0);
   EXPECT_NEAR(found.noise.measurement_scale, 1.0, 0.03);
-  // 12000 intervals, neighbours correlated over about 4: a deviation of 0.7 %
-  EXPECT_NEAR(found.covered, 0.80, 0.02);
+  // 12000 intervals, correlated over about 4: standard error sqrt(.8 .2 4 / 12000) = 0.7 %; 3 of
+  // these
+  EXPECT_NEAR(found.coverage, 0.80, 0.02);
 }
 
-TEST(SmoothIntervals, AreTrueWhereNoiseHidesMostOfTheMotion) {
+TEST(SmoothIntervals, AreCalibratedWhereNoiseHidesMostOfTheMotion) {
   std::vector<PriorMotion> motions;
   for (std::uint64_t seed = 0; seed < 3; ++seed)
     motions.push_back(draw_motion(200, 1.6, 0.001, seed));
-  const Found found = smooth_motions(motions, {});
-  // 1800 intervals, neighbours correlated over about 8: deviations of 2.7 % and 0.1; 3 of these
-  EXPECT_NEAR(found.covered, 0.80, 0.08);
+  const Calibration found = smooth_motions(motions, {});
+  // 1800 intervals, correlated over about 8: standard errors sqrt(.8 .2 8 / 1800) = 2.7 % and
+  // sqrt(2 8 / 1800) = 0.1; 3 of these
+  EXPECT_NEAR(found.coverage, 0.80, 0.08);
   EXPECT_NEAR(found.nees, 1.0, 0.3);
 }
 

@@ -1,10 +1,10 @@
-// The tracks that `touchtrace-verify labels` smooths, with their truth and what is made of them,
-// for peers to smooth the same:
+// Prints the tracks that `touchtrace-verify labels` smooths with their truth and the smoothed
+// result, so that other smoothers can be compared on the same data:
 //
 //   smoothing_tracks wave|throw|pingpong
 //
 // prints {"cpu_s", "clips": [{"time_s" [frames], "position_m", "true_velocity_m_per_s",
-// "velocity_m_per_s" [frames, 3], "landings_s"}...]}; cpu_s: the processor time of smoothing.
+// "velocity_m_per_s" [frames, 3], "landings_s"}...]}; cpu_s: CPU time of smoothing.
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>

@@ -14,8 +14,8 @@ Track without_errors(const SyntheticMotion& motion, Track track) {
   return track;
 }
 
-/// -log likelihood of measurements without errors, of which that with errors differs on average by
-/// a constant: its curvature is the information.
+/// Negative log-likelihood of error-free measurements. With errors its mean differs by a constant,
+/// so its curvature is the Fisher information.
 class ExpectedCost {
  public:
   ExpectedCost(const Track& track, const MotionNoise<double>& noise, const SmoothOptions& options)
@@ -28,7 +28,7 @@ class ExpectedCost {
 
   double operator()(const std::vector<Flight>& flights) const {
     const MotionPrior<double> prior(noise_, contact_events(flights, origin_s_, units_.time_s));
-    return innovation_cost(track_, prior, gravity_, initial_);
+    return negative_log_likelihood(track_, prior, gravity_, initial_);
   }
 
  private:
@@ -40,7 +40,7 @@ class ExpectedCost {
   InitialMotion initial_;
 };
 
-/// A hit moves both flights' times.
+/// A hit is the end of one flight and the beginning of the next: both move.
 std::vector<Flight> with_landing_moved(std::vector<Flight> flights, std::size_t which,
                                        double by_s) {
   const bool hit =
@@ -52,31 +52,31 @@ std::vector<Flight> with_landing_moved(std::vector<Flight> flights, std::size_t 
 
 }  // namespace
 
-std::vector<double> least_landing_deviations_s(const SyntheticMotion& motion, const Track& track,
-                                               const MotionNoise<double>& noise,
-                                               const SmoothOptions& options) {
+std::vector<double> landing_sigma_bounds_s(const SyntheticMotion& motion, const Track& track,
+                                           const MotionNoise<double>& noise,
+                                           const SmoothOptions& options) {
   const ExpectedCost cost(without_errors(motion, track), noise, options);
-  const double middle = cost(motion.flights);
+  const double center = cost(motion.flights);
   std::vector<double> result;
   for (std::size_t i = 0; i < motion.flights.size(); ++i) {
     const double information =
         (cost(with_landing_moved(motion.flights, i, difference_s)) +
-         cost(with_landing_moved(motion.flights, i, -difference_s)) - 2.0 * middle) /
+         cost(with_landing_moved(motion.flights, i, -difference_s)) - 2.0 * center) /
         (difference_s * difference_s);
     result.push_back(1.0 / std::sqrt(information));
   }
   return result;
 }
 
-double least_velocity_rms(double known_rms, const SyntheticMotion& motion,
-                          const std::vector<double>& deviations_s) {
+double velocity_rms_bound(double known_rms, const SyntheticMotion& motion,
+                          const std::vector<double>& sigmas_s) {
   double squares = 0.0;
-  for (std::size_t i = 0; i < deviations_s.size(); ++i) {
+  for (std::size_t i = 0; i < sigmas_s.size(); ++i) {
     const double landing_s = motion.flights[i].landing_s;
-    if (!std::isfinite(deviations_s[i])) continue;  // after the last frame
+    if (!std::isfinite(sigmas_s[i])) continue;  // after the last frame
     const Eigen::Vector3d jump =
         motion.velocity_at(landing_s) - motion.velocity_at(landing_s - 2.0 * motion.step_s);
-    squares += jump.squaredNorm() * deviations_s[i] / std::sqrt(M_PI);
+    squares += jump.squaredNorm() * sigmas_s[i] / std::sqrt(M_PI);
   }
   return std::sqrt(known_rms * known_rms + squares / (3.0 * motion.seconds()));
 }

@@ -5,18 +5,17 @@
 
 namespace touchtrace {
 
-/// The least deviation with which any unbiased estimate finds the time of each flight's landing
-/// [flights, s], by Cramer and Rao: all else of the motion is as `noise` says, and every other
-/// event's time is known.
-std::vector<double> least_landing_deviations_s(const SyntheticMotion& motion, const Track& track,
-                                               const MotionNoise<double>& noise,
-                                               const SmoothOptions& options);
+/// [flights] Cramer-Rao bounds of the landing times' standard deviations [s] for a motion with the
+/// given noise and all other event times known.
+std::vector<double> landing_sigma_bounds_s(const SyntheticMotion& motion, const Track& track,
+                                           const MotionNoise<double>& noise,
+                                           const SmoothOptions& options);
 
-/// The least RMS of velocity at a camera's frames [m/s], `known_rms` if times of impacts were
-/// known. A frame next to an impact, whose time is normal with deviation s, may lie before or after
-/// it, and the best guess leaves J^2 P (1 - P) of the jump J: J^2 s / sqrt(pi) over all places of a
-/// frame.
-double least_velocity_rms(double known_rms, const SyntheticMotion& motion,
-                          const std::vector<double>& deviations_s);
+/// Lower bound of the velocity RMS at camera frames [m/s]; `known_rms`: the RMS if impact times
+/// were known. A frame near an impact, whose time is normally distributed with standard deviation
+/// s, may be before or after it: the best estimate leaves J^2 P (1 - P) of the velocity jump J,
+/// which integrates to J^2 s / sqrt(pi) over the frame's time.
+double velocity_rms_bound(double known_rms, const SyntheticMotion& motion,
+                          const std::vector<double>& sigmas_s);
 
 }  // namespace touchtrace

@@ -15,12 +15,13 @@ Track wave() { return measure(synthetic_wave(track_s, 1), 1.0 / frame_s, 0.002, 
 
 SmoothOptions linear(double jerk_density) {
   SmoothOptions options;
-  options.fit_noise = options.robust = false;
+  options.estimate_noise = options.robust = false;
   options.noise.jerk_density = jerk_density;
   return options;
 }
 
-/// The largest distance of the motion in other units, given in metres and seconds.
+/// Largest difference [m, m/s] between the motion smoothed in other units and in metres and
+/// seconds.
 double difference_in_units(double meters, double units_of_time, double origin_s) {
   const auto reference = smooth(wave(), linear(usual_density));
   const auto other = smooth(rescaled(wave(), meters, units_of_time, origin_s),
@@ -34,8 +35,8 @@ double difference_in_units(double meters, double units_of_time, double origin_s)
   return worst;
 }
 
-/// Said to have converged, but not finite, less certain than a measurement, or more than a
-/// measurement's few deviations and the motion's extent away.
+/// Whether a track is reported as converged although a state is not finite, less certain than a
+/// measurement, or farther away than the motion's extent.
 bool is_silently_wrong(const SmoothedTrack& smoothed, const Track& track) {
   if (smoothed.status != SmoothStatus::converged) return false;
   return !std::ranges::all_of(track, [&](const TrackPoint& point) {
@@ -47,8 +48,8 @@ bool is_silently_wrong(const SmoothedTrack& smoothed, const Track& track) {
   });
 }
 
-/// Two frames at one time, two a nanosecond apart, and half of the recording missing.
-Track spoilt(double sigma_m) {
+/// Two frames at the same time, two a nanosecond apart, and half of the recording missing.
+Track degraded_wave(double sigma_m) {
   auto track = wave();
   for (auto& point : track) point.sigma_m.setConstant(sigma_m);
   track[20].time_s = track[19].time_s;
@@ -62,15 +63,16 @@ void measure_stiffness(const std::function<void(Figure)>& emit) {
   for (int noise = -6; noise <= 6; noise += 3)
     for (int ratio = -9; ratio <= 9; ratio += 3) {
       const double sigma = std::pow(10.0, noise);
-      const auto track = spoilt(sigma);
+      const auto track = degraded_wave(sigma);
       const auto smoothed =
           smooth(track, linear(std::pow(10.0, ratio) * sigma * sigma / std::pow(frame_s, 5)));
       wrong += is_silently_wrong(smoothed, track);
       refused += smoothed.status != SmoothStatus::converged;
     }
-  emit(at_most("noise 1e-6 to 1e6, prior to data 1e-9 to 1e9, equal times, gap: wrong, unsaid",
-               wrong, "of 35", 0.0));
-  emit(reported("the same: refused", refused, "of 35"));
+  emit(
+      at_most("noise 1e-6 to 1e6, prior to data 1e-9 to 1e9, equal times, gap: wrong but converged",
+              wrong, "of 35", 0.0));
+  emit(reported("the same: not converged", refused, "of 35"));
 }
 
 void measure_few_samples(const std::function<void(Figure)>& emit) {
@@ -81,7 +83,7 @@ void measure_few_samples(const std::function<void(Figure)>& emit) {
     const auto smoothed = smooth(few, {});
     wrong += smoothed.status != SmoothStatus::converged || is_silently_wrong(smoothed, few);
   }
-  emit(at_most("0, 1 and 2 samples: neither states nor a named refusal", wrong, "of 3", 0.0));
+  emit(at_most("0, 1 and 2 samples: neither states nor an error status", wrong, "of 3", 0.0));
 }
 
 }  // namespace
@@ -90,9 +92,10 @@ void measure_extremes(const std::function<void(Figure)>& emit) {
   double worst = 0.0;
   for (const auto& [meters, units_of_time] : {std::pair{1e3, 1.0}, {1.0, 1e3}, {1e3, 1e3}})
     worst = std::max(worst, difference_in_units(meters, units_of_time, 0.0));
-  emit(at_most("millimetres and milliseconds against metres and seconds", worst, "m, m/s", 1e-9));
-  // doubles there are 2.4e-7 s apart: at 2 m/s and 30 m/s^2 as many half micrometres, 7e-6 m/s
-  emit(at_most("times since the epoch against times from zero",
+  emit(at_most("millimetres and milliseconds compared with metres and seconds", worst, "m, m/s",
+               1e-9));
+  // spacing of doubles 2.4e-7 s: 5e-7 m at 2 m/s, 7e-6 m/s at 30 m/s^2
+  emit(at_most("times since the epoch compared with times from zero",
                difference_in_units(1.0, 1.0, 1.7e9), "m, m/s", 1e-5));
   measure_stiffness(emit);
   measure_few_samples(emit);

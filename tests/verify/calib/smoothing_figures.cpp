@@ -20,7 +20,7 @@ using Emit = std::function<void(Figure)>;
 
 constexpr double edge_s = 0.5, impact_s = 0.005;
 
-/// Velocity is two-valued at an impact, and next to it whoever errs by a millisecond errs wholly.
+/// Velocity jumps at an impact: near it an error of a millisecond in time is an error of the jump.
 bool is_next_to_impact(const SyntheticMotion& motion, double time_s) {
   return std::ranges::any_of(motion.flights, [&](const Flight& flight) {
     return std::abs(flight.landing_s - time_s) < impact_s;
@@ -32,8 +32,8 @@ bool counts(const SyntheticMotion& motion, double time_s, bool with_impacts) {
          (with_impacts || !is_next_to_impact(motion, time_s));
 }
 
-/// [3, clips] Mean squared errors of an estimate of velocity at the camera's frames, a track's ends
-/// left out, over the frames of all clips.
+/// [3, clips] Squared errors of estimated velocities at camera frames, except a track's ends, over
+/// the number of frames of all clips.
 template <class Velocity>
 Eigen::Array3Xd velocity_squares(const SmoothingSample& data, bool with_impacts,
                                  Velocity&& velocity) {
@@ -57,7 +57,7 @@ double velocity_rms(const SmoothingSample& data, bool with_impacts, Velocity&& v
   return rms_of(velocity_squares(data, with_impacts, velocity));
 }
 
-/// Derivative at the middle of a least-squares polynomial over 2 `half` + 1 frames.
+/// Derivative at the centre of a least-squares polynomial over 2 `half` + 1 frames.
 double savitzky_golay_rms(const SmoothingSample& data, bool with_impacts, int half, int degree) {
   Eigen::MatrixXd powers(2 * half + 1, degree + 1);
   for (int i = -half; i <= half; ++i)
@@ -73,7 +73,7 @@ double savitzky_golay_rms(const SmoothingSample& data, bool with_impacts, int ha
   });
 }
 
-/// The best window and degree, as only an oracle knows them.
+/// With the best window and degree given the truth.
 double best_savitzky_golay_rms(const SmoothingSample& data, bool with_impacts) {
   double best = savitzky_golay_rms(data, with_impacts, 1, 2);  // the central difference
   for (int half = 2; half <= 6; ++half)
@@ -82,14 +82,14 @@ double best_savitzky_golay_rms(const SmoothingSample& data, bool with_impacts) {
   return best;
 }
 
-/// Rauch, Tung and Striebel with one jerk density for each clip and axis, the best as only an
-/// oracle knows it: no worse than a quintic spline, which has the same prior, by cross-validation.
+/// Rauch-Tung-Striebel smoother with constant jerk density, the best for each clip and axis given
+/// the truth: no worse than a quintic spline with cross-validation, which has the same prior.
 double best_constant_rms(const SmoothingSample& data, bool with_impacts) {
   Eigen::Array3Xd best =
       Eigen::Array3Xd::Constant(3, SmoothingSample::clips, std::numeric_limits<double>::infinity());
   for (double decade = -1.0; decade <= 5.0; decade += 0.25) {
     SmoothOptions options;
-    options.fit_noise = options.robust = false;
+    options.estimate_noise = options.robust = false;
     options.noise.jerk_density = std::pow(10.0, decade);
     std::vector<SmoothedTrack> smoothed;
     for (const auto& track : data.tracks) smoothed.push_back(smooth(track, options));
@@ -100,7 +100,7 @@ double best_constant_rms(const SmoothingSample& data, bool with_impacts) {
   return rms_of(best);
 }
 
-/// Returns the best peer's error.
+/// Emits velocity errors and their ratio to the best peer's, which is returned.
 double emit_errors(const std::string& name, const SmoothingSample& data,
                    const SmoothedTracks& smoothed, bool with_impacts, std::optional<double> goal,
                    const Emit& emit) {
@@ -109,8 +109,8 @@ double emit_errors(const std::string& name, const SmoothingSample& data,
   });
   const double golay = best_savitzky_golay_rms(data, with_impacts),
                constant = best_constant_rms(data, with_impacts);
-  emit(reported(name + ": velocity RMS, Savitzky-Golay by oracle", golay, "m/s"));
-  emit(reported(name + ": velocity RMS, RTS by oracle for each axis", constant, "m/s"));
+  emit(reported(name + ": velocity RMS, best Savitzky-Golay", golay, "m/s"));
+  emit(reported(name + ": velocity RMS, best constant-noise RTS per axis", constant, "m/s"));
   emit(reported(name + ": velocity RMS, smoothed", ours, "m/s"));
   const double ratio = ours / std::min(golay, constant);
   const std::string title = name + ": smoothed over best peer";
@@ -118,7 +118,7 @@ double emit_errors(const std::string& name, const SmoothingSample& data,
   return std::min(golay, constant);
 }
 
-/// What no estimate of impacts' times can go below.
+/// Emits the Cramer-Rao bounds of impact times and of the velocity error that they imply.
 void emit_bound(const std::string& name, const SmoothingSample& data,
                 const MotionNoise<double>& noise, double peer, const Emit& emit) {
   SmoothOptions options;
@@ -131,23 +131,24 @@ void emit_bound(const std::string& name, const SmoothingSample& data,
   const double known_rms = velocity_rms(data, false, [&](std::size_t clip, std::size_t i) {
     return known[clip].smoothed(data.tracks[clip][i].time_s).velocity_m_per_s;
   });
-  double squares = 0.0, deviations = 0.0, seen = 0.0;
+  double squares = 0.0, sum_s = 0.0, count = 0.0;
   for (std::size_t clip = 0; clip < data.tracks.size(); ++clip) {
-    const auto least_s =
-        least_landing_deviations_s(data.motions[clip], data.tracks[clip], noise, options);
-    squares += std::pow(least_velocity_rms(known_rms, data.motions[clip], least_s), 2);
-    for (double deviation_s : least_s)
-      if (std::isfinite(deviation_s)) deviations += deviation_s, ++seen;
+    const auto bounds_s =
+        landing_sigma_bounds_s(data.motions[clip], data.tracks[clip], noise, options);
+    squares += std::pow(velocity_rms_bound(known_rms, data.motions[clip], bounds_s), 2);
+    for (double bound_s : bounds_s)
+      if (std::isfinite(bound_s)) sum_s += bound_s, ++count;
   }
-  emit(reported(name + ": impacts' times, Cramer-Rao, mean", 1e3 * deviations / seen, "ms"));
-  emit(reported(name + ": least ratio that these leave",
+  emit(reported(name + ": impact times, mean Cramer-Rao bound", 1e3 * sum_s / count, "ms"));
+  emit(reported(name + ": bound of the ratio to the best peer",
                 std::sqrt(squares / SmoothingSample::clips) / peer, ""));
 }
 
-/// Shares of positions and velocities within their 80 % intervals, and NEES over its six.
+/// Emits the coverage of 80 % intervals of positions and velocities, and their NEES over its six
+/// degrees of freedom.
 void emit_intervals(const std::string& name, const SmoothingSample& data,
                     const SmoothedTracks& smoothed, const Emit& emit) {
-  constexpr double deviations_of_80_percent = 1.28155;
+  constexpr double sigmas_of_80_percent = 1.28155;
   double position = 0.0, velocity = 0.0, nees = 0.0, count = 0.0;
   for (std::size_t clip = 0; clip < data.tracks.size(); ++clip)
     for (double t = edge_s; t < SmoothingSample::clip_s - edge_s; t += 0.0671, count += 1.0) {
@@ -158,7 +159,7 @@ void emit_intervals(const std::string& name, const SmoothingSample& data,
       const Eigen::Matrix<double, 6, 6> covariance = state.covariance.topLeftCorner<6, 6>();
       for (int i = 0; i < 6; ++i)
         (i < 3 ? position : velocity) +=
-            (std::abs(error[i]) < deviations_of_80_percent * std::sqrt(covariance(i, i))) / 3.0;
+            (std::abs(error[i]) < sigmas_of_80_percent * std::sqrt(covariance(i, i))) / 3.0;
       nees += error.dot(covariance.ldlt().solve(error)) / 6.0;
     }
   emit(within(name + ": positions in their 80 % interval", position / count, "", 0.78, 0.82));
@@ -185,11 +186,11 @@ void measure_flights(const std::string& name, SyntheticMotion (*make)(double, st
   emit_intervals(name + ", 2 mm", data, smoothed, emit);
 }
 
-enum class Spoilt { heavy_tails, correlated, gaps };
+enum class ErrorKind { heavy_tails, correlated, gaps };
 
-/// Errors as labelling has them: Student's t of four degrees; half of the variance with neighbours,
-/// over 0.2 s; a second lost in every five.
-SmoothingSample spoilt(SmoothingSample data, Spoilt how) {
+/// Replaces the errors by ones that labelling has: Student's t with four degrees of freedom; half
+/// of the variance correlated over 0.2 s; white, with one second in five missing.
+SmoothingSample with_errors(SmoothingSample data, ErrorKind kind) {
   for (std::size_t clip = 0; clip < data.tracks.size(); ++clip) {
     RandomStream random(clip, "spoilt track");
     const auto normal = [&] {
@@ -197,26 +198,26 @@ SmoothingSample spoilt(SmoothingSample data, Spoilt how) {
     };
     Track track;
     Eigen::Vector3d common = normal();
-    const double kept = std::exp(-1.0 / (SmoothingSample::rate_hz * 0.2));
+    const double decay = std::exp(-1.0 / (SmoothingSample::rate_hz * 0.2));
     for (auto point : data.tracks[clip]) {
       const Eigen::Vector3d white = normal();
-      common = kept * common + std::sqrt(1.0 - kept * kept) * normal();
+      common = decay * common + std::sqrt(1.0 - decay * decay) * normal();
       const double chi2 = normal().squaredNorm() + std::pow(random.normal(), 2);
       Eigen::Vector3d error = SmoothingSample::noise_m * white;
-      if (how == Spoilt::heavy_tails) error *= std::sqrt(2.0 / chi2);  // of deviation 1
-      if (how == Spoilt::correlated)
+      if (kind == ErrorKind::heavy_tails) error *= std::sqrt(2.0 / chi2);  // unit variance
+      if (kind == ErrorKind::correlated)
         error = SmoothingSample::noise_m * std::sqrt(0.5) * (white + common);
       point.position_m = data.motions[clip].position_at(point.time_s) + error;
-      if (how != Spoilt::gaps || std::fmod(point.time_s, 5.0) > 1.0) track.push_back(point);
+      if (kind != ErrorKind::gaps || std::fmod(point.time_s, 5.0) > 1.0) track.push_back(point);
     }
     data.tracks[clip] = track;
   }
   return data;
 }
 
-void measure_spoilt(const std::string& name, const SmoothingSample& sample, Spoilt how,
-                    const MotionNoise<double>& noise, const Emit& emit) {
-  const auto data = spoilt(sample, how);
+void measure_with_errors(const std::string& name, const SmoothingSample& sample, ErrorKind kind,
+                         const MotionNoise<double>& noise, const Emit& emit) {
+  const auto data = with_errors(sample, kind);
   SmoothOptions options;
   options.noise = noise;
   emit_intervals(name, data, smooth(data.tracks, data.flights, options), emit);
@@ -243,7 +244,7 @@ void measure_clock(const Emit& emit) {
   emit(at_most("clock drift over 120 s", std::sqrt(drift), "ppm", 20.0));
 }
 
-void measure_speed(const std::string& name, double knots, double most_s, const Emit& emit) {
+void measure_speed(const std::string& name, double knots, double max_s, const Emit& emit) {
   const auto track = measure(synthetic_wave(knots / SmoothingSample::rate_hz, 1),
                              SmoothingSample::rate_hz, SmoothingSample::noise_m, 1);
   const double unknown = std::numeric_limits<double>::infinity();
@@ -251,8 +252,8 @@ void measure_speed(const std::string& name, double knots, double most_s, const E
   const Trajectory trajectory({track, std::vector<double>(track.size(), 1.0), {}}, {},
                               {0.0, 9.81, 0.0}, {unknown, unknown});
   const double seconds = stopwatch.cpu_seconds();
-  emit(at_most(name + " knots with covariance, processor time", trajectory.finite() ? seconds : NAN,
-               "s", most_s));
+  emit(at_most(name + " knots with covariance, CPU time", trajectory.is_finite() ? seconds : NAN,
+               "s", max_s));
 }
 
 }  // namespace
@@ -262,13 +263,13 @@ void measure_smoothing(const Emit& emit) {
   measure_flights("throw", synthetic_throw, {}, 0.5, emit);
   measure_flights("pingpong", synthetic_pingpong, bouncing_ball(), 0.05, emit);
   const auto wave = smoothing_sample(synthetic_wave);
-  measure_spoilt("wave, heavy tails", wave, Spoilt::heavy_tails, {}, emit);
-  measure_spoilt("wave, correlated errors", wave, Spoilt::correlated, {}, emit);
-  measure_spoilt("throw, correlated errors", smoothing_sample(synthetic_throw), Spoilt::correlated,
-                 {}, emit);
-  measure_spoilt("pingpong, correlated errors", smoothing_sample(synthetic_pingpong),
-                 Spoilt::correlated, bouncing_ball(), emit);
-  measure_spoilt("wave, gaps", wave, Spoilt::gaps, {}, emit);
+  measure_with_errors("wave, heavy tails", wave, ErrorKind::heavy_tails, {}, emit);
+  measure_with_errors("wave, correlated errors", wave, ErrorKind::correlated, {}, emit);
+  measure_with_errors("throw, correlated errors", smoothing_sample(synthetic_throw),
+                      ErrorKind::correlated, {}, emit);
+  measure_with_errors("pingpong, correlated errors", smoothing_sample(synthetic_pingpong),
+                      ErrorKind::correlated, bouncing_ball(), emit);
+  measure_with_errors("wave, gaps", wave, ErrorKind::gaps, {}, emit);
   measure_extremes(emit);
   measure_clock(emit);
   measure_speed("100k", 1e5, 0.2, emit);

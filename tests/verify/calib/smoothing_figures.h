@@ -4,12 +4,12 @@
 
 namespace touchtrace {
 
-/// What smoothing and clocks promise, on synthetic tracks: errors against Savitzky-Golay and a
-/// smoother with one jerk density, intervals, stiff and extreme cases, speed.
+/// Measures smoothing and clock fits on synthetic tracks: errors compared with Savitzky-Golay and a
+/// smoother with constant jerk density, calibration of intervals, stiff and extreme cases, speed.
 void measure_smoothing(const std::function<void(Figure)>& emit);
 
-/// Of these the stiff and extreme cases: they end well or in a named refusal, and units do not
-/// matter.
+/// Measures only the stiff and extreme cases: results are right or come with an error status, and
+/// do not depend on units.
 void measure_extremes(const std::function<void(Figure)>& emit);
 
 }  // namespace touchtrace

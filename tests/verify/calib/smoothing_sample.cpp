@@ -3,14 +3,14 @@
 namespace touchtrace {
 namespace {
 
-/// 30 ms too short; a hit is one event and keeps to be one.
-std::vector<Flight> guessed(const std::vector<Flight>& flights) {
-  constexpr double off_s = 0.03;
+/// Flights 30 ms too short on both sides; a hit remains a single event.
+std::vector<Flight> guess_flights(const std::vector<Flight>& flights) {
+  constexpr double error_s = 0.03;
   auto guess = flights;
   for (std::size_t i = 0; i < flights.size(); ++i) {
     const bool hit = i > 0 && flights[i].release_s <= flights[i - 1].landing_s;
-    guess[i].landing_s -= off_s;
-    guess[i].release_s = hit ? guess[i - 1].landing_s : guess[i].release_s + off_s;
+    guess[i].landing_s -= error_s;
+    guess[i].release_s = hit ? guess[i - 1].landing_s : guess[i].release_s + error_s;
   }
   return guess;
 }
@@ -23,7 +23,7 @@ SmoothingSample smoothing_sample(SyntheticMotion (*make)(double, std::uint64_t))
     const auto& motion = result.motions.emplace_back(make(SmoothingSample::clip_s, seed));
     result.tracks.push_back(
         measure(motion, SmoothingSample::rate_hz, SmoothingSample::noise_m, seed));
-    result.flights.push_back(guessed(motion.flights));
+    result.flights.push_back(guess_flights(motion.flights));
   }
   return result;
 }

@@ -11,7 +11,7 @@ namespace {
 constexpr double standard_gravity = 9.81;
 constexpr double ball_drag_per_m = 0.126;  // half of air's density * .45 * area / 2.7 g
 
-/// Writes a motion piece by piece.
+/// Appends segments to a motion.
 class MotionWriter {
  public:
   bool shorter_than(double seconds) const { return motion_.seconds() < seconds; }
@@ -24,7 +24,7 @@ class MotionWriter {
     motion_.velocity_m_per_s.push_back(Eigen::Vector3d::Zero());
   }
 
-  /// A quintic to rest at `goal`, from rest.
+  /// Minimum-jerk motion from rest to rest at `goal`.
   void reach(const Eigen::Vector3d& goal, double seconds) {
     const Eigen::Vector3d start = position(), way = goal - start;
     const int steps = step_count(seconds);
@@ -35,7 +35,7 @@ class MotionWriter {
     }
   }
 
-  /// To the velocity `goal` by an acceleration in the shape of half a sine.
+  /// Half-sine acceleration to the velocity `goal`.
   void accelerate(const Eigen::Vector3d& goal, double seconds) {
     const Eigen::Vector3d start = position(), from = velocity(), change = goal - from;
     const int steps = step_count(seconds);
@@ -47,8 +47,8 @@ class MotionWriter {
     }
   }
 
-  /// A ball under gravity and drag until it falls below `height` (along y, downwards); then it is
-  /// hit and has the velocity `next`.
+  /// Flight under gravity and drag until the ball falls below `height` (y points down); then a hit
+  /// gives it the velocity `next`.
   void bounce(double height, const Eigen::Vector3d& next) {
     const Eigen::Vector3d g(0.0, standard_gravity, 0.0);
     const auto acceleration = [&](const Eigen::Vector3d& v) {
@@ -63,7 +63,7 @@ class MotionWriter {
     motion_.flights.push_back({release, now_s()});
   }
 
-  /// Under gravity, then a landing that leaves `kept` of the velocity.
+  /// Flight under gravity, then a landing that keeps the fraction `kept` of the velocity.
   void fly(double seconds, double kept) {
     const Eigen::Vector3d start = position(), from = velocity(), g(0.0, standard_gravity, 0.0);
     const double release = now_s();
@@ -109,7 +109,7 @@ SyntheticMotion synthetic_wave(double seconds, std::uint64_t seed) {
   MotionWriter writer;
   while (writer.shorter_than(seconds)) {
     const double stroke_s = random.uniform(0.11, 0.45);
-    // 30 m/s^2 is the most that an arm does: a stroke of length L in T peaks at 5.77 L / T^2
+    // an arm reaches 30 m/s^2; a stroke of length L in T peaks at 5.77 L / T^2
     const double amplitude =
         std::min(random.uniform(0.02, 0.08), 0.5 * 30.0 * stroke_s * stroke_s / 5.77);
     const Eigen::Vector3d way(1.0, random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4));

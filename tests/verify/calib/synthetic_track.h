@@ -7,7 +7,7 @@
 
 namespace touchtrace {
 
-/// A motion that is known exactly, at 1 kHz from time 0: for tests and figures.
+/// Exactly known motion at 1 kHz from time 0.
 struct SyntheticMotion {
   static constexpr double step_s = 1e-3;
 
@@ -19,20 +19,19 @@ struct SyntheticMotion {
   Eigen::Vector3d velocity_at(double time_s) const;
 };
 
-/// Minimum-jerk strokes of 4-16 cm to and fro, 0.11-0.45 s each.
+/// Back-and-forth minimum-jerk strokes of 4-16 cm, 0.11-0.45 s each.
 SyntheticMotion synthetic_wave(double seconds, std::uint64_t seed);
 
-/// A ball thrown up 10-42 cm along -y and caught at 35-60 % of its speed, every 1.5 s or so.
+/// Ball thrown up 10-42 cm along -y about every 1.5 s; a catch keeps 35-60 % of its speed.
 SyntheticMotion synthetic_throw(double seconds, std::uint64_t seed);
 
-/// A ball of 2.7 g that is hit up 12-42 cm again and again, within reach.
+/// Ball of 2.7 g hit up 12-42 cm repeatedly, within reach.
 SyntheticMotion synthetic_pingpong(double seconds, std::uint64_t seed);
 
-/// `motion` as a camera of `rate_hz` measures it, with white noise of `sigma_m`.
+/// Positions of `motion` at `rate_hz` with white noise of standard deviation `sigma_m`.
 Track measure(const SyntheticMotion& motion, double rate_hz, double sigma_m, std::uint64_t seed);
 
-/// `track` in other units, of which a metre has `meters` and a second `seconds`, from `origin_s`
-/// on.
+/// `track` in units of 1 m / `meters` and 1 s / `seconds`, its time shifted by `origin_s`.
 Track rescaled(const Track& track, double meters, double seconds, double origin_s);
 
 }  // namespace touchtrace

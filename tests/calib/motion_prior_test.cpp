@@ -8,58 +8,56 @@
 namespace touchtrace {
 namespace {
 
-MotionNoise<double> swing_of(double swing_rad_per_s, double damping) {
+MotionNoise<double> oscillator(double rad_per_s, double damping) {
   MotionNoise<double> noise;
   noise.jerk_density = 100.0;
-  noise.swing_rad_per_s = swing_rad_per_s;
-  noise.swing_damping = damping;
+  noise.oscillator_rad_per_s = rad_per_s;
+  noise.oscillator_damping = damping;
   return noise;
 }
 
-/// Largest difference of a and b in units of b's own size.
+/// Largest difference of a and b over the largest element of b.
 double difference(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
 }
 
-TEST(Swinging, WithoutASwingIsWhiteJerk) {
+TEST(DampedOscillator, IsWhiteJerkAtZeroFrequency) {
   for (double h : {1e-3, 0.05, 1.0}) {
-    const auto swing = swinging(h, swing_of(1e-9, 0.5)), free = white_jerk(h, 100.0);
-    EXPECT_LT(difference(swing.F, free.F), 1e-8) << h;
-    EXPECT_LT(difference(swing.Q, free.Q), 1e-8) << h;
+    const auto slow = damped_oscillator(h, oscillator(1e-9, 0.5)), free = white_jerk(h, 100.0);
+    EXPECT_LT(difference(slow.F, free.F), 1e-8) << h;
+    EXPECT_LT(difference(slow.Q, free.Q), 1e-8) << h;
   }
 }
 
-TEST(Swinging, ManyShortStepsAreOneLongOne) {
+TEST(DampedOscillator, ManyShortStepsEqualOneLongStep) {
   for (double damping : {0.1, 0.7, 3.0})
     for (double h : {0.05, 0.5, 5.0}) {
-      const auto noise = swing_of(12.0, damping);
-      Transition<double> walked;
-      for (int i = 0; i < 1000; ++i) walked = walked.then(swinging(h / 1000, noise));
-      const auto leapt = swinging(h, noise);
-      EXPECT_LT(difference(leapt.F, walked.F), 1e-10) << damping << " " << h;
-      EXPECT_LT(difference(leapt.Q, walked.Q), 1e-10) << damping << " " << h;
+      const auto noise = oscillator(12.0, damping);
+      Transition<double> composed;
+      for (int i = 0; i < 1000; ++i) composed = composed.then(damped_oscillator(h / 1000, noise));
+      const auto single = damped_oscillator(h, noise);
+      EXPECT_LT(difference(single.F, composed.F), 1e-10) << damping << " " << h;
+      EXPECT_LT(difference(single.Q, composed.Q), 1e-10) << damping << " " << h;
     }
 }
 
-TEST(Swinging, DecaysAsAnOscillatorDoes) {
+TEST(DampedOscillator, MatchesTheClosedForm) {
   const double w = 12.0, z = 0.3, h = 0.4, d = w * std::sqrt(1.0 - z * z);
-  const auto step = swinging(h, swing_of(w, z));
+  const auto step = damped_oscillator(h, oscillator(w, z));
   // v'' = -w^2 v - 2 z w v' from v = 1, v' = 0
   const double expected = std::exp(-z * w * h) * (std::cos(d * h) + z * w / d * std::sin(d * h));
   EXPECT_NEAR(step.F(1, 1), expected, 1e-12);
 }
 
-/// Velocity is a stationary process: after many swings its variance is q / (4 z w^3), whatever it
-/// was.
-TEST(Swinging, ForgetsWhereItStarted) {
-  const auto step = swinging(100.0, swing_of(12.0, 0.5));
+/// Velocity is stationary: after many periods its variance is q / (4 z w^3).
+TEST(DampedOscillator, ConvergesToTheStationaryVariance) {
+  const auto step = damped_oscillator(100.0, oscillator(12.0, 0.5));
   EXPECT_NEAR(step.F(1, 1), 0.0, 1e-12);
   EXPECT_NEAR(step.Q(1, 1) / (100.0 / (4.0 * 0.5 * std::pow(12.0, 3))), 1.0, 1e-9);
 }
 
-/// v' = g - c v from v = 0 after a release: the fall to terminal velocity, in many steps and in
-/// one.
-TEST(Flying, FallsAsDragLetsIt) {
+/// v' = g - c v from v = 0 after a release, in one and in many steps.
+TEST(FreeFlight, MatchesTheClosedFormWithDrag) {
   MotionNoise<double> noise;
   noise.flight_drag_per_s = 0.3;
   const MotionPrior<double> prior(noise, {{0.0, true}});
@@ -80,14 +78,14 @@ double causal_velocity_rms(const SyntheticMotion& motion, const SmoothedTrack& s
   return std::sqrt(sum / count);
 }
 
-TEST(Swinging, CausalStatesDoNotOvershoot) {
+TEST(DampedOscillator, ImprovesCausalVelocities) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const auto motion = synthetic_wave(20.0, seed);
     const auto track = measure(motion, 20.0, 0.002, seed);
-    const auto found = smooth(std::vector<Track>{track}, {{}}, {});
+    const auto found = smooth(std::vector<Track>{track}, {}, {});
     SmoothOptions white_jerk;
     white_jerk.noise = found.noise;
-    white_jerk.fit_noise = false;
+    white_jerk.estimate_noise = false;
     EXPECT_LT(causal_velocity_rms(motion, found.tracks.front()),
               0.8 * causal_velocity_rms(motion, smooth(track, white_jerk)))
         << seed;

@@ -27,6 +27,12 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view wrong, const std::vector<std::string>& names) {
+  std::string completed;
+  for (const auto& name : names)
+    if (wrong.size() > 1 && name.starts_with(wrong) &&
+        (completed.empty() || name.size() < completed.size()))
+      completed = name;
+  if (!completed.empty()) return completed;
   std::size_t best = std::max<std::size_t>(2, wrong.size() / 3) + 1;
   std::string nearest;
   for (const auto& name : names) {
@@ -48,6 +54,11 @@ std::vector<std::string> split_text(std::string_view text, char separator) {
     start = end + 1;
   }
   return parts;
+}
+
+std::string did_you_mean(std::string_view wrong, const std::vector<std::string>& names) {
+  const std::string nearest = nearest_name(wrong, names);
+  return nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest);
 }
 
 std::string suggestion(std::string_view wrong, const std::vector<std::string>& names) {

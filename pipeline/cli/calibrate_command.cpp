@@ -20,7 +20,7 @@ struct CalibrateOptions {
   std::string markers = "none", lens = "auto";
 };
 
-std::vector<std::string> kinds_of_markers() {
+std::vector<std::string> marker_choices() {
   std::vector<std::string> kinds = marker_dictionaries();
   kinds.insert(kinds.begin(), "none");
   return kinds;
@@ -33,29 +33,30 @@ std::vector<std::string> lens_options() {
 }
 
 void describe(OptionSet& set, CalibrateOptions& o) {
-  set.optional_input("recording", o.recording, "recording whose chessboard views are used");
-  set.text("images", o.images,
-           "instead of a recording: folder of board images, or a pattern in quotes, or a TUM RGB-D "
-           "folder");
-  set.integer("columns", o.columns, "inner corners along a row of the board, for --images", 3, 100);
-  set.integer("rows", o.rows, "inner corners along a column of the board, for --images", 3, 100);
-  set.number("square-mm", o.square_mm, "side of a square of the board [mm], for --images", 0.1,
-             1000.0);
-  set.choice("markers", o.markers,
-             "dictionary of the markers of a ChArUco board, for --images; none: a chessboard",
-             kinds_of_markers());
-  set.number("marker-mm", o.marker_mm, "side of such a marker [mm]", 0.1, 1000.0);
-  set.choice("lens", o.lens, "distortion of the colour camera's lens; auto: what the views tell",
+  set.optional_input("recording", o.recording, "HDF5 with board views, or --images");
+  set.path("output", o.output,
+           "folder for calibration.json and, for ROS, OpenCV and kalibr, camera.yaml, "
+           "camera_opencv.yaml, camchain.yaml")
+      .value("DIR");
+  set.choice("lens", o.lens, "distortion model of the colour camera; auto: selected by BIC",
              lens_options());
-  set.path(
-      "output", o.output,
-      "folder for calibration.json, and camera.yaml, camera_opencv.yaml, camchain.yaml for others");
+  set.group("Images instead of a recording");
+  set.text("images", o.images, "folder, quoted glob pattern, or TUM RGB-D folder").value("PATH");
+  set.integer("columns", o.columns, "inner corners per row of the board", 3, 100);
+  set.integer("rows", o.rows, "inner corners per column of the board", 3, 100);
+  set.number("square-mm", o.square_mm, "side of a square [mm]", 0.1, 1000.0).value("MM");
+  set.choice("markers", o.markers,
+             "ArUco dictionary of a ChArUco board, e.g. 5x5_100; none: chessboard",
+             marker_choices())
+      .value("DICTIONARY");
+  set.number("marker-mm", o.marker_mm, "side of a marker [mm]", 0.1, 1000.0).value("MM");
 }
 
 BoardObservations observe(const CalibrateOptions& o) {
   if (o.recording.empty() == o.images.empty())
-    throw usage_error("calibrate needs either a recording or --images",
-                      "see touchtrace calibrate --help");
+    throw usage_error(o.images.empty() ? "missing RECORDING or --images PATH"
+                                       : "RECORDING cannot be combined with --images",
+                      "touchtrace calibrate --help describes both");
   if (!o.recording.empty()) return board_views_from_recording(o.recording);
   Chessboard board{o.columns, o.rows, 1e-3 * o.square_mm};
   if (o.markers != "none") board.markers = {o.markers, 1e-3 * o.marker_mm};
@@ -81,43 +82,44 @@ std::string list_of(const nlohmann::json& names) {
 void print_depth(const RgbdCalibration& c) {
   const auto& depth = c.details["depth"];
   fmt::print(
-      "depth     true = {:+.2f} mm + {:.5f} x measured; {:.2f} mm RMS in {} samples; 1 m is known "
-      "to {:.2f} mm\n",
+      "depth     true = {:+.2f} mm + {:.5f} x measured; {:.2f} mm RMS in {} samples; bias at 1 m "
+      "known to {:.2f} mm\n",
       1e3 * c.depth_offset_m, c.depth_scale, 1e3 * c.depth_rms_m, depth["samples"].get<int>(),
       1e3 * depth["bias_sigma_at_1m"].get<double>());
-  const Eigen::Vector3d place = 1e3 * c.depth_from_color.translation();
+  const Eigen::Vector3d position = 1e3 * c.depth_from_color.translation();
   fmt::print(
-      "          colour camera at ({:.1f}, {:.1f}, {:.1f}) mm of the depth camera, turned by "
-      "{:.3f} degrees\n",
-      place.x(), place.y(), place.z(),
+      "          colour camera at ({:.1f}, {:.1f}, {:.1f}) mm in the depth camera's frame, rotated "
+      "by {:.3f} degrees\n",
+      position.x(), position.y(), position.z(),
       Eigen::AngleAxisd(c.depth_from_color.linear()).angle() * 180.0 / 3.14159265358979323846);
 }
 
-/// By how much depth images are late, or why that is not known.
+/// Prints the delay of the depth images, or the reason why it is unknown.
 void print_delay(const RgbdCalibration& c) {
   const auto& sigmas = c.details["sigmas"];
   if (!sigmas.contains("depth.delay"))
     fmt::print("          delay of the depth images {}\n",
                c.details["depth"]["delay"].get<std::string>());
   else
-    fmt::print("          depth images show what is {:.2f} +- {:.2f} ms later than stamped\n",
+    fmt::print("          depth images were taken {:.2f} +- {:.2f} ms after their stamps\n",
                1e3 * c.depth_delay_s, 1e3 * sigmas["depth.delay"].get<double>());
 }
 
 void print_board(const RgbdCalibration& c) {
-  fmt::print("board     bulges by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
+  fmt::print("board     warped by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
              1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
-  const auto& deformation = c.details["target_deformation"];
-  if (deformation["chosen"] == "free")
-    fmt::print("          corners are off by {:.3f} mm: calibrated with the camera (BIC {:+.1f})\n",
-               1e3 * deformation["sigma_m"].get<double>(), -deformation["bic_gain"].get<double>());
+  const auto& print = c.details["board_print"];
+  if (print["chosen"] == "free")
+    fmt::print(
+        "          corners deviate by {:.3f} mm (RMS), estimated with the camera (BIC {:+.1f})\n",
+        1e3 * print["sigma_m"].get<double>(), -print["bic_gain"].get<double>());
 }
 
 void print_lens(const RgbdCalibration& c) {
   const auto& details = c.details;
   fmt::print("lens      {}; {:.4f} px RMS", details["lens"].get<std::string>(), c.rms_px);
   const auto& held_out = details["held_out"];
-  fmt::print(", {} px in views held out\n",
+  fmt::print(", {} px in held-out views\n",
              held_out["held_out_rms_px"].is_number()
                  ? fmt::format("{:.4f}", held_out["held_out_rms_px"].get<double>())
                  : "unknown");
@@ -134,7 +136,7 @@ void print_lens(const RgbdCalibration& c) {
   for (const auto& row : details["projection_sigma_px"])
     for (const auto& sigma : row)
       if (sigma.is_number()) worst_px = std::max(worst_px, sigma.get<double>());
-  fmt::print("image     {:.0f} % covered by boards; pixels are known to {:.2f} px at worst\n",
+  fmt::print("image     {:.0f} % covered by boards; projection known to {:.2f} px at worst\n",
              1e2 * details["coverage"].get<double>(), worst_px);
   print_board(c);
 }
@@ -150,13 +152,13 @@ void print_summary(const RgbdCalibration& c) {
   print_lens(c);
   if (c.depth) print_depth(c), print_delay(c);
   if (!details["outlier_views"].empty())
-    fmt::print("outliers  left out: {}\n", list_of(details["outlier_views"]));
+    fmt::print("outliers  excluded views: {}\n", list_of(details["outlier_views"]));
   if (!details["duplicate_views"].empty())
-    fmt::print("twice     {}: counted once\n", list_of(details["duplicate_views"]));
+    fmt::print("repeated  views counted once: {}\n", list_of(details["duplicate_views"]));
   if (!details["views_without_board"].empty())
-    fmt::print("no board  in {}\n", list_of(details["views_without_board"]));
-  for (const auto& entry : details["not_identifiable"])
-    fmt::print("prior     determines {} (+- {:.3g}): it is not identifiable from these views\n",
+    fmt::print("no board  in views {}\n", list_of(details["views_without_board"]));
+  for (const auto& entry : details["not_told"])
+    fmt::print("prior     {} not observable (+- {:.3g}): keeps its prior value\n",
                entry["parameter"].get<std::string>(), entry["sigma"].get<double>());
   fmt::print("verdict   {}\n", details["verdict"].get<std::string>());
   for (const auto& advice : details["advice"])
@@ -165,8 +167,8 @@ void print_summary(const RgbdCalibration& c) {
 
 ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
   const Stopwatch stopwatch;
-  const OutputFile refuses_what_exists(std::filesystem::path(options.output) / "calibration.json",
-                                       invocation.overwrite);
+  const OutputFile refuses_existing(std::filesystem::path(options.output) / "calibration.json",
+                                    invocation.overwrite);
   CalibrationOptions settings{.cross_validate = true};
   if (options.lens != "auto") settings.lenses = {options.lens};
   RgbdCalibration calibration = calibrate(observe(options), settings);
@@ -184,11 +186,11 @@ ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
 Command calibrate_command() {
   return make_command<CalibrateOptions>(
       "calibrate",
-      "find the camera's intrinsics, depth error and their uncertainty from board views",
-      {"touchtrace calibrate recording.h5 --output calibration",
+      "calibrate an RGB-D camera from board views: lens, depth error, poses, with covariance",
+      {"touchtrace calibrate wave.h5 --output camera",
        "touchtrace calibrate --images 'photos/left*.jpg' --columns 9 --rows 6 --square-mm 25 "
-       "--output calibration"},
-      run);
+       "--output camera"},
+      run, {.overwrite = true, .quiet = true});
 }
 
 }  // namespace touchtrace::cli

@@ -14,9 +14,10 @@ struct CheckOptions {
 };
 
 void describe(OptionSet& set, CheckOptions& o) {
-  set.input("file", o.file, "a recording or labels");
-  set.choice("for", o.use, "what it has to serve", {"anything", "calibrate", "label", "train"});
-  set.flag("quick", o.quick, "do not decompress every image to test its checksum");
+  set.input("file", o.file, "recording or label file");
+  set.choice("for", o.use, "command that must be able to use the file",
+             {"anything", "calibrate", "label", "train"});
+  set.flag("quick", o.quick, "do not decompress the images to test their checksums");
 }
 
 void print_stream(const std::string& name, const nlohmann::json& stream, const std::string& extra) {
@@ -49,8 +50,8 @@ std::string camera_details(const nlohmann::json& camera) {
 
 void print_body(const std::string& name, const nlohmann::json& body) {
   fmt::print(
-      "{:<10} lost {:.2f} %, follows the hand {:.2f} %, outside the measured time {:.2f} %\n", name,
-      100 * body["lost_share"].get<double>(), 100 * body["follows_share"].get<double>(),
+      "{:<10} lost {:.2f} %, moved with the hand {:.2f} %, outside the measured time {:.2f} %\n",
+      name, 100 * body["lost_share"].get<double>(), 100 * body["follows_share"].get<double>(),
       100 * body["gap_share"].get<double>());
 }
 
@@ -93,19 +94,18 @@ ExitCode run(const CheckOptions& options, const Invocation& invocation) {
     print_verdict(check);
   }
   const auto wanted = check.missing.find(options.use);
-  const bool serves =
+  const bool is_usable =
       options.use == "anything" || (wanted != check.missing.end() && wanted->second.empty());
-  return check.is_usable() && serves ? ExitCode::done : ExitCode::data;
+  return check.is_usable() && is_usable ? ExitCode::done : ExitCode::data;
 }
 
 }  // namespace
 
 Command check_command() {
   return make_command<CheckOptions>(
-      "check", "say what a recording or a file of labels holds and what it is good for",
-      {"touchtrace check out/wave/recording.h5",
-       "touchtrace check --for label recording.h5 --json"},
-      run);
+      "check", "describe a recording or label file and test whether commands can use it",
+      {"touchtrace check wave.h5", "touchtrace check wave.h5 --for label --json"}, run,
+      {.quiet = true});
 }
 
 }  // namespace touchtrace::cli

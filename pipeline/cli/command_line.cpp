@@ -1,162 +1,124 @@
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
+#include <new>
+#include <string>
+#include <vector>
 
 #include "engine/base/interrupt.h"
 #include "engine/base/progress.h"
 #include "engine/base/text.h"
-#include "engine/base/version.h"
 #include "engine/cl/compiler_process.h"
+#include "pipeline/cli/arguments.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/cli/configuration.h"
+#include "pipeline/cli/help.h"
+#include "pipeline/cli/versions.h"
 
 namespace touchtrace::cli {
 namespace {
 
-// What this program calls itself with to compile kernels beside itself: no command, since it is of
-// no use to anybody else.
+using Arguments = std::vector<std::string>;
+
+// Arguments with which the program calls itself. They are not commands: nobody else needs them.
 constexpr const char* compile_kernels = "compile-kernels";
 
-constexpr const char* exit_codes =
-    "Exit codes: 0 done, 1 failed, 2 usage, 3 data or quality gate, 4 no device, 130 interrupted";
-
-/// A command as CLI11 sees it, with everything that must outlive the parsing.
-struct Subcommand {
-  const Command* command;
-  CLI::App* app;
-  OptionSet options;
-  Invocation invocation;
-  std::string configuration_file;
-  bool quiet = false;
-};
-
-void bind(CLI::App& app, const Option& option) {
-  const std::string short_flag = option.name == "output" ? "-o," : "";
-  const std::string flag = option.positional ? option.name : short_flag + "--" + option.name;
-  std::visit(
-      [&](auto* target) {
-        using Value = std::remove_pointer_t<decltype(target)>;
-        if constexpr (std::is_same_v<Value, bool>)
-          app.add_flag(flag, *target, option.help);
-        else
-          app.add_option(flag, *target, option.help)->capture_default_str();
-      },
-      option.target);
-}
-
-void bind_common(Subcommand& subcommand) {
-  CLI::App& app = *subcommand.app;
-  app.add_option("--config", subcommand.configuration_file,
-                 "TOML file with keys like these flags; flags win over it");
-  app.add_option("--device", subcommand.invocation.device,
-                 "OpenCL device: number, type or part of a name (see touchtrace devices)");
-  app.add_flag("--json", subcommand.invocation.json, "print one JSON document on stdout");
-  app.add_flag("--overwrite", subcommand.invocation.overwrite, "replace outputs that exist");
-  app.add_flag("--quiet", subcommand.quiet, "no progress on stderr");
-}
-
-std::string examples_text(const Command& command) {
-  std::string text = "Examples:\n";
-  for (const auto& example : command.examples) text += "  " + example + "\n";
-  return text + exit_codes;
-}
-
-std::vector<std::unique_ptr<Subcommand>> make_subcommands(const Program& program, CLI::App& root) {
-  std::vector<std::unique_ptr<Subcommand>> subcommands;
-  for (const auto& command : program.commands) {
-    auto subcommand = std::make_unique<Subcommand>();
-    subcommand->command = &command;
-    subcommand->app = root.add_subcommand(command.name, command.summary);
-    subcommand->app->footer(examples_text(command));
-    command.describe(subcommand->options);
-    for (const auto& option : subcommand->options.options()) bind(*subcommand->app, option);
-    bind_common(*subcommand);
-    subcommands.push_back(std::move(subcommand));
-  }
-  return subcommands;
-}
-
-std::vector<std::string> flag_names(const Subcommand& subcommand) {
-  std::vector<std::string> names{"config", "device", "json", "overwrite", "quiet"};
-  for (const auto& name : subcommand.options.names()) names.push_back(name);
+std::vector<std::string> command_names(const Program& program) {
+  std::vector<std::string> names;
+  for (const auto& group : program.groups)
+    for (const auto& command : group.commands) names.push_back(command.name);
   return names;
 }
 
-/// The flags that were given, so that the configuration file does not change them.
-std::vector<std::string> given(const Subcommand& subcommand) {
-  std::vector<std::string> names;
-  for (const auto& option : subcommand.options.options()) {
-    const auto* flag =
-        subcommand.app->get_option_no_throw(option.positional ? option.name : "--" + option.name);
-    if (flag && flag->count() > 0) names.push_back(option.name);
+const Command& find_command(const Program& program, const std::string& name) {
+  for (const auto& group : program.groups)
+    for (const auto& command : group.commands)
+      if (command.name == name || std::ranges::count(command.former_names, name) > 0)
+        return command;
+  if (const auto moved = program.moved.find(name); moved != program.moved.end())
+    throw usage_error(fmt::format("'{}' moved to {}", name, moved->second),
+                      fmt::format("build the target {0} and run `{0} --list`", moved->second));
+  throw usage_error(
+      fmt::format("unknown command '{}'{}", name, did_you_mean(name, command_names(program))),
+      program.name + " --help lists all commands");
+}
+
+void require_given(const std::vector<Option>& options, const std::string& usage,
+                   const std::string& help) {
+  for (const Option& option : options)
+    if (option.required && option.is_empty())
+      throw usage_error(fmt::format("missing {}; usage: {}",
+                                    option.positional ? option.label()
+                                                      : option.label() + " " + option.placeholder,
+                                    usage),
+                        help);
+}
+
+ExitCode run_command(const Program& program, const Command& command, const Arguments& arguments) {
+  CommonValues values;
+  const auto [own, options] = describe_options(command, values);
+  const std::string help_hint = fmt::format("{} {} --help", program.name, command.name);
+  const auto given = parse_arguments(arguments, options, help_hint + " lists the options");
+  if (!values.configuration_file.empty())
+    apply_configuration(values.configuration_file, command_names(program), command.name, options,
+                        given);
+  require_given(options, usage_line(program.name, command, options),
+                help_hint + " describes the options");
+  own.validate();
+  if (values.quiet) Progress::silence();
+  values.invocation.options = own.values();
+  return command.run(values.invocation);
+}
+
+ExitCode print(const std::string& text) {
+  fmt::print("{}", text);
+  return ExitCode::done;
+}
+
+bool asks_for_help(const std::string& argument) { return argument == "--help" || argument == "-h"; }
+
+ExitCode run_program_option(const Program& program, const std::string& option) {
+  if (asks_for_help(option)) return print(help_text(program));
+  if (option == "--version") return print(version_text(program.name));
+  if (option == "--list") return print(list_text(program));
+  throw usage_error(fmt::format("unknown option '{}'{}", option,
+                                did_you_mean(option, {"--help", "--version", "--list"})),
+                    program.name + " --help lists all commands");
+}
+
+ExitCode dispatch(const Program& program, const Arguments& arguments) {
+  if (arguments.empty()) {
+    fmt::print(stderr, "{}", help_text(program));
+    return ExitCode::usage;
   }
-  return names;
+  const std::string& first = arguments.front();
+  if (first == "help")
+    return print(arguments.size() == 1
+                     ? help_text(program)
+                     : help_text(program.name, find_command(program, arguments[1])));
+  if (first.starts_with('-')) return run_program_option(program, first);
+  const Command& command = find_command(program, first);
+  const Arguments rest(arguments.begin() + 1, arguments.end());
+  if (std::any_of(rest.begin(), std::ranges::find(rest, "--"), asks_for_help))
+    return print(help_text(program.name, command));
+  return run_command(program, command, rest);
 }
 
-ExitCode run(Subcommand& subcommand) {
-  if (subcommand.quiet) Progress::silence();
-  if (!subcommand.configuration_file.empty())
-    apply_configuration(subcommand.configuration_file, subcommand.command->name, subcommand.options,
-                        given(subcommand));
-  subcommand.options.validate();
-  subcommand.invocation.options = subcommand.options.values();
-  return subcommand.command->run(subcommand.invocation);
-}
-
-std::string first_unknown(const Subcommand& subcommand) {
-  const auto rest = subcommand.app->remaining();
-  return rest.empty() ? std::string() : rest.front();
-}
-
-/// Unknown flags and commands get a suggestion; CLI11 alone would not make one.
-[[noreturn]] void throw_usage(const CLI::ParseError& error,
-                              const std::vector<std::unique_ptr<Subcommand>>& subcommands, int argc,
-                              const char* const* argv) {
-  for (const auto& subcommand : subcommands) {
-    const std::string unknown = subcommand->app->parsed() ? first_unknown(*subcommand) : "";
-    if (!unknown.empty())
-      throw usage_error(
-          fmt::format("{} does not know '{}'", subcommand->command->name, unknown),
-          suggestion(unknown.substr(unknown.find_first_not_of('-') == std::string::npos
-                                        ? 0
-                                        : unknown.find_first_not_of('-')),
-                     flag_names(*subcommand)));
-  }
-  std::vector<std::string> names;
-  for (const auto& subcommand : subcommands) names.push_back(subcommand->command->name);
-  if (argc > 1 && std::ranges::find(names, argv[1]) == names.end())
-    throw usage_error(fmt::format("there is no command '{}'", argv[1]), suggestion(argv[1], names));
-  throw usage_error(error.what(), "see touchtrace --help");
-}
-
-ExitCode dispatch(const Program& program, int argc, const char* const* argv) {
-  if (argc == 2 && std::string_view(argv[1]) == compile_kernels) {
+/// Runs what this program starts itself for. Returns false for the command line of a user.
+bool run_as_child(const Arguments& arguments) {
+  if (arguments == Arguments{compile_kernels})
     compile_from_stdin();
-    return ExitCode::done;
-  }
-  register_compiler_arguments({compile_kernels});
-  CLI::App root{program.summary, program.name};
-  root.footer(exit_codes);
-  root.set_version_flag("--version", version);
-  root.require_subcommand(1);
-  const auto subcommands = make_subcommands(program, root);
-  try {
-    root.parse(argc, argv);
-  } catch (const CLI::Success& success) {
-    return root.exit(success) == 0 ? ExitCode::done : ExitCode::usage;
-  } catch (const CLI::ParseError& error) {
-    throw_usage(error, subcommands, argc, argv);
-  }
-  for (const auto& subcommand : subcommands)
-    if (subcommand->app->parsed()) return run(*subcommand);
-  return ExitCode::usage;
+  else if (arguments == Arguments{print_opencl_versions})
+    fmt::print("{}", opencl_versions());
+  else
+    return false;
+  return true;
 }
 
-int report(ExitCode code, const std::string& problem, const std::string& hint) {
-  fmt::print(stderr, "touchtrace: {}\n", problem);
-  if (!hint.empty()) fmt::print(stderr, "  hint: {}\n", hint);
+int report(const Program& program, ExitCode code, const std::string& problem,
+           const std::string& hint) {
+  fmt::print(stderr, "{}: {}\n", program.name, problem);
+  if (!hint.empty()) fmt::print(stderr, "hint: {}\n", hint);
   return static_cast<int>(code);
 }
 
@@ -165,17 +127,18 @@ int report(ExitCode code, const std::string& problem, const std::string& hint) {
 int run_command_line(const Program& program, int argc, const char* const* argv) {
   catch_interrupts();
   try {
-    const ExitCode code = dispatch(program, argc, argv);
-    if (std::fflush(stdout) != 0)
-      throw failure("standard output cannot be written", "check the disk");
+    const Arguments arguments(argv + std::min(argc, 1), argv + argc);
+    if (run_as_child(arguments)) return 0;
+    register_compiler_arguments({compile_kernels});
+    const ExitCode code = dispatch(program, arguments);
+    if (std::fflush(stdout) != 0) throw failure("cannot write standard output", "check the disk");
     return static_cast<int>(code);
   } catch (const Error& error) {
-    return report(error.code(), error.what(), error.hint());
+    return report(program, error.code(), error.what(), error.hint());
   } catch (const std::bad_alloc&) {
-    return report(ExitCode::failed, "out of memory", "use fewer or smaller inputs");
+    return report(program, ExitCode::failed, "out of memory", "use fewer or smaller inputs");
   } catch (const std::exception& error) {
-    return report(ExitCode::failed, error.what(),
-                  "this is a fault of touchtrace; please report it");
+    return report(program, ExitCode::failed, error.what(), "this is a bug; please report it");
   }
 }
 

@@ -5,11 +5,17 @@ namespace touchtrace::cli {
 const Program& touchtrace_program() {
   static const Program program{
       "touchtrace",
-      "touchtrace: from touch to trajectories",
-      {doctor_command(), devices_command(), self_test_command(), plan_command(), tune_command(),
-       objects_command(), assumptions_command(), simulate_command(), check_command(),
-       send_command(), calibrate_command(), label_command(), train_command(), evaluate_command(),
-       report_command()}};
+      "touchtrace predicts the motion of a hand and its object from a tactile glove. It calibrates "
+      "an RGB-D camera, labels its video, and trains and evaluates the model on any OpenCL device.",
+      {{"Set up",
+        {doctor_command(), devices_command(), self_test_command(), tune_command(),
+         generate_command()}},
+       {"Simulate", {simulate_command(), objects_command(), assumptions_command(), send_command()}},
+       {"Process",
+        {check_command(), calibrate_command(), label_command(), train_command(), evaluate_command(),
+         report_command()}},
+       {"Study", {plan_command()}}},
+      {{"verify", "touchtrace-verify"}, {"sensitivity", "touchtrace-verify"}}};
   return program;
 }
 

@@ -4,16 +4,17 @@
 
 namespace touchtrace::cli {
 
-/// The program `touchtrace`: one row per command.
+/// The program `touchtrace` with its table of commands.
 const Program& touchtrace_program();
 
-// One file a command: <name>_command.cpp.
+// Each in <name>_command.cpp:
 Command assumptions_command();
 Command calibrate_command();
 Command check_command();
 Command devices_command();
 Command doctor_command();
 Command evaluate_command();
+Command generate_command();
 Command label_command();
 Command objects_command();
 Command plan_command();

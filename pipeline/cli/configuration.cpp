@@ -12,11 +12,6 @@
 namespace touchtrace::cli {
 namespace {
 
-std::string key_of(std::string name) {
-  std::ranges::replace(name, '-', '_');
-  return name;
-}
-
 template <class T>
 bool assign(const toml::node& node, T& target) {
   if constexpr (std::is_same_v<T, std::uint64_t> || std::is_same_v<T, int>) {
@@ -52,31 +47,54 @@ toml::table parse(const std::filesystem::path& file) {
   } catch (const toml::parse_error& error) {
     throw usage_error(
         fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()),
-        "correct the file; it is TOML 1.0");
+        "the file must be TOML 1.0");
   }
+}
+
+/// Throws for keys outside any table and for tables that no command reads.
+void require_known_tables(const std::string& file, const toml::table& document,
+                          const std::vector<std::string>& command_names,
+                          const std::string& command) {
+  for (const auto& [key, node] : document) {
+    if (!node.is_table())
+      throw usage_error(fmt::format("{}: key '{}' is outside any table", file, key.str()),
+                        fmt::format("put it below [{}]", command));
+    if (std::ranges::find(command_names, key.str()) == command_names.end())
+      throw usage_error(fmt::format("{}: unknown table [{}]{}", file, key.str(),
+                                    did_you_mean(key.str(), command_names)),
+                        "tables are named after commands: " + comma_separated(command_names));
+  }
+}
+
+const Option& find_option(const std::string& file, const std::string& command, std::string_view key,
+                          const std::vector<Option>& options) {
+  std::vector<std::string> keys;
+  for (const Option& option : options) {
+    if (option.name == "config" || option.name == "help") continue;
+    if (option.key() == key) return option;
+    if (!option.help.empty()) keys.push_back(option.key());
+  }
+  throw usage_error(
+      fmt::format("{}: unknown key '{}' in [{}]{}", file, key, command, did_you_mean(key, keys)),
+      "keys: " + comma_separated(keys));
 }
 
 }  // namespace
 
-void apply_configuration(const std::filesystem::path& file, const std::string& command,
-                         OptionSet& options, const std::vector<std::string>& given) {
+void apply_configuration(const std::filesystem::path& file,
+                         const std::vector<std::string>& command_names, const std::string& command,
+                         const std::vector<Option>& options,
+                         const std::vector<std::string>& given) {
   const toml::table document = parse(file);
+  require_known_tables(file.string(), document, command_names, command);
   const toml::table* table = document[command].as_table();
   if (!table) return;
-  std::vector<std::string> keys;
-  for (const auto& option : options.options()) keys.push_back(key_of(option.name));
   for (const auto& [key, node] : *table) {
-    const auto place = std::ranges::find(keys, key.str());
-    if (place == keys.end())
-      throw usage_error(fmt::format("{}: [{}] has no key '{}'", file.string(), command, key.str()),
-                        suggestion(key.str(), keys));
-    const Option& option = options.options()[static_cast<std::size_t>(place - keys.begin())];
+    const Option& option = find_option(file.string(), command, key.str(), options);
     if (std::ranges::find(given, option.name) != given.end()) continue;
-    const bool assigned =
-        std::visit([&](auto* target) { return assign(node, *target); }, option.target);
-    if (!assigned)
+    if (!std::visit([&](auto* target) { return assign(node, *target); }, option.target))
       throw usage_error(
-          fmt::format("{}: {} has a value of the wrong type", file.string(), key.str()),
+          fmt::format("{}: value of '{}' has the wrong type", file.string(), key.str()),
           option.help);
   }
 }

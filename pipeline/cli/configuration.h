@@ -8,9 +8,11 @@
 
 namespace touchtrace::cli {
 
-/// Sets every option that the table [command] of a TOML file names, except those in `given`. Throws
-/// usage_error, with the nearest name, for an unknown key, and for a value of the wrong type.
-void apply_configuration(const std::filesystem::path& file, const std::string& command,
-                         OptionSet& options, const std::vector<std::string>& given);
+/// Sets the options that the table [command] of a TOML file names, except those in `given`.
+/// Tables of other commands are ignored. Throws usage_error for a table that is not in
+/// `command_names`, a key outside any table, an unknown key, or a value of the wrong type.
+void apply_configuration(const std::filesystem::path& file,
+                         const std::vector<std::string>& command_names, const std::string& command,
+                         const std::vector<Option>& options, const std::vector<std::string>& given);
 
 }  // namespace touchtrace::cli

@@ -38,16 +38,16 @@ ExitCode run(const DevicesOptions&, const Invocation& invocation) {
                    {"devices", rows}, {"default", chosen.info.number}, {"reason", chosen.reason}}
                    .dump(2));
   else
-    fmt::print("* is used: {}\n", chosen.reason);
+    fmt::print("* used: {}\n", chosen.reason);
   return ExitCode::done;
 }
 
 }  // namespace
 
 Command devices_command() {
-  return make_command<DevicesOptions>("devices",
-                                      "list the OpenCL devices and say which one is used",
-                                      {"touchtrace devices", "touchtrace devices --json"}, run);
+  return make_command<DevicesOptions>("devices", "list OpenCL devices and the one that is used",
+                                      {"touchtrace devices", "touchtrace devices --json"}, run,
+                                      {.device = true});
 }
 
 }  // namespace touchtrace::cli

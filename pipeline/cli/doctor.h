@@ -5,23 +5,22 @@
 
 namespace touchtrace::cli {
 
-/// One thing that `touchtrace doctor` looked at.
+/// Result of one check of `touchtrace doctor`.
 struct Finding {
   enum class State { good, advice, broken };
 
   State state;
-  std::string what;  ///< what was looked at, and what was found
-  std::string fix;   ///< a command or an action; empty when good
+  std::string what;  ///< thing checked and its condition
+  std::string hint;  ///< command or action; empty if good
 };
 
-/// Every kernel of the table of operations against its reference, on every device.
+/// Compares every operation with its reference on every device.
 std::vector<Finding> check_devices();
-/// Room on the disk of the working folder and of PoCL's cache, and whether the cache can be
-/// written.
+/// Checks the free space of the working directory and whether PoCL's kernel cache is writable.
 std::vector<Finding> check_disk();
-/// Whether Debian's packages that touchtrace is built from and run with are there.
+/// Checks the Debian packages that building, running and testing need.
 std::vector<Finding> check_packages();
-/// USB: whether devices can be listed, and whether this user may open serial and USB gloves.
+/// Checks whether USB devices can be listed and this user may open USB and serial gloves.
 std::vector<Finding> check_usb();
 
 }  // namespace touchtrace::cli

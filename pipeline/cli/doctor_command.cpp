@@ -26,14 +26,14 @@ const char* name_of(Finding::State state) {
 
 void print(const Finding& finding) {
   fmt::print("{:<7} {}\n", name_of(finding.state), finding.what);
-  if (!finding.fix.empty()) fmt::print("        fix: {}\n", finding.fix);
+  if (!finding.hint.empty()) fmt::print("        hint: {}\n", finding.hint);
 }
 
 nlohmann::json to_json(const std::vector<Finding>& findings) {
   nlohmann::json rows = nlohmann::json::array();
   for (const auto& finding : findings)
     rows.push_back(
-        {{"state", name_of(finding.state)}, {"what", finding.what}, {"fix", finding.fix}});
+        {{"state", name_of(finding.state)}, {"what", finding.what}, {"fix", finding.hint}});
   return {{"findings", rows}};
 }
 
@@ -53,10 +53,9 @@ ExitCode run(const DoctorOptions&, const Invocation& invocation) {
 }  // namespace
 
 Command doctor_command() {
-  return make_command<DoctorOptions>(
-      "doctor",
-      "check devices and kernels, packages, disk and USB, and say how to mend what is wrong",
-      {"touchtrace doctor", "touchtrace doctor --json"}, run);
+  return make_command<DoctorOptions>("doctor",
+                                     "check OpenCL devices and kernels, packages, disk and USB",
+                                     {"touchtrace doctor", "touchtrace doctor --json"}, run);
 }
 
 }  // namespace touchtrace::cli

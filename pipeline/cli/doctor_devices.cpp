@@ -7,19 +7,19 @@
 #include "engine/base/error.h"
 #include "pipeline/cli/doctor.h"
 
-// Drivers crash and hang: they are only ever loaded by other processes of this program.
+// Drivers crash and hang: only child processes of this program load them.
 namespace touchtrace::cli {
 namespace {
 
 using nlohmann::json;
 
-// All kernels are built at once by a driver that may never have seen them.
+// A driver may have to compile all kernels.
 constexpr double self_test_limit_s = 300.0;
 
 const char* const other_device =
-    "update its driver, or pass --device with another number of `touchtrace devices`";
+    "update its driver, or choose another device of `touchtrace devices` with --device";
 
-std::vector<Finding> findings_of(const std::string& device, const json& operations) {
+std::vector<Finding> findings_from(const std::string& device, const json& operations) {
   std::vector<Finding> findings;
   double worst = 0.0;
   for (const auto& row : operations) {
@@ -35,7 +35,7 @@ std::vector<Finding> findings_of(const std::string& device, const json& operatio
   if (findings.empty())
     findings.push_back(
         {Finding::State::good,
-         fmt::format("{}: {} operations agree with their references (worst {:.2g} eps)", device,
+         fmt::format("{}: {} operations match their references (worst error {:.2g} eps)", device,
                      operations.size(), worst),
          ""});
   return findings;
@@ -48,7 +48,7 @@ std::vector<Finding> check_device(int number, const std::string& name) {
   if (document.is_discarded())
     return {{Finding::State::broken, fmt::format("{}: its test {}", name, test.ending()),
              other_device}};
-  return findings_of(name, document.at("operations"));
+  return findings_from(name, document.at("operations"));
 }
 
 }  // namespace
@@ -57,11 +57,11 @@ std::vector<Finding> check_devices() {
   const auto listing = run_self({"devices", "--json"}, {}, self_test_limit_s);
   if (listing.exit_code == static_cast<int>(ExitCode::no_device))
     return {{Finding::State::broken, "no OpenCL device",
-             "install PoCL, which runs on any processor: apt-get install pocl-opencl-icd"}};
+             "install PoCL, which runs on any CPU: sudo apt-get install pocl-opencl-icd"}};
   const auto document = json::parse(listing.output, nullptr, false);
   if (document.is_discarded())
     return {{Finding::State::broken, fmt::format("listing the OpenCL devices {}", listing.ending()),
-             "remove the driver's .icd file from /etc/OpenCL/vendors until it is mended"}};
+             "a driver is faulty: remove its .icd file from /etc/OpenCL/vendors"}};
   std::vector<Finding> findings;
   for (const auto& device : document.at("devices"))
     std::ranges::move(check_device(device.at("number"), device.at("name")),

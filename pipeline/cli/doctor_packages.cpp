@@ -12,15 +12,16 @@ namespace {
 
 constexpr const char* dpkg_status = "/var/lib/dpkg/status";
 
-Finding look_for(const std::vector<std::string>& wanted, const std::set<std::string>& installed,
-                 const std::string& purpose) {
+Finding check_installed(const std::vector<std::string>& wanted,
+                        const std::set<std::string>& installed, const std::string& purpose) {
   std::vector<std::string> missing;
   std::ranges::copy_if(wanted, std::back_inserter(missing),
                        [&](const auto& name) { return !installed.contains(name); });
   if (missing.empty())
-    return {Finding::State::good, fmt::format("all {} packages {}", wanted.size(), purpose), ""};
+    return {Finding::State::good,
+            fmt::format("all {} packages for {} are installed", wanted.size(), purpose), ""};
   return {Finding::State::advice,
-          fmt::format("packages {} are missing: {}", purpose, fmt::join(missing, " ")),
+          fmt::format("missing packages for {}: {}", purpose, fmt::join(missing, " ")),
           fmt::format("sudo apt-get install {}", fmt::join(missing, " "))};
 }
 
@@ -51,12 +52,12 @@ std::set<std::string> installed_packages(std::istream& status) {
 std::vector<Finding> check_packages() {
   std::ifstream status(dpkg_status);
   if (!status)
-    return {{Finding::State::advice, "this is no Debian: its packages are not checked",
-             "install what scripts/packages names as your system names it"}};
+    return {{Finding::State::advice, "not a Debian system: packages are not checked",
+             "install the equivalents of the packages in scripts/packages"}};
   const auto wanted = wanted_packages(package_list().at("packages"));
   const auto installed = installed_packages(status);
-  return {look_for(wanted.to_run, installed, "to build and to run"),
-          look_for(wanted.to_test, installed, "to test")};
+  return {check_installed(wanted.to_run, installed, "building and running"),
+          check_installed(wanted.to_test, installed, "testing")};
 }
 
 }  // namespace touchtrace::cli

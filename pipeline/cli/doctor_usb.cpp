@@ -12,21 +12,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Bridge {
+struct SerialChip {
   std::uint16_t vendor;
   const char* name;
 };
 
-/// The serial chips of the gloves that people own.
-constexpr Bridge bridges[]{{0x1a86, "CH340"},
-                           {0x10c4, "CP210x"},
-                           {0x0403, "FTDI"},
-                           {0x0483, "STM32"},
-                           {0x2341, "Arduino"}};
+/// USB-to-serial chips of common gloves.
+constexpr SerialChip serial_chips[]{{0x1a86, "CH340"},
+                                    {0x10c4, "CP210x"},
+                                    {0x0403, "FTDI"},
+                                    {0x0483, "STM32"},
+                                    {0x2341, "Arduino"}};
 
-const char* bridge_name(std::uint16_t vendor) {
-  for (const auto& bridge : bridges)
-    if (bridge.vendor == vendor) return bridge.name;
+const char* chip_name(std::uint16_t vendor) {
+  for (const auto& chip : serial_chips)
+    if (chip.vendor == vendor) return chip.name;
   return nullptr;
 }
 
@@ -35,10 +35,10 @@ Finding check_open(libusb_device* device, const std::string& name) {
   const int result = libusb_open(device, &handle);
   if (result == 0) {
     libusb_close(handle);
-    return {Finding::State::good, fmt::format("{} can be opened", name), ""};
+    return {Finding::State::good, fmt::format("{} is accessible", name), ""};
   }
   return {Finding::State::advice,
-          fmt::format("{} cannot be opened: {}", name, libusb_error_name(result)),
+          fmt::format("cannot open {}: {}", name, libusb_error_name(result)),
           "sudo usermod -aG dialout,plugdev $USER, then log in again"};
 }
 
@@ -49,7 +49,7 @@ std::vector<Finding> check_gloves(libusb_context* context) {
   for (ssize_t i = 0; i < count; ++i) {
     libusb_device_descriptor descriptor{};
     if (libusb_get_device_descriptor(list[i], &descriptor) != 0) continue;
-    if (const char* name = bridge_name(descriptor.idVendor))
+    if (const char* name = chip_name(descriptor.idVendor))
       findings.push_back(check_open(
           list[i],
           fmt::format("USB {} ({:04x}:{:04x})", name, descriptor.idVendor, descriptor.idProduct)));
@@ -60,8 +60,8 @@ std::vector<Finding> check_gloves(libusb_context* context) {
 
 Finding check_tty(const fs::path& tty) {
   if (access(tty.c_str(), R_OK | W_OK) == 0)
-    return {Finding::State::good, tty.string() + " can be opened", ""};
-  return {Finding::State::advice, tty.string() + " cannot be opened by this user",
+    return {Finding::State::good, tty.string() + " is accessible", ""};
+  return {Finding::State::advice, "cannot open " + tty.string(),
           "sudo usermod -aG dialout $USER, then log in again"};
 }
 
@@ -72,8 +72,8 @@ std::vector<Finding> check_usb() {
   libusb_context* context = nullptr;
   if (const int result = libusb_init(&context); result != 0)
     findings.push_back({Finding::State::advice,
-                        fmt::format("USB cannot be listed: {}", libusb_error_name(result)),
-                        "needed only for a glove on USB; check that /dev/bus/usb exists"});
+                        fmt::format("cannot list USB devices: {}", libusb_error_name(result)),
+                        "only needed for a USB glove; check that /dev/bus/usb exists"});
   else {
     const std::unique_ptr<libusb_context, decltype(&libusb_exit)> owner(context, &libusb_exit);
     findings = check_gloves(context);
@@ -86,7 +86,7 @@ std::vector<Finding> check_usb() {
   }
   if (findings.empty())
     findings.push_back(
-        {Finding::State::good, "no glove on USB; recordings and scenes need none", ""});
+        {Finding::State::good, "no glove connected; recordings and simulations need none", ""});
   return findings;
 }
 

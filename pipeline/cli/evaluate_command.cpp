@@ -28,8 +28,9 @@ void print_table(const json& document) {
                row.at("split").get<std::string>(), row.at("model").get<std::string>(),
                number(row.at("l1_at_20")), number(row.at("l1_at_50")), number(row.at("hausdorff")),
                number(row.at("coverage")));
-  fmt::print("held against {}; L1 and Hausdorff in units of the training labels' deviation\n",
-             document.at("against") == "truth" ? "the truth" : "the labels");
+  fmt::print(
+      "evaluated against {}; L1 and Hausdorff in standard deviations of the training labels\n",
+      document.at("against") == "truth" ? "the truth" : "the labels");
   for (const auto& row : document.at("differences"))
     fmt::print("{} {}: full - {}, {}: {} ({} to {})\n", row.at("activity").get<std::string>(),
                row.at("object").get<std::string>(), row.at("other").get<std::string>(),
@@ -71,13 +72,13 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
 
 Command evaluate_command() {
   return make_command<study::EvaluationOptions>(
-      "evaluate", "compare models, and the baseline Random, on clips never trained on",
+      "evaluate", "evaluate models and the baseline Random on held-out clips",
       {"touchtrace evaluate --recording wave.h5 --labels wave.labels.h5 --model "
        "wave_full.safetensors "
        "wave_without_touch.safetensors --output metrics.json",
        "touchtrace evaluate --recording wave.h5 --labels wave.labels.h5 --model "
        "wave_full.safetensors --json"},
-      run);
+      run, {.device = true, .overwrite = true});
 }
 
 }  // namespace touchtrace::cli

@@ -14,20 +14,19 @@ struct LabelCommandOptions {
 };
 
 void describe(OptionSet& set, LabelCommandOptions& o) {
-  set.input("recording", o.recording, "the recording to label");
-  set.path(
-      "calibration", o.calibration,
-      "folder that `calibrate` wrote, or a camera_info, cv::FileStorage or camchain YAML file");
-  set.path("output", o.output, "labels to write, e.g. labels.h5");
-  set.text("trajectories", o.trajectories,
-           "folder for hand.txt and object.txt, TUM trajectories as evo reads them");
+  set.input("recording", o.recording, "HDF5 with glove, RGB-D, background and boxes");
+  set.path("calibration", o.calibration,
+           "folder from `calibrate`, or camera_info, OpenCV or kalibr YAML");
+  set.path("output", o.output, "labels (.h5)").value("FILE");
+  set.text("trajectories", o.trajectories, "also write TUM files hand.txt, object.txt")
+      .value("DIR");
   label::describe(set, o.label);
 }
 
 void print_summary(const Labels& labels, const std::string& output) {
   const auto& s = labels.summary;
   fmt::print("{} labels of {} clips in {}\n", labels.time_s.size(), labels.clips.size(), output);
-  fmt::print("lost: hand {:.2f} %, object {:.2f} %; object only follows the hand in {:.2f} %\n",
+  fmt::print("lost: hand {:.2f} %, object {:.2f} %; object moved with the hand in {:.2f} %\n",
              100.0 * s["hand_lost_share"].get<double>(),
              100.0 * s["object_lost_share"].get<double>(),
              100.0 * s["object_follows_share"].get<double>());
@@ -36,7 +35,7 @@ void print_summary(const Labels& labels, const std::string& output) {
              s["clocks"]["glove"]["drift_ppm"].get<double>(), s["flights"].size());
 }
 
-/// Refuses early what may not be written.
+/// Fails before the work if an output exists.
 void require_writable(const LabelCommandOptions& options, bool overwrite) {
   const OutputFile labels(options.output, overwrite);
   if (options.trajectories.empty()) return;
@@ -70,12 +69,12 @@ ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
 
 Command label_command() {
   return make_command<LabelCommandOptions>(
-      "label", "follow hand and object in a recording and write their states at every glove frame",
+      "label", "label hand and object states, with covariance, at every glove frame",
       {"touchtrace label wave.h5 --calibration camera --output labels.h5",
        "touchtrace label wave.h5 --calibration camera --output labels.h5 --tracker component "
        "--json",
        "touchtrace label wave.h5 --calibration camera --output labels.h5 --trajectories tum"},
-      run);
+      run, {.overwrite = true, .quiet = true});
 }
 
 }  // namespace touchtrace::cli

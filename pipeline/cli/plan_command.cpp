@@ -27,24 +27,24 @@ struct PlanOptions {
 };
 
 void describe(OptionSet& set, PlanOptions& o) {
-  set.text("recording", o.recording,
-           "recording to plan for; it says which activity and objects there are");
-  set.text("activity", o.activity, "activity to simulate where no recording is given");
-  set.texts("object", o.objects, "objects to simulate where no recording is given (default: ball)");
-  set.flag("without-touch", o.without_touch, "only the baseline that sees no tactile frame");
-  set.choice("dynamics", o.dynamics,
-             "what predicts the next state: the paper's MLP, or a GRU that remembers",
-             {"mlp", "gru"});
-  set.choice("object-encoder", o.object_encoder,
-             "what tells the model which object is in hand; auto: nothing for one object, frozen "
-             "embeddings for several",
+  set.group("Data");
+  set.text("recording", o.recording, "recording to plan for, with its activity and objects")
+      .value("FILE");
+  set.text("activity", o.activity, "activity to simulate if there is no recording").value("NAME");
+  set.texts("object", o.objects, "objects to simulate if there is no recording; default: ball")
+      .value("NAME");
+  set.group("Model");
+  set.flag("without-touch", o.without_touch, "baseline without tactile input");
+  set.choice("dynamics", o.dynamics, "state transition model", {"mlp", "gru"});
+  set.choice("object-encoder", o.object_encoder, "auto: none for one object, else frozen",
              {"auto", "none", "frozen", "joint"});
-  set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
-  set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);
+  set.integer("window", o.window, "tactile frames per window, 1-32", 1, 32);
+  set.integer("resolution", o.resolution, "tactile rows and columns, 6-64", 6, 64);
   describe(set, o.convolutions);
-  set.integer("sequences", o.sequences, "roll-outs in a batch", 1, 4096);
-  set.integer("steps", o.steps, "steps of a roll-out in training", 1, 200);
-  set.flag("measure", o.measure, "also run the update, and say what each of its launches takes");
+  set.group("Update");
+  set.integer("sequences", o.sequences, "roll-outs per batch", 1, 4096);
+  set.integer("steps", o.steps, "steps per roll-out", 1, 200);
+  set.flag("measure", o.measure, "run an update and measure each of its launches");
 }
 
 void read_recording(const std::string& path, study::PlanWishes& wishes) {
@@ -87,8 +87,8 @@ void show(const study::PlanWishes& wishes, const study::Plan& plan, const PlanOp
   }
   for (const auto& item : plan.items)
     fmt::print("{} {:<10} {:<34} {}\n", item.included ? "+" : "-", item.stage, item.part, item.why);
-  fmt::print("+ is built and run, - is left out\n\nan update of {} sequences of {} steps:\n",
-             options.sequences, options.steps);
+  fmt::print("+ needed, - skipped\n\nupdate of {} sequences of {} steps:\n", options.sequences,
+             options.steps);
   print_update(update);
 }
 
@@ -113,11 +113,11 @@ ExitCode run(const PlanOptions& o, const Invocation& invocation) {
 
 Command plan_command() {
   return make_command<PlanOptions>(
-      "plan", "say what will be built and run, what is left out, and why",
+      "plan", "list what a recording needs: stages, kernels, and what is skipped and why",
       {"touchtrace plan --activity throw --object ball",
        "touchtrace plan --recording wave.h5 --without-touch --json",
        "touchtrace plan --object ball can --object-encoder joint --measure"},
-      run);
+      run, {.device = true, .quiet = true});
 }
 
 }  // namespace touchtrace::cli

@@ -13,13 +13,16 @@ struct ReportOptions {
 };
 
 void describe(OptionSet& set, ReportOptions& o) {
-  set.path("output", o.output, "HTML file to write");
-  set.text("folder", o.folder, "folder whose artefacts are shown, subfolders included");
-  set.texts("metrics", o.metrics, "metrics files of touchtrace evaluate");
-  set.texts("labels", o.labels, "labels files");
-  set.texts("calibration", o.calibration, "calibration.json files");
-  set.texts("recording", o.recording, "recordings, for their provenance");
-  set.texts("figures", o.figures, "what touchtrace-verify --json and scripts/bench --json print");
+  set.path("output", o.output, "report (.html)").value("FILE");
+  set.group("Inputs");
+  set.text("folder", o.folder, "folder with artefacts, searched recursively").value("DIR");
+  set.texts("metrics", o.metrics, "metrics files from `evaluate`").value("FILE");
+  set.texts("labels", o.labels, "label files").value("FILE");
+  set.texts("calibration", o.calibration, "calibration.json files").value("FILE");
+  set.texts("recording", o.recording, "recordings, for their provenance").value("FILE");
+  set.texts("figures", o.figures,
+            "output of `touchtrace-verify AREA --json` or `scripts/bench AREA --json`")
+      .value("FILE");
 }
 
 void append(std::vector<std::filesystem::path>& paths, const std::vector<std::string>& more) {
@@ -43,8 +46,8 @@ ExitCode run(const ReportOptions& options, const Invocation& invocation) {
   append(inputs.recordings, options.recording);
   append(inputs.figures, options.figures);
   if (inputs.empty())
-    throw usage_error("there is nothing to report on",
-                      "give a --folder with artefacts, or --metrics, --labels, ...");
+    throw usage_error("no artefacts to report on",
+                      "give --folder DIR, or files with --metrics, --labels, ...");
   const nlohmann::json data = report::report_data(inputs);
   const std::string page = report::render(data);
   write_file(options.output, page, invocation.overwrite);
@@ -64,10 +67,10 @@ ExitCode run(const ReportOptions& options, const Invocation& invocation) {
 
 Command report_command() {
   return make_command<ReportOptions>(
-      "report", "put results, paths, labels and provenance into one HTML file",
+      "report", "write results, trajectories, labels and provenance to one HTML file",
       {"touchtrace report --folder out/demo --output out/demo/report.html",
        "touchtrace report --metrics metrics.json --labels wave.labels.h5 --output wave.html"},
-      run);
+      run, {.overwrite = true});
 }
 
 }  // namespace touchtrace::cli

@@ -11,7 +11,7 @@ struct SelfTestOptions {
 };
 
 void describe(OptionSet& set, SelfTestOptions& o) {
-  set.flag("trust-pocl", o.trust_pocl, "test nothing where the device is PoCL's");
+  set.flag("trust-pocl", o.trust_pocl, "do not test a device of PoCL");
 }
 
 nlohmann::json to_json(const OperationResult& result) {
@@ -29,10 +29,10 @@ void print_line(const DeviceInfo& device, const OperationResult& result) {
   else
     fmt::print("{}: {} {}\n", device.name, result.operation,
                result.fault.empty() ? "computes wrong values" : "fails: " + result.fault);
-  std::fflush(stdout);  // lines are a sign of life
+  std::fflush(stdout);  // a reader of a pipe sees progress
 }
 
-/// Up to the first operation that does not hold.
+/// Tests operations until one fails.
 std::vector<OperationResult> test(const ChosenDevice& chosen, bool print) {
   std::vector<OperationResult> results;
   const auto add = [&](OperationResult result) {
@@ -45,7 +45,7 @@ std::vector<OperationResult> test(const ChosenDevice& chosen, bool print) {
     for (const auto& operation : operations())
       if (!add(self_test(runtime, operation))) break;
   } catch (const Error& error) {
-    add({.operation = "its start", .fault = error.what()});
+    add({.operation = "starting the device", .fault = error.what()});
   }
   return results;
 }
@@ -65,8 +65,8 @@ ExitCode run(const SelfTestOptions& options, const Invocation& invocation) {
 
 Command self_test_command() {
   return make_command<SelfTestOptions>(
-      "self-test", "compare the operations on an OpenCL device with plain loops in double",
-      {"touchtrace self-test", "touchtrace self-test --device 1 --json"}, run);
+      "self-test", "compare every OpenCL operation with a double-precision reference",
+      {"touchtrace self-test", "touchtrace self-test --device 1 --json"}, run, {.device = true});
 }
 
 }  // namespace touchtrace::cli

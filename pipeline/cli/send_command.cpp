@@ -25,21 +25,22 @@ struct SendOptions {
 };
 
 void describe(OptionSet& set, SendOptions& o) {
-  set.input("recording", o.recording, "whose glove it is");
-  set.choice("protocol", o.protocol, "of the glove's device", glove_protocol_names());
-  set.integer("glove", o.glove, "which one, where there are two", 1, 2);
-  set.text("output", o.output, "a file for the bytes (default: stdout)");
-  set.flag("live", o.live, "send each frame when it came, not all at once");
+  set.input("recording", o.recording, "HDF5 with glove");
+  set.choice("protocol", o.protocol, "serial protocol of the device", glove_protocol_names());
+  set.integer("glove", o.glove, "number of the glove if there are two", 1, 2);
+  set.text("output", o.output, "file for the bytes; default: stdout").value("FILE");
+  set.flag("live", o.live, "send frames at the times of the recording");
 }
 
 void check(const SendOptions& options, const Invocation& invocation) {
   if (options.live && !options.output.empty())
-    throw usage_error("a file has no time to keep", "leave out --live or --output");
+    throw usage_error("--live cannot be combined with --output", "leave out one of them");
   if (!options.output.empty()) return;
   if (invocation.json)
-    throw usage_error("stdout cannot carry both the bytes and --json", "give --output");
+    throw usage_error("--json needs --output: stdout has the bytes", "use --output FILE");
   if (isatty(STDOUT_FILENO))
-    throw usage_error("a terminal cannot show what a glove sends", "give --output, or a pipe");
+    throw usage_error("cannot write binary glove data to a terminal",
+                      "use --output FILE or a pipe");
 }
 
 GloveStream glove_of(const SendOptions& options) {
@@ -52,16 +53,16 @@ GloveStream glove_of(const SendOptions& options) {
   return recording.gloves[index];
 }
 
-/// Ctrl-C ends it: recordings pause for as long as their people do.
+/// Waits in short steps, so that Ctrl-C works: pauses in recordings have any length.
 void wait_until(Clock::time_point due) {
-  constexpr std::chrono::milliseconds at_once(100);
+  constexpr std::chrono::milliseconds step(100);
   for (auto now = Clock::now(); now < due; now = Clock::now()) {
     throw_if_interrupted();
-    std::this_thread::sleep_until(std::min(due, now + at_once));
+    std::this_thread::sleep_until(std::min(due, now + step));
   }
 }
 
-/// Calls `put` with the bytes of each frame, if `live` as long after the first as it came.
+/// Calls `put` with the bytes of each frame; if `live`, at the times of the recording.
 template <class Put>
 void send(const GloveStream& glove, const GloveProtocol& protocol, bool live, Put&& put) {
   Progress progress("send", glove.frames());
@@ -77,16 +78,16 @@ void send(const GloveStream& glove, const GloveProtocol& protocol, bool live, Pu
 
 void put_on_stdout(const std::string& bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size() || std::fflush(stdout))
-    throw failure("standard output cannot be written", "check what reads it, or the disk");
+    throw failure("cannot write standard output", "check the reader of the pipe, or the disk");
 }
 
 nlohmann::json summary(const SendOptions& options, const GloveStream& glove,
                        const GloveProtocol& protocol, std::size_t bytes) {
-  const double bits_a_s = 10.0 * glove.info.rate_hz * static_cast<double>(bytes) /
-                          static_cast<double>(std::max<std::size_t>(1, glove.frames()));
+  const double bits_per_s = 10.0 * glove.info.rate_hz * static_cast<double>(bytes) /
+                            static_cast<double>(std::max<std::size_t>(1, glove.frames()));
   return {{"output", options.output}, {"protocol", protocol.name},
           {"baud", protocol.baud},    {"frames", glove.frames()},
-          {"bytes", bytes},           {"line_load", bits_a_s / protocol.baud}};
+          {"bytes", bytes},           {"line_load", bits_per_s / protocol.baud}};
 }
 
 void write_bytes(const SendOptions& options, const GloveStream& glove,
@@ -98,8 +99,8 @@ void write_bytes(const SendOptions& options, const GloveStream& glove,
   if (invocation.json)
     fmt::print("{}\n", row.dump(2));
   else
-    fmt::print("{}: {} frames, {} bytes, {:.0f} % of what {} baud carry\n", options.output,
-               glove.frames(), all.size(), 100.0 * row["line_load"].get<double>(), protocol.baud);
+    fmt::print("{}: {} frames, {} bytes, {:.0f} % of {} baud\n", options.output, glove.frames(),
+               all.size(), 100.0 * row["line_load"].get<double>(), protocol.baud);
 }
 
 ExitCode run(const SendOptions& options, const Invocation& invocation) {
@@ -118,10 +119,10 @@ ExitCode run(const SendOptions& options, const Invocation& invocation) {
 
 Command send_command() {
   return make_command<SendOptions>(
-      "send", "send what a recording's glove measured byte by byte, as its device would",
+      "send", "write a recorded glove stream as its device would send it",
       {"touchtrace send wave.h5 --output glove.bin",
        "touchtrace send wave.h5 --protocol wiresens --live | socat - PTY,link=/tmp/glove,raw"},
-      run);
+      run, {.overwrite = true, .quiet = true});
 }
 
 }  // namespace touchtrace::cli

@@ -219,7 +219,7 @@ Command simulate_command() {
        "touchtrace simulate other_glove.h5 --glove 2 --assume glove-gain=0.5 wave-period=0.5:1.5",
        "touchtrace simulate paper --dataset paper --resume",
        "touchtrace simulate mixed --object bottle-half,my_mug.toml --config scene.toml"},
-      run);
+      run, {.device = true, .overwrite = true, .quiet = true});
 }
 
 }  // namespace touchtrace::cli

@@ -18,15 +18,17 @@ struct TuneOptions {
 };
 
 void describe(OptionSet& set, TuneOptions& o) {
-  set.integer("window", o.window, "tactile frames in a window, M", 1, 32);
-  set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 64);
+  set.group("Model");
+  set.integer("window", o.window, "tactile frames per window, 1-32", 1, 32);
+  set.integer("resolution", o.resolution, "tactile rows and columns, 6-64", 6, 64);
   describe(set, o.convolutions);
-  set.integer("sequences", o.sequences, "roll-outs in a batch", 1, 4096);
-  set.integer("steps", o.steps, "steps of a roll-out in training", 1, 200);
-  set.choice("object-encoder", o.object_encoder, "of the model to train",
+  set.choice("object-encoder", o.object_encoder, "object encoder of the model",
              {"none", "frozen", "joint"});
+  set.group("Batches");
+  set.integer("sequences", o.sequences, "roll-outs per batch", 1, 4096);
+  set.integer("steps", o.steps, "steps per roll-out", 1, 200);
   set.integer("object-segments", o.object_segments,
-              "touch segments in a batch of contrastive training, for frozen embeddings", 2, 1024);
+              "segments per encoder update if the object encoder is frozen", 2, 1024);
 }
 
 ModelSpec spec_of(const TuneOptions& options) {
@@ -43,7 +45,7 @@ ModelSpec spec_of(const TuneOptions& options) {
 std::filesystem::path writable_tuning_path() {
   const auto path = tuning_path();
   if (path.empty())
-    throw usage_error("there is no folder to keep tuned choices in",
+    throw usage_error("no folder for the tuning file",
                       "set HOME, or XDG_CACHE_HOME to an absolute path");
   return path;
 }
@@ -52,9 +54,9 @@ void print_row(const std::string& what, const TunedTimes& times, const std::stri
   fmt::print("  {:<46} {:>9.3f} {:>9.3f}  {}\n", what, times.default_ms, times.tuned_ms, choice);
 }
 
-/// What is computed how, encoder by encoder.
+/// Prints the variants chosen, per encoder.
 void print_choices(const Tuning& tuning, const std::vector<ConvStackShape>& encoders) {
-  fmt::print("  {:<46} {:>9} {:>9}  {}\n", "", "usual ms", "chosen ms", "choice");
+  fmt::print("  {:<46} {:>9} {:>9}  {}\n", "", "default ms", "chosen ms", "choice");
   for (const auto& encoder : encoders) {
     const auto first = encoder.layers()[0];
     const auto& part = *tuning.micro_batch(first);
@@ -85,7 +87,7 @@ ExitCode run(const TuneOptions& options, const Invocation& invocation) {
   const bool was_complete = is_complete(tuning, encoders);
   const auto keep = [&] { write_tuning(path, runtime.device(), tuning); };
   if (!was_complete) {
-    keep();  // says now, rather than after the first minute, whether the file can be written
+    keep();  // fails now instead of after a minute if the file cannot be written
     tune(runtime, encoders, tuning, keep);
   }
   const auto update = measure_update_times(runtime, spec, options.sequences, options.steps, tuning);
@@ -105,10 +107,10 @@ ExitCode run(const TuneOptions& options, const Invocation& invocation) {
                            .dump(2));
     return ExitCode::done;
   }
-  fmt::print("{} on {}, kept in {}\n", was_complete ? "all was tuned already" : "tuned",
+  fmt::print("{} on {}; tuning file {}\n", was_complete ? "tuned before" : "tuned",
              runtime.device().name, path.string());
   print_choices(measured, encoders);
-  print_row("a whole update", update, stays ? "" : "not worth it: all goes by the usual rules");
+  print_row("whole update", update, stays ? "" : "not faster: default variants kept");
   return ExitCode::done;
 }
 
@@ -116,8 +118,9 @@ ExitCode run(const TuneOptions& options, const Invocation& invocation) {
 
 Command tune_command() {
   return make_command<TuneOptions>(
-      "tune", "measure which of several ways to compute is fastest here; train uses what it found",
-      {"touchtrace tune", "touchtrace tune --sequences 32 --object-encoder joint --json"}, run);
+      "tune", "measure the fastest kernel variants for a model on a device, for `train`",
+      {"touchtrace tune", "touchtrace tune --sequences 32 --object-encoder joint --json"}, run,
+      {.device = true, .quiet = true});
 }
 
 }  // namespace touchtrace::cli

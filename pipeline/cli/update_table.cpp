@@ -13,7 +13,7 @@ namespace {
 const PlannedLaunch& planned(const PlannedLaunch& launch) { return launch; }
 const PlannedLaunch& planned(const MeasuredLaunch& launch) { return launch.planned; }
 
-/// Of launches that have something in common; the first one's name and purpose.
+/// Sum over launches with a common key; kernel and purpose are those of the first.
 struct LaunchSum {
   std::string kernel;
   Purpose purpose;
@@ -31,7 +31,7 @@ struct LaunchSum {
   }
 };
 
-/// One sum for launches of the same key, in the order in which they are first queued.
+/// Sums launches by key, in the order of first use.
 template <class SomeLaunch, class KeyOf>
 std::vector<LaunchSum> sums_by(const std::vector<SomeLaunch>& launches, KeyOf key_of) {
   std::vector<LaunchSum> sums;
@@ -69,7 +69,7 @@ void print_measured_head(const char* first, const char* second) {
              "launches", "MFLOP", "us each", "ms", "share", "peak", "GB/s", "in place");
 }
 
-/// `all`: of all launches.
+/// `all`: sum over all launches.
 void print_measured_row(const std::string& first, const std::string& second, const LaunchSum& sum,
                         const LaunchSum& all, double peak_flops) {
   fmt::print("  {:<24} {:<16} {:>8} {:>8} {:>8.1f} {:>7.3f} {:>6.3f} {:>5} {:>6.1f} {:>8.3f}\n",
@@ -130,7 +130,7 @@ void print_update(const MeasuredUpdate& update) {
   for (const auto& sum : sums_by_purpose(update)) print_row(name_of(sum.purpose), "", sum);
   print_row("all", "", all);
   fmt::print(
-      "  a whole update: {:.3f} ms of the processor, {:.3f} ms by the wall\n"
+      "  whole update: {:.3f} ms of CPU time, {:.3f} ms of wall time\n"
       "  peak: {:.1f} GFLOP/s\n",
       1e3 * update.cpu_seconds, 1e3 * update.wall_seconds, 1e-9 * update.peak_flops);
 }

@@ -7,16 +7,16 @@
 
 namespace touchtrace::cli {
 
-/// One row a kernel, in the order in which they are first queued.
+/// Prints one row per kernel, in the order of first use.
 void print_update(const std::vector<PlannedLaunch>& launches);
 /// {"launches":[{"kernel","purpose","flops","bytes","tuned"}...]}
 nlohmann::json update_json(const std::vector<PlannedLaunch>& launches);
 
-/// One row for launches of the same kernel, purpose and cost, one a purpose, and the whole update.
-/// Columns: of launches alone and again and again the time each, the sum, its share of all
-/// launches, the share of the peak, and bytes a second; the sum in place, in ms.
+/// Prints one row per kernel, purpose and cost, one per purpose, and the whole update. Columns:
+/// time per launch and sum, measured by repeating each launch alone; share of all launches;
+/// fraction of the peak FLOP/s; bandwidth; sum measured in place, within the update [ms].
 void print_update(const MeasuredUpdate& update);
-/// {"launches":[as above, and "seconds","seconds_in_place","share","share_of_peak",
+/// {"launches":[as above, with "seconds","seconds_in_place","share","share_of_peak",
 /// "bytes_per_second"...], "purposes":[{"purpose","launches","flops","bytes", and these}...],
 /// "update":{"launch_seconds","launch_seconds_in_place","cpu_seconds","wall_seconds","peak_flops"}}.
 nlohmann::json update_json(const MeasuredUpdate& update);

@@ -17,11 +17,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* vendors_variable = "OCL_ICD_VENDORS";
-constexpr const char* usual_vendors = "/etc/OpenCL/vendors";
-// A driver that compiles an operation's kernels for longer is as good as hanging.
+constexpr const char* default_vendors = "/etc/OpenCL/vendors";
+// A driver that takes longer to compile the kernels of one operation counts as hanging.
 constexpr double compile_limit_s = 20.0;
 
-/// The files that the ICD loader reads a driver's name from, or the one driver itself.
+/// Returns the .icd files in a folder, or `vendors` itself if it is a driver.
 std::vector<fs::path> drivers_in(const fs::path& vendors) {
   std::error_code missing;
   if (!fs::is_directory(vendors, missing)) return {vendors};
@@ -41,13 +41,13 @@ bool only_pocl_is_installed() {
   for (const char* variable : {"OPENCL_VENDOR_PATH", "OCL_ICD_FILENAMES"})
     if (std::getenv(variable)) return false;
   const char* vendors = std::getenv(vendors_variable);
-  return std::ranges::all_of(drivers_in(vendors ? vendors : usual_vendors), is_pocl);
+  return std::ranges::all_of(drivers_in(vendors ? vendors : default_vendors), is_pocl);
 }
 
-/// Makes the loader see PoCL alone in this process. False if PoCL is nowhere.
+/// Makes the ICD loader of this process load only PoCL. Returns false if PoCL is not installed.
 bool leave_only_pocl() {
   const char* vendors = std::getenv(vendors_variable);
-  for (const char* folder : {vendors, usual_vendors}) {
+  for (const char* folder : {vendors, default_vendors}) {
     if (!folder) continue;
     const auto drivers = drivers_in(folder);
     const auto pocl = std::ranges::find_if(drivers, is_pocl);
@@ -56,33 +56,37 @@ bool leave_only_pocl() {
   return false;
 }
 
-/// What the test of the device says; the last line is its fault.
+/// Returns the last line of the test's output: the failure.
 std::string last_line(std::string text) {
   while (!text.empty() && text.back() == '\n') text.pop_back();
   return text.substr(text.find_last_of('\n') + 1);
 }
 
-ChosenDevice pocl_instead(const std::string& fault) {
-  const auto reason = fmt::format("the OpenCL device that would be used is refused: {}", fault);
+ChosenDevice fall_back_to_pocl(const std::string& failure) {
+  const auto reason = fmt::format("the default OpenCL device is refused: {}", failure);
   if (!leave_only_pocl())
-    throw device_error(
-        reason, "install PoCL, which runs on any processor: apt-get install pocl-opencl-icd");
+    throw device_error(reason,
+                       "install PoCL, which runs on any CPU: apt-get install pocl-opencl-icd");
   auto chosen = choose_device("");
-  fmt::print(stderr, "warning: {}; {} computes instead\n", reason, chosen.info.name);
+  fmt::print(stderr, "warning: {}; using {} instead\n", reason, chosen.info.name);
   chosen.reason = reason;
   return chosen;
 }
 
 }  // namespace
 
-ChosenDevice usable_device(const std::string& wish) {
-  if (only_pocl_is_installed()) return choose_device(wish);
-  const auto test = run_self({"self-test", "--trust-pocl", "--device", wish}, {}, compile_limit_s);
+ChosenDevice usable_device(const std::string& selector) {
+  if (only_pocl_is_installed()) return choose_device(selector);
+  const auto test =
+      run_self({"self-test", "--trust-pocl", "--device", selector}, {}, compile_limit_s);
   const bool no_such_device = test.exit_code == static_cast<int>(ExitCode::no_device);
-  if (test.succeeded() || no_such_device) return choose_device(wish);
-  return pocl_instead(test.exit_code == static_cast<int>(ExitCode::data)
-                          ? last_line(test.output)
-                          : fmt::format("its test {}", test.ending()));
+  if (test.succeeded() || no_such_device) return choose_device(selector);
+  const auto failure = test.exit_code == static_cast<int>(ExitCode::data)
+                           ? last_line(test.output)
+                           : fmt::format("its test {}", test.ending());
+  if (selector.empty()) return fall_back_to_pocl(failure);
+  throw device_error(fmt::format("OpenCL device '{}' is refused: {}", selector, failure),
+                     "choose another device of `touchtrace devices`, or omit --device to use PoCL");
 }
 
 }  // namespace touchtrace::cli

@@ -4,10 +4,12 @@
 
 namespace touchtrace::cli {
 
-/// choose_device(wish), and proof that it works: unless PoCL is all that is installed, another
-/// process loads every OpenCL driver and tests the device first, since a bad driver crashes, hangs
-/// or computes wrong values. Then PoCL is used instead, with a warning on stderr. To be called
-/// before anything else uses OpenCL. Throws device_error if there is no PoCL either.
-ChosenDevice usable_device(const std::string& wish);
+/// Returns choose_device(selector) after a child process has tested the device: a bad driver
+/// crashes, hangs or computes wrong values. Skips the test if only PoCL is installed.
+///
+/// If the test fails: throws device_error for a named device; for the default one (empty
+/// `selector`) warns on stderr and returns PoCL, or throws device_error without PoCL. Call it
+/// before anything else uses OpenCL.
+ChosenDevice usable_device(const std::string& selector);
 
 }  // namespace touchtrace::cli

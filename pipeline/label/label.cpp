@@ -186,8 +186,8 @@ nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
 }  // namespace
 
 void describe(OptionSet& set, LabelOptions& o) {
-  set.choice("tracker", o.tracker, "how targets are followed", tracker_names());
-  set.integer("threads", o.threads, "clips worked on at a time; 0: one a core", 0, 1024);
+  set.choice("tracker", o.tracker, "component: fastest", tracker_names());
+  set.integer("threads", o.threads, "clips in parallel; 0: one per core", 0, 1024);
 }
 
 Labels label_recording(const Recording& recording, const FrameSource& frames,

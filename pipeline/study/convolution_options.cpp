@@ -3,12 +3,12 @@
 namespace touchtrace::study {
 
 void describe(OptionSet& set, ConvolutionOptions& o) {
-  set.choice("tactile-kernel", o.kernel,
-             "rows and columns of taps of the convolutions over tactile frames", {"3", "5"});
+  set.choice("tactile-kernel", o.kernel, "convolution kernel size", {"3", "5"});
+  // At a resolution of 6, strides 1,1,1 keep 6 x 6 positions; 2,2,2 leave one.
   set.choice("tactile-strides", o.strides,
-             "their strides, from the first to the last; small frames want small ones: at a "
-             "resolution of 6, 1,1,1 keeps 6 x 6 places, where 2,2,2 leaves one",
-             {"2,2,2", "2,2,1", "2,1,2", "2,1,1", "1,2,2", "1,2,1", "1,1,2", "1,1,1"});
+             "convolution strides, 1 or 2 each; use small ones for small frames",
+             {"2,2,2", "2,2,1", "2,1,2", "2,1,1", "1,2,2", "1,2,1", "1,1,2", "1,1,1"})
+      .value("A,B,C");
 }
 
 }  // namespace touchtrace::study

@@ -59,20 +59,19 @@ json card_json(const LoadedModel& model) {
 }  // namespace
 
 void describe(OptionSet& set, EvaluationOptions& o) {
-  set.paths("recording", o.recordings,
-            "recordings to evaluate on; only their evaluation clips are used");
-  set.paths("labels", o.labels, "their labels, in the same order");
-  set.paths("model", o.models,
-            "models to compare; each is matched with the recordings of its activity");
-  set.text("output", o.output, "metrics file to write (JSON), for touchtrace report");
-  set.choice("accuracy", o.accuracy,
-             "fast flushes denormals; exact does not, and compensates long sums",
-             {"fast", "exact"});
-  set.choice("against", o.against,
-             "what predictions are held against; auto: truth where there is one",
+  set.group("Files");
+  set.paths("recording", o.recordings, "recordings; only their evaluation clips are used")
+      .value("FILE");
+  set.paths("labels", o.labels, "label files, in the same order").value("FILE");
+  set.paths("model", o.models, "models; each is evaluated on the recordings of its activity")
+      .value("FILE");
+  set.text("output", o.output, "metrics (.json), for `report`").value("FILE");
+  set.group("Evaluation");
+  set.choice("against", o.against, "reference states; auto: truth if recorded, else labels",
              {"auto", "truth", "labels"});
-  set.integer("stride", o.stride, "frames from the start of one roll-out to the next", 1, 1000);
-  set.seed("seed", o.seed, "of the baseline Random and of the bootstrap");
+  set.integer("stride", o.stride, "frames between starts of roll-outs", 1, 1000);
+  set.choice("accuracy", o.accuracy, "exact: denormals, compensated sums", {"fast", "exact"});
+  set.seed("seed", o.seed, "baseline Random and bootstrap");
 }
 
 LoadedModel load_model(Runtime& runtime, const std::string& path) {

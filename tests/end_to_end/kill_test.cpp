@@ -1,13 +1,17 @@
-// `touchtrace train` killed at random moments, or left by its device, and resumed until it is done:
-// the weights must be those of a run that went through.
+// `touchtrace train` that is killed at random checkpoints or loses its device, and is then resumed:
+// the weights must equal those of an uninterrupted run.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <csignal>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <string>
 
+#include "tests/end_to_end/running_program.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
 
@@ -15,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using touchtrace::testing::run_program;
+using touchtrace::testing::RunningProgram;
 
 constexpr int killed = 128 + 9;
 
@@ -23,7 +28,7 @@ std::string contents(const fs::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// The tensors of a safetensors file; its header holds times, which differ.
+/// Tensors of a safetensors file, without the header, whose times differ.
 std::string tensors(const fs::path& path) {
   const auto bytes = contents(path);
   std::uint64_t header_bytes = 0;
@@ -32,7 +37,13 @@ std::string tensors(const fs::path& path) {
   return bytes.substr(sizeof header_bytes + header_bytes);
 }
 
-class BrokenTraining : public ::testing::Test {
+/// Identity of a file, which changes whenever it is replaced; 0 if it does not exist.
+ino_t inode(const fs::path& path) {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 ? status.st_ino : 0;
+}
+
+class InterruptedTraining : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::remove_all(folder_);
@@ -56,48 +67,62 @@ class BrokenTraining : public ::testing::Test {
            at(output);
   }
 
+  bool has_temporary_file() const {
+    for (const auto& entry : fs::directory_iterator(folder_))
+      if (entry.path().extension() == ".tmp") return true;
+    return false;
+  }
+
+  /// Kills training after `num_checkpoints`, while the next one is written if `during_write`.
+  /// Returns the exit code.
+  int train_and_kill(int num_checkpoints, bool during_write) {
+    const fs::path checkpoint = at("killed.checkpoint");
+    ino_t last = inode(checkpoint);
+    RunningProgram program(train("killed") + (last ? " --resume" : ""), at("killed.log"));
+    program.wait_for([&] {
+      const ino_t now = inode(checkpoint);
+      if (now != last) last = now, --num_checkpoints;
+      return num_checkpoints <= 0 && (!during_write || has_temporary_file());
+    });
+    program.signal(SIGKILL);
+    return program.wait();
+  }
+
   void survive_kills() {
-    std::random_device seed;
-    std::uniform_real_distribution<double> moment_s(0.2, 0.8);
+    const unsigned seed = std::random_device()();
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::minstd_rand random(seed);
+    // 400 updates with a checkpoint each: at least six runs, unless polling misses checkpoints.
+    std::uniform_int_distribution<int> num_checkpoints(1, 60), coin(0, 1);
     int kills = 0;
-    for (int start = 0; start < 60 && !fs::exists(at("killed")); ++start) {
-      const bool resume = fs::exists(at("killed.checkpoint"));
-      // Later starts live longer, so that this ends on a slow machine too. --foreground: timeout
-      // waits until the process is gone, and so are its claims on temporary files.
-      // --preserve-status: a run that ends just as its time is up has ended well.
-      const auto limit_s = std::to_string(moment_s(seed) * (1.0 + 0.2 * start));
-      const auto result =
-          run_program(train("killed") + (resume ? " --resume" : ""),
-                      "timeout --foreground --preserve-status -s KILL " + limit_s + " ");
-      if (result.exit_code == killed)
-        ++kills;
-      else
-        ASSERT_EQ(result.exit_code, 0) << result.output;
+    while (!fs::exists(at("killed"))) {
+      const int exit_code = train_and_kill(num_checkpoints(random), coin(random) == 1);
+      ASSERT_TRUE(exit_code == killed || exit_code == 0) << contents(at("killed.log"));
+      kills += exit_code == killed ? 1 : 0;
     }
-    ASSERT_TRUE(fs::exists(at("killed")));
     EXPECT_GE(kills, 2);
   }
 
   void lose_the_device() {
     const auto result =
-        run_program(train("left"), "OCL_ICD_VENDORS=" VANISHING_POCL_ICD " VANISHES_AFTER=3000 ");
+        run_program(train("lost"), "OCL_ICD_VENDORS=" VANISHING_POCL_ICD " VANISHES_AFTER=3000 ");
     EXPECT_EQ(result.exit_code, 4) << result.output;
-    for (const char* part : {"CL_DEVICE_NOT_AVAILABLE", "left.checkpoint is whole", "--resume"})
+    for (const char* part : {"CL_DEVICE_NOT_AVAILABLE", "lost.checkpoint", "--resume"})
       EXPECT_NE(result.output.find(part), std::string::npos) << result.output;
-    run(train("left") + " --resume");
+    run(train("lost") + " --resume");
   }
 
   fs::path folder_ = touchtrace::testing::scratch_folder();
 };
 
-TEST_F(BrokenTraining, GoesOnToTheSameBits) {
+TEST_F(InterruptedTraining, ResumesToTheSameBits) {
   run(train("whole"));
   survive_kills();
   EXPECT_EQ(tensors(at("killed")), tensors(at("whole")));
   for (const auto& entry : fs::directory_iterator(folder_))
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
   lose_the_device();
-  EXPECT_EQ(tensors(at("left")), tensors(at("whole")));
+  EXPECT_EQ(tensors(at("lost")), tensors(at("whole")));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ ModelSpec small_model() {
   return {.touch = true, .window_frames = 2, .rows = 6, .cols = 6, .embedding = 16, .hidden = 64};
 }
 
-/// Of rows whose numbers must all be positive, but for operations where data are only moved.
+/// Sums the shares; all numbers must be positive, except FLOPs of kernels that only move data.
 double sum_of_shares(const nlohmann::json& rows) {
   double sum = 0.0;
   for (const auto& row : rows) {
@@ -28,7 +28,7 @@ double sum_of_shares(const nlohmann::json& rows) {
   return sum;
 }
 
-TEST(UpdateTable, SharesOfLaunchesAndOfPurposesSumToOne) {
+TEST(UpdateTable, SharesSumToOne) {
   Runtime runtime(choose_device(""));
   const auto update = measure_update(runtime, small_model(), 2, 4);
   const auto json = nlohmann::json::parse(update_json(update).dump());
@@ -40,7 +40,7 @@ TEST(UpdateTable, SharesOfLaunchesAndOfPurposesSumToOne) {
     EXPECT_TRUE(value.get<double>() > 0.0 && std::isfinite(value.get<double>())) << key;
 }
 
-TEST(UpdateTable, WhatIsOnlyPlannedHasTheSameLaunches) {
+TEST(UpdateTable, PlannedUpdateListsEveryLaunch) {
   Runtime runtime(choose_device(""));
   const auto plan = launches_of_update(runtime, small_model(), 2, 4);
   const auto rows = update_json(plan).at("launches");

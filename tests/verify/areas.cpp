@@ -26,7 +26,7 @@ struct AreaOptions {
 };
 
 void describe(OptionSet& set, AreaOptions& o) {
-  set.text("report", o.report, "HTML file to write: the figures and their pictures");
+  set.text("report", o.report, "HTML page of the figures and their plots").value("FILE");
 }
 
 void print_row(const Figure& figure) {
@@ -59,7 +59,7 @@ ExitCode run(const std::string& area, const Verification& verification, const Ar
   return all_pass ? ExitCode::done : ExitCode::data;
 }
 
-/// The command that measures one area.
+/// Command that measures one area.
 cli::Command area(const std::string& name, const std::string& summary, Verification verification) {
   const auto options = std::make_shared<AreaOptions>();
   return {name,
@@ -68,7 +68,8 @@ cli::Command area(const std::string& name, const std::string& summary, Verificat
           [options](OptionSet& set) { describe(set, *options = AreaOptions{}); },
           [=](const cli::Invocation& invocation) {
             return run(name, verification, *options, invocation);
-          }};
+          },
+          {.overwrite = true, .quiet = true}};
 }
 
 Verification verify_whole_engine() {
@@ -83,20 +84,22 @@ Verification verify_whole_engine() {
 const cli::Program& verify_program() {
   static const cli::Program program{
       "touchtrace-verify",
-      "touchtrace-verify: measures what each module of touchtrace promises. Prints rows of name, "
-      "value, unit, goal, PASS or FAIL, and seconds; exit code 3 if a row fails",
-      {area("calibration", "photographs of opencv-doc and simulated boards (3 min)",
-            calibration_verification()),
-       area("engine", "operations, gradients, training, prediction (10 min)",
-            verify_whole_engine()),
-       area("first-step", "the first training step of a process", verify_first_step()),
-       area("labels", "smoothing, clocks, labels of rendered scenes (17 min)",
-            study::verify_labels()),
-       area("recording", "crash safety and damaged files", verify_recording()),
-       area("scene", "physics against closed forms and statistics", scene::verify_scene()),
-       area("study", "training and evaluation on a synthetic data set", study::verify_study()),
-       area("weights", "hash of the weights after 200 updates", verify_weights()),
-       study::sensitivity_command()}};
+      "touchtrace-verify measures the figures that each module of touchtrace promises. It prints "
+      "rows of name, value, unit, goal, PASS or FAIL, and seconds; exit code 3 if a row fails.",
+      {{"Areas",
+        {area("calibration", "photographs of opencv-doc and simulated boards (3 min)",
+              calibration_verification()),
+         area("engine", "operations, gradients, training, prediction (10 min)",
+              verify_whole_engine()),
+         area("first-step", "the first training step of a process", verify_first_step()),
+         area("labels", "smoothing, clocks, labels of rendered scenes (17 min)",
+              study::verify_labels()),
+         area("recording", "crash safety and damaged files", verify_recording()),
+         area("scene", "physics against closed forms and statistics", scene::verify_scene()),
+         area("study", "training and evaluation on a synthetic data set", study::verify_study()),
+         area("weights", "hash of the weights after 200 updates", verify_weights())}},
+       {"Studies", {study::sensitivity_command()}}},
+      {}};
   return program;
 }
 

@@ -4,7 +4,7 @@
 
 namespace touchtrace::verify {
 
-/// touchtrace-verify: one command per area, and the study of the scene's parameters.
+/// Program touchtrace-verify: one command per area, and the sensitivity study.
 const cli::Program& verify_program();
 
 }  // namespace touchtrace::verify

@@ -28,7 +28,7 @@ cli::Command sensitivity_command() {
       "sensitivity", "halve and double what the scene assumes, and see what it does to L1@50",
       {"touchtrace-verify sensitivity --output wave.json --only glove-gain glove-cross-talk",
        "touchtrace-verify sensitivity --output throw.json --activity throw --resume"},
-      run);
+      run, {.device = true, .overwrite = true, .quiet = true});
 }
 
 }  // namespace touchtrace::study

@@ -1,9 +1,9 @@
 #include "engine/base/options.h"
 
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cctype>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -16,75 +16,129 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+std::string upper_case(std::string text) {
+  for (char& c : text)
+    c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string text_of(const Option::Target& target) {
+  return std::visit(
+      [](const auto* value) -> std::string {
+        using Value = std::remove_cvref_t<decltype(*value)>;
+        if constexpr (std::is_same_v<Value, bool>)
+          return "";
+        else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
+          return fmt::format("{}", fmt::join(*value, " "));
+        else
+          return fmt::format("{}", *value);
+      },
+      target);
+}
+
 void validate_number(const Option& option, double value) {
-  if (!(value >= option.minimum && value <= option.maximum))
-    throw usage_error(fmt::format("--{} {} is out of range", option.name, value),
-                      fmt::format("pass a value from {} to {}", option.minimum, option.maximum));
+  if (value >= option.minimum && value <= option.maximum) return;
+  const auto range = option.maximum < infinity
+                         ? fmt::format("from {} to {}", option.minimum, option.maximum)
+                         : fmt::format("at least {}", option.minimum);
+  throw usage_error(fmt::format("{} must be {}, not {}", option.label(), range, value),
+                    option.help);
 }
 
 void validate_text(const Option& option, const std::string& value) {
-  if (option.required && value.empty())
-    throw usage_error(fmt::format("--{} is missing", option.name), option.help);
-  if (!option.choices.empty() && std::ranges::find(option.choices, value) == option.choices.end())
-    throw usage_error(fmt::format("invalid --{} '{}'", option.name, value),
-                      suggestion(value, option.choices));
+  if (option.choices.empty() || std::ranges::find(option.choices, value) != option.choices.end())
+    return;
+  throw usage_error(fmt::format("{} cannot be '{}'{}", option.label(), value,
+                                did_you_mean(value, option.choices)),
+                    "choices: " + comma_separated(option.choices));
 }
 
 }  // namespace
 
-void OptionSet::flag(std::string name, bool& target, std::string help) {
-  options_.push_back({std::move(name), &target, std::move(help), 0, 1, {}});
+bool Option::is_empty() const {
+  return std::visit(
+      [](const auto* value) {
+        if constexpr (requires { value->empty(); })
+          return value->empty();
+        else
+          return false;
+      },
+      target);
 }
 
-void OptionSet::integer(std::string name, int& target, std::string help, int minimum, int maximum) {
-  options_.push_back(
-      {std::move(name), &target, std::move(help), double(minimum), double(maximum), {}});
+std::string Option::label() const { return positional ? placeholder : "--" + name; }
+
+std::string Option::key() const {
+  std::string key = name;
+  std::ranges::replace(key, '-', '_');
+  return key;
 }
 
-void OptionSet::seed(std::string name, std::uint64_t& target, std::string help) {
-  options_.push_back({std::move(name), &target, std::move(help), 0, infinity, {}});
+Option& Option::value(std::string text) {
+  placeholder = std::move(text);
+  return *this;
 }
 
-void OptionSet::number(std::string name, double& target, std::string help, double minimum,
-                       double maximum) {
-  options_.push_back({std::move(name), &target, std::move(help), minimum, maximum, {}});
+Option& OptionSet::add(Option option) {
+  option.group = group_;
+  option.default_text = text_of(option.target);
+  options_.push_back(std::move(option));
+  return options_.back();
 }
 
-void OptionSet::numbers(std::string name, std::vector<double>& target, std::string help) {
-  options_.push_back({std::move(name), &target, std::move(help), -infinity, infinity, {}});
+Option& OptionSet::flag(std::string name, bool& target, std::string help) {
+  return add({std::move(name), &target, std::move(help), 0, 1, {}});
 }
 
-void OptionSet::text(std::string name, std::string& target, std::string help) {
-  options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}});
+Option& OptionSet::integer(std::string name, int& target, std::string help, int minimum,
+                           int maximum) {
+  return add({std::move(name), &target, std::move(help), double(minimum), double(maximum), {}})
+      .value("N");
 }
 
-void OptionSet::texts(std::string name, std::vector<std::string>& target, std::string help) {
-  options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}});
+Option& OptionSet::seed(std::string name, std::uint64_t& target, std::string help) {
+  return add({std::move(name), &target, std::move(help), 0, infinity, {}}).value("N");
 }
 
-void OptionSet::choice(std::string name, std::string& target, std::string help,
-                       std::vector<std::string> choices) {
-  options_.push_back({std::move(name), &target, std::move(help), 0, 0, std::move(choices)});
+Option& OptionSet::number(std::string name, double& target, std::string help, double minimum,
+                          double maximum) {
+  return add({std::move(name), &target, std::move(help), minimum, maximum, {}}).value("X");
 }
 
-void OptionSet::path(std::string name, std::string& target, std::string help) {
-  options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}, true});
+Option& OptionSet::text(std::string name, std::string& target, std::string help) {
+  return add({std::move(name), &target, std::move(help), 0, 0, {}}).value("TEXT");
 }
 
-void OptionSet::paths(std::string name, std::vector<std::string>& target, std::string help) {
-  options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}, true});
+Option& OptionSet::texts(std::string name, std::vector<std::string>& target, std::string help) {
+  return add({std::move(name), &target, std::move(help), 0, 0, {}}).value("TEXT");
 }
 
-void OptionSet::input(std::string name, std::string& target, std::string help) {
-  options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}, true, true});
+Option& OptionSet::choice(std::string name, std::string& target, std::string help,
+                          std::vector<std::string> choices) {
+  std::string list;
+  for (const auto& choice : choices) list += (list.empty() ? "{" : ",") + choice;
+  return add({std::move(name), &target, std::move(help), 0, 0, std::move(choices)})
+      .value(list + "}");
 }
 
-void OptionSet::optional_input(std::string name, std::string& target, std::string help) {
-  options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}, false, true});
+Option& OptionSet::path(std::string name, std::string& target, std::string help) {
+  return add({std::move(name), &target, std::move(help), 0, 0, {}, true}).value("PATH");
 }
 
-void OptionSet::inputs(std::string name, std::vector<std::string>& target, std::string help) {
-  options_.push_back({std::move(name), &target, std::move(help), 0, 0, {}, true, true});
+Option& OptionSet::paths(std::string name, std::vector<std::string>& target, std::string help) {
+  return add({std::move(name), &target, std::move(help), 0, 0, {}, true}).value("PATH");
+}
+
+Option& OptionSet::input(std::string name, std::string& target, std::string help) {
+  auto placeholder = upper_case(name);
+  return add({std::move(name), &target, std::move(help), 0, 0, {}, true, true})
+      .value(std::move(placeholder));
+}
+
+Option& OptionSet::optional_input(std::string name, std::string& target, std::string help) {
+  auto placeholder = upper_case(name);
+  return add({std::move(name), &target, std::move(help), 0, 0, {}, false, true})
+      .value(std::move(placeholder));
 }
 
 std::vector<std::string> OptionSet::names() const {
@@ -95,29 +149,26 @@ std::vector<std::string> OptionSet::names() const {
 
 nlohmann::json OptionSet::values() const {
   nlohmann::json values = nlohmann::json::object();
-  for (const auto& option : options_) {
-    std::string key = option.name;
-    std::ranges::replace(key, '-', '_');
-    std::visit([&](auto* target) { values[key] = *target; }, option.target);
-  }
+  for (const auto& option : options_)
+    if (!option.help.empty())
+      std::visit([&](const auto* target) { values[option.key()] = *target; }, option.target);
   return values;
 }
 
 void OptionSet::validate() const {
-  for (const auto& option : options_)
+  for (const auto& option : options_) {
+    if (option.required && option.is_empty())
+      throw usage_error(fmt::format("missing {}", option.label()), option.help);
     std::visit(
-        [&](auto* target) {
-          using Value = std::remove_pointer_t<decltype(target)>;
+        [&](const auto* target) {
+          using Value = std::remove_cvref_t<decltype(*target)>;
           if constexpr (std::is_arithmetic_v<Value>)
             validate_number(option, static_cast<double>(*target));
           else if constexpr (std::is_same_v<Value, std::string>)
             validate_text(option, *target);
-          else if constexpr (std::is_same_v<Value, std::vector<double>>)
-            for (double value : *target) validate_number(option, value);
-          else if (option.required && target->empty())
-            throw usage_error(fmt::format("{} is missing", option.name), option.help);
         },
         option.target);
+  }
 }
 
 }  // namespace touchtrace

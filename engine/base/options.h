@@ -10,53 +10,76 @@ namespace touchtrace {
 
 /// Description of one member of an options struct.
 struct Option {
-  using Target = std::variant<bool*, int*, std::uint64_t*, double*, std::string*,
-                              std::vector<std::string>*, std::vector<double>*>;
+  using Target =
+      std::variant<bool*, int*, std::uint64_t*, double*, std::string*, std::vector<std::string>*>;
 
-  std::string name;         ///< "learning-rate": the flag --learning-rate, the key learning_rate
-  Target target;            ///< the member
-  std::string help;         ///< one line, with unit
-  double minimum, maximum;  ///< of numbers, inclusive
-  std::vector<std::string> choices;  ///< allowed strings; empty: any
-  bool required = false;
-  bool positional = false;  ///< given without its flag, in the order of the descriptions
+  std::string name;  ///< "learning-rate": flag --learning-rate, TOML key learning_rate
+  Target target;
+  std::string help;                  ///< with the unit; empty: a former name, accepted, not listed
+  double minimum, maximum;           ///< inclusive range of a number
+  std::vector<std::string> choices;  ///< allowed texts; empty: any
+  bool required = false;             ///< must not be empty
+  bool positional = false;           ///< given without its name, in the order of description
+  std::string placeholder = {};      ///< value in the help: FILE, N, X; flags have none
+  std::string group = {};            ///< heading in the help
+  std::string default_text = {};     ///< target's value when described; empty: none
+
+  bool is_flag() const { return std::holds_alternative<bool*>(target); }
+  bool is_list() const { return std::holds_alternative<std::vector<std::string>*>(target); }
+  /// Number 0 counts as a value; an empty text or list does not.
+  bool is_empty() const;
+  /// "--learning-rate", or "RECORDING" if positional.
+  std::string label() const;
+  /// TOML and JSON key, e.g. "learning_rate".
+  std::string key() const;
+  /// Sets the placeholder.
+  Option& value(std::string text);
 };
 
-/// Description of an options struct, from which the flags, the keys of the configuration file,
-/// --help, the validation and the options in the provenance are derived.
+/// Description of an options struct. Flags, TOML keys, --help, the manual page, shell completions,
+/// validation and the options in a provenance follow from it.
 ///
 ///     struct LabelOptions { std::string tracker = "csrt"; };
 ///     void describe(OptionSet& set, LabelOptions& o) {
-///       set.choice("tracker", o.tracker, "tracker of hand and object", {"csrt", "kcf"});
+///       set.group("Tracking");
+///       set.choice("tracker", o.tracker, "component: fastest", {"csrt", "kcf", "component"});
 ///     }
+///
+/// Returned references are valid until the next call.
 class OptionSet {
  public:
-  void flag(std::string name, bool& target, std::string help);
-  void integer(std::string name, int& target, std::string help, int minimum, int maximum);
-  void seed(std::string name, std::uint64_t& target, std::string help);
-  void number(std::string name, double& target, std::string help, double minimum, double maximum);
-  void numbers(std::string name, std::vector<double>& target, std::string help);
-  void text(std::string name, std::string& target, std::string help);
-  void texts(std::string name, std::vector<std::string>& target, std::string help);
-  void choice(std::string name, std::string& target, std::string help,
-              std::vector<std::string> choices);
-  void path(std::string name, std::string& target, std::string help);
-  void paths(std::string name, std::vector<std::string>& target, std::string help);
-  void input(std::string name, std::string& target, std::string help);
-  void optional_input(std::string name, std::string& target, std::string help);
-  void inputs(std::string name, std::vector<std::string>& target, std::string help);
+  /// Starts a group: its heading precedes the options described next.
+  void group(std::string heading) { group_ = std::move(heading); }
+
+  Option& flag(std::string name, bool& target, std::string help);
+  Option& integer(std::string name, int& target, std::string help, int minimum, int maximum);
+  Option& seed(std::string name, std::uint64_t& target, std::string help);
+  Option& number(std::string name, double& target, std::string help, double minimum,
+                 double maximum);
+  Option& text(std::string name, std::string& target, std::string help);
+  Option& texts(std::string name, std::vector<std::string>& target, std::string help);
+  Option& choice(std::string name, std::string& target, std::string help,
+                 std::vector<std::string> choices);
+  // Required:
+  Option& path(std::string name, std::string& target, std::string help);
+  Option& paths(std::string name, std::vector<std::string>& target, std::string help);
+  // Positional:
+  Option& input(std::string name, std::string& target, std::string help);
+  Option& optional_input(std::string name, std::string& target, std::string help);
 
   const std::vector<Option>& options() const { return options_; }
   std::vector<std::string> names() const;
 
-  /// Current values by key: the name with dashes replaced by underscores.
+  /// Current value of every listed option, by key.
   nlohmann::json values() const;
-  /// Throws usage_error if a value is out of range, not finite, not one of the choices, or required
-  /// and empty.
+  /// Throws usage_error if a value is out of range, not a choice, NaN, or required and empty.
   void validate() const;
 
  private:
+  Option& add(Option option);
+
   std::vector<Option> options_;
+  std::string group_;
 };
 
 }  // namespace touchtrace

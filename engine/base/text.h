@@ -6,7 +6,8 @@
 
 namespace touchtrace {
 
-/// Name with the smallest edit distance to `wrong`; empty if none is near enough to suggest.
+/// Shortest name that begins with `wrong`, else the one with the smallest edit distance; empty if
+/// none is near enough to suggest.
 std::string nearest_name(std::string_view wrong, const std::vector<std::string>& names);
 
 /// "a, b, c"
@@ -14,6 +15,9 @@ std::string comma_separated(const std::vector<std::string>& names);
 
 /// Splits a text at every `separator`; keeps empty parts.
 std::vector<std::string> split_text(std::string_view text, char separator);
+
+/// "; did you mean 'x'?", or empty if no name is near enough.
+std::string did_you_mean(std::string_view wrong, const std::vector<std::string>& names);
 
 /// "did you mean 'x'? known: a, b, x", without the question if no name is near.
 std::string suggestion(std::string_view wrong, const std::vector<std::string>& names);

@@ -45,25 +45,26 @@ Buffer<float> upload_transposed(Runtime& runtime, const std::vector<double>& wei
 /// The arrays on the device, with the forward pass done.
 GruArrays gru_rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& in) {
   const int hidden = s.hidden;
-  GruArrays a{.sequences = s.sequences,
-              .steps = s.steps,
-              .state = s.state,
-              .hidden = hidden,
-              .parameters = upload(runtime, joined(joined(in[5], in[4]), in[6])),
-              .bias_at = 0,
-              .u_at = 3 * hidden,
-              .w3_at = 3 * hidden + 3 * hidden * hidden,
-              .w = upload_transposed(runtime, in[3], s.state, hidden),
-              .u = upload_transposed(runtime, in[4], hidden, hidden),
-              .w3 = upload(runtime, padded_rows(transposed(in[6], 2 * s.state, hidden), s.state,
-                                                state_lanes)),
-              .b3 = upload(runtime, padded_rows(in[7], s.state, state_lanes)),
-              .input_projection = {upload(runtime, in[2]), 0, s.shared_input_projection ? 0 : 3 * hidden},
-              .states = upload(runtime, joined(padded_rows(in[0], s.state, state_lanes),
-                                               std::vector<double>(gru_rows(s) * state_lanes))),
-              .h = upload(runtime, joined(in[1], std::vector<double>(gru_rows(s) * hidden))),
-              .gates = runtime.allocate<float>(gru_rows(s) * gru_gates_row(hidden)),
-              .spread = runtime.allocate<float>(gru_rows(s) * state_lanes)};
+  GruArrays a{
+      .sequences = s.sequences,
+      .steps = s.steps,
+      .state = s.state,
+      .hidden = hidden,
+      .parameters = upload(runtime, joined(joined(in[5], in[4]), in[6])),
+      .bias_at = 0,
+      .u_at = 3 * hidden,
+      .w3_at = 3 * hidden + 3 * hidden * hidden,
+      .w = upload_transposed(runtime, in[3], s.state, hidden),
+      .u = upload_transposed(runtime, in[4], hidden, hidden),
+      .w3 = upload(runtime,
+                   padded_rows(transposed(in[6], 2 * s.state, hidden), s.state, state_lanes)),
+      .b3 = upload(runtime, padded_rows(in[7], s.state, state_lanes)),
+      .input_projection = {upload(runtime, in[2]), 0, s.shared_input_projection ? 0 : 3 * hidden},
+      .states = upload(runtime, joined(padded_rows(in[0], s.state, state_lanes),
+                                       std::vector<double>(gru_rows(s) * state_lanes))),
+      .h = upload(runtime, joined(in[1], std::vector<double>(gru_rows(s) * hidden))),
+      .gates = runtime.allocate<float>(gru_rows(s) * gru_gates_row(hidden)),
+      .spread = runtime.allocate<float>(gru_rows(s) * state_lanes)};
   gru_rollout(runtime, a).enqueue(runtime);
   return a;
 }
@@ -113,7 +114,8 @@ Arrays gru_backward(Runtime& runtime, const RolloutShape& s, const Arrays& in,
                                           hidden_side(d_gates, hidden));
   const auto out = dense_backward_reference({rows, hidden, 2 * s.state},
                                             split(h, in[1].size()).second, in[6], d_out);
-  return {{}, {}, s.shared_input_projection ? x.bias : d_x, x.weight, y.weight, y.bias, out.weight, out.bias};
+  return {{},         {},      s.shared_input_projection ? x.bias : d_x, x.weight, y.weight, y.bias,
+          out.weight, out.bias};
 }
 
 OperationCase gru_case(const RolloutShape& s) {

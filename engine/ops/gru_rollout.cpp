@@ -27,8 +27,8 @@ LaunchCost gru_cost(const GruArrays& a) {
 
 Launch gru_rollout(Runtime& runtime, const GruArrays& a) {
   return Launch(gru_kernel(runtime, "gru_rollout", a), gru_tiles(a.sequences), a.states, a.h,
-                a.input_projection.buffer, a.input_projection.at, a.input_projection.row, a.w, a.u, a.parameters, a.bias_at, a.w3,
-                a.b3, a.gates, a.spread, a.sequences, a.steps)
+                a.input_projection.buffer, a.input_projection.at, a.input_projection.row, a.w, a.u,
+                a.parameters, a.bias_at, a.w3, a.b3, a.gates, a.spread, a.sequences, a.steps)
       .with_cost(gru_cost(a))
       .with_purpose(Purpose::rollout);
 }

@@ -48,9 +48,10 @@ double bytes_moved(const RolloutArrays& a, double rows) {
 Launch rollout(Runtime& runtime, const RolloutArrays& a) {
   const double rows = 1.0 * a.sequences * a.steps;
   const bool sums = slope_from_sum(a.activation);
-  return rollout_launch(runtime, a, "", a.states, a.input_projection.buffer, a.input_projection.at, a.input_projection.row,
-                        a.parameters, a.b2_at, a.w1, a.w2, a.w3, a.b3, a.h1, a.h2,
-                        sums ? a.pre_activation1 : a.h1, sums ? a.pre_activation2 : a.h2, a.spread, a.sequences, a.steps)
+  return rollout_launch(runtime, a, "", a.states, a.input_projection.buffer, a.input_projection.at,
+                        a.input_projection.row, a.parameters, a.b2_at, a.w1, a.w2, a.w3, a.b3, a.h1,
+                        a.h2, sums ? a.pre_activation1 : a.h1, sums ? a.pre_activation2 : a.h2,
+                        a.spread, a.sequences, a.steps)
       .with_cost(rows * flops_a_row(a), bytes_moved(a, rows))
       .with_purpose(Purpose::rollout);
 }
@@ -59,8 +60,9 @@ Launch rollout_backward(Runtime& runtime, const RolloutArrays& a, const RolloutG
   const double rows = 1.0 * a.sequences * a.steps;
   const bool sums = slope_from_sum(a.activation);
   return rollout_launch(runtime, a, "_backward", g.grad_state, g.grad_spread, a.spread,
-                        sums ? a.pre_activation1 : a.h1, sums ? a.pre_activation2 : a.h2, a.parameters, a.w2_at, a.w3_at,
-                        g.w1, g.d_out, g.d_h1, g.d_h2, a.sequences, a.steps)
+                        sums ? a.pre_activation1 : a.h1, sums ? a.pre_activation2 : a.h2,
+                        a.parameters, a.w2_at, a.w3_at, g.w1, g.d_out, g.d_h1, g.d_h2, a.sequences,
+                        a.steps)
       .with_cost(rows * flops_a_row(a), bytes_moved(a, rows))
       .with_purpose(Purpose::rollout);
 }

@@ -80,7 +80,7 @@ struct OnlinePredictor::Impl {
   void free_slot() {
     if (slot + 1 < num_slots()) return;
     runtime.enqueue_copy(stream, (num_slots() - shared_frames()) * frame_size(), 0,
-                       shared_frames() * frame_size());
+                         shared_frames() * frame_size());
     slot = shared_frames() - 1;
   }
 

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "engine/base/error.h"
-#include "engine/cl/timing.h"
 #include "engine/cl/launch_inspection.h"
+#include "engine/cl/timing.h"
 
 namespace touchtrace {
 

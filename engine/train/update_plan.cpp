@@ -4,8 +4,8 @@
 
 #include "engine/base/progress.h"
 #include "engine/base/provenance.h"
-#include "engine/cl/timing.h"
 #include "engine/cl/launch_inspection.h"
+#include "engine/cl/timing.h"
 #include "engine/train/noise_training.h"
 
 namespace touchtrace {

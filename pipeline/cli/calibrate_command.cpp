@@ -108,11 +108,11 @@ void print_delay(const RgbdCalibration& c) {
 void print_board(const RgbdCalibration& c) {
   fmt::print("board     warped by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
              1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
-  const auto& print = c.details["board_print"];
-  if (print["chosen"] == "free")
+  const auto& deformation = c.details["target_deformation"];
+  if (deformation["chosen"] == "free")
     fmt::print(
         "          corners deviate by {:.3f} mm (RMS), estimated with the camera (BIC {:+.1f})\n",
-        1e3 * print["sigma_m"].get<double>(), -print["bic_gain"].get<double>());
+        1e3 * deformation["sigma_m"].get<double>(), -deformation["bic_gain"].get<double>());
 }
 
 void print_lens(const RgbdCalibration& c) {
@@ -157,8 +157,8 @@ void print_summary(const RgbdCalibration& c) {
     fmt::print("repeated  views counted once: {}\n", list_of(details["duplicate_views"]));
   if (!details["views_without_board"].empty())
     fmt::print("no board  in views {}\n", list_of(details["views_without_board"]));
-  for (const auto& entry : details["not_told"])
-    fmt::print("prior     {} not observable (+- {:.3g}): keeps its prior value\n",
+  for (const auto& entry : details["not_identifiable"])
+    fmt::print("prior     {} not identifiable (+- {:.3g}): keeps its prior value\n",
                entry["parameter"].get<std::string>(), entry["sigma"].get<double>());
   fmt::print("verdict   {}\n", details["verdict"].get<std::string>());
   for (const auto& advice : details["advice"])

@@ -55,8 +55,9 @@ std::string man_entry(const Option& option) {
 
 std::string man_of(const std::string& program, const Described& described) {
   const auto& [command, options] = described;
-  std::string text = fmt::format(".SS {}\n{}.\n.PP\n.B {}\n", roff(command->name),
-                                 roff(command->summary), roff(usage_line(program, *command, options)));
+  std::string text =
+      fmt::format(".SS {}\n{}.\n.PP\n.B {}\n", roff(command->name), roff(command->summary),
+                  roff(usage_line(program, *command, options)));
   for (const Option& option : options)
     if (option.group != "Common") text += man_entry(option);
   text += ".PP\nExamples:\n.PP\n.nf\n";
@@ -66,7 +67,8 @@ std::string man_of(const std::string& program, const Described& described) {
 
 std::string man_page(const Program& program, const std::vector<Described>& all) {
   std::string text = fmt::format(
-      ".TH TOUCHTRACE 1 \"\" \"touchtrace {}\"\n.SH NAME\ntouchtrace \\- predict the motion of hand "
+      ".TH TOUCHTRACE 1 \"\" \"touchtrace {}\"\n.SH NAME\ntouchtrace \\- predict the motion of "
+      "hand "
       "and object from touch\n.SH SYNOPSIS\n.B touchtrace\n.I COMMAND\n[OPTIONS]\n"
       ".SH DESCRIPTION\n{}\n.SH COMMANDS\n",
       version, roff(program.summary));
@@ -99,7 +101,8 @@ std::string bash_completion(const std::vector<Described>& all) {
   std::string text = fmt::format(
       "_touchtrace() {{\n"
       "  local word=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}} words=\n"
-      "  if [ \"$COMP_CWORD\" -eq 1 ] || {{ [ \"$COMP_CWORD\" -eq 2 ] && [ \"$previous\" = help ]; }}; "
+      "  if [ \"$COMP_CWORD\" -eq 1 ] || {{ [ \"$COMP_CWORD\" -eq 2 ] && [ \"$previous\" = help ]; "
+      "}}; "
       "then\n"
       "    words='{} help --help --version --list'\n"
       "  else\n"
@@ -129,16 +132,18 @@ std::string bash_completion(const std::vector<Described>& all) {
 /// Escapes a text for a description in a single-quoted _arguments specification.
 std::string zsh(const std::string& text) {
   std::string escaped = replaced(text, "'", "'\\''");
-  for (const char* special : {"[", "]", ":"}) escaped = replaced(escaped, special, "\\" + std::string(special));
+  for (const char* special : {"[", "]", ":"})
+    escaped = replaced(escaped, special, "\\" + std::string(special));
   return escaped;
 }
 
 std::string zsh_specification(const Option& option) {
-  const std::string values = option.choices.empty()
-                                 ? "_files"
-                                 : fmt::format("({})", fmt::join(option.choices, " "));
-  if (option.positional) return fmt::format("'{}:{}:{}'", option.is_list() ? "*" : "", option.name, values);
-  const std::string flag = fmt::format("{}{}[{}]", option.is_list() ? "*" : "", option.label(), zsh(option.help));
+  const std::string values =
+      option.choices.empty() ? "_files" : fmt::format("({})", fmt::join(option.choices, " "));
+  if (option.positional)
+    return fmt::format("'{}:{}:{}'", option.is_list() ? "*" : "", option.name, values);
+  const std::string flag =
+      fmt::format("{}{}[{}]", option.is_list() ? "*" : "", option.label(), zsh(option.help));
   return option.is_flag() ? fmt::format("'{}'", flag)
                           : fmt::format("'{}:{}:{}'", flag, option.name, values);
 }

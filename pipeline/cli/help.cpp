@@ -17,7 +17,7 @@ constexpr std::size_t max_signature = 30;
 std::string wrapped(const std::string& text, std::size_t indent) {
   std::string result;
   std::size_t column = indent;
-  for (const auto& word : separated(text, ' ')) {
+  for (const auto& word : split_text(text, ' ')) {
     if (!result.empty() && column + 1 + word.size() > line_width) {
       result += "\n" + std::string(indent, ' ') + word;
       column = indent + word.size();
@@ -118,8 +118,8 @@ std::string usage_line(const std::string& program, const Command& command,
 }
 
 std::string help_text(const Program& program) {
-  std::string text = fmt::format("{}\n\nUsage: {} COMMAND [OPTIONS]\n", wrapped(program.summary, 0),
-                                 program.name);
+  std::string text =
+      fmt::format("{}\n\nUsage: {} COMMAND [OPTIONS]\n", wrapped(program.summary, 0), program.name);
   for (const auto& group : program.groups) {
     text += "\n" + group.heading + ":\n";
     for (const auto& command : group.commands) text += row(command.name, command.summary, 12);

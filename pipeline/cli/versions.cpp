@@ -43,8 +43,8 @@ std::string devices_or_reason() {
 }  // namespace
 
 std::string version_text(const std::string& program) {
-  return fmt::format("{} {} (commit {})\n{}{}", program, version, TOUCHTRACE_COMMIT, devices_or_reason(),
-                     library_versions());
+  return fmt::format("{} {} (commit {})\n{}{}", program, version, TOUCHTRACE_COMMIT,
+                     devices_or_reason(), library_versions());
 }
 
 std::string opencl_versions() {

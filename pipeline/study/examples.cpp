@@ -45,9 +45,8 @@ json tactile_json(const Dataset& data, int first, int count, int first_step) {
 }
 
 json states_json(const float* scaled, int steps, const Normalization& scaling) {
-  return rows_of(scaled, steps, [&](float value, int d) {
-    return value * scaling.sigma[d] + scaling.mean[d];
-  });
+  return rows_of(scaled, steps,
+                 [&](float value, int d) { return value * scaling.sigma[d] + scaling.mean[d]; });
 }
 
 json spreads_json(const float* scaled, int steps, const Normalization& scaling) {

@@ -8,8 +8,8 @@
 #include <iterator>
 #include <vector>
 
-#include "engine/base/statistics.h"
 #include "engine/base/error.h"
+#include "engine/base/statistics.h"
 #include "pipeline/study/truth_samples.h"
 
 namespace touchtrace::study {

@@ -29,9 +29,8 @@ class Generate : public ::testing::Test {
   }
   /// Completions of word `index` of a command line.
   std::string complete(const std::string& words, int index) const {
-    const auto result =
-        run_shell(". " + file_ + "; COMP_WORDS=(" + words + "); COMP_CWORD=" +
-                  std::to_string(index) + "; _touchtrace; echo ${COMPREPLY[@]}");
+    const auto result = run_shell(". " + file_ + "; COMP_WORDS=(" + words + "); COMP_CWORD=" +
+                                  std::to_string(index) + "; _touchtrace; echo ${COMPREPLY[@]}");
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return result.output;
   }
@@ -42,7 +41,8 @@ class Generate : public ::testing::Test {
 TEST_F(Generate, ManualPageIsValid) {
   write("man");
   const auto page = run_shell("cat " + file_).output;
-  for (const char* part : {".TH TOUCHTRACE 1", ".SS label", "\\-\\-tracker {csrt", ".SH EXIT STATUS"})
+  for (const char* part :
+       {".TH TOUCHTRACE 1", ".SS label", "\\-\\-tracker {csrt", ".SH EXIT STATUS"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   if (run_shell("command -v mandoc").exit_code == 0) {
     // Style advice is allowed, warnings and errors are not.
@@ -68,7 +68,8 @@ TEST_F(Generate, ZshCompletionDescribesEveryOption) {
   write("zsh");
   const auto text = run_shell("cat " + file_).output;
   EXPECT_TRUE(text.starts_with("#compdef touchtrace\n"));
-  for (const char* part : {"'label:label hand", "'--tracker[", ":tracker:(csrt csrt-fast kcf component)'"})
+  for (const char* part :
+       {"'label:label hand", "'--tracker[", ":tracker:(csrt csrt-fast kcf component)'"})
     EXPECT_NE(text.find(part), std::string::npos) << part;
   if (run_shell("command -v zsh").exit_code == 0)
     EXPECT_EQ(run_shell("zsh -n " + file_).output, "");

@@ -8,7 +8,7 @@ namespace {
 TEST(Extremes, EveryFigureMeetsItsGoal) {
   verify_extremes([](const Figure& figure) {
     EXPECT_TRUE(figure.passes()) << figure.name << ": " << figure.value << ", goal "
-                                << figure.goal_text();
+                                 << figure.goal_text();
   });
 }
 

@@ -66,8 +66,7 @@ TEST(KernelSources, LocalMemoryRequiresAFixedWorkGroupSize) {
       if (!uses_local) continue;
       ++num_checked;
       EXPECT_TRUE(std::regex_search(
-          kernel.signature,
-          std::regex("reqd_work_group_size|WORK_GROUP_ATTRIBUTE|ONE_WORK_ITEM")))
+          kernel.signature, std::regex("reqd_work_group_size|WORK_GROUP_ATTRIBUTE|ONE_WORK_ITEM")))
           << file << ": " << kernel.signature;
     }
   EXPECT_GE(num_checked, 9) << "convolution 3, dense 2, roll-out 2, Winograd 2";

@@ -97,12 +97,15 @@ std::vector<std::string> check_images(const RecordingReader& reader) {
   const auto check_group = [&](std::size_t count, auto read) {
     std::vector<std::size_t> damaged;
     std::string first;
-    for (std::size_t i = 0; i < count; ++i, progress.advance()) try {
+    for (std::size_t i = 0; i < count; ++i) {
+      try {
         (reader.*read)(i);
       } catch (const Error& error) {
         if (damaged.empty()) first = error.what();
         damaged.push_back(i);
       }
+      progress.advance();
+    }
     if (damaged.size() == 1) faults.push_back(first);
     if (damaged.size() > 1)
       faults.push_back(fmt::format("{} (and images {})", first,

@@ -223,7 +223,7 @@ class ReportInBrowser : public ::testing::Test {
 TEST_F(ReportInBrowser, DrawsAllSections) {
   const Loaded page = load(folder_, write_inputs_and_render(folder_));
   EXPECT_EQ(count(page.console, "CONSOLE"), 0u) << page.console;
-  EXPECT_EQ(count(page.dom, "could not be drawn"), 0u);
+  EXPECT_EQ(count(page.dom, "<p class=\"error\">"), 0u);
   EXPECT_EQ(count(page.dom, "NaN"), 0u) << "numbers of charts";
 
   const std::string results = section(page.dom, "results");

@@ -56,7 +56,7 @@ void read_recording(const std::string& path, study::PlanWishes& wishes) {
   wishes.objects.assign(objects.begin(), objects.end());
   wishes.simulated = false;
   if (missing_for_labelling(reader).empty())
-    wishes.tracker = study::choose_tracker(recording, label::frames_of(reader));
+    wishes.tracker = study::choose_tracker(recording, label::frame_source(reader));
   if (!recording.gloves.empty())
     wishes.live = live_cells(recording.gloves.front().info, wishes.rows, wishes.cols);
 }

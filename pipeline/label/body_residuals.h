@@ -8,7 +8,8 @@
 #include "pipeline/label/body_view.h"
 #include "pipeline/label/rounded_body.h"
 
-/// What Ceres needs to learn a body: residuals [m] of a shape and of a view's pose, and their loss.
+/// Ceres residuals [m] and loss of ShapeProblem. Parameters: shape [4], rotation [4, quaternion
+/// x y z w, camera from body], position [3].
 namespace touchtrace::label::residuals {
 
 template <class Scalar>
@@ -25,17 +26,17 @@ Eigen::Vector3d values_of(const Vector3<Scalar>& vector) {
 }
 
 template <std::size_t count, class Scalar>
-std::array<double, count> numbers(const Scalar* scalars) {
+std::array<double, count> values_of(const Scalar* scalars) {
   std::array<double, count> result;
   std::transform(scalars, scalars + count, result.begin(),
                  [](const Scalar& scalar) { return value_of(scalar); });
   return result;
 }
 
-/// Half extents and radius, as the solver has them.
+/// Half extents of the core and radius of the edges [m].
 using Shape = std::array<double, 4>;
 
-/// Both widths of a cylinder's core are the first number.
+/// Index of the core's y extent: a cylinder uses its x extent for both.
 inline std::size_t second_width(Core core) { return core == Core::cylinder ? 0 : 1; }
 
 template <class Scalar>
@@ -49,7 +50,7 @@ inline RoundedBody body_of(Core core, const Shape& shape) {
 
 template <class Scalar>
 RoundedBody body_at(Core core, const Scalar* shape) {
-  return body_of(core, numbers<4>(shape));
+  return body_of(core, values_of<4>(shape));
 }
 
 template <class Scalar>
@@ -58,42 +59,44 @@ Scalar distance(Core core, const Scalar* shape, const Vector3<Scalar>& point) {
 }
 
 template <class Scalar>
-Vector3<Scalar> in_body(const Eigen::Vector3d& point, const Scalar* rotation, const Scalar* place) {
-  const Eigen::Map<const Eigen::Quaternion<Scalar>> turn(rotation);
-  const Eigen::Map<const Vector3<Scalar>> at(place);
-  return turn.conjugate() * Vector3<Scalar>(point.cast<Scalar>() - at);
+Vector3<Scalar> in_body(const Eigen::Vector3d& point, const Scalar* rotation,
+                        const Scalar* position) {
+  const Eigen::Map<const Eigen::Quaternion<Scalar>> camera_from_body(rotation);
+  const Eigen::Map<const Vector3<Scalar>> translation(position);
+  return camera_from_body.conjugate() * Vector3<Scalar>(point.cast<Scalar>() - translation);
 }
 
-/// As much of it as counts, which may stand still while that is differentiated.
+/// Weighted distance of a point to the surface. The weight is not differentiated.
 struct PointDistance {
   const BodyView& view;
   Core core;
   Eigen::Vector3d point_m;
 
   template <class Scalar>
-  bool operator()(const Scalar* shape, const Scalar* rotation, const Scalar* place,
+  bool operator()(const Scalar* shape, const Scalar* rotation, const Scalar* position,
                   Scalar* residual) const {
-    const Vector3<Scalar> point = in_body(point_m, rotation, place);
-    const Eigen::Vector3d now = values_of<Scalar>(point),
-                          eye = in_body(view.eye_m, numbers<4>(rotation).data(),
-                                        numbers<3>(place).data());
-    const auto surface = surface_distance(body_at(core, shape), now);
-    residual[0] =
-        Scalar(view.counted_part(surface.outward, now - eye)) * distance(core, shape, point);
+    const Vector3<Scalar> point = in_body(point_m, rotation, position);
+    const Eigen::Vector3d value = values_of<Scalar>(point),
+                          origin = in_body(view.origin_m, values_of<4>(rotation).data(),
+                                           values_of<3>(position).data());
+    const auto surface = surface_distance(body_at(core, shape), value);
+    residual[0] = Scalar(view.residual_weight(surface.outward, value - origin)) *
+                  distance(core, shape, point);
     return true;
   }
 };
 
-/// How deep a ray enters. Where it is deepest may stand still while that is differentiated.
+/// Depth by which a ray enters the body (negative); 0 if it misses it. The position of the deepest
+/// point along the ray is not differentiated: at the deepest point that derivative is 0.
 struct RayDepth {
   Core core;
-  Eigen::Vector3d eye_m, end_m;
+  Eigen::Vector3d origin_m, end_m;
 
   template <class Scalar>
-  bool operator()(const Scalar* shape, const Scalar* rotation, const Scalar* place,
+  bool operator()(const Scalar* shape, const Scalar* rotation, const Scalar* position,
                   Scalar* residual) const {
-    const Vector3<Scalar> from = in_body(eye_m, rotation, place),
-                          to = in_body(end_m, rotation, place);
+    const Vector3<Scalar> from = in_body(origin_m, rotation, position),
+                          to = in_body(end_m, rotation, position);
     const Eigen::Vector3d start = values_of<Scalar>(from), end = values_of<Scalar>(to);
     const auto deepest = deepest_point(body_at(core, shape), start, end);
     residual[0] = Scalar(0.0);
@@ -105,52 +108,51 @@ struct RayDepth {
   }
 };
 
-/// How far it reaches past a marked side, less than 0 where it falls short of it; in terms of
-/// points.
-struct SideDistance {
-  const MarkedSides& marked;
+/// Signed distance by which the body extends beyond a box plane, over the plane's sigma_ratio.
+struct PlaneDistance {
+  const BoxPlanes& planes;
   Core core;
   Eigen::Vector3d outward;
 
   template <class Scalar>
-  bool operator()(const Scalar* shape, const Scalar* rotation, const Scalar* place,
+  bool operator()(const Scalar* shape, const Scalar* rotation, const Scalar* position,
                   Scalar* residual) const {
-    const Eigen::Map<const Eigen::Quaternion<Scalar>> turn(rotation);
-    const Vector3<Scalar> toward = turn.conjugate() * outward.cast<Scalar>(),
-                          farthest = farthest_of_core<Scalar>(core, toward, inner(core, shape));
-    const Scalar middle = outward.cast<Scalar>().dot(Eigen::Map<const Vector3<Scalar>>(place));
-    residual[0] = (middle + farthest.dot(toward) + shape[3]) / marked.sigma_in_points;
+    const Eigen::Map<const Eigen::Quaternion<Scalar>> camera_from_body(rotation);
+    const Vector3<Scalar> direction = camera_from_body.conjugate() * outward.cast<Scalar>(),
+                          support = core_support_point<Scalar>(core, direction, inner(core, shape));
+    const Scalar centre = outward.cast<Scalar>().dot(Eigen::Map<const Vector3<Scalar>>(position));
+    residual[0] = (centre + support.dot(direction) + shape[3]) / planes.sigma_ratio;
     return true;
   }
 };
 
-/// Half extents, as much of them as counts.
+/// Half extents times `weight`: a prior for small bodies.
 struct Compactness {
   Core core;
-  double part;
+  double weight;
 
   template <class Scalar>
   bool operator()(const Scalar* shape, Scalar* residual) const {
     Eigen::Map<Vector3<Scalar>>(residual, 3) =
-        Scalar(part) * (inner(core, shape).array() + shape[3]);
+        Scalar(weight) * (inner(core, shape).array() + shape[3]);
     return true;
   }
 };
 
-/// RobustLoss, of squares: as poses are fitted.
-class SquaresLoss : public ceres::LossFunction {
+/// GemanMcClureLoss as Ceres wants it: twice the cost, as a function of the squared residual.
+class SquaredGemanMcClureLoss : public ceres::LossFunction {
  public:
-  explicit SquaresLoss(double width_m) : width2_(width_m * width_m) {}
+  explicit SquaredGemanMcClureLoss(double width_m) : loss_{width_m} {}
 
-  void Evaluate(double square, double out[3]) const override {
-    const double inlying = width2_ / (width2_ + square);
-    out[0] = inlying * square;
-    out[1] = inlying * inlying;
-    out[2] = -2.0 * inlying * inlying * inlying / width2_;
+  void Evaluate(double square_m2, double rho[3]) const override {
+    const double inlier = loss_.inlier_factor(square_m2);
+    rho[0] = inlier * square_m2;
+    rho[1] = inlier * inlier;
+    rho[2] = -2.0 * inlier * inlier * inlier / (loss_.width_m * loss_.width_m);
   }
 
  private:
-  double width2_;
+  GemanMcClureLoss loss_;
 };
 
 }  // namespace touchtrace::label::residuals

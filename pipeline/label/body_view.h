@@ -7,35 +7,58 @@
 
 namespace touchtrace::label {
 
-/// Sides of a box that somebody marked in the colour camera's picture around all of a body, what
-/// something hides of it, too: planes through that camera's eye, the origin, that touch the body.
-struct MarkedSides {
-  std::vector<Eigen::Vector3d> outward;  ///< their unit normals, away from the body
-  /// Deviation of a plane where the body is, over a point's: by so much less it counts.
-  double sigma_in_points = 1.0;
-  /// RMS of the box's half width and half height where the body is.
-  double radius_m = 0.0;
+/// Sides of a bounding box that a user drew around a whole body, hidden parts included: planes
+/// through the colour camera's centre (the origin) that touch the body.
+struct BoxPlanes {
+  std::vector<Eigen::Vector3d> outward;  ///< unit normals pointing away from the body
+  /// Standard deviation of a plane's distance at the body, over `point_sigma_m`. Residuals of
+  /// planes are divided by it.
+  double sigma_ratio = 1.0;
+  double radius_m = 0.0;  ///< RMS of the box's half width and half height at the body's distance
 };
 
-/// What a depth image tells of a body: points on its surface, and rays from the camera to other
-/// surfaces, none of which can pass through it. The rays to what lies beside it hold the silhouette
-/// where it shows; those that end on fingers before it hold nothing but that it is behind them.
+/// Measurements of one body in one depth image [m, colour camera's frame]. A point constrains the
+/// surface; a ray from `origin_m` to a free-space endpoint must not enter the body. Rays that end
+/// behind the body constrain its silhouette; rays that end on fingers in front of it only tell that
+/// the body is behind them.
+///
+/// All fits minimise the same cost over their unknowns:
+///
+///     sum over points  GemanMcClureLoss(residual_weight * distance to the surface)
+///   + sum over rays    GemanMcClureLoss(depth by which the ray enters the body)
+///   + sum over planes  HuberLoss(distance of the body's extreme point to the plane / sigma_ratio)
+///
+/// They differ in unknowns and priors:
+///  - sphere_fit: centre of a sphere, one view. Distances and ray depths have closed forms; rays
+///  may
+///    enter by the size of a pixel.
+///  - pose_optimizer: pose of a body of known shape, one view. Runs for every frame and hypothesis,
+///    with a prior on the pose.
+///  - shape_problem: shape and one pose per view, jointly. Runs a few times per recording, in
+///  Ceres,
+///    which handles the bounds on the shape and the elimination of the poses.
+/// A sphere given to pose_optimizer has the same minimum, but other steps, another stopping rule
+/// and bisected instead of exact ray depths (0.1 mm): centres would change in their last digits.
 struct BodyView {
-  Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< where all rays begin
-  std::vector<Eigen::Vector3f> on_m;                ///< points on the body
-  std::vector<Eigen::Vector3f> seen_past_m;         ///< ends of rays that do not enter it
-  /// Noise of the points along their rays over `usual_depth_sigma_m`; at least 1.
-  double noise_ratio = 1.0;
-  /// By what part of their distance pixels may look beside their rays: as deep may one enter a
-  /// sphere that it was seen past.
-  double looks_beside = 0.0;
-  MarkedSides marked = {};  ///< in most views none
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< start of all rays
+  std::vector<Eigen::Vector3f> surface_points;         ///< on the body's surface
+  std::vector<Eigen::Vector3f> free_space_endpoints;   ///< ends of rays that do not enter it
+  double noise_ratio = 1.0;         ///< depth noise over `reference_depth_sigma_m`; at least 1
+  double pixel_angular_size = 0.0;  ///< [rad]; fit_sphere lets rays enter by this times distance
+  BoxPlanes box = {};               ///< empty in most views
 
-  bool is_marked() const { return !marked.outward.empty(); }
+  bool has_box_planes() const { return !box.outward.empty(); }
 
-  /// How much of a point's distance from a surface counts: noise along the ray moves it the less
-  /// from the surface, the more the ray grazes that.
-  double counted_part(const Eigen::Vector3d& outward, const Eigen::Vector3d& ray) const {
+  /// Mean of the surface points; there must be at least one.
+  Eigen::Vector3d centroid_m() const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const auto& point : surface_points) sum += point.cast<double>();
+    return sum / static_cast<double>(surface_points.size());
+  }
+
+  /// Factor of a point's distance from the surface, in (0, 1]. Depth noise acts along the ray, so a
+  /// grazing ray (perpendicular to the normal `outward`) keeps weight 1.
+  double residual_weight(const Eigen::Vector3d& outward, const Eigen::Vector3d& ray) const {
     if (noise_ratio == 1.0) return 1.0;
     const double along = outward.dot(ray);
     return 1.0 /
@@ -43,45 +66,47 @@ struct BodyView {
   }
 };
 
-/// Noise of depths that is no more than what else is wrong with a point.
-inline constexpr double usual_depth_sigma_m = 0.0015;
+/// Depth noise up to which other errors of a point dominate.
+inline constexpr double reference_depth_sigma_m = 0.0015;
 
-/// Points of one surface share much of their error: so much each, were they independent. Less of a
-/// sphere, which cannot be turned wrong.
+/// Standard deviation of a surface point, were errors independent. Larger than the sensor's noise
+/// because points of one surface share much of their error; smaller for a sphere, which has no
+/// rotation to be wrong about.
 inline constexpr double point_sigma_m = 0.003, sphere_point_sigma_m = 0.002;
 
-/// Geman and McClure's loss of a distance: that of strays stays below half the square of `width`.
-struct RobustLoss {
+/// Half the loss of Geman and McClure (1987): cost(r) = r^2 / 2 * w^2 / (w^2 + r^2) < w^2 / 2.
+struct GemanMcClureLoss {
   double width_m;
 
-  double cost(double distance_m) const {
-    return 0.5 * distance_m * distance_m * inlying(distance_m);
+  double cost(double residual_m) const {
+    return 0.5 * residual_m * residual_m * inlier_factor(residual_m * residual_m);
   }
-  double weight(double distance_m) const { return inlying(distance_m) * inlying(distance_m); }
-
- private:
-  double inlying(double distance_m) const {
-    return width_m * width_m / (width_m * width_m + distance_m * distance_m);
+  /// d cost / d r over r.
+  double weight(double residual_m) const {
+    return inlier_factor(residual_m * residual_m) * inlier_factor(residual_m * residual_m);
+  }
+  double inlier_factor(double square_m2) const {
+    return width_m * width_m / (width_m * width_m + square_m2);
   }
 };
 
-/// Huber's loss: what is far off is pulled as well, but no more than what is off by `width`.
-struct ConvexLoss {
+/// Huber's loss: quadratic up to `width_m`, then linear.
+struct HuberLoss {
   double width_m;
 
-  double cost(double distance_m) const {
-    const double off = std::abs(distance_m);
-    return off < width_m ? 0.5 * off * off : width_m * (off - 0.5 * width_m);
+  double cost(double residual_m) const {
+    const double size = std::abs(residual_m);
+    return size < width_m ? 0.5 * size * size : width_m * (size - 0.5 * width_m);
   }
-  double weight(double distance_m) const {
-    return std::min(1.0, width_m / std::max(width_m, std::abs(distance_m)));
+  double weight(double residual_m) const {
+    return std::min(1.0, width_m / std::max(width_m, std::abs(residual_m)));
   }
 };
 
-/// Of a marked side, in terms of points: one that a wrong pose is far from does little harm.
-inline constexpr ConvexLoss side_loss{2.0 * point_sigma_m};
+/// Loss of a box plane's residual. Linear, so that a pose far from the box is still pulled to it.
+inline constexpr HuberLoss plane_loss{2.0 * point_sigma_m};
 
-/// Widths of the losses of a fit: first so that it finds its way, then as noise asks for.
-inline constexpr double rough_width_m = 0.016, fine_width_m = 0.004;
+/// Loss widths: coarse for convergence from a rough start, fine according to the noise.
+inline constexpr double coarse_loss_width_m = 0.016, fine_loss_width_m = 0.004;
 
 }  // namespace touchtrace::label

@@ -10,14 +10,14 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr int smallest_crop = 96, smallest_box = 8;
+constexpr int min_crop_px = 96, min_box_px = 8;
 
 std::shared_ptr<cv::Tracker> csrt() { return cv::TrackerCSRT::create(); }
 std::shared_ptr<cv::Tracker> kcf() { return cv::TrackerKCF::create(); }
 
-/// Depth has masked the background and tells the scale, so a small template, few scales and no
-/// colour names cost no accuracy that labels would show.
-std::shared_ptr<cv::Tracker> fast_csrt() {
+/// Depth masks the background and gives the scale, so a small template, few scales and no colour
+/// names cost labels no measurable accuracy.
+std::shared_ptr<cv::Tracker> csrt_fast() {
   cv::TrackerCSRT::Params params;
   params.template_size = 48;
   params.number_of_scales = 3;
@@ -28,9 +28,9 @@ std::shared_ptr<cv::Tracker> fast_csrt() {
   return cv::TrackerCSRT::create(params);
 }
 
-/// Side [cells] of the square that CSRT, as it comes, transforms to follow a box (initImpl in
-/// OpenCV's trackerCSRT.cpp): the box and its surroundings, scaled down to the template.
-int transformed_cells(const cv::Size& box) {
+/// Side [cells] of the square that CSRT with default parameters Fourier-transforms for a box
+/// (initImpl in OpenCV's trackerCSRT.cpp): the box and its surroundings, scaled to the template.
+int dft_cells(const cv::Size& box) {
   constexpr double padding = 3.0, template_px = 200.0, cell_px = 4.0, px2_per_cell_px = 400.0;
   const double around = padding * std::sqrt(box.area());
   const double side = 0.5 * (std::floor(box.width + around) + std::floor(box.height + around));
@@ -39,10 +39,10 @@ int transformed_cells(const cv::Size& box) {
                           std::min(cell_px, std::ceil(box.area() / px2_per_cell_px)));
 }
 
-/// The box, some pixels larger where Fourier transforms would take up to twice the time.
-cv::Size soon_transformed(cv::Size box) {
-  while (cv::getOptimalDFTSize(transformed_cells(box)) != transformed_cells(box))
-    ++box.width, ++box.height;
+/// Enlarges a box by a few pixels to a size that is fast to transform; others take up to twice as
+/// long.
+cv::Size fast_dft_size(cv::Size box) {
+  while (cv::getOptimalDFTSize(dft_cells(box)) != dft_cells(box)) ++box.width, ++box.height;
   return box;
 }
 
@@ -50,9 +50,9 @@ cv::Mat crop(const MaskedImage& image, int left, int top, int size) {
   const cv::Mat whole(image.height, image.width, CV_8UC3,
                       const_cast<std::uint8_t*>(image.rgb.data()));
   cv::Mat result(size, size, CV_8UC3, cv::Scalar::all(0));
-  const cv::Rect wanted(left, top, size, size),
-      inside = wanted & cv::Rect(0, 0, image.width, image.height);
-  if (!inside.empty()) whole(inside).copyTo(result(inside - wanted.tl()));
+  const cv::Rect requested(left, top, size, size),
+      inside = requested & cv::Rect(0, 0, image.width, image.height);
+  if (!inside.empty()) whole(inside).copyTo(result(inside - requested.tl()));
   return result;
 }
 
@@ -72,7 +72,7 @@ MaskedImage masked_image(const RgbdFrame& frame, const Surface& surface, int wid
 
 const std::vector<TrackerKind>& tracker_kinds() {
   static const std::vector<TrackerKind> kinds{
-      {"csrt", csrt}, {"csrt-fast", fast_csrt}, {"kcf", kcf}, {"component", nullptr}};
+      {"csrt", csrt}, {"csrt-fast", csrt_fast}, {"kcf", kcf}, {"component", nullptr}};
   return kinds;
 }
 
@@ -83,7 +83,7 @@ const TrackerKind& find_tracker(const std::string& name) {
 struct BoxTracker::State {
   std::shared_ptr<cv::Tracker> tracker;
   int crop_size = 0;
-  double left = 0.0, top = 0.0;  ///< of the target's centre in the crop
+  double left = 0.0, top = 0.0;  ///< the target's centre in the crop [px]
 };
 
 BoxTracker::BoxTracker(const TrackerKind& kind) : kind_(&kind) {}
@@ -96,10 +96,10 @@ void BoxTracker::stop() { state_.reset(); }
 void BoxTracker::start(const MaskedImage& image, const PixelBox& box) {
   if (!kind_->create || box.empty()) return;
   ++starts_;
-  cv::Size size(std::max(box.width, smallest_box), std::max(box.height, smallest_box));
-  if (kind_->create == csrt) size = soon_transformed(size);
+  cv::Size size(std::max(box.width, min_box_px), std::max(box.height, min_box_px));
+  if (kind_->create == csrt) size = fast_dft_size(size);
   state_ = std::make_unique<State>();
-  state_->crop_size = std::max(smallest_crop, 3 * std::max(size.width, size.height));
+  state_->crop_size = std::max(min_crop_px, 3 * std::max(size.width, size.height));
   const int x = box.x + box.width / 2, y = box.y + box.height / 2, half = state_->crop_size / 2;
   state_->left = state_->top = half;
   state_->tracker = kind_->create();

@@ -13,7 +13,7 @@ class Tracker;
 
 namespace touchtrace::label {
 
-/// The colour image where the moving surface is, black elsewhere.
+/// Colour image of the foreground points, black elsewhere.
 struct MaskedImage {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;  ///< [height, width, 3]
@@ -21,20 +21,20 @@ struct MaskedImage {
 
 MaskedImage masked_image(const RgbdFrame& frame, const Surface& surface, int width, int height);
 
-/// How targets are followed from frame to frame.
+/// Image tracker by its name for `--tracker`.
 struct TrackerKind {
   std::string name;
-  std::shared_ptr<cv::Tracker> (*create)();  ///< null: without a tracker, by colour and depth
+  std::shared_ptr<cv::Tracker> (*create)();  ///< null: colour and depth only
 };
 
-/// From what follows best to what is fastest.
+/// All kinds, from the most robust to the fastest.
 const std::vector<TrackerKind>& tracker_kinds();
-/// Throws usage_error with the known names.
+/// Throws usage_error, with the known names, for an unknown one.
 const TrackerKind& find_tracker(const std::string& name);
 
-/// One of OpenCV's trackers on a crop of the masked image that moves with the predicted motion: the
-/// tracker itself sees a target that hardly moves, which lifts its speed limit (CSRT: about 1.5
-/// target sizes a frame). Of a kind without a tracker: never finds anything.
+/// An OpenCV tracker on a crop of the masked image that moves with the predicted motion. The
+/// tracker sees a nearly static target, which lifts its speed limit (CSRT: about 1.5 target sizes
+/// per frame). A kind without a tracker never finds anything.
 class BoxTracker {
  public:
   explicit BoxTracker(const TrackerKind& kind);
@@ -43,11 +43,11 @@ class BoxTracker {
   BoxTracker& operator=(BoxTracker&&) noexcept;
 
   void start(const MaskedImage& image, const PixelBox& box);
-  /// The box in `image`, looked for around `predicted_x`, `predicted_y` (its centre). Nothing if
-  /// the tracker gives up or was never started.
+  /// Searches around the predicted centre [px]. Returns nullopt if the tracker gives up or was not
+  /// started.
   std::optional<PixelBox> update(const MaskedImage& image, double predicted_x, double predicted_y);
   void stop();
-  /// Times it was set on a target.
+  /// Number of starts so far.
   int starts() const { return starts_; }
 
  private:

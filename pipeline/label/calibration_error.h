@@ -8,42 +8,44 @@
 
 namespace touchtrace::label {
 
-/// What a calibration's own uncertainty makes of a label. It is the same for a whole recording, so
-/// no smoother sees it: at a metre a millimetre or two that all positions have in common.
+/// Propagates a calibration's covariance to labels. This error is the same in a whole recording, so
+/// a smoother cannot estimate it: at 1 m a millimetre or two in all positions.
 class CalibrationError {
  public:
-  /// Of a calibration without a covariance (another program's): none.
+  /// A calibration without covariance (of another program) gives zero.
   explicit CalibrationError(const RgbdCalibration& calibration);
 
-  /// Covariance of position and velocity in the colour camera's frame [6, 6; m, m/s], for what was
-  /// lifted there from the depth image. First order.
+  /// Covariance [6, 6; m, m/s] of (position, velocity) in the colour camera's frame, of a point
+  /// lifted from the depth image. First order, by central differences of one standard deviation.
   Eigen::Matrix<double, 6, 6> covariance(const Eigen::Vector3d& position_m,
                                          const Eigen::Vector3d& velocity_m_per_s) const;
 
  private:
-  /// The part of a calibration that gives what the depth camera sees its place and time.
+  /// The parameters that lift a depth pixel to a position and time.
   struct Lift {
     explicit Lift(const RgbdCalibration& calibration);
-    Eigen::Vector3d seen(const Eigen::Vector3d& position_m) const;
-    Eigen::Vector3d place(const Eigen::Vector3d& pixel_and_measured_depth) const;
+    /// (u, v [px], measured depth [m]) of a position.
+    Eigen::Vector3d measurement(const Eigen::Vector3d& position_m) const;
+    /// Inverse of measurement().
+    Eigen::Vector3d position(const Eigen::Vector3d& measurement) const;
 
     Camera camera;
     Eigen::Isometry3d camera_from_color;
     double scale, offset_m, delay_s;
   };
-  /// Calibrations a deviation of one parameter to either side.
+  /// The calibration with one parameter changed by one standard deviation either way.
   struct Shifted {
-    Lift less, more;
+    Lift minus, plus;
   };
-  using Change = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+  using Sensitivity = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
-  /// Of a place, a deviation of each parameter [m].
-  Change change_of(const Eigen::Vector3d& position_m) const;
+  /// Change of a position [m] per standard deviation of each parameter.
+  Sensitivity sensitivity(const Eigen::Vector3d& position_m) const;
 
-  Lift here_;
+  Lift nominal_;
   std::vector<Shifted> shifted_;
   Eigen::MatrixXd correlation_;  ///< of the parameters
-  Eigen::RowVectorXd delay_s_;   ///< a deviation of each parameter
+  Eigen::RowVectorXd delay_s_;   ///< change of the depth delay per standard deviation of each
 };
 
 }  // namespace touchtrace::label

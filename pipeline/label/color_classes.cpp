@@ -7,10 +7,10 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr double times_as_frequent = 3.0;
-constexpr double unseen = 1e-4;  // density of a colour that never showed: then it is the rest's
+constexpr double object_ratio = 3.0;  // of the densities of object and others
+constexpr double min_density = 1e-4;  // colours rarer than this belong to the rest
 
-/// `counts` smoothed along one dimension of a grid by (1 4 1) / 6: shades not yet seen.
+/// Smooths `counts` along one dimension of the grid by (1 4 1) / 6, for shades not seen yet.
 std::vector<double> smoothed(const std::vector<double>& counts, std::size_t stride,
                              std::size_t levels) {
   std::vector<double> result(counts.size());
@@ -30,7 +30,8 @@ std::uint8_t level_of(double value, double low, double high, std::size_t levels)
 
 }  // namespace
 
-/// Every colour is looked up; by the sum of its channels, so that neighbours share cache lines.
+/// Levels of all colours, indexed by the sum of the channels so that similar colours share cache
+/// lines.
 struct ColorClasses::Levels {
   static constexpr std::size_t values = 256, sums = 3 * (values - 1) + 1;
 
@@ -81,18 +82,18 @@ void ColorClasses::learn_object_from(const Surface& near_hand) {
   for (const auto& point : near_hand) object[bin(point.rgb)] += 1.0;
 }
 
-void ColorClasses::settle() {
+void ColorClasses::build_table() {
   const auto rest = density(counts_[0]), hand = density(counts_[1]), object = density(counts_[2]);
   for (std::size_t i = 0; i < table_.size(); ++i) {
-    const double others = std::max({rest[i], hand[i], unseen});
-    table_[i] = object[i] > times_as_frequent * others ? Body::object
-                : hand[i] > std::max(rest[i], unseen)  ? Body::hand
-                                                       : Body::rest;
+    const double others = std::max({rest[i], hand[i], min_density});
+    table_[i] = object[i] > object_ratio * others          ? Body::object
+                : hand[i] > std::max(rest[i], min_density) ? Body::hand
+                                                           : Body::rest;
   }
 }
 
 void ColorClasses::assign(Surface& surface) const {
-  for (auto& point : surface) point.body = of(point.rgb);
+  for (auto& point : surface) point.body = classify(point.rgb);
 }
 
 }  // namespace touchtrace::label

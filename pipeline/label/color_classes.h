@@ -7,21 +7,23 @@
 
 namespace touchtrace::label {
 
-/// Tells hand, object and the rest (arm, torso) apart by colour: chromaticity, and brightness
-/// coarsely, so that a material's shades stay together. Learnt from frames in which boxes were
-/// drawn. The object's box mostly holds fingers too, so a colour is the object's only if it is
-/// several times as frequent there as anywhere else.
+/// Classifies colours as hand, object or rest (arm, torso) by histograms of chromaticity and, in
+/// coarse bins, brightness, so that the shades of one material share bins. Learnt from frames with
+/// boxes. The object's box usually contains fingers, so a colour is the object's only if it is
+/// three times as frequent in the object's box as anywhere else.
 class ColorClasses {
  public:
-  /// Counts one frame's colours.
+  /// Adds one frame's colours to the histograms.
   void learn(const Surface& surface, const PixelBox& hand_box, const PixelBox& object_box);
-  /// Of an object that its boxes did not show: takes what was near the hand at other times for
-  /// them. Hand and arm are more frequent elsewhere, so that what is left is the object.
+  /// Replaces the object's histogram by points near the hand at other times, for an object that its
+  /// boxes do not show. Colours of hand and arm are more frequent elsewhere, so what remains is the
+  /// object's.
   void learn_object_from(const Surface& near_hand);
-  /// To be called once all frames are learnt, and again after learning more.
-  void settle();
+  /// Builds the lookup table. Call after learning and before classifying.
+  void build_table();
 
-  Body of(const std::array<std::uint8_t, 3>& rgb) const { return table_[bin(rgb)]; }
+  Body classify(const std::array<std::uint8_t, 3>& rgb) const { return table_[bin(rgb)]; }
+  /// Sets the class of every point.
   void assign(Surface& surface) const;
 
  private:
@@ -31,6 +33,7 @@ class ColorClasses {
   struct Levels;
 
   static std::size_t bin(const std::array<std::uint8_t, 3>& rgb);
+  /// Smoothed histogram with sum 1.
   static std::vector<double> density(const std::vector<double>& counts);
 
   std::array<std::vector<double>, 3> counts_{std::vector<double>(bins), std::vector<double>(bins),

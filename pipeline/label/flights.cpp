@@ -12,14 +12,15 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr double fewest_away_m = 0.05;    // from the grip's distance: the object has left the hand
-constexpr double longest_bridge_s = 0.2;  // of frames that do not look like flying
-constexpr double longest_out_of_sight_s = 0.5, longest_toss_s = 1.0;
-constexpr double like_gravity_m_per_s2 = 3.0;  // drag, tilt and a second difference's noise
-constexpr double least_fall_m = 0.03;          // to a hit, and least rise after it
-constexpr double least_deviations = 5.0;       // of what is no error
+constexpr double min_away_m =
+    0.05;  // beyond the grip's distance; farther: the object left the hand
+constexpr double max_bridge_s = 0.2;  // of frames inside a flight that do not look like one
+constexpr double max_occlusion_s = 0.5, max_toss_s = 1.0;
+constexpr double gravity_tolerance_m_per_s2 = 3.0;  // drag, tilt, noise of a second difference
+constexpr double min_fall_m = 0.03;                 // before a hit, and rise after it
+constexpr double min_sigmas = 5.0;                  // of a position above the extrapolated fall
 
-/// Distance of hand and object in every frame; NaN where one was not seen.
+/// [frames] Distance of hand and object; NaN if either was not found.
 std::vector<double> distances(const ClipTrack& track) {
   std::vector<double> result;
   for (std::size_t i = 0; i < track.time_s.size(); ++i)
@@ -29,20 +30,20 @@ std::vector<double> distances(const ClipTrack& track) {
   return result;
 }
 
-/// [frames] Whether the object is further from the hand than where the grip has it.
+/// [frames] Whether the object is farther from the hand than in the grip (median distance).
 std::vector<bool> is_away(const ClipTrack& track) {
   const auto distance = distances(track);
-  std::vector<double> seen;
-  std::ranges::copy_if(distance, std::back_inserter(seen),
+  std::vector<double> known;
+  std::ranges::copy_if(distance, std::back_inserter(known),
                        [](double d) { return std::isfinite(d); });
-  const double away = seen.empty() ? 0.0 : median(std::move(seen)) + fewest_away_m;
+  const double away = known.empty() ? 0.0 : median(std::move(known)) + min_away_m;
   std::vector<bool> result;
   for (double d : distance) result.push_back(d > away);
   return result;
 }
 
-/// Second difference of the object's place over a frame and its neighbours; nothing where one was
-/// not seen.
+/// Second difference of the object's position over a frame and its neighbours; nullopt if it was
+/// not found in all three.
 std::optional<Eigen::Vector3d> acceleration_at(const ClipTrack& track, std::size_t i) {
   const auto &a = track.object[i - 1], &b = track.object[i], &c = track.object[i + 1];
   if (!a.found || !b.found || !c.found) return std::nullopt;
@@ -53,13 +54,13 @@ std::optional<Eigen::Vector3d> acceleration_at(const ClipTrack& track, std::size
 }
 
 bool is_like_gravity(const Eigen::Vector3d& acceleration, const Eigen::Vector3d& gravity) {
-  return (acceleration - gravity).norm() < like_gravity_m_per_s2;
+  return (acceleration - gravity).norm() < gravity_tolerance_m_per_s2;
 }
 
-/// [frames] Whether the object falls freely, in two frames in a row at least: in one a hand may
-/// happen to move it so. Where it was lost a frame before or after, being away from the hand will
-/// do.
-std::vector<bool> falls(const ClipTrack& track, const Eigen::Vector3d& gravity) {
+/// [frames] Whether the object is in free fall, in at least two consecutive frames: in a single one
+/// a hand may accelerate it like gravity. Next to a frame without the object, distance from the
+/// hand decides.
+std::vector<bool> is_falling(const ClipTrack& track, const Eigen::Vector3d& gravity) {
   const std::size_t count = track.time_s.size();
   const auto away = is_away(track);
   std::vector<bool> now(count), result(count);
@@ -72,18 +73,18 @@ std::vector<bool> falls(const ClipTrack& track, const Eigen::Vector3d& gravity) 
   return result;
 }
 
-/// Whether nothing speaks against a flight from one frame to a later one: little time, or nothing
-/// is known of the object's acceleration in between.
+/// Whether two frames may belong to one flight: the gap is short, or longer without any known
+/// acceleration of the object in it.
 bool is_bridged(const ClipTrack& track, std::size_t from, std::size_t to) {
   const double gap_s = track.time_s[to] - track.time_s[from];
-  if (gap_s < longest_bridge_s) return true;
-  bool known = false;
-  for (std::size_t i = from + 1; i < to; ++i) known |= acceleration_at(track, i).has_value();
-  return gap_s < longest_out_of_sight_s && !known;
+  if (gap_s < max_bridge_s) return true;
+  bool is_known = false;
+  for (std::size_t i = from + 1; i < to; ++i) is_known |= acceleration_at(track, i).has_value();
+  return gap_s < max_occlusion_s && !is_known;
 }
 
-/// From the first to the last frame of those that are `in`, over short gaps, and so much beyond:
-/// what flies began to before it shows.
+/// Stretches of frames for which `in` is true, joined over short gaps and extended by `before_s`
+/// and `after_s`: a flight begins before it is detected.
 std::vector<Flight> stretches(const ClipTrack& track, const std::vector<bool>& in, double before_s,
                               double after_s) {
   std::vector<Flight> result;
@@ -105,10 +106,10 @@ bool overlap(const Flight& a, const Flight& b) {
   return a.release_s < b.landing_s && b.release_s < a.landing_s;
 }
 
-/// Joins it with the falls that it holds parts of, but where it is too long for a flight: then what
-/// fell lies somewhere.
+/// Adds a stretch away from the hand, merged with the falls that it overlaps. A stretch too long
+/// for a toss is dropped if it overlaps a fall: the object has fallen and lies somewhere.
 void add_away(Flight away, std::vector<Flight>& flights) {
-  const bool flies = away.landing_s - away.release_s < longest_toss_s;
+  const bool flies = away.landing_s - away.release_s < max_toss_s;
   const auto overlaps = [&](const Flight& f) { return overlap(f, away); };
   if (!flies && std::ranges::any_of(flights, overlaps)) return;
   std::erase_if(flights, [&](const Flight& f) {
@@ -119,7 +120,7 @@ void add_away(Flight away, std::vector<Flight>& flights) {
   flights.push_back(away);
 }
 
-/// Of the places that were seen, against gravity.
+/// Height of a found object, against gravity.
 struct Height {
   double time_s, height_m, variance_m2;
 };
@@ -133,16 +134,15 @@ std::vector<Height> heights(const ClipTrack& track, const Eigen::Vector3d& up) {
   return result;
 }
 
-/// Whether there was a hit between `edge` and two places of one flight: it lies above where that
-/// flight leads to or comes from.
+/// Whether a hit separates `edge` from `near` and `far`, two positions of one flight: `edge` is
+/// above that flight's extrapolation.
 bool is_beyond_hit(const Height& edge, const Height& near, const Height& far, double gravity) {
-  const double on_s = edge.time_s - near.time_s, part = on_s / (near.time_s - far.time_s);
+  const double step_s = edge.time_s - near.time_s, part = step_s / (near.time_s - far.time_s);
   const double falling_m = near.height_m + part * (near.height_m - far.height_m) -
-                           0.5 * gravity * on_s * (edge.time_s - far.time_s);
+                           0.5 * gravity * step_s * (edge.time_s - far.time_s);
   const double variance_m2 = edge.variance_m2 + std::pow(1.0 + part, 2) * near.variance_m2 +
                              std::pow(part, 2) * far.variance_m2;
-  return edge.height_m - falling_m >
-         std::max(least_fall_m, least_deviations * std::sqrt(variance_m2));
+  return edge.height_m - falling_m > std::max(min_fall_m, min_sigmas * std::sqrt(variance_m2));
 }
 
 void add_hit(std::vector<Flight>& flights, std::vector<Flight>::iterator flight, double hit_s) {
@@ -150,38 +150,39 @@ void add_hit(std::vector<Flight>& flights, std::vector<Flight>::iterator flight,
   flights.insert(flight, {release_s, hit_s});
 }
 
-/// Hits next to the first and last place have no lowest place between two flights.
-void add_hits_at_ends(const std::vector<Height>& seen, double gravity,
+/// Hits next to the first and last position have no lowest point between two flights.
+void add_hits_at_ends(const std::vector<Height>& heights, double gravity,
                       std::vector<Flight>& flights) {
-  const std::size_t n = seen.size();
+  const std::size_t n = heights.size();
   if (n < 3) return;
-  if (seen[2].time_s < flights.front().landing_s &&
-      is_beyond_hit(seen[0], seen[1], seen[2], gravity))
-    add_hit(flights, flights.begin(), std::midpoint(seen[0].time_s, seen[1].time_s));
-  if (seen[n - 3].time_s > flights.back().release_s &&
-      is_beyond_hit(seen[n - 1], seen[n - 2], seen[n - 3], gravity))
-    add_hit(flights, flights.end() - 1, std::midpoint(seen[n - 1].time_s, seen[n - 2].time_s));
+  if (heights[2].time_s < flights.front().landing_s &&
+      is_beyond_hit(heights[0], heights[1], heights[2], gravity))
+    add_hit(flights, flights.begin(), std::midpoint(heights[0].time_s, heights[1].time_s));
+  if (heights[n - 3].time_s > flights.back().release_s &&
+      is_beyond_hit(heights[n - 1], heights[n - 2], heights[n - 3], gravity))
+    add_hit(flights, flights.end() - 1,
+            std::midpoint(heights[n - 1].time_s, heights[n - 2].time_s));
 }
 
 }  // namespace
 
 std::vector<Flight> guess_flights(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2) {
-  auto flights = stretches(track, falls(track, gravity_m_per_s2), 0.05, 0.05);
+  auto flights = stretches(track, is_falling(track, gravity_m_per_s2), 0.05, 0.05);
   for (const Flight& away : stretches(track, is_away(track), 0.05, 0.03)) add_away(away, flights);
   std::ranges::sort(flights, {}, &Flight::release_s);
   return flights;
 }
 
 std::vector<Flight> guess_bounces(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2) {
-  const auto seen = heights(track, -gravity_m_per_s2.normalized());
-  if (seen.size() < 2) return {};
+  const auto all = heights(track, -gravity_m_per_s2.normalized());
+  if (all.size() < 2) return {};
   std::vector<Flight> flights;
-  double highest_m = seen.front().height_m, begin_s = seen.front().time_s - longest_bridge_s;
-  Height lowest = seen.front();
-  for (const Height& now : seen) {
+  double highest_m = all.front().height_m, begin_s = all.front().time_s - max_bridge_s;
+  Height lowest = all.front();
+  for (const Height& now : all) {
     if (now.height_m < lowest.height_m) lowest = now;
-    const bool has_fallen = highest_m - lowest.height_m > least_fall_m,
-               rises = now.height_m - lowest.height_m > least_fall_m;
+    const bool has_fallen = highest_m - lowest.height_m > min_fall_m,
+               rises = now.height_m - lowest.height_m > min_fall_m;
     if (has_fallen && rises) {
       flights.push_back({begin_s, lowest.time_s});
       begin_s = lowest.time_s;
@@ -190,12 +191,13 @@ std::vector<Flight> guess_bounces(const ClipTrack& track, const Eigen::Vector3d&
     }
     if (now.height_m > highest_m) highest_m = now.height_m, lowest = now;
   }
-  flights.push_back({begin_s, seen.back().time_s + longest_bridge_s});
-  add_hits_at_ends(seen, gravity_m_per_s2.norm(), flights);
+  flights.push_back({begin_s, all.back().time_s + max_bridge_s});
+  add_hits_at_ends(all, gravity_m_per_s2.norm(), flights);
   return flights;
 }
 
-double falling_part(const std::vector<ClipTrack>& tracks, const Eigen::Vector3d& gravity_m_per_s2) {
+double free_fall_fraction(const std::vector<ClipTrack>& tracks,
+                          const Eigen::Vector3d& gravity_m_per_s2) {
   double frames = 0.0, falling = 0.0;
   for (const auto& track : tracks)
     for (std::size_t i = 2; i < track.time_s.size(); ++i) {

@@ -3,24 +3,25 @@
 #include <vector>
 
 #include "calib/smooth/trajectory.h"
-#include "pipeline/label/follow.h"
+#include "pipeline/label/clip_tracker.h"
 
 namespace touchtrace::label {
 
-/// Stretches in which the object falls freely, and such in which it is away from where the grip has
-/// it.
+/// Initial flights for the smoother: stretches in which the object accelerates like free fall or is
+/// farther from the hand than in the grip.
 std::vector<Flight> guess_flights(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2);
 
-/// From one lowest place of the object to the next: of one that always flies, but for hits. Where
-/// the first or last place lies 3 cm and 5 deviations above the fall of the two next to it, there
-/// was a hit in between.
+/// Initial flights of an object that flies except at hits: from one lowest point to the next. A hit
+/// is added before the second or after the last but one position if the position beyond is 3 cm and
+/// 5 standard deviations above the extrapolated fall of its two neighbours.
 std::vector<Flight> guess_bounces(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2);
 
-/// Part of all frames in which the object falls freely: the second difference of its place over
-/// three frames is gravity's. 0 if there are no three frames in a row.
-double falling_part(const std::vector<ClipTrack>& tracks, const Eigen::Vector3d& gravity_m_per_s2);
+/// Fraction of frames in free fall: the second difference of the object's position over three
+/// frames is gravity, to 3 m/s^2. 0 without three consecutive frames.
+double free_fall_fraction(const std::vector<ClipTrack>& tracks,
+                          const Eigen::Vector3d& gravity_m_per_s2);
 
-/// What falls freely in more of the frames is never held: it bounces. In a throw it is a fifth.
-inline constexpr double falling_part_of_bounces = 0.5;
+/// An object with a larger free_fall_fraction bounces and is never held; in a throw it is 0.2.
+inline constexpr double min_bounce_fraction = 0.5;
 
 }  // namespace touchtrace::label

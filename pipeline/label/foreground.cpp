@@ -7,12 +7,12 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr std::uint8_t fewest = 5;  // of a pixel and its neighbours
+constexpr std::uint8_t min_marked = 5;  // of the nine pixels around and including one
 constexpr std::size_t block = 8;
 
-// Loops over plain pointers: the compiler turns these into vector instructions.
+// The loops run over plain pointers so that the compiler vectorises them.
 
-/// Less one, so that 0 (no measurement, no limit) is farthest.
+/// Subtracts one with wrap-around, so that 0 (no measurement, no limit) compares as farthest.
 std::uint16_t order(std::uint16_t count) { return static_cast<std::uint16_t>(count - 1); }
 
 void mark_before(const std::uint16_t* depth, const std::uint16_t* limit, std::size_t width,
@@ -20,16 +20,16 @@ void mark_before(const std::uint16_t* depth, const std::uint16_t* limit, std::si
   for (std::size_t u = 0; u < width; ++u) before[u] = order(depth[u]) < order(limit[u]);
 }
 
-void add_up(const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c, std::size_t width,
-            std::uint8_t* sum) {
+void add_rows(const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c,
+              std::size_t width, std::uint8_t* sum) {
   for (std::size_t u = 0; u < width; ++u) sum[u] = static_cast<std::uint8_t>(a[u] + b[u] + c[u]);
 }
 
-void keep_grown(const std::uint8_t* before, const std::uint8_t* columns, std::size_t width,
-                std::uint8_t* clean) {
+void remove_speckles(const std::uint8_t* before, const std::uint8_t* columns, std::size_t width,
+                     std::uint8_t* clean) {
   for (std::size_t u = 1; u + 1 < width; ++u) {
     const auto near = static_cast<std::uint8_t>(columns[u - 1] + columns[u] + columns[u + 1]);
-    clean[u] = static_cast<std::uint8_t>(before[u] & (near >= fewest));
+    clean[u] = static_cast<std::uint8_t>(before[u] & (near >= min_marked));
   }
 }
 
@@ -52,14 +52,14 @@ void Foreground::mark(std::size_t v) {
 const std::vector<std::size_t>& Foreground::row(std::size_t v) {
   if (v == 1) mark(0), mark(1);
   mark(v + 1);
-  add_up(before_[(v - 1) % 3].data(), before_[v % 3].data(), before_[(v + 1) % 3].data(), width_,
-         columns_.data());
-  keep_grown(before_[v % 3].data(), columns_.data(), width_, clean_.data());
+  add_rows(before_[(v - 1) % 3].data(), before_[v % 3].data(), before_[(v + 1) % 3].data(), width_,
+           columns_.data());
+  remove_speckles(before_[v % 3].data(), columns_.data(), width_, clean_.data());
   gather(v * width_);
   return pixels_;
 }
 
-/// Most pixels are background: eight at a time.
+/// Skips eight background pixels at a time; most pixels are background.
 void Foreground::gather(std::size_t first) {
   pixels_.clear();
   for (std::size_t u = 0; u < width_; u += block) {

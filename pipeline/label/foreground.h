@@ -7,16 +7,18 @@
 
 namespace touchtrace::label {
 
-/// What stands before the background in a depth image, row by row. Specks are left out: of a
-/// pixel's eight neighbours four must stand before it, too.
+/// Foreground mask of a depth image, computed row by row. A pixel is foreground if its depth count
+/// is below the background limit and at least four of its eight neighbours are, too (removes
+/// speckles).
 class Foreground {
  public:
-  /// `limit`: counts at and beyond it are background; 0: no limit. Both images [height, width] must
-  /// outlive this.
+  /// `limit`: smallest background count per pixel; 0: no limit. Both images [height, width] must
+  /// outlive this object.
   Foreground(const std::vector<std::uint16_t>& depth, const std::vector<std::uint16_t>& limit,
              int width);
 
-  /// Indices of pixels in row `v`. Rows are to be taken in turn, from 1 to the last but one.
+  /// Indices of the foreground pixels in row `v`. Rows must be requested in order, from 1 to
+  /// height - 2.
   const std::vector<std::size_t>& row(std::size_t v);
 
  private:
@@ -25,8 +27,8 @@ class Foreground {
 
   const std::vector<std::uint16_t>&depth_, &limit_;
   std::size_t width_;
-  std::array<std::vector<std::uint8_t>, 3> before_;  ///< [width], of the last three rows
-  std::vector<std::uint8_t> columns_;                ///< [width], their sum
+  std::array<std::vector<std::uint8_t>, 3> before_;  ///< [width] of the last three rows
+  std::vector<std::uint8_t> columns_;                ///< [width] sums over three rows
   std::vector<std::uint8_t> clean_;                  ///< [width, rounded up to blocks]
   std::vector<std::size_t> pixels_;
 };

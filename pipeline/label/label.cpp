@@ -9,10 +9,10 @@
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/base/progress.h"
+#include "pipeline/label/box_centre.h"
 #include "pipeline/label/box_tracker.h"
-#include "pipeline/label/boxed_middle.h"
+#include "pipeline/label/clip_tracker.h"
 #include "pipeline/label/flights.h"
-#include "pipeline/label/follow.h"
 #include "pipeline/label/learn_scene.h"
 #include "pipeline/label/states.h"
 #include "pipeline/label/timeline.h"
@@ -21,8 +21,7 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr double enough_found =
-    0.5;  // of all frames; less is a failure of the set-up, not of a frame
+constexpr double min_found_fraction = 0.5;  // of all frames; less: the set-up is wrong
 
 Eigen::Vector3d gravity(const CameraInfo& camera) {
   return {camera.gravity[0], camera.gravity[1], camera.gravity[2]};
@@ -30,8 +29,8 @@ Eigen::Vector3d gravity(const CameraInfo& camera) {
 
 void require_background(const FrameSource& frames) {
   if (frames.background_frames == 0)
-    throw data_error("the recording has no background frames: nothing can be segmented",
-                     "record a few frames of the scene without the person first");
+    throw data_error("recording has no background frames",
+                     "record a few frames of the empty scene before the first clip");
 }
 
 std::vector<ClipFrames> usable_clips(const Recording& recording, const Timeline& timeline) {
@@ -40,82 +39,81 @@ std::vector<ClipFrames> usable_clips(const Recording& recording, const Timeline&
     if (recording.clips[i].object_fell) clips[i].count = 0;
     if (clips[i].count > 0 && (clips[i].hand_box.empty() || clips[i].object_box.empty()))
       throw data_error(fmt::format("clip {} has no boxes on hand and object", i),
-                       "mark both in the clip's first camera frame (hand_box and object_box)");
+                       "draw both in the clip's first camera frame (hand_box and object_box)");
   }
   return clips;
 }
 
-SeenFrame see(const SceneModel& scene, const FrameSource& frames, const TrackerKind& kind,
-              const ClipFrames& clip, std::size_t index) {
-  SeenFrame seen{frames.camera_frame(index), {}, {}};
-  seen.surface = scene.see(seen.frame, clip.object);
+SegmentedFrame segment(const SceneModel& scene, const FrameSource& frames, const TrackerKind& kind,
+                       const ClipFrames& clip, std::size_t index) {
+  SegmentedFrame result{frames.camera_frame(index), {}, {}};
+  result.surface = scene.segment(result.frame, clip.object);
   const auto& camera = scene.segmenter.color_camera();
-  if (kind.create) seen.image = masked_image(seen.frame, seen.surface, camera.width, camera.height);
-  return seen;
+  if (kind.create)
+    result.image = masked_image(result.frame, result.surface, camera.width, camera.height);
+  return result;
 }
 
-/// Clips are the parallel work; threads that find none left see frames ahead for those that do.
-std::vector<ClipTrack> follow_all(const SceneModel& scene, const FrameSource& frames,
-                                  const std::vector<ClipFrames>& clips, const Timeline& timeline,
-                                  const Recording& recording, const LabelOptions& options) {
+/// Tracks clips in parallel. Threads without a clip segment frames for the others.
+std::vector<ClipTrack> track_clips(const SceneModel& scene, const FrameSource& frames,
+                                   const std::vector<ClipFrames>& clips, const Timeline& timeline,
+                                   const Recording& recording, const LabelOptions& options) {
   const auto& kind = find_tracker(options.tracker);
   std::size_t total = 0;
   for (const auto& clip : clips) total += clip.count;
-  Progress progress("following hand and object", total);
+  Progress progress("tracking hand and object", total);
   std::vector<ClipTrack> tracks(clips.size());
-  FramesAhead ahead(clips, [&](const ClipFrames& clip, std::size_t index) {
+  FramePrefetcher prefetcher(clips, [&](const ClipFrames& clip, std::size_t index) {
     progress.advance();
-    return see(scene, frames, kind, clip, index);
+    return segment(scene, frames, kind, clip, index);
   });
-  const OpenCvThreads one_thread_per_clip(1);
-  const std::size_t helpers = thread_count(options.threads);
-  parallel_for(clips.size() + helpers, options.threads, [&](std::size_t i) {
-    if (i >= clips.size()) return ahead.help();
-    FramesAhead::Reader reader(ahead, i);
+  const OpenCvThreads single_threaded(1);  // clips are the parallel work
+  const std::size_t workers = thread_count(options.num_threads);
+  parallel_for(clips.size() + workers, options.num_threads, [&](std::size_t i) {
+    if (i >= clips.size()) return prefetcher.run_worker();
+    FramePrefetcher::Reader reader(prefetcher, i);
     if (clips[i].count > 0)
-      tracks[i] =
-          follow(scene, reader, clips[i], timeline.camera_time_s, gravity(recording.camera), kind);
+      tracks[i] = track_clip(scene, reader, clips[i], timeline.camera_time_s,
+                             gravity(recording.camera), kind);
   });
   return tracks;
 }
 
-/// Adds what the clips' boxes tell of the objects' middles.
-void believe_boxes(const SceneModel& scene, const std::vector<ClipFrames>& clips,
-                   std::vector<ClipTrack>& tracks) {
+/// Adds the uncertainty of the objects' centres according to the clips' boxes.
+void add_box_uncertainty(const SceneModel& scene, const std::vector<ClipFrames>& clips,
+                         std::vector<ClipTrack>& tracks) {
   const Camera& color = scene.segmenter.color_camera();
   for (std::size_t i = 0; i < clips.size(); ++i)
-    tracks[i].object_middle_sigma_m =
-        std::hypot(tracks[i].object_middle_sigma_m,
-                   boxed_middle_sigma_m(color, clips[i].object, clips, tracks));
+    tracks[i].object_centre_sigma_m = std::hypot(
+        tracks[i].object_centre_sigma_m, box_centre_sigma_m(color, clips[i].object, clips, tracks));
 }
 
-struct Shares {
-  double hand_lost = 0.0, object_lost = 0.0, object_follows = 0.0;
-  int restarts = 0;
+struct FrameStatistics {
+  double hand_lost = 0.0, object_lost = 0.0, object_follows = 0.0;  ///< fractions of the frames
+  int tracker_starts = 0;
 };
 
-Shares shares_of(const std::vector<ClipTrack>& tracks) {
-  Shares shares;
+FrameStatistics frame_statistics(const std::vector<ClipTrack>& tracks) {
+  FrameStatistics statistics;
   double frames = 0.0;
   for (const auto& track : tracks) {
     frames += static_cast<double>(track.time_s.size());
-    shares.restarts += track.restarts;
-    for (const auto& o : track.hand) shares.hand_lost += !o.found;
+    statistics.tracker_starts += track.tracker_starts;
+    for (const auto& o : track.hand) statistics.hand_lost += !o.found;
     for (const auto& o : track.object)
-      shares.object_lost += !o.found, shares.object_follows += o.follows_hand;
+      statistics.object_lost += !o.found, statistics.object_follows += o.follows_hand;
   }
-  for (double* share : {&shares.hand_lost, &shares.object_lost, &shares.object_follows})
-    *share /= std::max(1.0, frames);
-  return shares;
+  for (double* count : {&statistics.hand_lost, &statistics.object_lost, &statistics.object_follows})
+    *count /= std::max(1.0, frames);
+  return statistics;
 }
 
-void require_found(const Shares& shares) {
+void require_found(const FrameStatistics& statistics) {
   for (const auto& [body, lost] :
-       {std::pair{"hand", shares.hand_lost}, {"object", shares.object_lost}})
-    if (lost > 1.0 - enough_found)
-      throw data_error(fmt::format("the {} was lost in {:.0f} % of all frames", body, 100.0 * lost),
-                       "check the boxes, the calibration and that the background was recorded "
-                       "without the person");
+       {std::pair{"hand", statistics.hand_lost}, {"object", statistics.object_lost}})
+    if (lost > 1.0 - min_found_fraction)
+      throw data_error(fmt::format("{} lost in {:.0f} % of all camera frames", body, 100.0 * lost),
+                       "check boxes and calibration, and that background frames show no person");
 }
 
 std::vector<std::string> tracker_names() {
@@ -127,7 +125,7 @@ std::vector<std::string> tracker_names() {
 nlohmann::json clock_summary(const ClockFit& clock) {
   return {{"offset_s", clock.offset_s},
           {"drift_ppm", clock.drift_ppm()},
-          {"drift_deviation_ppm", 1e6 * clock.rate_sigma},
+          {"drift_sigma_ppm", 1e6 * clock.rate_sigma},
           {"mean_delay_s", clock.mean_delay_s}};
 }
 
@@ -150,7 +148,7 @@ nlohmann::json shapes_summary(const SceneModel& scene) {
   nlohmann::json shapes;
   for (const auto& [object, shape] : scene.object_shape) {
     shapes[object] = {{"unevenness_m", shape.unevenness_m},
-                      {"middle_sigma_m", shape.middle_sigma_m}};
+                      {"centre_sigma_m", shape.centre_sigma_m}};
     if (shape.body) {
       const Eigen::Vector3d half = shape.body->half_extents_m();
       shapes[object]["half_extents_m"] = {half.x(), half.y(), half.z()};
@@ -164,21 +162,21 @@ nlohmann::json shapes_summary(const SceneModel& scene) {
 }
 
 nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
-                         const Timeline& timeline, const Shares& shares,
+                         const Timeline& timeline, const FrameStatistics& statistics,
                          const SmoothedBodies& bodies) {
   return {
       {"tracker", options.tracker},
-      {"hand_lost_share", shares.hand_lost},
-      {"object_lost_share", shares.object_lost},
-      {"object_follows_share", shares.object_follows},
-      {"tracker_restarts", shares.restarts},
+      {"hand_lost_share", statistics.hand_lost},
+      {"object_lost_share", statistics.object_lost},
+      {"object_follows_share", statistics.object_follows},
+      {"tracker_restarts", statistics.tracker_starts},
       {"band_m", scene.band_m},
       {"object_shape", shapes_summary(scene)},
       {"clocks",
        {{"camera", clock_summary(timeline.camera)},
         {"glove", clock_summary(timeline.glove)},
-        {"label_time", "middle of the glove's scan"},
-        {"unobservable", "the least latency of glove and camera stays in their offsets"}}},
+        {"label_time", "mid-scan time of the glove frame"},
+        {"unobservable", "minimum latency of glove and camera, part of their offsets"}}},
       {"noise", {{"hand", noise_summary(bodies.hand)}, {"object", noise_summary(bodies.object)}}},
       {"flights", flights_summary(bodies.object)}};
 }
@@ -187,29 +185,30 @@ nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
 
 void describe(OptionSet& set, LabelOptions& o) {
   set.choice("tracker", o.tracker, "component: fastest", tracker_names());
-  set.integer("threads", o.threads, "clips in parallel; 0: one per core", 0, 1024);
+  set.integer("threads", o.num_threads, "clips in parallel; 0: one per core", 0, 1024);
 }
 
 Labels label_recording(const Recording& recording, const FrameSource& frames,
                        const RgbdCalibration& calibration, const LabelOptions& options) {
   auto timeline = align(recording);
-  // places come from depth images
+  // positions come from depth images
   for (double& time_s : timeline.camera_time_s) time_s += calibration.depth_delay_s;
   require_background(frames);
   const auto clips = usable_clips(recording, timeline);
   const Stopwatch learning;
-  const auto scene = learn_scene(calibration, recording.camera, frames, clips, options.threads);
+  const auto scene = learn_scene(calibration, recording.camera, frames, clips, options.num_threads);
   const double learning_s = learning.wall_seconds();
-  const Stopwatch following;
-  auto tracks = follow_all(scene, frames, clips, timeline, recording, options);
-  believe_boxes(scene, clips, tracks);
-  const double following_s = following.wall_seconds(), following_cpu_s = following.cpu_seconds();
-  const auto shares = shares_of(tracks);
-  require_found(shares);
+  const Stopwatch tracking;
+  auto tracks = track_clips(scene, frames, clips, timeline, recording, options);
+  add_box_uncertainty(scene, clips, tracks);
+  const double tracking_s = tracking.wall_seconds(), tracking_cpu_s = tracking.cpu_seconds();
+  const auto statistics = frame_statistics(tracks);
+  require_found(statistics);
   const Stopwatch smoothing;
-  const double falling = falling_part(tracks, gravity(recording.camera));
-  const auto bodies = smooth_bodies(tracks, gravity(recording.camera),
-                                    falling > falling_part_of_bounces, options.threads);
+  const double falling = free_fall_fraction(tracks, gravity(recording.camera));
+  const bool bounces = falling > min_bounce_fraction;
+  const auto bodies =
+      smooth_bodies(tracks, gravity(recording.camera), bounces, options.num_threads);
 
   Labels labels;
   labels.activity = recording.activity;
@@ -217,12 +216,12 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   resample(glove_frames(recording, timeline), tracks, bodies, 1.0 / recording.camera.rate_hz,
            CalibrationError(calibration), labels);
   labels.raw = raw_track(tracks);
-  labels.summary = summarize(options, scene, timeline, shares, bodies);
-  labels.summary["object_falling_part"] = falling;
-  labels.summary["object_bounces"] = falling > falling_part_of_bounces;
+  labels.summary = summarize(options, scene, timeline, statistics, bodies);
+  labels.summary["object_free_fall_fraction"] = falling;
+  labels.summary["object_bounces"] = bounces;
   labels.summary["seconds"] = {{"learn_scene", learning_s},
-                               {"follow", following_s},
-                               {"follow_cpu", following_cpu_s},
+                               {"track", tracking_s},
+                               {"track_cpu", tracking_cpu_s},
                                {"smooth", smoothing.wall_seconds()}};
   return labels;
 }
@@ -230,10 +229,10 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
 Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
                        const LabelOptions& options) {
   require_usable(missing_for_labelling(reader), "the recording");
-  return label_recording(reader.recording(), frames_of(reader), calibration, options);
+  return label_recording(reader.recording(), frame_source(reader), calibration, options);
 }
 
-FrameSource frames_of(const RecordingReader& reader) {
+FrameSource frame_source(const RecordingReader& reader) {
   return {[&reader](std::size_t i) { return reader.read_camera_frame(i); },
           [&reader](std::size_t i) { return reader.read_background(i); },
           reader.background_frames()};

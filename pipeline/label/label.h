@@ -9,30 +9,30 @@
 namespace touchtrace::label {
 
 struct LabelOptions {
-  /// "csrt": as in the paper; "csrt-fast": smaller template, fewer scales; "kcf"; "component":
-  /// colour and depth alone, much faster.
+  /// "csrt": OpenCV's defaults; "csrt-fast": smaller template, fewer scales; "kcf"; "component":
+  /// colour and depth only, fastest.
   std::string tracker = "csrt-fast";
-  int threads = 0;  ///< 0: one a core
+  int num_threads = 0;  ///< 0: one per core; does not change the result
 };
 
 void describe(OptionSet& set, LabelOptions& options);
 
-/// Hand and object of a recording at every frame of its first glove: segment, follow, lift, align,
-/// smooth. Reads nothing of a recording's truth. The result does not depend on the number of
-/// threads.
+/// Labels hand and object of a recording at every frame of its first glove: segmentation, tracking,
+/// shape fits, time alignment, smoothing. Does not read a recording's truth.
 ///
-/// A label's time is the middle of the glove frame's scan on the host's clock, up to the least
-/// latency of either stream, which stamps cannot show; `summary` says so and gives clocks, noise,
-/// shares and seconds. Throws data_error for a recording without glove, camera frames, clips or
-/// background, or whose boxes lead nowhere.
+/// A label's time is the mid-scan time of its glove frame on the host's clock, up to the minimum
+/// latency of both streams, which time stamps cannot show. Labels::summary has clocks, noise,
+/// fractions of lost frames and times. Throws data_error for a recording without glove frames,
+/// camera frames, clips, boxes or background frames, for boxes without hand or object, and if hand
+/// or object are lost in half of the frames.
 Labels label_recording(const Recording& recording, const FrameSource& frames,
                        const RgbdCalibration& calibration, const LabelOptions& options);
 
-/// A recording's images, read as they are needed. The reader must outlive them.
-FrameSource frames_of(const RecordingReader& reader);
-
-/// The same of a file.
+/// Labels a recording file.
 Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
                        const LabelOptions& options);
+
+/// Images of a recording file, read on demand. The reader must outlive the result.
+FrameSource frame_source(const RecordingReader& reader);
 
 }  // namespace touchtrace::label

@@ -8,17 +8,17 @@
 
 namespace touchtrace::label {
 
-/// A shape, and the deviations of its half extents by noise and by what nothing shows: where one is
-/// wrong, so is the middle of what is seen from one side.
 struct LearntBody {
   RoundedBody body;
+  /// Standard deviations of the half extents, from noise and from surfaces that no view shows. A
+  /// wrong extent shifts the centre of a body seen from one side.
   Eigen::Vector3d half_extent_sigma_m;
 };
 
-/// The rounded box or cylinder that fits all views of a rigid body best, each view with a pose of
-/// its own: a robust Ceres problem, started from a sphere of `radius_m`, or as large as the marked
-/// boxes, drawn out. Extents that nothing shows stay small; marked sides show what is hidden in
-/// all views. There must be views, each with points.
-LearntBody learn_body(const std::vector<BodyView>& views, double radius_m, int threads);
+/// Learns the rounded box or cylinder that fits all views of a rigid body best, with one pose per
+/// view (ShapeProblem). The size of the start shapes is `radius_m` or that of the boxes, whichever
+/// is larger. Extents that nothing constrains stay small; box planes constrain parts that are
+/// hidden in all views. Requires views, each with surface points. `num_threads` 0: one per core.
+LearntBody learn_body(const std::vector<BodyView>& views, double radius_m, int num_threads);
 
 }  // namespace touchtrace::label

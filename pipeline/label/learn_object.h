@@ -4,19 +4,19 @@
 
 namespace touchtrace::label {
 
-/// A sampled frame of a clip and what moves in it.
+/// Foreground of one frame of a clip.
 struct SampledFrame {
   const ClipFrames* clip;
   std::size_t index;
   Surface surface;
-  std::optional<Eigen::Vector3d> hand_m = std::nullopt;  ///< as the colours tell
+  std::optional<Eigen::Vector3d> hand_m = std::nullopt;  ///< set by learn_object
 };
 
-/// Colours from the boxes in the clips' first frames or, if they hide the object, from what moves
-/// near the hand in others; its shape from all that it shows. An object that no
-/// colour tells from the hand is noted as such. Throws data_error if none was seen of it and no
-/// hand either.
+/// Learns an object's colours and shape into `model`. Colours come from the boxes in the clips'
+/// first frames or, if the hand hides the object there, from what moves near the hand in other
+/// frames. An object that no colour separates from the hand enters objects_with_hand_color. Throws
+/// data_error if an object's box contains only background or no hand is found.
 void learn_object(SceneModel& model, const FrameSource& frames, const std::string& object,
-                  std::vector<SampledFrame>& samples, int threads);
+                  std::vector<SampledFrame>& samples, int num_threads);
 
 }  // namespace touchtrace::label

@@ -12,19 +12,20 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr float bin_m = 0.02f, farthest_m = 5.0f;
-constexpr double torso_part = 0.04;  // of the image that a torso covers at least
-constexpr std::size_t most_background = 15, frames_per_clip = 8;
+constexpr float bin_m = 0.02f, max_depth_m = 5.0f;
+constexpr double min_torso_fraction = 0.04;  // of the image
+constexpr std::size_t max_background_frames = 15, frames_per_clip = 8;
 
-std::vector<std::vector<std::uint16_t>> background_depths(const FrameSource& frames, int threads) {
+std::vector<std::vector<std::uint16_t>> background_depths(const FrameSource& frames,
+                                                          int num_threads) {
   std::vector<std::vector<std::uint16_t>> depths(
-      std::min(most_background, frames.background_frames));
-  parallel_for(depths.size(), threads,
+      std::min(max_background_frames, frames.background_frames));
+  parallel_for(depths.size(), num_threads,
                [&](std::size_t i) { depths[i] = frames.background(i).depth; });
   return depths;
 }
 
-/// Frames spread over a clip, its first among them.
+/// Frames spread evenly over a clip, starting with its first.
 std::vector<std::size_t> sampled_frames(const ClipFrames& clip) {
   std::vector<std::size_t> result;
   for (std::size_t i = 0; i < std::min(frames_per_clip, clip.count); ++i)
@@ -32,26 +33,26 @@ std::vector<std::size_t> sampled_frames(const ClipFrames& clip) {
   return result;
 }
 
-/// Where the torso begins: from the largest peak of the depths nearer until 10 % of it. Infinite if
-/// nothing as large as a torso is there.
+/// Front of the torso [m]: from the largest peak of the depth histogram towards the camera down to
+/// 10 % of it. max_depth_m if the peak is smaller than a torso.
 float band_limit(const std::vector<double>& histogram, double pixels) {
   const auto peak = std::max_element(histogram.begin(), histogram.end());
   const auto low = std::max(histogram.begin(), peak - 5),
              high = std::min(histogram.end(), peak + 6);
-  if (std::accumulate(low, high, 0.0) < torso_part * pixels) return farthest_m;
+  if (std::accumulate(low, high, 0.0) < min_torso_fraction * pixels) return max_depth_m;
   auto edge = peak;
   while (edge != histogram.begin() && *edge > 0.1 * *peak) --edge;
   return bin_m * static_cast<float>(edge - histogram.begin() + 1);
 }
 
 std::vector<double> depth_counts(const Surface& surface) {
-  std::vector<double> counts(static_cast<std::size_t>(farthest_m / bin_m) + 1);
+  std::vector<double> counts(static_cast<std::size_t>(max_depth_m / bin_m) + 1);
   for (const auto& point : surface)
-    counts[static_cast<std::size_t>(std::min(point.position_m.z(), farthest_m) / bin_m)] += 1.0;
+    counts[static_cast<std::size_t>(std::min(point.position_m.z(), max_depth_m) / bin_m)] += 1.0;
   return counts;
 }
 
-/// Bin by bin: who walks by before the camera is not the person who stands there.
+/// Per-bin median over frames, robust against people who walk through the image.
 std::vector<double> median_counts(const std::vector<std::vector<double>>& frames) {
   std::vector<double> result;
   for (std::size_t bin = 0; !frames.empty() && bin < frames.front().size(); ++bin) {
@@ -62,15 +63,14 @@ std::vector<double> median_counts(const std::vector<std::vector<double>>& frames
   return result;
 }
 
-/// A few frames of every clip.
 std::vector<SampledFrame> sample(const SceneModel& model, const FrameSource& frames,
-                                 const std::vector<ClipFrames>& clips, int threads) {
+                                 const std::vector<ClipFrames>& clips, int num_threads) {
   std::vector<SampledFrame> samples;
   for (const auto& clip : clips)
     for (const auto index : sampled_frames(clip)) samples.push_back({&clip, index, {}});
-  parallel_for(samples.size(), threads, [&](std::size_t i) {
+  parallel_for(samples.size(), num_threads, [&](std::size_t i) {
     throw_if_interrupted();
-    samples[i].surface = model.segmenter.moving_surface(frames.camera_frame(samples[i].index));
+    samples[i].surface = model.segmenter.foreground_surface(frames.camera_frame(samples[i].index));
   });
   return samples;
 }
@@ -79,23 +79,24 @@ std::vector<SampledFrame> sample(const SceneModel& model, const FrameSource& fra
 
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
                        const FrameSource& frames, const std::vector<ClipFrames>& clips,
-                       int threads) {
-  const auto depths_behind = background_depths(frames, threads);
-  SceneModel model{Segmenter(calibration, camera, median_depth(depths_behind)),
-                   depth_noise_at_1m(depths_behind, camera.depth_unit_m),
+                       int num_threads) {
+  const auto background = background_depths(frames, num_threads);
+  SceneModel model{Segmenter(calibration, camera, median_depth(background)),
+                   depth_noise_at_1m(background, camera.depth_unit_m),
                    0.0f,
                    {},
                    {},
                    {}};
-  auto samples = sample(model, frames, clips, threads);
+  auto samples = sample(model, frames, clips, num_threads);
   std::vector<std::vector<double>> depths;
   std::map<std::string, std::vector<SampledFrame>> by_object;
-  for (auto& seen : samples) {
-    depths.push_back(depth_counts(seen.surface));
-    by_object[seen.clip->object].push_back(std::move(seen));
+  for (auto& frame : samples) {
+    depths.push_back(depth_counts(frame.surface));
+    by_object[frame.clip->object].push_back(std::move(frame));
   }
   model.band_m = band_limit(median_counts(depths), camera.width * camera.height);
-  for (auto& [object, sampled] : by_object) learn_object(model, frames, object, sampled, threads);
+  for (auto& [object, sampled] : by_object)
+    learn_object(model, frames, object, sampled, num_threads);
   return model;
 }
 

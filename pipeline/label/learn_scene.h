@@ -4,10 +4,10 @@
 
 namespace touchtrace::label {
 
-/// Background from its frames, the band from the torso's depth over the recording, and every object
-/// as `learn_object` does.
+/// Learns the background from its frames, the depth band in front of the torso from frames of all
+/// clips, and every object by learn_object. `num_threads` 0: one per core.
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
                        const FrameSource& frames, const std::vector<ClipFrames>& clips,
-                       int threads);
+                       int num_threads);
 
 }  // namespace touchtrace::label

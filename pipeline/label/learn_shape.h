@@ -8,24 +8,25 @@
 
 namespace touchtrace::label {
 
-/// What stands for an object.
+/// Geometric model of an object.
 struct ObjectShape {
-  double radius_m = 0.0;            ///< of the sphere that fits best
-  std::optional<RoundedBody> body;  ///< if no sphere stands for it
-  /// Deviation of the surface from it: of a sphere beyond the sensor's noise, of a body all of it.
+  double radius_m = 0.0;            ///< of the best-fitting sphere
+  std::optional<RoundedBody> body;  ///< empty: the sphere is the model
+  /// Robust standard deviation of the points' distances from the model's surface; for a sphere,
+  /// without the sensor's noise.
   double unevenness_m = 0.0;
-  /// Deviation of its middle from the object's: of a body as far as its surface lies off, and as
-  /// its extents are unknown; a sphere leans on what shows of the object, and leaves less
-  /// unevenness than it hides.
-  double middle_sigma_m = 0.0;
+  /// Standard deviation along an axis of the model's centre about the object's. Body: from
+  /// unevenness and the uncertainty of its extents. Sphere: from unevenness; larger than it, since
+  /// the fit leans towards the visible side.
+  double centre_sigma_m = 0.0;
 
-  /// No point of the object is farther than this from its middle.
+  /// Largest distance of a surface point from the centre.
   double reach_m() const { return body ? body->circumradius_m() : radius_m; }
 };
 
-/// The sphere that fits all views best, near that of the silhouette; or a rounded body, if
-/// the surface is uneven and it fits much better. There must be views, each with points. The result
-/// does not depend on the number of threads.
-ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m, int threads);
+/// Learns an object's shape from its views. Fits a sphere, with a radius near `silhouette_m`.
+/// Replaces it by a rounded body if the surface is uneven and the body fits much better. Requires
+/// views, each with surface points. The result does not depend on `num_threads` (0: one per core).
+ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m, int num_threads);
 
 }  // namespace touchtrace::label

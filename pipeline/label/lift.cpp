@@ -8,30 +8,30 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr int most_shifts = 12;
-constexpr double settled_m = 5e-4;
+constexpr int max_shifts = 12;
+constexpr double converged_m = 5e-4;
 
-/// Centroid and number of the points of `body` within `radius_m` of `center`.
+/// Centroid and number of the points of `body` within `radius_m` of `centre`; `centre` if none.
 std::pair<Eigen::Vector3d, std::size_t> local_mean(const Surface& surface, Body body,
-                                                   const Eigen::Vector3d& center, double radius_m) {
-  const Eigen::Vector3f around = center.cast<float>();
+                                                   const Eigen::Vector3d& centre, double radius_m) {
+  const Eigen::Vector3f centre_f = centre.cast<float>();
   const auto limit = static_cast<float>(radius_m * radius_m);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   std::size_t count = 0;
   for (const auto& point : surface) {
-    if (point.body != body || (point.position_m - around).squaredNorm() > limit) continue;
+    if (point.body != body || (point.position_m - centre_f).squaredNorm() > limit) continue;
     sum += point.position_m.cast<double>();
     ++count;
   }
-  return {count > 0 ? Eigen::Vector3d(sum / static_cast<double>(count)) : center, count};
+  return {count > 0 ? Eigen::Vector3d(sum / static_cast<double>(count)) : centre, count};
 }
 
-Patch gather(const Surface& surface, Body body, const Eigen::Vector3d& center, double radius_m) {
+Patch gather(const Surface& surface, Body body, const Eigen::Vector3d& centre, double radius_m) {
   Patch patch;
-  patch.centroid_m = center;
+  patch.centroid_m = centre;
   int left = 1 << 14, right = -1, top = 1 << 14, bottom = -1;
   for (const auto& point : surface) {
-    if (point.body != body || (point.position_m.cast<double>() - center).norm() > radius_m)
+    if (point.body != body || (point.position_m.cast<double>() - centre).norm() > radius_m)
       continue;
     patch.points_m.push_back(point.position_m);
     left = std::min<int>(left, point.u), right = std::max<int>(right, point.u);
@@ -44,25 +44,25 @@ Patch gather(const Surface& surface, Body body, const Eigen::Vector3d& center, d
 }  // namespace
 
 std::optional<Patch> find_patch(const Surface& surface, Body body, const Eigen::Vector3d& start_m,
-                                double radius_m, std::size_t fewest) {
-  Eigen::Vector3d center = start_m;
-  for (int i = 0; i < most_shifts; ++i) {
-    const auto [mean, count] = local_mean(surface, body, center, radius_m);
-    if (count < fewest) return std::nullopt;
-    const double moved = (mean - center).norm();
-    center = mean;
-    if (moved < settled_m) break;
+                                double radius_m, std::size_t min_points) {
+  Eigen::Vector3d centre = start_m;
+  for (int i = 0; i < max_shifts; ++i) {
+    const auto [mean, count] = local_mean(surface, body, centre, radius_m);
+    if (count < min_points) return std::nullopt;
+    const double moved = (mean - centre).norm();
+    centre = mean;
+    if (moved < converged_m) break;
   }
-  auto patch = gather(surface, body, center, radius_m);
-  if (patch.points_m.size() < fewest) return std::nullopt;
+  auto patch = gather(surface, body, centre, radius_m);
+  if (patch.points_m.size() < min_points) return std::nullopt;
   return patch;
 }
 
 std::optional<Eigen::Vector3d> median_point(const Surface& surface, Body body,
-                                            const Eigen::Vector3d& center_m, double gate_m) {
+                                            const Eigen::Vector3d& centre_m, double gate_m) {
   std::array<std::vector<double>, 3> coordinates;
   for (const auto& point : surface) {
-    if (point.body != body || (point.position_m.cast<double>() - center_m).norm() > gate_m)
+    if (point.body != body || (point.position_m.cast<double>() - centre_m).norm() > gate_m)
       continue;
     for (std::size_t axis = 0; axis < 3; ++axis)
       coordinates[axis].push_back(point.position_m[static_cast<Eigen::Index>(axis)]);
@@ -73,7 +73,7 @@ std::optional<Eigen::Vector3d> median_point(const Surface& surface, Body body,
 }
 
 double silhouette_radius_m(const Patch& patch) {
-  constexpr double disc_width = 1.374;  // of the middle 80 % of a disc's points, in radii
+  constexpr double disc_width = 1.374;  // of the middle 80 % of a uniform disc's points, in radii
   double widest = 0.0;
   for (int axis = 0; axis < 2; ++axis) {
     std::vector<float> across;

@@ -7,28 +7,28 @@
 
 namespace touchtrace::label {
 
-/// A body's visible surface, gathered from one frame.
+/// Visible surface of a body in one frame [colour camera's frame].
 struct Patch {
   Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3f> points_m;
-  PixelBox box;  ///< around the points' pixels
+  PixelBox box;  ///< bounding box of the points' pixels
 };
 
-/// What belongs to a hand, and to an object in terms of its radius.
-inline constexpr double hand_patch_radius_m = 0.12, object_patch_radii = 1.6;
+/// Radius of the ball that contains a hand's patch, and that of an object over its own radius.
+inline constexpr double hand_patch_radius_m = 0.12, object_patch_radius_factor = 1.6;
 
-/// The points of `body` in the densest place near `start_m`: mean shift with a ball of `radius_m`.
-/// Nothing if fewer than `fewest` points lie in it.
+/// Finds the densest ball of `radius_m` with points of `body` by mean shift from `start_m`. Returns
+/// nullopt if it has fewer than `min_points`.
 std::optional<Patch> find_patch(const Surface& surface, Body body, const Eigen::Vector3d& start_m,
-                                double radius_m, std::size_t fewest);
+                                double radius_m, std::size_t min_points);
 
-/// Where to start when only a region is known: the median of the points of `body` within `gate_m`
-/// of `center_m`, or nothing.
+/// Per-axis median of the points of `body` within `gate_m` of `centre_m`, or nullopt: a start for
+/// find_patch.
 std::optional<Eigen::Vector3d> median_point(const Surface& surface, Body body,
-                                            const Eigen::Vector3d& center_m, double gate_m);
+                                            const Eigen::Vector3d& centre_m, double gate_m);
 
-/// Radius [m] of the disc whose points spread across the line of sight as the patch's do along its
-/// longer axis: by the middle 80 %, so that stray points do not count.
+/// Radius [m] of a disc whose points have the patch's extent across the line of sight, along the
+/// wider image axis. Uses the middle 80 % of the points, which excludes outliers.
 double silhouette_radius_m(const Patch& patch);
 
 }  // namespace touchtrace::label

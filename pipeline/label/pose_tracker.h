@@ -6,44 +6,47 @@
 
 namespace touchtrace::label {
 
-/// The pose of one rigid body from view to view. What a hand leaves to be seen of a body often fits
-/// several poses about as well, so each is followed, from the last rotation and from where it
-/// turned on to; where they fit worse than usual, every few views, and after a while unseen,
-/// rotations all around are tried as well. What fits best through all views is right.
+/// Tracks the pose of a rigid body of known shape with multiple hypotheses. A body that a hand
+/// partly hides often fits several poses about equally well. Each hypothesis is continued from its
+/// last rotation, once as it was and once with its angular velocity. Global candidates are added
+/// where all hypotheses fit worse than usual, at least every fifth view, and after a longer gap.
 class PoseTracker {
  public:
   explicit PoseTracker(const RoundedBody& body) : body_(body) {}
 
-  /// What is likeliest up to this view; `seconds` since the last one that was given.
-  const BodyFit& see(const BodyView& view, double seconds);
+  /// Adds a view, `seconds` after the last one. Returns the most likely pose given the views so
+  /// far.
+  const BodyFit& update(const BodyView& view, double seconds);
 
-  /// Of every view that was given, what is likeliest given all of them (Viterbi 1967); one that
-  /// fits worse than most counts less.
-  std::vector<BodyFit> likeliest() const;
+  /// Most likely pose in every view given all views (Viterbi 1967). The information of poses that
+  /// fit worse than the median is scaled down.
+  std::vector<BodyFit> viterbi_path() const;
 
  private:
-  /// A pose in one view, and how it came there.
+  /// A pose in one view and its predecessor.
   struct Hypothesis {
     BodyFit fit;
-    double misfit_m2 = 0.0;                              ///< a point's part of the cost
-    Eigen::Vector3d likely_m = Eigen::Vector3d::Zero();  ///< likely_center of the view
-    Eigen::Vector3d turn_rad_per_s = Eigen::Vector3d::Zero();
-    double surprise = 0.0;   ///< minus the log likelihood of all views up to this one
-    std::size_t parent = 0;  ///< in the last view
+    double misfit_m2 = 0.0;                                      ///< cost per surface point
+    Eigen::Vector3d initial_centre_m = Eigen::Vector3d::Zero();  ///< initial_centre of the view
+    Eigen::Vector3d angular_velocity_rad_per_s = Eigen::Vector3d::Zero();
+    double nll = 0.0;        ///< negative log-likelihood of all views up to this one
+    std::size_t parent = 0;  ///< index in the previous view
   };
   using Hypotheses = std::vector<Hypothesis>;
 
-  Hypotheses followed(const BodyView& view, double seconds) const;
-  Hypothesis follow(const BodyView& view, std::size_t parent, bool turning, double seconds) const;
-  Hypotheses found(const BodyView& view, double seconds) const;
-  void come_from_likeliest(Hypothesis& now, double seconds) const;
-  static void keep_likeliest(Hypotheses& all);
-  bool fits_as_usual(const Hypotheses& followed) const;
+  Hypotheses continuations(const BodyView& view, double seconds) const;
+  Hypothesis continuation(const BodyView& view, std::size_t parent, bool rotating,
+                          double seconds) const;
+  Hypotheses global_candidates(const BodyView& view, double seconds) const;
+  void link_to_best_parent(Hypothesis& hypothesis, double seconds) const;
+  /// Sorts by likelihood; drops duplicates and unlikely hypotheses.
+  static void prune(Hypotheses& all);
+  bool fits_as_usual(const Hypotheses& hypotheses) const;
 
   RoundedBody body_;
-  std::vector<Hypotheses> views_;  ///< the likeliest first
+  std::vector<Hypotheses> views_;  ///< by decreasing likelihood
   double usual_misfit_m2_ = 0.0;
-  int followed_ = 0;  ///< views since all rotations were tried
+  int views_since_global_ = 0;
 };
 
 }  // namespace touchtrace::label

@@ -14,44 +14,49 @@
 
 namespace touchtrace::label {
 
-/// The images of a recording, by index. Safe to call from many threads.
+/// Images of a recording by index. The functions must be thread-safe.
 struct FrameSource {
   std::function<RgbdFrame(std::size_t)> camera_frame, background;
   std::size_t background_frames = 0;
 };
 
-/// A clip's camera frames, [first, first + count), and its boxes.
+/// Camera frames [first, first + count) of a clip, and the boxes drawn in its first frame.
 struct ClipFrames {
   std::size_t first = 0, count = 0;
   PixelBox hand_box, object_box;
   std::string object;
 };
 
-/// What is learnt of the scene before anything is followed.
+/// What is learnt of a scene before tracking. Const methods are thread-safe; those that take an
+/// object's name throw std::out_of_range for an object that no clip names.
 struct SceneModel {
   Segmenter segmenter;
-  double depth_noise_at_1m = 0.0;              ///< [m]; grows as depth squared
-  float band_m = 0.0f;                         ///< nearer than this is hand, arm or object
+  double depth_noise_at_1m = 0.0;  ///< [m]; see depth_noise_at_1m()
+  float band_m = 0.0f;             ///< depth band of hand, forearm and object: [0, band]
   std::map<std::string, ColorClasses> colors;  ///< by object
   std::map<std::string, ObjectShape> object_shape;
-  std::set<std::string> like_the_hand;  ///< objects that no colour tells from it
+  std::set<std::string> objects_with_hand_color;  ///< not separable from the hand by colour
 
-  /// The frame's surface in front of the band, told apart by colour; coloured points may lie a
-  /// little behind it.
-  Surface see(const RgbdFrame& frame, const std::string& object) const;
-  /// Tells an object like the hand from it where it is apart from the one near `hand_m`.
-  void split(Surface& surface, const std::string& object, const Eigen::Vector3d& hand_m) const;
-  /// What the depth camera sees of the object and past it, within `reach_m` of the patch's middle;
-  /// what is farther from it is not the object, whatever its colour. Rays to what has the colours
-  /// of neither hand nor object end there: it may be the object's rim. Of the object, the patch or,
-  /// where it is to be seen `whole`, all that has its colours: a long one shows on both sides of
-  /// the hand.
-  BodyView view_body(const RgbdFrame& frame, const std::string& object, const Patch& patch,
-                     double reach_m, bool whole) const;
-  /// Part of the rays to a sphere's middle that end before they would have passed it, 0..1: a
-  /// sphere that is there and not seen is hidden.
-  double hidden_part(const RgbdFrame& frame, const Eigen::Vector3d& center_m,
-                     double radius_m) const;
+  /// Foreground points of a frame inside the depth band, with their colour classes. Hand- and
+  /// object-coloured points may lie up to 0.4 m behind the band.
+  Surface segment(const RgbdFrame& frame, const std::string& object) const;
+  /// For an object of the hand's colour: reclassifies the parts that are apart from the hand near
+  /// `hand_m` as object (split_from_hand).
+  void split_object(Surface& surface, const std::string& object,
+                    const Eigen::Vector3d& hand_m) const;
+  /// Depth points [m, colour camera's frame] around a patch, for shape and pose fitting.
+  /// surface_points: the patch; if `whole_object`, all object-coloured points within `reach_m` of
+  ///   its centroid, since a long object shows on both sides of the hand (not for
+  ///   objects_with_hand_color).
+  /// free_space_endpoints: points farther away or of other colours; rays to them do not enter the
+  ///   object. Hand- and object-coloured ones are moved 15 mm, a finger, along the ray. Those of
+  ///   neither colour are not moved: they may be the object's rim.
+  BodyView view_object(const RgbdFrame& frame, const std::string& object, const Patch& patch,
+                       double reach_m, bool whole_object) const;
+  /// Fraction of the depth pixels around a sphere's centre that measure nothing behind it; 1 if
+  /// none measures. Near 1 for a sphere that is there but not seen.
+  double occluded_fraction(const RgbdFrame& frame, const Eigen::Vector3d& centre_m,
+                           double radius_m) const;
 };
 
 }  // namespace touchtrace::label

@@ -6,61 +6,62 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr int most_iterations = 25;
-constexpr double least_radius_m = 0.002;
+constexpr int max_iterations = 25;
+constexpr double min_radius_m = 0.002;
 constexpr int shape_size = 4;
-/// Of the largest diagonal element: how a cylinder is turned about its axis, nothing tells.
-constexpr double regular = 1e-9;
+/// Tikhonov regularisation, relative to the largest diagonal element: a cylinder's rotation about
+/// its axis is unobservable.
+constexpr double regularisation = 1e-9;
 
-/// [3, 4] Half extents by a shape's numbers.
-Eigen::MatrixXd half_extents_by_shape(Core core) {
-  Eigen::MatrixXd by_shape = Eigen::MatrixXd::Zero(3, shape_size);
-  by_shape(0, 0) = by_shape(2, 2) = 1.0;
-  by_shape(1, static_cast<Eigen::Index>(residuals::second_width(core))) = 1.0;
-  by_shape.col(3).setOnes();
-  return by_shape;
+/// Jacobian [3, 4] of the half extents with respect to the shape parameters.
+Eigen::MatrixXd half_extent_jacobian(Core core) {
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3, shape_size);
+  jacobian(0, 0) = jacobian(2, 2) = 1.0;
+  jacobian(1, static_cast<Eigen::Index>(residuals::second_width(core))) = 1.0;
+  jacobian.col(3).setOnes();
+  return jacobian;
 }
 
 }  // namespace
 
 ShapeProblem::ShapeProblem(const std::vector<BodyView>& views, const RoundedBody& body,
-                           const Poses& poses, double width_m, double compactness)
+                           const Poses& poses, double loss_width_m, double compactness)
     : core_(body.core),
       shape_{body.inner_m.x(), body.inner_m.y(), body.inner_m.z(), body.radius_m},
       poses_(poses.begin(), poses.end()) {
-  for (std::size_t i = 0; i < views.size(); ++i) add_view(views[i], poses_[i], width_m);
+  for (std::size_t i = 0; i < views.size(); ++i) add_view(views[i], poses_[i], loss_width_m);
   using residuals::Compactness;
   problem_.AddResidualBlock(
       new ceres::AutoDiffCostFunction<Compactness, 3, 4>(new Compactness{core_, compactness}),
       nullptr, shape_.data());
   for (int i = 0; i < 3; ++i) problem_.SetParameterLowerBound(shape_.data(), i, 0.0);
-  problem_.SetParameterLowerBound(shape_.data(), 3, least_radius_m);
+  problem_.SetParameterLowerBound(shape_.data(), 3, min_radius_m);
 }
 
 template <class Residual>
 void ShapeProblem::add(Residual* residual, ceres::LossFunction* loss, Pose& pose) {
   problem_.AddResidualBlock(
       new ceres::AutoDiffCostFunction<Residual, 1, shape_size, 4, 3>(residual), loss, shape_.data(),
-      pose.rotation.coeffs().data(), pose.place_m.data());
+      pose.rotation.coeffs().data(), pose.position_m.data());
 }
 
-void ShapeProblem::add_view(const BodyView& view, Pose& pose, double width_m) {
-  for (const auto& point : view.on_m)
+void ShapeProblem::add_view(const BodyView& view, Pose& pose, double loss_width_m) {
+  for (const auto& point : view.surface_points)
     add(new residuals::PointDistance{view, core_, point.cast<double>()},
-        new residuals::SquaresLoss(width_m), pose);
-  for (const auto& end : view.seen_past_m)
-    add(new residuals::RayDepth{core_, view.eye_m, end.cast<double>()},
-        new residuals::SquaresLoss(width_m), pose);
-  for (const auto& outward : view.marked.outward)
-    add(new residuals::SideDistance{view.marked, core_, outward},
-        new ceres::HuberLoss(side_loss.width_m), pose);
+        new residuals::SquaredGemanMcClureLoss(loss_width_m), pose);
+  for (const auto& end : view.free_space_endpoints)
+    add(new residuals::RayDepth{core_, view.origin_m, end.cast<double>()},
+        new residuals::SquaredGemanMcClureLoss(loss_width_m), pose);
+  for (const auto& outward : view.box.outward)
+    add(new residuals::PlaneDistance{view.box, core_, outward},
+        new ceres::HuberLoss(plane_loss.width_m), pose);
   problem_.SetManifold(pose.rotation.coeffs().data(), new ceres::EigenQuaternionManifold);
 }
 
 void ShapeProblem::solve() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.max_num_iterations = most_iterations;
+  options.max_num_iterations = max_iterations;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
@@ -68,21 +69,20 @@ void ShapeProblem::solve() {
 
 ShapeProblem::Poses ShapeProblem::poses() const {
   Poses result;
-  for (const auto& [rotation, place_m] : poses_) {
+  for (const auto& [rotation, position_m] : poses_) {
     Eigen::Isometry3d pose(rotation);
-    pose.pretranslate(place_m);
+    pose.pretranslate(position_m);
     result.push_back(pose);
   }
   return result;
 }
 
-/// The shape's numbers first.
 Eigen::MatrixXd ShapeProblem::normal_matrix() {
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks.push_back(shape_.data());
   for (auto& pose : poses_) {
     options.parameter_blocks.push_back(pose.rotation.coeffs().data());
-    options.parameter_blocks.push_back(pose.place_m.data());
+    options.parameter_blocks.push_back(pose.position_m.data());
   }
   ceres::CRSMatrix crs;
   problem_.Evaluate(options, nullptr, nullptr, nullptr, &crs);
@@ -94,9 +94,9 @@ Eigen::MatrixXd ShapeProblem::normal_matrix() {
 
 Eigen::Vector3d ShapeProblem::half_extent_sigma_m() {
   Eigen::MatrixXd normal = normal_matrix();
-  normal.diagonal().array() += regular * normal.diagonal().maxCoeff();
+  normal.diagonal().array() += regularisation * normal.diagonal().maxCoeff();
   Eigen::MatrixXd half_extents = Eigen::MatrixXd::Zero(normal.rows(), 3);
-  half_extents.topRows<shape_size>() = half_extents_by_shape(core_).transpose();
+  half_extents.topRows<shape_size>() = half_extent_jacobian(core_).transpose();
   const Eigen::MatrixXd covariance = half_extents.transpose() * normal.ldlt().solve(half_extents);
   return point_sigma_m * covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
 }

@@ -8,8 +8,8 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr float cell_m = 0.015f;  // what lies in neighbouring cells hangs together
-constexpr double most_radii = 1.5, hand_reach_m = 0.12;
+constexpr float cell_m = 0.015f;  // points in neighbouring cells are connected
+constexpr double max_extent_radii = 1.5, hand_reach_m = 0.12;
 
 using Cell = std::array<int, 3>;
 using Indices = std::vector<std::size_t>;
@@ -22,19 +22,19 @@ Cell cell_of(const SurfacePoint& point) {
   return cell;
 }
 
-/// Takes the cell and all that hangs together with it out of `cells`.
+/// Removes the connected component of a cell from `cells` and returns its points.
 Indices take_component(std::map<Cell, Indices>& cells, const Cell& first) {
   Indices component;
   std::vector<Cell> open{first};
   while (!open.empty()) {
-    const Cell at = open.back();
+    const Cell cell = open.back();
     open.pop_back();
-    const auto found = cells.find(at);
+    const auto found = cells.find(cell);
     if (found == cells.end()) continue;
     component.insert(component.end(), found->second.begin(), found->second.end());
     cells.erase(found);
     for (int i = 0; i < 27; ++i)
-      open.push_back({at[0] + i % 3 - 1, at[1] + i / 3 % 3 - 1, at[2] + i / 9 - 1});
+      open.push_back({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1});
   }
   return component;
 }
@@ -56,25 +56,26 @@ double nearest_m(const Surface& surface, const Indices& component, const Eigen::
 }
 
 bool fits_in(const Surface& surface, const Indices& component, double radius_m) {
-  Eigen::Vector3f middle = Eigen::Vector3f::Zero();
+  Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
   for (const auto i : component)
-    middle += surface[i].position_m / static_cast<float>(component.size());
-  return std::ranges::all_of(
-      component, [&](std::size_t i) { return (surface[i].position_m - middle).norm() < radius_m; });
+    centroid += surface[i].position_m / static_cast<float>(component.size());
+  return std::ranges::all_of(component, [&](std::size_t i) {
+    return (surface[i].position_m - centroid).norm() < radius_m;
+  });
 }
 
 }  // namespace
 
 void split_from_hand(Surface& surface, const Eigen::Vector3d& hand_m, double radius_m,
-                     std::size_t fewest) {
+                     std::size_t min_points) {
   const auto components = components_of(surface, Body::hand);
   if (components.size() < 2) return;
   const auto hand = std::ranges::max_element(components, {}, [&](const Indices& component) {
     return nearest_m(surface, component, hand_m) < hand_reach_m ? component.size() : 0;
   });
   for (const auto& component : components)
-    if (&component != &*hand && component.size() >= fewest &&
-        fits_in(surface, component, most_radii * radius_m))
+    if (&component != &*hand && component.size() >= min_points &&
+        fits_in(surface, component, max_extent_radii * radius_m))
       for (const auto i : component) surface[i].body = Body::object;
 }
 

@@ -4,11 +4,11 @@
 
 namespace touchtrace::label {
 
-/// Tells an object from a hand of its colour while they are apart: points of the hand that hang
-/// together beside the hand, no farther from each other than an object of `radius_m` and `fewest`
-/// at least, become the object's; fingers that stick out are fewer. The hand is the most that hangs
-/// together near `hand_m`.
+/// Separates an object from a hand of its colour while the two are apart. Connected components of
+/// the hand's points become the object's if they have at least `min_points` (outstretched fingers
+/// have fewer) and fit into a ball of 1.5 `radius_m`. The hand is the largest component near
+/// `hand_m`.
 void split_from_hand(Surface& surface, const Eigen::Vector3d& hand_m, double radius_m,
-                     std::size_t fewest);
+                     std::size_t min_points);
 
 }  // namespace touchtrace::label

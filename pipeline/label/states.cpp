@@ -10,18 +10,19 @@
 namespace touchtrace::label {
 namespace {
 
-/// Before its first frame a body of a person moves at most so fast, so that causal states start
-/// sane.
+/// Prior standard deviations of velocity [m/s] and acceleration [m/s^2] at the first sample: a
+/// person's motion. Causal states need it.
 constexpr InitialMotion initial_motion{1.5, 15.0};
-/// In which fingers let go of an object.
+/// Time in which fingers let go of an object.
 constexpr double hand_opens_s = 0.02;
-/// The hand's visible part, and its middle with it, changes slowly.
+/// Systematic error of the hand's centre: its visible part changes slowly.
 constexpr double hand_systematic_m = 0.005;
-/// An object that is hidden is where the hand has it but for so much, which turns with the hand.
+/// Systematic error of a hidden object's position, and the time in which it changes as the hand
+/// turns.
 constexpr double hidden_systematic_m = 0.02, hidden_systematic_s = 0.4;
 
 using Observations = std::vector<Observation>;
-using Variances = Eigen::Matrix<double, 6, 1>;  // of position and velocity
+using Variances = Eigen::Matrix<double, 6, 1>;  // position, velocity
 
 Track track_of(const std::vector<double>& time_s, const Observations& observations) {
   Track track;
@@ -31,35 +32,35 @@ Track track_of(const std::vector<double>& time_s, const Observations& observatio
   return track;
 }
 
-/// What the nearest camera frame says of a label at `time_s`.
+/// Flags of a label from the nearest camera frame.
 std::uint8_t quality(double time_s, const std::vector<double>& frame_time_s,
                      const Observations& observations, double camera_period_s) {
   const auto after = std::ranges::lower_bound(frame_time_s, time_s);
   auto nearest = after == frame_time_s.end() ? after - 1 : after;
   if (nearest != frame_time_s.begin() && time_s - *(nearest - 1) < *nearest - time_s) --nearest;
-  const auto& seen = observations[static_cast<std::size_t>(nearest - frame_time_s.begin())];
+  const auto& observation = observations[static_cast<std::size_t>(nearest - frame_time_s.begin())];
   std::uint8_t bits = quality_good;
   if (time_s < frame_time_s.front() || time_s > frame_time_s.back()) bits |= quality_gap;
-  if (!seen.found || std::abs(*nearest - time_s) > camera_period_s) bits |= quality_lost;
-  if (seen.follows_hand) bits |= quality_follows_hand;
+  if (!observation.found || std::abs(*nearest - time_s) > camera_period_s) bits |= quality_lost;
+  if (observation.follows_hand) bits |= quality_follows_hand;
   return bits;
 }
 
-/// The variance of what neighbouring measurements have in common and no smoother sees. Of the
-/// object: what smoothing leaves of the deviations of what was measured nearest, for its visible
-/// part changes slowly; its shape's middle; and where the hand hides it.
+/// Variances of errors that neighbouring measurements share, which a smoother cannot reduce: the
+/// unexplained part of the nearest measurement's variance (an object's visible part changes
+/// slowly), the shape model's centre, and the position of an object that the hand hides.
 Variances object_systematic(double time_s, const ClipTrack& track,
                             const MotionNoise<double>& noise) {
   const Observation* nearest = nullptr;
   double nearest_s = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < track.time_s.size(); ++i) {
-    const double away_s = std::abs(track.time_s[i] - time_s);
-    if (!track.object[i].found || away_s >= nearest_s) continue;
-    nearest_s = away_s;
+    const double distance_s = std::abs(track.time_s[i] - time_s);
+    if (!track.object[i].found || distance_s >= nearest_s) continue;
+    nearest_s = distance_s;
     nearest = &track.object[i];
   }
   Variances variances = Variances::Zero();
-  variances.head<3>().setConstant(track.object_middle_sigma_m * track.object_middle_sigma_m);
+  variances.head<3>().setConstant(track.object_centre_sigma_m * track.object_centre_sigma_m);
   if (!nearest) return variances;
   variances.head<3>() += noise.unexplained_variance_fraction() * nearest->sigma_m.cwiseAbs2();
   if (nearest->follows_hand) {
@@ -86,13 +87,13 @@ void append_state(const SmoothedTrack& track, double time_s, const Variances& sy
   body.covariance.insert(body.covariance.end(), covariance.data(), covariance.data() + 36);
 }
 
-/// A clip without any usable track: not a number, and lost.
-void append_nothing(LabelledBody& body) {
-  const double nothing = std::numeric_limits<double>::quiet_NaN();
+/// Appends NaN for a clip without a usable track.
+void append_lost(LabelledBody& body) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
   for (auto* values : {&body.position_m, &body.velocity_m_per_s, &body.causal_position_m,
                        &body.causal_velocity_m_per_s})
-    values->insert(values->end(), 3, nothing);
-  body.covariance.insert(body.covariance.end(), 36, nothing);
+    values->insert(values->end(), 3, nan);
+  body.covariance.insert(body.covariance.end(), 36, nan);
   body.quality.push_back(quality_lost | quality_gap);
 }
 
@@ -100,23 +101,23 @@ void append_label(const GloveFrame& frame, const SmoothedTrack& smoothed, const 
                   const Observations& observations, double camera_period_s,
                   const Variances& systematic, const CalibrationError& calibration,
                   LabelledBody& body) {
-  if (smoothed.status != SmoothStatus::converged) return append_nothing(body);
+  if (smoothed.status != SmoothStatus::converged) return append_lost(body);
   append_state(smoothed, frame.time_s, systematic, calibration, body);
   body.quality.push_back(quality(frame.time_s, track.time_s, observations, camera_period_s));
 }
 
-void append_observation(const Observation& seen, std::vector<double>& position,
+void append_observation(const Observation& observation, std::vector<double>& position,
                         std::vector<double>& sigma) {
-  const Eigen::Vector3d nothing =
-      Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  append(seen.found ? seen.position_m : nothing, position);
-  append(seen.found ? seen.sigma_m : nothing, sigma);
+  const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  append(observation.found ? observation.position_m : nan, position);
+  append(observation.found ? observation.sigma_m : nan, sigma);
 }
 
 }  // namespace
 
 SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
-                             const Eigen::Vector3d& gravity_m_per_s2, bool bounces, int threads) {
+                             const Eigen::Vector3d& gravity_m_per_s2, bool bounces,
+                             int num_threads) {
   std::vector<Track> hand, object;
   std::vector<std::vector<Flight>> flights;
   for (const auto& track : tracks) {
@@ -125,21 +126,21 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
     flights.push_back(bounces ? guess_bounces(track, gravity_m_per_s2)
                               : guess_flights(track, gravity_m_per_s2));
   }
-  SmoothOptions of_hand;
-  of_hand.gravity_m_per_s2 = gravity_m_per_s2;
-  of_hand.initial = initial_motion;
-  of_hand.num_threads = threads;
-  SmoothOptions of_object = of_hand;
+  SmoothOptions hand_options;
+  hand_options.gravity_m_per_s2 = gravity_m_per_s2;
+  hand_options.initial = initial_motion;
+  hand_options.num_threads = num_threads;
+  SmoothOptions object_options = hand_options;
   if (bounces)
-    of_object.noise = bouncing_ball();
+    object_options.noise = bouncing_ball();
   else
-    of_object.release_duration_s = hand_opens_s;
+    object_options.release_duration_s = hand_opens_s;
   SmoothedBodies bodies;
-  parallel_for(2, threads, [&](std::size_t body) {
+  parallel_for(2, num_threads, [&](std::size_t body) {
     if (body == 0)
-      bodies.object = smooth(object, flights, of_object);
+      bodies.object = smooth(object, flights, object_options);
     else
-      bodies.hand = smooth(hand, std::vector<std::vector<Flight>>(tracks.size()), of_hand);
+      bodies.hand = smooth(hand, std::vector<std::vector<Flight>>(tracks.size()), hand_options);
   });
   return bodies;
 }

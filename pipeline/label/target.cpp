@@ -1,92 +1,88 @@
 #include "pipeline/label/target.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace touchtrace::label {
 namespace {
 
-constexpr double most_box_shift = 0.4;  // of a box's size, before its tracker is set anew
-constexpr int frames_to_be_lost = 3;
-constexpr std::size_t starts_everywhere = 16;
-// So far from where a body is expected it may be found by any part of it; beyond, it is in the open
-// and shows that part of a disc.
-constexpr double foreseen_m = 0.04, hinted_m = 0.15, shown_far_away = 0.5;
-constexpr double everywhere_m = 10.0, reach_of_an_arm_m = 0.7;
-constexpr double most_filled = 0.8;  // of the circle it was cut with; no body fills half of its own
+constexpr double max_box_shift = 0.4;  // of the box's size; more restarts the tracker
+constexpr int lost_after_frames = 3;
+constexpr std::size_t max_spread_starts = 16;
+// Up to this distance from its expected position any part of a body is accepted. Farther away it is
+// not held, so at least this fraction of its disc must be visible.
+constexpr double expected_distance_m = 0.04, hinted_distance_m = 0.15, min_disc_fraction = 0.5;
+constexpr double unlimited_m = 10.0, arm_reach_m = 0.7;
+constexpr double max_disc_fill = 0.8;  // of the search disc; a body fills less than half of it
 
-bool agrees(const PixelBox& tracked, const PixelBox& seen) {
-  const double dx = tracked.x + 0.5 * tracked.width - seen.x - 0.5 * seen.width;
-  const double dy = tracked.y + 0.5 * tracked.height - seen.y - 0.5 * seen.height;
-  const double size = std::max(seen.width, seen.height);
-  return std::hypot(dx, dy) < most_box_shift * size && tracked.width < 2 * size &&
-         2 * tracked.width > seen.width;
+bool matches(const PixelBox& tracked, const PixelBox& found) {
+  const double dx = tracked.x + 0.5 * tracked.width - found.x - 0.5 * found.width;
+  const double dy = tracked.y + 0.5 * tracked.height - found.y - 0.5 * found.height;
+  const double size = std::max(found.width, found.height);
+  return std::hypot(dx, dy) < max_box_shift * size && tracked.width < 2 * size &&
+         2 * tracked.width > found.width;
 }
 
 }  // namespace
 
-bool Target::is_lost() const { return missed_ >= frames_to_be_lost; }
+bool Target::is_lost() const { return missed_frames_ >= lost_after_frames; }
 
-double Target::gate_m() const { return is_lost() ? everywhere_m : filter_.gate_m(); }
+double Target::gate_m() const { return is_lost() ? unlimited_m : filter_.gate_m(); }
 
-Eigen::Vector3d Target::around_m() const { return is_lost() ? last_m_ : expected_m(); }
+Eigen::Vector3d Target::search_centre_m() const { return is_lost() ? last_m_ : predicted_m(); }
 
-double Target::usual_off_m() const { return is_lost() ? reach_of_an_arm_m : filter_.gate_m(); }
+double Target::distance_scale_m() const { return is_lost() ? arm_reach_m : filter_.gate_m(); }
 
-double Target::near_m(bool hinted) const { return is_lost() && hinted ? hinted_m : foreseen_m; }
-
-double Target::farthest_m() const {
-  return hidden_ || is_lost() ? everywhere_m : filter_.gate_m() + radius_m_;
+double Target::any_part_distance_m(bool has_hint) const {
+  return is_lost() && has_hint ? hinted_distance_m : expected_distance_m;
 }
 
-std::optional<Patch> Target::begin(const Surface& surface, const PixelBox& box) const {
-  Surface inside;
-  for (const auto& point : surface)
-    if (contains(box, point)) inside.push_back(point);
-  const auto start = median_point(inside, body_, Eigen::Vector3d::Zero(), everywhere_m);
-  return start ? find_patch(surface, body_, *start, radius_m_, fewest_) : std::nullopt;
+double Target::max_distance_m() const {
+  return is_hidden_ || is_lost() ? unlimited_m : filter_.gate_m() + patch_radius_m_;
 }
 
-std::optional<PixelBox> Target::track(const MaskedImage& image, const Camera& camera) {
-  if (!(expected_m().z() > 0.1)) return std::nullopt;
-  const auto pixel = camera.project(expected_m());
+std::optional<Patch> Target::find_in_box(const Surface& surface, const PixelBox& box) const {
+  const auto start =
+      median_point(points_in(surface, box), body_, Eigen::Vector3d::Zero(), unlimited_m);
+  return start ? find_patch(surface, body_, *start, patch_radius_m_, min_points_) : std::nullopt;
+}
+
+std::optional<PixelBox> Target::update_tracker(const MaskedImage& image, const Camera& camera) {
+  if (!(predicted_m().z() > 0.1)) return std::nullopt;
+  const auto pixel = camera.project(predicted_m());
   return tracker_.update(image, pixel.x(), pixel.y());
 }
 
-Surface Target::own_points(const Surface& surface) const {
-  Surface own;
-  std::ranges::copy_if(surface, std::back_inserter(own),
-                       [&](const SurfacePoint& point) { return point.body == body_; });
-  return own;
-}
-
 std::vector<Eigen::Vector3d> Target::starts(const Surface& own,
-                                            const std::optional<PixelBox>& tracked,
+                                            const std::optional<PixelBox>& tracked_box,
                                             const std::optional<Eigen::Vector3d>& hint_m) const {
-  std::vector<Eigen::Vector3d> result{expected_m()};
+  std::vector<Eigen::Vector3d> result{predicted_m()};
   if (hint_m) result.push_back(*hint_m);
-  if (tracked)
-    if (const auto in_box = median_in_box(own, *tracked)) result.push_back(*in_box);
-  if (const auto middle = median_point(own, body_, expected_m(), gate_m()))
-    result.push_back(*middle);
-  if (!hidden_ && !is_lost()) return result;
-  for (std::size_t i = 0; i < own.size(); i += 1 + own.size() / starts_everywhere)
+  if (tracked_box)
+    if (const auto median =
+            median_point(points_in(own, *tracked_box), body_, predicted_m(), gate_m()))
+      result.push_back(*median);
+  if (const auto median = median_point(own, body_, predicted_m(), gate_m()))
+    result.push_back(*median);
+  if (!is_hidden_ && !is_lost()) return result;
+  for (std::size_t i = 0; i < own.size(); i += 1 + own.size() / max_spread_starts)
     result.push_back(own[i].position_m.cast<double>());
   return result;
 }
 
 std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& image,
-                                  const std::optional<PixelBox>& tracked,
+                                  const std::optional<PixelBox>& tracked_box,
                                   const Segmenter& segmenter,
                                   const std::optional<Eigen::Vector3d>& hint_m) {
-  const Surface own = own_points(surface);
-  const auto patch = best_patch(own, segmenter, starts(own, tracked, hint_m), hint_m);
+  const Surface own = points_of(surface, body_);
+  const auto patch = best_patch(own, segmenter, starts(own, tracked_box, hint_m), hint_m);
   if (!patch) {
     tracker_.stop();
-    ++missed_;
+    ++missed_frames_;
     return std::nullopt;
   }
-  if (!(tracked && agrees(*tracked, patch->box))) restart(image, patch->box);
+  if (!(tracked_box && matches(*tracked_box, patch->box))) restart_tracker(image, patch->box);
   return patch;
 }
 
@@ -96,18 +92,19 @@ std::optional<Patch> Target::best_patch(const Surface& own, const Segmenter& seg
   std::optional<Patch> best;
   double highest = -std::numeric_limits<double>::infinity();
   for (const auto& start : starts) {
-    auto patch = find_patch(own, body_, start, radius_m_, fewest_);
+    auto patch = find_patch(own, body_, start, patch_radius_m_, min_points_);
     if (!patch) continue;
-    double off = (patch->centroid_m - around_m()).norm();
-    if (hint_m) off = std::min(off, (patch->centroid_m - *hint_m).norm());
+    double distance_m = (patch->centroid_m - search_centre_m()).norm();
+    if (hint_m) distance_m = std::min(distance_m, (patch->centroid_m - *hint_m).norm());
     const auto points = static_cast<double>(patch->points_m.size());
     const double depth_m = patch->centroid_m.z();
-    const double disc = segmenter.disc_pixels(disc_m_, depth_m);
-    if (points > most_filled * segmenter.disc_pixels(radius_m_, depth_m)) continue;
-    if (off > farthest_m() ||
-        (off > near_m(hint_m.has_value()) + radius_m_ && points < shown_far_away * disc))
+    const double disc = segmenter.disc_pixels(disc_radius_m_, depth_m);
+    if (points > max_disc_fill * segmenter.disc_pixels(patch_radius_m_, depth_m)) continue;
+    if (distance_m > max_distance_m() ||
+        (distance_m > any_part_distance_m(hint_m.has_value()) + patch_radius_m_ &&
+         points < min_disc_fraction * disc))
       continue;
-    const double score = std::log(points) - 8.0 * std::pow(off / usual_off_m(), 2);
+    const double score = std::log(points) - 8.0 * std::pow(distance_m / distance_scale_m(), 2);
     if (score > highest) highest = score, best = std::move(patch);
   }
   return best;
@@ -117,34 +114,26 @@ void Target::start(const Eigen::Vector3d& position_m, double sigma_m, const Pixe
                    const MaskedImage& image) {
   filter_.start(position_m, sigma_m);
   last_m_ = position_m;
-  missed_ = 0;
-  if (!box.empty()) restart(image, box);
+  missed_frames_ = 0;
+  if (!box.empty()) restart_tracker(image, box);
 }
 
 void Target::measure(const Eigen::Vector3d& position_m, double sigma_m) {
-  if ((position_m - expected_m()).norm() > filter_.gate_m() + radius_m_)
+  if ((position_m - predicted_m()).norm() > filter_.gate_m() + patch_radius_m_)
     filter_.start(position_m, sigma_m);
   else
     filter_.measure(position_m, sigma_m);
   last_m_ = position_m;
-  missed_ = 0;
-  hidden_ = false;
+  missed_frames_ = 0;
+  is_hidden_ = false;
 }
 
-void Target::hide(const Eigen::Vector3d& position_m, double sigma_m) {
+void Target::set_hidden(const Eigen::Vector3d& position_m, double sigma_m) {
   measure(position_m, sigma_m);
-  hidden_ = true;
+  is_hidden_ = true;
 }
 
-std::optional<Eigen::Vector3d> Target::median_in_box(const Surface& own,
-                                                     const PixelBox& box) const {
-  Surface inside;
-  for (const auto& point : own)
-    if (contains(box, point)) inside.push_back(point);
-  return median_point(inside, body_, expected_m(), gate_m());
-}
-
-void Target::restart(const MaskedImage& image, const PixelBox& box) {
+void Target::restart_tracker(const MaskedImage& image, const PixelBox& box) {
   tracker_.start(image, {box.x - 1, box.y - 1, box.width + 2, box.height + 2});
 }
 

@@ -8,74 +8,82 @@
 
 namespace touchtrace::label {
 
-/// One body that is followed: where it is expected, its tracker, and how it is told from the rest.
+/// Hand or object in one clip: motion filter, image tracker and search for the surface patch.
 class Target {
  public:
-  /// A body of `disc_m` as it is seen from afar. Its points lie within `radius_m` of their middle
-  /// and are `fewest` at least.
-  Target(Body body, double disc_m, double radius_m, std::size_t fewest, const TrackerKind& kind)
-      : body_(body), disc_m_(disc_m), radius_m_(radius_m), fewest_(fewest), tracker_(kind) {}
+  /// `disc_radius_m`: of a disc with the body's visible area. `patch_radius_m`: of a ball that
+  /// contains its visible surface. `min_points`: smallest accepted patch.
+  Target(Body body, double disc_radius_m, double patch_radius_m, std::size_t min_points,
+         const TrackerKind& kind)
+      : body_(body),
+        disc_radius_m_(disc_radius_m),
+        patch_radius_m_(patch_radius_m),
+        min_points_(min_points),
+        tracker_(kind) {}
 
-  /// Where a user's box says it is.
-  std::optional<Patch> begin(const Surface& surface, const PixelBox& box) const;
+  /// Finds the patch in a user's box.
+  std::optional<Patch> find_in_box(const Surface& surface, const PixelBox& box) const;
 
-  /// Its tracker's box around where it is expected.
-  std::optional<PixelBox> track(const MaskedImage& image, const Camera& camera);
+  /// Runs the image tracker around the predicted position.
+  std::optional<PixelBox> update_tracker(const MaskedImage& image, const Camera& camera);
 
-  /// The patch that its place and its size speak for, of those where it is expected, where it is
-  /// `tracked` and, if given, at `hint_m`; all must lie within the gate. One that is hidden or
-  /// was lost for some frames is looked for around the hint, and everywhere; but far from where it
-  /// may be only a patch counts that shows half of it. A patch that fills all of the circle around
-  /// it is a piece of something larger that covers the picture, and is never taken.
+  /// Returns the body's surface patch [m, colour camera's frame], or nullopt. Does not update the
+  /// filter. Mean shift starts at the predicted position, at `hint_m`, and at the medians of the
+  /// body's points in `tracked_box` and in the gate; if hidden or lost, also at up to 16 points
+  /// spread over all of them.
+  /// d: distance to the prediction (if lost, the last position) or the hint, the smaller. Rejects
+  ///  - d > gate_m() + patch_radius_m (10 m if hidden or lost);
+  ///  - d > patch_radius_m + 0.04 m (0.15 m if lost, with hint) and under half the disc visible;
+  ///  - over 80 % of a disc of patch_radius_m covered: part of a larger surface.
+  /// Maximises log(num_points) - 8 (d / gate)^2; gate 0.7 m if lost. Failure stops the image
+  /// tracker; a patch that does not match `tracked_box` restarts it.
   std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
-                            const std::optional<PixelBox>& tracked, const Segmenter& segmenter,
+                            const std::optional<PixelBox>& tracked_box, const Segmenter& segmenter,
                             const std::optional<Eigen::Vector3d>& hint_m);
 
-  /// With an empty `box` its tracker waits until the target is seen.
+  /// Starts the filter and, unless `box` is empty, the image tracker.
   void start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,
              const MaskedImage& image);
   void predict(double seconds, bool falling, const Eigen::Vector3d& gravity_m_per_s2) {
     filter_.predict(seconds, falling, gravity_m_per_s2);
   }
-  /// Takes a place in; far from where it was expected the filter starts anew.
+  /// Updates the filter; restarts it if the position is outside the gate.
   void measure(const Eigen::Vector3d& position_m, double sigma_m);
 
-  /// Nothing shows it, but it is known to be near a place: until it is seen, only there.
-  void hide(const Eigen::Vector3d& position_m, double sigma_m);
+  /// Updates the filter with the assumed position of a body that is not visible. Until the next
+  /// measure(), find() searches the whole surface.
+  void set_hidden(const Eigen::Vector3d& position_m, double sigma_m);
 
   double gate_m() const;
-  /// Not found for some frames.
+  /// Not found in the last three frames.
   bool is_lost() const;
-  Eigen::Vector3d expected_m() const { return filter_.position_m(); }
-  /// Times the tracker was set on its target anew.
-  int restarts() const { return tracker_.starts(); }
+  Eigen::Vector3d predicted_m() const { return filter_.position_m(); }
+  /// Number of starts of the image tracker.
+  int tracker_starts() const { return tracker_.starts(); }
 
  private:
-  /// So near to where it may be, any part of it is taken for it; up to the farthest, what shows.
-  double near_m(bool hinted) const;
-  double farthest_m() const;
-  /// Where it may be: as its motion goes on or, once that tells nothing any more, where it was.
-  Eigen::Vector3d around_m() const;
-  /// How far from there it may be found; the farther, the more of it has to show.
-  double usual_off_m() const;
-  /// Of a surface; all below are given those alone.
-  Surface own_points(const Surface& surface) const;
-  std::vector<Eigen::Vector3d> starts(const Surface& own, const std::optional<PixelBox>& tracked,
+  // Search limits; see find().
+  double any_part_distance_m(bool has_hint) const;
+  double max_distance_m() const;
+  Eigen::Vector3d search_centre_m() const;
+  double distance_scale_m() const;
+  std::vector<Eigen::Vector3d> starts(const Surface& own,
+                                      const std::optional<PixelBox>& tracked_box,
                                       const std::optional<Eigen::Vector3d>& hint_m) const;
+  /// `own`: points of the body's class.
   std::optional<Patch> best_patch(const Surface& own, const Segmenter& segmenter,
                                   const std::vector<Eigen::Vector3d>& starts,
                                   const std::optional<Eigen::Vector3d>& hint_m) const;
-  std::optional<Eigen::Vector3d> median_in_box(const Surface& own, const PixelBox& box) const;
-  void restart(const MaskedImage& image, const PixelBox& box);
+  void restart_tracker(const MaskedImage& image, const PixelBox& box);
 
   TargetFilter filter_;
   Eigen::Vector3d last_m_ = Eigen::Vector3d::Zero();
   Body body_;
-  double disc_m_, radius_m_;
-  std::size_t fewest_;
+  double disc_radius_m_, patch_radius_m_;
+  std::size_t min_points_;
   BoxTracker tracker_;
-  int missed_ = 0;
-  bool hidden_ = false;
+  int missed_frames_ = 0;
+  bool is_hidden_ = false;
 };
 
 }  // namespace touchtrace::label

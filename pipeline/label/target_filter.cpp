@@ -5,11 +5,13 @@
 namespace touchtrace::label {
 namespace {
 
-// 15 m/s^2 for 0.1 s of a hand; in flight what spin, drag and a wrong tilt leave
-constexpr double hand_density = 22.0, falling_density = 1.0;  // m^2/s^3
-constexpr double start_speed_m_per_s = 1.0, gate_deviations = 4.0, smallest_gate_m = 0.05;
+// Spectral densities of the acceleration [m^2/s^3]. Hand: 15 m/s^2 for 0.1 s. Flight: spin, drag
+// and the camera's tilt error.
+constexpr double hand_density = 22.0, falling_density = 1.0;
+constexpr double start_speed_m_per_s = 1.0, gate_sigmas = 4.0, min_gate_m = 0.05;
 
-Transition<double> coast(double h, double density, bool falling) {
+/// Transition over `h` seconds; the third state (acceleration) is unused.
+Transition<double> constant_velocity(double h, double density, bool falling) {
   Transition<double> step;
   step.F << 1.0, h, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0;
   step.Q << h * h * h / 3.0, h * h / 2.0, 0.0, h * h / 2.0, h, 0.0, 0.0, 0.0, 0.0;
@@ -30,7 +32,7 @@ void TargetFilter::start(const Eigen::Vector3d& position_m, double sigma_m) {
 }
 
 void TargetFilter::predict(double seconds, bool falling, const Eigen::Vector3d& gravity_m_per_s2) {
-  const auto step = coast(seconds, falling ? falling_density : hand_density, falling);
+  const auto step = constant_velocity(seconds, falling ? falling_density : hand_density, falling);
   for (std::size_t axis = 0; axis < 3; ++axis)
     axes_[axis] = axes_[axis].predict(step, gravity_m_per_s2[static_cast<Eigen::Index>(axis)]);
 }
@@ -47,7 +49,7 @@ Eigen::Vector3d TargetFilter::position_m() const {
 double TargetFilter::gate_m() const {
   const double largest =
       std::max({axes_[0].covariance(0, 0), axes_[1].covariance(0, 0), axes_[2].covariance(0, 0)});
-  return smallest_gate_m + gate_deviations * std::sqrt(largest);
+  return min_gate_m + gate_sigmas * std::sqrt(largest);
 }
 
 }  // namespace touchtrace::label

@@ -6,7 +6,8 @@
 
 namespace touchtrace::label {
 
-/// Where a target is expected: constant velocity with white acceleration, or falling under gravity.
+/// Kalman filter of a target's position and velocity: white acceleration noise, or free fall under
+/// gravity.
 class TargetFilter {
  public:
   void start(const Eigen::Vector3d& position_m, double sigma_m);
@@ -14,7 +15,7 @@ class TargetFilter {
   void measure(const Eigen::Vector3d& position_m, double sigma_m);
 
   Eigen::Vector3d position_m() const;
-  /// Radius around the prediction in which the target must be.
+  /// Radius of the gate around the predicted position: 0.05 m plus four standard deviations.
   double gate_m() const;
 
  private:

@@ -10,9 +10,9 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr double most_rate_error = 0.05;
+constexpr double max_rate_error = 0.05;
 
-/// Device time of a glove's frames: its counter at the nominal rate, from the first frame on.
+/// Device time of a glove frame: its counter at the nominal rate, 0 at the first frame.
 double device_time_s(const GloveStream& glove, std::uint64_t sequence) {
   return (static_cast<double>(sequence) - static_cast<double>(glove.sequence.front())) /
          glove.info.rate_hz;
@@ -20,24 +20,23 @@ double device_time_s(const GloveStream& glove, std::uint64_t sequence) {
 
 void require_glove(const Recording& recording) {
   if (recording.gloves.empty() || recording.gloves.front().frames() == 0)
-    throw data_error("the recording has no glove frames: there is nothing to label",
+    throw data_error("recording has no glove frames to label",
                      "record with the glove connected; run: touchtrace check RECORDING");
   if (recording.clips.empty())
-    throw data_error("the recording has no clips", "mark at least one stretch with a grasp");
+    throw data_error("recording has no clips", "mark at least one clip, with one grasp each");
 }
 
 void require_camera(const Recording& recording) {
   if (recording.camera_times.frames() == 0)
-    throw data_error("the recording has no camera frames: nothing can be followed",
+    throw data_error("recording has no camera frames",
                      "record with the camera connected; run: touchtrace check RECORDING");
 }
 
 void require_rate(const ClockFit& clock, const char* stream) {
-  if (std::abs(clock.rate - 1.0) > most_rate_error)
+  if (std::abs(clock.rate - 1.0) > max_rate_error)
     throw data_error(
-        fmt::format("the {}'s counter runs {:.3g} times as fast as it should", stream,
-                    1.0 / clock.rate),
-        "check the stream's nominal rate and its counter; run: touchtrace check RECORDING");
+        fmt::format("{} counter runs at {:.3g} times its nominal rate", stream, 1.0 / clock.rate),
+        "check the stream's nominal rate and counter; run: touchtrace check RECORDING");
 }
 
 }  // namespace

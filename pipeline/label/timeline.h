@@ -8,33 +8,34 @@
 
 namespace touchtrace::label {
 
-/// Both streams on the host's clock, each up to its least latency.
+/// Camera and glove on the host's clock, each up to its minimum latency.
 struct Timeline {
-  ClockFit camera, glove;             ///< glove: of sequence / nominal rate
-  std::vector<double> camera_time_s;  ///< [camera frames], when the image was taken
+  ClockFit camera, glove;             ///< glove: device time is sequence / nominal rate
+  std::vector<double> camera_time_s;  ///< [camera frames] when the image was taken
   double glove_scan_s = 0.0, glove_rate_hz = 15.0;
 
-  /// The middle of the scan of the glove's frame number `sequence`.
+  /// Mid-scan time of a glove frame.
   double glove_time_s(std::uint64_t sequence) const;
 };
 
-/// The glove's part of it. Throws data_error for a recording without glove frames or clips.
+/// Fits the glove's clock alone. Throws data_error for a recording without glove frames or clips,
+/// or with a counter that is off its nominal rate by more than 5 %.
 Timeline align_glove(const Recording& recording);
-/// Throws data_error for a recording without camera frames, too.
+/// Fits both clocks. Throws data_error as align_glove, and for a recording without camera frames.
 Timeline align(const Recording& recording);
 
-/// One glove frame to be labelled; index -1: lost on the way.
+/// A glove frame to be labelled.
 struct GloveFrame {
   double time_s;
   std::int32_t clip;
-  std::int64_t index;
+  std::int64_t index;  ///< in the stream; -1: lost in transmission
 };
 
-/// Every frame of the first glove's counter within a clip, lost ones included, clip after clip;
-/// clips in which the object fell are left out.
+/// Every counter value of the first glove inside a clip, lost frames included, clip after clip.
+/// Clips in which the object fell are left out.
 std::vector<GloveFrame> glove_frames(const Recording& recording, const Timeline& timeline);
 
-/// The camera frames of each clip.
+/// Camera frames and boxes of each clip.
 std::vector<ClipFrames> clip_frames(const Recording& recording, const Timeline& timeline);
 
 }  // namespace touchtrace::label

@@ -51,12 +51,12 @@ std::map<std::string, std::vector<Boxed>> boxed_frames(const Recording& recordin
 double own_colors(const std::vector<Boxed>& frames) {
   label::ColorClasses colors;
   for (const auto& [image, clip] : frames) colors.learn(image, clip.hand_box, clip.object_box);
-  colors.settle();
+  colors.build_table();
   double all = 0.0, own = 0.0;
   for (const auto& [image, clip] : frames)
     for (const auto& pixel : image)
       if (contains(clip.object_box, pixel))
-        all += 1.0, own += colors.of(pixel.rgb) == label::Body::object;
+        all += 1.0, own += colors.classify(pixel.rgb) == label::Body::object;
   return all > 0.0 ? own / all : 0.0;
 }
 

@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 const Vector3d gravity(0.0, 9.81, 0.0);  // the camera's y points down
 constexpr double frame_interval_s = 0.05, flight_s = 0.4371, seconds = 8.0, sigma_m = 0.001;
 
-/// Of a ball that is hit every flight_s and swings slowly aside.
-Vector3d place(double time_s) {
+/// Position of a ball that is hit every flight_s and swings slowly sideways.
+Vector3d position(double time_s) {
   const double since_hit_s = std::fmod(time_s, flight_s);
   const double height_m = 0.5 * 9.81 * since_hit_s * (flight_s - since_hit_s);
   return {0.05 * std::sin(time_s), -height_m, 1.0};
@@ -25,29 +25,29 @@ ClipTrack bounced(double begin_s = 0.1, double end_s = seconds) {
   RandomStream random(1, "bounces");
   ClipTrack track;
   for (double t = begin_s; t < end_s; t += frame_interval_s) {
-    Observation seen;
-    seen.found = true;
-    seen.sigma_m = Vector3d::Constant(sigma_m);
-    seen.position_m =
-        place(t) + sigma_m * Vector3d(random.normal(), random.normal(), random.normal());
+    Observation observed;
+    observed.found = true;
+    observed.sigma_m = Vector3d::Constant(sigma_m);
+    observed.position_m =
+        position(t) + sigma_m * Vector3d(random.normal(), random.normal(), random.normal());
     track.time_s.push_back(t);
-    track.object.push_back(seen);
-    seen.position_m = {0.0, 0.1, 1.0};
-    track.hand.push_back(seen);
+    track.object.push_back(observed);
+    observed.position_m = {0.0, 0.1, 1.0};
+    track.hand.push_back(observed);
   }
   return track;
 }
 
-/// Between two frames, rms.
+/// RMS position error of the smoothed object, also between frames.
 double error_m(const SmoothedBodies& bodies) {
   double sum = 0.0;
   int count = 0;
   for (double t = 0.5; t < seconds - 0.5; t += 0.0131, ++count)
-    sum += (bodies.object.tracks[0].smoothed(t).position_m - place(t)).squaredNorm();
+    sum += (bodies.object.tracks[0].smoothed(t).position_m - position(t)).squaredNorm();
   return std::sqrt(sum / count);
 }
 
-TEST(LabelBounces, AreGuessedFromTheLowestPlaces) {
+TEST(GuessBounces, SplitsAtTheLowestPositions) {
   const ClipTrack track = bounced();
   const auto flights = guess_bounces(track, gravity);
   const auto hits = static_cast<std::size_t>(seconds / flight_s);
@@ -58,7 +58,7 @@ TEST(LabelBounces, AreGuessedFromTheLowestPlaces) {
   }
 }
 
-TEST(LabelBounces, HitsAreFoundToMillisecondsAndNotSmoothedOver) {
+TEST(SmoothBodies, FindsHitsOfABouncingBallToMilliseconds) {
   const std::vector<ClipTrack> tracks{bounced()};
   const SmoothedBodies bounces = smooth_bodies(tracks, gravity, true);
   ASSERT_EQ(bounces.object.tracks[0].status, SmoothStatus::converged);
@@ -72,7 +72,7 @@ TEST(LabelBounces, HitsAreFoundToMillisecondsAndNotSmoothedOver) {
   EXPECT_GT(error_m(smooth_bodies(tracks, gravity, false)), 3.0 * error_m(bounces));
 }
 
-TEST(LabelBounces, OneFrameBeyondAHitIsEnough) {
+TEST(GuessBounces, FindsAHitWithOneFrameBeyondIt) {
   const double first_hit_s = flight_s, last_hit_s = 8.0 * flight_s;
   const double begin_s = first_hit_s - 0.02, end_s = last_hit_s + 0.03;
   const ClipTrack track = bounced(begin_s, end_s);
@@ -87,16 +87,16 @@ TEST(LabelBounces, OneFrameBeyondAHitIsEnough) {
   const auto& smoothed = bodies.object.tracks[0];
   for (const double hit_s : {first_hit_s, last_hit_s})
     for (const double t : {hit_s - 0.01, hit_s + 0.01}) {
-      const Vector3d velocity = (place(t + 1e-6) - place(t - 1e-6)) / 2e-6;
+      const Vector3d velocity = (position(t + 1e-6) - position(t - 1e-6)) / 2e-6;
       const MotionState state = smoothed.smoothed(t);
-      // one number in a thousand lies beyond 3.3 deviations
+      // 0.1 % of normal errors are beyond 3.3 standard deviations
       EXPECT_LT(std::abs((state.velocity_m_per_s - velocity).y()),
                 3.3 * std::sqrt(state.covariance(4, 4)));
       EXPECT_LT((state.velocity_m_per_s - velocity).norm(), 0.2) << t - hit_s;
     }
 }
 
-TEST(LabelBounces, AFrameThatMayBeOffIsNoHit) {
+TEST(GuessBounces, IgnoresAnUncertainFrameAtTheEnd) {
   ClipTrack track = bounced(0.1, 10.0 * flight_s);
   const auto flights = guess_bounces(track, gravity).size();
   track.object.back().position_m.y() -= 0.04;
@@ -105,7 +105,7 @@ TEST(LabelBounces, AFrameThatMayBeOffIsNoHit) {
   EXPECT_EQ(guess_bounces(track, gravity).size(), flights);
 }
 
-/// Of an object in a hand that waves, and is thrown 0.4 s in every 2 s.
+/// Track of an object in a waving hand that is thrown for 0.4 s every 2 s.
 ClipTrack waved_and_thrown() {
   ClipTrack track = bounced();
   for (std::size_t i = 0; i < track.time_s.size(); ++i) {
@@ -116,18 +116,18 @@ ClipTrack waved_and_thrown() {
   return track;
 }
 
-TEST(LabelBounces, AreWhatFallsInMostFrames) {
-  EXPECT_GT(falling_part({bounced()}, gravity), 0.65);
-  const double thrown = falling_part({waved_and_thrown()}, gravity);
+TEST(FreeFallFraction, SeparatesBouncesFromThrows) {
+  EXPECT_GT(free_fall_fraction({bounced()}, gravity), 0.65);
+  const double thrown = free_fall_fraction({waved_and_thrown()}, gravity);
   EXPECT_GT(thrown, 0.1);
   EXPECT_LT(thrown, 0.3);
-  EXPECT_EQ(falling_part({}, gravity), 0.0);
+  EXPECT_EQ(free_fall_fraction({}, gravity), 0.0);
 }
 
-TEST(LabelBounces, NothingSeenIsNothingGuessed) {
+TEST(GuessBounces, IsEmptyWithoutObservations) {
   EXPECT_TRUE(guess_bounces({}, gravity).empty());
   ClipTrack lost = bounced();
-  for (Observation& seen : lost.object) seen.found = false;
+  for (Observation& observed : lost.object) observed.found = false;
   EXPECT_TRUE(guess_bounces(lost, gravity).empty());
 }
 

@@ -24,14 +24,14 @@ const std::vector<std::string> names{"depth.fx",
                                      "color.fx"};
 const Vector3d position_m(0.2, -0.1, 1.1), velocity_m_per_s(0.8, -2.0, 0.5);
 
-/// Deviations as calibrations have them, scale and offset against each other.
+/// Realistic standard deviations; scale and offset are anticorrelated.
 Eigen::MatrixXd covariance() {
-  Eigen::VectorXd deviation(names.size());
-  deviation << 1.5, 0.7, 4e-4, 4e-4, 1e-3, 1e-3, 7e-4, 2.5e-3, 1e-3, 0.4;
-  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(deviation.size(), deviation.size());
+  Eigen::VectorXd sigma(names.size());
+  sigma << 1.5, 0.7, 4e-4, 4e-4, 1e-3, 1e-3, 7e-4, 2.5e-3, 1e-3, 0.4;
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(sigma.size(), sigma.size());
   correlation(6, 7) = correlation(7, 6) = -0.9;
   correlation(1, 4) = correlation(4, 1) = 0.6;
-  return deviation.asDiagonal() * correlation * deviation.asDiagonal();
+  return sigma.asDiagonal() * correlation * sigma.asDiagonal();
 }
 
 RgbdCalibration calibration() {
@@ -48,14 +48,14 @@ RgbdCalibration calibration() {
   return c;
 }
 
-/// Where another calibration, off by `off`, would have placed at `time_s` what passes `position_m`
-/// at 0.
-Vector3d place(const RgbdCalibration& c, const Eigen::VectorXd& off, double time_s) {
-  const Vector3d seen = c.depth_from_color * (position_m + time_s * velocity_m_per_s);
-  const Vector3d ray(
-      seen.x() / seen.z() * c.depth->fx / (c.depth->fx + off[0]) - off[1] / (c.depth->fx + off[0]),
-      seen.y() / seen.z(), 1.0);
-  const double measured_m = (seen.z() - c.depth_offset_m) / c.depth_scale;
+/// Position at `time_s`, by a calibration with parameter errors `off`, of a point that is at
+/// `position_m` at time 0.
+Vector3d position_with(const RgbdCalibration& c, const Eigen::VectorXd& off, double time_s) {
+  const Vector3d point = c.depth_from_color * (position_m + time_s * velocity_m_per_s);
+  const Vector3d ray(point.x() / point.z() * c.depth->fx / (c.depth->fx + off[0]) -
+                         off[1] / (c.depth->fx + off[0]),
+                     point.y() / point.z(), 1.0);
+  const double measured_m = (point.z() - c.depth_offset_m) / c.depth_scale;
   const double depth_m = c.depth_offset_m + off[7] + (c.depth_scale + off[6]) * measured_m;
   Eigen::Isometry3d depth_from_color = c.depth_from_color;
   depth_from_color.linear() = Eigen::AngleAxisd(Vector3d(off[2], 0.0, off[3]).norm(),
@@ -65,7 +65,7 @@ Vector3d place(const RgbdCalibration& c, const Eigen::VectorXd& off, double time
   return depth_from_color.inverse() * (depth_m * ray) - off[8] * velocity_m_per_s;
 }
 
-TEST(LabelCalibration, CovarianceIsThatOfLabelsByManyCalibrations) {
+TEST(CalibrationError, CovarianceMatchesAMonteCarlo) {
   const auto c = calibration();
   const Eigen::MatrixXd root = c.covariance.llt().matrixL();
   constexpr int draws = 20000;
@@ -76,23 +76,24 @@ TEST(LabelCalibration, CovarianceIsThatOfLabelsByManyCalibrations) {
     const Eigen::VectorXd off =
         root * Eigen::VectorXd::NullaryExpr(root.cols(), [&] { return random.normal(); });
     Vector6 error;
-    error << place(c, off, 0.0) - position_m,
-        (place(c, off, step_s) - place(c, off, -step_s)) / (2.0 * step_s) - velocity_m_per_s;
+    error << position_with(c, off, 0.0) - position_m,
+        (position_with(c, off, step_s) - position_with(c, off, -step_s)) / (2.0 * step_s) -
+            velocity_m_per_s;
     drawn += error * error.transpose() / draws;
   }
   const Matrix6 covariance = CalibrationError(c).covariance(position_m, velocity_m_per_s);
-  // a variance of 20000 draws is off by 1 %
+  // A variance of n draws has a relative standard deviation of sqrt(2 / n) = 1 %; 4 of them.
   const Matrix6 unit = drawn.diagonal().cwiseSqrt().cwiseInverse().asDiagonal();
   EXPECT_LT((unit * (covariance - drawn) * unit).cwiseAbs().maxCoeff(), 0.04);
 }
 
-TEST(LabelCalibration, WithoutACovarianceThereIsNone) {
+TEST(CalibrationError, IsZeroWithoutACovariance) {
   auto c = calibration();
   c.parameters.clear(), c.covariance.resize(0, 0);
   EXPECT_TRUE(CalibrationError(c).covariance(position_m, velocity_m_per_s).isZero(0.0));
 }
 
-TEST(LabelCalibration, OneCameraIsCalibratedInColorAlone) {
+TEST(CalibrationError, SupportsAColorOnlyCalibration) {
   auto c = calibration();
   c.depth.reset(), c.depth_from_color.setIdentity();
   c.parameters = {"color.fx"}, c.covariance = Eigen::MatrixXd::Constant(1, 1, 0.25);

@@ -12,7 +12,7 @@
 namespace touchtrace::staged {
 namespace {
 
-TEST(LabelError, ExactPositionsLeaveTheCamerasRateAsTheOnlyError) {
+TEST(LabelError, OfExactPositionsComesFromTheFrameRateAlone) {
   const Stage stage(false);
   const auto error = study::error_of_exact_positions(recording_of(stage), truth_of(stage));
   EXPECT_EQ(error.object.lost_share + error.object.wrong_share, 0.0);
@@ -20,11 +20,12 @@ TEST(LabelError, ExactPositionsLeaveTheCamerasRateAsTheOnlyError) {
   EXPECT_LT(error.object.aligned_velocity_rms_m_per_s, 0.05);
 }
 
-/// Raw places that err by white noise and by a swing in four seconds, and stamps that are late.
+/// Labels whose raw positions have white noise and an error with a period of 4 s, and whose time
+/// stamps are late.
 Labels raw_labels(const Stage& stage, double white_m, double swing_m, double late_s) {
   label::LabelOptions options;
   options.tracker = "component";
-  auto labels = label_recording(recording_of(stage), frames_of(stage), calibration(), options);
+  auto labels = label_recording(recording_of(stage), frame_source(stage), calibration(), options);
   const auto truth = truth_of(stage);
   RandomStream random(1, "raw places");
   auto& raw = labels.raw;
@@ -40,7 +41,7 @@ Labels raw_labels(const Stage& stage, double white_m, double swing_m, double lat
   return labels;
 }
 
-TEST(LabelError, WhiteErrorsOfATrackAreToldFromThoseThatFramesShare) {
+TEST(LabelError, SeparatesWhiteFromCorrelatedErrors) {
   const Stage stage(false);
   const auto velocity_error = [&](double white_m, double swing_m, double late_s) {
     return study::error_of_white_positions(recording_of(stage), truth_of(stage),
@@ -56,24 +57,24 @@ TEST(LabelError, WhiteErrorsOfATrackAreToldFromThoseThatFramesShare) {
   EXPECT_LT(velocity_error(0.0, 0.0, 0.03), 1.1 * exact);
 }
 
-TEST(LabelError, AnErrorIsMeasuredAtTheDelayThatNoStampShows) {
+TEST(LabelError, IsMeasuredAfterRemovingTheDelay) {
   const Stage stage(false);
   auto recording = recording_of(stage);
   for (auto& time_s : recording.camera_times.host_time_s) time_s += 0.018;
   label::LabelOptions options;
   options.tracker = "component";
-  const auto labels = label_recording(recording, frames_of(stage), calibration(), options);
+  const auto labels = label_recording(recording, frame_source(stage), calibration(), options);
   const auto error = study::compare_labels_with_truth(labels, truth_of(stage)).object;
   EXPECT_NEAR(error.delay_s, 0.018, 0.001);
   EXPECT_LT(error.aligned_velocity_rms_m_per_s, 0.5 * error.velocity_rms_m_per_s);
 }
 
-TEST(LabelError, WhatNothingTellsIsNoNumber) {
+TEST(LabelError, IsNaNWhereNothingCanBeMeasured) {
   const Stage stage(false);
   label::LabelOptions options;
   options.tracker = "component";
   const auto labels =
-      label_recording(recording_of(stage), frames_of(stage), calibration(), options);
+      label_recording(recording_of(stage), frame_source(stage), calibration(), options);
   auto truth = truth_of(stage);
   auto& velocity = truth.object.velocity_m_per_s;
   for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] = i / 3 % 2 ? 10.0 : -10.0;

@@ -7,45 +7,45 @@
 namespace touchtrace::label {
 namespace {
 
-/// A flat square of points `half_m` to each side of `center_m`, 5 mm apart.
-void add_square(Surface& surface, const Eigen::Vector3f& center_m, float half_m) {
+/// Adds a flat square grid of points 5 mm apart, `half_m` to each side of `centre_m`.
+void add_square(Surface& surface, const Eigen::Vector3f& centre_m, float half_m) {
   for (float x = -half_m; x <= half_m; x += 0.005f)
     for (float y = -half_m; y <= half_m; y += 0.005f)
-      surface.push_back({center_m + Eigen::Vector3f(x, y, 0.0f), 0, 0, {}, Body::hand});
+      surface.push_back({centre_m + Eigen::Vector3f(x, y, 0.0f), 0, 0, {}, Body::hand});
 }
 
 const Eigen::Vector3f hand_m(0.0f, 0.0f, 1.0f);
 
-/// How many points are the object's after a hand and a square beside it, by so much.
-std::ptrdiff_t object_points(const Eigen::Vector3f& beside_m, float half_m) {
+/// Number of points classified as object, for a hand and a square at an offset from it.
+std::ptrdiff_t object_points(const Eigen::Vector3f& offset_m, float half_m) {
   Surface surface;
   add_square(surface, hand_m, 0.05f);
   const auto hand = std::ssize(surface);
-  add_square(surface, hand_m + beside_m, half_m);
+  add_square(surface, hand_m + offset_m, half_m);
   split_from_hand(surface, hand_m.cast<double>(), 0.03, 50);
   EXPECT_TRUE(std::all_of(surface.begin(), surface.begin() + hand,
                           [](const SurfacePoint& point) { return point.body == Body::hand; }));
   return std::ranges::count(surface, Body::object, &SurfacePoint::body);
 }
 
-TEST(LabelSplit, WhatHangsBesideTheHandIsTheObject) {
+TEST(SplitFromHand, AComponentApartFromTheHandIsTheObject) {
   EXPECT_EQ(object_points({0.0f, -0.15f, 0.0f}, 0.021f), 81);
   EXPECT_EQ(object_points({0.0f, 0.0f, -0.12f}, 0.021f), 81);
 }
 
-TEST(LabelSplit, WhatTouchesTheHandIsTheHands) {
+TEST(SplitFromHand, PointsThatTouchTheHandStayTheHands) {
   EXPECT_EQ(object_points({0.0f, -0.075f, 0.0f}, 0.021f), 0);
 }
 
-TEST(LabelSplit, WhatIsLargerThanTheObjectIsNotIt) {
+TEST(SplitFromHand, RejectsComponentsLargerThanTheObject) {
   EXPECT_EQ(object_points({0.0f, -0.25f, 0.0f}, 0.051f), 0);
 }
 
-TEST(LabelSplit, WhatIsTooSmallForTheObjectIsAFinger) {
+TEST(SplitFromHand, RejectsComponentsOfTooFewPoints) {
   EXPECT_EQ(object_points({0.0f, -0.15f, 0.0f}, 0.011f), 0);
 }
 
-TEST(LabelSplit, NothingIsSplitOfNothing) {
+TEST(SplitFromHand, AcceptsAnEmptySurface) {
   Surface surface;
   split_from_hand(surface, hand_m.cast<double>(), 0.03, 50);
   EXPECT_TRUE(surface.empty());

@@ -21,18 +21,18 @@ inline Camera camera() {
   return result;
 }
 
-/// A red ball, a blue disc of a hand, a grey torso and a wall, seen by a perfect camera at the
-/// colour camera's place.
+/// Rendered scene for labelling: a red ball, a blue disc as hand, a grey torso and a wall, seen by
+/// a noise-free depth camera registered to the colour camera.
 class Stage {
  public:
-  enum class Ball { red, like_the_hand, hidden_at_first };
+  enum class Ball { red, hand_colored, hidden_at_first };
 
   explicit Stage(bool thrown, Ball kind = Ball::red)
       : motion_(thrown ? synthetic_throw(seconds + 1.0, 3) : synthetic_wave(seconds + 1.0, 3)),
         kind_(kind) {}
 
   Eigen::Vector3d ball(double time_s) const { return ball_at + motion_.position_at(time_s); }
-  /// Under the ball or, while that flies, on its way from where it left to where it lands.
+  /// Below the ball; in flight on a straight line from its release to its landing.
   Eigen::Vector3d hand(double time_s) const {
     for (const auto& [release_s, landing_s, release_sigma_s, landing_sigma_s] : motion_.flights)
       if (time_s > release_s && time_s < landing_s) {
@@ -42,10 +42,10 @@ class Stage {
     return hand_from_ball + ball(time_s);
   }
   const SyntheticMotion& motion() const { return motion_; }
-  /// Trousers of the glove's colour, larger than it.
-  void wear_blue() { trousers_ = {20, 30, 160}; }
+  /// Gives the torso a lower half of the glove's colour, larger than the glove.
+  void set_blue_trousers() { trousers_ = {20, 30, 160}; }
 
-  RgbdFrame look(double time_s, bool person) const {
+  RgbdFrame render(double time_s, bool person) const {
     RgbdFrame frame{std::vector<std::uint8_t>(3 * width * height),
                     std::vector<std::uint16_t>(width * height)};
     const Eigen::Vector3d ball_m = ball(time_s), hand_m = hand(time_s);
@@ -72,11 +72,11 @@ class Stage {
   }
 
  private:
-  /// A ball that is wholly in the glove looks like it.
+  /// A ball that is wholly in the glove has the glove's colour.
   std::array<int, 3> ball_color(double time_s) const {
-    const bool gloved =
-        kind_ == Ball::like_the_hand || (kind_ == Ball::hidden_at_first && time_s < hidden_s);
-    return gloved ? std::array<int, 3>{20, 30, 160} : std::array<int, 3>{200, 40, 20};
+    const bool is_blue =
+        kind_ == Ball::hand_colored || (kind_ == Ball::hidden_at_first && time_s < hidden_s);
+    return is_blue ? std::array<int, 3>{20, 30, 160} : std::array<int, 3>{200, 40, 20};
   }
 
   SyntheticMotion motion_;
@@ -84,9 +84,9 @@ class Stage {
   std::array<int, 3> trousers_{90, 60, 60};
 };
 
-inline PixelBox box_around(const Eigen::Vector3d& center, double radius_m) {
-  const Eigen::Vector2d pixel = camera().project(center);
-  const int half = static_cast<int>(std::lround(radius_m * camera().fx / center.z()));
+inline PixelBox box_around(const Eigen::Vector3d& centre, double radius_m) {
+  const Eigen::Vector2d pixel = camera().project(centre);
+  const int half = static_cast<int>(std::lround(radius_m * camera().fx / centre.z()));
   return {static_cast<int>(pixel.x()) - half, static_cast<int>(pixel.y()) - half, 2 * half,
           2 * half};
 }
@@ -105,7 +105,7 @@ inline Recording recording_of(const Stage& stage) {
   }
   GloveStream glove;
   for (int i = 0; i < static_cast<int>((seconds - 0.1) * glove_rate_hz); ++i) {
-    if (i == 40) continue;  // lost on the way
+    if (i == 40) continue;  // lost in transmission
     glove.sequence.push_back(static_cast<std::uint64_t>(i + 100));
     glove.host_time_s.push_back(i / glove_rate_hz);
   }
@@ -113,9 +113,10 @@ inline Recording recording_of(const Stage& stage) {
   return recording;
 }
 
-inline label::FrameSource frames_of(const Stage& stage) {
-  return {[&](std::size_t i) { return stage.look(static_cast<double>(i) / camera_rate_hz, true); },
-          [&](std::size_t) { return stage.look(0.0, false); }, 3};
+inline label::FrameSource frame_source(const Stage& stage) {
+  return {
+      [&](std::size_t i) { return stage.render(static_cast<double>(i) / camera_rate_hz, true); },
+      [&](std::size_t) { return stage.render(0.0, false); }, 3};
 }
 
 inline Truth truth_of(const Stage& stage) {

@@ -22,19 +22,19 @@ Segmenter segmenter() {
   return Segmenter(calibration, info, std::vector<std::uint16_t>(320 * 240));
 }
 
-/// Part of a disc of the object's colour, as that camera sees it.
-Surface disc_at(const Vector3d& center_m, double part, double radius_m = disc_m) {
+/// Points of a disc of the object's colour, of which the fraction `part` is visible.
+Surface disc_at(const Vector3d& centre_m, double part, double radius_m = disc_m) {
   Surface surface;
-  const auto pixels = segmenter().disc_pixels(radius_m, center_m.z());
+  const auto pixels = segmenter().disc_pixels(radius_m, centre_m.z());
   for (int i = 0; i < part * pixels; ++i) {
-    const double along = std::sqrt((i + 0.5) / pixels) * radius_m, turn = 2.4 * i;
-    const Vector3d place = center_m + along * Vector3d(std::cos(turn), std::sin(turn), 0.0);
-    surface.push_back({place.cast<float>(), 0, 0, {}, Body::object});
+    const double along = std::sqrt((i + 0.5) / pixels) * radius_m, angle = 2.4 * i;
+    const Vector3d position = centre_m + along * Vector3d(std::cos(angle), std::sin(angle), 0.0);
+    surface.push_back({position.cast<float>(), 0, 0, {}, Body::object});
   }
   return surface;
 }
 
-/// An object that was held up to the frame before.
+/// Target that was held until the last frame.
 Target held_target() {
   Target target(Body::object, disc_m, 1.6 * disc_m, 6, find_tracker("component"));
   target.start(held_m, 0.002, {}, {});
@@ -46,28 +46,28 @@ Target held_target() {
   return target;
 }
 
-/// Whether an object that was held is found in a surface a frame later.
+/// Whether a held target is found in the next frame's surface.
 bool is_found(const Surface& surface) {
   return held_target().find(surface, {}, std::nullopt, segmenter(), held_m).has_value();
 }
 
-bool is_found(const Vector3d& center_m, double part) { return is_found(disc_at(center_m, part)); }
+bool is_found(const Vector3d& centre_m, double part) { return is_found(disc_at(centre_m, part)); }
 
-TEST(LabelTarget, AnyPartOfItIsFoundWhereItIsExpected) {
+TEST(Target, FindsAnyPartNearItsPrediction) {
   EXPECT_TRUE(is_found(held_m, 1.0));
   EXPECT_TRUE(is_found(held_m + Vector3d(0.03, 0.0, 0.0), 0.1));
 }
 
-TEST(LabelTarget, InTheOpenItShowsAndAFewPointsAreNotIt) {
+TEST(Target, FindsOnlyALargePartFarFromItsPrediction) {
   EXPECT_TRUE(is_found(in_flight_m, 0.9));
   EXPECT_FALSE(is_found(in_flight_m, 0.1));
 }
 
-TEST(LabelTarget, SomethingLargeOfItsColourIsNotIt) {
+TEST(Target, RejectsALargeSurfaceOfItsColor) {
   EXPECT_FALSE(is_found(disc_at(held_m, 1.0, 5.0 * disc_m)));
 }
 
-TEST(LabelTarget, OneThatWasLostIsSoughtWhereItWasBeforeItIsSoughtFarAway) {
+TEST(Target, PrefersPatchesNearItsLastPositionWhenLost) {
   auto target = held_target();
   while (!target.is_lost()) target.find({}, {}, std::nullopt, segmenter(), std::nullopt);
   const Vector3d near_m = held_m + Vector3d(0.2, 0.0, 0.0);
@@ -79,7 +79,7 @@ TEST(LabelTarget, OneThatWasLostIsSoughtWhereItWasBeforeItIsSoughtFarAway) {
   EXPECT_LT((found->centroid_m - near_m).norm(), disc_m);
 }
 
-TEST(LabelTarget, NothingIsFoundInNothing) { EXPECT_FALSE(is_found(held_m, 0.0)); }
+TEST(Target, FindsNothingInAnEmptySurface) { EXPECT_FALSE(is_found(held_m, 0.0)); }
 
 }  // namespace
 }  // namespace touchtrace::label

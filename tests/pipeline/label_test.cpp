@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/core/utility.hpp>
 
+#include "calib/board/opencv_threads.h"
 #include "engine/base/error.h"
 #include "pipeline/study/label_error.h"
 #include "pipeline/study/tracker_choice.h"
@@ -19,19 +21,19 @@ using label::LabelOptions;
 
 class LabelTest : public ::testing::TestWithParam<std::tuple<std::string, bool>> {};
 
-TEST_P(LabelTest, FollowsHandAndObject) {
+TEST_P(LabelTest, TracksHandAndObject) {
   const auto& [tracker, thrown] = GetParam();
   const Stage stage(thrown);
   LabelOptions options;
   options.tracker = tracker;
   const auto labels =
-      label_recording(recording_of(stage), frames_of(stage), calibration(), options);
-  ASSERT_EQ(labels.time_s.size(), 88u);  // every number of the counter, the lost frame too
+      label_recording(recording_of(stage), frame_source(stage), calibration(), options);
+  ASSERT_EQ(labels.time_s.size(), 88u);  // every counter value, the lost frame included
   EXPECT_EQ(std::ranges::count(labels.glove_frame, -1), 1);
   const auto error = study::compare_labels_with_truth(labels, truth_of(stage));
   EXPECT_LE(error.object.wrong_share, 0.02);
   EXPECT_LE(error.object.lost_share, 0.05);
-  // a pixel is 3.7 mm at that distance and the depth is exact to a millimetre
+  // a pixel is 3.7 mm wide at that distance; depth is exact to 1 mm
   EXPECT_LT(error.object.position_spread_m.maxCoeff(), 0.004);
   EXPECT_LT(error.object.velocity_rms_m_per_s, thrown ? 0.16 : 0.09);
   EXPECT_LE(error.hand.wrong_share, 0.02);
@@ -42,9 +44,9 @@ INSTANTIATE_TEST_SUITE_P(Trackers, LabelTest,
                                                               "component"),
                                             ::testing::Bool()));
 
-TEST(Label, TrousersOfTheGlovesColourDoNotDrawTheHandAway) {
+TEST(Label, IgnoresTrousersOfTheGlovesColor) {
   Stage stage(false);
-  stage.wear_blue();
+  stage.set_blue_trousers();
   auto recording = recording_of(stage);
   auto& times = recording.camera_times;
   std::vector<std::size_t> kept;
@@ -57,7 +59,7 @@ TEST(Label, TrousersOfTheGlovesColourDoNotDrawTheHandAway) {
     arrived.host_time_s.push_back(times.host_time_s[i]);
   }
   times = arrived;
-  auto frames = frames_of(stage);
+  auto frames = frame_source(stage);
   const auto all = frames.camera_frame;
   frames.camera_frame = [&](std::size_t i) { return all(kept[i]); };
   LabelOptions options;
@@ -70,18 +72,18 @@ study::BodyError error_with_component(const Stage& stage) {
   LabelOptions options;
   options.tracker = "component";
   return study::compare_labels_with_truth(
-             label_recording(recording_of(stage), frames_of(stage), calibration(), options),
+             label_recording(recording_of(stage), frame_source(stage), calibration(), options),
              truth_of(stage))
       .object;
 }
 
-TEST(Label, PlacesBelongToTheTimeOfWhatDepthImagesShow) {
+TEST(Label, AccountsForTheDelayOfDepthImages) {
   const Stage stage(false);
   LabelOptions options;
   options.tracker = "component";
   const auto delay_s = [&](const RgbdCalibration& calibration) {
     const auto labels =
-        label_recording(recording_of(stage), frames_of(stage), calibration, options);
+        label_recording(recording_of(stage), frame_source(stage), calibration, options);
     return study::compare_labels_with_truth(labels, truth_of(stage)).object.delay_s;
   };
   auto late = calibration();
@@ -89,23 +91,24 @@ TEST(Label, PlacesBelongToTheTimeOfWhatDepthImagesShow) {
   EXPECT_NEAR(delay_s(late) - delay_s(calibration()), 0.015, 0.001);
 }
 
-TEST(Label, AnObjectThatIsHiddenAtFirstIsKnownOnceItShows) {
+TEST(Label, LearnsAnObjectThatIsHiddenInItsFirstFrame) {
   for (const bool thrown : {false, true}) {
     SCOPED_TRACE(thrown ? "thrown" : "waved");
     const auto error = error_with_component(Stage(thrown, Stage::Ball::hidden_at_first));
     EXPECT_LE(error.lost_share, 0.05);
     EXPECT_LE(error.wrong_share, 0.02);
-    EXPECT_LT(error.position_spread_m.maxCoeff(), 0.02);  // some of the hand's motion is in it
+    EXPECT_LT(error.position_spread_m.maxCoeff(),
+              0.02);  // the offset from the hand is unknown at first
   }
 }
 
-TEST(Label, AnObjectLikeTheHandIsSeenInFlightAndSaidToFollowElsewhere) {
-  const auto thrown = error_with_component(Stage(true, Stage::Ball::like_the_hand));
+TEST(Label, TracksAnObjectOfTheHandsColorInFlightAndFlagsItElsewhere) {
+  const auto thrown = error_with_component(Stage(true, Stage::Ball::hand_colored));
   EXPECT_LE(thrown.lost_share + thrown.wrong_share, 0.05);
   EXPECT_EQ(thrown.wrong_unsaid_share, 0.0);
   EXPECT_GT(thrown.follows_share, 0.2);
   EXPECT_LT(thrown.follows_share, 0.95);
-  const auto held = error_with_component(Stage(false, Stage::Ball::like_the_hand));
+  const auto held = error_with_component(Stage(false, Stage::Ball::hand_colored));
   EXPECT_LE(held.lost_share + held.wrong_share, 0.05);
 }
 
@@ -117,49 +120,58 @@ TEST(Label, DoesNotDependOnThreads) {
   recording.clips[1].hand_box = box_around(stage.hand(2.1), 0.055);
   recording.clips[1].object_box = box_around(stage.ball(2.1), 0.036);
   LabelOptions options;
-  options.threads = 1;
-  const auto one = label_recording(recording, frames_of(stage), calibration(), options);
-  options.threads = 4;
-  const auto four = label_recording(recording, frames_of(stage), calibration(), options);
+  options.num_threads = 1;
+  const auto one = label_recording(recording, frame_source(stage), calibration(), options);
+  options.num_threads = 4;
+  const auto four = label_recording(recording, frame_source(stage), calibration(), options);
   EXPECT_EQ(one.object.position_m, four.object.position_m);
   EXPECT_EQ(one.hand.covariance, four.hand.covariance);
 }
 
-TEST(Label, ATrackerIsProposedByTheColours) {
-  const auto proposed = [](Stage::Ball ball) {
-    const Stage stage(false, ball);
-    return study::choose_tracker(recording_of(stage), frames_of(stage)).tracker;
-  };
-  EXPECT_EQ(proposed(Stage::Ball::red), "component");
-  EXPECT_EQ(proposed(Stage::Ball::like_the_hand), "csrt-fast");
-  EXPECT_EQ(proposed(Stage::Ball::hidden_at_first), "csrt-fast");
+TEST(Label, RestoresTheNumberOfOpenCvThreads) {
+  const OpenCvThreads three(3);
+  const Stage stage(false);
+  LabelOptions options;
+  options.tracker = "component";
+  label_recording(recording_of(stage), frame_source(stage), calibration(), options);
+  EXPECT_EQ(cv::getNumThreads(), 3);
 }
 
-TEST(Label, EndsWithTheImageThatCannotBeRead) {
+TEST(ChooseTracker, DependsOnTheColors) {
+  const auto tracker_for = [](Stage::Ball ball) {
+    const Stage stage(false, ball);
+    return study::choose_tracker(recording_of(stage), frame_source(stage)).tracker;
+  };
+  EXPECT_EQ(tracker_for(Stage::Ball::red), "component");
+  EXPECT_EQ(tracker_for(Stage::Ball::hand_colored), "csrt-fast");
+  EXPECT_EQ(tracker_for(Stage::Ball::hidden_at_first), "csrt-fast");
+}
+
+TEST(Label, RethrowsTheErrorOfAnUnreadableImage) {
   const Stage stage(false);
-  auto frames = frames_of(stage);
-  const auto sound = frames.camera_frame;
+  auto frames = frame_source(stage);
+  const auto read = frames.camera_frame;
   frames.camera_frame = [&](std::size_t i) {
     if (i == 50) throw data_error("image 50 is damaged", "copy it again");
-    return sound(i);
+    return read(i);
   };
   for (const int threads : {1, 4}) {
     LabelOptions options;
     options.tracker = "component";
-    options.threads = threads;
+    options.num_threads = threads;
     EXPECT_THROW(label_recording(recording_of(stage), frames, calibration(), options), Error);
   }
 }
 
-TEST(Label, SaysWhatIsMissing) {
+TEST(Label, RejectsIncompleteRecordings) {
   const Stage stage(false);
   const auto good = recording_of(stage);
-  const auto frames = frames_of(stage);
-  const auto refused = [&](const Recording& recording, const FrameSource& source,
-                           const std::string& what) {
+  const auto frames = frame_source(stage);
+  const auto expect_rejected = [&](const Recording& recording, const FrameSource& source,
+                                   const std::string& what) {
     try {
       label_recording(recording, source, calibration(), {});
-      ADD_FAILURE() << "not refused: " << what;
+      ADD_FAILURE() << "not rejected: " << what;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ExitCode::data);
       EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
@@ -167,22 +179,22 @@ TEST(Label, SaysWhatIsMissing) {
   };
   auto recording = good;
   recording.gloves.clear();
-  refused(recording, frames, "glove");
+  expect_rejected(recording, frames, "glove");
   recording = good;
   recording.camera_times = {};
-  refused(recording, frames, "camera");
+  expect_rejected(recording, frames, "camera");
   recording = good;
   recording.clips.clear();
-  refused(recording, frames, "clips");
+  expect_rejected(recording, frames, "clips");
   recording = good;
   recording.clips[0].object_box = {};
-  refused(recording, frames, "boxes");
+  expect_rejected(recording, frames, "boxes");
   recording = good;
   recording.clips[0].object_box = {1, 1, 5, 5};
-  refused(recording, frames, "object");
+  expect_rejected(recording, frames, "object");
   auto source = frames;
   source.background_frames = 0;
-  refused(good, source, "background");
+  expect_rejected(good, source, "background");
 }
 
 }  // namespace

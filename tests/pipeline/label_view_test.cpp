@@ -15,7 +15,7 @@ std::vector<std::uint16_t> wall() {
   return std::vector<std::uint16_t>(static_cast<std::size_t>(width * height), wall_mm);
 }
 
-/// A red hand and a yellow object before a wall as yellow.
+/// A red hand and a yellow object in front of a wall of the object's colour.
 RgbdFrame frame() {
   RgbdFrame frame;
   frame.depth = wall();
@@ -44,36 +44,37 @@ SceneModel model() {
   info.width = width, info.height = height, info.depth_unit_m = unit_m;
   SceneModel result{Segmenter(calibration, info, wall()), 0.002, 3.0f, {}, {}, {}};
   auto& colors = result.colors["ball"];
-  colors.learn(result.segmenter.moving_surface(frame()), hand_box, object_box);
-  colors.settle();
+  colors.learn(result.segmenter.foreground_surface(frame()), hand_box, object_box);
+  colors.build_table();
   return result;
 }
 
-TEST(LabelView, AWallOfTheObjectsColourLiesBehindIt) {
+TEST(ViewObject, ExcludesAWallOfTheObjectsColor) {
   const SceneModel scene = model();
-  const auto seen = scene.see(frame(), "ball");
+  const auto seen = scene.segment(frame(), "ball");
   const auto patch = find_patch(seen, Body::object, {0.17, -0.03, 1.0}, 0.15, 12);
   ASSERT_TRUE(patch);
   for (const bool whole : {false, true}) {
-    const auto view = scene.view_body(frame(), "ball", *patch, 0.25, whole);
-    EXPECT_GT(view.on_m.size(), 500u);
-    EXPECT_GT(view.seen_past_m.size(), 500u);
-    for (const auto& point : view.on_m) EXPECT_NEAR(point.z(), 1.0, 1e-3);
+    const auto view = scene.view_object(frame(), "ball", *patch, 0.25, whole);
+    EXPECT_GT(view.surface_points.size(), 500u);
+    EXPECT_GT(view.free_space_endpoints.size(), 500u);
+    for (const auto& point : view.surface_points) EXPECT_NEAR(point.z(), 1.0, 1e-3);
   }
 }
 
-/// Its rays would pass through the object if it were something before it; those to a hand do.
-TEST(LabelView, WhatHasTheColourOfNeitherMayBeTheObjectsRim) {
+/// Free-space rays end at points of neither colour, but 15 mm behind points of the hand.
+TEST(ViewObject, DoesNotExtendRaysToPointsOfNeitherColor) {
   const SceneModel scene = model();
   auto rimmed = frame();
   for (int v = object_box.y; v < object_box.y + object_box.height; ++v)
     for (std::size_t channel = 0; channel < 3; ++channel)
       rimmed.color[3 * static_cast<std::size_t>(v * width + object_box.x) + channel] = 90;
   const auto patch =
-      find_patch(scene.see(rimmed, "ball"), Body::object, {0.17, -0.03, 1.0}, 0.15, 12);
+      find_patch(scene.segment(rimmed, "ball"), Body::object, {0.17, -0.03, 1.0}, 0.15, 12);
   ASSERT_TRUE(patch);
   int rim = 0, hand = 0;
-  for (const auto& point : scene.view_body(rimmed, "ball", *patch, 0.4, false).seen_past_m) {
+  for (const auto& point :
+       scene.view_object(rimmed, "ball", *patch, 0.4, false).free_space_endpoints) {
     rim += std::abs(point.z() - 1.0) < 1e-3;
     hand += point.z() > 1.01 && point.z() < 1.02;
   }
@@ -81,17 +82,17 @@ TEST(LabelView, WhatHasTheColourOfNeitherMayBeTheObjectsRim) {
   EXPECT_GT(hand, 0);
 }
 
-TEST(LabelView, DepthsFarAwayAreNoisy) {
+TEST(ViewObject, NoiseRatioGrowsWithDepthSquared) {
   const SceneModel scene = model();
   Patch near, far;
   near.centroid_m = {0.0, 0.0, 0.5}, far.centroid_m = {0.0, 0.0, 2.0};
-  EXPECT_EQ(scene.view_body(frame(), "ball", near, 0.1, false).noise_ratio, 1.0);
-  EXPECT_NEAR(scene.view_body(frame(), "ball", far, 0.1, false).noise_ratio,
-              0.002 * 4.0 / usual_depth_sigma_m, 1e-9);
+  EXPECT_EQ(scene.view_object(frame(), "ball", near, 0.1, false).noise_ratio, 1.0);
+  EXPECT_NEAR(scene.view_object(frame(), "ball", far, 0.1, false).noise_ratio,
+              0.002 * 4.0 / reference_depth_sigma_m, 1e-9);
 }
 
-/// Walls 1 and 3 m away; something moves before a twentieth of the pixels.
-TEST(LabelView, NoiseIsLearntFromWhatStandsStill) {
+/// Walls at 1 and 3 m; 5 % of the pixels show something that moves.
+TEST(DepthNoise, IgnoresMovingPixels) {
   constexpr double noise_at_1m = 0.002;
   RandomStream random(1, "still scene");
   std::vector<std::vector<std::uint16_t>> depths(12, wall());

@@ -45,7 +45,7 @@ struct ClipMotion {
   std::vector<SceneSample> samples;
   std::vector<Truth::Event> events;
   GloveStream glove;
-  bool dropped = false;
+  bool object_fell = false;
   long clamp_hits = 0;  ///< taxels that were pressed deeper than the contact law is meant for
 };
 

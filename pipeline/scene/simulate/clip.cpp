@@ -56,7 +56,7 @@ ClipMotion record(Performance& performance, double start_s, double length_s) {
     sample.time_s = start_s + i * control_interval_s;
     clip.samples.push_back(sample);
     if (performance.lost()) {
-      clip.dropped = true;
+      clip.object_fell = true;
       clip.events.push_back({sample.time_s, "drop"});
       break;
     }

@@ -105,7 +105,7 @@ SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runti
     const ClipMotion motion = motions.next();
     const ClipSpan span = clip_span(options, i);
     recording.clips.push_back(
-        {span.start_s, span.end_s(), options.object.name, motion.dropped, {}, {}});
+        {span.start_s, span.end_s(), options.object.name, motion.object_fell, {}, {}});
     if (video) video->record_clip(motion, i, recording);
     append_glove(recording.gloves, motion.glove);
     append_truth(truth, motion, options.object, i, camera.color_from_world);

@@ -17,20 +17,20 @@ namespace {
 
 constexpr double exact_m = 1e-5, covered_s = 1.0, found_m = 0.060;
 
-label::Observation exact(const Truth::Body& body, const TruthPlace& place) {
-  label::Observation seen;
-  seen.found = true;
-  seen.position_m = interpolate(body.position_m, place);
-  seen.sigma_m.setConstant(exact_m);
-  return seen;
+label::Observation exact_observation(const Truth::Body& body, const TruthPlace& place) {
+  label::Observation observation;
+  observation.found = true;
+  observation.position_m = interpolate(body.position_m, place);
+  observation.sigma_m.setConstant(exact_m);
+  return observation;
 }
 
-label::Observation with_error(label::Observation seen, const Eigen::Vector3d& sigma_m,
+label::Observation with_noise(label::Observation observation, const Eigen::Vector3d& sigma_m,
                               RandomStream& random) {
-  seen.sigma_m = sigma_m.cwiseMax(exact_m);
+  observation.sigma_m = sigma_m.cwiseMax(exact_m);
   for (Eigen::Index axis = 0; axis < 3; ++axis)
-    seen.position_m[axis] += sigma_m[axis] * random.normal();
-  return seen;
+    observation.position_m[axis] += sigma_m[axis] * random.normal();
+  return observation;
 }
 
 label::ClipTrack exact_track(const label::ClipFrames& frames, std::int32_t clip,
@@ -40,8 +40,8 @@ label::ClipTrack exact_track(const label::ClipFrames& frames, std::int32_t clip,
     const auto place = find_place(truth, clip, camera_time_s[i]);
     if (!place) continue;
     track.time_s.push_back(camera_time_s[i]);
-    track.hand.push_back(exact(truth.hand, *place));
-    track.object.push_back(exact(truth.object, *place));
+    track.hand.push_back(exact_observation(truth.hand, *place));
+    track.object.push_back(exact_observation(truth.object, *place));
   }
   return track;
 }
@@ -58,7 +58,7 @@ std::vector<label::ClipTrack> exact_tracks(const Recording& recording,
   return tracks;
 }
 
-std::vector<Cover> cover_the_middles(const Recording& recording) {
+std::vector<Cover> cover_middles(const Recording& recording) {
   std::vector<Cover> covers;
   for (const auto& clip : recording.clips) {
     const double middle_s = 0.5 * (clip.start_s + clip.end_s);
@@ -70,7 +70,7 @@ std::vector<Cover> cover_the_middles(const Recording& recording) {
 LabelError error_of_tracks(const std::vector<label::ClipTrack>& tracks, const Recording& recording,
                            const label::Timeline& timeline, const Truth& truth) {
   const Eigen::Vector3d gravity(recording.camera.gravity.data());
-  const bool bounces = label::falling_part(tracks, gravity) > label::falling_part_of_bounces;
+  const bool bounces = label::free_fall_fraction(tracks, gravity) > label::min_bounce_fraction;
   Labels labels;
   labels.clips = recording.clips;
   label::resample(label::glove_frames(recording, timeline), tracks,
@@ -79,8 +79,8 @@ LabelError error_of_tracks(const std::vector<label::ClipTrack>& tracks, const Re
   return compare_labels_with_truth(labels, truth);
 }
 
-/// Of the object's raw places against the truth `delay_s` before them, frame by frame; NaN: not
-/// found, or not known.
+/// [frames] Errors of the object's raw positions against the truth `delay_s` earlier. NaN: not
+/// found or no truth.
 std::vector<Eigen::Vector3d> raw_errors_m(const Labels& labels, const Truth& truth,
                                           double delay_s) {
   std::vector<Eigen::Vector3d> errors_m(
@@ -92,17 +92,17 @@ std::vector<Eigen::Vector3d> raw_errors_m(const Labels& labels, const Truth& tru
   return errors_m;
 }
 
-/// Whether a frame has the object in its picture.
+/// Whether the object is in a frame's image.
 bool shows_object(const Truth& truth, const RawTrack& raw, std::size_t frame) {
   const auto place = find_place(truth, raw.clip[frame], raw.time_s[frame]);
   return place && in_picture(truth, interpolate(truth.object.position_m, *place));
 }
 
-/// By the median second difference over neighbouring frames: those of white errors have six times
-/// their variance, and what neighbours share has next to none.
-Eigen::Vector3d white_deviation_m(const RawTrack& raw,
-                                  const std::vector<Eigen::Vector3d>& errors_m) {
-  Eigen::Vector3d deviation_m;
+/// Standard deviations of the white part of errors, from the median second difference over
+/// neighbouring frames: that of white errors has six times their variance, that of slowly varying
+/// errors nearly none.
+Eigen::Vector3d white_sigma_m(const RawTrack& raw, const std::vector<Eigen::Vector3d>& errors_m) {
+  Eigen::Vector3d sigma_m;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     std::vector<double> differences_m;
     for (std::size_t i = 2; i < errors_m.size(); ++i) {
@@ -110,9 +110,9 @@ Eigen::Vector3d white_deviation_m(const RawTrack& raw,
       if (raw.clip[i] == raw.clip[i - 2] && difference.allFinite())
         differences_m.push_back(difference[axis]);
     }
-    deviation_m[axis] = robust_sigma(std::move(differences_m)) / std::sqrt(6.0);
+    sigma_m[axis] = robust_sigma(std::move(differences_m)) / std::sqrt(6.0);
   }
-  return deviation_m;
+  return sigma_m;
 }
 
 }  // namespace
@@ -124,10 +124,10 @@ LabelError error_of_exact_positions(const Recording& recording, const Truth& tru
 
 LabelError error_of_white_positions(const Recording& recording, const Truth& truth,
                                     const Labels& labels) {
-  // left in, it would make errors of velocities
+  // a delay left in would appear as errors of velocity
   const double delay_s = compare_labels_with_truth(labels, truth).object.delay_s;
   const auto errors_m = raw_errors_m(labels, truth, delay_s);
-  const Eigen::Vector3d sigma_m = white_deviation_m(labels.raw, errors_m);
+  const Eigen::Vector3d sigma_m = white_sigma_m(labels.raw, errors_m);
   RandomStream random(0, "white errors of positions");
   std::vector<label::ClipTrack> tracks(recording.clips.size());
   for (std::size_t i = 0; i < errors_m.size(); ++i) {
@@ -136,17 +136,17 @@ LabelError error_of_white_positions(const Recording& recording, const Truth& tru
     if (!place || !errors_m[i].allFinite()) continue;
     auto& track = tracks[static_cast<std::size_t>(labels.raw.clip[i])];
     track.time_s.push_back(time_s);
-    track.hand.push_back(exact(truth.hand, *place));
-    track.object.push_back(with_error(exact(truth.object, *place), sigma_m, random));
+    track.hand.push_back(exact_observation(truth.hand, *place));
+    track.object.push_back(with_noise(exact_observation(truth.object, *place), sigma_m, random));
   }
   return error_of_tracks(tracks, recording, label::align(recording), truth);
 }
 
 double frames_to_recover(const RenderedRecording& rendered, const std::string& tracker) {
-  const auto covers = cover_the_middles(rendered.recording());
+  const auto covers = cover_middles(rendered.recording());
   const auto labels = rendered.label(tracker, covers);
   const auto errors_m = raw_errors_m(labels, rendered.truth(), 0.0);
-  double most = std::numeric_limits<double>::quiet_NaN();
+  double largest = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t clip = 0; clip < covers.size(); ++clip) {
     if (rendered.recording().clips[clip].object_fell) continue;
     int frames = 0;
@@ -157,12 +157,12 @@ double frames_to_recover(const RenderedRecording& rendered, const std::string& t
         continue;
       if (++frames; errors_m[i].norm() < found_m) break;
     }
-    if (frames > 0) most = std::fmax(most, frames);
+    if (frames > 0) largest = std::fmax(largest, frames);
   }
-  return most;
+  return largest;
 }
 
-scene::ObjectSpec like_the_glove(scene::ObjectSpec object) {
+scene::ObjectSpec with_glove_color(scene::ObjectSpec object) {
   for (auto& solid : object.solids) solid.color = scene::glove_color();
   return object;
 }

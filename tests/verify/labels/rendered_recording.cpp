@@ -46,11 +46,11 @@ Labels RenderedRecording::label(const std::string& tracker,
                                 const std::vector<Cover>& covers) const {
   label::LabelOptions options;
   options.tracker = tracker;
-  auto frames = label::frames_of(*reader_);
-  const auto seen = frames.camera_frame;
+  auto frames = label::frame_source(*reader_);
+  const auto uncovered = frames.camera_frame;
   const auto time_s = label::align(recording()).camera_time_s;
   frames.camera_frame = [&](std::size_t i) {
-    auto frame = seen(i);
+    auto frame = uncovered(i);
     if (std::ranges::any_of(
             covers, [&](const Cover& c) { return time_s[i] >= c.from_s && time_s[i] < c.to_s; }))
       cover(frame, recording().camera.depth_unit_m);

@@ -9,7 +9,7 @@
 
 namespace touchtrace::study {
 
-/// Half a minute to be simulated, rendered, calibrated and labelled like a user's recording.
+/// Half a minute of a simulated scene.
 struct RenderedScene {
   std::string activity;
   scene::ObjectSpec object;
@@ -17,17 +17,17 @@ struct RenderedScene {
   int width = 640, height = 480;
 };
 
-/// Stretches of video in which something stands before the camera.
+/// Interval in which something covers the camera's whole image.
 struct Cover {
   double from_s, to_s;  ///< host's clock
 };
 
-/// A rendered scene, on disk as long as this lives.
+/// Simulated and calibrated recording, on disk during the lifetime of this object.
 class RenderedRecording {
  public:
   explicit RenderedRecording(const RenderedScene& scene);
 
-  /// Nothing of the truth is read. A cover hides all of the picture.
+  /// Labels the recording without its truth, with covered intervals.
   Labels label(const std::string& tracker, const std::vector<Cover>& covers = {}) const;
   const Recording& recording() const { return reader_->recording(); }
   const Truth& truth() const { return truth_; }

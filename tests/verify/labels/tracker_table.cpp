@@ -17,12 +17,11 @@ using Emit = std::function<void(Figure)>;
 constexpr std::array activities{"wave", "throw", "pingpong"};
 constexpr std::array widths{320, 640};
 
-/// What one tracker made of one recording.
 struct Trial {
   double bad_percent, position_mm, cpu_ms_per_frame, times_real_time;
 };
 
-Trial try_tracker(const RenderedRecording& rendered, const std::string& tracker) {
+Trial measure_tracker(const RenderedRecording& rendered, const std::string& tracker) {
   const Stopwatch stopwatch;
   const auto labels = rendered.label(tracker);
   const double wall_s = stopwatch.wall_seconds(), cpu_s = stopwatch.cpu_seconds();
@@ -33,9 +32,9 @@ Trial try_tracker(const RenderedRecording& rendered, const std::string& tracker)
           1e3 * cpu_s / frames, frames / recording.camera.rate_hz / wall_s};
 }
 
-/// All of labelling together on two cores; goals of the trackers that have one.
-Figure faster_than_camera(const std::string& name, const std::string& tracker, double times) {
-  const auto title = name + ": faster than the camera";
+/// Speed of all of labelling on two cores, with the trackers' goals.
+Figure speed_figure(const std::string& name, const std::string& tracker, double times) {
+  const auto title = name + ": speed, all of labelling, in real time";
   if (tracker == "component") return at_least(title, times, "x", 10.0);
   if (tracker.starts_with("csrt")) return at_least(title, times, "x", 1.5);
   return reported(title, times, "x");
@@ -46,13 +45,13 @@ void measure_recording(const std::string& activity, int width, int height, Pictu
   const RenderedRecording rendered({activity, scene::default_object(activity), 1, width, height});
   Picture::Curve curve{fmt::format("{} {}x{}", activity, width, height), {}, {}};
   for (const auto& kind : label::tracker_kinds()) {
-    const auto trial = try_tracker(rendered, kind.name);
+    const auto trial = measure_tracker(rendered, kind.name);
     progress.advance();
     const auto name = fmt::format("{}, {}", curve.name, kind.name);
     emit(reported(name + ": object lost or wrong", trial.bad_percent, "%"));
     emit(reported(name + ": object position RMS about its bias", trial.position_mm, "mm"));
-    emit(reported(name + ": processor time, all of labelling", trial.cpu_ms_per_frame, "ms/frame"));
-    emit(faster_than_camera(name, kind.name, trial.times_real_time));
+    emit(reported(name + ": CPU time, all of labelling", trial.cpu_ms_per_frame, "ms/frame"));
+    emit(speed_figure(name, kind.name, trial.times_real_time));
     curve.x.push_back(trial.cpu_ms_per_frame);
     curve.y.push_back(trial.position_mm);
   }
@@ -66,7 +65,7 @@ std::uint64_t tracker_trials() {
 }
 
 void measure_trackers(const Emit& emit, Progress& progress) {
-  Picture picture{"processor time [ms/frame]", "object position RMS [mm]", true, false, {}};
+  Picture picture{"CPU time [ms/frame]", "object position RMS [mm]", true, false, {}};
   for (const char* activity : activities)
     for (const int width : widths)
       measure_recording(activity, width, 3 * width / 4, picture, emit, progress);

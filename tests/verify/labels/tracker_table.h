@@ -7,10 +7,10 @@
 
 namespace touchtrace::study {
 
-/// All trackers on waved, thrown and bounced balls at two image sizes: what they lose, how far off
-/// they are, and what they cost, with a picture of error over run time.
+/// Compares all image trackers on wave, throw and pingpong at two image sizes: lost labels,
+/// position errors and CPU time, with a plot of error over time.
 void measure_trackers(const std::function<void(Figure)>& emit, Progress& progress);
-/// How often that advances `progress`: once a recording and tracker.
+/// Number of steps of `progress`: one per recording and tracker.
 std::uint64_t tracker_trials();
 
 }  // namespace touchtrace::study

@@ -15,12 +15,12 @@ namespace {
 
 using Emit = std::function<void(Figure)>;
 
-/// Every scene has seeds, and with them cameras, of its own: what a calibration errs by is in all
-/// labels made with it, and thirty calibrations tell more of that than three.
+/// Seeds, and with them cameras and calibrations, differ between scenes. A calibration's error is
+/// in all labels made with it, so thirty calibrations are more informative than three.
 constexpr std::uint64_t first_seed = 1, seeds = 3;
 
 struct Scene {
-  const char *activity, *object;  ///< null: what suits the activity
+  const char *activity, *object;  ///< null: the activity's default
 };
 constexpr std::array<Scene, 10> scenes{{{"wave", nullptr},
                                         {"throw", nullptr},
@@ -32,13 +32,13 @@ constexpr std::array<Scene, 10> scenes{{{"wave", nullptr},
                                         {"throw", "cube"},
                                         {"throw", "soap"},
                                         {"throw", "can"}}};
-/// Of these the hand hides a part in every frame.
+/// Objects of which the hand hides a part in every frame.
 constexpr std::array<Scene, 2> held_at_one_end{{{"wave", "foam"}, {"wave", "pipe"}}};
 constexpr std::array covered_activities{"wave", "throw", "pingpong"};
 constexpr std::array gloved_activities{"wave", "throw"};
-constexpr std::array followed_under_cover{"csrt-fast", "component"};
+constexpr std::array occlusion_trackers{"csrt-fast", "component"};
 
-/// The whole flight of a ball on a racket is before the camera, nothing hides it.
+/// Goals of position RMS along x, y and depth. Lower for pingpong: the ball is never hidden.
 std::array<double, 3> goals_mm(const std::string& activity) {
   if (activity == "pingpong") return {2.0, 2.0, 2.0};
   return {5.0, 5.0, 8.0};
@@ -57,12 +57,12 @@ class Errors {
     for (const auto& error : errors_) sum += error.*member;
     return sum / static_cast<double>(errors_.size());
   }
-  /// Of the mean: labels of one recording share a calibration and a learnt shape, and with them
-  /// much of their error.
+  /// Standard error of the mean over recordings: labels of one recording share a calibration, a
+  /// shape and much of their error.
   double standard_error(double BodyError::*member) const {
-    const double middle = mean(member), count = static_cast<double>(errors_.size());
+    const double mean_value = mean(member), count = static_cast<double>(errors_.size());
     const double spread =
-        root_mean([&](const BodyError& e) { return std::pow(e.*member - middle, 2); });
+        root_mean([&](const BodyError& e) { return std::pow(e.*member - mean_value, 2); });
     return spread / std::sqrt(count - 1.0);
   }
   double rms(double BodyError::*member) const {
@@ -86,7 +86,7 @@ class Errors {
   std::vector<BodyError> errors_;
 };
 
-/// Whether covariances are true.
+/// Consistency of covariances.
 void emit_covariance(const std::string& name, const Errors& errors, const Emit& emit) {
   emit(within(name + ": object positions in their 80 % interval",
               errors.mean(&BodyError::position_coverage), "", 0.78, 0.82));
@@ -95,7 +95,6 @@ void emit_covariance(const std::string& name, const Errors& errors, const Emit& 
   emit(within(name + ": object NEES", errors.mean(&BodyError::nees), "", 0.8, 1.2));
 }
 
-/// How far such means of recordings may be from those of all recordings that there could be.
 void emit_standard_errors(const std::string& name, const Errors& errors, const Emit& emit) {
   emit(reported(name + ": object positions in their interval, standard error",
                 errors.standard_error(&BodyError::position_coverage), ""));
@@ -105,81 +104,81 @@ void emit_standard_errors(const std::string& name, const Errors& errors, const E
                 ""));
 }
 
-void emit_object(const std::string& name, const Errors& errors, const Errors& floor,
-                 const Errors& white, const std::array<double, 3>& most_mm, const Emit& emit) {
+void emit_object(const std::string& name, const Errors& errors, const Errors& exact,
+                 const Errors& white, const std::array<double, 3>& max_mm, const Emit& emit) {
   const auto percent = [&](double BodyError::*share) { return 100.0 * errors.mean(share); };
   emit(at_most(name + ": object lost or wrong",
                percent(&BodyError::lost_share) + percent(&BodyError::wrong_share), "%", 1.5));
-  emit(at_most(name + ": object wrong, said to be right", percent(&BodyError::wrong_unsaid_share),
-               "%", 0.5));
-  emit(reported(name + ": object hidden, said to follow the hand",
+  emit(at_most(name + ": object wrong without a flag", percent(&BodyError::wrong_unsaid_share), "%",
+               0.5));
+  emit(reported(name + ": object hidden, flagged as following the hand",
                 percent(&BodyError::follows_share), "%"));
-  emit(reported(name + ": object outside the picture", percent(&BodyError::outside_share), "%"));
+  emit(reported(name + ": object outside the image", percent(&BodyError::outside_share), "%"));
   const char* axes[] = {"x", "y", "depth"};
   for (int axis = 0; axis < 3; ++axis)
     emit(at_most(name + ": object position RMS about its bias, " + axes[axis],
                  1e3 * errors.rms(&BodyError::position_spread_m, axis), "mm",
-                 most_mm[static_cast<std::size_t>(axis)]));
+                 max_mm[static_cast<std::size_t>(axis)]));
   emit(reported(name + ": object bias", 1e3 * errors.rms(&BodyError::bias_m), "mm"));
-  emit(reported(name + ": labels next to an impact, not judged below",
+  emit(reported(name + ": labels next to an impact, excluded below",
                 percent(&BodyError::impact_share), "%"));
-  const double exact = floor.rms(&BodyError::aligned_velocity_rms_m_per_s);
-  emit(reported(name + ": object velocity RMS of exact positions", exact, "m/s"));
+  const double exact_m_per_s = exact.rms(&BodyError::aligned_velocity_rms_m_per_s);
+  emit(reported(name + ": object velocity RMS of exact positions", exact_m_per_s, "m/s"));
   emit(reported(name + ": object velocity RMS of exact positions with the track's white errors",
                 white.rms(&BodyError::aligned_velocity_rms_m_per_s), "m/s"));
   emit(at_most(name + ": object velocity RMS", errors.rms(&BodyError::aligned_velocity_rms_m_per_s),
-               "m/s", 1.5 * exact));
-  emit(reported(name + ": object velocity RMS, latency left in",
+               "m/s", 1.5 * exact_m_per_s));
+  emit(reported(name + ": object velocity RMS, latency included",
                 errors.rms(&BodyError::velocity_rms_m_per_s), "m/s"));
-  emit(reported(name + ": object velocity RMS, filtered, latency left in",
+  emit(reported(name + ": object velocity RMS, filtered, latency included",
                 errors.rms(&BodyError::causal_velocity_rms_m_per_s), "m/s"));
-  emit(
-      reported(name + ": delay that no stamp shows", 1e3 * errors.mean(&BodyError::delay_s), "ms"));
+  emit(reported(name + ": delay", 1e3 * errors.mean(&BodyError::delay_s), "ms"));
   emit_covariance(name, errors, emit);
 }
 
 void emit_hand(const std::string& name, const Errors& errors, const Emit& emit) {
-  emit(reported(name + ": hand blob from palm", 1e3 * errors.rms(&BodyError::bias_m), "mm"));
-  emit(reported(name + ": hand position RMS about that",
+  emit(reported(name + ": offset of the hand's centroid from the palm",
+                1e3 * errors.rms(&BodyError::bias_m), "mm"));
+  emit(reported(name + ": hand position RMS about that offset",
                 1e3 * errors.rms(&BodyError::position_spread_m), "mm"));
   emit(reported(name + ": hand velocity RMS", errors.rms(&BodyError::aligned_velocity_rms_m_per_s),
                 "m/s"));
-  emit(reported(name + ": hand velocity RMS, latency left in",
+  emit(reported(name + ": hand velocity RMS, latency included",
                 errors.rms(&BodyError::velocity_rms_m_per_s), "m/s"));
-  emit(reported(name + ": hand velocity RMS, filtered, latency left in",
+  emit(reported(name + ": hand velocity RMS, filtered, latency included",
                 errors.rms(&BodyError::causal_velocity_rms_m_per_s), "m/s"));
 }
 
-/// An activity with one object over `seeds` seeds, without a tracker: what trackers add is in a
-/// table of its own. Returns the object's errors.
+/// Measures one activity and object over `seeds` seeds with tracker `component`; other trackers are
+/// in tracker_table. Returns the object's errors.
 Errors measure_scene(const std::string& activity, const std::string& object, std::uint64_t first,
                      const Emit& emit, Progress& progress) {
-  Errors of_object, of_hand, floor, white;
+  Errors object_errors, hand_errors, exact, white;
   for (std::uint64_t seed = first; seed < first + seeds; ++seed) {
     const RenderedRecording rendered({activity, scene::find_object(object), seed});
     const auto labels = rendered.label("component");
     const auto error = compare_labels_with_truth(labels, rendered.truth());
-    of_object.add(error.object), of_hand.add(error.hand);
-    floor.add(error_of_exact_positions(rendered.recording(), rendered.truth()).object);
+    object_errors.add(error.object), hand_errors.add(error.hand);
+    exact.add(error_of_exact_positions(rendered.recording(), rendered.truth()).object);
     white.add(error_of_white_positions(rendered.recording(), rendered.truth(), labels).object);
     progress.advance();
   }
   const auto name = fmt::format("{} of {}", activity, object);
-  emit_object(name, of_object, floor, white, goals_mm(activity), emit);
-  emit_hand(name, of_hand, emit);
-  return of_object;
+  emit_object(name, object_errors, exact, white, goals_mm(activity), emit);
+  emit_hand(name, hand_errors, emit);
+  return object_errors;
 }
 
 void measure_scenes(const Emit& emit, Progress& progress) {
-  Errors of_all;
+  Errors all_errors;
   std::uint64_t first = first_seed;
   for (const auto& [activity, object] : scenes) {
-    of_all.add(measure_scene(activity, object ? object : scene::default_object(activity).name,
-                             first, emit, progress));
+    all_errors.add(measure_scene(activity, object ? object : scene::default_object(activity).name,
+                                 first, emit, progress));
     first += seeds;
   }
-  emit_covariance("all scenes", of_all, emit);
-  emit_standard_errors("all scenes", of_all, emit);
+  emit_covariance("all scenes", all_errors, emit);
+  emit_standard_errors("all scenes", all_errors, emit);
   for (const auto& [activity, object] : held_at_one_end) {
     measure_scene(activity, object, first, emit, progress);
     first += seeds;
@@ -189,8 +188,8 @@ void measure_scenes(const Emit& emit, Progress& progress) {
 void measure_occlusion(const Emit& emit, Progress& progress) {
   for (const char* activity : covered_activities) {
     const RenderedRecording rendered({activity, scene::default_object(activity), first_seed});
-    for (const char* tracker : followed_under_cover) {
-      emit(at_most(fmt::format("{}, {}: frames to find the object again after a second's occlusion",
+    for (const char* tracker : occlusion_trackers) {
+      emit(at_most(fmt::format("{}, {}: frames to find the object after an occlusion of 1 s",
                                activity, tracker),
                    frames_to_recover(rendered, tracker), "frames", 3.0));
       progress.advance();
@@ -198,17 +197,17 @@ void measure_occlusion(const Emit& emit, Progress& progress) {
   }
 }
 
-void measure_like_the_glove(const Emit& emit, Progress& progress) {
+void measure_glove_colored(const Emit& emit, Progress& progress) {
   for (const char* activity : gloved_activities) {
     const RenderedRecording rendered(
-        {activity, like_the_glove(scene::default_object(activity)), first_seed});
+        {activity, with_glove_color(scene::default_object(activity)), first_seed});
     const auto error =
         compare_labels_with_truth(rendered.label("component"), rendered.truth()).object;
-    const auto name = std::string(activity) + " of a ball coloured like the glove";
+    const auto name = std::string(activity) + " of a ball of the glove's colour";
     emit(at_most(name + ": lost or wrong", 100.0 * (error.lost_share + error.wrong_share), "%",
                  5.0));
-    emit(at_most(name + ": wrong, said to be right", 100.0 * error.wrong_unsaid_share, "%", 0.5));
-    emit(reported(name + ": said to follow the hand", 100.0 * error.follows_share, "%"));
+    emit(at_most(name + ": wrong without a flag", 100.0 * error.wrong_unsaid_share, "%", 0.5));
+    emit(reported(name + ": flagged as following the hand", 100.0 * error.follows_share, "%"));
     progress.advance();
   }
 }
@@ -220,11 +219,11 @@ Verification verify_labels() {
     measure_smoothing(emit);
     Progress progress("recordings labelled",
                       seeds * (scenes.size() + held_at_one_end.size()) +
-                          covered_activities.size() * followed_under_cover.size() +
+                          covered_activities.size() * occlusion_trackers.size() +
                           gloved_activities.size() + tracker_trials());
     measure_scenes(emit, progress);
     measure_occlusion(emit, progress);
-    measure_like_the_glove(emit, progress);
+    measure_glove_colored(emit, progress);
     measure_trackers(emit, progress);
   };
 }

@@ -72,10 +72,10 @@ ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec
   std::vector<double> grip_n;
   double saturated = 0.0, readings = 0.0;
   for (const ClipMotion& clip : clips) {
-    s.drop_share += (clip.dropped ? 1.0 : 0.0) / static_cast<double>(clips.size());
+    s.drop_share += (clip.object_fell ? 1.0 : 0.0) / static_cast<double>(clips.size());
     s.clamped_clip_share += (clip.clamp_hits > 0) / static_cast<double>(clips.size());
     add_apexes(clip, s.apex_m);
-    if (!clip.dropped) s.turn_in_hand_rad.push_back(turn_in_hand_rad(clip));
+    if (!clip.object_fell) s.turn_in_hand_rad.push_back(turn_in_hand_rad(clip));
     for (const SceneSample& sample : clip.samples) {
       if (sample.grip_force_n > 0.0) grip_n.push_back(sample.grip_force_n);
       s.lowest_object_m =

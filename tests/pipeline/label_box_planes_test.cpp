@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "pipeline/label/body_fit.h"
+#include "pipeline/label/box_planes.h"
 #include "pipeline/label/learn_shape.h"
-#include "pipeline/label/marked_sides.h"
 #include "tests/pipeline/drawn_body.h"
 
 namespace touchtrace::label {
@@ -16,9 +16,9 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 const RoundedBody slab{{0.008, 0.030, 0.046}, 0.002};
-constexpr double marking_sigma_in_points = 1.6, marked_size_m = 0.04;
+constexpr double drawn_sigma_ratio = 1.6, drawn_radius_m = 0.04;
 
-/// Its long side across the picture, about.
+/// Poses of a slab, its long side roughly across the image.
 Isometry3d slab_pose(int i) {
   Isometry3d pose(AngleAxisd(0.7 * i, Vector3d::UnitZ()) *
                   AngleAxisd(0.4 * (i % 3), Vector3d::UnitX()) *
@@ -27,33 +27,33 @@ Isometry3d slab_pose(int i) {
   return pose;
 }
 
-/// A hand holds the slab at one end, up to so far from its middle [m].
-Hides hand_up_to(const Isometry3d& pose, double end_m) {
+/// A hand hides the slab from one end to `end_m` from its centre.
+IsHidden hand_up_to(const Isometry3d& pose, double end_m) {
   const Eigen::Vector2d along = (pose.linear() * Vector3d::UnitZ()).head<2>();
   return [=](double x, double y) {
     return Eigen::Vector2d(x, y).dot(along) < end_m * along.squaredNorm();
   };
 }
 
-/// The plane through the eye that touches a body on the side of the picture to which `toward` is.
+/// Normal of the plane through the camera's centre that touches a body on the image side `toward`.
 Vector3d touching(const RoundedBody& body, const Isometry3d& pose, const Eigen::Vector2d& toward) {
   double low = -1.0, high = 1.0;
   for (int i = 0; i < 50; ++i) {
-    const double middle = 0.5 * (low + high);
-    const Vector3d outward = Vector3d(toward.x(), toward.y(), middle).normalized(),
+    const double half_way = 0.5 * (low + high);
+    const Vector3d outward = Vector3d(toward.x(), toward.y(), half_way).normalized(),
                    in_body = pose.linear().transpose() * outward;
     const double reach_m =
-        farthest_of_core(body.core, in_body, body.inner_m).dot(in_body) + body.radius_m;
-    (outward.dot(pose.translation()) + reach_m > 0.0 ? high : low) = middle;
+        core_support_point(body.core, in_body, body.inner_m).dot(in_body) + body.radius_m;
+    (outward.dot(pose.translation()) + reach_m > 0.0 ? high : low) = half_way;
   }
   return Vector3d(toward.x(), toward.y(), low).normalized();
 }
 
-MarkedSides marked(const RoundedBody& body, const Isometry3d& pose) {
-  MarkedSides sides{{}, marking_sigma_in_points, marked_size_m};
+BoxPlanes exact_planes(const RoundedBody& body, const Isometry3d& pose) {
+  BoxPlanes planes{{}, drawn_sigma_ratio, drawn_radius_m};
   for (const Eigen::Vector2d& toward : {Eigen::Vector2d(1, 0), {-1, 0}, {0, 1}, {0, -1}})
-    sides.outward.push_back(touching(body, pose, toward));
-  return sides;
+    planes.outward.push_back(touching(body, pose, toward));
+  return planes;
 }
 
 BodyView held(int i, double hidden_to_m) {
@@ -75,38 +75,38 @@ Vector3d learnt_half_m(const std::vector<BodyView>& views) {
   return half;
 }
 
-TEST(LabelMarked, WhatAHandHidesInEveryViewIsToldByBoxes) {
+TEST(LearnShape, BoxesShowWhatAHandHidesInEveryView) {
   EXPECT_LT(learnt_half_m(held_views(12)).z(), slab.half_extents_m().z() - 0.007);
   auto views = held_views(34);
-  for (int i = 34; i < 38; ++i) {  // that show less than those without
+  for (int i = 34; i < 38; ++i) {  // less visible than the views without boxes
     views.push_back(held(i, 0.01));
-    views.back().marked = marked(slab, slab_pose(i));
+    views.back().box = exact_planes(slab, slab_pose(i));
   }
   EXPECT_LT((learnt_half_m(views) - slab.half_extents_m()).cwiseAbs().maxCoeff(), 0.004);
 }
 
-/// Of a slab of which a spot shows, how far off it is put by its marked sides.
-double put_off_by_m(const MarkedSides& sides) {
+/// Error of a slab's centre of which only a spot is visible, given box planes.
+double error_with_planes_m(const BoxPlanes& planes) {
   const auto all_but_a_spot = [](double x, double y) {
     return std::hypot(x - 0.015, y - 0.01) > 0.01;
   };
   auto view = draw(slab, slab_pose(0), all_but_a_spot);
-  view.seen_past_m.clear();
-  view.marked = sides;
-  return (fit_body_anyhow(view, slab).center_m() - drawn_at).norm();
+  view.free_space_endpoints.clear();
+  view.box = planes;
+  return (fit_body_globally(view, slab).centre_m() - drawn_at).norm();
 }
 
-TEST(LabelMarked, ABodyIsPutWhereItTouchesTheSidesOfItsBox) {
-  EXPECT_GT(put_off_by_m({}), 0.006);
-  EXPECT_LT(put_off_by_m(marked(slab, slab_pose(0))), 0.002);
+TEST(FitBody, UsesBoxPlanes) {
+  EXPECT_GT(error_with_planes_m({}), 0.006);
+  EXPECT_LT(error_with_planes_m(exact_planes(slab, slab_pose(0))), 0.002);
 }
 
-TEST(LabelMarked, APointOfACoreIsTheFarthest) {
+TEST(CoreSupportPoint, IsTheFarthestInADirection) {
   const Vector3d half(0.01, 0.02, 0.03), toward(-0.6, 0.0, 0.8);
-  EXPECT_EQ(farthest_of_core(Core::box, toward, half), Vector3d(-0.01, 0.02, 0.03));
+  EXPECT_EQ(core_support_point(Core::box, toward, half), Vector3d(-0.01, 0.02, 0.03));
   const Vector3d round(0.02, 0.02, 0.03), aslant(0.6, -0.8, -2.0);
   EXPECT_LT(
-      (farthest_of_core(Core::cylinder, aslant, round) - Vector3d(0.012, -0.016, -0.03)).norm(),
+      (core_support_point(Core::cylinder, aslant, round) - Vector3d(0.012, -0.016, -0.03)).norm(),
       1e-12);
 }
 
@@ -117,15 +117,15 @@ Camera marking_camera() {
   return camera;
 }
 
-TEST(LabelMarked, TheSidesOfABoxTouchWhatIsInIt) {
-  const Vector3d middle(0.1, -0.05, 1.2);
+TEST(BoxPlanes, TouchTheBodyInTheBox) {
+  const Vector3d centre(0.1, -0.05, 1.2);
   const double radius_m = 0.1;
   const auto camera = marking_camera();
   const RoundedBody sphere{Vector3d::Zero(), radius_m};
   Isometry3d pose(Isometry3d::Identity());
-  pose.pretranslate(middle);
+  pose.pretranslate(centre);
   const auto pixel =
-      [&](const Eigen::Vector2d& toward) {  // where a touching plane cuts the picture
+      [&](const Eigen::Vector2d& toward) {  // intersection of a touching plane with the image
         const Vector3d outward = touching(sphere, pose, toward);
         return camera.project(Vector3d(-outward.z() * toward.x() / outward.head<2>().norm(),
                                        -outward.z() * toward.y() / outward.head<2>().norm(), 1.0));
@@ -134,17 +134,17 @@ TEST(LabelMarked, TheSidesOfABoxTouchWhatIsInIt) {
             top = static_cast<int>(std::lround(pixel({0, -1}).y())),
             right = static_cast<int>(std::lround(pixel({1, 0}).x())),
             bottom = static_cast<int>(std::lround(pixel({0, 1}).y()));
-  const auto sides = marked_sides(camera, {left, top, right - left, bottom - top}, middle);
+  const auto sides = box_planes(camera, {left, top, right - left, bottom - top}, centre);
   ASSERT_EQ(sides.outward.size(), 4u);
   for (const auto& outward : sides.outward)
-    EXPECT_NEAR(outward.dot(middle) + radius_m, 0.0, middle.norm() / camera.fx);
+    EXPECT_NEAR(outward.dot(centre) + radius_m, 0.0, centre.norm() / camera.fx);
   EXPECT_NEAR(sides.radius_m, radius_m, 0.01 * radius_m);
-  EXPECT_NEAR(sides.sigma_in_points * point_sigma_m, 2.5 * middle.norm() / camera.fx, 0.001);
+  EXPECT_NEAR(sides.sigma_ratio * point_sigma_m, 2.5 * centre.norm() / camera.fx, 0.001);
 }
 
-TEST(LabelMarked, ASideAtThePicturesBorderTellsNothing) {
+TEST(BoxPlanes, LeaveOutSidesAtTheImageBorder) {
   const auto sides_of = [](const PixelBox& box) {
-    return marked_sides(marking_camera(), box, {0.0, 0.0, 1.0}).outward;
+    return box_planes(marking_camera(), box, {0.0, 0.0, 1.0}).outward;
   };
   EXPECT_EQ(sides_of({100, 100, 50, 50}).size(), 4u);
   EXPECT_EQ(sides_of({0, 100, 50, 50}).size(), 3u);

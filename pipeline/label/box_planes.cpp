@@ -1,4 +1,4 @@
-#include "pipeline/label/marked_sides.h"
+#include "pipeline/label/box_planes.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,13 +9,13 @@
 namespace touchtrace::label {
 namespace {
 
-/// Deviation of a side that somebody drew: 2 to 3 pixels of 640.
+/// Standard deviation of a drawn side: 2 to 3 pixels of 640.
 constexpr double side_sigma_rad = 0.0045;
 
-/// From one corner of a box to the next, around it.
+/// Side of a box between two corners; sides go around the box clockwise.
 struct Side {
   Eigen::Vector2d from, to;
-  double border_px;  ///< how far it is from the picture's border
+  double border_px;  ///< distance from the image border
 };
 
 std::array<Side, 4> sides_of(const PixelBox& box, const Camera& color) {
@@ -32,21 +32,21 @@ bool is_at_border(const Side& side, const Camera& color) {
 
 }  // namespace
 
-MarkedSides marked_sides(const Camera& color, const PixelBox& box, const Eigen::Vector3d& place_m) {
-  const double m_per_px = place_m.z() / color.fx;
-  MarkedSides marked{{},
-                     side_sigma_rad * place_m.norm() / point_sigma_m,
-                     0.5 * m_per_px * std::hypot(box.width, box.height) / std::numbers::sqrt2};
-  if (box.empty()) return marked;
+BoxPlanes box_planes(const Camera& color, const PixelBox& box, const Eigen::Vector3d& position_m) {
+  const double m_per_px = position_m.z() / color.fx;
+  BoxPlanes planes{{},
+                   side_sigma_rad * position_m.norm() / point_sigma_m,
+                   0.5 * m_per_px * std::hypot(box.width, box.height) / std::numbers::sqrt2};
+  if (box.empty()) return planes;
   for (const auto& side : sides_of(box, color)) {
     const Eigen::Vector3d outward =
         color.unproject(side.to).cross(color.unproject(side.from)).normalized();
-    if (!is_at_border(side, color) && outward.allFinite()) marked.outward.push_back(outward);
+    if (!is_at_border(side, color) && outward.allFinite()) planes.outward.push_back(outward);
   }
-  return marked;
+  return planes;
 }
 
-bool is_cut_off(const PixelBox& box, const Camera& color) {
+bool touches_border(const PixelBox& box, const Camera& color) {
   return std::ranges::any_of(sides_of(box, color),
                              [&](const Side& side) { return is_at_border(side, color); });
 }

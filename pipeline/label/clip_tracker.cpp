@@ -1,0 +1,289 @@
+#include "pipeline/label/clip_tracker.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/interrupt.h"
+#include "engine/base/statistics.h"
+#include "pipeline/label/box_tracker.h"
+#include "pipeline/label/lift.h"
+#include "pipeline/label/pose_tracker.h"
+#include "pipeline/label/sphere_fit.h"
+#include "pipeline/label/target_filter.h"
+
+namespace touchtrace::label {
+namespace {
+
+constexpr double hand_disc_radius_m = 0.05, hand_sigma_m = 0.004;
+// Standard deviations of a hidden object's position: for the filter, from the hand; for the filter,
+// from the first box; and from frame to frame, for the smoother.
+constexpr double in_hand_sigma_m = 0.02, first_box_sigma_m = 0.03, hidden_sigma_m = 0.005;
+constexpr double min_occluded_fraction = 0.5;  // of a hidden object's rays
+constexpr std::size_t grip_window_frames = 15;
+constexpr double released_m = 0.07;          // grown distance to the hand of an object that left it
+constexpr double max_unseen_flight_s = 1.0;  // an object unseen for longer has been caught
+constexpr double view_reach_factor = 2.0;    // from a visible end of an object to its other end
+constexpr std::size_t min_hand_points = 30, min_object_points = 6;
+
+// Points err more where the colours of two bodies mix, at a patch's edge. The smaller the visible
+// part, the larger the share of the edge.
+constexpr double edge_fraction = 0.25;
+constexpr double min_position_sigma_m = 0.0003, max_position_sigma_m = 0.03;
+
+/// Standard deviations of a body's centre along the axes. `visible`: visible fraction of its disc.
+Eigen::Vector3d position_sigma(const Eigen::Matrix3d& information, double visible,
+                               double point_sigma) {
+  const double point_m2 = point_sigma * point_sigma * (1.0 + edge_fraction / visible);
+  const Eigen::Matrix3d prior =
+      Eigen::Matrix3d::Identity() * point_m2 / (max_position_sigma_m * max_position_sigma_m);
+  const Eigen::Vector3d variance = (information + prior).inverse().diagonal();
+  return (variance.array() * point_m2 + min_position_sigma_m * min_position_sigma_m).sqrt();
+}
+
+Observation observe_hand(const Patch& patch) {
+  return {
+      true, false, patch.centroid_m, {hand_sigma_m, hand_sigma_m, 1.5 * hand_sigma_m}, patch.box};
+}
+
+Observation hidden_object_at(const Eigen::Vector3d& position_m) {
+  Observation object;
+  object.found = object.follows_hand = true;
+  object.position_m = position_m;
+  object.sigma_m.setConstant(hidden_sigma_m);
+  return object;
+}
+
+/// Offset of the object from the hand: median over the last frames that showed both, which ignores
+/// the few frames in which the object leaves the hand.
+class Grip {
+ public:
+  /// Distance of object and hand when both were first seen.
+  double initial_distance_m() const { return initial_distance_m_; }
+
+  void add(const Eigen::Vector3d& object_from_hand_m) {
+    if (last_.empty()) initial_distance_m_ = object_from_hand_m.norm();
+    last_.push_back(object_from_hand_m);
+    if (last_.size() > grip_window_frames) last_.erase(last_.begin());
+  }
+
+  Eigen::Vector3d object_from_hand_m() const {
+    Eigen::Vector3d result;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      std::vector<double> values;
+      for (const auto& offset : last_) values.push_back(offset[axis]);
+      result[axis] = median(std::move(values));
+    }
+    return result;
+  }
+
+ private:
+  std::vector<Eigen::Vector3d> last_;
+  double initial_distance_m_ = 0.0;
+};
+
+class ClipTracker {
+ public:
+  ClipTracker(const SceneModel& scene, FramePrefetcher::Reader& frames, const ClipFrames& clip,
+              const Eigen::Vector3d& gravity, const TrackerKind& kind)
+      : scene_(scene),
+        frames_(frames),
+        clip_(clip),
+        gravity_(gravity),
+        shape_(scene.object_shape.at(clip.object)),
+        hand_(Body::hand, hand_disc_radius_m, hand_patch_radius_m, min_hand_points, kind),
+        object_(Body::object, shape_.radius_m, object_patch_radius_factor * shape_.radius_m,
+                min_object_points, kind) {
+    if (shape_.body) pose_.emplace(*shape_.body);
+  }
+
+  void step(SegmentedFrame segmented, double seconds, ClipTrack& track) {
+    auto& [frame, surface, image] = segmented;
+    if (is_started_ && scene_.objects_with_hand_color.contains(clip_.object))
+      scene_.split_object(surface, clip_.object, hand_.predicted_m());
+    std::optional<Patch> hand, object;
+    if (!is_started_) {
+      hand = hand_.find_in_box(surface, clip_.hand_box);
+      object = object_.find_in_box(surface, clip_.object_box);
+    } else {
+      hand_.predict(seconds, false, gravity_);
+      object_.predict(seconds, is_away_, gravity_);
+      const auto [hand_box, object_box] = update_trackers(image);
+      hand = hand_.find(surface, image, hand_box, scene_.segmenter, std::nullopt);
+      if (hand && hand_.is_lost() && object_.is_lost()) assume_in_hand(*hand);
+      object = object_.find(surface, image, object_box, scene_.segmenter, position_in_hand(hand));
+    }
+    frame_ = track.hand.size();
+    track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
+    unseen_s_ += seconds;
+    track.object.push_back(object ? observe_object(*object, frame) : Observation{});
+    update(track.hand.back(), track.object.back(), frame, image);
+  }
+
+  /// Replaces the object's poses by the most likely ones given all frames.
+  void smooth_poses(ClipTrack& track) const {
+    if (!pose_) return;
+    const auto fits = pose_->viterbi_path();
+    for (std::size_t i = 0; i < fits.size(); ++i)
+      set_position(track.object[posed_frames_[i].frame], fits[i], posed_frames_[i].points);
+  }
+
+  int tracker_starts() const { return hand_.tracker_starts() + object_.tracker_starts(); }
+
+ private:
+  /// Boxes of the image trackers on hand and object.
+  std::array<std::optional<PixelBox>, 2> update_trackers(const MaskedImage& image) {
+    const auto& camera = scene_.segmenter.color_camera();
+    std::array<std::optional<PixelBox>, 2> boxes;
+    frames_.run_in_parallel([&] { boxes[0] = hand_.update_tracker(image, camera); },
+                            [&] { boxes[1] = object_.update_tracker(image, camera); });
+    return boxes;
+  }
+
+  Observation observe_object(const Patch& patch, const RgbdFrame& frame) {
+    const auto view = scene_.view_object(frame, clip_.object, patch,
+                                         view_reach_factor * shape_.reach_m(), pose_.has_value());
+    const double unseen_s = std::exchange(unseen_s_, 0.0);
+    Observation object{true, false, {}, {}, patch.box};
+    const std::size_t points = view.surface_points.size();
+    if (pose_) {
+      posed_frames_.push_back({frame_, points});
+      set_position(object, pose_->update(view, unseen_s), points);
+    } else {
+      const auto fit = fit_sphere(view, shape_.radius_m);
+      set_position(object, fit.centre_m, fit.information, points);
+    }
+    return object;
+  }
+
+  void set_position(Observation& object, const BodyFit& fit, std::size_t points) const {
+    set_position(object, fit.centre_m(), fit.centre_information(), points);
+  }
+
+  /// Sets position and standard deviation from a fit to so many points.
+  void set_position(Observation& object, const Eigen::Vector3d& centre_m,
+                    const Eigen::Matrix3d& information, std::size_t points) const {
+    const double visible =
+        static_cast<double>(points) / scene_.segmenter.disc_pixels(shape_.radius_m, centre_m.z());
+    object.position_m = centre_m;
+    object.sigma_m =
+        position_sigma(information, visible, pose_ ? point_sigma_m : sphere_point_sigma_m);
+  }
+
+  /// Position of the object if the hand holds it; nullopt if it has left the hand.
+  std::optional<Eigen::Vector3d> position_in_hand(const std::optional<Patch>& hand) const {
+    if (!hand || is_away_) return std::nullopt;
+    return hand->centroid_m + grip_.object_from_hand_m();
+  }
+
+  /// After both were lost, the object is assumed to be in the hand again.
+  void assume_in_hand(const Patch& hand) {
+    is_away_ = false;
+    object_.set_hidden(hand.centroid_m + grip_.object_from_hand_m(), first_box_sigma_m);
+  }
+
+  /// Updates filters, grip and is_away_. An object hidden in the hand moves with the hand.
+  void update(const Observation& hand, Observation& object, const RgbdFrame& frame,
+              const MaskedImage& image) {
+    if (!is_started_) {
+      start(hand, object, image);
+      return;
+    }
+    if (hand.found) hand_.measure(hand.position_m, hand_sigma_m);
+    if (!object.found && hand.found) {
+      is_away_ = is_away_ && !is_back(hand);
+      if (!is_away_) follow_hand(hand, frame, object);
+    }
+    if (object.follows_hand)
+      object_.set_hidden(object.position_m, in_hand_sigma_m);
+    else if (object.found)
+      object_.measure(object.position_m, object.sigma_m.maxCoeff());
+    if (hand.found && object.found && !object.follows_hand) {
+      const Eigen::Vector3d offset = object.position_m - hand.position_m;
+      is_away_ = offset.norm() > grip_.initial_distance_m() + released_m;
+      if (!is_away_) grip_.add(offset);
+    }
+  }
+
+  /// Whether an object that was away must be in the hand again.
+  bool is_back(const Observation& hand) const {
+    return unseen_s_ > max_unseen_flight_s || (object_.predicted_m() - hand.position_m).norm() <
+                                                  grip_.initial_distance_m() + released_m;
+  }
+
+  /// Places an invisible object in the hand, if something occludes it there and it was not about to
+  /// leave the image.
+  void follow_hand(const Observation& hand, const RgbdFrame& frame, Observation& object) {
+    if (!scene_.segmenter.is_in_image(object_.predicted_m())) return;
+    // from the grip's offset towards the hand: the first position that is occluded
+    for (const double part : {1.0, 0.67, 0.33, 0.0}) {
+      const Eigen::Vector3d position = hand.position_m + part * grip_.object_from_hand_m();
+      if (scene_.occluded_fraction(frame, position, shape_.radius_m) < min_occluded_fraction)
+        continue;
+      object = hidden_object_at(position);
+      return;
+    }
+  }
+
+  /// An object that is not visible in its first box is behind the visible part of the hand.
+  void start(const Observation& hand, Observation& object, const MaskedImage& image) {
+    if (!hand.found) return;
+    hand_.start(hand.position_m, hand_sigma_m, hand.box, image);
+    if (object.found)
+      object_.start(object.position_m, object.sigma_m.maxCoeff(), object.box, image);
+    else
+      start_hidden(hand, object);
+    grip_.add(object.position_m - hand.position_m);
+    is_started_ = true;
+  }
+
+  void start_hidden(const Observation& hand, Observation& object) {
+    const auto& box = clip_.object_box;
+    const Eigen::Vector3d ray = scene_.segmenter.color_camera().unproject(
+        {box.x + 0.5 * box.width, box.y + 0.5 * box.height});
+    object = hidden_object_at((hand.position_m.z() + shape_.radius_m) * ray);
+    object_.start(object.position_m, first_box_sigma_m, {}, {});
+    object_.set_hidden(object.position_m, first_box_sigma_m);
+  }
+
+  /// Frame with a pose, and its number of surface points.
+  struct PosedFrame {
+    std::size_t frame, points;
+  };
+
+  const SceneModel& scene_;
+  FramePrefetcher::Reader& frames_;
+  const ClipFrames& clip_;
+  Eigen::Vector3d gravity_;
+  Grip grip_;
+  const ObjectShape& shape_;
+  std::optional<PoseTracker> pose_;  ///< for objects that are no spheres
+  std::vector<PosedFrame> posed_frames_;
+  std::size_t frame_ = 0;
+  double unseen_s_ = 0.0;  ///< since the object was last visible
+  Target hand_, object_;
+  bool is_started_ = false, is_away_ = false;
+};
+
+}  // namespace
+
+ClipTrack track_clip(const SceneModel& scene, FramePrefetcher::Reader& frames,
+                     const ClipFrames& clip, const std::vector<double>& frame_time_s,
+                     const Eigen::Vector3d& gravity_m_per_s2, const TrackerKind& kind) {
+  ClipTracker tracker(scene, frames, clip, gravity_m_per_s2, kind);
+  ClipTrack track;
+  for (std::size_t i = clip.first; i < clip.first + clip.count; ++i) {
+    throw_if_interrupted();
+    const double seconds = i > clip.first ? frame_time_s[i] - frame_time_s[i - 1] : 0.0;
+    tracker.step(frames.next(), seconds, track);
+    track.time_s.push_back(frame_time_s[i]);
+  }
+  tracker.smooth_poses(track);
+  track.object_centre_sigma_m = scene.object_shape.at(clip.object).centre_sigma_m;
+  track.tracker_starts = tracker.tracker_starts();
+  return track;
+}
+
+}  // namespace touchtrace::label

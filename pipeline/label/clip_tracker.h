@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pipeline/label/frame_prefetcher.h"
+#include "pipeline/label/scene_model.h"
+#include "pipeline/label/target.h"
+
+namespace touchtrace::label {
+
+/// One body in one camera frame.
+struct Observation {
+  bool found = false;
+  bool follows_hand = false;  ///< the object is not visible: position assumed from the hand's
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero(),
+                  sigma_m = Eigen::Vector3d::Zero();  ///< of the body's centre, per axis
+  PixelBox box;
+};
+
+struct ClipTrack {
+  std::vector<double> time_s;             ///< [frames]
+  std::vector<Observation> hand, object;  ///< [frames]
+  double object_centre_sigma_m = 0.0;     ///< of the shape model's centre about the object's
+  int tracker_starts = 0;                 ///< of both image trackers
+};
+
+/// Tracks hand and object through a clip. Per body: a Kalman filter predicts (with gravity while
+/// the object is away from the hand); the image tracker and a search by colour and depth inside the
+/// filter's gate find the surface patch; a shape fit gives the centre. Poses of objects that are no
+/// spheres are chosen by all frames together.
+ClipTrack track_clip(const SceneModel& scene, FramePrefetcher::Reader& frames,
+                     const ClipFrames& clip, const std::vector<double>& frame_time_s,
+                     const Eigen::Vector3d& gravity_m_per_s2, const TrackerKind& tracker);
+
+}  // namespace touchtrace::label

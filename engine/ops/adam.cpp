@@ -52,7 +52,7 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
 std::vector<std::pair<std::string, Buffer<float>>> Adam::state() const {
   std::vector<std::pair<std::string, Buffer<float>>> arrays{{"adam.first_moment", first_},
                                                             {"adam.second_moment", second_}};
-  if (compensation_.size() > 0) arrays.emplace_back("adam.lost_digits", compensation_);
+  if (compensation_.size() > 0) arrays.emplace_back("adam.compensation", compensation_);
   return arrays;
 }
 

@@ -135,7 +135,7 @@ TEST_F(OnlinePredictorTest, ThrowsOnlyAfterPendingWritesAreDone) {
     cl::UserEvent gate(runtime_.context());
     const std::vector<cl::Event> wait{gate};
     runtime_.queue().enqueueBarrierWithWaitList(&wait);
-    runtime_.watch([](const Launch&) { throw failure("injected", ""); });
+    runtime_.set_launch_observer([](const Launch&) { throw failure("injected", ""); });
     std::atomic<bool> opened = false;
     std::thread opener([&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -145,7 +145,7 @@ TEST_F(OnlinePredictorTest, ThrowsOnlyAfterPendingWritesAreDone) {
     EXPECT_THROW(ahead ? online.precompute() : (void)online.step(frame(1)), Error);
     EXPECT_TRUE(opened) << "the caller's frame may still be read";
     opener.join();
-    runtime_.watch({});
+    runtime_.set_launch_observer({});
     runtime_.finish();
   }
 }

@@ -47,14 +47,14 @@ double median_seconds(Runtime& runtime, const std::function<void()>& enqueue, in
 }
 
 PeakBenchmark peak_benchmark(Runtime& runtime) {
-  constexpr int turns = 100000;
+  constexpr int iterations = 100000;
   // A compute unit of a CPU runs one work-item at a time, that of a GPU hundreds.
   const int items_per_unit = runtime.device().type == "gpu" ? 512 : 8;
   const int items = items_per_unit * runtime.device().compute_units;
   const auto out = runtime.allocate<float>(static_cast<std::size_t>(items) * 16);
   return {Launch(runtime.kernel({"common.clh", "fma_peak.cl"}, "fma_peak"), range(items), out, 0.5f,
-                 turns),
-          2.0 * 16 * 12 * turns * items};
+                 iterations),
+          2.0 * 16 * 12 * iterations * items};
 }
 
 double peak_flops(Runtime& runtime) {

@@ -1,12 +1,13 @@
-// An OpenCL driver of one "GPU" that is easily taken for a good one: it lists a device, builds
-// every program, and gets no further. FAULTY_ICD says how it fails:
+// OpenCL driver of one fake GPU that lists a device and builds every program, but cannot compute.
+// Environment variable FAULTY_ICD:
 //
-//   lies      kernels run, and compute nothing
+//   lies      launches succeed without computing anything
 //   crashes   the first launch aborts
-//   hangs     waiting for a launch never ends
-//   unlisted  asking for its devices aborts
+//   hangs     launches never return
+//   unlisted  listing the devices aborts
 //
-// Only what touchtrace calls is here. Objects are never freed: the processes are short.
+// Implements only the functions that touchtrace calls. Objects are never freed, because the
+// processes are short-lived.
 #include <CL/cl_icd.h>
 #include <unistd.h>
 
@@ -20,7 +21,7 @@ namespace {
 
 cl_icd_dispatch table{};
 
-/// Any handle: the loader finds the table behind every one of them.
+/// OpenCL object of any type; the ICD loader expects the dispatch table as its first member.
 struct Object {
   cl_icd_dispatch* dispatch = &table;
   std::vector<char> bytes;
@@ -34,58 +35,60 @@ Handle as(Object& object) {
   return reinterpret_cast<Handle>(&object);
 }
 
-bool fails_by(const char* way) {
+bool has_fault(const char* fault) {
   const char* mode = std::getenv("FAULTY_ICD");
-  return mode && std::strcmp(mode, way) == 0;
+  return mode && std::strcmp(mode, fault) == 0;
 }
 
-cl_int give(const void* value, std::size_t size, std::size_t room, void* to, std::size_t* needed) {
+cl_int return_bytes(const void* value, std::size_t size, std::size_t capacity, void* to,
+                    std::size_t* needed) {
   if (needed) *needed = size;
-  if (to) std::memcpy(to, value, std::min(size, room));
+  if (to) std::memcpy(to, value, std::min(size, capacity));
   return CL_SUCCESS;
 }
 
-cl_int give(const std::string& text, std::size_t room, void* to, std::size_t* needed) {
-  return give(text.c_str(), text.size() + 1, room, to, needed);
+cl_int return_bytes(const std::string& text, std::size_t capacity, void* to, std::size_t* needed) {
+  return return_bytes(text.c_str(), text.size() + 1, capacity, to, needed);
 }
 
 template <class T>
-cl_int give_value(T value, std::size_t room, void* to, std::size_t* needed) {
-  return give(&value, sizeof value, room, to, needed);
+cl_int return_value(T value, std::size_t capacity, void* to, std::size_t* needed) {
+  return return_bytes(&value, sizeof value, capacity, to, needed);
 }
 
-cl_int platform_info(cl_platform_id, cl_platform_info what, std::size_t room, void* to,
+cl_int platform_info(cl_platform_id, cl_platform_info what, std::size_t capacity, void* to,
                      std::size_t* needed) {
-  if (what == CL_PLATFORM_VERSION) return give("OpenCL 1.2 faulty", room, to, needed);
-  if (what == CL_PLATFORM_EXTENSIONS) return give("cl_khr_icd", room, to, needed);
-  if (what == CL_PLATFORM_ICD_SUFFIX_KHR) return give("FAULTY", room, to, needed);
-  return give("Faulty platform", room, to, needed);
+  if (what == CL_PLATFORM_VERSION) return return_bytes("OpenCL 1.2 faulty", capacity, to, needed);
+  if (what == CL_PLATFORM_EXTENSIONS) return return_bytes("cl_khr_icd", capacity, to, needed);
+  if (what == CL_PLATFORM_ICD_SUFFIX_KHR) return return_bytes("FAULTY", capacity, to, needed);
+  return return_bytes("Faulty platform", capacity, to, needed);
 }
 
-cl_int device_ids(cl_platform_id, cl_device_type, cl_uint room, cl_device_id* to, cl_uint* count) {
-  if (fails_by("unlisted")) std::abort();
+cl_int device_ids(cl_platform_id, cl_device_type, cl_uint capacity, cl_device_id* to,
+                  cl_uint* count) {
+  if (has_fault("unlisted")) std::abort();
   if (count) *count = 1;
-  if (to && room > 0) *to = as<cl_device_id>(device);
+  if (to && capacity > 0) *to = as<cl_device_id>(device);
   return CL_SUCCESS;
 }
 
-cl_int device_info(cl_device_id, cl_device_info what, std::size_t room, void* to,
+cl_int device_info(cl_device_id, cl_device_info what, std::size_t capacity, void* to,
                    std::size_t* needed) {
   switch (what) {
     case CL_DEVICE_TYPE:
-      return give_value<cl_device_type>(CL_DEVICE_TYPE_GPU, room, to, needed);
+      return return_value<cl_device_type>(CL_DEVICE_TYPE_GPU, capacity, to, needed);
     case CL_DEVICE_PLATFORM:
-      return give_value(as<cl_platform_id>(platform), room, to, needed);
+      return return_value(as<cl_platform_id>(platform), capacity, to, needed);
     case CL_DEVICE_MAX_COMPUTE_UNITS:
-      return give_value<cl_uint>(64, room, to, needed);
+      return return_value<cl_uint>(64, capacity, to, needed);
     case CL_DEVICE_GLOBAL_MEM_SIZE:
-      return give_value<cl_ulong>(1ull << 33, room, to, needed);
+      return return_value<cl_ulong>(1ull << 33, capacity, to, needed);
     case CL_DEVICE_DOUBLE_FP_CONFIG:
-      return give_value<cl_device_fp_config>(0, room, to, needed);
+      return return_value<cl_device_fp_config>(0, capacity, to, needed);
     case CL_DEVICE_VERSION:
-      return give("OpenCL 1.2 faulty", room, to, needed);
+      return return_bytes("OpenCL 1.2 faulty", capacity, to, needed);
     default:
-      return give("Faulty 3000", room, to, needed);
+      return return_bytes("Faulty 3000", capacity, to, needed);
   }
 }
 
@@ -119,15 +122,15 @@ cl_program create_program(cl_context, cl_uint, const char**, const std::size_t*,
   return as<cl_program>(program);
 }
 
-cl_int program_info(cl_program, cl_program_info what, std::size_t room, void* to,
+cl_int program_info(cl_program, cl_program_info what, std::size_t capacity, void* to,
                     std::size_t* needed) {
-  if (what == CL_PROGRAM_NUM_DEVICES) return give_value<cl_uint>(1, room, to, needed);
-  return give_value(as<cl_device_id>(device), room, to, needed);
+  if (what == CL_PROGRAM_NUM_DEVICES) return return_value<cl_uint>(1, capacity, to, needed);
+  return return_value(as<cl_device_id>(device), capacity, to, needed);
 }
 
-cl_int build_info(cl_program, cl_device_id, cl_program_build_info, std::size_t room, void* to,
+cl_int build_info(cl_program, cl_device_id, cl_program_build_info, std::size_t capacity, void* to,
                   std::size_t* needed) {
-  return give("", room, to, needed);
+  return return_bytes("", capacity, to, needed);
 }
 
 cl_kernel create_kernel(cl_program, const char* name, cl_int* error) {
@@ -137,9 +140,9 @@ cl_kernel create_kernel(cl_program, const char* name, cl_int* error) {
   return as<cl_kernel>(*kernel);
 }
 
-cl_int kernel_info(cl_kernel kernel, cl_kernel_info, std::size_t room, void* to,
+cl_int kernel_info(cl_kernel kernel, cl_kernel_info, std::size_t capacity, void* to,
                    std::size_t* needed) {
-  return give(reinterpret_cast<Object*>(kernel)->name, room, to, needed);
+  return return_bytes(reinterpret_cast<Object*>(kernel)->name, capacity, to, needed);
 }
 
 char* bytes_of(cl_mem buffer) { return reinterpret_cast<Object*>(buffer)->bytes.data(); }
@@ -158,14 +161,14 @@ cl_int write_buffer(cl_command_queue, cl_mem buffer, cl_bool, std::size_t at, st
 
 cl_int launch(cl_command_queue, cl_kernel, cl_uint, const std::size_t*, const std::size_t*,
               const std::size_t*, cl_uint, const cl_event*, cl_event*) {
-  if (fails_by("crashes")) std::abort();
-  while (fails_by("hangs")) pause();
+  if (has_fault("crashes")) std::abort();
+  while (has_fault("hangs")) pause();
   return CL_SUCCESS;
 }
 
-cl_int platform_ids(cl_uint room, cl_platform_id* to, cl_uint* count) {
+cl_int platform_ids(cl_uint capacity, cl_platform_id* to, cl_uint* count) {
   if (count) *count = 1;
-  if (to && room > 0) *to = as<cl_platform_id>(platform);
+  if (to && capacity > 0) *to = as<cl_platform_id>(platform);
   return CL_SUCCESS;
 }
 
@@ -201,14 +204,14 @@ void fill_table() {
 
 extern "C" {
 
-cl_int clIcdGetPlatformIDsKHR(cl_uint room, cl_platform_id* to, cl_uint* count) {
+cl_int clIcdGetPlatformIDsKHR(cl_uint capacity, cl_platform_id* to, cl_uint* count) {
   fill_table();
-  return platform_ids(room, to, count);
+  return platform_ids(capacity, to, count);
 }
 
-cl_int clGetPlatformInfo(cl_platform_id id, cl_platform_info what, std::size_t room, void* to,
+cl_int clGetPlatformInfo(cl_platform_id id, cl_platform_info what, std::size_t capacity, void* to,
                          std::size_t* needed) {
-  return platform_info(id, what, room, to, needed);
+  return platform_info(id, what, capacity, to, needed);
 }
 
 void* clGetExtensionFunctionAddress(const char* name) {

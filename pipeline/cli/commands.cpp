@@ -10,7 +10,7 @@ const Program& touchtrace_program() {
       {{"Set up",
         {doctor_command(), devices_command(), self_test_command(), tune_command(),
          generate_command()}},
-       {"Simulate", {simulate_command(), objects_command(), assumptions_command(), send_command()}},
+       {"Simulate", {simulate_command(), objects_command(), parameters_command(), send_command()}},
        {"Process",
         {check_command(), calibrate_command(), label_command(), train_command(), evaluate_command(),
          report_command()}},

@@ -8,7 +8,7 @@ namespace touchtrace::cli {
 const Program& touchtrace_program();
 
 // Each in <name>_command.cpp:
-Command assumptions_command();
+Command parameters_command();
 Command calibrate_command();
 Command check_command();
 Command devices_command();

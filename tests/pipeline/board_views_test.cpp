@@ -46,7 +46,7 @@ TEST_P(BoardViews, DetectedCornersMatchTheTruth) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     auto solids = room_solids();
     solids.push_back(board_solid(board, camera.color_from_world.inverse() * poses[i]));
-    RgbdFrame frame = renderer.render(still(solids), "board", i, 4);
+    RgbdFrame frame = renderer.render(static_exposure(solids), "board", i, 4);
     const cv::Mat image(options.image_height, options.image_width, CV_8UC3, frame.color.data());
     std::vector<cv::Point2f> corners;
     if (!cv::findChessboardCornersSB(image, {board.columns, board.rows}, corners,

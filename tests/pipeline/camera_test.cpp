@@ -30,8 +30,7 @@ RgbdCamera exact_camera(const SceneOptions& options) {
   return camera;
 }
 
-/// A solid at a place of the colour camera's frame, turned so that none of its axes is the
-/// camera's.
+/// A solid at a position of the colour camera's frame, in a general orientation.
 PaintedSolid solid_before(const RgbdCamera& camera, ShapeKind kind, const Eigen::Vector3d& size_m,
                           const Eigen::Vector3d& position_m) {
   PaintedSolid painted;
@@ -42,7 +41,7 @@ PaintedSolid solid_before(const RgbdCamera& camera, ShapeKind kind, const Eigen:
   return painted;
 }
 
-/// A wall across the depth camera's axis, its face `depth_m` away.
+/// A wall perpendicular to the depth camera's axis at the depth `depth_m`.
 PaintedSolid wall_before(const RgbdCamera& camera, double depth_m) {
   PaintedSolid wall;
   wall.solid.kind = ShapeKind::box, wall.solid.size_m = {9.0, 9.0, 0.1};
@@ -66,9 +65,9 @@ double distance_to(const Solid& solid, const Eigen::Vector3d& p) {
   }
 }
 
-/// Checks every pixel of a depth image of one body: what was hit lies on the surface with nothing
-/// of the body before it, and where nothing was hit, the ray misses it. `distance` to the surface
-/// is of points in the body's frame.
+/// Checks every pixel of a depth image of one body: a measured point is on the surface, and no part
+/// of the body is in front of it; without a measurement the ray misses the body. The argument of
+/// `distance_to_surface` is a point in the body's frame.
 void expect_depth_of(const RgbdCamera& camera, const Eigen::Isometry3d& world_from_body,
                      const std::function<double(const Eigen::Vector3d&)>& distance_to_surface,
                      const std::vector<std::uint16_t>& depth) {
@@ -94,7 +93,7 @@ void expect_depth_of(const RgbdCamera& camera, const Eigen::Isometry3d& world_fr
   EXPECT_EQ(wrong, 0);
 }
 
-TEST(Camera, DepthLiesOnTheSurfaceOfEveryShape) {
+TEST(Camera, DepthIsThatOfTheSurfaceOfEveryShape) {
   const RgbdCamera camera = exact_camera(small_images());
   Renderer renderer(runtime(), camera, 1);
   const std::vector<std::pair<ShapeKind, Eigen::Vector3d>> shapes{
@@ -105,14 +104,14 @@ TEST(Camera, DepthLiesOnTheSurfaceOfEveryShape) {
   for (const auto& [kind, size_m] : shapes) {
     SCOPED_TRACE(static_cast<int>(kind));
     const PaintedSolid solid = solid_before(camera, kind, size_m, {0.12, -0.07, 0.95});
-    const RgbdFrame frame = renderer.render(still({solid}), "test", 0);
+    const RgbdFrame frame = renderer.render(static_exposure({solid}), "test", 0);
     expect_depth_of(
         camera, solid.solid.body_from_shape,
         [&](const Eigen::Vector3d& p) { return distance_to(solid.solid, p); }, frame.depth);
   }
 }
 
-TEST(Camera, DepthLiesOnTheSurfaceThatPhysicsTouches) {
+TEST(Camera, DepthIsThatOfTheContactSurface) {
   const RgbdCamera camera = exact_camera(small_images());
   Renderer renderer(runtime(), camera, 1);
   for (const ObjectSpec& object : objects()) {
@@ -127,7 +126,7 @@ TEST(Camera, DepthLiesOnTheSurfaceThatPhysicsTouches) {
     }
     expect_depth_of(
         camera, world_from_body, [&](const Eigen::Vector3d& p) { return distance_m(object, p); },
-        renderer.render(still(solids), "test", 0).depth);
+        renderer.render(static_exposure(solids), "test", 0).depth);
   }
 }
 
@@ -137,30 +136,30 @@ std::vector<PaintedSolid> room_with_person() {
   return solids;
 }
 
-TEST(Camera, TheDepthOfManySolidsIsThatOfTheNearest) {
+TEST(Camera, DepthOfSeveralSolidsIsThatOfTheNearest) {
   const RgbdCamera camera = exact_camera(small_images());
   Renderer renderer(runtime(), camera, 1);
   std::vector<std::uint16_t> nearest(
       static_cast<std::size_t>(camera.depth.width * camera.depth.height));
   const auto solids = room_with_person();
   for (const PaintedSolid& solid : solids) {
-    const auto alone = renderer.render(still({solid}), "test", 0).depth;
+    const auto alone = renderer.render(static_exposure({solid}), "test", 0).depth;
     for (std::size_t i = 0; i < alone.size(); ++i)
       if (alone[i] > 0 && (nearest[i] == 0 || alone[i] < nearest[i])) nearest[i] = alone[i];
   }
-  EXPECT_EQ(renderer.render(still(solids), "test", 0).depth, nearest);
+  EXPECT_EQ(renderer.render(static_exposure(solids), "test", 0).depth, nearest);
 }
 
-TEST(Camera, TheColorOfManySolidsIsThatOfTheNearest) {
+TEST(Camera, ColorOfSeveralSolidsIsThatOfTheNearest) {
   const RgbdCamera camera = exact_camera(small_images());
   Renderer renderer(runtime(), camera, 1);
   auto solids = room_with_person();
-  const auto expected = renderer.render(still(solids), "test", 0).color;
-  solids.push_back(wall_before(camera, 3.5));  // behind everything, before nothing
-  EXPECT_EQ(renderer.render(still(solids), "test", 0).color, expected);
+  const auto expected = renderer.render(static_exposure(solids), "test", 0).color;
+  solids.push_back(wall_before(camera, 3.5));  // behind everything
+  EXPECT_EQ(renderer.render(static_exposure(solids), "test", 0).color, expected);
 }
 
-TEST(Camera, MovingThingsLeaveLightWhereTheyWere) {
+TEST(Camera, MotionBlurAveragesTheExposure) {
   const RgbdCamera camera = exact_camera(small_images());
   Renderer renderer(runtime(), camera, 1);
   const Eigen::Vector3d here(-0.2, 0.0, 1.0), there(0.2, 0.0, 1.0);
@@ -175,14 +174,15 @@ TEST(Camera, MovingThingsLeaveLightWhereTheyWere) {
   const RgbdFrame blurred = renderer.render(
       {{sphere(here), sphere(here), sphere(there), sphere(there)}, sphere(here)}, "test", 0);
   for (const Eigen::Vector3d& place : {here, there}) {
-    const double whole = middle(renderer.render(still(sphere(place)), "test", 0), place);
+    const double whole = middle(renderer.render(static_exposure(sphere(place)), "test", 0), place);
     EXPECT_GT(whole, 60.0);
-    EXPECT_NEAR(middle(blurred, place), whole * std::sqrt(0.5), 2.0);  // the camera's square root
+    EXPECT_NEAR(middle(blurred, place), whole * std::sqrt(0.5),
+                2.0);  // pixel values are square roots of intensities
   }
 }
 
-/// The centre of the pixels that a far too bright sphere saturates: all that it touches, so that
-/// its outline widens evenly.
+/// Centre of the pixels that an overexposed sphere saturates: all that it touches, so that its
+/// outline is dilated evenly.
 Eigen::Vector2d centre_of_bright(const RgbdFrame& frame, int width) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double count = 0.0;
@@ -198,11 +198,11 @@ TEST(Camera, SpheresAppearWhereTheDistortedPinholeProjectsThem) {
   Renderer renderer(runtime(), camera, 1);
   for (double x : {-0.38, 0.0, 0.38})
     for (double y : {-0.28, 0.01, 0.28}) {
-      // Small: the centre of a sphere's image lies f tan(angle) (r / z)^2 < 0.04 px outside its
-      // centre's.
+      // Small: the centre of a sphere's image is f tan(angle) (r / z)^2 < 0.04 px from the image of
+      // its centre.
       PaintedSolid sphere = solid_before(camera, ShapeKind::sphere, {0.016, 0, 0}, {x, y, 1.0});
       sphere.solid.color.setConstant(1000.0);
-      const RgbdFrame frame = renderer.render(still({sphere}), "test", 0);
+      const RgbdFrame frame = renderer.render(static_exposure({sphere}), "test", 0);
       const Eigen::Vector2d expected = camera.color.project({x, y, 1.0});
       EXPECT_LT((centre_of_bright(frame, camera.color.width) - expected).norm(), 0.2)
           << x << ' ' << y;
@@ -210,7 +210,7 @@ TEST(Camera, SpheresAppearWhereTheDistortedPinholeProjectsThem) {
 }
 
 struct Moments {
-  double mean, deviation;
+  double mean, std;
 };
 
 Moments moments(const std::vector<double>& values) {
@@ -230,30 +230,29 @@ std::vector<double> measured_m(const RgbdFrame& frame, const RgbdCamera& camera)
   return values;
 }
 
-TEST(Camera, AxialNoiseIsThatOfTheDisparity) {
+TEST(Camera, DepthNoiseIsThatOfTheDisparity) {
   RgbdCamera camera = make_camera(small_images());
   camera.sensor.scale = 1.0, camera.sensor.offset_m = 0.0;
   camera.sensor.disparity_step_px = 0.0;
   Renderer renderer(runtime(), camera, 1);
   for (double z : {0.8, 1.1, 2.0}) {
     const auto depth =
-        measured_m(renderer.render(still({wall_before(camera, z)}), "noise", 0), camera);
+        measured_m(renderer.render(static_exposure({wall_before(camera, z)}), "noise", 0), camera);
     const double focal_baseline = 2.0 * camera.depth.fx * camera.sensor.baseline_m;
     const double expected_m = z * z / focal_baseline * camera.sensor.disparity_sigma_px;
     const double independent =
         static_cast<double>(depth.size()) / 9.0;  // the noise is a mean of 3x3
-    EXPECT_NEAR(moments(depth).deviation / expected_m, 1.0, 4.0 / std::sqrt(2.0 * independent))
-        << z;
+    EXPECT_NEAR(moments(depth).std / expected_m, 1.0, 4.0 / std::sqrt(2.0 * independent)) << z;
     EXPECT_NEAR(moments(depth).mean, z, 4.0 * expected_m / std::sqrt(independent) + 2e-5) << z;
   }
 }
 
-TEST(Camera, DepthComesInStepsOfAnEighthOfADisparity) {
+TEST(Camera, DepthIsQuantisedInEighthsOfADisparity) {
   RgbdCamera camera = make_camera(small_images());
   camera.sensor.scale = 1.004, camera.sensor.offset_m = 0.006;
   Renderer renderer(runtime(), camera, 1);
   const auto depth =
-      measured_m(renderer.render(still({wall_before(camera, 1.1)}), "noise", 0), camera);
+      measured_m(renderer.render(static_exposure({wall_before(camera, 1.1)}), "noise", 0), camera);
   const double focal_baseline = 2.0 * camera.depth.fx * camera.sensor.baseline_m;
   double worst_m = 0.0;
   for (double measured : depth) {
@@ -264,43 +263,44 @@ TEST(Camera, DepthComesInStepsOfAnEighthOfADisparity) {
   EXPECT_LE(worst_m, 0.5 * camera.depth_unit_m * camera.sensor.scale + 1e-6);
 }
 
-TEST(Camera, NearThingsHideAStripOfTheWallFromTheSecondImager) {
+TEST(Camera, NearObjectsCastAnOcclusionShadow) {
   RgbdCamera camera = exact_camera(small_images());
   camera.sensor.holes = true;
   Renderer renderer(runtime(), camera, 1);
   const double near_m = 1.0, far_m = 2.0;
   PaintedSolid post = wall_before(camera, near_m);
   post.solid.size_m.x() = 0.1;
-  const auto depth = renderer.render(still({post, wall_before(camera, far_m)}), "noise", 0).depth;
+  const auto depth =
+      renderer.render(static_exposure({post, wall_before(camera, far_m)}), "noise", 0).depth;
   const int width = camera.depth.width, row = camera.depth.height / 2 * width;
   const int holes =
       static_cast<int>(std::count(depth.begin() + row + 1, depth.begin() + row + width - 1, 0));
   const double shadow_px =
       camera.depth.fx * camera.sensor.baseline_m * (1.0 / near_m - 1.0 / far_m);
-  EXPECT_NEAR(holes, shadow_px, 4.0);  // and a ragged pixel or two at each of the two edges
+  EXPECT_NEAR(holes, shadow_px, 4.0);  // and up to two ragged pixels at each of the two edges
 }
 
-TEST(Camera, ColorNoiseIsTheSensors) {
+TEST(Camera, ColorNoiseIsThatOfTheSensor) {
   for (int width : {320, 640}) {
     SceneOptions options;
     options.image_width = width, options.image_height = width * 3 / 4;
     const RgbdCamera camera = make_camera(options);
     Renderer renderer(runtime(), camera, 1);
-    const auto a = renderer.render(still(room_solids()), "noise", 1).color;
-    const auto b = renderer.render(still(room_solids()), "noise", 2).color;
+    const auto a = renderer.render(static_exposure(room_solids()), "noise", 1).color;
+    const auto b = renderer.render(static_exposure(room_solids()), "noise", 2).color;
     std::vector<double> difference;
     for (std::size_t i = 0; i < a.size(); ++i) difference.push_back(double(a[i]) - double(b[i]));
     const double sigma = camera.color_noise_counts * width / sensor_width_px;
     const double expected =
         std::sqrt(2.0 * (sigma * sigma + 1.0 / 12.0));  // and rounding to counts
-    EXPECT_NEAR(moments(difference).deviation / expected, 1.0, 0.02) << width;
+    EXPECT_NEAR(moments(difference).std / expected, 1.0, 0.02) << width;
   }
 }
 
 TEST(Camera, SameSeedSameBitsInAnyOrder) {
   const RgbdCamera camera = make_camera(small_images());
   Renderer first(runtime(), camera, 5), second(runtime(), camera, 5), other(runtime(), camera, 6);
-  const Exposure room = still(room_solids());
+  const Exposure room = static_exposure(room_solids());
   const RgbdFrame zero = first.render(room, "frame", 0), one = first.render(room, "frame", 1);
   const RgbdFrame one_again = second.render(room, "frame", 1),
                   zero_again = second.render(room, "frame", 0);
@@ -312,7 +312,7 @@ TEST(Camera, SameSeedSameBitsInAnyOrder) {
   EXPECT_NE(zero.color, other.render(room, "frame", 0).color);
 }
 
-TEST(CameraClock, SequenceGoesOnThroughDroppedFrames) {
+TEST(CameraClock, SequenceIncludesDroppedFrames) {
   const CameraClock clock = make_camera_clock(small_images());
   const auto frames = clock.frames_between(10.0, 210.0);
   const auto all = static_cast<double>(frames.back() - frames.front() + 1);
@@ -324,14 +324,15 @@ TEST(CameraClock, SequenceGoesOnThroughDroppedFrames) {
   EXPECT_LT(clock.true_time_s(frames.back()), 210.0);
 }
 
-TEST(CameraClock, ArrivalIsLeastLatencyPlusExponentialJitter) {
+TEST(CameraClock, ArrivalIsLatencyPlusExponentialJitter) {
   const CameraClock clock = make_camera_clock(small_images());
   std::vector<double> jitter;
   for (std::uint64_t i = 1000; i < 11000; ++i)
     jitter.push_back(clock.arrival_s(i) - clock.true_time_s(i) - clock.latency_s);
   EXPECT_GE(*std::ranges::min_element(jitter), -1e-9);
+  // Four standard errors of the mean and of the standard deviation of 10000 exponential numbers.
   EXPECT_NEAR(moments(jitter).mean / clock.jitter_s, 1.0, 0.04);
-  EXPECT_NEAR(moments(jitter).deviation / clock.jitter_s, 1.0, 0.08);
+  EXPECT_NEAR(moments(jitter).std / clock.jitter_s, 1.0, 0.08);
 }
 
 }  // namespace

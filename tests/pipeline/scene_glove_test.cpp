@@ -17,8 +17,8 @@ GloveClock lossless() {
   return clock;
 }
 
-/// Control interval `i` under these forces.
-void feel(Glove& glove, const std::vector<double>& force_n, int i) {
+/// Simulates control interval `i` under these forces.
+void sense(Glove& glove, const std::vector<double>& force_n, int i) {
   std::vector<int> loaded(force_n.size());
   std::iota(loaded.begin(), loaded.end(), 0);
   glove.sense({force_n, loaded}, i * interval_s, interval_s);
@@ -32,7 +32,7 @@ std::size_t some_taxel() {
   return 0;
 }
 
-TEST(SceneGlove, Has680TaxelsInCellsOfTheirOwn) {
+TEST(SceneGlove, Has680TaxelsInDistinctCells) {
   std::set<int> cells;
   double palm_m2 = 0.0;
   for (const Taxel& taxel : hand_model().taxels) {
@@ -48,7 +48,7 @@ TEST(SceneGlove, Has680TaxelsInCellsOfTheirOwn) {
     EXPECT_EQ(std::isfinite(info.taxel_position_m[3 * cell]), info.mask[cell] == 1);
 }
 
-TEST(SceneGlove, IsFixedByItsNumber) {
+TEST(SceneGlove, TraitsDependOnTheInstanceNumberOnly) {
   EXPECT_EQ(&glove_traits(1), &glove_traits(1));
   EXPECT_NE(glove_traits(1).gain, glove_traits(2).gain);
   double dead = 0.0, log_square = 0.0;
@@ -57,26 +57,31 @@ TEST(SceneGlove, IsFixedByItsNumber) {
       ++dead;
     else
       log_square += std::log(gain) * std::log(gain);
-  EXPECT_NEAR(dead / 680.0, 0.02, 0.02);
-  EXPECT_NEAR(std::sqrt(log_square / (680.0 - dead)), 0.25, 0.03);
+  // Four standard errors: of a binomial fraction, and of a standard deviation.
+  EXPECT_NEAR(dead / 680.0, 0.02, 4.0 * std::sqrt(0.02 * 0.98 / 680.0));
+  EXPECT_NEAR(std::sqrt(log_square / (680.0 - dead)), 0.25,
+              4.0 * 0.25 / std::sqrt(2.0 * (680.0 - dead)));
 }
 
-TEST(SceneGlove, ReadsItsBaselineWhenNothingTouches) {
+TEST(SceneGlove, ReadsItsBaselineWithoutContact) {
   Glove glove(1, {}, lossless(), 5);
   const std::vector<double> force_n(680, 0.0);
   glove.start(0.0);
-  for (int i = 1; i <= 500; ++i) feel(glove, force_n, i);
+  for (int i = 1; i <= 500; ++i) sense(glove, force_n, i);
   const GloveStream stream = glove.take();
   ASSERT_GE(stream.frames(), 14u);
   double square = 0.0;
   for (std::size_t i = 0; i < stream.counts.size(); ++i)
     square += std::pow(stream.counts[i] - stream.info.baseline_counts[i % 1024], 2);
   const double deviation = std::sqrt(square / static_cast<double>(stream.counts.size()));
-  EXPECT_NEAR(deviation, std::hypot(1.5, 1 / std::sqrt(12.0)), 0.05);  // noise and rounding
+  const double expected = std::hypot(1.5, 1 / std::sqrt(12.0));  // noise and rounding
+  // Four standard errors of a standard deviation of 14 x 1024 readings.
+  EXPECT_NEAR(deviation, expected,
+              4.0 * expected / std::sqrt(2.0 * static_cast<double>(stream.counts.size())));
 }
 
-/// A constant force from time 0 on: F (1 - exp(-t / 8 ms)) after the lag, plus 12 % that creep in
-/// over 2 s.
+/// Constant force F from time 0: F (1 - exp(-t / 8 ms)) by the lag, plus 12 % creep with a time
+/// constant of 2 s.
 TEST(SceneGlove, LoadsWithLagAndCreepAndSaturates) {
   const std::size_t taxel = some_taxel();
   const double applied_n = 0.8;
@@ -84,7 +89,7 @@ TEST(SceneGlove, LoadsWithLagAndCreepAndSaturates) {
   std::vector<double> force_n(680, 0.0);
   force_n[taxel] = applied_n;
   glove.start(0.0);
-  for (int i = 1; i <= 3000; ++i) feel(glove, force_n, i);
+  for (int i = 1; i <= 3000; ++i) sense(glove, force_n, i);
   const GloveStream stream = glove.take();
   const GloveTraits& traits = glove_traits(1);
   const Taxel& where = hand_model().taxels[taxel];
@@ -98,20 +103,23 @@ TEST(SceneGlove, LoadsWithLagAndCreepAndSaturates) {
     const double signal = sensed / (sensed + 1.2);
     const double expected =
         stream.info.baseline_counts[where.cell()] + 960.0 * signal / (1 + 0.012 * signal);
-    EXPECT_NEAR(stream.counts[frame * 1024 + where.cell()], expected, 8.0) << frame;
+    // Five standard deviations of the noise, and half a count of rounding.
+    EXPECT_NEAR(stream.counts[frame * 1024 + where.cell()], expected, 5.0 * 1.5 + 0.5) << frame;
   }
 }
 
-TEST(SceneGlove, CountsFramesThroughPausesAndLosses) {
+TEST(SceneGlove, SequenceNumbersIncludePausesAndLostFrames) {
   SceneOptions options;
   const GloveClock clock = glove_clock(options);
   Glove glove(1, {}, clock, options.seed);
   const std::vector<double> force_n(680, 0.0);
   glove.start(0.0);
-  for (int i = 1; i <= 30000; ++i) feel(glove, force_n, i);
+  for (int i = 1; i <= 30000; ++i) sense(glove, force_n, i);
   const GloveStream stream = glove.take();
   const double sent = static_cast<double>(stream.sequence.back() - stream.sequence.front() + 1);
-  EXPECT_NEAR(1.0 - static_cast<double>(stream.frames()) / sent, clock.lost_share, 0.015);
+  // Three standard errors of a binomial fraction.
+  EXPECT_NEAR(1.0 - static_cast<double>(stream.frames()) / sent, clock.lost_share,
+              3.0 * std::sqrt(clock.lost_share / sent));
   double mean_delay_s = 0.0;
   for (std::size_t i = 0; i < stream.frames(); ++i) {
     const double scanned_s = clock.first_frame_s +
@@ -124,19 +132,21 @@ TEST(SceneGlove, CountsFramesThroughPausesAndLosses) {
       EXPECT_GT(stream.host_time_s[i], stream.host_time_s[i - 1]);
     }
   }
-  EXPECT_NEAR(mean_delay_s, clock.latency_s + clock.jitter_s, 0.0005);
+  // Four standard errors of an exponential mean; five standard deviations of the clock's rate.
+  EXPECT_NEAR(mean_delay_s, clock.latency_s + clock.jitter_s,
+              4.0 * clock.jitter_s / std::sqrt(static_cast<double>(stream.frames())));
   EXPECT_NEAR(clock.rate_hz, 15.0, 15.0 * 200e-6);
   EXPECT_GT(stream.sequence.front(), 100u);
 }
 
-TEST(SceneGlove, AFrameDoesNotDependOnWhenRecordingBegan) {
+TEST(SceneGlove, FramesDoNotDependOnTheStartOfRecording) {
   const GloveClock clock = lossless();
   const std::vector<double> force_n(680, 0.0);
   Glove early(1, {}, clock, 7), late(1, {}, clock, 7);
   early.start(0.0);
   late.start(1.0);
-  for (int i = 1; i <= 1000; ++i) feel(early, force_n, i);
-  for (int i = 501; i <= 1000; ++i) feel(late, force_n, i);
+  for (int i = 1; i <= 1000; ++i) sense(early, force_n, i);
+  for (int i = 501; i <= 1000; ++i) sense(late, force_n, i);
   const GloveStream all = early.take(), part = late.take();
   ASSERT_EQ(all.sequence.back(), part.sequence.back());
   EXPECT_TRUE(std::equal(part.counts.rbegin(), part.counts.rend(), all.counts.rbegin()));

@@ -9,7 +9,7 @@
 namespace touchtrace::scene {
 namespace {
 
-TEST(SceneInertial, RestsUnderGravityAndIntegratesToTheRotation) {
+TEST(SceneInertial, MeasuresGravityAtRestAndIntegratesToTheRotation) {
   int rows = 0;
   verify_inertial([&](const Figure& figure) {
     ++rows;
@@ -29,8 +29,8 @@ std::vector<SceneSample> spinning(double rad_per_s) {
   return samples;
 }
 
-// On a hand that spins upright the unit is pulled towards the axis by rate^2 times its distance.
-TEST(SceneInertial, FeelsTheCentripetalAccelerationOfItsPlace) {
+// A unit at a distance r from the axis of rotation has the acceleration rate^2 r.
+TEST(SceneInertial, MeasuresTheCentripetalAccelerationOfItsPosition) {
   SceneOptions options;
   options.parameters.inertial.force_offset_g = options.parameters.inertial.rate_offset_deg_per_s =
       0;
@@ -42,11 +42,11 @@ TEST(SceneInertial, FeelsTheCentripetalAccelerationOfItsPlace) {
   for (std::size_t i = 0; i < stream.sequence.size(); ++i)
     force += stream.specific_force_m_per_s2[3 * i] / count,
         turning += stream.angular_velocity_rad_per_s[3 * i + 2] / count;
-  EXPECT_NEAR(force, rate * rate * lever_m, 0.005);  // means over a period are 6e-4 too small
+  EXPECT_NEAR(force, rate * rate * lever_m, 0.005);  // means over a period are smaller by 6e-4
   EXPECT_NEAR(turning, rate, 1e-3);
 }
 
-TEST(SceneInertial, TellsTheVerticalWithinItsOffsets) {
+TEST(SceneInertial, EstimatesTheVerticalWithinItsOffsets) {
   SceneOptions options;
   options.inertial_unit = true;
   const ClipMotion motion = simulate_clip(options, 0, 0.0);

@@ -29,7 +29,7 @@ mass_kg = 0.2
 color = [1, 0, 0]
 )";
 
-/// `plain_ball` with its mass given as `body` instead.
+/// `plain_ball` with [body] instead of the solid's mass.
 std::string with_body(const std::string& body) {
   std::string text = plain_ball;
   text.erase(text.find("mass_kg"), std::string("mass_kg = 0.2\n").size());
@@ -42,7 +42,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 ObjectSpec parsed(const std::string& text) { return parse_object("test", text, "test.toml"); }
 
-std::string refusal_of(const std::string& text) {
+std::string rejection_of(const std::string& text) {
   try {
     parsed(text);
     return "";
@@ -52,8 +52,8 @@ std::string refusal_of(const std::string& text) {
   }
 }
 
-/// Mass properties of a body of 1 kg/m^3 by counting points on a grid of `cells`^3.
-MassProperties counted(const Solid& solid, double wall_m, double half_m, int cells) {
+/// Mass properties at 1 kg/m^3 by summation over a grid of `cells`^3 points.
+MassProperties grid_sum(const Solid& solid, double wall_m, double half_m, int cells) {
   const double step = 2 * half_m / cells, piece = step * step * step;
   MassProperties sum;
   for (int i = 0; i < cells * cells * cells; ++i) {
@@ -71,7 +71,7 @@ MassProperties counted(const Solid& solid, double wall_m, double half_m, int cel
   return sum;
 }
 
-TEST(SceneObjects, MassesOfSolidsAreTheirIntegrals) {
+TEST(SceneObjects, MassPropertiesAreIntegralsOverTheSolid) {
   for (ShapeKind kind :
        {ShapeKind::sphere, ShapeKind::box, ShapeKind::capsule, ShapeKind::cylinder})
     for (double wall_m : {0.0, 0.1}) {
@@ -79,9 +79,11 @@ TEST(SceneObjects, MassesOfSolidsAreTheirIntegrals) {
       solid.body_from_shape = Eigen::Translation3d(0.05, -0.02, 0.03) *
                               Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
       const MassProperties exact = volume_properties(solid, wall_m);
-      const MassProperties sum = counted(solid, wall_m, 0.8, 160);
-      // Cells of 1 cm that the surface cuts are counted wholly or not at all: errors of either
-      // sign.
+      const MassProperties sum = grid_sum(solid, wall_m, 0.8, 160);
+      // Cells of 1 cm at the surface count entirely or not at all, so errors have both signs: about
+      // v sqrt(N / 12) for N = 2e4 cut cells of volume v = 1e-6 m^3, which is 4e-4 of 0.1 m^3. The
+      // bounds are 5 times that for the volume, 12 times for moments, where distant cells weigh
+      // more.
       EXPECT_NEAR(sum.mass_kg / exact.mass_kg, 1.0, 2e-3) << static_cast<int>(kind);
       EXPECT_LT((sum.center_m - exact.center_m).norm(), 1e-3);
       EXPECT_LT((sum.inertia_kg_m2 - exact.inertia_kg_m2).norm() / exact.inertia_kg_m2.norm(), 5e-3)
@@ -89,17 +91,17 @@ TEST(SceneObjects, MassesOfSolidsAreTheirIntegrals) {
     }
 }
 
-TEST(SceneObjects, JoinedBodiesFollowTheParallelAxisTheorem) {
+TEST(SceneObjects, CombinedBodiesFollowTheParallelAxisTheorem) {
   const MassProperties point{1.0, {0.1, 0.0, 0.0}, Matrix3d::Zero()};
   const MassProperties other{3.0, {-0.1, 0.0, 0.0}, Matrix3d::Zero()};
-  const MassProperties both = joined({point, other});
+  const MassProperties both = combined({point, other});
   EXPECT_DOUBLE_EQ(both.mass_kg, 4.0);
   EXPECT_NEAR(both.center_m.x(), -0.05, 1e-15);
   EXPECT_NEAR(both.inertia_kg_m2(1, 1), 0.75 * 0.04, 1e-15);  // reduced mass x distance^2
   EXPECT_NEAR(both.inertia_kg_m2(0, 0), 0.0, 1e-15);
 }
 
-TEST(SceneObjects, FifteenAndOneFarOutside) {
+TEST(SceneObjects, HaveTwelveSeenThreeUnseenOneOutside) {
   std::map<ObjectRole, int> count;
   std::set<std::string> names;
   double lightest = 1e9, heaviest = 0.0;
@@ -123,21 +125,23 @@ TEST(SceneObjects, FifteenAndOneFarOutside) {
   for (const char* name : {"ball", "box", "can", "bottle"}) EXPECT_TRUE(names.contains(name));
 }
 
-TEST(SceneObjects, TheTrackedPointIsOfTheFileAndTheStateOfItsCentre) {
+TEST(SceneObjects, TrackedPointIsRelativeToTheCentreOfMass) {
   const std::string beside = replaced(plain_ball, "mass_kg", "center_m = [0, 0, 0.1]\nmass_kg");
   EXPECT_EQ(parsed(beside).tracked_m, Vector3d::Zero());
   EXPECT_LT((parsed("tracked_m = [0, 0, 0.4]\n" + beside).tracked_m - Vector3d(0, 0, 0.3)).norm(),
             1e-12);
-  const std::string ball =
+  std::string ball =
       "[ball]\nradius_m = 0.02\nmass_kg = 0.003\ndrag_coefficient = 0.4\n"
       "restitution = 0.8\nfriction = 0.5\nmeets_m = [0, 0, 0.3]\n"
       "color = [1, 1, 1]\n";
   EXPECT_EQ(parsed(beside + ball).ball->mass_kg, 0.003);
-  EXPECT_NEAR(parsed(beside + ball).ball->meets_m.z(), 0.2, 1e-12);
-  EXPECT_NE(refusal_of("tracked_m = [0, 0, 0.4]\n" + beside + ball), "");
+  EXPECT_NEAR(parsed(beside + ball).ball->face_center_m.z(), 0.2, 1e-12);
+  EXPECT_NE(rejection_of("tracked_m = [0, 0, 0.4]\n" + beside + ball), "");
+  ball = replaced(ball, "face_center_m", "meets_m");  // former name
+  EXPECT_NEAR(parsed(beside + ball).ball->face_center_m.z(), 0.2, 1e-12);
 }
 
-TEST(SceneObjects, BodiesAreThoseOfMatter) {
+TEST(SceneObjects, MassPropertiesArePhysical) {
   for (const ObjectSpec& object : objects()) {
     const Vector3d moments =
         Eigen::SelfAdjointEigenSolver<Matrix3d>(object.inertia_kg_m2).eigenvalues();
@@ -149,7 +153,7 @@ TEST(SceneObjects, BodiesAreThoseOfMatter) {
   }
 }
 
-TEST(SceneObjects, ContentsChangeWhatIsFeltAndNotWhatIsSeen) {
+TEST(SceneObjects, ContentsChangeMassButNotShape) {
   const ObjectSpec &full = find_object("bottle"), &half = find_object("bottle-half"),
                    &empty = find_object("bottle-empty");
   EXPECT_LT(empty.mass_kg, 0.5 * half.mass_kg);
@@ -159,16 +163,16 @@ TEST(SceneObjects, ContentsChangeWhatIsFeltAndNotWhatIsSeen) {
   EXPECT_GT(half.solids.front().body_from_shape.translation().norm(), 0.01);  // bottom-heavy
 }
 
-TEST(SceneObjects, AGivenBodyIsTakenAsItIs) {
+TEST(SceneObjects, GivenBodyReplacesComputedMassProperties) {
   const ObjectSpec object = parsed(with_body("inertia_kg_m2 = [8e-5, 7e-5, 6e-5, 1e-6, 0, 0]\n"));
   EXPECT_TRUE(object.inertia_given);
   EXPECT_EQ(object.inertia_kg_m2(0, 1), 1e-6);
   EXPECT_FALSE(parsed(plain_ball).inertia_given);
 }
 
-TEST(SceneObjects, WhatIsNoObjectIsRefused) {
+TEST(SceneObjects, RejectsInvalidFiles) {
   const auto says = [](const std::string& text, const std::string& expected) {
-    EXPECT_NE(refusal_of(text).find(expected), std::string::npos) << refusal_of(text);
+    EXPECT_NE(rejection_of(text).find(expected), std::string::npos) << rejection_of(text);
   };
   says("", "summary is missing");
   says("summary = [", "test.toml:1");
@@ -178,17 +182,17 @@ TEST(SceneObjects, WhatIsNoObjectIsRefused) {
   says(replaced(plain_ball, "0.2", "-1"), "mass_kg is -1");
   says(replaced(plain_ball, "0.2", "1e30"), "mass_kg is 1e+30");
   says(replaced(plain_ball, "0.2", "inf"), "mass_kg is inf");
-  says(replaced(plain_ball, "0.2", "1e-5"), "mass is 1e-05 kg in all");
+  says(replaced(plain_ball, "0.2", "1e-5"), "mass is 1e-05 kg in total");
   says(replaced(plain_ball, "0.03", "50"), "radius_m is 50");
-  says(replaced(plain_ball, "sphere", "cone"), "shape is none of sphere, box");
-  says(replaced(plain_ball, "seen", "hidden"), "role is none of");
+  says(replaced(plain_ball, "sphere", "cone"), "shape is not one of sphere, box");
+  says(replaced(plain_ball, "seen", "hidden"), "role is not one of");
   says(replaced(plain_ball, "friction", "fricton"), "friction is missing");
-  says(plain_ball + "weight = 3\n", "has no key 'weight'");
-  says("weight = 3\n" + plain_ball, "has no key 'weight'");
+  says(plain_ball + "weight = 3\n", "unknown key 'weight'");
+  says("weight = 3\n" + plain_ball, "unknown key 'weight'");
   says(plain_ball + "wall_m = 0.03\n", "wall_m is 0.03");
   says(plain_ball + "axis = [0, 0, 0]\n", "axis has no direction");
   says(plain_ball + "center_m = [0, 0]\n", "center_m does not hold 3 numbers");
-  says(plain_ball + "[hold]\nacross = [0, 0, 1]\n", "from_palm is along `across`");
+  says(plain_ball + "[hold]\nacross = [0, 0, 1]\n", "from_palm is parallel to `across`");
   says("toss_apex_m = [0.3, 0.1]\n" + plain_ball, "toss_apex_m is not [low, high]");
   says(with_body("inertia_kg_m2 = [1e-5, 1e-5, 3e-5, 0, 0, 0]\n"), "triangle inequality");
   says(with_body("inertia_kg_m2 = [1e-5, 1e-5, -1e-5, 0, 0, 0]\n"), "positive definite");
@@ -200,20 +204,20 @@ TEST(SceneObjects, WhatIsNoObjectIsRefused) {
        "outside of the solids");
 }
 
-TEST(SceneObjects, FilesAreNamedAsTheirObjects) {
+TEST(SceneObjects, NameOfTheObjectIsThatOfItsFile) {
   const touchtrace::testing::TemporaryFolder folder;
   std::ofstream(folder / "my_ball.toml") << plain_ball;
   std::ofstream(folder / "My Ball.toml") << plain_ball;
-  EXPECT_EQ(object_of((folder / "my_ball.toml").string()).name, "my_ball");
-  EXPECT_THROW(object_of((folder / "My Ball.toml").string()), Error);
-  EXPECT_THROW(object_of((folder / "none.toml").string()), Error);
-  EXPECT_EQ(object_of("can").name, "can");
+  EXPECT_EQ(load_object((folder / "my_ball.toml").string()).name, "my_ball");
+  EXPECT_THROW(load_object((folder / "My Ball.toml").string()), Error);
+  EXPECT_THROW(load_object((folder / "none.toml").string()), Error);
+  EXPECT_EQ(load_object("can").name, "can");
 }
 
-/// Bytes of real files changed, removed and doubled at random: parsed or refused, nothing else.
-TEST(SceneObjects, DamagedFilesAreReadOrRefused) {
+/// Real files with bytes changed, removed and duplicated at random.
+TEST(SceneObjects, DamagedFilesAreParsedOrRejected) {
   RandomStream random(1, "damaged objects");
-  int refused = 0;
+  int num_rejected = 0;
   for (int i = 0; i < 4000; ++i) {
     auto file = object_texts().begin();
     std::advance(file, static_cast<long>(random.below(object_texts().size())));
@@ -236,15 +240,15 @@ TEST(SceneObjects, DamagedFilesAreReadOrRefused) {
       EXPECT_TRUE(parsed(text).inertia_kg_m2.allFinite());
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ExitCode::data);
-      ++refused;
+      ++num_rejected;
     }
   }
-  EXPECT_GT(refused, 1000);
+  EXPECT_GT(num_rejected, 1000);
 }
 
-TEST(SceneObjects, DeepNestingIsRefused) {
-  EXPECT_NE(refusal_of("a = " + std::string(30000, '[')), "");
-  EXPECT_NE(refusal_of("a = " + std::string(10000, '[') + std::string(10000, ']')), "");
+TEST(SceneObjects, RejectsDeepNesting) {
+  EXPECT_NE(rejection_of("a = " + std::string(30000, '[')), "");
+  EXPECT_NE(rejection_of("a = " + std::string(10000, '[') + std::string(10000, ']')), "");
 }
 
 }  // namespace

@@ -6,21 +6,20 @@
 
 #include "pipeline/scene/objects/solids.h"
 #include "tests/verify/scene/closed_forms.h"
-#include "tests/verify/scene/laboratory.h"
+#include "tests/verify/scene/setups.h"
 
 namespace touchtrace::scene {
 namespace {
 
 using Eigen::Vector3d;
 
-/// A ball that has bounced off the middle of a palm that stands upright, so that gravity does no
-/// work on the way out.
+/// World after a ball has bounced off the centre of a vertical palm, so that gravity does no work.
 World bounced(const ContactParameters& contact, double speed, double h) {
-  World world(sphere(0.02, 0.0, 0.0286), stand(), contact);
+  World world(sphere(0.02, 0.0, 0.0286), rigid_arm(), contact);
   world.hand.orientation = Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3d::UnitY());
-  put_above(world, Vector3d::Zero(), 1e-6);
+  place_above(world, Vector3d::Zero(), 1e-6);
   world.object.velocity_m_per_s = -speed * (world.hand.orientation * Vector3d::UnitZ());
-  const Drive drive = keep_still(world);
+  const Drive drive = hold_still(world);
   for (bool touched = false; !touched || world.contact().touching();) {
     world.step(drive, h);
     touched |= world.contact().touching();
@@ -28,13 +27,13 @@ World bounced(const ContactParameters& contact, double speed, double h) {
   return world;
 }
 
-/// Speed away from the palm after the bounce over that before.
+/// Speed after the bounce over that before.
 double restitution(const ContactParameters& contact, double speed, double h) {
   const World world = bounced(contact, speed, h);
   return world.object.velocity_m_per_s.dot(world.hand.orientation * Vector3d::UnitZ()) / speed;
 }
 
-TEST(SceneSolids, DistancesAreExactOnBothSides) {
+TEST(SceneSolids, DistancesAreExactInsideAndOutside) {
   const Solid can{ShapeKind::cylinder, {0.03, 0.05, 0.0}};
   EXPECT_NEAR(distance(can, {0.04, 0.0, 0.0}).value_m, 0.01, 1e-15);
   EXPECT_NEAR(distance(can, {0.0, 0.02, 0.045}).value_m, -0.005, 1e-15);
@@ -66,60 +65,62 @@ TEST(SceneSolids, NormalsAreGradients) {
   }
 }
 
-TEST(ScenePhysics, ClosedFormsHold) {
+TEST(ScenePhysics, MatchesClosedForms) {
   for (const ClosedForm& form : closed_forms()) {
-    EXPECT_LE(form.error(form.step_s), form.largest) << form.name;
-    if (form.order > 0.0) {
-      EXPECT_GE(order_of_convergence(convergence(form)), form.order) << form.name;
+    EXPECT_LE(form.error(form.step_s), form.max_error) << form.name;
+    if (form.min_order > 0.0) {
+      EXPECT_GE(order_of_convergence(convergence(form)), form.min_order) << form.name;
     }
   }
 }
 
-TEST(ScenePhysics, TheChecksCanFail) {
+TEST(ScenePhysics, ClosedFormChecksFailForCoarseSteps) {
   const auto error_of_coarse_steps = [](const ClosedForm& form) {
     return form.error(20 * form.step_s);
   };
   int exceeded = 0;
   for (const ClosedForm& form : closed_forms())
-    if (form.order > 0.0) exceeded += error_of_coarse_steps(form) > form.largest;
+    if (form.min_order > 0.0) exceeded += error_of_coarse_steps(form) > form.max_error;
   EXPECT_GE(exceeded, 3);
 }
 
-TEST(ScenePhysics, TheWorstOfValuesDoesNotForgetOneThatIsNone) {
-  Worst worst;
+TEST(ScenePhysics, MaxErrorKeepsNan) {
+  MaxError worst;
   for (const double value : {0.5, std::nan(""), 0.1}) worst.add(value);
   EXPECT_TRUE(std::isnan(worst.value));
 }
 
-TEST(ScenePhysics, ARestingBlockPressesWithItsWeight) {
+TEST(ScenePhysics, RestingBlockPressesWithItsWeight) {
   for (double mass_kg : {0.005, 0.05, 0.5, 10.0})
     for (double h : {0.0005, 0.002, 0.01})
       EXPECT_NEAR(resting_force_ratio(mass_kg, h, 3.0), 1.0, 1e-3)
           << mass_kg << " kg, " << h << " s";
 }
 
-TEST(ScenePhysics, ABlockStaysBelowTheFrictionAngle) {
-  World world(block(0.2, 0.5, {0.06, 0.06, 0.02}), stand());
+TEST(ScenePhysics, BlockSticksBelowTheAngleOfFriction) {
+  World world(block(0.2, 0.5, {0.06, 0.06, 0.02}), rigid_arm());
   world.hand.orientation = Eigen::AngleAxisd(std::atan(0.3), Vector3d::UnitX());
-  put_above(world, {0.05, 0.0, 0.0}, 0.0002);
-  run(world, keep_still(world), 3.0, 0.0005);
+  place_above(world, {0.05, 0.0, 0.0}, 0.0002);
+  run(world, hold_still(world), 3.0, 0.0005);
   EXPECT_LT(world.object.velocity_m_per_s.norm(), 1e-4);
 }
 
-/// The sled still bounces on the palm, so what presses it is measured: its momentum's change.
-TEST(ScenePhysics, ASledSlidesBeyondTheFrictionAngle) {
+/// The sled still bounces on the palm, so the normal force is taken from the change of its
+/// momentum.
+TEST(ScenePhysics, SledSlidesAboveTheAngleOfFriction) {
   const double friction = 0.5, seconds = 0.02, h = 0.0005;
   for (double from_s : {0.04, 0.06, 0.08}) {
-    World sliding(sled(0.2, friction), stand());
+    World sliding(sled(0.2, friction), rigid_arm());
     sliding.hand.orientation = Eigen::AngleAxisd(std::atan(0.8), Vector3d::UnitX());
-    put_above(sliding, sled_place_m, 0.0002);
-    const Drive drive = keep_still(sliding);
+    place_above(sliding, sled_place_m, 0.0002);
+    const Drive drive = hold_still(sliding);
     run(sliding, drive, from_s, h);
     const Vector3d before = sliding.object.velocity_m_per_s;
     run(sliding, drive, seconds, h);
     const Vector3d acceleration = (sliding.object.velocity_m_per_s - before) / seconds;
     const Vector3d normal = sliding.object.orientation * Vector3d::UnitZ();
-    const Vector3d downhill = normal * normal.z() - Vector3d::UnitZ();  // its length the sine
+    const Vector3d downhill =
+        normal * normal.z() - Vector3d::UnitZ();  // its norm is the sine of the slope
     const double pressed = normal.dot(acceleration + gravity_m_per_s2 * Vector3d::UnitZ());
     EXPECT_GT(pressed, 0.1 * gravity_m_per_s2) << from_s;
     EXPECT_NEAR(acceleration.dot(downhill.normalized()),
@@ -131,8 +132,8 @@ TEST(ScenePhysics, ASledSlidesBeyondTheFrictionAngle) {
 TEST(ScenePhysics, TissueStiffensExponentially) {
   const ContactParameters contact;
   for (double depth_m : {0.0002, 0.001, 0.004, 0.0075}) {
-    World world(sled(0.2, 0.0), stand());
-    put_above(world, sled_place_m, 0.0);
+    World world(sled(0.2, 0.0), rigid_arm());
+    place_above(world, sled_place_m, 0.0);
     world.object.position_m.z() -= depth_m;
     double expected_n = 0.0;
     for (const Taxel& taxel : world.model().taxels) {
@@ -141,55 +142,56 @@ TEST(ScenePhysics, TissueStiffensExponentially) {
       expected_n -= contact.stiffness_n_per_m3 * taxel.area_m2 * contact.hardening_m *
                     std::expm1(-d.value_m / contact.hardening_m) * d.normal.z();
     }
-    world.step(keep_still(world), 1e-9);
+    world.step(hold_still(world), 1e-9);
     EXPECT_NEAR(world.force_on_object_n().z() / expected_n, 1.0, 1e-5) << depth_m;
   }
 }
 
-TEST(ScenePhysics, ADampedBounceIsTheClosedForm) {
+TEST(ScenePhysics, DampedBounceMatchesTheClosedForm) {
   for (double speed : {0.2, 0.5, 1.0})
     EXPECT_NEAR(restitution({}, speed, 1e-4), closed_form_restitution(3.0, speed), 0.03) << speed;
 }
 
-TEST(ScenePhysics, AnElasticBounceKeepsItsEnergyAtSecondOrder) {
+TEST(ScenePhysics, ElasticBounceConservesEnergyAtSecondOrder) {
   ContactParameters elastic;
   elastic.dissipation_s_per_m = 0.0;
   const double speed = 0.3, kinetic_j = 0.01 * speed * speed;
-  World before(sphere(0.02, 0.0, 0.0286), stand(), elastic);
+  World before(sphere(0.02, 0.0, 0.0286), rigid_arm(), elastic);
   before.hand.orientation = Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3d::UnitY());
-  put_above(before, Vector3d::Zero(), 1e-6);
+  place_above(before, Vector3d::Zero(), 1e-6);
   const double height_j = energy_j(before);
   for (double h : {0.0008, 0.0004, 0.0002, 0.0001, 0.00005}) {
     const double gain = (energy_j(bounced(elastic, speed, h)) - height_j) / kinetic_j - 1.0;
-    const double swing = h * 600.0;  // 0.02 kg on a dozen taxels of 500 N/m
+    const double swing = h * 600.0;  // natural frequency of 0.02 kg on a dozen taxels of 500 N/m
     EXPECT_LT(std::abs(gain), 0.1 * swing * swing) << h;
   }
 }
 
 TEST(ScenePhysics, ExtremesStayFiniteAndGainNoEnergy) {
   for (double mass_kg : {0.005, 0.2, 10.0})
-    for (double stiffer : {0.01, 1.0, 100.0})
+    for (double stiffness_factor : {0.01, 1.0, 100.0})
       for (double friction : {0.0, 2.0})
         for (double h : {0.0001, 0.001, 0.01}) {
           ContactParameters contact;
-          contact.stiffness_n_per_m3 *= stiffer;
-          World world(sphere(mass_kg, friction, 0.03), stand(), contact);
-          put_above(world, {0.0, 0.005, 0.0}, 0.001);
+          contact.stiffness_n_per_m3 *= stiffness_factor;
+          World world(sphere(mass_kg, friction, 0.03), rigid_arm(), contact);
+          place_above(world, {0.0, 0.005, 0.0}, 0.001);
           world.object.velocity_m_per_s = {0.5, 0.0, -10.0};
-          const Drive drive = keep_still(world);
+          const Drive drive = hold_still(world);
           const double before = energy_j(world);
           for (double t = 0.0; t < 0.1; t += h) world.step(drive, h);
-          ASSERT_TRUE(finite(world)) << mass_kg << ' ' << stiffer << ' ' << friction << ' ' << h;
+          ASSERT_TRUE(is_finite(world))
+              << mass_kg << ' ' << stiffness_factor << ' ' << friction << ' ' << h;
           EXPECT_LE(energy_j(world), before + 1e-3 * std::abs(before))
-              << mass_kg << ' ' << stiffer << ' ' << friction << ' ' << h;
+              << mass_kg << ' ' << stiffness_factor << ' ' << friction << ' ' << h;
         }
 }
 
-/// The copy's contacts are its own: it goes on to the same bits when the other one is long gone.
-TEST(ScenePhysics, ACopyGoesOnAsTheOther) {
-  auto world = std::make_unique<World>(block(0.2, 0.7, {0.03, 0.03, 0.02}), stand());
-  put_above(*world, Vector3d::Zero(), 1e-6);
-  const Drive drive = keep_still(*world);
+/// A copy owns its contacts: it continues to the same bits after the original is destroyed.
+TEST(ScenePhysics, CopyContinuesLikeTheOriginal) {
+  auto world = std::make_unique<World>(block(0.2, 0.7, {0.03, 0.03, 0.02}), rigid_arm());
+  place_above(*world, Vector3d::Zero(), 1e-6);
+  const Drive drive = hold_still(*world);
   run(*world, drive, 0.1, 0.002);
   ASSERT_TRUE(world->contact().touching());
   World copy = *world;
@@ -202,23 +204,23 @@ TEST(ScenePhysics, ACopyGoesOnAsTheOther) {
   EXPECT_EQ(copy.object.velocity_m_per_s, other.velocity_m_per_s);
 }
 
-TEST(ScenePhysics, DepthBeyondTheLawIsCounted) {
-  World world(sphere(10.0, 0.5, 0.03), stand());
-  put_above(world, Vector3d::Zero(), 0.0);
+TEST(ScenePhysics, TooDeepContactsAreCounted) {
+  World world(sphere(10.0, 0.5, 0.03), rigid_arm());
+  place_above(world, Vector3d::Zero(), 0.0);
   world.object.velocity_m_per_s.z() = -5.0;
-  const Drive drive = keep_still(world);
+  const Drive drive = hold_still(world);
   for (int i = 0; i < 20; ++i) world.step(drive, 0.001);
-  EXPECT_GT(world.contact().clamp_hits(), 0);
+  EXPECT_GT(world.contact().num_clamped(), 0);
 }
 
-TEST(ScenePhysics, TheArmGivesWayUnderItsBound) {
+TEST(ScenePhysics, ArmForceIsLimited) {
   World world(sphere(0.1, 0.5, 0.03));
   world.object.position_m.z() = 50.0;
-  Drive drive = keep_still(world);
-  drive.position_m.x() = 10.0;  // asks for 3 kN
+  Drive drive = hold_still(world);
+  drive.position_m.x() = 10.0;  // demands 3 kN
   world.step(drive, 0.001);
   const ArmParameters arm;
-  EXPECT_NEAR(world.hand.velocity_m_per_s.x(), 0.001 * arm.force_bound_n / arm.mass_kg, 1e-12);
+  EXPECT_NEAR(world.hand.velocity_m_per_s.x(), 0.001 * arm.max_force_n / arm.mass_kg, 1e-12);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ int simulate(const std::vector<std::string>& more) {
 
 std::string hash(const std::filesystem::path& path) { return sha256_of(read_file(path)); }
 
-TEST(SimulateCommand, SeveralObjectsAreAFolderOfRecordings) {
+TEST(SimulateCommand, WritesOneRecordingPerObject) {
   const TemporaryFolder folder;
   ASSERT_EQ(simulate({(folder / "two").string(), "--object", "bottle,bottle-empty"}), 0);
   for (const char* name : {"bottle", "bottle-empty"}) {
@@ -33,7 +33,7 @@ TEST(SimulateCommand, SeveralObjectsAreAFolderOfRecordings) {
   }
 }
 
-TEST(SimulateCommand, ARoleIsAllItsObjects) {
+TEST(SimulateCommand, RoleSelectsAllItsObjects) {
   const TemporaryFolder folder;
   ASSERT_EQ(simulate({(folder / "unseen").string(), "--object", "unseen"}), 0);
   for (const scene::ObjectSpec& object : scene::objects())
@@ -41,7 +41,7 @@ TEST(SimulateCommand, ARoleIsAllItsObjects) {
               object.role == scene::ObjectRole::unseen);
 }
 
-TEST(SimulateCommand, ARecordingWithoutImagesHasNoRateOfThem) {
+TEST(SimulateCommand, CheckReportsNoCameraRateWithoutImages) {
   const TemporaryFolder folder;
   const std::string file = (folder / "touch.h5").string();
   ASSERT_EQ(simulate({file}), 0);
@@ -55,7 +55,7 @@ TEST(SimulateCommand, ARecordingWithoutImagesHasNoRateOfThem) {
   EXPECT_EQ(said.find("nan"), std::string::npos) << said;
 }
 
-TEST(SimulateCommand, EveryActivityHasAnObjectOfItsOwnChoice) {
+TEST(SimulateCommand, EveryActivityHasADefaultObject) {
   const TemporaryFolder folder;
   for (const std::string& activity : scene::activity_names()) {
     const auto file = folder / (activity + ".h5");
@@ -65,7 +65,7 @@ TEST(SimulateCommand, EveryActivityHasAnObjectOfItsOwnChoice) {
   }
 }
 
-TEST(SimulateCommand, ResumingMakesOnlyWhatIsMissing) {
+TEST(SimulateCommand, ResumeSimulatesOnlyMissingRecordings) {
   const TemporaryFolder folder;
   const std::string out = (folder / "out").string();
   const std::vector<std::string> command{out, "--object", "ball,cube", "--resume"};
@@ -81,7 +81,34 @@ TEST(SimulateCommand, ResumingMakesOnlyWhatIsMissing) {
   EXPECT_EQ(simulate({out, "--object", "ball,cube"}), 2);  // they exist
 }
 
-TEST(SimulateCommand, ASceneFileSaysItAll) {
+TEST(SimulateCommand, FormerNamesOfCommandFlagAndKeyAreAccepted) {
+  const TemporaryFolder folder;
+  const auto glove_noise = [](const std::filesystem::path& file) {
+    return RecordingReader(file).recording().provenance.options["parameters"]["glove-noise"];
+  };
+  for (const char* flag : {"--set", "--assume"}) {
+    ASSERT_EQ(simulate({(folder / flag).string(), flag, "glove-noise=3"}), 0) << flag;
+    EXPECT_EQ(glove_noise(folder / flag), 3.0) << flag;
+  }
+  for (const std::string key : {"set", "assume"}) {
+    write_file(folder / (key + ".toml"), "[simulate]\n" + key + " = [\"glove-noise=3\"]\n", false);
+    ASSERT_EQ(simulate({(folder / key).string(), "--config", (folder / (key + ".toml")).string()}),
+              0);
+    EXPECT_EQ(glove_noise(folder / key), 3.0) << key;
+  }
+  for (const char* name : {"parameters", "assumptions"}) {
+    const std::array argv{"touchtrace", name, "--json"};
+    ::testing::internal::CaptureStdout();
+    EXPECT_EQ(cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
+                                    argv.data()),
+              0)
+        << name;
+    const auto document = nlohmann::json::parse(::testing::internal::GetCapturedStdout());
+    EXPECT_GT(document.at("parameters").size(), 100u) << name;
+  }
+}
+
+TEST(SimulateCommand, ReadsOptionsFromAConfigurationFile) {
   const TemporaryFolder folder;
   const std::string out = (folder / "out").string();
   write_file(folder / "scene.toml",
@@ -91,7 +118,7 @@ TEST(SimulateCommand, ASceneFileSaysItAll) {
   EXPECT_EQ(RecordingReader(folder / "out/egg.h5").recording().activity, "throw");
 }
 
-TEST(SimulateCommand, WhatCannotBeMeantIsRefused) {
+TEST(SimulateCommand, RejectsInvalidObjects) {
   const TemporaryFolder folder;
   const std::string out = (folder / "out").string();
   EXPECT_EQ(simulate({out, "--object", "ball,bal"}), 2);

@@ -1,5 +1,4 @@
-// What scripts/oclgrind_kernels runs of this executable under oclgrind: the kernels of images on a
-// small one.
+// Run by scripts/oclgrind_kernels under oclgrind: the rendering kernels on a small image.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,8 +8,8 @@
 namespace touchtrace::scene {
 namespace {
 
-/// A box right across the view with a solid of each kind and pattern before it, some at the image's
-/// edges.
+/// A box across the entire view, with a solid of each kind and pattern before it, some at the
+/// image's edges.
 std::vector<PaintedSolid> one_of_each(const RgbdCamera& camera) {
   const auto at = [&](double x, double y, double depth_m) -> Eigen::Isometry3d {
     return camera.color_from_world.inverse() * Eigen::Translation3d(x, y, depth_m) *
@@ -31,13 +30,13 @@ std::vector<PaintedSolid> one_of_each(const RgbdCamera& camera) {
   return solids;
 }
 
-TEST(UnderOclgrind, KernelsOfImagesOnASmallOne) {
+TEST(UnderOclgrind, RenderingKernelsOnASmallImage) {
   SceneOptions options;
   options.image_width = 32, options.image_height = 24;
   const RgbdCamera camera = make_camera(options);
   Runtime runtime(choose_device(""));
   const RgbdFrame frame =
-      Renderer(runtime, camera, 1).render(still(one_of_each(camera)), "frame", 0, 1);
+      Renderer(runtime, camera, 1).render(static_exposure(one_of_each(camera)), "frame", 0, 1);
   const auto [darkest, brightest] = std::ranges::minmax(frame.color);
   const auto [nearest, farthest] = std::ranges::minmax(frame.depth);
   EXPECT_LT(darkest, brightest);

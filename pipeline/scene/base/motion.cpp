@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/scene/objects/lane_turns.h"
+#include "pipeline/scene/objects/sin_cos.h"
 
 namespace touchtrace::scene {
 
-double passage(double time_s, double start_s, double duration_s) {
+double minimum_jerk_progress(double time_s, double start_s, double duration_s) {
   const double s = std::clamp((time_s - start_s) / duration_s, 0.0, 1.0);
   return s * s * s * (10 - 15 * s + 6 * s * s);
 }
@@ -43,7 +43,7 @@ double draw(RandomStream& random, const Interval& range) {
   return random.uniform(range[0], range[1]);
 }
 
-int draw_whole(RandomStream& random, const Interval& range) {
+int draw_integer(RandomStream& random, const Interval& range) {
   const auto low = std::lround(range[0]), high = std::lround(range[1]);
   return static_cast<int>(
       low + static_cast<long>(random.below(static_cast<std::uint64_t>(high - low + 1))));
@@ -65,8 +65,8 @@ SmoothNoise::SmoothNoise(RandomStream& random, double bandwidth_hz) {
 
 double SmoothNoise::at(double time_s) const {
   Lanes all{};
-  for (int i = 0; i < terms; i += lane_count)
-    all += turns(lanes_of(&rate_rad_per_s_[i]) * time_s + lanes_of(&phase_rad_[i])).sine;
+  for (int i = 0; i < terms; i += num_lanes)
+    all += sin_cos(load_lanes(&rate_rad_per_s_[i]) * time_s + load_lanes(&phase_rad_[i])).sine;
   return sum(all) * std::sqrt(2.0 / terms);
 }
 

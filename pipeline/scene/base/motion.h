@@ -13,21 +13,24 @@ struct MotionState {
                   acceleration_m_per_s2 = Eigen::Vector3d::Zero();
 };
 
+inline MotionState at_rest(const Eigen::Vector3d& position_m) {
+  return {position_m, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+}
+
 /// Peak acceleration x duration^2 / distance of a minimum-jerk movement from rest to rest.
 inline constexpr double minimum_jerk_peak = 5.7735;
 
-/// How far a minimum-jerk passage from rest to rest has come, 0 before it to 1 after it.
-double passage(double time_s, double start_s, double duration_s);
+/// Progress of a minimum-jerk movement from rest to rest: 0 before it, 1 after it.
+double minimum_jerk_progress(double time_s, double start_s, double duration_s);
 
-/// The fifth-order polynomial between two states: minimum jerk (Flash and Hogan 1985) when both are
-/// at rest. After its end it goes on with the end's velocity.
+/// Quintic polynomial between two states: minimum jerk (Flash and Hogan 1985) if both are at rest.
+/// After its end it continues with the end's velocity.
 class Quintic {
  public:
   Quintic() = default;
   Quintic(const MotionState& from, const MotionState& to, double start_s, double duration_s);
 
   MotionState at(double time_s) const;
-  double start_s() const { return start_s_; }
   double duration_s() const { return duration_s_; }
   double end_s() const { return start_s_ + duration_s_; }
 
@@ -37,13 +40,14 @@ class Quintic {
   double start_s_ = 0.0, duration_s_ = 0.0;
 };
 
+/// Uniform random number of the range.
 double draw(RandomStream& random, const Interval& range);
-/// A whole number of the range, both ends allowed.
-int draw_whole(RandomStream& random, const Interval& range);
+/// Uniform random integer of the range, both ends included.
+int draw_integer(RandomStream& random, const Interval& range);
 Eigen::Vector3d draw(RandomStream& random, const Box& box);
 
-/// A smooth random function of time of zero mean and deviation 1 with frequencies up to
-/// `bandwidth_hz`: a sum of sinusoids, so that it depends on no step.
+/// Smooth random function of time with mean 0, standard deviation 1 and frequencies up to
+/// `bandwidth_hz`: a sum of sinusoids, so that it does not depend on the step size.
 class SmoothNoise {
  public:
   SmoothNoise(RandomStream& random, double bandwidth_hz);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "pipeline/scene/objects/solids.h"
+
 namespace touchtrace::scene {
 namespace {
 
@@ -9,30 +11,28 @@ using Eigen::Vector3d;
 
 constexpr double board_thickness_m = 0.004;
 
+PaintedSolid painted(const Solid& solid, double contrast, double waves_per_m) {
+  if (contrast <= 0.0) return {solid};
+  return {solid, Pattern::cloth, {contrast, waves_per_m, 0.0}};
+}
+
 PaintedSolid painted(ShapeKind kind, const Vector3d& size_m, const Vector3d& centre_m,
                      const Vector3d& color, double contrast = 0.0, double waves_per_m = 0.0) {
-  PaintedSolid result{{kind, size_m, Eigen::Isometry3d::Identity(), color}, Pattern::plain, {}};
-  result.solid.body_from_shape.translation() = centre_m;
-  if (contrast > 0.0)
-    result.pattern = Pattern::cloth, result.pattern_values = {contrast, waves_per_m, 0.0};
-  return result;
+  Solid solid{kind, size_m, Eigen::Isometry3d::Identity(), color};
+  solid.body_from_shape.translation() = centre_m;
+  return painted(solid, contrast, waves_per_m);
 }
 
 PaintedSolid limb(const Vector3d& from_m, const Vector3d& to_m, double radius_m,
                   const Vector3d& color, double contrast = 0.0, double waves_per_m = 0.0) {
-  const Vector3d along = to_m - from_m;
-  PaintedSolid result = painted(ShapeKind::capsule, {radius_m, 0.5 * along.norm(), 0.0},
-                                0.5 * (from_m + to_m), color, contrast, waves_per_m);
-  result.solid.body_from_shape.linear() =
-      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), along).toRotationMatrix();
-  return result;
+  return painted(capsule_between(from_m, to_m, radius_m, color), contrast, waves_per_m);
 }
 
 const Vector3d shirt(0.30, 0.11, 0.10), trousers(0.05, 0.07, 0.16), skin(0.62, 0.38, 0.28),
     hair(0.06, 0.04, 0.03), wood(0.36, 0.22, 0.11), paint(0.52, 0.50, 0.44);
 constexpr double weave_per_m = 23.0, weave_contrast = 0.12;
 
-/// Between -1 and 1, with periods of seconds that never repeat together.
+/// Smooth motion between -1 and 1 with two incommensurable periods of seconds.
 double sway(double time_s, double phase) {
   return 0.6 * std::sin(1.7 * time_s + phase) + 0.4 * std::sin(0.73 * time_s + 2.1 * phase);
 }

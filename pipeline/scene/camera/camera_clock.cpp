@@ -8,17 +8,17 @@
 namespace touchtrace::scene {
 namespace {
 
-constexpr double longest_wait_share = 0.9;  // of a period, so that frames arrive in order
+constexpr double max_wait_share = 0.9;  // of a period, so that frames arrive in order
 
 }  // namespace
 
 double CameraClock::arrival_s(std::uint64_t sequence) const {
   const double unit = RandomStream(seed, "camera latency").uniform_at(sequence);
-  const double wait_s = std::min(-jitter_s * std::log1p(-unit), longest_wait_share * period_s);
+  const double wait_s = std::min(-jitter_s * std::log1p(-unit), max_wait_share * period_s);
   return true_time_s(sequence) + latency_s + wait_s;
 }
 
-bool CameraClock::dropped(std::uint64_t sequence) const {
+bool CameraClock::is_dropped(std::uint64_t sequence) const {
   return RandomStream(seed, "camera drops").uniform_at(sequence) < drop_share;
 }
 
@@ -26,7 +26,7 @@ std::vector<std::uint64_t> CameraClock::frames_between(double start_s, double en
   const double first = (offset_s + (1.0 + drift) * start_s) / period_s;
   std::vector<std::uint64_t> frames;
   for (auto i = static_cast<std::uint64_t>(std::ceil(first)); true_time_s(i) < end_s; ++i)
-    if (!dropped(i)) frames.push_back(i);
+    if (!is_dropped(i)) frames.push_back(i);
   return frames;
 }
 
@@ -36,7 +36,7 @@ CameraClock make_camera_clock(const SceneOptions& options) {
   CameraClock clock;
   clock.offset_s = random.uniform(5.0, 50.0);
   clock.drift = random.normal(0.0, 1e-6 * p.clock_ppm);
-  clock.latency_s = p.latency_s, clock.jitter_s = p.jitter_s, clock.drop_share = p.dropped;
+  clock.latency_s = p.latency_s, clock.jitter_s = p.jitter_s, clock.drop_share = p.dropped_fraction;
   clock.seed = options.seed;
   return clock;
 }

@@ -1,35 +1,33 @@
 #include "pipeline/scene/camera/camera_model.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "engine/base/random.h"
+#include "pipeline/scene/base/rotation.h"
 #include "pipeline/scene/person/activity.h"
 
 namespace touchtrace::scene {
 namespace {
 
-constexpr double radians_per_degree = std::numbers::pi / 180.0;
-
-/// A pinhole near the middle of the image.
-Camera specimen(RandomStream& random, int width, int height, const CameraParameters& p) {
+/// Draws a pinhole camera with the principal point near the image centre.
+Camera draw_pinhole(RandomStream& random, int width, int height, const CameraParameters& p) {
   const double size = static_cast<double>(width) / sensor_width_px;
   Camera camera;
   camera.width = width, camera.height = height;
-  camera.fx = size * random.normal(p.focal_px, p.focal_deviation_px);
+  camera.fx = size * random.normal(p.focal_px, p.focal_std_px);
   camera.fy = camera.fx * random.normal(1.0, 0.001);
-  camera.cx = 0.5 * (width - 1) + size * random.normal(0.0, p.centre_deviation_px);
-  camera.cy = 0.5 * (height - 1) + size * random.normal(0.0, p.centre_deviation_px);
+  camera.cx = 0.5 * (width - 1) + size * random.normal(0.0, p.centre_std_px);
+  camera.cy = 0.5 * (height - 1) + size * random.normal(0.0, p.centre_std_px);
   return camera;
 }
 
-Eigen::Quaterniond small_rotation(RandomStream& random, double deviation_rad) {
+Eigen::Quaterniond small_rotation(RandomStream& random, double sigma_rad) {
   const Eigen::Vector3d turn(random.normal(), random.normal(), random.normal());
-  const double angle = turn.norm() * deviation_rad;
+  const double angle = turn.norm() * sigma_rad;
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn.normalized()));
 }
 
-/// What the depth camera's driver reports: within a thousandth, as factory calibrations are.
+/// Intrinsics that the depth camera's driver reports, with the errors of a factory calibration.
 std::array<double, 4> factory_intrinsics(RandomStream random, const Camera& camera) {
   constexpr double error = 1e-3;
   return {camera.fx * random.normal(1.0, error), camera.fy * random.normal(1.0, error),
@@ -37,8 +35,9 @@ std::array<double, 4> factory_intrinsics(RandomStream random, const Camera& came
           camera.cy + camera.width * random.normal(0.0, error)};
 }
 
-/// Looks along +y of the world, `pitch_rad` down; camera axes x right, y down, z forward.
-Eigen::Isometry3d looking_at_person(const Eigen::Vector3d& position_m, double pitch_rad) {
+/// Pose camera_from_world of a camera that looks along +y of the world, `pitch_rad` downwards.
+/// Camera axes: x right, y down, z forward.
+Eigen::Isometry3d pose_towards_person(const Eigen::Vector3d& position_m, double pitch_rad) {
   Eigen::Matrix3d level;
   level << 1, 0, 0,  //
       0, 0, -1,      //
@@ -49,9 +48,9 @@ Eigen::Isometry3d looking_at_person(const Eigen::Vector3d& position_m, double pi
   return camera_from_world;
 }
 
-Eigen::Isometry3d depth_pose(RandomStream& random, double apart_m) {
+Eigen::Isometry3d draw_depth_pose(RandomStream& random, double distance_m) {
   Eigen::Isometry3d depth_from_color(small_rotation(random, 0.3 * radians_per_degree));
-  depth_from_color.translation() << apart_m + random.normal(0.0, 3e-4), random.normal(0.0, 3e-4),
+  depth_from_color.translation() << distance_m + random.normal(0.0, 3e-4), random.normal(0.0, 3e-4),
       random.normal(0.0, 3e-4);
   return depth_from_color;
 }
@@ -77,8 +76,8 @@ DepthSensor::DepthSensor(const CameraParameters& p)
       disparity_sigma_px(p.disparity_sigma_px),
       disparity_step_px(p.disparity_step_px),
       shift_sigma_px(p.shift_sigma_px),
-      nearest_m(p.nearest_m),
-      farthest_m(p.farthest_m) {}
+      min_depth_m(p.min_depth_m),
+      max_depth_m(p.max_depth_m) {}
 
 DepthSensor DepthSensor::exact() {
   DepthSensor sensor;
@@ -92,20 +91,20 @@ RgbdCamera make_camera(const SceneOptions& options) {
   const CameraParameters& p = options.parameters.camera;
   RandomStream random(options.seed, "camera specimen");
   RgbdCamera camera;
-  camera.color = specimen(random, options.image_width, options.image_height, p);
+  camera.color = draw_pinhole(random, options.image_width, options.image_height, p);
   camera.color.lens = Radtan4{};
-  camera.color.distortion.head<4>() << random.normal(p.k1, p.radial_deviation),
-      random.normal(p.k2, p.radial_deviation), random.normal(0.0, p.tangential_deviation),
-      random.normal(0.0, p.tangential_deviation);
-  camera.depth = specimen(random, options.image_width, options.image_height, p);
-  camera.depth_from_color = depth_pose(random, p.apart_m);
-  camera.color_from_world = looking_at_person(
-      {random.normal(-0.08, p.place_deviation_m), -from.camera_distance_m,
-       random.normal(p.height_m, p.place_deviation_m)},
-      random.normal(from.camera_pitch_deg, p.pitch_deviation_deg) * radians_per_degree);
+  camera.color.distortion.head<4>() << random.normal(p.k1, p.radial_std),
+      random.normal(p.k2, p.radial_std), random.normal(0.0, p.tangential_std),
+      random.normal(0.0, p.tangential_std);
+  camera.depth = draw_pinhole(random, options.image_width, options.image_height, p);
+  camera.depth_from_color = draw_depth_pose(random, p.color_depth_distance_m);
+  camera.color_from_world = pose_towards_person(
+      {random.normal(-0.08, p.place_std_m), -from.camera_distance_m,
+       random.normal(p.height_m, p.place_std_m)},
+      random.normal(from.camera_pitch_deg, p.pitch_std_deg) * radians_per_degree);
   camera.sensor = DepthSensor(p);
-  camera.sensor.scale = random.normal(1.0, p.scale_deviation);
-  camera.sensor.offset_m = random.normal(0.0, p.offset_deviation_m);
+  camera.sensor.scale = random.normal(1.0, p.scale_std);
+  camera.sensor.offset_m = random.normal(0.0, p.offset_std_m);
   camera.exposure_s = p.exposure_s, camera.color_noise_counts = p.noise_counts;
   return camera;
 }
@@ -114,7 +113,7 @@ CameraInfo camera_info(const RgbdCamera& camera, const SceneOptions& options) {
   RandomStream random(options.seed, "camera accelerometer");
   const Eigen::Vector3d down(0.0, 0.0, -gravity_m_per_s2);
   const double error_rad =
-      options.parameters.camera.gravity_deviation_deg * radians_per_degree / std::sqrt(3.0);
+      options.parameters.camera.gravity_std_deg * radians_per_degree / std::sqrt(3.0);
   const Eigen::Quaterniond error = small_rotation(random, error_rad);
   const Eigen::Vector3d gravity = error * (camera.color_from_world.linear() * down);
   CameraInfo info;

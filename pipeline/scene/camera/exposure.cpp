@@ -14,12 +14,12 @@ namespace touchtrace::scene {
 namespace {
 
 constexpr int color_instants = 4, circle_points = 16;
-constexpr int largest_mark_error_px = 3;
+constexpr int max_box_error_px = 3;
 constexpr double sleeve_contrast = 0.12, sleeve_waves_per_m = 23.0;
 constexpr double glove_contrast = 0.10, glove_waves_per_m = 90.0;
 constexpr double object_contrast = 0.08, object_waves_per_m = 45.0;
 
-RigidState between(const RigidState& a, const RigidState& b, double w) {
+RigidState interpolate(const RigidState& a, const RigidState& b, double w) {
   return {(1.0 - w) * a.position_m + w * b.position_m, a.orientation.slerp(w, b.orientation),
           (1.0 - w) * a.velocity_m_per_s + w * b.velocity_m_per_s,
           (1.0 - w) * a.angular_velocity_rad_per_s + w * b.angular_velocity_rad_per_s};
@@ -57,8 +57,8 @@ struct PixelBounds {
   }
 };
 
-/// Points whose hull, widened by roundness_m, is the solid or near it.
-std::vector<Eigen::Vector3d> outline(const Solid& solid) {
+/// Points whose convex hull, dilated by rounding_m(), is nearly the solid.
+std::vector<Eigen::Vector3d> hull_points(const Solid& solid) {
   const Eigen::Vector3d& s = solid.size_m;
   const bool is_box = solid.kind == ShapeKind::box;
   const double half_length = is_box ? s.z() : solid.kind == ShapeKind::sphere ? 0.0 : s.y();
@@ -78,18 +78,18 @@ std::vector<Eigen::Vector3d> outline(const Solid& solid) {
   return points;
 }
 
-double roundness_m(const Solid& solid) {
+double rounding_m(const Solid& solid) {
   return solid.kind == ShapeKind::sphere || solid.kind == ShapeKind::capsule ? solid.size_m.x()
                                                                              : 0.0;
 }
 
 void include(PixelBounds& bounds, const Solid& solid, const RgbdCamera& camera) {
-  for (const Eigen::Vector3d& point : outline(solid)) {
+  for (const Eigen::Vector3d& point : hull_points(solid)) {
     const Eigen::Vector3d p = camera.color_from_world * (solid.body_from_shape * point);
     if (p.z() < 0.1) continue;
     const Eigen::Vector2d pixel = camera.color.project(p);
     const Eigen::Vector2d radius =
-        roundness_m(solid) / p.z() * Eigen::Vector2d(camera.color.fx, camera.color.fy);
+        rounding_m(solid) / p.z() * Eigen::Vector2d(camera.color.fx, camera.color.fy);
     bounds.include(pixel - radius), bounds.include(pixel + radius);
   }
 }
@@ -105,9 +105,9 @@ SceneSample sample_at(const ClipMotion& motion, double time_s) {
   const double w = place - static_cast<double>(i);
   SceneSample sample = w < 0.5 ? a : b;
   sample.time_s = time_s;
-  sample.hand = between(a.hand, b.hand, w);
-  sample.object = between(a.object, b.object, w);
-  if (a.ball && b.ball) sample.ball = between(*a.ball, *b.ball, w);
+  sample.hand = interpolate(a.hand, b.hand, w);
+  sample.object = interpolate(a.object, b.object, w);
+  if (a.ball && b.ball) sample.ball = interpolate(*a.ball, *b.ball, w);
   return sample;
 }
 
@@ -121,21 +121,21 @@ Exposure expose(const ClipMotion& motion, const SceneOptions& options, double mi
   return exposure;
 }
 
-PixelBox mark(const std::vector<Solid>& solids, const RgbdCamera& camera, std::uint64_t seed,
-              int clip, std::string_view target) {
+PixelBox draw_box(const std::vector<Solid>& solids, const RgbdCamera& camera, std::uint64_t seed,
+                  int clip, std::string_view target) {
   PixelBounds bounds;
   for (const auto& solid : solids) include(bounds, solid, camera);
   RandomStream random(seed, "marked box " + std::string(target));
   random.seek(static_cast<std::uint64_t>(clip) * 64);
-  const auto off = [&](double value, int size) {
+  const auto perturb = [&](double value, int size) {
     const auto error =
-        static_cast<double>(random.below(2 * largest_mark_error_px + 1)) - largest_mark_error_px;
+        static_cast<double>(random.below(2 * max_box_error_px + 1)) - max_box_error_px;
     return static_cast<int>(std::clamp(std::round(value) + error, 0.0, static_cast<double>(size)));
   };
-  const int left = off(bounds.low.x(), camera.color.width),
-            right = off(bounds.high.x(), camera.color.width);
-  const int top = off(bounds.low.y(), camera.color.height),
-            bottom = off(bounds.high.y(), camera.color.height);
+  const int left = perturb(bounds.low.x(), camera.color.width),
+            right = perturb(bounds.high.x(), camera.color.width);
+  const int top = perturb(bounds.low.y(), camera.color.height),
+            bottom = perturb(bounds.high.y(), camera.color.height);
   return {left, top, right - left, bottom - top};
 }
 

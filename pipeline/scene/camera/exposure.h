@@ -4,16 +4,16 @@
 
 namespace touchtrace::scene {
 
-/// The motion at `time_s`, between its samples; the first or last one outside of them.
+/// State at `time_s`, interpolated between the clip's samples; the first or last one outside.
 SceneSample sample_at(const ClipMotion& motion, double time_s);
 
-/// What the camera sees of a clip of `options` during an exposure of `exposure_s` around
-/// `middle_s`: room, person, hand and object.
+/// Room, person, hand and object during an exposure of `exposure_s` around `middle_s`.
 Exposure expose(const ClipMotion& motion, const SceneOptions& options, double middle_s,
                 double exposure_s);
 
-/// Where a user marks solids in the colour image: their bounds, each side off by up to 3 pixels.
-PixelBox mark(const std::vector<Solid>& solids, const RgbdCamera& camera, std::uint64_t seed,
-              int clip, std::string_view target);
+/// Box that a user would draw around the solids in the colour image: their bounds, each side off by
+/// up to 3 pixels.
+PixelBox draw_box(const std::vector<Solid>& solids, const RgbdCamera& camera, std::uint64_t seed,
+                  int clip, std::string_view target);
 
 }  // namespace touchtrace::scene

@@ -31,36 +31,36 @@ Vector3d half_extents(const Solid& solid) {
   }
 }
 
-/// Least distance of the bounding box's corners: a rough order is enough.
-double nearness(const PaintedSolid& painted, const Eigen::Isometry3d& camera_from_world) {
+/// Approximate depth of the solid's nearest point, for sorting.
+double near_depth_m(const PaintedSolid& painted, const Eigen::Isometry3d& camera_from_world) {
   const Vector3d centre = camera_from_world * painted.solid.body_from_shape.translation();
   return centre.z() - half_extents(painted.solid).minCoeff();
 }
 
-std::vector<std::size_t> near_first(const std::vector<PaintedSolid>& solids,
-                                    const Eigen::Isometry3d& camera_from_world) {
+std::vector<std::size_t> order_by_depth(const std::vector<PaintedSolid>& solids,
+                                        const Eigen::Isometry3d& camera_from_world) {
   std::vector<double> depth;
-  for (const auto& solid : solids) depth.push_back(nearness(solid, camera_from_world));
+  for (const auto& solid : solids) depth.push_back(near_depth_m(solid, camera_from_world));
   std::vector<std::size_t> order(solids.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return depth[i]; });
   return order;
 }
 
-SolidBounds bounds_of_all(const std::vector<std::vector<PaintedSolid>>& instants, std::size_t i,
-                          const Eigen::Isometry3d& camera_from_world) {
+SolidBounds total_bounds(const std::vector<std::vector<PaintedSolid>>& instants, std::size_t i,
+                         const Eigen::Isometry3d& camera_from_world) {
   SolidBounds all;
   for (const auto& solids : instants)
     all.include(projected_bounds(solids[i].solid, camera_from_world));
   return all;
 }
 
-/// Less than what rays measure of the same depth in float.
+/// Slightly smaller depth, below the rounding errors of rays in float.
 float below(float depth_m) { return (1.0f - 1e-5f) * depth_m; }
 
-/// Affine functions of x', y' as hit_from() of solids.clh wants them, of a bounding box: first the
-/// inverse depths at which rays enter its slabs, then by how much they enter one before they leave
-/// another. At most three faces are seen, with six edges around them.
+/// Affine functions of x', y' of a bounding box, for hit_from() of solids.clh: first the inverse
+/// depths at which rays enter its slabs, then the margins by which they enter one slab before they
+/// leave another. At most three faces are visible, with six edges around them.
 std::array<Vector3d, region_lines> separating_lines(const Eigen::Isometry3d& shape_from_camera,
                                                     const Vector3d& half) {
   const Vector3d& origin = shape_from_camera.translation();
@@ -83,18 +83,17 @@ std::array<Vector3d, region_lines> separating_lines(const Eigen::Isometry3d& sha
   return lines;
 }
 
-/// By more than a twentieth of a pixel.
-bool moves(const std::vector<std::vector<PaintedSolid>>& instants, std::size_t i) {
-  constexpr double still_m = 1e-4;
+/// Whether the solid moves by more than a twentieth of a pixel.
+bool is_moving(const std::vector<std::vector<PaintedSolid>>& instants, std::size_t i) {
+  constexpr double max_still_m = 1e-4;
   const auto pose = [&](const auto& solids) { return solids[i].solid.body_from_shape.matrix(); };
   return std::ranges::any_of(instants, [&](const auto& solids) {
-    return !((pose(solids) - pose(instants.front())).cwiseAbs().maxCoeff() <= still_m);
+    return !((pose(solids) - pose(instants.front())).cwiseAbs().maxCoeff() <= max_still_m);
   });
 }
 
-/// What slab_inverse() of solids.clh wants: in what a ray's direction along an axis is multiplied
-/// with for the inverse of the depth at which it enters, what is added, and twice the same for
-/// where it leaves.
+/// Coefficients of slab_inverse() of solids.clh for one axis: factor and offset from a ray's
+/// direction to the inverse depth of entry, then the two factors for the exit.
 std::array<float, 4> slab(double camera_at, double half_m) {
   const auto origin = static_cast<float>(camera_at), half = static_cast<float>(half_m);
   const float before = std::abs(origin) - half, sign = origin > 0.0f ? -1.0f : 1.0f;
@@ -103,7 +102,7 @@ std::array<float, 4> slab(double camera_at, double half_m) {
   return {sign / before, 0.0f, leaves, leaves};
 }
 
-/// A solid in all instants that are rendered.
+/// Properties of a solid over all rendered instants.
 struct Appearance {
   SolidBounds bounds;
   bool is_moving;
@@ -140,7 +139,7 @@ void append(std::vector<float>& packed, const PaintedSolid& painted, const Appea
 
 using Corners = std::array<Vector3d, 8>;
 
-/// Of the bounding box, camera's frame; bit k of a corner's number is its side along axis k.
+/// Corners of the bounding box, camera's frame; bit k of an index is the side along axis k.
 Corners corners_of(const Solid& solid, const Eigen::Isometry3d& camera_from_world) {
   const Eigen::Isometry3d camera_from_shape = camera_from_world * solid.body_from_shape;
   const Vector3d half = half_extents(solid);
@@ -152,8 +151,8 @@ Corners corners_of(const Solid& solid, const Eigen::Isometry3d& camera_from_worl
   return corners;
 }
 
-/// Where the edge from `front` to `behind` leaves what is before the camera.
-Vector3d leaving_point(const Vector3d& front, const Vector3d& behind) {
+/// Intersection of the edge from `front` to `behind` with the near plane.
+Vector3d clip_to_near_plane(const Vector3d& front, const Vector3d& behind) {
   const double share = (front.z() - nearest_plane_m) / (front.z() - behind.z());
   return front + share * (behind - front);
 }
@@ -183,7 +182,7 @@ SolidBounds projected_bounds(const Solid& solid, const Eigen::Isometry3d& camera
     bounds.include(corners[i]);
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3d& neighbour = corners[i ^ (1 << axis)];
-      if (!is_before(neighbour)) bounds.include(leaving_point(corners[i], neighbour));
+      if (!is_before(neighbour)) bounds.include(clip_to_near_plane(corners[i], neighbour));
     }
   }
   return bounds;
@@ -191,15 +190,16 @@ SolidBounds projected_bounds(const Solid& solid, const Eigen::Isometry3d& camera
 
 std::vector<float> pack_solids(const std::vector<std::vector<PaintedSolid>>& instants,
                                const Eigen::Isometry3d& camera_from_world, const Vector3d& lamp) {
-  const auto order = near_first(instants.front(), camera_from_world);
+  const auto order = order_by_depth(instants.front(), camera_from_world);
   if (order.size() > max_solids)
-    throw failure(fmt::format("{} solids are in view", order.size()),
-                  fmt::format("build hand and object of fewer: {} can be rendered", max_solids));
+    throw failure(fmt::format("{} solids in view exceed the renderer's limit of {}", order.size(),
+                              max_solids),
+                  "use an object with fewer solids");
   std::vector<float> packed;
   packed.reserve(instants.size() * order.size() * packed_solid_floats);
   std::vector<Appearance> seen;
   for (std::size_t i : order)
-    seen.push_back({bounds_of_all(instants, i, camera_from_world), moves(instants, i)});
+    seen.push_back({total_bounds(instants, i, camera_from_world), is_moving(instants, i)});
   for (const auto& solids : instants)
     for (std::size_t k = 0; k < order.size(); ++k)
       append(packed, solids[order[k]], seen[k], camera_from_world, lamp);

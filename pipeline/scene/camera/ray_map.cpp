@@ -34,9 +34,8 @@ void append_region(std::vector<float>& regions, const RayMap& map, const Camera&
 
 RayMap make_ray_map(const Camera& camera, double margin_px) {
   if (camera.width <= 0 || camera.height <= 0 || camera.width % RayMap::lanes != 0)
-    throw usage_error(
-        fmt::format("images of {}x{} cannot be rendered", camera.width, camera.height),
-        fmt::format("choose a width that is a multiple of {}", RayMap::lanes));
+    throw usage_error(fmt::format("cannot render images of {}x{}", camera.width, camera.height),
+                      fmt::format("use a width that is a multiple of {}", RayMap::lanes));
   RayMap map;
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {

@@ -8,7 +8,7 @@
 
 namespace touchtrace::scene {
 
-/// The rays of one camera on the device.
+/// Rays of one camera on the device.
 struct RayBuffers {
   Buffer<float> x, y, tiles, strips;
   cl::NDRange grid;
@@ -20,8 +20,8 @@ namespace {
 constexpr int noise_fields = 4, halo_px = 128;
 constexpr double nearest_occluder_m = 0.5;
 constexpr double exposure_gain = 0.95;
-/// Noise shifts a depth ray by no more than this many of its deviations.
-constexpr double largest_normal = 6.0;
+/// Largest lateral shift of a depth ray, in standard deviations.
+constexpr double max_normal = 6.0;
 
 /// Direction to the lamp: above and left of the camera, behind it.
 const Eigen::Vector3d lamp_world = Eigen::Vector3d(-0.45, -0.75, 0.55).normalized();
@@ -55,13 +55,13 @@ void set_arguments(cl::Kernel& kernel, const Arguments&... arguments) {
   (kernel.setArg(i++, arguments), ...);
 }
 
-/// Sensor pixels to one of the image.
+/// Sensor pixels per image pixel.
 double sensor_px_per_px(const Camera& camera) {
   return static_cast<double>(sensor_width_px) / camera.width;
 }
 
-/// Of an occlusion at its widest, in pixels of the image; 0 where the sensor has no holes.
-int widest_shadow_px(const RgbdCamera& camera) {
+/// Width of the widest occlusion shadow in image pixels; 0 without holes.
+int max_shadow_px(const RgbdCamera& camera) {
   if (!camera.sensor.holes) return 0;
   const double widest_px = camera.depth.fx * camera.sensor.baseline_m / nearest_occluder_m;
   return std::min(static_cast<int>(widest_px), halo_px - 1);
@@ -76,7 +76,7 @@ struct Renderer::Device {
   Buffer<std::uint8_t> color;
   Buffer<std::uint16_t> counts;
   cl::Kernel render_color, depth_noise, render_depth, measure_depth;
-  std::vector<float> packed, depth_packed;  ///< on their way to the device
+  std::vector<float> packed, depth_packed;  ///< kept alive during the upload
 
   Device(Runtime& r, const RgbdCamera& camera);
   void upload(const RgbdCamera& camera, const Exposure& exposure);
@@ -89,9 +89,9 @@ struct Renderer::Device {
 Renderer::Device::Device(Runtime& r, const RgbdCamera& camera)
     : runtime(r),
       color_rays(upload_rays(r, camera.color, 0.5)),
-      depth_rays(upload_rays(
-          r, camera.depth,
-          largest_normal * camera.sensor.shift_sigma_px / sensor_px_per_px(camera.depth))),
+      depth_rays(
+          upload_rays(r, camera.depth,
+                      max_normal * camera.sensor.shift_sigma_px / sensor_px_per_px(camera.depth))),
       fields(r.allocate<float>(noise_fields * padded_size(camera.depth))),
       disparity(r.allocate<float>(padded_size(camera.depth))),
       color(r.allocate<std::uint8_t>(color_rays.x.size() * 3)),
@@ -155,12 +155,12 @@ void Renderer::Device::launch_depth(const RgbdCamera& camera, const Exposure& ex
 void Renderer::Device::launch_measurement(const RgbdCamera& camera) {
   const DepthSensor& s = camera.sensor;
   const auto f = [](double value) { return static_cast<float>(value); };
-  set_arguments(
-      measure_depth, disparity.handle(), fields.handle(),
-      cl_float4{{f(s.disparity_sigma_px), f(s.disparity_step_px), f(s.nearest_m), f(s.farthest_m)}},
-      f(camera.depth.fx * s.baseline_m), f(sensor_px_per_px(camera.depth)),
-      cl_float2{{f(s.offset_m), f(1.0 / (s.scale * camera.depth_unit_m))}},
-      widest_shadow_px(camera), camera.depth.width, camera.depth.height, counts.handle());
+  set_arguments(measure_depth, disparity.handle(), fields.handle(),
+                cl_float4{{f(s.disparity_sigma_px), f(s.disparity_step_px), f(s.min_depth_m),
+                           f(s.max_depth_m)}},
+                f(camera.depth.fx * s.baseline_m), f(sensor_px_per_px(camera.depth)),
+                cl_float2{{f(s.offset_m), f(1.0 / (s.scale * camera.depth_unit_m))}},
+                max_shadow_px(camera), camera.depth.width, camera.depth.height, counts.handle());
   runtime.launch(measure_depth, depth_rays.grid, cl::NDRange(1, 1));
 }
 

@@ -12,7 +12,7 @@ namespace touchtrace::scene {
 
 enum class Pattern { plain, cloth, chessboard };
 
-/// A solid in the world with what is on its surface.
+/// A solid in the world with its surface pattern.
 struct PaintedSolid {
   Solid solid;
   Pattern pattern = Pattern::plain;
@@ -20,26 +20,28 @@ struct PaintedSolid {
   std::array<double, 3> pattern_values{};
 };
 
-/// What is before the camera during one exposure.
+/// The scene during one exposure.
 struct Exposure {
-  /// The solids at the middles of equal parts of the colour exposure, as many and in the same order
-  /// each time.
+  /// Solids at the middles of equal parts of the colour exposure; same number and order in each.
   std::vector<std::vector<PaintedSolid>> color;
   std::vector<PaintedSolid> depth;  ///< at the middle of the exposure
 };
 
-/// An exposure of what does not move.
-inline Exposure still(const std::vector<PaintedSolid>& solids) { return {{solids}, solids}; }
+/// Exposure of a static scene.
+inline Exposure static_exposure(const std::vector<PaintedSolid>& solids) {
+  return {{solids}, solids};
+}
 
-/// Renders frames of one camera on an OpenCL device. Every frame depends on its arguments alone.
+/// Ray caster for one camera on an OpenCL device. A frame depends only on the arguments of
+/// render(), not on earlier frames. Not thread-safe; the Runtime must outlive it.
 class Renderer {
  public:
-  /// The image's width must be a multiple of 16.
+  /// Throws usage_error unless the image width is a multiple of 16.
   Renderer(Runtime& runtime, const RgbdCamera& camera, std::uint64_t seed);
   ~Renderer();
 
-  /// `stream` and `number` name the frame's noise. `samples_per_axis`^2 rays are cast a colour
-  /// pixel.
+  /// `stream` and `number` select the frame's noise. Casts `samples_per_axis`^2 rays per colour
+  /// pixel. Blocks until the frame is downloaded.
   RgbdFrame render(const Exposure& exposure, std::string_view stream, std::uint64_t number,
                    int samples_per_axis = 2);
 

@@ -9,27 +9,18 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 const Vector3d sleeve_color(0.35, 0.12, 0.10);
-// The shoulder-side end of the forearm hangs beside the person, who stands at the origin.
+// Elbow, at the side of the person, who stands at the origin.
 const Vector3d elbow_m(-0.22, -0.02, 1.02);
 const Vector3d wrist_in_hand_m(-0.075, 0.0, -0.014);
 
-Isometry3d placed(const RigidState& body) {
+Isometry3d pose_of(const RigidState& body) {
   Isometry3d world_from_body = Isometry3d::Identity();
   world_from_body.linear() = body.orientation.toRotationMatrix();
   world_from_body.translation() = body.position_m;
   return world_from_body;
 }
 
-Solid capsule_between(const Vector3d& a, const Vector3d& b, double radius, const Vector3d& color) {
-  Solid solid{
-      ShapeKind::capsule, {radius, 0.5 * (b - a).norm(), 0.0}, Isometry3d::Identity(), color};
-  solid.body_from_shape.linear() =
-      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), b - a).toRotationMatrix();
-  solid.body_from_shape.translation() = 0.5 * (a + b);
-  return solid;
-}
-
-/// The palm and the ridges around its hollow, in the hand's frame.
+/// Adds the palm and the ridges around its hollow.
 void add_palm(std::vector<Solid>& solids, const Isometry3d& world_from_hand) {
   Solid palm{ShapeKind::box, {0.047, 0.043, 0.012}, Isometry3d::Identity(), glove_color()};
   palm.body_from_shape.translation().z() = -0.012;
@@ -60,10 +51,10 @@ void add_finger(std::vector<Solid>& solids, const Isometry3d& world_from_hand, c
 Vector3d glove_color() { return {0.07, 0.09, 0.14}; }
 
 std::vector<Solid> hand_solids(const SceneSample& sample, const HandModel& hand) {
-  const Isometry3d world_from_hand = placed(sample.hand);
+  const Isometry3d world_from_hand = pose_of(sample.hand);
   std::vector<Solid> solids;
   add_palm(solids, world_from_hand);
-  for (int i = 0; i < finger_count; ++i)
+  for (int i = 0; i < num_fingers; ++i)
     add_finger(solids, world_from_hand, hand.fingers[i], sample.flexion_rad[i]);
   const Vector3d heel = world_from_hand * Vector3d(-0.040, 0.0, -0.012);
   solids.push_back(capsule_between(heel, world_from_hand * wrist_in_hand_m, 0.026, glove_color()));
@@ -71,12 +62,12 @@ std::vector<Solid> hand_solids(const SceneSample& sample, const HandModel& hand)
 }
 
 Solid forearm_solid(const SceneSample& sample) {
-  return capsule_between(placed(sample.hand) * wrist_in_hand_m, elbow_m, 0.035, sleeve_color);
+  return capsule_between(pose_of(sample.hand) * wrist_in_hand_m, elbow_m, 0.035, sleeve_color);
 }
 
 std::vector<Solid> object_solids(const ObjectSpec& object, const SceneSample& sample) {
   std::vector<Solid> solids = object.solids;
-  const Isometry3d world_from_object = placed(sample.object);
+  const Isometry3d world_from_object = pose_of(sample.object);
   for (Solid& solid : solids) solid.body_from_shape = world_from_object * solid.body_from_shape;
   return solids;
 }
@@ -84,7 +75,7 @@ std::vector<Solid> object_solids(const ObjectSpec& object, const SceneSample& sa
 std::vector<Solid> ball_solids(const ObjectSpec& object, const SceneSample& sample) {
   if (!sample.ball) return {};
   const Ball& ball = *object.ball;
-  return {{ShapeKind::sphere, {ball.radius_m, 0.0, 0.0}, placed(*sample.ball), ball.color}};
+  return {{ShapeKind::sphere, {ball.radius_m, 0.0, 0.0}, pose_of(*sample.ball), ball.color}};
 }
 
 std::vector<Solid> tracked_solids(const ObjectSpec& object, const SceneSample& sample) {

@@ -10,53 +10,52 @@
 #include <numbers>
 
 #include "pipeline/scene/base/motion.h"
-#include "pipeline/scene/objects/lane_turns.h"
+#include "pipeline/scene/objects/sin_cos.h"
 
 namespace touchtrace::scene {
 namespace {
 
 constexpr int glove_cells = glove_rows * glove_cols;
-constexpr double largest_count = 1023.0, forgotten_n = 1e-4;
+constexpr double max_count = 1023.0, negligible_n = 1e-4;
 
 GloveTraits make_traits(int number, const GloveParameters& p) {
   const std::size_t taxels = hand_model().taxels.size();
   RandomStream random(static_cast<std::uint64_t>(number), "glove traits");
   GloveTraits traits;
   for (std::size_t i = 0; i < taxels; ++i) {
-    const bool dead = random.uniform() < p.dead;
-    const double gain = std::exp(random.normal(0.0, p.gain_deviation));
+    const bool dead = random.uniform() < p.dead_fraction;
+    const double gain = std::exp(random.normal(0.0, p.log_gain_std));
     traits.gain.push_back(dead ? 0.0f : static_cast<float>(gain));
     traits.drift_rad_per_s.push_back(
         static_cast<float>(2 * std::numbers::pi / draw(random, p.drift_period_s)));
     traits.drift_phase_rad.push_back(static_cast<float>(random.uniform(0.0, 2 * std::numbers::pi)));
   }
   for (int i = 0; i < glove_cells; ++i)
-    traits.baseline_counts.push_back(static_cast<float>(
-        std::max(8.0, random.normal(p.baseline_counts, p.baseline_deviation_counts))));
+    traits.baseline_counts.push_back(
+        static_cast<float>(std::max(8.0, random.normal(p.baseline_counts, p.baseline_std_counts))));
   return traits;
 }
 
-/// Nothing of one glove says anything of another.
+/// Random streams of different instances are independent.
 std::string stream_name(int number, const char* what) {
   return number == 1 ? fmt::format("glove {}", what) : fmt::format("glove {} {}", number, what);
 }
 
-/// Where a taxel lies on the open hand.
+/// Position of a taxel on the open hand, hand's frame.
 Eigen::Vector3d open_position(const Taxel& taxel) {
   if (taxel.finger < 0) return taxel.position_m;
   const FingerPose pose = pose_finger(hand_model().fingers[taxel.finger], 0.0);
   return pose.joint_m[taxel.link] + pose.hand_from_link[taxel.link] * taxel.position_m;
 }
 
-/// Four standard normal numbers of a stream's block: in steps of 2^-32 of the probability, at most
-/// 6.7.
+/// Four standard normal numbers of a stream's block by the Box-Muller transform; at most 6.7, from
+/// 32-bit uniforms.
 std::array<double, 4> four_normals(const RandomStream& stream, std::uint64_t block) {
   const auto words = stream.block(block);
-  const auto surprise = [&](int i) { return -2.0 * std::log((words[i] + 0.5) * 0x1p-32); };
-  const Lanes radius = root(Lanes{surprise(0), surprise(2)});
-  const LaneTurns angle =
-      turns(2.0 * std::numbers::pi * 0x1p-32 *
-            Lanes{static_cast<double>(words[1]), static_cast<double>(words[3])});
+  const auto squared_radius = [&](int i) { return -2.0 * std::log((words[i] + 0.5) * 0x1p-32); };
+  const Lanes radius = sqrt(Lanes{squared_radius(0), squared_radius(2)});
+  const SinCos angle = sin_cos(2.0 * std::numbers::pi * 0x1p-32 *
+                               Lanes{static_cast<double>(words[1]), static_cast<double>(words[3])});
   const Lanes x = radius * angle.cosine, y = radius * angle.sine;
   return {x[0], y[0], x[1], y[1]};
 }
@@ -67,9 +66,9 @@ const GloveTraits& glove_traits(int number, const GloveParameters& parameters) {
   static std::mutex guard;
   static std::map<std::pair<int, GloveParameters>, GloveTraits> known;
   const std::lock_guard lock(guard);
-  const auto [place, is_new] = known.try_emplace({number, parameters});
-  if (is_new) place->second = make_traits(number, parameters);
-  return place->second;
+  const auto [entry, is_new] = known.try_emplace({number, parameters});
+  if (is_new) entry->second = make_traits(number, parameters);
+  return entry->second;
 }
 
 GloveInfo glove_info(int number, const GloveParameters& parameters) {
@@ -97,7 +96,7 @@ Glove::Glove(int number, const GloveParameters& parameters, const GloveClock& cl
       clock_(clock),
       noise_(seed, stream_name(number, "noise")),
       transport_(seed, stream_name(number, "transport")),
-      pressed_n_(traits_.gain.size(), 0.0),
+      lagged_n_(traits_.gain.size(), 0.0),
       crept_n_(traits_.gain.size(), 0.0),
       gain_(traits_.gain.size(), 0.0),
       is_active_(traits_.gain.size(), 0),
@@ -123,7 +122,7 @@ void Glove::start(double time_s) {
   stream_.counts.clear();
 }
 
-void Glove::relax(const TaxelForces& forces, double interval_s) {
+void Glove::update_sensor(const TaxelForces& forces, double interval_s) {
   for (int i : forces.loaded)
     if (forces.force_n[i] > 0.0 && !is_active_[i]) {
       is_active_[i] = 1, active_.push_back(i);
@@ -133,19 +132,19 @@ void Glove::relax(const TaxelForces& forces, double interval_s) {
   const double unloading = -std::expm1(-interval_s / parameters_.unloading_lag_s);
   const double creeping = -std::expm1(-interval_s / parameters_.creep_s);
   std::erase_if(active_, [&](int i) {
-    double &pressed = pressed_n_[i], &crept = crept_n_[i];
-    const double more = forces.force_n[i] - pressed;
-    pressed += (more > 0.0 ? loading : unloading) * more;
-    crept += creeping * (pressed - crept);
-    const bool is_forgotten = pressed + crept < forgotten_n;
-    if (is_forgotten) forget(i);
-    return is_forgotten;
+    double &lagged = lagged_n_[i], &crept = crept_n_[i];
+    const double more = forces.force_n[i] - lagged;
+    lagged += (more > 0.0 ? loading : unloading) * more;
+    crept += creeping * (lagged - crept);
+    const bool is_negligible = lagged + crept < negligible_n;
+    if (is_negligible) deactivate(i);
+    return is_negligible;
   });
 }
 
-void Glove::forget(int taxel) {
+void Glove::deactivate(int taxel) {
   is_active_[taxel] = 0;
-  pressed_n_[taxel] = crept_n_[taxel] = signal_[hand_model().taxels[taxel].cell()] = 0.0;
+  lagged_n_[taxel] = crept_n_[taxel] = signal_[hand_model().taxels[taxel].cell()] = 0.0;
 }
 
 double Glove::gain_at(int taxel, double time_s) const {
@@ -153,19 +152,19 @@ double Glove::gain_at(int taxel, double time_s) const {
   return traits_.gain[taxel] * (1 + parameters_.drift * std::sin(phase_rad));
 }
 
-/// Gains change by less than 3e-5 of themselves while a frame is read.
-void Glove::drift(double time_s) {
+/// Once per frame: gains change by less than 3e-5 of themselves while a frame is read.
+void Glove::update_gains(double time_s) {
   frame_time_s_ = time_s;
   for (int i : active_) gain_[i] = gain_at(i, time_s);
 }
 
-void Glove::measure() {
+void Glove::compute_signals() {
   std::ranges::fill(row_sum_, 0.0);
   std::ranges::fill(col_sum_, 0.0);
   const std::vector<Taxel>& taxels = hand_model().taxels;
   for (int i : active_) {
     const Taxel& taxel = taxels[i];
-    const double force = gain_[i] * (pressed_n_[i] + parameters_.creep * crept_n_[i]);
+    const double force = gain_[i] * (lagged_n_[i] + parameters_.creep * crept_n_[i]);
     const double signal = force / (force + parameters_.half_saturation_n);
     signal_[taxel.cell()] = signal;
     row_sum_[taxel.row] += signal;
@@ -185,7 +184,7 @@ void Glove::read_row(int row) {
                             : 0.0;
     const double counts = traits_.baseline_counts[cell] + parameters_.full_scale_counts * read +
                           parameters_.noise_counts * noise[cell % 4];
-    frame_[cell] = static_cast<std::uint16_t>(std::clamp(counts, 0.0, largest_count) + 0.5);
+    frame_[cell] = static_cast<std::uint16_t>(std::clamp(counts, 0.0, max_count) + 0.5);
   }
 }
 
@@ -203,10 +202,10 @@ void Glove::finish_frame() {
 }
 
 void Glove::sense(const TaxelForces& forces, double time_s, double interval_s) {
-  relax(forces, interval_s);
+  update_sensor(forces, interval_s);
   for (bool is_measured = false; row_time_s(number_, next_row_) <= time_s; is_measured = true) {
-    if (next_row_ == 0) drift(time_s);
-    if (next_row_ == 0 || !is_measured) measure();
+    if (next_row_ == 0) update_gains(time_s);
+    if (next_row_ == 0 || !is_measured) compute_signals();
     read_row(next_row_);
     if (++next_row_ == glove_rows) finish_frame();
   }
@@ -220,7 +219,7 @@ GloveClock glove_clock(const SceneOptions& options) {
   GloveClock clock;
   clock.rate_hz = 15.0 * (1 + 1e-6 * random.normal(0.0, p.clock_ppm));
   clock.first_frame_s = -random.uniform(60.0, 120.0);
-  clock.latency_s = p.latency_s, clock.jitter_s = p.jitter_s, clock.lost_share = p.lost;
+  clock.latency_s = p.latency_s, clock.jitter_s = p.jitter_s, clock.lost_share = p.lost_fraction;
   return clock;
 }
 

@@ -16,25 +16,24 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double unit_radians_per_degree = std::numbers::pi / 180.0;
-constexpr double largest_reading = 32767.0;
-constexpr double longest_jitter_share = 0.5;  // of a period, so that samples arrive in order
+constexpr double max_reading = 32767.0;
+constexpr double max_jitter_share = 0.5;  // of a period, so that samples arrive in order
 
 Vector3d normals(RandomStream& random) {
   return {random.normal(), random.normal(), random.normal()};
 }
 
-/// In 16 bits of a range to either side of 0.
+/// Rounds to 16 bits of +- range and clamps.
 Vector3d quantized(const Vector3d& value, double range) {
-  return (value * (largest_reading / range))
+  return (value * (max_reading / range))
              .array()
              .round()
-             .cwiseMax(-largest_reading)
-             .cwiseMin(largest_reading) *
-         (range / largest_reading);
+             .cwiseMax(-max_reading)
+             .cwiseMin(max_reading) *
+         (range / max_reading);
 }
 
-/// The unit itself: where it is and how fast it moves, world.
+/// State of the unit, world frame.
 struct UnitState {
   Quaterniond orientation;
   Vector3d velocity_m_per_s;
@@ -54,59 +53,62 @@ UnitState state_at(const std::vector<SceneSample>& samples, const Vector3d& plac
   return {a.orientation.slerp(w, b.orientation), (1.0 - w) * velocity(a) + w * velocity(b)};
 }
 
-/// What a faultless unit means over an interval, in its own axes.
+/// Means over an interval, in the unit's frame.
 struct Motion {
   Vector3d specific_force_m_per_s2, angular_velocity_rad_per_s;
 };
 
 Motion mean_motion(const UnitState& from, const UnitState& to, double interval_s) {
   const Eigen::AngleAxisd rotation(from.orientation.conjugate() * to.orientation);
-  const Quaterniond middle = from.orientation.slerp(0.5, to.orientation);
+  const Quaterniond mean = from.orientation.slerp(0.5, to.orientation);
   const Vector3d force = (to.velocity_m_per_s - from.velocity_m_per_s) / interval_s +
                          gravity_m_per_s2 * Vector3d::UnitZ();
-  return {middle.conjugate() * force, rotation.angle() / interval_s * rotation.axis()};
+  return {mean.conjugate() * force, rotation.angle() / interval_s * rotation.axis()};
 }
 
-class Unit {
+class InertialUnit {
  public:
-  Unit(const SceneOptions& options, int clip)
+  InertialUnit(const SceneOptions& options, int clip)
       : p_(options.parameters.inertial),
         random_(options.seed, fmt::format("inertial unit clip {}", clip)) {
-    RandomStream specimen(static_cast<std::uint64_t>(options.glove), "inertial unit");
-    force_offset_ = p_.force_offset_g * gravity_m_per_s2 * normals(specimen);
-    rate_offset_ = p_.rate_offset_deg_per_s * unit_radians_per_degree * normals(specimen);
+    RandomStream instance(static_cast<std::uint64_t>(options.glove), "inertial unit");
+    force_offset_ = p_.force_offset_g * gravity_m_per_s2 * normals(instance);
+    rate_offset_ = p_.rate_offset_deg_per_s * radians_per_degree * normals(instance);
   }
 
   Quaterniond first_estimate(const Quaterniond& orientation) {
     const Vector3d up = orientation.conjugate() * Vector3d::UnitZ();
     const Quaterniond heading =
-        rotation_by(random_.uniform(0.0, 2 * std::numbers::pi) * Vector3d::UnitZ());
-    return heading * orientation * rotation_by(up.cross(force_offset_) / -gravity_m_per_s2);
+        rotation_from_vector(random_.uniform(0.0, 2 * std::numbers::pi) * Vector3d::UnitZ());
+    return heading * orientation *
+           rotation_from_vector(up.cross(force_offset_) / -gravity_m_per_s2);
   }
 
   Motion read(const Motion& truth) {
     const double bandwidth = std::sqrt(0.5 * p_.rate_hz);
     const double force_noise = p_.force_noise_g * gravity_m_per_s2 * bandwidth,
-                 rate_noise = p_.rate_noise_deg_per_s * unit_radians_per_degree * bandwidth;
+                 rate_noise = p_.rate_noise_deg_per_s * radians_per_degree * bandwidth;
     const Vector3d force =
         truth.specific_force_m_per_s2 + force_offset_ + force_noise * normals(random_);
     const Vector3d rate =
         truth.angular_velocity_rad_per_s + rate_offset_ + rate_noise * normals(random_);
     return {quantized(force, p_.force_range_g * gravity_m_per_s2),
-            quantized(rate, p_.rate_range_deg_per_s * unit_radians_per_degree)};
+            quantized(rate, p_.rate_range_deg_per_s * radians_per_degree)};
   }
 
-  Quaterniond onward(const Quaterniond& estimate, const Motion& read, double interval_s) const {
+  Quaterniond updated_estimate(const Quaterniond& estimate, const Motion& read,
+                               double interval_s) const {
     const Vector3d up = estimate.conjugate() * Vector3d::UnitZ();
     const Vector3d correction =
         read.specific_force_m_per_s2.normalized().cross(up) / p_.levelling_s;
-    return (estimate * rotation_by(interval_s * (read.angular_velocity_rad_per_s + correction)))
+    return (estimate *
+            rotation_from_vector(interval_s * (read.angular_velocity_rad_per_s + correction)))
         .normalized();
   }
 
   double arrival_delay_s(const GloveClock& clock) {
     const double jitter_s = -clock.jitter_s * std::log1p(-random_.uniform());
-    return clock.latency_s + std::min(jitter_s, longest_jitter_share / p_.rate_hz);
+    return clock.latency_s + std::min(jitter_s, max_jitter_share / p_.rate_hz);
   }
 
  private:
@@ -132,7 +134,7 @@ InertialStream sense_inertia(const std::vector<SceneSample>& samples, const Scen
   stream.rate_hz = p.rate_hz;
   stream.position_m = {place_m.x(), place_m.y(), place_m.z()};
   if (samples.size() < 2) return stream;
-  Unit unit(options, clip);
+  InertialUnit unit(options, clip);
   auto number = static_cast<std::uint64_t>(
       std::ceil((samples.front().time_s - clock.first_frame_s) / period_s));
   double time_s = clock.first_frame_s + static_cast<double>(number) * period_s;
@@ -142,7 +144,7 @@ InertialStream sense_inertia(const std::vector<SceneSample>& samples, const Scen
     time_s = clock.first_frame_s + static_cast<double>(++number) * period_s;
     const UnitState now = state_at(samples, place_m, time_s);
     const Motion read = unit.read(mean_motion(before, now, period_s));
-    estimate = unit.onward(estimate, read, period_s);
+    estimate = unit.updated_estimate(estimate, read, period_s);
     before = now;
     stream.sequence.push_back(number);
     stream.host_time_s.push_back(time_s + unit.arrival_delay_s(clock));

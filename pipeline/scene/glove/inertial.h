@@ -4,11 +4,11 @@
 
 namespace touchtrace::scene {
 
-/// What the inertial unit on the back of the hand tells during a clip: each sample is the mean over
-/// the period before it, as a unit that filters before it samples gives it, with offsets of the
-/// specimen, white noise and steps of 16 bits. Its orientation is its own estimate: the angular
-/// velocity integrated, the vertical pulled slowly to that of the specific force (Mahony et al.,
-/// IEEE TAC 2008); its heading starts anywhere and drifts.
+/// Readings of the inertial unit on the back of the hand in a clip. Each sample is the mean over
+/// the period before it, as of a unit that filters before sampling, with the instance's offsets,
+/// white noise and 16-bit quantisation. The orientation is the unit's own estimate: the integrated
+/// angular velocity, with the vertical slowly corrected to the specific force (Mahony et al., IEEE
+/// TAC 2008); its heading has a random origin and drifts.
 InertialStream sense_inertia(const std::vector<SceneSample>& samples, const SceneOptions& options,
                              int clip);
 

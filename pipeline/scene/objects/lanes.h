@@ -5,26 +5,27 @@
 
 namespace touchtrace::scene {
 
-/// Two numbers that are computed with at once: the width of the registers that every 64-bit
-/// processor has. Eigen's vectors of three pass through memory instead.
+/// SIMD vector of two doubles, the register width of every 64-bit processor. Contact sums use it
+/// because Eigen's vectors of three doubles pass through memory.
 using Lanes = double __attribute__((vector_size(16)));
 using LaneMask = decltype(Lanes{} < Lanes{});
-inline constexpr int lane_count = 2;
+inline constexpr int num_lanes = 2;
 
-inline Lanes all_lanes(double value) { return Lanes{value, value}; }
-inline Lanes lanes_of(const double* values) { return Lanes{values[0], values[1]}; }
-inline Lanes largest(Lanes a, Lanes b) { return a > b ? a : b; }
-inline Lanes smallest(Lanes a, Lanes b) { return a < b ? a : b; }
-inline Lanes root(Lanes a) { return Lanes{std::sqrt(a[0]), std::sqrt(a[1])}; }
-inline Lanes absolute(Lanes a) { return largest(a, -a); }
+inline Lanes broadcast(double value) { return Lanes{value, value}; }
+inline Lanes load_lanes(const double* values) { return Lanes{values[0], values[1]}; }
+inline Lanes max(Lanes a, Lanes b) { return a > b ? a : b; }
+inline Lanes min(Lanes a, Lanes b) { return a < b ? a : b; }
+inline Lanes sqrt(Lanes a) { return Lanes{std::sqrt(a[0]), std::sqrt(a[1])}; }
+inline Lanes abs(Lanes a) { return max(a, -a); }
 inline double sum(Lanes a) { return a[0] + a[1]; }
 inline bool any(LaneMask a) { return (a[0] | a[1]) != 0; }
 
+/// One 3-vector per lane.
 struct Lanes3 {
   Lanes x, y, z;
 
   static Lanes3 all(const Eigen::Vector3d& v) {
-    return {all_lanes(v.x()), all_lanes(v.y()), all_lanes(v.z())};
+    return {broadcast(v.x()), broadcast(v.y()), broadcast(v.z())};
   }
   void set(int lane, const Eigen::Vector3d& v) {
     x[lane] = v.x(), y[lane] = v.y(), z[lane] = v.z();
@@ -44,11 +45,12 @@ inline Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.
 inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline Lanes norm(const Lanes3& a) { return root(dot(a, a)); }
-/// What of `a` is across the unit vector.
-inline Lanes3 across(const Lanes3& unit, const Lanes3& a) { return a - dot(unit, a) * unit; }
-inline Lanes3 choose(LaneMask first, const Lanes3& a, const Lanes3& b) {
-  return {first ? a.x : b.x, first ? a.y : b.y, first ? a.z : b.z};
+inline Lanes norm(const Lanes3& a) { return sqrt(dot(a, a)); }
+/// Component of `a` perpendicular to the unit vector.
+inline Lanes3 perpendicular(const Lanes3& unit, const Lanes3& a) { return a - dot(unit, a) * unit; }
+/// `a` where the mask is set, otherwise `b`.
+inline Lanes3 select(LaneMask mask, const Lanes3& a, const Lanes3& b) {
+  return {mask ? a.x : b.x, mask ? a.y : b.y, mask ? a.z : b.z};
 }
 template <class Matrix>
 Lanes3 product(const Matrix& m, const Lanes3& a) {

@@ -10,7 +10,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-/// Volume [m^3] and moments [m^5] about the principal axes of a full shape.
+/// Volume [m^3] and second moments [m^5] about the principal axes of a filled shape.
 struct Moments {
   double volume;
   Vector3d moments;
@@ -26,7 +26,7 @@ Moments cylinder_moments(double radius, double half_length) {
   return {volume, volume * Vector3d(across, across, radius * radius / 2)};
 }
 
-/// A cylinder with the two halves of a sphere at its ends.
+/// A cylinder with a half sphere at each end.
 Moments capsule_moments(double radius, double half_length) {
   const Moments middle = cylinder_moments(radius, half_length);
   const double ends = 4.0 / 3 * pi * radius * radius * radius;
@@ -35,7 +35,7 @@ Moments capsule_moments(double radius, double half_length) {
   return {middle.volume + ends, middle.moments + ends * Vector3d(across, across, along)};
 }
 
-Moments moments_of(ShapeKind kind, const Vector3d& size) {
+Moments shape_moments(ShapeKind kind, const Vector3d& size) {
   switch (kind) {
     case ShapeKind::sphere:
       return capsule_moments(size[0], 0.0);
@@ -50,8 +50,8 @@ Moments moments_of(ShapeKind kind, const Vector3d& size) {
   return {volume, volume / 3 * (Vector3d::Constant(size.squaredNorm()) - size.cwiseAbs2())};
 }
 
-/// What is left of a shape within its wall. A capsule's straight part keeps its length.
-Vector3d hollow(ShapeKind kind, const Vector3d& size, double wall_m) {
+/// Size of the cavity inside a wall. A capsule's straight part keeps its length.
+Vector3d inner_size(ShapeKind kind, const Vector3d& size, double wall_m) {
   if (kind == ShapeKind::box) return size - Vector3d::Constant(wall_m);
   return {size[0] - wall_m, kind == ShapeKind::cylinder ? size[1] - wall_m : size[1], 0.0};
 }
@@ -59,8 +59,8 @@ Vector3d hollow(ShapeKind kind, const Vector3d& size, double wall_m) {
 }  // namespace
 
 MassProperties volume_properties(const Solid& solid, double wall_m) {
-  Moments m = moments_of(solid.kind, solid.size_m);
-  if (wall_m > 0.0) m = m - moments_of(solid.kind, hollow(solid.kind, solid.size_m, wall_m));
+  Moments m = shape_moments(solid.kind, solid.size_m);
+  if (wall_m > 0.0) m = m - shape_moments(solid.kind, inner_size(solid.kind, solid.size_m, wall_m));
   const Matrix3d turn = solid.body_from_shape.linear();
   return {m.volume, solid.body_from_shape.translation(),
           turn * m.moments.asDiagonal() * turn.transpose()};
@@ -70,7 +70,7 @@ MassProperties scaled(const MassProperties& properties, double density) {
   return {density * properties.mass_kg, properties.center_m, density * properties.inertia_kg_m2};
 }
 
-MassProperties joined(const std::vector<MassProperties>& parts) {
+MassProperties combined(const std::vector<MassProperties>& parts) {
   MassProperties whole;
   for (const MassProperties& part : parts) {
     whole.mass_kg += part.mass_kg;

@@ -12,15 +12,15 @@ struct MassProperties {
   Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about `center_m`
 };
 
-/// Of a homogeneous solid of 1 kg/m^3, in the frame that carries it: the volume as the mass. With
-/// `wall_m` > 0 only its wall, that thick, is there.
+/// Mass properties of a homogeneous solid at 1 kg/m^3, in its body's frame; the mass is the volume.
+/// With `wall_m` > 0 only a wall of that thickness has mass.
 MassProperties volume_properties(const Solid& solid, double wall_m);
 
-/// The same of `density` times as much.
+/// Multiplies mass and inertia by `density`.
 MassProperties scaled(const MassProperties& properties, double density);
 
-/// Of several bodies that are rigidly joined, by the parallel axis theorem; those that overlap
-/// count twice where they do. There must be some mass.
-MassProperties joined(const std::vector<MassProperties>& parts);
+/// Mass properties of rigidly joined parts, by the parallel axis theorem. Overlaps count twice. The
+/// total mass must be positive.
+MassProperties combined(const std::vector<MassProperties>& parts);
 
 }  // namespace touchtrace::scene

@@ -17,16 +17,16 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double lightest_kg = 0.001, heaviest_kg = 20.0;
-constexpr double smallest_m = 0.001, largest_m = 1.0;
-constexpr std::size_t most_solids = 24;
-constexpr double rounding = 1e-9;  // of a file's decimal digits, relative
+constexpr double min_mass_kg = 0.001, max_mass_kg = 20.0;
+constexpr double min_length_m = 0.001, max_length_m = 1.0;
+constexpr std::size_t max_solids_in_file = 24;
+constexpr double rounding = 1e-9;  // relative, of the file's decimal digits
 
-double length_m(TomlTable& table, const char* key) {
-  return table.number(key, smallest_m, largest_m);
+double read_length_m(TomlTable& table, const char* key) {
+  return table.number(key, min_length_m, max_length_m);
 }
 
-Vector3d direction(TomlTable& table, const char* key, const Vector3d& otherwise) {
+Vector3d read_direction(TomlTable& table, const char* key, const Vector3d& otherwise) {
   const Vector3d v = table.vector_or(key, -1e3, 1e3, otherwise);
   if (!(v.norm() > 1e-3)) table.reject(key, "has no direction");
   return v.normalized();
@@ -36,19 +36,19 @@ void read_shape(TomlTable& table, Solid& solid) {
   solid.kind =
       static_cast<ShapeKind>(table.choice("shape", {"sphere", "box", "capsule", "cylinder"}));
   if (solid.kind == ShapeKind::box) {
-    solid.size_m = table.vector("half_size_m", smallest_m, largest_m);
+    solid.size_m = table.vector("half_size_m", min_length_m, max_length_m);
   } else {
-    solid.size_m[0] = length_m(table, "radius_m");
-    if (solid.kind != ShapeKind::sphere) solid.size_m[1] = length_m(table, "half_length_m");
+    solid.size_m[0] = read_length_m(table, "radius_m");
+    if (solid.kind != ShapeKind::sphere) solid.size_m[1] = read_length_m(table, "half_length_m");
   }
-  const Vector3d axis = direction(table, "axis", Vector3d::UnitZ());
+  const Vector3d axis = read_direction(table, "axis", Vector3d::UnitZ());
   solid.body_from_shape.linear() =
       Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), axis).toRotationMatrix();
   solid.body_from_shape.translation() =
-      table.vector_or("center_m", -largest_m, largest_m, Vector3d::Zero());
+      table.vector_or("center_m", -max_length_m, max_length_m, Vector3d::Zero());
 }
 
-double thinnest_m(const Solid& solid) {
+double half_thickness_m(const Solid& solid) {
   switch (solid.kind) {
     case ShapeKind::box:
       return solid.size_m.minCoeff();
@@ -61,14 +61,14 @@ double thinnest_m(const Solid& solid) {
 
 MassProperties read_mass(TomlTable& table, const Solid& solid) {
   const double wall_m =
-      table.has("wall_m") ? table.number("wall_m", 1e-5, 0.999 * thinnest_m(solid)) : 0.0;
+      table.has("wall_m") ? table.number("wall_m", 1e-5, 0.999 * half_thickness_m(solid)) : 0.0;
   const MassProperties volume = volume_properties(solid, wall_m);
   if (table.has("mass_kg"))
-    return scaled(volume, table.number("mass_kg", 1e-6, heaviest_kg) / volume.mass_kg);
+    return scaled(volume, table.number("mass_kg", 1e-6, max_mass_kg) / volume.mass_kg);
   return scaled(volume, table.number("density_kg_per_m3", 0.1, 3e4));
 }
 
-/// An inertia that masses within `reach_m` of the centre of mass can have.
+/// Rejects an inertia that no mass distribution within `reach_m` of the centre of mass has.
 void check_inertia(TomlTable& body, const MassProperties& mass, double reach_m) {
   const Vector3d moments =
       Eigen::SelfAdjointEigenSolver<Matrix3d>(mass.inertia_kg_m2, Eigen::EigenvaluesOnly)
@@ -78,18 +78,18 @@ void check_inertia(TomlTable& body, const MassProperties& mass, double reach_m) 
   if (!(moments[0] + moments[1] >= largest * (1 - rounding)))
     body.reject("inertia_kg_m2", "violates the triangle inequality of principal moments");
   if (!(largest <= mass.mass_kg * reach_m * reach_m * (1 + rounding)))
-    body.reject("inertia_kg_m2", "is larger than if all mass were at the solids' farthest point");
+    body.reject("inertia_kg_m2", "is larger than that of all mass at the solids' farthest point");
   if (!(moments[0] >= 1e-8 * mass.mass_kg))
     body.reject("inertia_kg_m2", "is that of a body thinner than a tenth of a millimetre");
 }
 
-Vector3d middle(const std::vector<Solid>& solids) {
+Vector3d mean_center(const std::vector<Solid>& solids) {
   Vector3d sum = Vector3d::Zero();
   for (const Solid& solid : solids) sum += solid.body_from_shape.translation();
   return sum / static_cast<double>(solids.size());
 }
 
-/// Of the farthest point of the solids.
+/// Distance from `center` that no point of the solids exceeds.
 double reach_m(const std::vector<Solid>& solids, const Vector3d& center) {
   double reach = 0.0;
   for (Solid solid : solids) {
@@ -101,23 +101,23 @@ double reach_m(const std::vector<Solid>& solids, const Vector3d& center) {
 
 MassProperties read_body(TomlTable& body, const std::vector<Solid>& solids) {
   MassProperties mass;
-  mass.mass_kg = body.number("mass_kg", lightest_kg, heaviest_kg);
-  mass.center_m = body.vector("center_m", -largest_m, largest_m);
+  mass.mass_kg = body.number("mass_kg", min_mass_kg, max_mass_kg);
+  mass.center_m = body.vector("center_m", -max_length_m, max_length_m);
   const auto i = body.numbers("inertia_kg_m2", 6, -1e3, 1e3);
   mass.inertia_kg_m2 << i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2];
-  if (!((mass.center_m - middle(solids)).norm() <= reach_m(solids, middle(solids))))
-    body.reject("center_m", "lies outside of the solids");
+  if (!((mass.center_m - mean_center(solids)).norm() <= reach_m(solids, mean_center(solids))))
+    body.reject("center_m", "is outside of the solids");
   check_inertia(body, mass, reach_m(solids, mass.center_m));
   return mass;
 }
 
 Hold read_hold(TomlTable& table) {
   Hold hold;
-  hold.center_m = table.vector_or("center_m", -largest_m, largest_m, hold.center_m);
-  hold.across = direction(table, "across", hold.across);
-  const Vector3d up = direction(table, "from_palm", hold.from_palm);
+  hold.center_m = table.vector_or("center_m", -max_length_m, max_length_m, hold.center_m);
+  hold.across = read_direction(table, "across", hold.across);
+  const Vector3d up = read_direction(table, "from_palm", hold.from_palm);
   hold.from_palm = up - hold.across * hold.across.dot(up);
-  if (!(hold.from_palm.norm() > 1e-3)) table.reject("from_palm", "is along `across`");
+  if (!(hold.from_palm.norm() > 1e-3)) table.reject("from_palm", "is parallel to `across`");
   hold.from_palm.normalize();
   if (table.has("turns"))
     hold.turns = static_cast<Hold::Turns>(table.choice("turns", {"none", "axis", "faces", "any"}));
@@ -126,12 +126,14 @@ Hold read_hold(TomlTable& table) {
 
 Ball read_ball(TomlTable& table) {
   Ball ball;
-  ball.radius_m = length_m(table, "radius_m");
+  ball.radius_m = read_length_m(table, "radius_m");
   ball.mass_kg = table.number("mass_kg", 1e-4, 1.0);
   ball.drag_coefficient = table.number("drag_coefficient", 0.0, 2.0);
   ball.restitution = table.number("restitution", 0.0, 1.0);
   ball.friction = table.number("friction", 0.0, 3.0);
-  ball.meets_m = table.vector("meets_m", -largest_m, largest_m);
+  // "meets_m": former name
+  ball.face_center_m =
+      table.vector(table.has("meets_m") ? "meets_m" : "face_center_m", -max_length_m, max_length_m);
   ball.color = table.vector("color", 0.0, 1.0);
   return ball;
 }
@@ -147,20 +149,20 @@ class ObjectReader {
     object_.friction = root.number("friction", 0.0, 3.0);
     if (root.has("toss_apex_m")) read_toss(root);
     object_.inertia_given = root.has("body");
-    root.each("solid", most_solids, [&](TomlTable& table) { read_solid(table); });
+    root.each("solid", max_solids_in_file, [&](TomlTable& table) { read_solid(table); });
     if (object_.solids.empty()) root.reject("solid", "is missing: an object has at least one");
-    root.each("filling", most_solids, [&](TomlTable& table) {
-      Solid inside;
-      read_shape(table, inside);
-      parts_.push_back(read_mass(table, inside));
+    root.each("filling", max_solids_in_file, [&](TomlTable& table) {
+      Solid filling;
+      read_shape(table, filling);
+      parts_.push_back(read_mass(table, filling));
     });
     root.table("body", [&](TomlTable& body) {
-      if (!parts_.empty()) body.reject("mass_kg", "stands beside a filling: give one of them");
+      if (!parts_.empty()) body.reject("mass_kg", "cannot be combined with [[filling]]");
       parts_ = {read_body(body, object_.solids)};
     });
     root.table("hold", [&](TomlTable& table) { object_.hold = read_hold(table); });
     root.table("ball", [&](TomlTable& table) { object_.ball = read_ball(table); });
-    settle(root);
+    move_origin_to_center_of_mass(root);
     if (root.has("tracked_m")) read_tracked(root);
   }
 
@@ -179,22 +181,21 @@ class ObjectReader {
   }
 
   void read_tracked(TomlTable& root) {
-    if (object_.ball) root.reject("tracked_m", "stands beside a ball: give one of them");
-    object_.tracked_m = root.vector("tracked_m", -largest_m, largest_m) - center_m_;
+    if (object_.ball) root.reject("tracked_m", "cannot be combined with [ball]");
+    object_.tracked_m = root.vector("tracked_m", -max_length_m, max_length_m) - center_m_;
   }
 
-  /// From the file's origin to the centre of mass.
-  void settle(TomlTable& root) {
-    const MassProperties whole = joined(parts_);
-    if (!(whole.mass_kg >= lightest_kg && whole.mass_kg <= heaviest_kg))
-      root.reject("mass", fmt::format("is {:g} kg in all, not within {:g} to {:g}", whole.mass_kg,
-                                      lightest_kg, heaviest_kg));
+  void move_origin_to_center_of_mass(TomlTable& root) {
+    const MassProperties whole = combined(parts_);
+    if (!(whole.mass_kg >= min_mass_kg && whole.mass_kg <= max_mass_kg))
+      root.reject("mass", fmt::format("is {:g} kg in total, not in {:g} to {:g}", whole.mass_kg,
+                                      min_mass_kg, max_mass_kg));
     object_.mass_kg = whole.mass_kg;
     object_.inertia_kg_m2 = whole.inertia_kg_m2;
     center_m_ = whole.center_m;
     for (Solid& solid : object_.solids) solid.body_from_shape.pretranslate(-whole.center_m);
     object_.hold.center_m -= whole.center_m;
-    if (object_.ball) object_.ball->meets_m -= whole.center_m;
+    if (object_.ball) object_.ball->face_center_m -= whole.center_m;
   }
 
   ObjectSpec& object_;
@@ -218,12 +219,12 @@ ObjectSpec read_object(const std::filesystem::path& file) {
   const std::string name = file.stem().string();
   const std::string letters = "abcdefghijklmnopqrstuvwxyz0123456789-_";
   if (name.empty() || name.size() > 40 || name.find_first_not_of(letters) != std::string::npos)
-    throw data_error(fmt::format("{}: an object has the name of its file", file.string()),
-                     "name the file with a-z, 0-9, - and _ only, 40 of them at the most");
+    throw data_error(fmt::format("{}: invalid object name '{}'", file.string(), name),
+                     "use a file name of at most 40 characters a-z, 0-9, - and _");
   return parse_object(name, read_file(file, 1 << 16), file.string());
 }
 
-ObjectSpec object_of(const std::string& name_or_file) {
+ObjectSpec load_object(const std::string& name_or_file) {
   return name_or_file.ends_with(".toml") ? read_object(name_or_file) : find_object(name_or_file);
 }
 

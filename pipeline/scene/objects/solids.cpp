@@ -9,32 +9,33 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Unit vectors along `v`; along z where it is 0.
+/// Normalizes `v`; returns the z axis where it is 0.
 Lanes3 direction(const Lanes3& v) {
   const Lanes length = norm(v);
   const LaneMask is_some = length > 0.0;
   const Lanes inverse = is_some ? 1.0 / length : Lanes{};
-  return {inverse * v.x, inverse * v.y, is_some ? inverse * v.z : all_lanes(1.0)};
+  return {inverse * v.x, inverse * v.y, is_some ? inverse * v.z : broadcast(1.0)};
 }
 
-Lanes with_sign(double value, Lanes of) { return of < 0.0 ? all_lanes(-value) : all_lanes(value); }
+/// `value` with the sign of `s`.
+Lanes copy_sign(double value, Lanes s) { return s < 0.0 ? broadcast(-value) : broadcast(value); }
 
-/// From the nearest point of a capsule's axis.
+/// Offset from the nearest point of a capsule's axis.
 Lanes3 from_axis(const Lanes3& p, double half_length) {
-  return {p.x, p.y, p.z - smallest(largest(p.z, all_lanes(-half_length)), all_lanes(half_length))};
+  return {p.x, p.y, p.z - min(max(p.z, broadcast(-half_length)), broadcast(half_length))};
 }
 
 Lanes3 box_excess(const Vector3d& half, const Lanes3& p) {
-  return {absolute(p.x) - half.x(), absolute(p.y) - half.y(), absolute(p.z) - half.z()};
+  return {abs(p.x) - half.x(), abs(p.y) - half.y(), abs(p.z) - half.z()};
 }
 
 Lanes3 positive(const Lanes3& v) {
-  return {largest(v.x, Lanes{}), largest(v.y, Lanes{}), largest(v.z, Lanes{})};
+  return {max(v.x, Lanes{}), max(v.y, Lanes{}), max(v.z, Lanes{})};
 }
 
 Lanes box_distance_m(const Vector3d& half, const Lanes3& p) {
   const Lanes3 excess = box_excess(half, p);
-  const Lanes depth = largest(largest(excess.x, excess.y), excess.z);
+  const Lanes depth = max(max(excess.x, excess.y), excess.z);
   return depth > 0.0 ? norm(positive(excess)) : depth;
 }
 
@@ -42,35 +43,35 @@ Lanes3 box_normal(const Vector3d& half, const Lanes3& p) {
   const Lanes3 excess = box_excess(half, p), outside = positive(excess);
   const LaneMask x = (excess.x >= excess.y) & (excess.x >= excess.z),
                  y = ~x & (excess.y >= excess.z);
-  const Lanes one = all_lanes(1.0);
+  const Lanes one = broadcast(1.0);
   const Lanes3 face{x ? one : Lanes{}, y ? one : Lanes{}, x | y ? Lanes{} : one};
-  const Lanes3 n = choose(dot(outside, outside) > 0.0, direction(outside), face);
-  return {with_sign(1.0, p.x) * n.x, with_sign(1.0, p.y) * n.y, with_sign(1.0, p.z) * n.z};
+  const Lanes3 n = select(dot(outside, outside) > 0.0, direction(outside), face);
+  return {copy_sign(1.0, p.x) * n.x, copy_sign(1.0, p.y) * n.y, copy_sign(1.0, p.z) * n.z};
 }
 
-/// How far outside of a cylinder's side and beyond its ends.
+/// Signed distances from a cylinder's side and from its ends.
 struct CylinderExcess {
   Lanes side, end;
 
   CylinderExcess(const Vector3d& size, const Lanes3& p)
-      : side(root(p.x * p.x + p.y * p.y) - size[0]), end(absolute(p.z) - size[1]) {}
-  LaneMask past_rim() const { return (side > 0.0) & (end > 0.0); }
+      : side(sqrt(p.x * p.x + p.y * p.y) - size[0]), end(abs(p.z) - size[1]) {}
+  LaneMask is_beyond_rim() const { return (side > 0.0) & (end > 0.0); }
 };
 
 Lanes cylinder_distance_m(const Vector3d& size, const Lanes3& p) {
   const CylinderExcess excess(size, p);
-  return excess.past_rim() ? root(excess.side * excess.side + excess.end * excess.end)
-                           : largest(excess.side, excess.end);
+  return excess.is_beyond_rim() ? sqrt(excess.side * excess.side + excess.end * excess.end)
+                                : max(excess.side, excess.end);
 }
 
 Lanes3 cylinder_normal(const Vector3d& size, const Lanes3& p) {
   const CylinderExcess excess(size, p);
   const Lanes rho = excess.side + size[0];
   const LaneMask is_off = rho > 0.0;
-  const Lanes3 radial{is_off ? p.x / rho : all_lanes(1.0), is_off ? p.y / rho : Lanes{}, Lanes{}};
-  const Lanes3 axial{Lanes{}, Lanes{}, with_sign(1.0, p.z)};
+  const Lanes3 radial{is_off ? p.x / rho : broadcast(1.0), is_off ? p.y / rho : Lanes{}, Lanes{}};
+  const Lanes3 axial{Lanes{}, Lanes{}, copy_sign(1.0, p.z)};
   const Lanes3 rim = direction(excess.side * radial + excess.end * axial);
-  return choose(excess.past_rim(), rim, choose(excess.side > excess.end, radial, axial));
+  return select(excess.is_beyond_rim(), rim, select(excess.side > excess.end, radial, axial));
 }
 
 Lanes3 in_shape(const Solid& solid, const Lanes3& points) {
@@ -129,6 +130,18 @@ double distance_m(const ObjectSpec& object, const Vector3d& point) {
   for (const Solid& solid : object.solids)
     nearest_m = std::min(nearest_m, distance_m(solid, Lanes3::all(point))[0]);
   return nearest_m;
+}
+
+Solid capsule_between(const Vector3d& a_m, const Vector3d& b_m, double radius_m,
+                      const Vector3d& color) {
+  Solid solid{ShapeKind::capsule,
+              {radius_m, 0.5 * (b_m - a_m).norm(), 0.0},
+              Eigen::Isometry3d::Identity(),
+              color};
+  solid.body_from_shape.linear() =
+      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), b_m - a_m).toRotationMatrix();
+  solid.body_from_shape.translation() = 0.5 * (a_m + b_m);
+  return solid;
 }
 
 double bounding_radius_m(const Solid& solid) {

@@ -5,27 +5,29 @@
 
 namespace touchtrace::scene {
 
-/// How far a point lies outside of a surface (negative inside), and the surface's outward normal
-/// there.
+/// Signed distance to a surface, negative inside, and the surface's outward normal there.
 struct Distance {
   double value_m;
   Eigen::Vector3d normal;
 };
 
-/// Of as many points as there are lanes, in the frame of the body that carries the solid. Exact
-/// outside and inside, except that near a box's edges outside the normal is that of the nearest
+/// Signed distances and outward normals of one point per lane, in the solid's body frame. Exact,
+/// except that outside of a box's edge or corner the normal is the direction from the nearest
 /// point.
 Lanes distance_m(const Solid& solid, const Lanes3& points);
 Lanes3 normal(const Solid& solid, const Lanes3& points);
 
-/// The same of one point.
 Distance distance(const Solid& solid, const Eigen::Vector3d& point);
 
-/// Of the union of the object's solids; `point` in the object's body frame.
+/// Distance to the union of the object's solids; `point` in the object's body frame.
 Distance distance(const ObjectSpec& object, const Eigen::Vector3d& point);
 double distance_m(const ObjectSpec& object, const Eigen::Vector3d& point);
 
-/// Of a sphere around the origin of the body frame that holds the solid.
+/// Capsule whose axis is the segment from `a_m` to `b_m`.
+Solid capsule_between(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m, double radius_m,
+                      const Eigen::Vector3d& color);
+
+/// Radius of a sphere around the body frame's origin that encloses the solid.
 double bounding_radius_m(const Solid& solid);
 double bounding_radius_m(const ObjectSpec& object);
 

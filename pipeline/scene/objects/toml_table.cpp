@@ -14,7 +14,7 @@ TomlTable::TomlTable(const toml::table& table, std::string where)
 
 void TomlTable::reject(const std::string& key, const std::string& fault) const {
   throw data_error(fmt::format("{}: {} {}", where_, key, fault),
-                   "correct the file; pipeline/scene/objects holds examples");
+                   "pipeline/scene/objects/object_file.h describes the format");
 }
 
 bool TomlTable::has(const std::string& key) {
@@ -27,84 +27,80 @@ const toml::node& TomlTable::get(const std::string& key) {
   return *table_.get(key);
 }
 
-double TomlTable::number_of(const std::string& key, const toml::node& node, double low,
-                            double high) const {
+double TomlTable::to_number(const std::string& key, const toml::node& node, double min,
+                            double max) const {
   if (!node.is_number()) reject(key, "is not a number");
   const double value = node.value<double>().value();
-  if (!(value >= low && value <= high))
-    reject(key, fmt::format("is {:g}, not within {:g} to {:g}", value, low, high));
+  if (!(value >= min && value <= max))
+    reject(key, fmt::format("is {:g}, not in {:g} to {:g}", value, min, max));
   return value;
 }
 
-double TomlTable::number(const std::string& key, double low, double high) {
-  return number_of(key, get(key), low, high);
+double TomlTable::number(const std::string& key, double min, double max) {
+  return to_number(key, get(key), min, max);
 }
 
-double TomlTable::number_or(const std::string& key, double low, double high, double otherwise) {
-  return has(key) ? number(key, low, high) : otherwise;
-}
-
-std::vector<double> TomlTable::numbers(const std::string& key, std::size_t count, double low,
-                                       double high) {
+std::vector<double> TomlTable::numbers(const std::string& key, std::size_t count, double min,
+                                       double max) {
   const toml::array* array = get(key).as_array();
   if (!array || array->size() != count) reject(key, fmt::format("does not hold {} numbers", count));
   std::vector<double> values;
-  for (const toml::node& node : *array) values.push_back(number_of(key, node, low, high));
+  for (const toml::node& node : *array) values.push_back(to_number(key, node, min, max));
   return values;
 }
 
-Eigen::Vector3d TomlTable::vector(const std::string& key, double low, double high) {
-  const std::vector<double> values = numbers(key, 3, low, high);
+Eigen::Vector3d TomlTable::vector(const std::string& key, double min, double max) {
+  const std::vector<double> values = numbers(key, 3, min, max);
   return {values[0], values[1], values[2]};
 }
 
-Eigen::Vector3d TomlTable::vector_or(const std::string& key, double low, double high,
+Eigen::Vector3d TomlTable::vector_or(const std::string& key, double min, double max,
                                      const Eigen::Vector3d& otherwise) {
-  return has(key) ? vector(key, low, high) : otherwise;
+  return has(key) ? vector(key, min, max) : otherwise;
 }
 
-std::string TomlTable::text(const std::string& key, std::size_t longest) {
+std::string TomlTable::text(const std::string& key, std::size_t max_bytes) {
   const auto value = get(key).value_exact<std::string>();
-  if (!value || value->size() > longest ||
+  if (!value || value->size() > max_bytes ||
       std::ranges::any_of(*value, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
-    reject(key, fmt::format("is no text of one line and {} bytes at the most", longest));
+    reject(key, fmt::format("is not a text of one line of at most {} bytes", max_bytes));
   return *value;
 }
 
 std::size_t TomlTable::choice(const std::string& key, const std::vector<std::string>& names) {
-  const auto place = std::ranges::find(names, text(key, 64));
-  if (place == names.end()) reject(key, "is none of " + comma_separated(names));
-  return static_cast<std::size_t>(place - names.begin());
+  const auto found = std::ranges::find(names, text(key, 64));
+  if (found == names.end()) reject(key, "is not one of " + comma_separated(names));
+  return static_cast<std::size_t>(found - names.begin());
 }
 
-void TomlTable::each(const std::string& key, std::size_t most,
+void TomlTable::each(const std::string& key, std::size_t max_tables,
                      const std::function<void(TomlTable&)>& read) {
   if (!has(key)) return;
   const toml::array* array = table_.get(key)->as_array();
-  if (!array || array->size() > most)
-    reject(key, fmt::format("is no list of {} tables at the most", most));
+  if (!array || array->size() > max_tables)
+    reject(key, fmt::format("is not a list of at most {} tables", max_tables));
   for (std::size_t i = 0; i < array->size(); ++i) {
     const toml::table* entry = array->get(i)->as_table();
-    if (!entry) reject(key, "holds something else than tables");
+    if (!entry) reject(key, "holds a value that is not a table");
     TomlTable inner(*entry, fmt::format("{}: {} {}", where_, key, i + 1));
     read(inner);
-    inner.finish();
+    inner.reject_unknown_keys();
   }
 }
 
 void TomlTable::table(const std::string& key, const std::function<void(TomlTable&)>& read) {
   if (!has(key)) return;
   const toml::table* inner_table = table_.get(key)->as_table();
-  if (!inner_table) reject(key, "is no table");
+  if (!inner_table) reject(key, "is not a table");
   TomlTable inner(*inner_table, fmt::format("{}: {}", where_, key));
   read(inner);
-  inner.finish();
+  inner.reject_unknown_keys();
 }
 
-void TomlTable::finish() const {
+void TomlTable::reject_unknown_keys() const {
   for (const auto& [key, node] : table_)
     if (std::ranges::find(known_, key.str()) == known_.end())
-      throw data_error(fmt::format("{} has no key '{}'", where_, key.str()),
+      throw data_error(fmt::format("{}: unknown key '{}'", where_, key.str()),
                        suggestion(key.str(), known_));
 }
 
@@ -116,11 +112,11 @@ void read_toml(const std::string& text, const std::string& where,
   } catch (const toml::parse_error& error) {
     throw data_error(
         fmt::format("{}:{}: {}", where, error.source().begin.line, error.description()),
-        "correct the file; it is TOML 1.0");
+        "the file must be valid TOML 1.0");
   }
   TomlTable root(document, where);
   read(root);
-  root.finish();
+  root.reject_unknown_keys();
 }
 
 }  // namespace touchtrace::scene

@@ -11,22 +11,23 @@ namespace touchtrace::scene {
 
 namespace {
 
-bool is_no_tool(const ObjectSpec& object) { return object.role != ObjectRole::tool; }
-bool is_balanced(const ObjectSpec& object) {
+bool is_graspable(const ObjectSpec& object) { return object.role != ObjectRole::tool; }
+bool can_be_balanced(const ObjectSpec& object) {
   return object.role == ObjectRole::tool && object.tracked_m != Eigen::Vector3d::Zero();
 }
-bool is_tossed(const ObjectSpec& object) { return object.toss_apex_m.has_value(); }
+bool can_be_thrown(const ObjectSpec& object) { return object.toss_apex_m.has_value(); }
 bool has_ball(const ObjectSpec& object) { return object.ball.has_value(); }
 
 }  // namespace
 
 const std::vector<ActivityRow>& activities() {
   static const std::vector<ActivityRow> table{
-      {"wave", "the object is held and waved to and fro", "ball", 0.002, is_no_tool, make_wave},
-      {"throw", "the object is tossed off the open palm and caught", "ball", 0.002, is_tossed,
+      {"wave", "the object is held and waved back and forth", "ball", 0.002, is_graspable,
+       make_wave},
+      {"throw", "the object is thrown off the open palm and caught", "ball", 0.002, can_be_thrown,
        make_throw},
       {"pingpong", "a ball is bounced on a racket", "racket", 0.002, has_ball, make_pingpong},
-      {"balance", "an umbrella is kept standing on the open palm", "umbrella", 0.002, is_balanced,
+      {"balance", "an umbrella is balanced on the open palm", "umbrella", 0.002, can_be_balanced,
        make_balance, 2.0, 1.5},
   };
   return table;
@@ -46,35 +47,35 @@ const ObjectSpec& default_object(const std::string& activity) {
   return find_object(find_activity(activity).default_object);
 }
 
-void require_fit(const ActivityRow& activity, const ObjectSpec& object) {
-  if (activity.takes(object)) return;
-  std::vector<std::string> fitting;
+void require_compatible(const ActivityRow& activity, const ObjectSpec& object) {
+  if (activity.accepts(object)) return;
+  std::vector<std::string> accepted;
   for (const ObjectSpec& other : objects())
-    if (activity.takes(other)) fitting.push_back(other.name);
+    if (activity.accepts(other)) accepted.push_back(other.name);
   throw usage_error(
-      fmt::format("'{}' is nothing for the activity '{}'", object.name, activity.name),
-      "take " + comma_separated(fitting));
+      fmt::format("object '{}' cannot be used with activity '{}'", object.name, activity.name),
+      "use one of " + comma_separated(accepted));
 }
 
 double load_grip_n(const WaveParameters& grip, const ObjectSpec& object,
                    const Eigen::Vector3d& load_m_per_s2) {
-  constexpr double slipperiest = 0.2;
-  const double ratio = grip.grip_over_slip / (2 * std::max(object.friction, slipperiest));
+  constexpr double min_friction = 0.2;
+  const double ratio = grip.grip_over_slip / (2 * std::max(object.friction, min_friction));
   const double turning = 1 + object.hold.center_m.norm() / grip.turning_lever_m;
   return ratio * turning * object.mass_kg * load_m_per_s2.norm();
 }
 
-bool in_hand(const ObjectSpec& object, const SceneSample& seen) {
-  constexpr double farthest_m = 0.12;
+bool is_in_hand(const ObjectSpec& object, const SceneSample& seen) {
+  constexpr double max_distance_m = 0.12;
   const RigidState& held = seen.object;
   const Eigen::Vector3d place = held.position_m + held.orientation * object.hold.center_m;
-  return seen.grip_force_n > 0.0 && (place - seen.hand.position_m).norm() < farthest_m;
+  return seen.grip_force_n > 0.0 && (place - seen.hand.position_m).norm() < max_distance_m;
 }
 
-bool fallen(const SceneSample& seen) {
-  constexpr double below_m = 0.20, farthest_m = 0.80;
+bool has_fallen(const SceneSample& seen) {
+  constexpr double below_m = 0.20, max_distance_m = 0.80;
   const Eigen::Vector3d offset = seen.object.position_m - seen.hand.position_m;
-  return offset.z() < -below_m || !(offset.norm() < farthest_m);
+  return offset.z() < -below_m || !(offset.norm() < max_distance_m);
 }
 
 Eigen::Quaterniond palm_up(double roll_rad, double pitch_rad, double yaw_rad) {

@@ -7,28 +7,30 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double longest_m = 0.12;  // from its centre of mass: what is longer tips out
+constexpr double max_radius_m = 0.12;  // longer objects would tip out
 
-/// On the palm, from where an object is taken.
-Vector2d place_m(const ObjectSpec& object, const SceneSample& seen) {
+/// Position of the object on the palm, relative to the usual grasp.
+Vector2d position_on_palm_m(const ObjectSpec& object, const SceneSample& seen) {
   const RigidState &hand = seen.hand, &held = seen.object;
-  const Eigen::Vector3d middle = held.position_m + held.orientation * object.hold.center_m;
-  return (hand.orientation.conjugate() * (middle - hand.position_m)).head<2>() -
-         grasp_middle_m * Vector2d::UnitX();
+  const Eigen::Vector3d center = held.position_m + held.orientation * object.hold.center_m;
+  return (hand.orientation.conjugate() * (center - hand.position_m)).head<2>() -
+         grasp_center_m * Vector2d::UnitX();
 }
 
 }  // namespace
 
 Regrasp::Regrasp(const RegraspParameters& parameters, const ObjectSpec& object)
-    : parameters_(parameters), object_(object), possible_(bounding_radius_m(object) < longest_m) {}
+    : parameters_(parameters),
+      object_(object),
+      is_possible_(bounding_radius_m(object) < max_radius_m) {}
 
-void Regrasp::consider(double time_s, RandomStream& random) {
+void Regrasp::maybe_start(double time_s, RandomStream& random) {
   const RegraspParameters& p = parameters_;
-  if (!possible_ || !(random.uniform() < p.share)) return;
+  if (!is_possible_ || !(random.uniform() < p.share)) return;
   movement_s_ = draw(random, p.movement_s);
   wait_s_ = draw(random, p.wait_s);
   opening_rad_ = draw(random, p.opening_rad);
-  wanted_m_ = p.place_m * Vector2d(random.normal(), random.normal());
+  target_m_ = p.place_m * Vector2d(random.normal(), random.normal());
   level_error_rad_ = p.tilt_rad * Vector2d(random.normal(), random.normal());
   busy_ = true;
   start(time_s);
@@ -39,43 +41,43 @@ void Regrasp::start(double time_s) {
   close_s_ = open_s() + wait_s_;
 }
 
-bool Regrasp::loose(double time_s) const { return time_s > open_s() && time_s < close_s_; }
+bool Regrasp::is_open(double time_s) const { return time_s > open_s() && time_s < close_s_; }
 
 double Regrasp::grip_share(double time_s) const {
-  return 1.0 - passage(time_s, start_s_ + movement_s_, movement_s_) +
-         passage(time_s, close_s_, movement_s_);
+  return 1.0 - minimum_jerk_progress(time_s, start_s_ + movement_s_, movement_s_) +
+         minimum_jerk_progress(time_s, close_s_, movement_s_);
 }
 
 double Regrasp::tilt_share(double time_s) const {
-  return 1.0 - passage(time_s, start_s_, movement_s_) +
-         passage(time_s, close_s_ + movement_s_, movement_s_);
+  return 1.0 - minimum_jerk_progress(time_s, start_s_, movement_s_) +
+         minimum_jerk_progress(time_s, close_s_ + movement_s_, movement_s_);
 }
 
 double Regrasp::posture_rad(int finger, double time_s) const {
-  return held_rad_[finger] - opening_rad_ * passage(time_s, open_s(), movement_s_);
+  return held_rad_[finger] - opening_rad_ * minimum_jerk_progress(time_s, open_s(), movement_s_);
 }
 
-void Regrasp::follow(double time_s, const SceneSample& seen) {
+void Regrasp::update(double time_s, const SceneSample& seen) {
   if (!busy_) return;
-  const Vector2d place = place_m(object_, seen);
+  const Vector2d place = position_on_palm_m(object_, seen);
   if (time_s <= start_s_ + movement_s_) felt_m_ = place;
   if (time_s <= open_s()) held_rad_ = seen.flexion_rad;
   felt_m_per_s_ = (place - felt_m_) / parameters_.reaction_s;
   felt_m_ += felt_m_per_s_ * control_interval_s;
   tilt_palm();
   if (time_s < close_s_ + movement_s_) return;
-  busy_ = felt_m_.norm() > parameters_.farthest_m;
+  busy_ = felt_m_.norm() > parameters_.max_offset_m;
   if (busy_) start(time_s - movement_s_);  // the palm is level already
 }
 
-/// What is too far to the fingers or to the thumb rolls back, and without swinging.
+/// Proportional-derivative control of the object's position on the palm.
 void Regrasp::tilt_palm() {
   const RegraspParameters& p = parameters_;
-  const Vector2d tilt = p.tilt_rad_per_m * (felt_m_ - wanted_m_) +
+  const Vector2d tilt = p.tilt_rad_per_m * (felt_m_ - target_m_) +
                         p.tilt_rad_s_per_m * felt_m_per_s_ + level_error_rad_;
-  const Vector2d within = tilt.cwiseMax(-p.most_tilt_rad).cwiseMin(p.most_tilt_rad);
-  roll_rad_ = within.y();
-  pitch_rad_ = -within.x();
+  const Vector2d clamped = tilt.cwiseMax(-p.max_tilt_rad).cwiseMin(p.max_tilt_rad);
+  roll_rad_ = clamped.y();
+  pitch_rad_ = -clamped.x();
 }
 
 }  // namespace touchtrace::scene

@@ -8,14 +8,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of a planned sub-movement: what one does with something light, and not more than the arm can.
-double hardest_m_per_s2(const WaveParameters& wave, const ArmParameters& arm, double mass_kg) {
-  const double force_n = wave.strength_used * arm.force_bound_n - mass_kg * gravity_m_per_s2;
+/// Largest acceleration of a planned stroke, limited by the arm's force.
+double max_acceleration_m_per_s2(const WaveParameters& wave, const ArmParameters& arm,
+                                 double mass_kg) {
+  const double force_n = wave.force_fraction * arm.max_force_n - mass_kg * gravity_m_per_s2;
   return std::min(wave.acceleration_m_per_s2, force_n / (arm.mass_kg + mass_kg));
 }
 
-/// Bouts of to-and-fro sub-movements along one direction, each re-planned before it ends; the wrist
-/// tilts with the hand's place and the grip follows the load that is about to come.
+/// Bouts of strokes back and forth along one direction; the next stroke is planned before the
+/// present one ends. The wrist tilts with the hand's displacement, and the grip force follows the
+/// predicted load.
 class Wave : public Activity {
  public:
   explicit Wave(ActivityStart start);
@@ -29,7 +31,7 @@ class Wave : public Activity {
 
   const ObjectSpec& object_;
   WaveParameters wave_;
-  double hardest_m_per_s2_;
+  double max_acceleration_m_per_s2_;
   RandomStream random_;
   Vector3d base_m_, centre_m_, direction_;
   double roll_, pitch_, yaw_, tilt_rad_per_m_, base_grip_n_;
@@ -44,7 +46,8 @@ class Wave : public Activity {
 Wave::Wave(ActivityStart start)
     : object_(start.object),
       wave_(start.parameters.wave),
-      hardest_m_per_s2_(hardest_m_per_s2(wave_, start.parameters.arm, object_.mass_kg)),
+      max_acceleration_m_per_s2_(
+          max_acceleration_m_per_s2(wave_, start.parameters.arm, object_.mass_kg)),
       random_(start.random),
       base_m_(draw(random_, wave_.place_m)),
       centre_m_(base_m_),
@@ -57,7 +60,7 @@ Wave::Wave(ActivityStart start)
       roll_noise_(random_, wave_.wrist_noise_hz),
       pitch_noise_(random_, wave_.wrist_noise_hz),
       regrasp_(start.parameters.regrasp, object_) {
-  const MotionState rest{base_m_, Vector3d::Zero(), Vector3d::Zero()};
+  const MotionState rest = at_rest(base_m_);
   replan_s_ = random_.uniform(0.0, 0.3);
   plan_ = Quintic(rest, rest, -10.0, replan_s_ + 10.0);
 }
@@ -68,13 +71,13 @@ void Wave::begin_bout() {
                                    .cwiseMin(2.0);
   direction_ = Vector3d(random_.normal(), 0.6 * random_.normal(), random_.normal()).normalized();
   stroke_s_ = 0.5 * draw(random_, wave_.period_s);
-  const double reach_m = hardest_m_per_s2_ * stroke_s_ * stroke_s_ / minimum_jerk_peak;
+  const double reach_m = max_acceleration_m_per_s2_ * stroke_s_ * stroke_s_ / minimum_jerk_peak;
   amplitude_m_ = std::min(draw(random_, wave_.amplitude_m), reach_m);
-  strokes_left_ = 2 * draw_whole(random_, wave_.repeats);
+  strokes_left_ = 2 * draw_integer(random_, wave_.repeats);
 }
 
 void Wave::plan_next(double time_s) {
-  MotionState target{centre_m_, Vector3d::Zero(), Vector3d::Zero()};
+  MotionState target = at_rest(centre_m_);
   double duration_s = random_.uniform(0.35, 0.6);
   if (strokes_left_ > 0) {
     const double side = strokes_left_ % 2 ? -0.5 : 0.5;
@@ -84,10 +87,10 @@ void Wave::plan_next(double time_s) {
   } else {
     begin_bout();
     target.position_m = centre_m_;
-    regrasp_.consider(time_s, random_);
+    regrasp_.maybe_start(time_s, random_);
   }
   plan_ = Quintic(plan_.at(time_s), target, time_s, duration_s);
-  replan_s_ = time_s + duration_s * draw(random_, wave_.replanned);
+  replan_s_ = time_s + duration_s * draw(random_, wave_.replan_fraction);
 }
 
 double Wave::grip_force_n(double time_s) const {
@@ -98,24 +101,24 @@ double Wave::grip_force_n(double time_s) const {
 }
 
 Eigen::Quaterniond Wave::orientation(double time_s, const Vector3d& place) const {
-  const Vector3d away = tilt_rad_per_m_ * (place - base_m_);
+  const Vector3d tilt = tilt_rad_per_m_ * (place - base_m_);
   const double usual = regrasp_.tilt_share(time_s);
-  return palm_up(std::lerp(regrasp_.roll_rad(), roll_ + away.x(), usual) +
+  return palm_up(std::lerp(regrasp_.roll_rad(), roll_ + tilt.x(), usual) +
                      wave_.wrist_noise_rad * roll_noise_.at(time_s),
-                 std::lerp(regrasp_.pitch_rad(), pitch_ - away.z(), usual) +
+                 std::lerp(regrasp_.pitch_rad(), pitch_ - tilt.z(), usual) +
                      wave_.wrist_noise_rad * pitch_noise_.at(time_s),
                  yaw_);
 }
 
 Command Wave::command(double time_s, const SceneSample& seen) {
-  if (time_s >= replan_s_ && regrasp_.over()) plan_next(time_s);
-  regrasp_.follow(time_s, seen);
+  if (time_s >= replan_s_ && regrasp_.is_done()) plan_next(time_s);
+  regrasp_.update(time_s, seen);
   Command command;
   command.hand = plan_.at(time_s);
   command.orientation = orientation(time_s, command.hand.position_m);
   command.grip_force_n = grip_force_n(time_s);
-  command.closed_grip = !regrasp_.loose(time_s);
-  for (int i = 0; i < finger_count; ++i) command.posture_rad[i] = regrasp_.posture_rad(i, time_s);
+  command.closed_grip = !regrasp_.is_open(time_s);
+  for (int i = 0; i < num_fingers; ++i) command.posture_rad[i] = regrasp_.posture_rad(i, time_s);
   return command;
 }
 

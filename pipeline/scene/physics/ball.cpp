@@ -13,79 +13,74 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double air_kg_per_m3 = 1.20;         // at 20 degrees
-constexpr double unforeseen_m_per_s2 = 300.0;  // of a held object
+constexpr double air_kg_per_m3 = 1.20;  // at 20 degrees
+constexpr double max_object_acceleration_m_per_s2 = 300.0;
 constexpr double touching_m = 1e-9;
-constexpr int halvings = 40;
+constexpr int num_bisections = 40;
 
 Vector3d acceleration(double drag, const Vector3d& v) {
   return -gravity_m_per_s2 * Vector3d::UnitZ() - drag * v.norm() * v;
 }
 
-/// Where an object gets with the velocity that it has.
-RigidState coasted(RigidState state, double seconds) {
+/// State after `seconds` at constant velocity.
+RigidState extrapolated(RigidState state, double seconds) {
   state.position_m += seconds * state.velocity_m_per_s;
-  state.orientation = rotation_by(seconds * state.angular_velocity_rad_per_s) * state.orientation;
+  state.orientation =
+      rotation_from_vector(seconds * state.angular_velocity_rad_per_s) * state.orientation;
   return state;
 }
 
-/// [v]x: its product with a vector is the cross product.
-Matrix3d cross_product(const Vector3d& v) {
-  Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
-/// A body that an impulse at `arm_m` from its centre of mass sets in motion.
-struct Struck {
+/// A free body with an impulse at `arm_m` from its centre of mass; world frame.
+struct ImpactBody {
   double inverse_mass;
-  Matrix3d inverse_inertia;  ///< world
+  Matrix3d inverse_inertia;
   Vector3d arm_m;
 
   Vector3d velocity_at_arm(const RigidState& state) const {
     return state.velocity_m_per_s + state.angular_velocity_rad_per_s.cross(arm_m);
   }
-  /// Change of that velocity by an impulse.
+  /// Derivative of that velocity with respect to the impulse.
   Matrix3d compliance() const {
-    const Matrix3d arm = cross_product(arm_m);
+    const Matrix3d arm = cross_matrix(arm_m);
     return inverse_mass * Matrix3d::Identity() - arm * inverse_inertia * arm;
   }
-  void strike(RigidState& state, const Vector3d& impulse_ns) const {
+  void apply(RigidState& state, const Vector3d& impulse_ns) const {
     state.velocity_m_per_s += inverse_mass * impulse_ns;
     state.angular_velocity_rad_per_s += inverse_inertia * arm_m.cross(impulse_ns);
   }
 };
 
-Struck struck(const ObjectSpec& object, const RigidState& held, const Vector3d& place_m) {
+ImpactBody impact_body(const ObjectSpec& object, const RigidState& held, const Vector3d& point_m) {
   const Matrix3d turn = held.orientation.toRotationMatrix();
   return {1.0 / object.mass_kg, turn * object.inertia_kg_m2.inverse() * turn.transpose(),
-          place_m - held.position_m};
+          point_m - held.position_m};
 }
 
 /// A thin hollow sphere: 2/3 m r^2.
-Struck struck(const Ball& ball, const RigidState& state, const Vector3d& place_m) {
+ImpactBody impact_body(const Ball& ball, const RigidState& state, const Vector3d& point_m) {
   const double inertia = 2.0 / 3.0 * ball.mass_kg * ball.radius_m * ball.radius_m;
-  return {1.0 / ball.mass_kg, Matrix3d::Identity() / inertia, place_m - state.position_m};
+  return {1.0 / ball.mass_kg, Matrix3d::Identity() / inertia, point_m - state.position_m};
 }
 
-/// The impulse after which surfaces that met with `velocity` part along the normal as restitution
-/// says, and roll on each other if friction is enough for that, otherwise still slide.
+/// Impulse of an impact at relative `velocity`: the normal velocity is reversed with `restitution`;
+/// the tangential velocity becomes 0 (rolling) if friction suffices, otherwise the bodies slide.
 Vector3d impulse_ns(const Matrix3d& compliance, const Vector3d& velocity, const Vector3d& normal,
                     double restitution, double friction) {
-  const double approach = -normal.dot(velocity), parting = (1.0 + restitution) * approach;
+  const double approach = -normal.dot(velocity), separation = (1.0 + restitution) * approach;
   const Vector3d slip = velocity + approach * normal;
-  const Vector3d rolling = compliance.llt().solve(parting * normal - slip);
+  const Vector3d rolling = compliance.llt().solve(separation * normal - slip);
   const double along = normal.dot(rolling);
   if ((rolling - along * normal).norm() <= friction * along) return rolling;
   const Vector3d sliding = normal - friction * slip.normalized();
-  return parting / normal.dot(compliance * sliding) * sliding;
+  return separation / normal.dot(compliance * sliding) * sliding;
 }
 
 Vector3d in_body(const RigidState& body, const Vector3d& point_m) {
   return body.orientation.conjugate() * (point_m - body.position_m);
 }
 
-Distance from_surface(const ObjectSpec& object, const RigidState& held, const RigidState& ball) {
+Distance surface_distance(const ObjectSpec& object, const RigidState& held,
+                          const RigidState& ball) {
   Distance d = distance(object, in_body(held, ball.position_m));
   d.normal = held.orientation * d.normal;
   return d;
@@ -107,22 +102,22 @@ void fly(const Ball& ball, RigidState& state, double h) {
   state.position_m += h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
   state.velocity_m_per_s += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
   state.orientation =
-      (rotation_by(h * state.angular_velocity_rad_per_s) * state.orientation).normalized();
+      (rotation_from_vector(h * state.angular_velocity_rad_per_s) * state.orientation).normalized();
 }
 
-double free_time_s(const ObjectSpec& object, const RigidState& held, const RigidState& ball,
-                   double most_s) {
-  const auto clear = [&](double seconds) {
+double contact_free_time_s(const ObjectSpec& object, const RigidState& held, const RigidState& ball,
+                           double max_s) {
+  const auto is_clear = [&](double seconds) {
     RigidState there = ball;
     fly(*object.ball, there, seconds);
-    return distance_m(object, in_body(coasted(held, seconds), there.position_m)) >
-           object.ball->radius_m + 0.5 * unforeseen_m_per_s2 * seconds * seconds;
+    return distance_m(object, in_body(extrapolated(held, seconds), there.position_m)) >
+           object.ball->radius_m + 0.5 * max_object_acceleration_m_per_s2 * seconds * seconds;
   };
-  if (clear(most_s)) return most_s;
-  double free = 0.0, touching = most_s;
-  for (int i = 0; i < halvings; ++i) {
+  if (is_clear(max_s)) return max_s;
+  double free = 0.0, touching = max_s;
+  for (int i = 0; i < num_bisections; ++i) {
     const double middle = 0.5 * (free + touching);
-    (clear(middle) ? free : touching) = middle;
+    (is_clear(middle) ? free : touching) = middle;
   }
   return free;
 }
@@ -130,20 +125,21 @@ double free_time_s(const ObjectSpec& object, const RigidState& held, const Rigid
 std::optional<Impact> bounce(const ObjectSpec& object, double restitution, RigidState& held,
                              RigidState& ball) {
   const Ball& b = *object.ball;
-  const Distance d = from_surface(object, held, ball);
+  const Distance d = surface_distance(object, held, ball);
   const double gap = d.value_m - b.radius_m;
   if (gap > touching_m) return std::nullopt;
   ball.position_m -= std::min(gap, 0.0) * d.normal;
-  const Vector3d place = ball.position_m - b.radius_m * d.normal;
-  const Struck object_body = struck(object, held, place), ball_body = struck(b, ball, place);
+  const Vector3d point = ball.position_m - b.radius_m * d.normal;
+  const ImpactBody object_body = impact_body(object, held, point),
+                   ball_body = impact_body(b, ball, point);
   const Vector3d velocity = ball_body.velocity_at_arm(ball) - object_body.velocity_at_arm(held);
   const double approach = -d.normal.dot(velocity);
-  if (!(approach > 0.0)) return Impact{place, Vector3d::Zero(), 0.0};
+  if (!(approach > 0.0)) return Impact{point, Vector3d::Zero(), 0.0};
   const Vector3d impulse = impulse_ns(object_body.compliance() + ball_body.compliance(), velocity,
                                       d.normal, restitution, b.friction);
-  ball_body.strike(ball, impulse);
-  object_body.strike(held, -impulse);
-  return Impact{place, impulse, approach};
+  ball_body.apply(ball, impulse);
+  object_body.apply(held, -impulse);
+  return Impact{point, impulse, approach};
 }
 
 }  // namespace touchtrace::scene

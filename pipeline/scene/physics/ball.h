@@ -4,29 +4,29 @@
 
 namespace touchtrace::scene {
 
-/// Moves a ball through still air for `seconds`, in one step of fourth order (Runge and Kutta): its
-/// weight and drag, which at 2.5 m/s is 8 % of it for a ball of table tennis. Spin goes on.
+/// Moves a ball through still air with gravity and quadratic drag (8 % of the weight at 2.5 m/s for
+/// a table tennis ball): one step of the classical Runge-Kutta method. The spin stays constant.
 void fly(const Ball& ball, RigidState& state, double seconds);
 
-/// 1/m: drag slows a ball by this times the square of its speed.
+/// Drag deceleration over squared speed [1/m].
 double drag_per_m(const Ball& ball);
 
-/// How long ball and object can go on without a contact, `most_s` at the most. Ends a little before
-/// the contact, by what an acceleration of the object that nobody foresees may do; asked again
-/// there, it leads to the contact quadratically.
-double free_time_s(const ObjectSpec& object, const RigidState& held, const RigidState& ball,
-                   double most_s);
+/// Returns a time, `max_s` at most, in which ball and object cannot touch if the object's
+/// acceleration stays below 300 m/s^2. Repeated at the new time, it converges quadratically to the
+/// contact.
+double contact_free_time_s(const ObjectSpec& object, const RigidState& held, const RigidState& ball,
+                           double max_s);
 
-/// What passes between the two in one impact, at `place_m`.
+/// One impact of ball and object.
 struct Impact {
-  Eigen::Vector3d place_m, impulse_ns;  ///< on the ball, world
-  double approach_m_per_s;              ///< of the surfaces along the normal; 0 if they part
+  Eigen::Vector3d point_m, impulse_ns;  ///< impulse on the ball; world frame
+  double approach_m_per_s;              ///< relative speed along the normal; 0 if they separate
 };
 
-/// If ball and object touch, they bounce off each other: Newton's restitution along the normal;
-/// across it Coulomb's friction, which at most makes the surfaces roll. Both are free for that
-/// instant: hands are too soft to matter within a millisecond. The ball is put where they just
-/// touch; without an impulse if they part already.
+/// Resolves an impact if ball and object touch: Newton's restitution along the normal, Coulomb
+/// friction across it, which at most makes the ball roll. Both bodies are free in the impact: hands
+/// are too soft to matter within a millisecond. Moves the ball to where it just touches. Zero
+/// impulse if the bodies already separate.
 std::optional<Impact> bounce(const ObjectSpec& object, double restitution, RigidState& held,
                              RigidState& ball);
 

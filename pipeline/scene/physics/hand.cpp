@@ -5,7 +5,7 @@
 #include <mutex>
 #include <numbers>
 
-#include "pipeline/scene/objects/lane_turns.h"
+#include "pipeline/scene/objects/sin_cos.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -15,9 +15,9 @@ using Eigen::Vector3d;
 
 constexpr double palm_half_length_m = 0.045, palm_half_width_m = 0.042;
 constexpr double heel_start_m = -0.010;
-constexpr double taxel_fan_rad = std::numbers::pi / 3;  // to either side of a finger's palmar line
+constexpr double taxel_fan_rad = std::numbers::pi / 3;  // on either side of a finger's palmar line
 
-/// Columns x along the thumb, z out of its pad, chosen so that flexion closes it over the palm.
+/// Base frame of the thumb: x along it, z out of its pad, so that flexion closes it over the palm.
 Matrix3d thumb_base() {
   const Vector3d x = Vector3d(-0.25, 0.05, 0.95).normalized(), pad(0.92, 0.35, 0.0);
   const Vector3d z = (pad - x * x.dot(pad)).normalized();
@@ -26,8 +26,8 @@ Matrix3d thumb_base() {
   return base;
 }
 
-/// Flexed fingers converge (on the scaphoid), so the planes in which they flex lean towards the
-/// middle.
+/// The flexion planes lean towards the middle of the hand, because flexed fingers converge (on the
+/// scaphoid).
 Finger long_finger(double y, double length, const HandParameters& shape) {
   constexpr double lean_rad_per_m = 12.0;
   const Matrix3d lean = Eigen::AngleAxisd(lean_rad_per_m * y, Vector3d::UnitX()).toRotationMatrix();
@@ -35,13 +35,17 @@ Finger long_finger(double y, double length, const HandParameters& shape) {
           lean,
           3,
           {0.45 * length, 0.30 * length, 0.25 * length},
-          {1.0, shape.middle_joint, shape.last_joint},
+          {1.0, shape.middle_joint_ratio, shape.last_joint_ratio},
           0.0085};
 }
 
-std::array<Finger, finger_count> make_fingers(const HandParameters& shape) {
-  const Finger thumb{{-0.036, -0.026, 0.006},       thumb_base(), 2, {0.038, 0.032, 0.0},
-                     {1.0, shape.thumb_joint, 0.0}, 0.010};
+std::array<Finger, num_fingers> make_fingers(const HandParameters& shape) {
+  const Finger thumb{{-0.036, -0.026, 0.006},
+                     thumb_base(),
+                     2,
+                     {0.038, 0.032, 0.0},
+                     {1.0, shape.thumb_joint_ratio, 0.0},
+                     0.010};
   return {long_finger(-0.032, 0.075, shape), long_finger(-0.011, 0.083, shape),
           long_finger(0.011, 0.078, shape), long_finger(0.032, 0.062, shape), thumb};
 }
@@ -56,14 +60,14 @@ void add_group(HandModel& model, int finger, int link, int first) {
   model.groups.push_back({finger, link, first, count, centre, radius});
 }
 
-/// A shallow dish that rises to thenar and hypothenar at the heel.
+/// Height of the palm's surface: a shallow dish that rises to thenar and hypothenar at the heel.
 double palm_height_m(double x, double y, const HandParameters& shape) {
   const double heel = std::max(0.0, heel_start_m - x);
-  return (x * x + y * y) / (2 * shape.hollow_m) + heel * heel / (2 * shape.heel_m);
+  return (x * x + y * y) / (2 * shape.hollow_radius_m) + heel * heel / (2 * shape.heel_radius_m);
 }
 
-/// An eighth of the palm: 7 x 4 of its 14 x 16 taxels.
-void add_palm_part(HandModel& model, const HandParameters& shape, int first_row, int first_col) {
+/// Adds an eighth of the palm: 7 x 4 of its 14 x 16 taxels.
+void add_palm_group(HandModel& model, const HandParameters& shape, int first_row, int first_col) {
   constexpr int rows = 14, cols = 16, image_row = 18, image_col = 4;
   constexpr double row_pitch = 2 * palm_half_length_m / rows,
                    col_pitch = 2 * palm_half_width_m / cols;
@@ -82,7 +86,7 @@ void add_palm_part(HandModel& model, const HandParameters& shape, int first_row,
   add_group(model, -1, 0, first);
 }
 
-/// `rows` rings of 6 taxels on the palmar side of a link; the image's rows run from tip to base.
+/// Adds `rows` x 6 taxels on the palmar side of a link; image rows run from tip to base.
 void add_link(HandModel& model, int finger, int link, int rows, int image_row, int image_col) {
   constexpr int around = 6;
   const Finger& f = model.fingers[finger];
@@ -102,7 +106,7 @@ void add_link(HandModel& model, int finger, int link, int rows, int image_row, i
 HandModel make_hand(const HandParameters& shape) {
   HandModel model{make_fingers(shape), {}, {}};
   for (int row : {0, 7})
-    for (int col : {0, 4, 8, 12}) add_palm_part(model, shape, row, col);
+    for (int col : {0, 4, 8, 12}) add_palm_group(model, shape, row, col);
   for (int finger = 0; finger < 4; ++finger)
     for (int link = 0; link < 3; ++link)
       add_link(model, finger, link, 5, 5 * (2 - link), 6 * finger);
@@ -126,9 +130,9 @@ FingerPose pose_finger(const Finger& finger, double flexion_rad) {
   pose.axis = -finger.hand_from_base.col(1);
   Vector3d joint = finger.base_m;
   const auto& coupling = finger.coupling;
-  const double middle = coupling[0] + coupling[1];
-  const LaneTurns first = turns(flexion_rad * Lanes{coupling[0], middle}),
-                  last = turns(all_lanes(flexion_rad * (middle + coupling[2])));
+  const double second = coupling[0] + coupling[1];
+  const SinCos first = sin_cos(flexion_rad * Lanes{coupling[0], second}),
+               last = sin_cos(broadcast(flexion_rad * (second + coupling[2])));
   const double sines[]{first.sine[0], first.sine[1], last.sine[0]},
       cosines[]{first.cosine[0], first.cosine[1], last.cosine[0]};
   for (int link = 0; link < finger.links; ++link) {
@@ -139,12 +143,6 @@ FingerPose pose_finger(const Finger& finger, double flexion_rad) {
     joint += finger.length_m[link] * pose.hand_from_link[link].col(0);
   }
   return pose;
-}
-
-Vector3d FingerPose::jacobian(const Finger& finger, int link, const Vector3d& point) const {
-  Vector3d arm = Vector3d::Zero();
-  for (int j = 0; j <= link; ++j) arm += finger.coupling[j] * (point - joint_m[j]);
-  return axis.cross(arm);
 }
 
 }  // namespace touchtrace::scene

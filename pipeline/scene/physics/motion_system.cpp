@@ -6,8 +6,8 @@ namespace {
 using Bodies = Eigen::Matrix<double, fingers_at, fingers_at>;
 using BodyVelocity = Eigen::Matrix<double, fingers_at, 1>;
 
-/// L D L' in place of the lower triangle of a positive definite matrix; on the diagonal D's
-/// inverse. Eigen's is made for sizes that are not known while it is compiled.
+/// In-place L D L' factorization of the lower triangle of a positive definite matrix; the diagonal
+/// becomes the inverse of D. Unrolled: Eigen's is written for run-time sizes.
 void factorize(Bodies& a) {
 #pragma GCC unroll 9
   for (int k = 0; k < fingers_at; ++k) {
@@ -41,7 +41,7 @@ void solve_in_place(const Bodies& factor, BodyVelocity& x) {
 MotionSystem MotionSystem::zero() {
   MotionSystem system;
   system.bodies.setZero();
-  system.columns.setZero();
+  system.coupling.setZero();
   system.fingers.setZero();
   system.momentum.setZero();
   return system;
@@ -50,18 +50,18 @@ MotionSystem MotionSystem::zero() {
 Velocity MotionSystem::solve() const {
   Bodies reduced = bodies;
   BodyVelocity right = momentum.head<fingers_at>();
-  for (int i = 0; i < finger_count; ++i) {
-    if (columns.col(i).isZero(0.0)) continue;
-    const BodyVelocity share = columns.col(i) / fingers[i];
-    reduced.noalias() -= columns.col(i) * share.transpose();
+  for (int i = 0; i < num_fingers; ++i) {
+    if (coupling.col(i).isZero(0.0)) continue;
+    const BodyVelocity share = coupling.col(i) / fingers[i];
+    reduced.noalias() -= coupling.col(i) * share.transpose();
     right -= momentum[fingers_at + i] * share;
   }
   factorize(reduced);
   solve_in_place(reduced, right);
   Velocity velocity;
   velocity.head<fingers_at>() = right;
-  velocity.tail<finger_count>() =
-      (momentum.tail<finger_count>() - columns.transpose() * velocity.head<fingers_at>())
+  velocity.tail<num_fingers>() =
+      (momentum.tail<num_fingers>() - coupling.transpose() * velocity.head<fingers_at>())
           .cwiseQuotient(fingers);
   return velocity;
 }

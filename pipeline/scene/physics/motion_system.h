@@ -6,19 +6,20 @@
 
 namespace touchtrace::scene {
 
-/// Order of the velocities that are solved for together: hand, object, the object's spin, fingers.
+/// Offsets of the velocities that are solved for together, in the object's body frame: hand,
+/// object, the object's angular velocity, fingers.
 inline constexpr int hand_at = 0, object_at = 3, spin_at = 6, fingers_at = 9;
-inline constexpr int velocity_count = fingers_at + finger_count;
-using Velocity = Eigen::Matrix<double, velocity_count, 1>;
-using FingerRates = Eigen::Matrix<double, finger_count, 1>;
+inline constexpr int num_velocities = fingers_at + num_fingers;
+using Velocity = Eigen::Matrix<double, num_velocities, 1>;
+using FingerRates = Eigen::Matrix<double, num_fingers, 1>;
 
-/// A symmetric positive definite system in all velocities. Fingers touch the bodies, never each
-/// other, so it is an arrow: [bodies, columns; columns', diag(fingers)].
+/// Symmetric positive definite linear system in all velocities. Fingers are not coupled with each
+/// other, so it is an arrow matrix: [bodies, coupling; coupling', diag(fingers)].
 struct MotionSystem {
   Eigen::Matrix<double, fingers_at, fingers_at> bodies;  ///< lower triangle
-  Eigen::Matrix<double, fingers_at, finger_count> columns;
+  Eigen::Matrix<double, fingers_at, num_fingers> coupling;
   FingerRates fingers;
-  Velocity momentum;  ///< the right side
+  Velocity momentum;  ///< right-hand side
 
   static MotionSystem zero();
   Velocity solve() const;

@@ -8,25 +8,24 @@
 #include "pipeline/scene/glove/glove.h"
 #include "pipeline/scene/glove/inertial.h"
 #include "pipeline/scene/person/activity.h"
-#include "pipeline/scene/person/performance.h"
+#include "pipeline/scene/person/person_simulation.h"
 
 namespace touchtrace::scene {
 namespace {
 
 constexpr double first_clip_s = 1.0;
-constexpr double shortest_flight_s = 0.04;
+constexpr double min_flight_s = 0.04;
 
 double whole_intervals_s(double time_s) {
   return std::round(time_s * sample_rate_hz) / sample_rate_hz;
 }
 
-/// Release and catch are the ends of every stretch without contact that is long enough to be a
-/// flight.
+/// Adds a release and a catch for every time without contact of at least min_flight_s.
 void add_flights(ClipMotion& clip) {
   double last_touch_s = clip.samples.empty() ? 0.0 : clip.samples.front().time_s;
   for (const SceneSample& sample : clip.samples) {
     if (sample.contact_force_n.isZero(0.0)) continue;
-    if (sample.time_s - last_touch_s > shortest_flight_s) {
+    if (sample.time_s - last_touch_s > min_flight_s) {
       clip.events.push_back({last_touch_s, "release"});
       clip.events.push_back({sample.time_s, "catch"});
     }
@@ -34,37 +33,36 @@ void add_flights(ClipMotion& clip) {
   }
 }
 
-/// Of ball and object in the last interval.
+/// Adds the impacts of the ball in the last control interval.
 void add_impacts(const World& world, double interval_start_s, ClipMotion& clip) {
-  constexpr double slowest_m_per_s = 0.1;  // slower ones are a ball that rolls
+  constexpr double min_approach_m_per_s = 0.1;  // slower impacts are of a rolling ball
   for (const World::TimedImpact& impact : world.impacts())
-    if (impact.approach_m_per_s > slowest_m_per_s)
+    if (impact.approach_m_per_s > min_approach_m_per_s)
       clip.events.push_back({interval_start_s + impact.after_s, "impact"});
 }
 
-/// Records one clip after a grasp that held; `start_s` on the host's clock is time 0 of the
-/// activity.
-ClipMotion record(Performance& performance, double start_s, double length_s) {
+/// Records one clip after the grasp. `start_s` on the host clock is time 0 of the activity.
+ClipMotion record(PersonSimulation& simulation, double start_s, double length_s) {
   ClipMotion clip;
   const int samples = static_cast<int>(std::lround(length_s * sample_rate_hz));
   clip.samples.reserve(samples);
-  const long clamped_before = performance.world().contact().clamp_hits();
-  Glove& glove = performance.glove();
+  const long clamped_before = simulation.world().contact().num_clamped();
+  Glove& glove = simulation.glove();
   glove.start(start_s);
   for (int i = 0; i < samples; ++i) {
-    SceneSample sample = performance.sample();
+    SceneSample sample = simulation.sample();
     sample.time_s = start_s + i * control_interval_s;
     clip.samples.push_back(sample);
-    if (performance.lost()) {
+    if (simulation.is_lost()) {
       clip.object_fell = true;
       clip.events.push_back({sample.time_s, "drop"});
       break;
     }
-    performance.advance();
-    add_impacts(performance.world(), sample.time_s, clip);
+    simulation.advance();
+    add_impacts(simulation.world(), sample.time_s, clip);
   }
   clip.glove = glove.take();
-  clip.clamp_hits = performance.world().contact().clamp_hits() - clamped_before;
+  clip.num_clamped = simulation.world().contact().num_clamped() - clamped_before;
   add_flights(clip);
   return clip;
 }
@@ -87,10 +85,10 @@ ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s) 
   for (int attempt = 1;; ++attempt) {
     const std::string name = fmt::format("{} {} clip {} attempt {}", options.activity,
                                          options.object.name, clip, attempt);
-    Performance performance(options, name, start_s);
-    const bool held = performance.grasp();
+    PersonSimulation simulation(options, name, start_s);
+    const bool held = simulation.grasp();
     if (!held && attempt < options.parameters.grasp.attempts) continue;
-    ClipMotion motion = record(performance, start_s, clip_span(options, clip).length_s);
+    ClipMotion motion = record(simulation, start_s, clip_span(options, clip).length_s);
     if (options.inertial_unit) motion.glove.inertial = sense_inertia(motion.samples, options, clip);
     return motion;
   }

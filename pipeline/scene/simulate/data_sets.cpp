@@ -9,24 +9,24 @@
 namespace touchtrace::scene {
 namespace {
 
-std::vector<ObjectSpec> objects_of(const DataSetPart& part) {
+std::vector<ObjectSpec> part_objects(const DataSetPart& part) {
   if (part.objects.empty()) return {default_object(part.activity)};
   std::vector<ObjectSpec> found;
   for (const ObjectSpec& object : objects())
-    if (role_name(object.role) == part.objects && find_activity(part.activity).takes(object))
+    if (role_name(object.role) == part.objects && find_activity(part.activity).accepts(object))
       found.push_back(object);
   return found;
 }
 
-/// Of the glove; that arrive from a clip, at least one.
-double frames_of(const ClipSpan& span, const GloveParameters& glove) {
+/// Expected number of glove frames of a clip, at least 1.
+double expected_frames(const ClipSpan& span, const GloveParameters& glove) {
   const double whole = std::floor((span.length_s - glove.scan_s) * GloveInfo{}.rate_hz);
-  return std::max(1.0, whole * (1.0 - glove.lost));
+  return std::max(1.0, whole * (1.0 - glove.lost_fraction));
 }
 
 int clips_for(double frames, const SceneOptions& scene) {
   int clips = 0;
-  do frames -= frames_of(clip_span(scene, clips++), scene.parameters.glove);
+  do frames -= expected_frames(clip_span(scene, clips++), scene.parameters.glove);
   while (frames > 0.0);
   return clips;
 }
@@ -36,7 +36,7 @@ int clips_for(double frames, const SceneOptions& scene) {
 const std::vector<DataSet>& data_sets() {
   static const std::vector<DataSet> table{
       {"paper",
-       "as many frames as the paper's table of its data set has",
+       "activities, objects and frame counts of the paper's table",
        {{"wave", "seen", "seen", 208e3},
         {"wave", "unseen", "unseen", 58e3},
         {"throw", "seen", "seen", 230e3},
@@ -53,11 +53,11 @@ const DataSet& find_data_set(const std::string& name) {
   return find_named(data_sets(), "data set", name);
 }
 
-std::vector<PlannedRecording> recordings_of(const DataSet& data_set, const SceneOptions& scene,
-                                            double share) {
+std::vector<PlannedRecording> plan_recordings(const DataSet& data_set, const SceneOptions& scene,
+                                              double share) {
   std::vector<PlannedRecording> planned;
   for (const DataSetPart& part : data_set.parts) {
-    const auto held = objects_of(part);
+    const auto held = part_objects(part);
     for (const ObjectSpec& object : held) {
       PlannedRecording& recording = planned.emplace_back(PlannedRecording{scene, {}});
       recording.scene.activity = part.activity;

@@ -17,7 +17,7 @@
 namespace touchtrace::scene {
 namespace {
 
-/// The clips' motions, in order, computed a few clips ahead on threads of their own.
+/// Clip motions in order, computed a few clips ahead on other threads.
 class MotionQueue {
  public:
   explicit MotionQueue(const SceneOptions& options)

@@ -46,22 +46,23 @@ void Video::record_clip(const ClipMotion& motion, int clip, Recording& recording
   }
   if (sequences.empty()) return;
   const SceneSample first = sample_at(motion, clock_.true_time_s(sequences.front()));
-  described.hand_box = mark(hand_solids(first, hand_model(options_.parameters.hand)), camera_,
-                            options_.seed, clip, "hand");
+  described.hand_box = draw_box(hand_solids(first, hand_model(options_.parameters.hand)), camera_,
+                                options_.seed, clip, "hand");
   described.object_box =
-      mark(tracked_solids(options_.object, first), camera_, options_.seed, clip, "object");
+      draw_box(tracked_solids(options_.object, first), camera_, options_.seed, clip, "object");
 }
 
 std::size_t Video::record_still_views(const BoardInfo& board) {
   for (int i = 0; i < background_frames; ++i)
-    store(renderer_.render(still(room_solids()), "background", static_cast<std::uint64_t>(i)),
+    store(renderer_.render(static_exposure(room_solids()), "background",
+                           static_cast<std::uint64_t>(i)),
           &RecordingWriter::append_background);
   const auto poses = board_poses(camera_, board, options_.board_views, options_.seed);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     throw_if_interrupted();
     auto solids = room_solids();
     solids.push_back(board_solid(board, camera_.color_from_world.inverse() * poses[i]));
-    store(renderer_.render(still(solids), "board view", i, board_samples_per_axis),
+    store(renderer_.render(static_exposure(solids), "board view", i, board_samples_per_axis),
           &RecordingWriter::append_board_view);
   }
   if (storing_.valid()) storing_.get();

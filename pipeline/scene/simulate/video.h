@@ -10,18 +10,17 @@ namespace touchtrace::scene {
 
 inline constexpr int background_frames = 15;
 
-/// Renders what the camera sees and appends it to a recording. A frame is stored while the next one
-/// is rendered.
+/// Renders the camera's images and appends them to a recording. A frame is stored while the next
+/// one is rendered.
 class Video {
  public:
   Video(Runtime& runtime, const RgbdCamera& camera, const CameraClock& clock,
         const SceneOptions& options, RecordingWriter& writer);
 
-  /// The frames of the recording's last clip: images to the writer; stamps and marked boxes to
-  /// `recording`.
+  /// Renders the recording's last clip: images to the writer, stamps and boxes to `recording`.
   void record_clip(const ClipMotion& motion, int clip, Recording& recording);
-  /// The empty scene and the chessboard. Returns the number of board views; fewer than asked for
-  /// only if there are not enough poses in which the corners are wide enough apart.
+  /// Renders the empty room and the chessboard. Returns the number of board views, which is smaller
+  /// than requested only if board_poses() finds fewer.
   std::size_t record_still_views(const BoardInfo& board);
 
  private:

@@ -6,7 +6,7 @@
 #include <complex>
 #include <numbers>
 
-#include "pipeline/scene/person/performance.h"
+#include "pipeline/scene/person/person_simulation.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -14,12 +14,12 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double slowest_hz = 0.25, fastest_slow_hz = 2.5, fastest_hz = 10.0;
+constexpr double slow_min_hz = 0.25, slow_max_hz = 2.5, max_hz = 10.0;
 
-/// Of one clip, a row each control interval.
+/// Time series of one clip, one row per control interval.
 struct BalanceClip {
   std::vector<Vector2d> lean, hand_m, hand_m_per_s, pressure_m;  ///< lean, pressure: hand's frame
-  std::vector<Vector3d> moment_nm, needed_nm;                    ///< object's axes
+  std::vector<Vector3d> moment_nm, needed_nm;                    ///< object's frame
   bool lost = false;
 };
 
@@ -38,7 +38,8 @@ Vector3d in_body(const RigidState& body, const Vector3d& world) {
   return body.orientation.conjugate() * world;
 }
 
-/// About the middle of the foot: what the hand does, and what the change of momentum needs.
+/// Appends the moments about the foot's centre: that of the hand, and that which the change of
+/// momentum needs.
 void add_moments(const World& world, const RigidState& before, BalanceClip& clip) {
   const ObjectSpec& spec = world.spec();
   const RigidState& now = world.object;
@@ -58,25 +59,25 @@ void add_moments(const World& world, const RigidState& before, BalanceClip& clip
 }
 
 BalanceClip balance_clip(const SceneOptions& options, int number) {
-  Performance performance(options, fmt::format("balance statistics {}", number), 0.0);
+  PersonSimulation simulation(options, fmt::format("balance statistics {}", number), 0.0);
   BalanceClip clip;
-  clip.lost = !performance.grasp();
-  const World& world = performance.world();
+  clip.lost = !simulation.grasp();
+  const World& world = simulation.world();
   for (long i = 0; i < std::lround(options.clip_s * sample_rate_hz) && !clip.lost; ++i) {
     const RigidState before = world.object;
-    performance.advance();
+    simulation.advance();
     const Vector3d up = world.object.orientation * world.spec().hold.from_palm;
     clip.lean.push_back(in_body(world.hand, up).head<2>());
     clip.hand_m.push_back(world.hand.position_m.head<2>());
     clip.hand_m_per_s.push_back(world.hand.velocity_m_per_s.head<2>());
     clip.pressure_m.push_back(center_of_pressure(world));
     add_moments(world, before, clip);
-    clip.lost = performance.lost();
+    clip.lost = simulation.is_lost();
   }
   return clip;
 }
 
-/// Power of both directions between two frequencies.
+/// Power of both components between two frequencies, by a discrete Fourier transform.
 double power(const std::vector<Vector2d>& values, double low_hz, double high_hz) {
   const double seconds = static_cast<double>(values.size()) * control_interval_s;
   double sum = 0.0;
@@ -107,16 +108,16 @@ struct BalanceSums {
                    pressure = mean_of(clip.pressure_m);
     for (std::size_t i = 0; i < clip.lean.size(); ++i) {
       const double away = (clip.hand_m[i] - home).norm();
-      s.lean_most_rad = std::max(s.lean_most_rad, clip.lean[i].norm());
-      s.hand_most_m = std::max(s.hand_most_m, away);
+      s.lean_max_rad = std::max(s.lean_max_rad, clip.lean[i].norm());
+      s.hand_max_m = std::max(s.hand_max_m, away);
       lean2 += clip.lean[i].squaredNorm(), hand2 += away * away, ++count;
       const Vector2d l = clip.lean[i] - lean, p = clip.pressure_m[i] - pressure;
       lean_lean += l.squaredNorm(), lean_pressure += l.dot(p), pressure_pressure += p.squaredNorm();
       moment2 += clip.moment_nm[i].squaredNorm();
       off2 += (clip.moment_nm[i] - clip.needed_nm[i]).squaredNorm();
     }
-    slow += power(clip.hand_m_per_s, slowest_hz, fastest_slow_hz);
-    all += power(clip.hand_m_per_s, 0.0, fastest_hz);
+    slow += power(clip.hand_m_per_s, slow_min_hz, slow_max_hz);
+    all += power(clip.hand_m_per_s, 0.0, max_hz);
   }
 };
 

@@ -17,17 +17,17 @@ std::vector<std::size_t> samples_before_impacts(const ClipMotion& clip) {
   return result;
 }
 
-/// Of the middle of the face, as of a point of the object's body.
+/// State of the face's centre.
 RigidState face_of(const ObjectSpec& object, const SceneSample& sample) {
   ObjectSpec without_ball = object;
-  without_ball.tracked_m = object.ball->meets_m;
+  without_ball.tracked_m = object.ball->face_center_m;
   SceneSample held = sample;
   held.ball.reset();
   return tracked_state(without_ball, held);
 }
 
-/// Over the last 10 ms.
-bool brakes(const ObjectSpec& object, const ClipMotion& clip, std::size_t sample) {
+/// Whether the face decelerates over the last 10 ms.
+bool is_braking(const ObjectSpec& object, const ClipMotion& clip, std::size_t sample) {
   const std::size_t before = sample - std::min<std::size_t>(sample, 5);
   const auto rise = [&](std::size_t i) {
     return face_of(object, clip.samples[i]).velocity_m_per_s.z();
@@ -57,7 +57,7 @@ BounceStatistics bounce_statistics(const std::vector<ClipMotion>& clips, const O
     const auto impacts = samples_before_impacts(clip);
     seconds += static_cast<double>(clip.samples.size()) / sample_rate_hz;
     for (std::size_t i = 0; i < impacts.size(); ++i) {
-      braking += brakes(object, clip, impacts[i]);
+      braking += is_braking(object, clip, impacts[i]);
       s.aside_m.push_back(aside_m(object, clip.samples[impacts[i]]));
       if (i > 0) s.apex_m.push_back(rise_m(clip, impacts[i - 1], impacts[i]));
     }

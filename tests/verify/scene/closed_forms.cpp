@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/verify/scene/held_forms.h"
-#include "tests/verify/scene/laboratory.h"
+#include "tests/verify/scene/grip_closed_forms.h"
+#include "tests/verify/scene/setups.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -18,7 +18,7 @@ constexpr double far_m = 10.0;  // from the hand
 World in_flight(const Vector3d& moments, const Vector3d& spin) {
   ObjectSpec object = block(0.2, 0.7, {0.02, 0.03, 0.05});
   object.inertia_kg_m2 = moments.asDiagonal();
-  World world(object, stand());
+  World world(object, rigid_arm());
   world.object.position_m = {far_m, 0.0, far_m};
   world.object.velocity_m_per_s = {1.0, -2.0, 2.0};
   world.object.angular_velocity_rad_per_s = spin;
@@ -29,16 +29,16 @@ double flight_error_m(double step_s) {
   World world = in_flight({3e-4, 2e-4, 1e-4}, {3.0, 1.0, -2.0});
   const Vector3d expected = world.object.position_m + world.object.velocity_m_per_s -
                             0.5 * gravity_m_per_s2 * Vector3d::UnitZ();
-  run(world, keep_still(world), 1.0, step_s);
+  run(world, hold_still(world), 1.0, step_s);
   return (world.object.position_m - expected).norm();
 }
 
-/// A body of rotation turns about its angular momentum at |L| / I1 and about its axis at
+/// A symmetric top rotates about its angular momentum at |L| / I1 and about its axis at
 /// w3 (1 - I3 / I1).
 double symmetric_top_error_rad(double step_s) {
   const Vector3d moments(3e-4, 3e-4, 1e-4), spin(2.0, 1.0, 10.0);
   World world = in_flight(moments, spin);
-  run(world, keep_still(world), 1.0, step_s);
+  run(world, hold_still(world), 1.0, step_s);
   const Vector3d momentum = moments.cwiseProduct(spin);
   const double about_axis = spin.z() * (1.0 - moments.z() / moments.x());
   const Eigen::Quaterniond expected =
@@ -63,11 +63,11 @@ std::array<double, 3> jacobi(double u, double parameter) {
   return {sn, std::cos(phi), std::sqrt(1.0 - parameter * sn * sn)};
 }
 
-/// Angular velocity in the body's axes against Landau and Lifshitz, Mechanics, (37.10).
+/// Angular velocity in the body frame against Landau and Lifshitz, Mechanics, (37.10).
 double asymmetric_top_error_rad_per_s(double step_s) {
   const Vector3d moments(1e-4, 2e-4, 3e-4), spin(4.0, 0.0, 6.0);
   World world = in_flight(moments, spin);
-  run(world, keep_still(world), 1.0, step_s);
+  run(world, hold_still(world), 1.0, step_s);
   const auto [i1, i2, i3] = std::array{moments.x(), moments.y(), moments.z()};
   const double energy2 = spin.dot(moments.cwiseProduct(spin));
   const double momentum2 = moments.cwiseProduct(spin).squaredNorm();
@@ -81,27 +81,27 @@ double asymmetric_top_error_rad_per_s(double step_s) {
   return (turned.orientation.conjugate() * turned.angular_velocity_rad_per_s - expected).norm();
 }
 
-/// Off a palm that stands upright, so that gravity does no work on the bounce.
+/// Bounce off a vertical palm, so that gravity does no work.
 double bounce_error(double dissipation_s_per_m, double step_s) {
   const double speed = 0.1;
   ContactParameters contact;
   contact.dissipation_s_per_m = dissipation_s_per_m;
-  World world(sled(0.05, 0.0), stand(), contact);
+  World world(sled(0.05, 0.0), rigid_arm(), contact);
   world.hand.orientation = AngleAxisd(std::numbers::pi / 2, Vector3d::UnitX());
-  put_above(world, sled_place_m, 1e-4);
+  place_above(world, sled_place_m, 1e-4);
   const Vector3d away = world.hand.orientation * Vector3d::UnitZ();
   world.object.velocity_m_per_s = -speed * away;
-  run(world, keep_still(world), 0.03, step_s);
+  run(world, hold_still(world), 0.03, step_s);
   return std::abs(world.object.velocity_m_per_s.dot(away) / speed -
                   closed_form_restitution(dissipation_s_per_m, speed));
 }
 
-/// The arm, let go 5 cm beside where it is wanted.
+/// Damped oscillator: the arm, released 5 cm from its commanded position.
 double oscillator_error_m(double step_s) {
   const ArmParameters arm{2.0, 300.0, 0.1, 1e9};
   World world(sphere(0.1, 0.7, 0.02), arm);
   world.object.position_m = {far_m, 0.0, far_m};
-  const Drive drive = keep_still(world);
+  const Drive drive = hold_still(world);
   world.hand.position_m.x() = 0.05;
   run(world, drive, 1.0, step_s);
   const double rate = std::sqrt(arm.stiffness_n_per_m / arm.mass_kg), zeta = arm.damping_ratio,
@@ -112,24 +112,24 @@ double oscillator_error_m(double step_s) {
 }
 
 World on_slope(double slope, double friction) {
-  World world(sled(0.2, friction), stand());
+  World world(sled(0.2, friction), rigid_arm());
   world.hand.orientation = AngleAxisd(std::atan(slope), Vector3d::UnitX());
-  put_above(world, sled_place_m, 1e-5);
+  place_above(world, sled_place_m, 1e-5);
   return world;
 }
 
-/// Below the angle of friction nothing moves in the end.
+/// Below the angle of friction the block stops.
 double sticking_speed_m_per_s(double step_s) {
   World world = on_slope(0.3, 0.5);
-  run(world, keep_still(world), 3.0, step_s);
+  run(world, hold_still(world), 3.0, step_s);
   return world.object.velocity_m_per_s.norm();
 }
 
-/// Beyond it, (sin - mu cos) g; the force across the slope is the normal force times mu.
+/// Above the angle of friction the tangential force is mu times the normal force.
 double sliding_error(double step_s) {
   const double friction = 0.5, slope = 0.8;
   World world = on_slope(slope, friction);
-  const Drive drive = keep_still(world);
+  const Drive drive = hold_still(world);
   run(world, drive, 0.04, step_s);
   const Vector3d normal = world.object.orientation * Vector3d::UnitZ();
   const Vector3d before = world.object.velocity_m_per_s;
@@ -144,16 +144,16 @@ double resting_error(double step_s) {
   return std::abs(resting_force_ratio(0.17, step_s, 3.0) - 1.0);
 }
 
-/// A palm shaken along its normal carries m (g + a), but for the sinking by (rate / own rate)^2,
-/// which stiff contacts make small.
+/// A palm shaken along its normal carries m (g + a), up to the relative compliance
+/// (rate / natural rate)^2, which stiff contacts make small.
 double shaking_error(double step_s) {
   const double rate = 4.0 * std::numbers::pi, amplitude_m = 0.03, mass_kg = 0.17;
   ContactParameters stiff;
   stiff.stiffness_n_per_m3 *= 100.0;
-  World world(sled(mass_kg, 0.7), stand(), stiff);
-  put_above(world, sled_place_m, 0.0);
-  Drive drive = keep_still(world);
-  Worst worst;
+  World world(sled(mass_kg, 0.7), rigid_arm(), stiff);
+  place_above(world, sled_place_m, 0.0);
+  Drive drive = hold_still(world);
+  MaxError worst;
   for (double t = 0.0; t < 2.0 - 0.5 * step_s; t += step_s) {
     const double start_s = std::max(0.0, t - 0.5);  // at rest until it has settled
     const double z = amplitude_m * (1.0 - std::cos(rate * start_s)),
@@ -175,10 +175,10 @@ double shaking_error(double step_s) {
 const std::vector<ClosedForm>& closed_forms() {
   static const std::vector<ClosedForm> table{
       {"free flight of 1 s, position", "m", 0.002, 1e-10, 0.0, flight_error_m},
-      {"spin of a body of rotation, 1 s", "rad", 0.002, 1e-3, 1.9, symmetric_top_error_rad},
-      {"tumbling of an asymmetric body, 1 s", "rad/s", 0.002, 1e-2, 1.9,
+      {"spin of a symmetric top, 1 s", "rad", 0.002, 1e-3, 1.9, symmetric_top_error_rad},
+      {"tumbling of an asymmetric top, 1 s", "rad/s", 0.002, 1e-2, 1.9,
        asymmetric_top_error_rad_per_s},
-      {"arm let go 5 cm off, 1 s", "m", 0.002, 1e-4, 1.9, oscillator_error_m},
+      {"arm released 5 cm off, 1 s", "m", 0.002, 1e-4, 1.9, oscillator_error_m},
       {"elastic bounce, restitution", "", 0.0005, 0.02, 1.7,
        [](double h) { return bounce_error(0.0, h); }},
       {"damped bounce, restitution", "", 0.0005, 0.02, 1.7,

@@ -4,11 +4,11 @@
 
 namespace touchtrace::scene {
 
-/// Error against run time: where the object is after 1 s of a stiff grip, an impact and a catch,
-/// against a step 100 times smaller than the activities' one.
+/// Error over run time: position of the object after 1 s of a stiff grip, an impact and a catch,
+/// against a step 100 times smaller than the default.
 void verify_precision(const std::function<void(Figure)>& emit);
 
-/// Light and heavy, soft and stiff, slippery and rough, slow and quick, with fine and coarse steps.
+/// Energy, forces and speeds over a grid of masses, stiffnesses, friction coefficients and steps.
 void verify_extremes(const std::function<void(Figure)>& emit);
 
 }  // namespace touchtrace::scene

@@ -11,18 +11,19 @@ namespace {
 using Eigen::Index, Eigen::MatrixXd, Eigen::RowVectorXd, Eigen::Vector3d;
 
 constexpr int folds = 4;
-constexpr double large_counts = 1e3;  // of what is no reading: no ridge matters to it
+constexpr double large_counts = 1e3;  // scale of inputs other than readings, beyond any ridge
 constexpr double phase_step_s = 0.05;
-constexpr int phase_steps = 10;  // to either side of a release or catch
+constexpr int phase_steps = 10;  // on either side of a release or catch
 
-/// Of every fourth clip's frames: the clue and what it is to be beyond, with a one at the end, and
-/// the hand's positions.
+/// Frames of every fourth clip: inputs and given inputs, each with a constant column at the end,
+/// and hand positions.
 struct Fold {
-  MatrixXd clues, known, positions;
+  MatrixXd inputs, given, positions;
 };
 
-/// In the middle of a frame's scan.
-const SceneSample& sample_at(const ClipMotion& clip, const GloveClock& clock, std::size_t frame) {
+/// Sample in the middle of a frame's scan.
+const SceneSample& sample_of_frame(const ClipMotion& clip, const GloveClock& clock,
+                                   std::size_t frame) {
   const double scan_start_s =
       clock.first_frame_s + static_cast<double>(clip.glove.sequence[frame]) / clock.rate_hz;
   const double at = std::round(
@@ -56,7 +57,7 @@ RowVectorXd phase(const ClipMotion& clip, double time_s) {
   return flags;
 }
 
-/// Of the object's upright axis, across the vertical.
+/// Horizontal components of the object's upright axis and of its rate.
 RowVectorXd lean(const RigidState& object) {
   const Vector3d upright = object.orientation * Vector3d::UnitZ(),
                  rate_per_s = object.angular_velocity_rad_per_s.cross(upright);
@@ -65,24 +66,24 @@ RowVectorXd lean(const RigidState& object) {
   return 1e2 * large_counts * both;
 }
 
-RowVectorXd lean_and_push(const SceneSample& sample) {
+RowVectorXd lean_and_force(const SceneSample& sample) {
   RowVectorXd all(7);
   all << lean(sample.object), large_counts * sample.contact_force_n.transpose();
   return all;
 }
 
-RowVectorXd clue_of(const ClipMotion& clip, std::size_t frame, const SceneSample& sample,
-                    Clue clue) {
-  switch (clue) {
-    case Clue::readings:
+RowVectorXd probe_input(const ClipMotion& clip, std::size_t frame, const SceneSample& sample,
+                        ProbeInput input) {
+  switch (input) {
+    case ProbeInput::readings:
       return readings(clip.glove, frame);
-    case Clue::phase:
+    case ProbeInput::phase:
       return phase(clip, sample.time_s);
-    case Clue::lean:
+    case ProbeInput::lean:
       return lean(sample.object);
-    case Clue::lean_and_push:
-      return lean_and_push(sample);
-    case Clue::whether_touched:
+    case ProbeInput::lean_and_force:
+      return lean_and_force(sample);
+    case ProbeInput::contact:
       break;
   }
   return RowVectorXd::Constant(1, sample.contact_force_n.isZero(0.0) ? 0.0 : large_counts);
@@ -94,42 +95,42 @@ void append(MatrixXd& table, Index row, const RowVectorXd& values) {
 }
 
 Fold collect(const std::vector<ClipMotion>& clips, const GloveClock& clock, std::size_t first,
-             Clue clue, const std::optional<Clue>& beyond) {
+             ProbeInput input, const std::optional<ProbeInput>& given) {
   Index rows = 0, row = 0;
   for (std::size_t i = first; i < clips.size(); i += folds)
     rows += static_cast<Index>(clips[i].glove.frames());
   Fold fold{MatrixXd(rows, 0), MatrixXd(rows, 0), MatrixXd(rows, 3)};
   for (std::size_t i = first; i < clips.size(); i += folds)
     for (std::size_t frame = 0; frame < clips[i].glove.frames(); ++frame, ++row) {
-      const SceneSample& sample = sample_at(clips[i], clock, frame);
-      append(fold.clues, row, clue_of(clips[i], frame, sample, clue));
-      if (beyond) append(fold.known, row, clue_of(clips[i], frame, sample, *beyond));
+      const SceneSample& sample = sample_of_frame(clips[i], clock, frame);
+      append(fold.inputs, row, probe_input(clips[i], frame, sample, input));
+      if (given) append(fold.given, row, probe_input(clips[i], frame, sample, *given));
       fold.positions.row(row) = sample.hand.position_m.transpose();
     }
   return fold;
 }
 
-/// `normal` x = `wanted`, where all but the last of x are kept small.
-MatrixXd ridge_fit(MatrixXd normal, const MatrixXd& wanted, double ridge) {
+/// Solves the normal equations with a ridge on all but the last unknown.
+MatrixXd ridge_fit(MatrixXd normal, const MatrixXd& right_side, double ridge) {
   normal.diagonal().head(normal.rows() - 1).array() += ridge;
-  return normal.selfadjointView<Eigen::Lower>().llt().solve(wanted);
+  return normal.selfadjointView<Eigen::Lower>().llt().solve(right_side);
 }
 
-/// From positions and from clues (Frisch, Waugh and Lovell): what a clue has of the known would
-/// only hide what else it tells. The ones stay.
-void take_off_what_is_known(std::array<Fold, folds>& parts) {
-  const Index columns = parts[0].known.cols(), clues = parts[0].clues.cols() - 1;
+/// Replaces positions and inputs by their residuals of a linear fit to the given inputs (theorem of
+/// Frisch, Waugh and Lovell). Constant columns stay.
+void remove_given(std::array<Fold, folds>& parts) {
+  const Index columns = parts[0].given.cols(), inputs = parts[0].inputs.cols() - 1;
   if (columns == 0) return;
-  MatrixXd normal = MatrixXd::Zero(columns, columns), wanted = MatrixXd::Zero(columns, 3 + clues);
+  MatrixXd normal = MatrixXd::Zero(columns, columns), wanted = MatrixXd::Zero(columns, 3 + inputs);
   for (const Fold& part : parts) {
-    normal += part.known.transpose() * part.known;
-    wanted.leftCols(3) += part.known.transpose() * part.positions;
-    wanted.rightCols(clues) += part.known.transpose() * part.clues.leftCols(clues);
+    normal += part.given.transpose() * part.given;
+    wanted.leftCols(3) += part.given.transpose() * part.positions;
+    wanted.rightCols(inputs) += part.given.transpose() * part.inputs.leftCols(inputs);
   }
   const MatrixXd weights = ridge_fit(normal, wanted, 1.0);
   for (Fold& part : parts) {
-    part.positions -= part.known * weights.leftCols(3);
-    part.clues.leftCols(clues) -= part.known * weights.rightCols(clues);
+    part.positions -= part.given * weights.leftCols(3);
+    part.inputs.leftCols(inputs) -= part.given * weights.rightCols(inputs);
   }
 }
 
@@ -141,22 +142,22 @@ Eigen::RowVector3d mean_position(const std::array<Fold, folds>& parts, double fr
 
 }  // namespace
 
-Vector3d position_probe_r2(const std::vector<ClipMotion>& clips, const GloveClock& clock, Clue clue,
-                           std::optional<Clue> beyond) {
-  constexpr std::array<double, 3> ridge_counts{1.5, 15.0, 150.0};  // a frame
+Vector3d position_probe_r2(const std::vector<ClipMotion>& clips, const GloveClock& clock,
+                           ProbeInput input, std::optional<ProbeInput> given) {
+  constexpr std::array<double, 3> ridge_counts{1.5, 15.0, 150.0};  // per frame
   std::array<Fold, folds> parts;
   double frames = 0.0;
   for (int i = 0; i < folds; ++i) {
-    parts[i] = collect(clips, clock, static_cast<std::size_t>(i), clue, beyond);
-    frames += static_cast<double>(parts[i].clues.rows());
+    parts[i] = collect(clips, clock, static_cast<std::size_t>(i), input, given);
+    frames += static_cast<double>(parts[i].inputs.rows());
   }
-  take_off_what_is_known(parts);
+  remove_given(parts);
   std::array<MatrixXd, folds> normal, wanted;
   for (int i = 0; i < folds; ++i) {
-    normal[i] = parts[i].clues.transpose() * parts[i].clues;
-    wanted[i] = parts[i].clues.transpose() * parts[i].positions;
+    normal[i] = parts[i].inputs.transpose() * parts[i].inputs;
+    wanted[i] = parts[i].inputs.transpose() * parts[i].positions;
   }
-  const Eigen::RowVector3d middle = mean_position(parts, frames);
+  const Eigen::RowVector3d mean = mean_position(parts, frames);
   Eigen::Array<double, 3, ridge_counts.size()> error = decltype(error)::Zero();
   Eigen::Array3d spread = Eigen::Array3d::Zero();
   for (int held_out = 0; held_out < folds; ++held_out) {
@@ -167,9 +168,9 @@ Vector3d position_probe_r2(const std::vector<ClipMotion>& clips, const GloveCloc
     for (std::size_t r = 0; r < ridge_counts.size(); ++r) {
       const MatrixXd weights = ridge_fit(rest, goal, frames * ridge_counts[r] * ridge_counts[r]);
       error.col(static_cast<Index>(r)) +=
-          (part.clues * weights - part.positions).colwise().squaredNorm().transpose().array();
+          (part.inputs * weights - part.positions).colwise().squaredNorm().transpose().array();
     }
-    spread += (part.positions.rowwise() - middle).colwise().squaredNorm().transpose().array();
+    spread += (part.positions.rowwise() - mean).colwise().squaredNorm().transpose().array();
   }
   return 1.0 - error.rowwise().minCoeff() / spread;
 }

@@ -8,20 +8,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-bool is_struck(const ClipMotion& clip, double from_s, double to_s) {
+bool has_impact(const ClipMotion& clip, double from_s, double to_s) {
   return std::ranges::any_of(clip.events, [&](const Truth::Event& event) {
     return event.kind == "impact" && event.time_s > from_s && event.time_s <= to_s;
   });
 }
 
-/// Forces are of the end of each interval, so they are held against the velocity gained in it.
-/// Intervals in which a ball strikes the object, too, are left out.
+/// A sample's force is the mean over the interval before it, so it is compared with the change of
+/// velocity in that interval. Intervals with an impact of a ball are left out.
 double force_residual(const std::vector<ClipMotion>& clips, const ObjectSpec& object) {
   double error = 0.0, scale = 0.0;
   for (const ClipMotion& clip : clips)
     for (std::size_t i = 1; i < clip.samples.size(); ++i) {
       const SceneSample &now = clip.samples[i], &before = clip.samples[i - 1];
-      if (is_struck(clip, before.time_s, now.time_s)) continue;
+      if (has_impact(clip, before.time_s, now.time_s)) continue;
       const Vector3d acceleration =
           (now.object.velocity_m_per_s - before.object.velocity_m_per_s) * sample_rate_hz;
       const Vector3d load = object.mass_kg * (acceleration + gravity_m_per_s2 * Vector3d::UnitZ());
@@ -46,15 +46,15 @@ void add_apexes(const ClipMotion& clip, std::vector<double>& apex_m) {
   }
 }
 
-/// How far the object has turned in the hand since the clip began, at most.
+/// Largest rotation of the object in the hand since the clip began.
 double turn_in_hand_rad(const ClipMotion& clip) {
   const auto in_hand = [](const SceneSample& sample) {
     return sample.hand.orientation.conjugate() * sample.object.orientation;
   };
-  double most_rad = 0.0;
+  double max_rad = 0.0;
   for (const SceneSample& sample : clip.samples)
-    most_rad = std::max(most_rad, in_hand(clip.samples.front()).angularDistance(in_hand(sample)));
-  return most_rad;
+    max_rad = std::max(max_rad, in_hand(clip.samples.front()).angularDistance(in_hand(sample)));
+  return max_rad;
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ ClipStatistics statistics(const std::vector<ClipMotion>& clips, const ObjectSpec
   double saturated = 0.0, readings = 0.0;
   for (const ClipMotion& clip : clips) {
     s.drop_share += (clip.object_fell ? 1.0 : 0.0) / static_cast<double>(clips.size());
-    s.clamped_clip_share += (clip.clamp_hits > 0) / static_cast<double>(clips.size());
+    s.clamped_clip_share += (clip.num_clamped > 0) / static_cast<double>(clips.size());
     add_apexes(clip, s.apex_m);
     if (!clip.object_fell) s.turn_in_hand_rad.push_back(turn_in_hand_rad(clip));
     for (const SceneSample& sample : clip.samples) {

@@ -1,8 +1,8 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "pipeline/scene/base/rotation.h"
 #include "pipeline/scene/camera/exposure.h"
 #include "pipeline/scene/glove/glove.h"
 #include "pipeline/scene/glove/inertial.h"
@@ -15,8 +15,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double checked_radians_per_degree = std::numbers::pi / 180.0;
-constexpr double deviations = 5.0;
+constexpr double num_sigmas = 5.0;
 
 SceneOptions without_offsets() {
   SceneOptions options;
@@ -29,7 +28,7 @@ Vector3d row(const std::vector<float>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
 }
 
-/// A hand that is held still, turned out of every axis.
+/// A hand at rest in a general orientation.
 std::vector<SceneSample> still_samples() {
   std::vector<SceneSample> samples(5000);
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -39,7 +38,7 @@ std::vector<SceneSample> still_samples() {
   return samples;
 }
 
-/// The mean specific force of a still hand is g upwards.
+/// The mean specific force of a hand at rest is g upwards.
 void verify_rest(const std::function<void(Figure)>& emit) {
   const SceneOptions options = without_offsets();
   const InertialParameters& p = options.parameters.inertial;
@@ -55,10 +54,10 @@ void verify_rest(const std::function<void(Figure)>& emit) {
       p.force_noise_g * gravity_m_per_s2 * std::sqrt(0.5 * p.rate_hz / static_cast<double>(count));
   const double step = p.force_range_g * gravity_m_per_s2 / 32767.0;
   emit(at_most("inertial unit at rest: specific force against g", error.norm(), "m/s^2",
-               deviations * std::sqrt(3.0) * of_mean + step));
+               num_sigmas * std::sqrt(3.0) * of_mean + step));
 }
 
-/// Angular velocities integrate to the rotation of the hand: their noise walks.
+/// The integrated angular velocity is the rotation of the hand, up to the random walk of its noise.
 void verify_rotation(const std::function<void(Figure)>& emit) {
   SceneOptions options = without_offsets();
   options.inertial_unit = true;
@@ -84,8 +83,8 @@ void verify_rotation(const std::function<void(Figure)>& emit) {
       std::sqrt(0.5 * p.rate_noise_deg_per_s * p.rate_noise_deg_per_s * count * period_s +
                 step * step * period_s * period_s * count);
   emit(at_most("inertial unit, wave: integrated rotation after a clip",
-               truth.angularDistance(integral) / checked_radians_per_degree, "deg",
-               deviations * std::sqrt(3.0) * walk_deg));
+               truth.angularDistance(integral) / radians_per_degree, "deg",
+               num_sigmas * std::sqrt(3.0) * walk_deg));
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ void verify_rendering(const std::string& activity, const std::function<void(Figu
   for (int frame = 0; frame < frames; ++frame) render(frame);
   const auto what = fmt::format("{}: rendering, 640 x 480", activity);
   emit(at_least(what, frames / stopwatch.wall_seconds(), "frames/s", 200.0));
-  emit(reported(what, 1e3 * stopwatch.cpu_seconds() / frames, "CPU-ms a frame"));
+  emit(reported(what, 1e3 * stopwatch.cpu_seconds() / frames, "CPU ms per frame"));
 }
 
 }  // namespace touchtrace::scene

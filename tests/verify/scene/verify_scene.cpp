@@ -4,7 +4,7 @@
 
 #include "pipeline/scene/base/scene.h"
 #include "pipeline/scene/person/activity.h"
-#include "tests/verify/scene/ball_forms.h"
+#include "tests/verify/scene/ball_closed_forms.h"
 #include "tests/verify/scene/closed_forms.h"
 #include "tests/verify/scene/precision.h"
 
@@ -16,14 +16,14 @@ using Emit = std::function<void(Figure)>;
 void verify_forms(const std::vector<ClosedForm>& forms, const Emit& emit) {
   for (const ClosedForm& form : forms) {
     const std::string at = fmt::format(", {:g} ms", 1e3 * form.step_s);
-    if (form.order == 0.0) {
-      emit(at_most(form.name + at, form.error(form.step_s), form.unit, form.largest));
+    if (form.min_order == 0.0) {
+      emit(at_most(form.name + at, form.error(form.step_s), form.unit, form.max_error));
       continue;
     }
     const Picture::Curve curve = convergence(form);
-    emit(at_most(form.name + at, curve.y.front(), form.unit, form.largest));
-    Figure order =
-        at_least(form.name + ": order in the step", order_of_convergence(curve), "", form.order);
+    emit(at_most(form.name + at, curve.y.front(), form.unit, form.max_error));
+    Figure order = at_least(form.name + ": order in the step", order_of_convergence(curve), "",
+                            form.min_order);
     order.picture = {
         "step / s", "error" + (form.unit.empty() ? "" : " / " + form.unit), true, true, {curve}};
     emit(std::move(order));
@@ -40,7 +40,7 @@ Verification verify_scene() {
     }
     verify_inertial(emit);
     verify_forms(closed_forms(), emit);
-    verify_forms(ball_forms(), emit);
+    verify_forms(ball_closed_forms(), emit);
     verify_precision(emit);
     verify_extremes(emit);
     for (const std::string& activity : activity_names()) {

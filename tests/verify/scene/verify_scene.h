@@ -4,25 +4,26 @@
 
 namespace touchtrace::scene {
 
-/// Rows of `touchtrace-verify scene`: physics against closed forms, the statistics of clips, speed.
+/// Rows of `touchtrace-verify scene`: closed forms, error over run time, statistics of clips,
+/// speed.
 Verification verify_scene();
 
-/// How much faster than life physics and glove are with a clip on every core.
+/// Speed of physics and glove relative to real time, with one clip per core.
 void verify_speed(const std::string& activity, const std::function<void(Figure)>& emit);
 
-/// Rows about the speed of the renderer on an activity's scene.
+/// Speed of the renderer for an activity's scene.
 void verify_rendering(const std::string& activity, const std::function<void(Figure)>& emit);
 
-/// Rows about clips of an activity with every object that it is done with: drops, grip, tosses.
+/// Drops, grip forces and tosses of an activity with every object that it accepts.
 void verify_objects(const std::string& activity, const std::function<void(Figure)>& emit);
 
-/// Rows about how an umbrella is balanced.
+/// Statistics of balancing an umbrella.
 void verify_balance(const std::function<void(Figure)>& emit);
 
-/// Rows about the inertial unit: at rest, and its angular velocity integrated.
+/// Inertial unit: at rest, and its integrated angular velocity.
 void verify_inertial(const std::function<void(Figure)>& emit);
 
-/// Whether one frame of touch tells where the hand is, which it must not.
+/// Whether one tactile frame tells the hand's position, which would be an artefact.
 void verify_probe(const std::string& activity, const std::function<void(Figure)>& emit);
 
 }  // namespace touchtrace::scene

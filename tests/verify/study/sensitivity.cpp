@@ -9,7 +9,7 @@
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "engine/base/scratch_folder.h"
-#include "pipeline/scene/base/assumptions.h"
+#include "pipeline/scene/base/parameter_registry.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/simulate.h"
 #include "pipeline/study/evaluation.h"
@@ -26,7 +26,7 @@ constexpr int rollout_stride = 5;
 
 /// One scene to learn; no assumption: the default.
 struct Cell {
-  const scene::Assumption* assumption;
+  const scene::Parameter* assumption;
   double factor;
   int seed;
 
@@ -37,23 +37,23 @@ struct Cell {
   }
   scene::SceneParameters parameters() const {
     scene::SceneParameters parameters;
-    if (assumption) scale(parameters, *assumption, factor);
+    if (assumption) scale_parameter(parameters, *assumption, factor);
     return parameters;
   }
 };
 
 /// In the order asked for.
-std::vector<const scene::Assumption*> chosen(const SensitivityOptions& options) {
-  std::vector<const scene::Assumption*> rows;
+std::vector<const scene::Parameter*> chosen(const SensitivityOptions& options) {
+  std::vector<const scene::Parameter*> rows;
   for (const std::string& start :
        options.only.empty() ? std::vector<std::string>{""} : options.only) {
     bool known = false;
-    for (const scene::Assumption& row : scene::assumptions()) {
-      if (!row.name.starts_with(start)) continue;
+    for (const scene::Parameter& row : scene::parameter_registry()) {
+      if (!row.name.starts_with(scene::current_parameter_name(start))) continue;
       known = true;
       if (std::ranges::find(rows, &row) == rows.end()) rows.push_back(&row);
     }
-    if (!known) scene::find_assumption(start);
+    if (!known) scene::find_parameter(start);
   }
   return rows;
 }
@@ -61,10 +61,10 @@ std::vector<const scene::Assumption*> chosen(const SensitivityOptions& options) 
 std::vector<Cell> cells_of(const SensitivityOptions& options) {
   std::vector<Cell> cells;
   for (int seed = 1; seed <= options.seeds; ++seed) cells.push_back({nullptr, 1.0, seed});
-  for (const scene::Assumption* row : chosen(options))
+  for (const scene::Parameter* row : chosen(options))
     for (const double factor : {0.5, 2.0}) {
       const Cell cell{row, factor, 1};
-      if (row->of(cell.parameters()) != row->of({})) cells.push_back(cell);
+      if (row->values(cell.parameters()) != row->values()) cells.push_back(cell);
     }
   return cells;
 }
@@ -86,7 +86,7 @@ class Study {
     json row = cell.key();
     if (done(row)) return;
     const Stopwatch stopwatch;
-    if (cell.assumption) row["value"] = cell.assumption->of(cell.parameters());
+    if (cell.assumption) row["value"] = cell.assumption->values(cell.parameters());
     try {
       measure(cell, row);
     } catch (const Error& error) {

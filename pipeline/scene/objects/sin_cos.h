@@ -6,15 +6,15 @@
 
 namespace touchtrace::scene {
 
-struct LaneTurns {
+struct SinCos {
   Lanes sine, cosine;
 };
 
-/// Of angles up to 1e5 rad, to 2e-16: what is left of the nearest quarter turn, by fdlibm's
-/// polynomials (k_sin.c, k_cos.c).
-inline LaneTurns turns(Lanes angle_rad) {
+/// Sine and cosine of angles up to 1e5 rad, with an absolute error of 2e-16. Subtracts the nearest
+/// multiple of a quarter turn and evaluates the polynomials of fdlibm (k_sin.c, k_cos.c).
+inline SinCos sin_cos(Lanes angle_rad) {
   constexpr double quarters_per_rad = 0.63661977236758134308, to_whole = 0x1.8p52;
-  // A quarter turn in parts of 33 bits, so that their multiples are exact.
+  // pi / 2 in parts of 33 bits, so that their multiples are exact (Cody and Waite).
   constexpr double quarter[]{1.57079632673412561417e+00, 6.07710050630396597660e-11,
                              2.02226624879595063154e-21};
   const Lanes shifted = angle_rad * quarters_per_rad + to_whole, count = shifted - to_whole;
@@ -32,8 +32,8 @@ inline LaneTurns turns(Lanes angle_rad) {
     cosine = term + z * cosine;
   cosine = 1 - (0.5 * z - z * z * cosine);
   const LaneMask is_odd = (quadrant & 1) != 0;
-  const Lanes up = is_odd ? cosine : sine, along = is_odd ? sine : cosine;
-  return {(quadrant & 2) != 0 ? -up : up, ((quadrant + 1) & 2) != 0 ? -along : along};
+  const Lanes s = is_odd ? cosine : sine, c = is_odd ? sine : cosine;
+  return {(quadrant & 2) != 0 ? -s : s, ((quadrant + 1) & 2) != 0 ? -c : c};
 }
 
 }  // namespace touchtrace::scene

@@ -1,4 +1,4 @@
-#include "tests/verify/scene/laboratory.h"
+#include "tests/verify/scene/setups.h"
 
 #include <cmath>
 
@@ -29,23 +29,23 @@ ObjectSpec sled(double mass_kg, double friction) {
   return object;
 }
 
-ArmParameters stand() { return {1e6, 1e10, 1.0, 1e12}; }
+ArmParameters rigid_arm() { return {1e6, 1e10, 1.0, 1e12}; }
 
-Drive keep_still(const World& world) {
+Drive hold_still(const World& world) {
   Drive drive;
   drive.position_m = world.hand.position_m;
-  for (int i = 0; i < finger_count; ++i) drive.fingers[i] = {0.0, 1e3, world.flexion_rad[i]};
+  for (int i = 0; i < num_fingers; ++i) drive.fingers[i] = {0.0, 1e3, world.flexion_rad[i]};
   return drive;
 }
 
-void put_above(World& world, const Vector3d& place_m, double gap_m) {
+void place_above(World& world, const Vector3d& place_m, double gap_m) {
   world.object = {};
   double height = 0.0;
-  for (bool free = false; !free; height += 1e-5) {
-    free = true;
+  for (bool is_clear = false; !is_clear; height += 1e-5) {
+    is_clear = true;
     for (const Taxel& taxel : world.model().taxels)
       if (taxel.finger < 0)
-        free &=
+        is_clear &=
             distance_m(world.spec(), taxel.position_m - place_m - height * Vector3d::UnitZ()) > 0;
   }
   const Vector3d above = place_m + (height + gap_m) * Vector3d::UnitZ();
@@ -67,7 +67,7 @@ double energy_j(const World& world) {
          0.5 * spin.dot(spec.inertia_kg_m2 * spin);
 }
 
-bool finite(const World& world) {
+bool is_finite(const World& world) {
   return world.object.position_m.allFinite() && world.object.velocity_m_per_s.allFinite() &&
          world.object.angular_velocity_rad_per_s.allFinite() && world.hand.position_m.allFinite() &&
          world.force_on_object_n().allFinite();
@@ -75,9 +75,9 @@ bool finite(const World& world) {
 
 double resting_force_ratio(double mass_kg, double step_s, double seconds,
                            const ContactParameters& contact, double friction) {
-  World world(block(mass_kg, friction, {0.025, 0.03, 0.02}), stand(), contact);
-  put_above(world, {0.01, 0.0, 0.0}, 0.001);
-  const Drive drive = keep_still(world);
+  World world(block(mass_kg, friction, {0.025, 0.03, 0.02}), rigid_arm(), contact);
+  place_above(world, {0.01, 0.0, 0.0}, 0.001);
+  const Drive drive = hold_still(world);
   for (double t = 0.0; t < seconds; t += step_s) world.advance(drive, step_s, step_s);
   return world.mean_force_n().z() / (mass_kg * gravity_m_per_s2);
 }

@@ -8,15 +8,13 @@
 
 #include "calib/smooth/rts_step.h"
 #include "calib/smooth/scaled_track.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {
 
 double median_or(std::vector<double> values, double otherwise) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? otherwise : median(std::move(values));
 }
 
 MotionNoise<double> in_units(const MotionNoise<double>& noise, double length, double time) {

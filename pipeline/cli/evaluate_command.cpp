@@ -51,7 +51,7 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
     models.push_back(study::load_model(runtime, path));
     provenance.add_input(path);
   }
-  const auto sessions = study::load_sessions(study::paired(options.recordings, options.labels),
+  const auto sessions = study::load_sessions(study::pair_files(options.recordings, options.labels),
                                              models, options.against);
   json document = study::evaluate_models(sessions, models, options);
   for (const auto* paths : {&options.recordings, &options.labels})

@@ -47,40 +47,40 @@ void describe(OptionSet& set, PlanOptions& o) {
   set.flag("measure", o.measure, "run an update and measure each of its launches");
 }
 
-void read_recording(const std::string& path, study::PlanWishes& wishes) {
+void read_recording(const std::string& path, study::PlanRequest& request) {
   const RecordingReader reader(path);
   const Recording& recording = reader.recording();
   std::set<std::string> objects;
   for (const auto& clip : recording.clips) objects.insert(clip.object);
-  wishes.activity = recording.activity;
-  wishes.objects.assign(objects.begin(), objects.end());
-  wishes.simulated = false;
+  request.activity = recording.activity;
+  request.objects.assign(objects.begin(), objects.end());
+  request.simulated = false;
   if (missing_for_labelling(reader).empty())
-    wishes.tracker = study::choose_tracker(recording, label::frame_source(reader));
+    request.tracker = study::choose_tracker(recording, label::frame_source(reader));
   if (!recording.gloves.empty())
-    wishes.live = live_cells(recording.gloves.front().info, wishes.rows, wishes.cols);
+    request.live = live_cells(recording.gloves.front().info, request.rows, request.cols);
 }
 
-study::PlanWishes wishes_of(const PlanOptions& options) {
-  study::PlanWishes wishes;
-  wishes.activity = options.activity;
-  if (!options.objects.empty()) wishes.objects = options.objects;
-  wishes.touch = !options.without_touch;
-  wishes.dynamics = options.dynamics;
-  wishes.object_encoder = options.object_encoder;
-  wishes.window_frames = options.window;
-  wishes.rows = wishes.cols = options.resolution;
-  wishes.tactile_kernel = options.convolutions.kernel_size();
-  wishes.tactile_strides = options.convolutions.stride_sizes();
-  if (!options.recording.empty()) read_recording(options.recording, wishes);
-  return wishes;
+study::PlanRequest plan_request(const PlanOptions& options) {
+  study::PlanRequest request;
+  request.activity = options.activity;
+  if (!options.objects.empty()) request.objects = options.objects;
+  request.touch = !options.without_touch;
+  request.dynamics = options.dynamics;
+  request.object_encoder = options.object_encoder;
+  request.window_frames = options.window;
+  request.rows = request.cols = options.resolution;
+  request.tactile_kernel = options.convolutions.kernel_size();
+  request.tactile_strides = options.convolutions.stride_sizes();
+  if (!options.recording.empty()) read_recording(options.recording, request);
+  return request;
 }
 
 /// `update`: planned or measured.
-void show(const study::PlanWishes& wishes, const study::Plan& plan, const PlanOptions& options,
+void show(const study::PlanRequest& request, const study::Plan& plan, const PlanOptions& options,
           const auto& update, bool as_json) {
   if (as_json) {
-    auto document = study::plan_json(wishes, plan);
+    auto document = study::plan_json(request, plan);
     document.update(update_json(update));
     fmt::print("{}\n", document.dump(2));
     return;
@@ -93,13 +93,13 @@ void show(const study::PlanWishes& wishes, const study::Plan& plan, const PlanOp
 }
 
 ExitCode run(const PlanOptions& o, const Invocation& invocation) {
-  const study::PlanWishes wishes = wishes_of(o);
-  const study::Plan plan = study::make_plan(wishes);
+  const study::PlanRequest request = plan_request(o);
+  const study::Plan plan = study::make_plan(request);
   Runtime runtime(usable_device(invocation.device));
   const auto tuning = read_tuning(tuning_path(), runtime.device());
   const auto show_of_update = [&](const auto& looked_into) {
-    show(wishes, plan, o,
-         looked_into(runtime, plan.model, o.sequences, o.steps, wishes.live, tuning),
+    show(request, plan, o,
+         looked_into(runtime, plan.model, o.sequences, o.steps, request.live, tuning),
          invocation.json);
   };
   if (o.measure)

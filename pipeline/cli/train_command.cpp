@@ -14,7 +14,7 @@ ExitCode run(const study::TrainingOptions& options, const Invocation& invocation
   Runtime runtime(usable_device(invocation.device), accuracy_of(options.accuracy));
   Provenance provenance = start_provenance("touchtrace/model/1", "train");
   provenance.options = invocation.options;
-  const auto files = study::paired(options.recordings, options.labels);
+  const auto files = study::pair_files(options.recordings, options.labels);
   for (const auto& pair : files) {
     provenance.add_input(pair.recording);
     provenance.add_input(pair.labels);
@@ -22,7 +22,8 @@ ExitCode run(const study::TrainingOptions& options, const Invocation& invocation
   const Dataset data = load_dataset(files, options.resolution);
   const auto card =
       study::train_model(runtime, data, options, std::move(provenance), invocation.overwrite);
-  const double l1_at_20 = card.log.empty() ? std::nan("") : card.log.back().validation_l1_at_20;
+  const auto* saved = card.saved_entry();
+  const double l1_at_20 = saved ? saved->validation_l1_at_20 : std::nan("");
   if (invocation.json)
     fmt::print(
         "{}\n",

@@ -14,7 +14,7 @@ double factor_at(const BandScale& scale, int step) {
   return scale[std::min<std::size_t>(static_cast<std::size_t>(step), scale.size() - 1)];
 }
 
-/// |target - state| / spread of every trusted value of a step.
+/// |target - state| / spread of each trusted value of a step.
 std::vector<double> ratios_of_step(const Rollout& rollout, const RolloutBatch& batch, int step) {
   std::vector<double> ratios;
   for (int s = 0; s < batch.sequences; ++s) {
@@ -22,7 +22,7 @@ std::vector<double> ratios_of_step(const Rollout& rollout, const RolloutBatch& b
     if (!batch.weight.empty() && batch.weight[row] <= 0.0f) continue;
     for (std::size_t i = row * state_size; i < (row + 1) * state_size; ++i)
       ratios.push_back(std::abs(static_cast<double>(batch.target[i]) - rollout.state[i]) /
-                       std::max<double>(rollout.spread[i], narrowest_spread));
+                       std::max<double>(rollout.spread[i], min_spread));
   }
   return ratios;
 }
@@ -62,7 +62,7 @@ Rollout with_scaled_band(Rollout rollout, int steps, const BandScale& scale) {
   for (std::size_t i = 0; i < rollout.spread.size(); ++i) {
     const int step = static_cast<int>(i / state_size) % steps;
     rollout.spread[i] = static_cast<float>(factor_at(scale, step) *
-                                           std::max<double>(rollout.spread[i], narrowest_spread));
+                                           std::max<double>(rollout.spread[i], min_spread));
   }
   return rollout;
 }

@@ -6,27 +6,28 @@
 
 namespace touchtrace::study {
 
-/// The band of a roll-out knows the step but not how far it is from the start, so its coverage
-/// falls with the horizon. One factor a step, fitted on validation clips by split-conformal
-/// prediction (Papadopoulos 2002; Lei 2018), widens it to its nominal level.
+/// [steps] Factors of the predicted half band width. The model predicts a width without knowing the
+/// number of steps since the start, so coverage falls with the horizon. One factor per step, fitted
+/// on validation clips by split conformal prediction (Papadopoulos 2002; Lei 2018), restores the
+/// nominal coverage.
 using BandScale = std::vector<double>;
 
-/// Between the quantiles Q and 1 - Q lies this share (equation 3).
+/// Fraction of states between the quantiles Q and 1 - Q (equation 3).
 constexpr double nominal_coverage(double band_quantile) { return 1.0 - 2.0 * band_quantile; }
-/// Narrower bands count as this wide (scaled units): a band of no width has no scale.
-inline constexpr double narrowest_spread = 1e-6;
+/// Lower limit of the half band width [scaled units], as a width of 0 cannot be scaled.
+inline constexpr double min_spread = 1e-6;
 
-/// factor[k] is the ceil(coverage (n + 1))-th smallest |target - state| / spread among the n
-/// trusted values of step k + 1, all 12 dimensions and roll-outs together. Steps without a value
-/// keep 1.
+/// Fits the factors: factor[k] is the ceil(coverage (n + 1))-th smallest |target - state| / spread
+/// of the n trusted values of step k + 1, over all 12 dimensions and roll-outs; 1 for steps without
+/// any.
 BandScale fit_band_scale(const Rollout& rollout, const RolloutBatch& batch, double coverage);
 
-/// Share of trusted targets inside state -/+ scale spread, per step: [steps]; NaN where none is
-/// trusted. An empty scale is 1; steps beyond its end use its last factor.
+/// [steps] Fraction of trusted targets inside state -/+ scale * spread; NaN for steps without any.
+/// An empty scale means 1; steps beyond its end use its last factor.
 std::vector<double> coverage_by_step(const Rollout& rollout, const RolloutBatch& batch,
                                      const BandScale& scale);
 
-/// The rollout with its spread multiplied.
+/// Returns the roll-out with scaled spreads.
 Rollout with_scaled_band(Rollout rollout, int steps, const BandScale& scale);
 
 }  // namespace touchtrace::study

@@ -7,7 +7,7 @@
 
 namespace touchtrace::study {
 
-/// Options of the convolutions over tactile frames: those of ModelSpec.
+/// Options of the tactile convolutions, for ModelSpec.
 struct ConvolutionOptions {
   std::string kernel = "3", strides = "2,2,2";
 
@@ -17,7 +17,7 @@ struct ConvolutionOptions {
   }
 };
 
-/// --tactile-kernel and --tactile-strides; only what kernels take is a choice.
+/// Adds --tactile-kernel and --tactile-strides. Choices are what the OpenCL kernels support.
 void describe(OptionSet& set, ConvolutionOptions& options);
 
 }  // namespace touchtrace::study

@@ -22,8 +22,8 @@ Reference choose_reference(const std::vector<Session>& sessions, const std::stri
   if (against == "labels") return Reference::labels;
   if (all_have_truth(sessions)) return Reference::truth;
   if (against == "truth")
-    throw data_error("a recording has no truth",
-                     "only simulated ones have it; pass --against labels");
+    throw data_error("not all recordings have a truth",
+                     "only simulated ones do; use --against labels");
   return Reference::labels;
 }
 
@@ -31,9 +31,9 @@ void require_fit(const LoadedModel& model, const Session& session) {
   const ModelSpec& spec = model.card.spec;
   const Dataset& data = session.data;
   if (spec.touch && (spec.rows != data.rows || spec.cols != data.cols))
-    throw data_error(fmt::format("{} takes frames of {} x {}, {} has {} x {}", model.path,
+    throw data_error(fmt::format("{} needs frames of {} x {}, {} has {} x {}", model.path,
                                  spec.rows, spec.cols, session.name, data.rows, data.cols),
-                     "evaluate it on recordings like those it was trained on");
+                     "evaluate on recordings of the glove that it was trained on");
 }
 
 std::vector<const Session*> sessions_of(const std::vector<Session>& sessions,
@@ -42,9 +42,9 @@ std::vector<const Session*> sessions_of(const std::vector<Session>& sessions,
   for (const Session& session : sessions)
     if (session.data.activity == model.card.activity) found.push_back(&session);
   if (found.empty())
-    throw data_error(fmt::format("{} was trained on {}, and no recording is of that", model.path,
-                                 model.card.activity),
-                     "give a --recording of that activity with its --labels");
+    throw data_error(
+        fmt::format("no recording of activity '{}' for {}", model.card.activity, model.path),
+        "add one with --recording and --labels");
   for (const Session* session : found) require_fit(model, *session);
   return found;
 }
@@ -90,15 +90,16 @@ json evaluate_models(const std::vector<Session>& sessions, std::vector<LoadedMod
   std::set<std::string> activities;
   for (const LoadedModel& model : models) activities.insert(model.card.activity);
   for (const std::string& activity : activities) {
-    std::vector<LoadedModel*> contenders;
+    std::vector<LoadedModel*> candidates;
     for (LoadedModel& model : models)
-      if (model.card.activity == activity) contenders.push_back(&model);
-    const Contest contest = hold_contest(sessions_of(sessions, *contenders.front()), contenders,
-                                         reference, options.stride, options.seed);
-    append_results(document, contest, options.seed);
-    append_examples(document, contest);
-    document["scaling"][activity] = {{"mean", contest.scaling.mean},
-                                     {"deviation", contest.scaling.sigma}};
+      if (model.card.activity == activity) candidates.push_back(&model);
+    const Comparison comparison =
+        compare_models(sessions_of(sessions, *candidates.front()), candidates, reference,
+                       options.stride, options.seed);
+    append_results(document, comparison, options.seed);
+    append_examples(document, comparison);
+    document["scaling"][activity] = {{"mean", comparison.scaling.mean},
+                                     {"deviation", comparison.scaling.sigma}};
   }
   for (const LoadedModel& model : models) document["models"].push_back(card_json(model));
   for (const Session& session : sessions)

@@ -27,7 +27,7 @@ nlohmann::json rows_of(const float* scaled, int steps, Unscale unscale) {
   return rows;
 }
 
-/// Frames first .. first + count - 1 as bytes, 255 for full pressure.
+/// Frames first .. first + count - 1 as base64 of bytes; 255: full pressure.
 json tactile_json(const Dataset& data, int first, int count, int first_step) {
   const std::size_t frame_size =
       static_cast<std::size_t>(data.rows) * static_cast<std::size_t>(data.cols);
@@ -53,35 +53,35 @@ json spreads_json(const float* scaled, int steps, const Normalization& scaling) 
   return rows_of(scaled, steps, [&](float value, int d) { return value * scaling.sigma[d]; });
 }
 
-json model_json(const Contest& contest, const Contender& contender, std::size_t at) {
-  const int steps = contest.cases.batch.steps;
+json model_json(const Comparison& comparison, const Candidate& candidate, std::size_t at) {
+  const int steps = comparison.cases.batch.steps;
   const Rollout scaled =
-      with_scaled_band(contender.rollout, steps, contender.model->card.band_scale);
-  return {{"state", states_json(&scaled.state[at], steps, contest.scaling)},
-          {"spread", spreads_json(&scaled.spread[at], steps, contest.scaling)}};
+      with_scaled_band(candidate.rollout, steps, candidate.model->card.band_scale);
+  return {{"state", states_json(&scaled.state[at], steps, comparison.scaling)},
+          {"spread", spreads_json(&scaled.spread[at], steps, comparison.scaling)}};
 }
 
-json example(const Contest& contest, const std::string& rank, int i, double l1_at_50) {
-  const RolloutBatch& batch = contest.cases.batch;
-  const Dataset& data = contest.sessions[contest.session[i]]->data;
+json example(const Comparison& comparison, const std::string& rank, int i, double l1_at_50) {
+  const RolloutBatch& batch = comparison.cases.batch;
+  const Dataset& data = comparison.sessions[comparison.session[i]]->data;
   const int start = batch.first_frame[i];
-  const std::size_t at = static_cast<std::size_t>(i) * contest.cases.path_size();
-  json row{{"activity", contest.card().activity},
-           {"object", contest.object[i]},
-           {"clip", contest.cases.sequence[i]},
+  const std::size_t at = static_cast<std::size_t>(i) * comparison.cases.path_size();
+  json row{{"activity", comparison.card().activity},
+           {"object", comparison.object[i]},
+           {"clip", comparison.cases.sequence[i]},
            {"start_frame", start},
            {"rank", rank},
            {"l1_at_50", l1_at_50},
            {"rate_hz", data.rate_hz},
-           {"target", states_json(&batch.target[at], batch.steps, contest.scaling)}};
-  for (const Contender& contender : contest.contenders)
-    if (contender.model) row["models"][contender.name] = model_json(contest, contender, at);
-  row["tactile"] = tactile_json(data, start - contest.history + 1, contest.history + batch.steps,
-                                1 - contest.history);
+           {"target", states_json(&batch.target[at], batch.steps, comparison.scaling)}};
+  for (const Candidate& candidate : comparison.candidates)
+    if (candidate.model) row["models"][candidate.name] = model_json(comparison, candidate, at);
+  row["tactile"] = tactile_json(data, start - comparison.history + 1,
+                                comparison.history + batch.steps, 1 - comparison.history);
   return row;
 }
 
-/// Indices at these shares of the order of `values`.
+/// Indices of the quantiles `shares` of `values`, NaN excluded.
 std::vector<int> at_shares(const std::vector<double>& values, const std::vector<double>& shares) {
   std::vector<int> order, found;
   for (int i = 0; i < static_cast<int>(values.size()); ++i)
@@ -96,15 +96,15 @@ std::vector<int> at_shares(const std::vector<double>& values, const std::vector<
 
 }  // namespace
 
-void append_examples(json& document, const Contest& contest) {
+void append_examples(json& document, const Comparison& comparison) {
   static const std::vector<std::string> ranks{"median", "good", "bad"};
-  const Contender* full = contest.find("full");
-  const Contender& judge = full ? *full : contest.contenders.back();
+  const Candidate* full = comparison.find("full");
+  const Candidate& judge = full ? *full : comparison.candidates.back();
   std::vector<double> errors;
   for (const CaseScore& one : judge.scores) errors.push_back(one.l1_at_50);
   const auto chosen = at_shares(errors, {0.5, 0.1, 0.9});
   for (std::size_t k = 0; k < chosen.size(); ++k)
-    document["examples"].push_back(example(contest, ranks[k], chosen[k], errors[chosen[k]]));
+    document["examples"].push_back(example(comparison, ranks[k], chosen[k], errors[chosen[k]]));
 }
 
 }  // namespace touchtrace::study

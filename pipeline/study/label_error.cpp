@@ -15,46 +15,45 @@
 namespace touchtrace::study {
 namespace {
 
-constexpr double impact_m_per_s2 = 40.0, wrong_m = 0.060,
-                 deviations_of_80_percent = 1.2815515655446004;
-constexpr double most_delay_s = 0.064, delay_step_s = 0.008, finest_delay_s = 0.00025;
+constexpr double impact_m_per_s2 = 40.0, wrong_m = 0.060, sigmas_of_80_percent = 1.2815515655446004;
+constexpr double max_delay_s = 0.064, delay_step_s = 0.008, min_delay_step_s = 0.00025;
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// One label against the truth.
+/// One label compared with the truth.
 struct Sample {
   Vector6 error;  ///< position, velocity
   Eigen::Vector3d causal_velocity_error;
   Matrix6 covariance;
   std::uint8_t quality;  ///< LabelQuality
-  bool in_picture;
-  bool has_true_velocity;  ///< no impact between the truth's samples around it
+  bool in_image;
+  bool has_true_velocity;  ///< no impact between the surrounding samples of the truth
 
-  bool lost() const { return (quality & (quality_lost | quality_gap)) != 0; }
+  bool is_lost() const { return (quality & (quality_lost | quality_gap)) != 0; }
 };
 
-/// Labels against the truth `delay_s` before their times.
+/// Labels compared with the truth `delay_s` before their times.
 std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, const Truth& truth,
                                const Truth::Body& true_body, double delay_s) {
   std::vector<Sample> samples;
   for (std::size_t i = 0; i < labels.time_s.size(); ++i) {
-    const auto place = find_place(truth, labels.clip[i], labels.time_s[i] - delay_s);
-    if (!place || !std::isfinite(body.position_m[3 * i])) continue;
+    const auto interval = find_interval(truth, labels.clip[i], labels.time_s[i] - delay_s);
+    if (!interval || !std::isfinite(body.position_m[3 * i])) continue;
     Sample sample;
-    const Eigen::Vector3d position = interpolate(true_body.position_m, *place),
-                          velocity = interpolate(true_body.velocity_m_per_s, *place);
+    const Eigen::Vector3d position = interpolate(true_body.position_m, *interval),
+                          velocity = interpolate(true_body.velocity_m_per_s, *interval);
     sample.error << row(body.position_m, i) - position, row(body.velocity_m_per_s, i) - velocity;
     sample.causal_velocity_error = row(body.causal_velocity_m_per_s, i) - velocity;
     sample.covariance = Eigen::Map<const Matrix6>(&body.covariance[36 * i]);
     sample.quality = body.quality[i];
-    sample.in_picture = in_picture(truth, position);
-    sample.has_true_velocity = acceleration(truth, true_body, *place) < impact_m_per_s2;
+    sample.in_image = in_image(truth, position);
+    sample.has_true_velocity = acceleration(truth, true_body, *interval) < impact_m_per_s2;
     samples.push_back(std::move(sample));
   }
   if (samples.empty())
-    throw data_error("no label lies within the truth's clips",
-                     "compare labels with the recording they were made of");
+    throw data_error("no label inside the truth's clips",
+                     "compare labels with the recording that they belong to");
   return samples;
 }
 
@@ -71,29 +70,28 @@ Eigen::Vector3d median_offset(const std::vector<Sample>& samples) {
 double covered(const Sample& sample, int first) {
   double count = 0.0;
   for (int i = first; i < first + 3; ++i)
-    count +=
-        std::abs(sample.error[i]) < deviations_of_80_percent * std::sqrt(sample.covariance(i, i));
+    count += std::abs(sample.error[i]) < sigmas_of_80_percent * std::sqrt(sample.covariance(i, i));
   return count / 3.0;
 }
 
-/// The samples that are neither lost nor wrong; counts shares on the way.
-std::vector<Sample> keep_right(const std::vector<Sample>& samples, BodyError& error) {
+/// Returns the samples neither lost nor wrong and adds up the shares of `error`.
+std::vector<Sample> select_right(const std::vector<Sample>& samples, BodyError& error) {
   const Eigen::Vector3d offset = median_offset(samples);
   std::vector<Sample> right;
-  const double part = 1.0 / static_cast<double>(samples.size());
+  const double share = 1.0 / static_cast<double>(samples.size());
   for (const auto& sample : samples) {
     const bool wrong = !((sample.error.head<3>() - offset).norm() < wrong_m);
-    error.outside_share += part * !sample.in_picture;
-    error.lost_share += part * (sample.lost() && sample.in_picture);
-    error.follows_share += part * ((sample.quality & quality_follows_hand) != 0);
-    error.wrong_share += part * (wrong && !sample.lost());
-    error.wrong_unsaid_share += part * (wrong && sample.quality == quality_good);
-    if (!wrong && !sample.lost()) right.push_back(sample);
+    error.outside_share += share * !sample.in_image;
+    error.lost_share += share * (sample.is_lost() && sample.in_image);
+    error.follows_share += share * ((sample.quality & quality_follows_hand) != 0);
+    error.wrong_share += share * (wrong && !sample.is_lost());
+    error.wrong_unsaid_share += share * (wrong && sample.quality == quality_good);
+    if (!wrong && !sample.is_lost()) right.push_back(sample);
   }
   return right;
 }
 
-/// Of the labels' distances from the truth, in which a wrong one counts no more than a wrong one.
+/// Mean squared distance of labels and truth, truncated at wrong_m.
 double distance_cost(const std::vector<Sample>& samples) {
   const Eigen::Vector3d offset = median_offset(samples);
   double cost = 0.0;
@@ -102,18 +100,18 @@ double distance_cost(const std::vector<Sample>& samples) {
   return cost / static_cast<double>(samples.size());
 }
 
-/// The delay at which labels are nearest to the truth, by halving steps.
-double delay_of(const std::function<std::vector<Sample>(double)>& samples_at) {
+/// Delay that minimises distance_cost: grid search, then halved steps.
+double estimate_delay(const std::function<std::vector<Sample>(double)>& samples_at) {
   double best_s = 0.0, lowest = distance_cost(samples_at(0.0));
-  const auto look = [&](double delay_s) {
+  const auto evaluate = [&](double delay_s) {
     const double cost = distance_cost(samples_at(delay_s));
     if (cost < lowest) lowest = cost, best_s = delay_s;
   };
-  for (double delay_s = -most_delay_s; delay_s <= most_delay_s; delay_s += delay_step_s)
-    look(delay_s);
-  for (double step_s = 0.5 * delay_step_s; step_s >= finest_delay_s; step_s *= 0.5) {
-    const double middle_s = best_s;
-    look(middle_s - step_s), look(middle_s + step_s);
+  for (double delay_s = -max_delay_s; delay_s <= max_delay_s; delay_s += delay_step_s)
+    evaluate(delay_s);
+  for (double step_s = 0.5 * delay_step_s; step_s >= min_delay_step_s; step_s *= 0.5) {
+    const double center_s = best_s;
+    evaluate(center_s - step_s), evaluate(center_s + step_s);
   }
   return best_s;
 }
@@ -124,12 +122,12 @@ Eigen::Vector3d mean_offset(const std::vector<Sample>& samples) {
   return sum / static_cast<double>(samples.size());
 }
 
-/// NaN where there is nothing to take the mean of.
+/// NaN without samples.
 double mean(double sum, const std::vector<Sample>& samples) {
   return sum / static_cast<double>(samples.size());
 }
 
-/// Of the positions about a bias, per axis.
+/// [axes] RMS of the positions around a bias.
 Eigen::Vector3d rms_m(const std::vector<Sample>& samples, const Eigen::Vector3d& bias_m) {
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
   for (const auto& sample : samples) squares += (sample.error.head<3>() - bias_m).cwiseAbs2();
@@ -142,7 +140,7 @@ std::vector<Sample> with_true_velocity(const std::vector<Sample>& samples) {
   return result;
 }
 
-/// Errors with the delay left in.
+/// Errors including the delay.
 void measure_delayed(const std::vector<Sample>& right, BodyError& error) {
   double velocity = 0.0, causal = 0.0;
   const auto known = with_true_velocity(right);
@@ -155,7 +153,7 @@ void measure_delayed(const std::vector<Sample>& right, BodyError& error) {
   error.causal_velocity_rms_m_per_s = std::sqrt(mean(causal, known));
 }
 
-/// Errors with the delay taken out. A bias stays in what covariances are judged by.
+/// Errors without the delay. Coverage and NEES include the bias.
 void measure_aligned(const std::vector<Sample>& right, BodyError& error) {
   double velocity = 0.0, positions_covered = 0.0, velocities_covered = 0.0, nees = 0.0;
   const auto known = with_true_velocity(right);
@@ -180,9 +178,9 @@ BodyError error_of(const Labels& labels, const LabelledBody& body, const Truth& 
     return samples_of(labels, body, truth, true_body, delay_s);
   };
   BodyError error, delayed;
-  error.delay_s = delay_of(samples_at);
-  measure_delayed(keep_right(samples_at(0.0), delayed), error);
-  measure_aligned(keep_right(samples_at(error.delay_s), error), error);
+  error.delay_s = estimate_delay(samples_at);
+  measure_delayed(select_right(samples_at(0.0), delayed), error);
+  measure_aligned(select_right(samples_at(error.delay_s), error), error);
   return error;
 }
 

@@ -10,7 +10,7 @@
 namespace touchtrace::study {
 namespace {
 
-bool plausible(const ModelCard& card) {
+bool is_valid(const ModelCard& card) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
   const auto finite = [](double value) { return std::isfinite(value); };
   return std::ranges::all_of(card.scaling.sigma, positive) &&
@@ -18,7 +18,7 @@ bool plausible(const ModelCard& card) {
          std::ranges::all_of(card.band_scale, positive) && positive(card.rate_hz);
 }
 
-/// JSON has no NaN; a value that does not exist is null.
+/// JSON has no NaN: null stands for it.
 double value_or_nan(const nlohmann::json& value) {
   return value.is_null() ? std::nan("") : value.get<double>();
 }
@@ -28,6 +28,11 @@ double value_or_nan(const nlohmann::json& value) {
 std::string ModelCard::name() const {
   if (!spec.touch) return "without_touch";
   return objects.size() > 1 && spec.object == ObjectEncoder::none ? "without_embedding" : "full";
+}
+
+const TrainingLogEntry* ModelCard::saved_entry() const {
+  const auto entry = std::ranges::find(log, update, &TrainingLogEntry::update);
+  return entry == log.end() ? nullptr : &*entry;
 }
 
 void to_json(nlohmann::json& json, const TrainingLogEntry& entry) {
@@ -76,11 +81,11 @@ void from_json(const nlohmann::json& json, ModelCard& card) {
 ModelCard read_card(const nlohmann::json& metadata, const std::string& path) {
   try {
     ModelCard card = metadata;
-    if (plausible(card)) return card;
+    if (is_valid(card)) return card;
   } catch (const nlohmann::json::exception&) {
   }
-  throw data_error(fmt::format("{} does not say how its model was trained", path),
-                   "give a file that `touchtrace train` made");
+  throw data_error(fmt::format("{} has no valid description of its model", path),
+                   "use a file that `touchtrace train` wrote");
 }
 
 }  // namespace touchtrace::study

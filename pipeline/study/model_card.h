@@ -11,29 +11,31 @@
 
 namespace touchtrace::study {
 
-/// One look at the validation clips while training.
+/// Validation during training.
 struct TrainingLogEntry {
   int update = 0;
-  double seconds = 0.0;        ///< spent on updates so far, by the wall clock
-  double training_loss = 0.0;  ///< mean since the last entry
+  double seconds = 0.0;        ///< wall time of updates so far
+  double training_loss = 0.0;  ///< mean since the entry before
   double validation_loss = 0.0, validation_l1_at_20 = 0.0, validation_l1_at_50 = 0.0;
 };
 
-/// What a model file says of itself beside its weights.
+/// Metadata of a model file.
 struct ModelCard {
   ModelSpec spec;
-  Normalization scaling;  ///< of the states that it takes and gives
+  Normalization scaling;  ///< of input and output states
   std::string activity;
   std::vector<std::string> objects;  ///< seen in training
   double rate_hz = 15.0;             ///< of the tactile frames
-  int update = 0;                    ///< after which the weights did best on validation clips
-  BandScale band_scale;              ///< fitted on validation clips; empty without any
+  int update = 0;        ///< whose weights the file holds: best L1@50 on validation clips
+  BandScale band_scale;  ///< fitted on validation clips; empty without them
   std::vector<TrainingLogEntry> log;
   Provenance provenance;
 
-  /// "full", "without_touch", or "without_embedding": with touch, but of several objects that
-  /// nothing tells apart.
+  /// "full", "without_touch", or "without_embedding": touch and several objects, but no object
+  /// encoder.
   std::string name() const;
+  /// Validation of the weights in the file; null without validation clips.
+  const TrainingLogEntry* saved_entry() const;
 };
 
 void to_json(nlohmann::json& json, const TrainingLogEntry& entry);
@@ -41,7 +43,7 @@ void from_json(const nlohmann::json& json, TrainingLogEntry& entry);
 void to_json(nlohmann::json& json, const ModelCard& card);
 void from_json(const nlohmann::json& json, ModelCard& card);
 
-/// The card of a model file. Throws data_error if the file was not made by `touchtrace train`.
+/// Reads the card of a model file. Throws data_error if `touchtrace train` did not write the file.
 ModelCard read_card(const nlohmann::json& metadata, const std::string& path);
 
 }  // namespace touchtrace::study

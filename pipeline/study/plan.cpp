@@ -8,7 +8,7 @@
 namespace touchtrace::study {
 namespace {
 
-/// What an activity can hold. One that is not known may hold everything.
+/// Event types that an activity contains; unknown activities may contain all.
 struct ActivityTraits {
   bool flight = true, impacts = true;
 };
@@ -24,15 +24,15 @@ ActivityTraits traits_of(const std::string& activity) {
 
 class Planner {
  public:
-  explicit Planner(const PlanWishes& wishes)
-      : wishes_(wishes), traits_(traits_of(wishes.activity)) {
-    plan_.model.touch = wishes.touch;
-    plan_.model.dynamics = dynamics_of(wishes.dynamics);
-    plan_.model.window_frames = wishes.window_frames;
-    plan_.model.rows = wishes.rows;
-    plan_.model.cols = wishes.cols;
-    plan_.model.tactile_kernel = wishes.tactile_kernel;
-    plan_.model.tactile_strides = wishes.tactile_strides;
+  explicit Planner(const PlanRequest& request)
+      : request_(request), traits_(traits_of(request.activity)) {
+    plan_.model.touch = request.touch;
+    plan_.model.dynamics = dynamics_of(request.dynamics);
+    plan_.model.window_frames = request.window_frames;
+    plan_.model.rows = request.rows;
+    plan_.model.cols = request.cols;
+    plan_.model.tactile_kernel = request.tactile_kernel;
+    plan_.model.tactile_strides = request.tactile_strides;
     plan_.model.object = object_encoder();
   }
 
@@ -50,109 +50,110 @@ class Planner {
   }
 
   void plan_data() {
-    const bool simulated = wishes_.simulated;
+    const bool simulated = request_.simulated;
     add("simulate", "hand, object and contact", simulated,
         simulated ? "no recording is given" : "the recording is given");
-    add("simulate", "glove", simulated && wishes_.touch,
-        !wishes_.touch ? "touch is not wanted"
-        : simulated    ? "the model feels through it"
-                       : "the recording is given");
+    add("simulate", "glove", simulated && request_.touch,
+        !request_.touch ? "model without touch"
+        : simulated     ? "input of the model"
+                        : "the recording is given");
     add("simulate", "camera", simulated,
-        simulated ? "labels come from images, never from the truth" : "the recording is given");
-    add("calibrate", "colour and depth camera", true, "labels are in metres");
+        simulated ? "labels come from images, not from the truth" : "the recording is given");
+    add("calibrate", "colour and depth camera", true, "metric labels");
   }
 
   void plan_labels() {
-    const std::string only = fmt::format("nothing flies in {}", wishes_.activity);
-    add("label", "hand and object tracks", true, "the state holds both (equation 2)");
-    const auto& [tracker, why] = wishes_.tracker;
+    const std::string no_flight = fmt::format("no flight in {}", request_.activity);
+    add("label", "hand and object tracks", true, "the state contains both (equation 2)");
+    const auto& [tracker, why] = request_.tracker;
     add("label", "--tracker " + tracker, true, why);
     add("label", "contact events (release, catch)", traits_.flight,
-        traits_.flight ? "the object leaves the hand" : only);
+        traits_.flight ? "the object leaves the hand" : no_flight);
     add("label", "impact events", traits_.impacts,
-        traits_.impacts ? "velocity jumps at an impact; looked for if the object falls freely in "
-                          "most frames, whatever the activity is called"
-                        : fmt::format("nothing bounces in {}", wishes_.activity));
+        traits_.impacts ? "velocity jumps at impacts; detected if the object is in free fall in "
+                          "most frames, whatever the activity"
+                        : fmt::format("no impacts in {}", request_.activity));
   }
 
   void plan_model() {
-    const std::string no_touch = "touch is not wanted";
+    const std::string no_touch = "model without touch";
     const auto object = plan_.model.object;
-    add("train", "tactile encoder", wishes_.touch, wishes_.touch ? tactile_encoder() : no_touch);
-    if (wishes_.touch) plan_dead_taxels();
+    add("train", "tactile encoder", request_.touch, request_.touch ? tactile_encoder() : no_touch);
+    if (request_.touch) plan_dead_taxels();
     add("train", "object encoder", object != ObjectEncoder::none, why_object_encoder());
     add("train", "contrastive loss", object != ObjectEncoder::none,
-        object == ObjectEncoder::joint    ? "added to the loss of the states (equation 6)"
-        : object == ObjectEncoder::frozen ? "trains the object encoder, before all else"
+        object == ObjectEncoder::joint    ? "added to the state loss (equation 6)"
+        : object == ObjectEncoder::frozen ? "trains the object encoder first"
                                           : why_object_encoder());
-    add("train", wishes_.dynamics == "gru" ? "dynamics GRU with band" : "dynamics MLP with band",
+    add("train", request_.dynamics == "gru" ? "dynamics GRU with band" : "dynamics MLP with band",
         true, "predicts the state and two quantiles");
-    add("train", "gradient towards tactile frames", false, "nothing learns from it");
-    add("train", "gradient towards initial states", false, "nothing learns from it");
+    add("train", "gradient with respect to tactile frames", false, "no parameters below");
+    add("train", "gradient with respect to initial states", false, "no parameters below");
   }
 
   void plan_dead_taxels() {
-    const auto layer = window_encoder(plan_.model, 1, wishes_.live).layers().front();
-    const auto taxels = std::ranges::count(wishes_.live, 0);
+    const auto layer = window_encoder(plan_.model, 1, request_.live).layers().front();
+    const auto taxels = std::ranges::count(request_.live, 0);
     add("train", "convolution of dead taxels", layer.dead.empty(),
-        wishes_.live.empty()
-            ? "which are dead is known when the recording is"
-            : fmt::format("{} taxels are dead; {} of {} outputs see no other", taxels,
+        request_.live.empty()
+            ? "dead taxels are known once there is a recording"
+            : fmt::format("{} dead taxels; {} of {} outputs depend only on these", taxels,
                           layer.dead.size(), layer.out_rows() * layer.out_cols()));
   }
 
   void plan_evaluation() {
-    add("evaluate", "random", true, "another trajectory of the data set: the floor");
-    add("evaluate", "without touch", true, "what the state alone can predict");
+    add("evaluate", "random", true, "baseline: trajectory of another time");
+    add("evaluate", "without touch", true, "baseline: prediction from the state alone");
     add("evaluate", "without embedding", plan_.model.object != ObjectEncoder::none,
-        plan_.model.object != ObjectEncoder::none ? "what knowing the object adds"
+        plan_.model.object != ObjectEncoder::none ? "shows the gain of the object embedding"
                                                   : why_object_encoder());
-    add("evaluate", "full", wishes_.touch,
-        wishes_.touch ? "what touch adds" : "touch is not wanted");
+    add("evaluate", "full", request_.touch,
+        request_.touch ? "shows the gain of touch" : "model without touch");
   }
 
   std::string tactile_encoder() const {
-    const auto& [a, b, c] = wishes_.tactile_strides;
+    const auto& [a, b, c] = request_.tactile_strides;
     return fmt::format("{} frames of {} x {}; {} x {} taps, strides {}, {}, {}",
-                       wishes_.window_frames, wishes_.rows, wishes_.cols, wishes_.tactile_kernel,
-                       wishes_.tactile_kernel, a, b, c);
+                       request_.window_frames, request_.rows, request_.cols,
+                       request_.tactile_kernel, request_.tactile_kernel, a, b, c);
   }
 
-  /// With one object there is nothing to tell apart, and objects are known by touch.
-  bool can_tell_objects() const { return wishes_.touch && wishes_.objects.size() > 1; }
+  /// Objects are identified by touch, and one object needs no identification.
+  bool needs_object_encoder() const { return request_.touch && request_.objects.size() > 1; }
 
   ObjectEncoder object_encoder() const {
-    if (!can_tell_objects() || wishes_.object_encoder == "none") return ObjectEncoder::none;
-    return wishes_.object_encoder == "joint" ? ObjectEncoder::joint : ObjectEncoder::frozen;
+    if (!needs_object_encoder() || request_.object_encoder == "none") return ObjectEncoder::none;
+    return request_.object_encoder == "joint" ? ObjectEncoder::joint : ObjectEncoder::frozen;
   }
 
   std::string why_object_encoder() const {
-    if (!wishes_.touch) return "touch is not wanted";
-    if (!can_tell_objects()) return "one object: nothing to tell apart";
-    if (wishes_.object_encoder == "none") return "not wanted";
-    return fmt::format(
-        "{} objects, known from {} frames; {}", wishes_.objects.size(), plan_.model.segment_frames,
-        plan_.model.object == ObjectEncoder::joint ? "trained along" : "embeddings computed once");
+    if (!request_.touch) return "model without touch";
+    if (!needs_object_encoder()) return "only one object";
+    if (request_.object_encoder == "none") return "--object-encoder none";
+    return fmt::format("{} objects, identified from {} frames; {}", request_.objects.size(),
+                       plan_.model.segment_frames,
+                       plan_.model.object == ObjectEncoder::joint ? "trained jointly"
+                                                                  : "embeddings computed once");
   }
 
-  PlanWishes wishes_;
+  PlanRequest request_;
   ActivityTraits traits_;
   Plan plan_;
 };
 
 }  // namespace
 
-Plan make_plan(const PlanWishes& wishes) { return Planner(wishes).make(); }
+Plan make_plan(const PlanRequest& request) { return Planner(request).make(); }
 
-nlohmann::json plan_json(const PlanWishes& wishes, const Plan& plan) {
+nlohmann::json plan_json(const PlanRequest& request, const Plan& plan) {
   nlohmann::json items = nlohmann::json::array();
   for (const auto& item : plan.items)
     items.push_back({{"stage", item.stage},
                      {"part", item.part},
                      {"included", item.included},
                      {"why", item.why}});
-  return {{"activity", wishes.activity},
-          {"objects", wishes.objects},
+  return {{"activity", request.activity},
+          {"objects", request.objects},
           {"model", plan.model},
           {"items", items}};
 }

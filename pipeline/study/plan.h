@@ -10,36 +10,40 @@
 
 namespace touchtrace::study {
 
-/// What a scene holds and what is wanted from it.
-struct PlanWishes {
+/// Data and model to plan for.
+struct PlanRequest {
   std::string activity = "wave";
   std::vector<std::string> objects{"ball"};
-  bool simulated = true;  ///< the data come from the simulator, not from a glove and a camera
-  bool touch = true;      ///< false: only the baseline without touch
+  bool simulated = true;                ///< data are simulated, not recorded
+  bool touch = true;                    ///< false: baseline without touch
   std::string dynamics = "mlp";         ///< or "gru"
-  std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": frozen if any
+  std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": none or frozen
   int window_frames = 10, rows = 32, cols = 32;
   int tactile_kernel = 3;
   std::array<int, 3> tactile_strides{2, 2, 2};
-  LiveTaxels live = {};  ///< empty: not known yet
-  TrackerChoice tracker = usual_tracker();
+  LiveTaxels live = {};  ///< empty: unknown
+  TrackerChoice tracker = default_tracker();
 };
 
+/// Part of a stage, and the reason why it is included or omitted.
 struct PlanItem {
   std::string stage, part;
   bool included;
   std::string why;
 };
 
-/// What will be built and run, and what is left out: what is left out costs nothing.
+/// Parts of simulation, labelling, training and evaluation that a request needs. Omitted parts are
+/// not compiled, allocated or run.
 struct Plan {
   ModelSpec model;
   std::vector<PlanItem> items;
 };
 
-Plan make_plan(const PlanWishes& wishes);
+/// Derives model and parts from the request. Without simulation, touch or several objects it omits
+/// what only these need.
+Plan make_plan(const PlanRequest& request);
 
 /// {"activity","objects","model","items":[{"stage","part","included","why"}...]}
-nlohmann::json plan_json(const PlanWishes& wishes, const Plan& plan);
+nlohmann::json plan_json(const PlanRequest& request, const Plan& plan);
 
 }  // namespace touchtrace::study

@@ -2,17 +2,17 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/study/contest.h"
+#include "pipeline/study/comparison.h"
 
 namespace touchtrace::study {
 
-/// Appends, object by object, the contest's rows to `results`, `curves` and `differences` of a
-/// document. split is "seen" for objects that the models were trained on, "unseen" otherwise.
-void append_results(nlohmann::json& document, const Contest& contest, std::uint64_t seed);
+/// Appends the comparison's rows, one per object and candidate, to `results`, `curves` and
+/// `differences` of a metrics document. split: "seen" if the models were trained on the object,
+/// else "unseen". `seed`: of the bootstrap.
+void append_results(nlohmann::json& document, const Comparison& comparison, std::uint64_t seed);
 
-/// Appends to `examples` the roll-outs whose L1@50 by the full model is the median, the 10th and
-/// the 90th percentile: states in metres and m/s, bands after scaling, and the tactile frames
-/// behind them.
-void append_examples(nlohmann::json& document, const Contest& contest);
+/// Appends the roll-outs at the median and the 10th and 90th percentile of the full model's L1@50
+/// to `examples`: states in metres and m/s, scaled bands, tactile frames.
+void append_examples(nlohmann::json& document, const Comparison& comparison);
 
 }  // namespace touchtrace::study

@@ -10,7 +10,7 @@ namespace {
 
 double pinball(double tau, double error) { return std::max(tau * error, (tau - 1.0) * error); }
 
-/// Indices of the cases that may stand in for case `i`.
+/// Cases whose target may replace that of case `i`.
 std::vector<int> others(const RolloutCases& cases, int i) {
   std::vector<int> other_clips, other_starts;
   for (int j = 0; j < cases.count(); ++j) {
@@ -22,12 +22,12 @@ std::vector<int> others(const RolloutCases& cases, int i) {
 
 }  // namespace
 
-int history_of(const ModelSpec& spec) {
+int required_history(const ModelSpec& spec) {
   return spec.object == ObjectEncoder::none ? spec.window_frames
                                             : std::max(spec.window_frames, spec.segment_frames);
 }
 
-std::vector<Start> starts_of(const Dataset& data, const RolloutGrid& grid) {
+std::vector<Start> find_starts(const Dataset& data, const RolloutGrid& grid) {
   std::vector<Start> starts;
   for (int s = 0; s < static_cast<int>(data.sequences.size()); ++s) {
     const Sequence& sequence = data.sequences[s];
@@ -57,7 +57,7 @@ RolloutCases make_cases(const Dataset& data, const RolloutGrid& grid, const Norm
                         Reference reference) {
   RolloutCases cases;
   cases.batch.steps = grid.steps;
-  for (const auto& [sequence, frame] : starts_of(data, grid)) {
+  for (const auto& [sequence, frame] : find_starts(data, grid)) {
     append_rollout(cases.batch, data, scaling, reference, frame);
     cases.batch.segment_frame.push_back(data.sequences[sequence].first_frame);
     cases.sequence.push_back(sequence);

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
-#include "pipeline/study/objects.h"
+#include "pipeline/study/object_training.h"
 
 namespace touchtrace::study {
 
@@ -18,13 +18,12 @@ Sampler::Sampler(const Dataset& data, const Normalization& scaling, const ModelS
       steps_(steps),
       random_(seed, "batches"),
       segments_(seed, "segments of batches") {
-  const RolloutGrid every_start{Split::train, steps, 1, history_of(spec)};
-  starts_ = starts_of(data, every_start);
+  const RolloutGrid every_start{Split::train, steps, 1, required_history(spec)};
+  starts_ = find_starts(data, every_start);
   if (starts_.empty())
-    throw data_error(
-        fmt::format("no training clip holds {} frames of touch and {} steps after them",
-                    history_of(spec), steps),
-        "record longer clips, or lower --window or --steps");
+    throw data_error(fmt::format("no training clip has {} frames of touch followed by {} steps",
+                                 required_history(spec), steps),
+                     "record longer clips, or lower --window or --steps");
   const auto names = training_objects(data);
   for (const auto& sequence : data.sequences)
     object_.push_back(static_cast<int>(std::ranges::find(names, sequence.object) - names.begin()));

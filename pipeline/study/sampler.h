@@ -7,17 +7,16 @@
 
 namespace touchtrace::study {
 
-/// Random roll-outs of the training clips. A batch depends on the seed and its number alone, so
-/// training can stop and go on anywhere.
+/// Samples roll-outs of the training clips. A batch depends only on the seed and its index, so that
+/// training can resume at any update.
 class Sampler {
  public:
-  /// `data` must outlive the sampler. Throws data_error if no training clip holds one roll-out.
+  /// `data` must outlive the sampler. Throws data_error if no training clip is long enough.
   Sampler(const Dataset& data, const Normalization& scaling, const ModelSpec& spec, int sequences,
           int steps, std::uint64_t seed);
 
-  /// Batch number `index`: every start in the training clips is equally likely. With an object
-  /// encoder each sequence has its object's number, in the order of the training objects' names,
-  /// and any segment of its clip.
+  /// Batch with uniformly drawn starts. With an object encoder each sequence has its object's index
+  /// in training_objects() and a random segment of its clip.
   RolloutBatch batch(int index) const;
 
  private:
@@ -28,7 +27,7 @@ class Sampler {
   ModelSpec spec_;
   int sequences_, steps_;
   std::vector<Start> starts_;
-  std::vector<int> object_;  ///< number of each of Dataset::sequences
+  std::vector<int> object_;  ///< [Dataset::sequences] object index
   RandomStream random_, segments_;
 };
 

@@ -17,8 +17,7 @@ constexpr int bootstrap_samples = 2000;
 
 void require_finite(const std::vector<float>& paths) {
   if (!std::ranges::all_of(paths, [](float value) { return std::isfinite(value); }))
-    throw failure("the model predicts values that are not finite",
-                  "train it again with a lower --learning-rate");
+    throw failure("model predicts non-finite values", "train again with a lower --learning-rate");
 }
 
 CaseScore score_case(Path predicted, Path target, std::span<const float> weight, Path predicted_m,
@@ -37,7 +36,7 @@ CaseScore score_case(Path predicted, Path target, std::span<const float> weight,
   return score;
 }
 
-/// Sums of (a - b) and counts of roll-outs, clip by clip.
+/// Sums of (a - b) and numbers of roll-outs by clip.
 std::vector<std::pair<double, int>> sums_by_clip(const std::vector<double>& a,
                                                  const std::vector<double>& b,
                                                  const std::vector<int>& clip) {
@@ -89,7 +88,7 @@ std::vector<CaseScore> score(const std::vector<float>& paths, const RolloutCases
   return scores;
 }
 
-double mean_known(const std::vector<double>& values) {
+double nan_mean(const std::vector<double>& values) {
   double sum = 0.0;
   int count = 0;
   for (double value : values)
@@ -101,7 +100,7 @@ nlohmann::json summary(const std::vector<CaseScore>& scores, const std::vector<i
   const auto mean = [&](double CaseScore::*member) {
     std::vector<double> values;
     for (int i : which) values.push_back(scores[i].*member);
-    return mean_known(values);
+    return nan_mean(values);
   };
   return {{"l1_at_20", mean(&CaseScore::l1_at_20)},
           {"l1_at_50", mean(&CaseScore::l1_at_50)},
@@ -124,8 +123,8 @@ std::vector<double> mean_curve(const std::vector<CaseScore>& scores,
 Difference bootstrap_difference(const std::vector<double>& a, const std::vector<double>& b,
                                 const std::vector<int>& clip, std::uint64_t seed) {
   const auto clips = sums_by_clip(a, b, clip);
-  const double unknown = std::numeric_limits<double>::quiet_NaN();
-  if (clips.empty()) return {unknown, unknown, unknown};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  if (clips.empty()) return {nan, nan, nan};
   double sum = 0.0;
   int count = 0;
   for (const auto& [clip_sum, clip_count] : clips) sum += clip_sum, count += clip_count;

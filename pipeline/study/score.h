@@ -9,29 +9,29 @@
 
 namespace touchtrace::study {
 
-/// The metrics of one roll-out.
+/// Metrics of one roll-out.
 struct CaseScore {
-  double l1_at_20, l1_at_50, hausdorff;   ///< scaled
-  double object_m_at_20, object_m_at_50;  ///< mean distance of the positions over steps 1..N
+  double l1_at_20, l1_at_50, hausdorff;   ///< normalised units
+  double object_m_at_20, object_m_at_50;  ///< mean position error over steps 1..N
   double hand_m_at_20, hand_m_at_50;
   std::vector<double> l1_by_step;  ///< [steps]
 };
 
-/// Scores of paths [cases, steps, 12], scaled by `scaling` like the cases. Throws failure if a
-/// value is not finite.
+/// [cases] Scores of paths [cases, steps, 12], which are normalised by `scaling` like the cases.
+/// Throws failure if a value is not finite.
 std::vector<CaseScore> score(const std::vector<float>& paths, const RolloutCases& cases,
                              const Normalization& scaling);
 
-/// Means over the roll-outs `which`: the fields of a row of results. Values that do not exist
-/// are NaN, which JSON text has as null.
+/// Means over the roll-outs `which`: fields of a row of `results`. Undefined values are NaN (null
+/// in JSON text).
 nlohmann::json summary(const std::vector<CaseScore>& scores, const std::vector<int>& which);
-/// Mean L1 of each step over the roll-outs `which`.
+/// [steps] Mean L1 over the roll-outs `which`.
 std::vector<double> mean_curve(const std::vector<CaseScore>& scores, const std::vector<int>& which);
 
-/// Mean of the values that are not NaN; NaN if there is none.
-double mean_known(const std::vector<double>& values);
+/// Mean of the values that are not NaN; NaN if there are none.
+double nan_mean(const std::vector<double>& values);
 
-/// Mean of (a - b) over roll-outs and its 95 % interval, from 2000 bootstrap samples of whole
+/// Mean of (a - b) over roll-outs with its 95 % interval from 2000 bootstrap samples of whole
 /// clips.
 struct Difference {
   double mean, low, high;

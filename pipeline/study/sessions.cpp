@@ -10,7 +10,7 @@
 namespace touchtrace::study {
 namespace {
 
-/// Rows of the frames that a model of the activity takes; 0, the glove's own, without such a model.
+/// Tactile rows that models of the activity need; 0, the glove's own, without such a model.
 int resolution_for(const std::string& activity, const std::vector<LoadedModel>& models) {
   for (const LoadedModel& model : models)
     if (model.card.spec.touch && model.card.activity == activity) return model.card.spec.rows;
@@ -27,12 +27,12 @@ void add_truth(Session& session, const LabelledRecording& source) {
 
 }  // namespace
 
-std::vector<LabelledRecording> paired(const std::vector<std::string>& recordings,
-                                      const std::vector<std::string>& labels) {
+std::vector<LabelledRecording> pair_files(const std::vector<std::string>& recordings,
+                                          const std::vector<std::string>& labels) {
   if (recordings.size() != labels.size())
     throw usage_error(
-        fmt::format("{} recordings and {} labels are given", recordings.size(), labels.size()),
-        "give one --labels for each --recording, in the same order");
+        fmt::format("{} recordings but {} label files", recordings.size(), labels.size()),
+        "give one --labels file per --recording, in the same order");
   std::vector<LabelledRecording> sources;
   for (std::size_t i = 0; i < labels.size(); ++i) sources.push_back({recordings[i], labels[i]});
   return sources;

@@ -4,17 +4,16 @@
 #include <vector>
 
 #include "pipeline/dataset/load.h"
-#include "pipeline/study/contest.h"
+#include "pipeline/study/comparison.h"
 
 namespace touchtrace::study {
 
-/// The i-th recording with the i-th labels. Throws usage_error if there are not as many of each.
-std::vector<LabelledRecording> paired(const std::vector<std::string>& recordings,
-                                      const std::vector<std::string>& labels);
+/// Pairs recordings and label files by position. Throws usage_error if their numbers differ.
+std::vector<LabelledRecording> pair_files(const std::vector<std::string>& recordings,
+                                          const std::vector<std::string>& labels);
 
-/// Each recording for evaluation, its tactile frames as `models` of its activity take them; with
-/// truth, shifted onto the labels, where the recording has one. `against` "labels" leaves the truth
-/// unread.
+/// Loads recordings for evaluation, with the resolution that `models` of their activity need. The
+/// truth, if any, is shifted onto the labels (truth.h); `against` "labels" skips it.
 std::vector<Session> load_sessions(const std::vector<LabelledRecording>& sources,
                                    const std::vector<LoadedModel>& models,
                                    const std::string& against);

@@ -11,13 +11,13 @@
 namespace touchtrace::study {
 namespace {
 
-constexpr std::size_t most_clips = 8;  // of an object
-// Of the object's boxes, which hold fingers and background, too: 5 to 74 % of simulated objects
-// that show in them, 0 % of one of the glove's colour.
-constexpr double told_apart = 0.03;
+constexpr std::size_t max_clips = 8;  // per object
+// Fraction of an object's boxes, which also contain fingers and background. Simulated objects that
+// are visible in them: 5 to 74 %; one of the glove's colour: 0 %.
+constexpr double min_own_colors = 0.03;
 
 struct Boxed {
-  label::Surface image;  ///< all pixels, without their places in space
+  label::Surface image;  ///< all pixels, without 3-D points
   label::ClipFrames clip;
 };
 
@@ -41,13 +41,13 @@ std::map<std::string, std::vector<Boxed>> boxed_frames(const Recording& recordin
   for (const auto& clip : label::clip_frames(recording, label::align(recording))) {
     auto& of_object = result[clip.object];
     if (clip.count > 0 && !clip.hand_box.empty() && !clip.object_box.empty() &&
-        of_object.size() < most_clips)
+        of_object.size() < max_clips)
       of_object.push_back({pixels_of(frames.camera_frame(clip.first), recording.camera), clip});
   }
   return result;
 }
 
-/// The part of an object's boxes whose colours are the object's alone.
+/// Fraction of an object's boxes whose colours belong to the object alone.
 double own_colors(const std::vector<Boxed>& frames) {
   label::ColorClasses colors;
   for (const auto& [image, clip] : frames) colors.learn(image, clip.hand_box, clip.object_box);
@@ -62,23 +62,22 @@ double own_colors(const std::vector<Boxed>& frames) {
 
 }  // namespace
 
-TrackerChoice usual_tracker() {
-  return {"csrt-fast", "whether colours tell hand and object apart is known when the recording is"};
+TrackerChoice default_tracker() {
+  return {"csrt-fast", "default; a recording shows whether colour alone suffices"};
 }
 
 TrackerChoice choose_tracker(const Recording& recording, const label::FrameSource& frames) {
   std::string least;
   double share = 1.0;
   for (const auto& [object, boxed] : boxed_frames(recording, frames)) {
-    if (boxed.empty())
-      return {"csrt-fast", fmt::format("no box shows the colours of '{}'", object)};
+    if (boxed.empty()) return {"csrt-fast", fmt::format("no clip of '{}' has both boxes", object)};
     if (const double own = own_colors(boxed); own <= share) share = own, least = object;
   }
-  const auto seen =
-      fmt::format("{:.0f} % of the box on '{}' has colours of its own", 100.0 * share, least);
-  if (share >= told_apart)
-    return {"component", seen + ": colour and depth suffice, several times faster"};
-  return {"csrt-fast", seen + ": shape must tell it from the hand"};
+  const auto seen = fmt::format("{:.0f} % of the box of '{}' differs in colour from the hand",
+                                100.0 * share, least);
+  if (share >= min_own_colors)
+    return {"component", seen + ": colour and depth suffice and are several times faster"};
+  return {"csrt-fast", seen + ": shape is needed to separate it from the hand"};
 }
 
 }  // namespace touchtrace::study

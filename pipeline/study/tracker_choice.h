@@ -7,17 +7,18 @@
 
 namespace touchtrace::study {
 
-/// A tracker for `label`, and why it is proposed.
+/// Proposed `label --tracker` with the reason.
 struct TrackerChoice {
   std::string tracker, why;
 };
 
-/// What suits a recording that is not there yet.
-TrackerChoice usual_tracker();
+/// Proposal without a recording: csrt-fast.
+TrackerChoice default_tracker();
 
-/// "component" where colours tell hand and object apart in the clips' first frames, by their boxes,
-/// else "csrt-fast", which follows shapes, too. Needs no calibration; reads a few images of a
-/// recording that can be labelled.
+/// Proposes "component", which uses colour and depth alone, if at least 3 % of every object's box
+/// in the clips' first frames has colours that the hand does not have; else "csrt-fast", which also
+/// uses shape. Reads up to 8 images per object of a recording that can be labelled; needs no
+/// calibration.
 TrackerChoice choose_tracker(const Recording& recording, const label::FrameSource& frames);
 
 }  // namespace touchtrace::study

@@ -20,7 +20,7 @@
 namespace touchtrace::study {
 namespace {
 
-constexpr int looks_in_a_run = 20;
+constexpr int validations_per_run = 20;
 
 using Clock = std::chrono::steady_clock;
 
@@ -28,7 +28,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// A file for the present weights that goes away with this object.
+/// Temporary file with the current weights.
 class ScratchWeights {
  public:
   explicit ScratchWeights(const std::filesystem::path& output)
@@ -46,12 +46,12 @@ class ScratchWeights {
   std::filesystem::path path_;
 };
 
-/// The first of the entries with the smallest error over 50 steps.
-const TrainingLogEntry& best_of(const std::vector<TrainingLogEntry>& log) {
+/// First entry with the smallest validation L1@50.
+const TrainingLogEntry& best_entry(const std::vector<TrainingLogEntry>& log) {
   return *std::ranges::min_element(log, {}, &TrainingLogEntry::validation_l1_at_50);
 }
 
-/// What must be the same for a run to go on from a checkpoint.
+/// Options and input hashes that a resumed run must share with its checkpoint.
 nlohmann::json identity(const Provenance& provenance) {
   nlohmann::json same{{"options", provenance.options}, {"inputs", nlohmann::json::array()}};
   for (const char* harmless : {"resume", "checkpoint_seconds"}) same["options"].erase(harmless);
@@ -91,7 +91,7 @@ class TrainingRun {
         data_(data),
         options_(options),
         checkpoint_(options.output),
-        tuning_(tuning_for()),
+        tuning_(initial_tuning()),
         card_(std::move(card)),
         sampler_(data, card_.scaling, card_.spec, options.sequences, options.steps,
                  options.optimizer.seed),
@@ -112,8 +112,8 @@ class TrainingRun {
       if (error.code() == ExitCode::interrupted) stop_interrupted();
       if (error.code() == ExitCode::no_device && checkpoint_.exists())
         throw Error(error.code(), error.what(),
-                    fmt::format("{}; the checkpoint {} is whole: the same command with --resume "
-                                "goes on from it",
+                    fmt::format("{}; or run the same command with --resume to continue from the "
+                                "checkpoint {}",
                                 error.hint(), checkpoint_.path().string()));
       throw;
     }
@@ -127,25 +127,24 @@ class TrainingRun {
     save_checkpoint();
     throw Error(ExitCode::interrupted,
                 fmt::format("interrupted after {} updates", trainer_.updates()),
-                "run the same command with --resume to go on");
+                "run the same command with --resume to continue");
   }
 
-  /// What was tuned for the device; of a run that goes on, what it was started with, since other
-  /// choices would give other bits.
-  Tuning tuning_for() const {
+  /// Tuning of the device; in a resumed run that of its checkpoint, since another one would change
+  /// the last bits.
+  Tuning initial_tuning() const {
     if (options_.resume && checkpoint_.exists())
       return Trainer::checkpoint_tuning(checkpoint_.path());
     return read_tuning(tuning_path(), runtime_.device());
   }
 
   void prepare(bool overwrite) {
-    OutputFile(options_.output, overwrite);  // refuses now rather than after the training
+    OutputFile(options_.output, overwrite);  // fails before the training, not after it
     if (options_.resume)
       position_ = checkpoint_.load(trainer_, identity(card_.provenance));
     else if (checkpoint_.exists() && !overwrite)
-      throw usage_error(
-          fmt::format("{} has the checkpoint of an unfinished run beside it", options_.output),
-          "pass --resume to go on from it, or --overwrite to start anew");
+      throw usage_error(fmt::format("{} has a checkpoint of an unfinished run", options_.output),
+                        "use --resume to continue it, or --overwrite to start again");
   }
 
   std::vector<Tensor> object_encoder() const {
@@ -158,7 +157,7 @@ class TrainingRun {
     Progress progress("training", static_cast<std::uint64_t>(updates() - trainer_.updates()));
     while (trainer_.updates() < updates()) {
       const double loss = update();
-      if (look_is_due()) look();
+      if (is_validation_due()) validate();
       if (seconds_since(saved_) >= options_.checkpoint_s) save_checkpoint();
       progress.advance(1, fmt::format("loss {:.3f}", loss));
     }
@@ -168,26 +167,26 @@ class TrainingRun {
     const auto start = Clock::now();
     const double loss = trainer_.update(sampler_.batch(trainer_.updates()));
     position_.seconds += seconds_since(start);
-    if (!std::isfinite(loss)) return loss;  // left out
+    if (!std::isfinite(loss)) return loss;  // skipped update
     position_.loss_sum += loss;
     ++position_.loss_count;
     return loss;
   }
 
-  bool look_is_due() const {
-    const int period = std::max(1, updates() / looks_in_a_run);
+  bool is_validation_due() const {
+    const int period = std::max(1, updates() / validations_per_run);
     return !validation_.empty() &&
            (trainer_.updates() % period == 0 || trainer_.updates() == updates());
   }
 
-  /// Looks at the validation clips, and keeps the weights if they are the best so far.
-  void look() {
+  /// Validates the current weights and keeps them if they are the best so far.
+  void validate() {
     TrainingLogEntry entry{trainer_.updates(), position_.seconds,
                            position_.loss_sum / std::max(position_.loss_count, 1)};
     const auto& weights = scratch_.save(trainer_, card_);
-    validation_.look(weights, entry);
+    validation_.evaluate(weights, entry);
     position_.log.push_back(entry);
-    if (best_of(position_.log).update == entry.update)
+    if (best_entry(position_.log).update == entry.update)
       write_file(checkpoint_.best(), read_file(weights), true);
     position_.loss_sum = 0.0;
     position_.loss_count = 0;
@@ -202,7 +201,7 @@ class TrainingRun {
     const auto weights =
         position_.log.empty() ? scratch_.save(trainer_, card_) : checkpoint_.best();
     card_.log = position_.log;
-    card_.update = position_.log.empty() ? updates() : best_of(position_.log).update;
+    card_.update = position_.log.empty() ? updates() : best_entry(position_.log).update;
     card_.band_scale = validation_.band_scale(weights);
     watch_.stop(card_.provenance);
     TensorFile file = read_safetensors(weights);

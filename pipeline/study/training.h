@@ -10,11 +10,11 @@
 #include "pipeline/dataset/dataset.h"
 #include "pipeline/study/convolution_options.h"
 #include "pipeline/study/model_card.h"
-#include "pipeline/study/objects.h"
+#include "pipeline/study/object_training.h"
 
 namespace touchtrace::study {
 
-/// Options of `touchtrace train`. The defaults are the recipe under which touch counts.
+/// Options of `touchtrace train`.
 struct TrainingOptions {
   std::vector<std::string> recordings, labels;  ///< pairs, in the same order
   std::string output, accuracy = "fast";
@@ -22,7 +22,7 @@ struct TrainingOptions {
   int window = 10, resolution = 32;
   ConvolutionOptions convolutions;
   int sequences = 8, steps = 20;
-  std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": what plan.h chooses
+  std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": see plan.h
   double contrast_temperature = 0.0;
   double band_quantile = 0.1;
   std::string activation = "relu", dynamics = "mlp";
@@ -33,13 +33,12 @@ struct TrainingOptions {
 
 void describe(OptionSet& set, TrainingOptions& options);
 
-/// Trains on the training clips of `data` (before that an object encoder, whose embeddings then
-/// stay, if the plan says so), looking at its validation clips 20 times, and writes the
-/// weights that did best on them (L1@50; the last ones without validation clips) to
-/// `options.output`. A checkpoint lies beside it meanwhile; with `options.resume` training goes on
-/// from there, to the same bits as without the break. Ctrl-C saves a checkpoint and throws.
-/// `provenance` is finished and put into the model's card. Throws data_error if no training clip is
-/// long enough.
+/// Trains on the training clips of `data` and writes `options.output`: the weights with the best
+/// L1@50 on the validation clips, of 20 validations, or the last ones without validation clips.
+/// With frozen object embeddings the object encoder is trained first. A checkpoint is kept next to
+/// the output; with `options.resume` training continues from it, bit-identical to an uninterrupted
+/// run. Ctrl-C saves a checkpoint and throws. `provenance` is completed and stored in the model
+/// card. Throws data_error if no training clip is long enough.
 ModelCard train_model(Runtime& runtime, const Dataset& data, const TrainingOptions& options,
                       Provenance provenance, bool overwrite);
 

@@ -29,20 +29,20 @@ void Checkpoint::save(const Trainer& trainer, const TrainingPosition& position,
 
 TrainingPosition Checkpoint::load(Trainer& trainer, const nlohmann::json& identity) const {
   if (!exists())
-    throw data_error(fmt::format("there is no checkpoint {} to go on from", weights_.string()),
-                     "run without --resume");
+    throw data_error(fmt::format("no checkpoint {}", weights_.string()), "run without --resume");
   const auto notes = Trainer::checkpoint_notes(weights_);
   try {
     if (notes.at("identity") != identity)
-      throw data_error(fmt::format("{} is of a run with other options or data", weights_.string()),
-                       "give the options of that run, or start anew with --overwrite");
+      throw data_error(
+          fmt::format("{} belongs to a run with other options or data", weights_.string()),
+          "use the options of that run, or start again with --overwrite");
     TrainingPosition position{notes.at("log"), notes.at("seconds"), notes.at("loss_sum"),
                               notes.at("loss_count")};
     trainer.load_checkpoint(weights_);
     return position;
   } catch (const nlohmann::json::exception&) {
     throw data_error(fmt::format("{} is damaged", weights_.string()),
-                     "start anew with --overwrite");
+                     "start again with --overwrite");
   }
 }
 

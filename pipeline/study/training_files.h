@@ -8,29 +8,29 @@
 
 namespace touchtrace::study {
 
-/// Where a run stands beside its weights: what the log needs to go on.
+/// State of a run besides its weights and optimiser.
 struct TrainingPosition {
   std::vector<TrainingLogEntry> log;
   double seconds = 0.0;   ///< spent on updates
-  double loss_sum = 0.0;  ///< since the last entry
+  double loss_sum = 0.0;  ///< since the last log entry
   int loss_count = 0;
 };
 
-/// The checkpoint of an unfinished run, one file beside the output that is whole at any moment, and
-/// the best weights so far in another.
+/// Checkpoint of an unfinished run next to its output, replaced atomically, and a file with the
+/// best weights so far.
 class Checkpoint {
  public:
   explicit Checkpoint(const std::filesystem::path& output);
 
   bool exists() const;
-  /// `identity`: what must be the same for a run to go on.
+  /// `identity`: options and inputs that a resumed run must share.
   void save(const Trainer& trainer, const TrainingPosition& position,
             const nlohmann::json& identity) const;
-  /// Throws data_error if there is none or it is of a run with another identity.
+  /// Throws data_error if there is no checkpoint, or one with another identity.
   TrainingPosition load(Trainer& trainer, const nlohmann::json& identity) const;
   const std::filesystem::path& path() const { return weights_; }
-  /// Where the weights lie that did best on the validation clips. Those of a run that was killed
-  /// may come from after its last checkpoint: going on makes them again before they are asked for.
+  /// File with the weights that are best on the validation clips. After a kill they may be newer
+  /// than the checkpoint; the resumed run then recomputes them before it reads the file.
   const std::filesystem::path& best() const { return best_; }
   void remove() const noexcept;
 

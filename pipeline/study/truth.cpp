@@ -5,7 +5,7 @@ namespace {
 
 constexpr int object_at = 0, hand_at = 6;
 
-/// Mean of label - truth over trusted training frames, for three dimensions from `first` on.
+/// Mean of label - truth over trusted training frames, dimensions `first` .. `first` + 2.
 std::array<double, 3> mean_difference(const Dataset& data, int first) {
   std::array<double, 3> sum{};
   int frames = 0;

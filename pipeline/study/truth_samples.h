@@ -7,24 +7,23 @@
 
 namespace touchtrace::study {
 
-/// A time between two of the truth's samples: index of the earlier one and the part of the way to
-/// the later one.
-struct TruthPlace {
-  std::size_t index;
-  double part;
+/// Time between two samples of the truth.
+struct TruthInterval {
+  std::size_t index;  ///< of the earlier sample
+  double fraction;    ///< of the interval, 0..1
 };
 
-/// Nothing outside of the clip's samples.
-std::optional<TruthPlace> find_place(const Truth& truth, std::int32_t clip, double time_s);
+/// Returns nullopt outside the clip's samples.
+std::optional<TruthInterval> find_interval(const Truth& truth, std::int32_t clip, double time_s);
 
-/// Of numbers in rows of three.
+/// Row of an array [n, 3].
 Eigen::Vector3d row(const std::vector<double>& values, std::size_t index);
-Eigen::Vector3d interpolate(const std::vector<double>& values, const TruthPlace& place);
+Eigen::Vector3d interpolate(const std::vector<double>& values, const TruthInterval& interval);
 
-/// By the velocities of the samples on both sides, in m/s^2.
-double acceleration(const Truth& truth, const Truth::Body& body, const TruthPlace& place);
+/// Magnitude [m/s^2] from the velocities at both ends of the interval.
+double acceleration(const Truth& truth, const Truth::Body& body, const TruthInterval& interval);
 
-/// Whether the simulated camera looks at a place; a truth without a camera sees everything.
-bool in_picture(const Truth& truth, const Eigen::Vector3d& position_m);
+/// Whether the simulated camera's image contains a position; true if the truth has no camera.
+bool in_image(const Truth& truth, const Eigen::Vector3d& position_m);
 
 }  // namespace touchtrace::study

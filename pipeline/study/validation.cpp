@@ -13,16 +13,16 @@ constexpr int stride_frames = 10;
 Validation::Validation(Runtime& runtime, const Dataset& data, const ModelCard& card)
     : runtime_(runtime),
       data_(data),
-      cases_(make_cases(data,
-                        {Split::validation, horizon_steps, stride_frames, history_of(card.spec)},
-                        card.scaling, Reference::labels)),
+      cases_(make_cases(
+          data, {Split::validation, horizon_steps, stride_frames, required_history(card.spec)},
+          card.scaling, Reference::labels)),
       band_quantile_(card.spec.band_quantile) {}
 
 Rollout Validation::predict(const std::filesystem::path& weights) const {
   return Predictor(runtime_, weights).predict(cases_.batch, data_.tactile);
 }
 
-void Validation::look(const std::filesystem::path& weights, TrainingLogEntry& entry) const {
+void Validation::evaluate(const std::filesystem::path& weights, TrainingLogEntry& entry) const {
   const Rollout rollout = predict(weights);
   std::vector<double> at_20, at_50;
   const auto size = cases_.path_size(), steps = static_cast<std::size_t>(cases_.batch.steps);
@@ -34,8 +34,8 @@ void Validation::look(const std::filesystem::path& weights, TrainingLogEntry& en
     at_50.push_back(mean_until(errors, weight, horizon_steps));
   }
   entry.validation_loss = mean_loss(rollout, cases_.batch, band_quantile_);
-  entry.validation_l1_at_20 = mean_known(at_20);
-  entry.validation_l1_at_50 = mean_known(at_50);
+  entry.validation_l1_at_20 = nan_mean(at_20);
+  entry.validation_l1_at_50 = nan_mean(at_50);
 }
 
 BandScale Validation::band_scale(const std::filesystem::path& weights) const {

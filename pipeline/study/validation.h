@@ -7,16 +7,17 @@
 
 namespace touchtrace::study {
 
-/// The validation clips of a data set: what training may look at without learning from it.
+/// Validation clips of a data set: they select weights and fit the band scale, but give no
+/// gradient.
 class Validation {
  public:
   Validation(Runtime& runtime, const Dataset& data, const ModelCard& card);
 
-  /// True if the validation clips are too short or too few to look at.
+  /// Whether no validation clip holds a roll-out.
   bool empty() const { return cases_.count() == 0; }
   /// Fills the validation fields of `entry` for the weights in a file.
-  void look(const std::filesystem::path& weights, TrainingLogEntry& entry) const;
-  /// The band's factors for the weights in a file; empty if there is nothing to fit them on.
+  void evaluate(const std::filesystem::path& weights, TrainingLogEntry& entry) const;
+  /// Fits the band scale of the weights in a file; empty if empty().
   BandScale band_scale(const std::filesystem::path& weights) const;
 
  private:

@@ -7,19 +7,19 @@
 namespace touchtrace::study {
 namespace {
 
-TEST(ConvolutionOptions, AreThePapersUnlessGiven) {
+TEST(ConvolutionOptions, DefaultToThePapers) {
   const ConvolutionOptions options;
   EXPECT_EQ(options.kernel_size(), 3);
   EXPECT_EQ(options.stride_sizes(), (std::array{2, 2, 2}));
 }
 
-TEST(ConvolutionOptions, TakeEachStrideInItsOrder) {
+TEST(ConvolutionOptions, ParseStridesInOrder) {
   const ConvolutionOptions options{"5", "2,1,2"};
   EXPECT_EQ(options.kernel_size(), 5);
   EXPECT_EQ(options.stride_sizes(), (std::array{2, 1, 2}));
 }
 
-TEST(ConvolutionOptions, RefuseWhatTheKernelsDoNotTake) {
+TEST(ConvolutionOptions, RejectUnsupportedValues) {
   for (const auto& [kernel, strides] :
        {std::pair{"4", "2,2,2"}, {"3", "2,2"}, {"3", "2,2,3"}, {"", ""}}) {
     ConvolutionOptions options{kernel, strides};

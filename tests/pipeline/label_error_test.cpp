@@ -30,7 +30,7 @@ Labels raw_labels(const Stage& stage, double white_m, double swing_m, double lat
   RandomStream random(1, "raw places");
   auto& raw = labels.raw;
   for (std::size_t i = 0; i < raw.time_s.size(); ++i)
-    if (const auto place = study::find_place(truth, raw.clip[i], raw.time_s[i])) {
+    if (const auto place = study::find_interval(truth, raw.clip[i], raw.time_s[i])) {
       Eigen::Map<Eigen::Vector3d> seen(&raw.object_m[3 * i]);
       seen = study::interpolate(truth.object.position_m, *place);
       for (double& value : seen)

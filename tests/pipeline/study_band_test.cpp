@@ -1,4 +1,4 @@
-// Bands: coverage that is known beforehand, and scaling that reaches its nominal level.
+// Coverage of bands with known coverage, and band scaling.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,8 +18,8 @@ struct Residuals {
   Rollout rollout;
 };
 
-/// Normal residuals whose deviation grows with the step, and a band that does not know it: its half
-/// width is the 90 % quantile of the first step.
+/// Normal residuals whose standard deviation grows with the step, and a band of constant half
+/// width: the 90 % quantile of the first step.
 Residuals growing_residuals(int sequences, int steps, std::uint64_t seed) {
   RandomStream random(seed, "residuals");
   Residuals made;
@@ -34,7 +34,7 @@ Residuals growing_residuals(int sequences, int steps, std::uint64_t seed) {
   return made;
 }
 
-/// Five standard errors of a share among n values, at most.
+/// Upper limit of five standard errors of a fraction of n values.
 double five_sigma(int n) { return 5.0 * std::sqrt(0.5 * 0.5 / n); }
 
 TEST(Band, CoverageOfAKnownBand) {
@@ -48,7 +48,7 @@ TEST(Band, CoverageOfAKnownBand) {
 
 class BandScaling : public ::testing::TestWithParam<double> {};
 
-TEST_P(BandScaling, ReachesTheNominalLevelOnFreshResiduals) {
+TEST_P(BandScaling, ReachesTheNominalCoverageOnNewResiduals) {
   const int sequences = 400, steps = 10;
   const double nominal = nominal_coverage(GetParam());
   const auto fitted = growing_residuals(sequences, steps, 1),
@@ -56,17 +56,17 @@ TEST_P(BandScaling, ReachesTheNominalLevelOnFreshResiduals) {
   const BandScale scale = fit_band_scale(fitted.rollout, fitted.batch, nominal);
   const auto coverage = coverage_by_step(fresh.rollout, fresh.batch, scale);
   for (int step = 0; step < steps; ++step) {
-    // The share within factor x spread of a normal residual.
+    // fraction of normal residuals within factor x spread
     EXPECT_NEAR(std::erf(scale[step] * 1.2815516 / (1.0 + step) / std::sqrt(2.0)), nominal,
                 five_sigma(sequences * state_size));
-    // Both the fit and the check have the error of a share.
+    // fit and check both have the error of a fraction
     EXPECT_NEAR(coverage[step], nominal, std::sqrt(2.0) * five_sigma(sequences * state_size));
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Quantiles, BandScaling, ::testing::Values(0.1, 0.02, 0.25, 0.4));
 
-TEST(Band, StepsThatWeighNothingAreNotCounted) {
+TEST(Band, IgnoresStepsWithoutWeight) {
   auto made = growing_residuals(2, 2, 1);
   made.batch.weight = {1, 0, 1, 0};
   const auto coverage = coverage_by_step(made.rollout, made.batch, {});
@@ -75,7 +75,7 @@ TEST(Band, StepsThatWeighNothingAreNotCounted) {
   EXPECT_EQ(fit_band_scale(made.rollout, made.batch, 0.8)[1], 1.0);
 }
 
-TEST(Band, OneFactorServesTheStepsBeyondItsEnd) {
+TEST(Band, LastFactorAppliesToLaterSteps) {
   const auto made = growing_residuals(5, 4, 1);
   const auto scaled = with_scaled_band(made.rollout, 4, {2.0, 3.0});
   EXPECT_FLOAT_EQ(scaled.spread[0], 2.0f * 1.2815516f);
@@ -84,7 +84,7 @@ TEST(Band, OneFactorServesTheStepsBeyondItsEnd) {
   EXPECT_FLOAT_EQ(scaled.spread[4 * state_size], 2.0f * 1.2815516f);
 }
 
-TEST(Band, LossOfEquation4ByHand) {
+TEST(Band, MeanLossMatchesEquation4) {
   RolloutBatch batch{1, 1, {0}, {}, std::vector<float>(state_size, 1.0f), {}};
   const Rollout rollout{std::vector<float>(state_size, 0.0f), std::vector<float>(state_size, 0.5f)};
   // |1 - 0| + 0.1 (1 + 0.5) + 0.9 (1 - 0.5)

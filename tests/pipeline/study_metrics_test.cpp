@@ -1,4 +1,4 @@
-// The metrics against values by hand and against a second, slow implementation.
+// Metrics compared with values by hand and with a second, slow implementation.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::vector<float> random_path(int steps, std::uint64_t seed) {
   return path;
 }
 
-/// A path whose first dimension is given and whose others are 0.
+/// Path with the given first dimension; the others are 0.
 std::vector<float> along_x(std::initializer_list<float> x) {
   std::vector<float> path;
   for (float value : x) {
@@ -64,7 +64,7 @@ double slow_hausdorff(const std::vector<float>& a, const std::vector<float>& b) 
   return std::max(*std::ranges::max_element(row), *std::ranges::max_element(column));
 }
 
-TEST(Metrics, HausdorffAgreesWithASlowImplementation) {
+TEST(Metrics, HausdorffMatchesASlowImplementation) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const auto a = random_path(50, 2 * seed), b = random_path(50, 2 * seed + 1);
     const double expected = slow_hausdorff(a, b), actual = hausdorff(a, b);
@@ -72,7 +72,7 @@ TEST(Metrics, HausdorffAgreesWithASlowImplementation) {
   }
 }
 
-TEST(Metrics, DistanceLooksAtOneBody) {
+TEST(Metrics, DistanceIsThatOfOneBody) {
   auto predicted = random_path(3, 1), target = predicted;
   target[6] += 3.0f;
   target[7] += 4.0f;
@@ -83,7 +83,7 @@ TEST(Metrics, DistanceLooksAtOneBody) {
   EXPECT_EQ(object[0], 0.0);
 }
 
-TEST(Metrics, MeanUntilStopsAtItsStepAndSkipsWhatWeighsNothing) {
+TEST(Metrics, MeanUntilStopsAtItsStepAndIgnoresZeroWeights) {
   const std::vector<double> values{1, 2, 100, 1000};
   const std::vector<float> weight{1, 1, 0, 1};
   EXPECT_DOUBLE_EQ(mean_until(values, weight, 2), 1.5);
@@ -102,13 +102,13 @@ RolloutCases cases_of(std::vector<float> target, int count, int steps) {
   return cases;
 }
 
-Normalization metres_times(float deviation) {
+Normalization metres_times(float sigma) {
   Normalization scaling;
-  scaling.sigma.fill(deviation);
+  scaling.sigma.fill(sigma);
   return scaling;
 }
 
-TEST(Score, MetresDoNotDependOnTheScaling) {
+TEST(Score, MetresAreIndependentOfTheScaling) {
   auto target = random_path(50, 5), predicted = target;
   for (std::size_t i = 0; i < predicted.size(); i += state_size) predicted[i] += 0.5f;
   const auto scores = score(predicted, cases_of(target, 1, 50), metres_times(0.1f));
@@ -117,13 +117,13 @@ TEST(Score, MetresDoNotDependOnTheScaling) {
   EXPECT_NEAR(scores[0].hand_m_at_50, 0.0, 1e-6);
 }
 
-TEST(Score, AValueThatIsNotFiniteIsAnError) {
+TEST(Score, RejectsNonFiniteValues) {
   auto target = random_path(50, 5), predicted = target;
   predicted[77] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW(score(predicted, cases_of(target, 1, 50), metres_times(1.0f)), std::runtime_error);
 }
 
-TEST(RandomBaseline, IsAnotherClipsPathAndFollowsItsSeed) {
+TEST(RandomBaseline, IsAPathOfAnotherClipAndDependsOnItsSeed) {
   const int count = 20, steps = 3;
   const auto cases = cases_of(random_path(count * steps, 9), count, steps);
   const auto paths = random_paths(cases, 4);
@@ -141,7 +141,7 @@ TEST(RandomBaseline, IsAnotherClipsPathAndFollowsItsSeed) {
   }
 }
 
-TEST(Bootstrap, IntervalHoldsTheMeanAndShrinksWithTheNumberOfClips) {
+TEST(Bootstrap, IntervalContainsTheMeanAndShrinksWithTheNumberOfClips) {
   RandomStream random(3, "differences");
   const auto width = [&](int clips) {
     std::vector<double> a, b;
@@ -163,7 +163,7 @@ TEST(Bootstrap, IntervalHoldsTheMeanAndShrinksWithTheNumberOfClips) {
   EXPECT_GT(width(10), width(1000));
 }
 
-TEST(Bootstrap, WholeClipsAreDrawn) {
+TEST(Bootstrap, SamplesWholeClips) {
   // Roll-outs of a clip are copies of one number: the interval must be that of the clips, not of
   // the copies.
   RandomStream random(4, "clips");

@@ -1,10 +1,11 @@
-// The batches that `touchtrace train` takes from labelled clips, and its validation roll-outs, as a
-// problem of engine_step, so that a peer can train on exactly the same.
+// Writes the batches that `touchtrace train` samples from labelled clips, and its validation
+// roll-outs, as a problem of engine_step, so that another implementation can train on the same
+// data.
 //
 //   study_course RECORDING LABELS UPDATES SEED OUT
 //
-// OUT holds, beside what tests/engine/step/problem.h asks for, the validation roll-outs, with
-// names that start with "validation.".
+// OUT holds the tensors of tests/engine/step/problem.h and the validation roll-outs,
+// "validation.*".
 #include <fmt/core.h>
 
 #include "engine/base/error.h"
@@ -35,7 +36,7 @@ void append(std::vector<float>& to, const std::vector<float>& values) {
   to.insert(to.end(), values.begin(), values.end());
 }
 
-/// All batches of a run, one after the other.
+/// All batches of a run, concatenated.
 RolloutBatch batches(const study::Sampler& sampler, int count) {
   RolloutBatch all;
   for (int i = 0; i < count; ++i) {
@@ -49,7 +50,7 @@ RolloutBatch batches(const study::Sampler& sampler, int count) {
   return all;
 }
 
-void write_course(const std::vector<std::string>& arguments) {
+void write_problem(const std::vector<std::string>& arguments) {
   study::TrainingOptions options;
   options.optimizer.updates = std::stoi(arguments.at(2));
   options.optimizer.seed = std::stoull(arguments.at(3));
@@ -73,7 +74,7 @@ void write_course(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   try {
-    write_course({argv + 1, argv + argc});
+    write_problem({argv + 1, argv + argc});
     return 0;
   } catch (const Error& error) {
     fmt::print(stderr, "study_course: {}\n{}\n", error.what(), error.hint());

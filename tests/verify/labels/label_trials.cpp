@@ -17,7 +17,7 @@ namespace {
 
 constexpr double exact_m = 1e-5, covered_s = 1.0, found_m = 0.060;
 
-label::Observation exact_observation(const Truth::Body& body, const TruthPlace& place) {
+label::Observation exact_observation(const Truth::Body& body, const TruthInterval& place) {
   label::Observation observation;
   observation.found = true;
   observation.position_m = interpolate(body.position_m, place);
@@ -37,7 +37,7 @@ label::ClipTrack exact_track(const label::ClipFrames& frames, std::int32_t clip,
                              const std::vector<double>& camera_time_s, const Truth& truth) {
   label::ClipTrack track;
   for (std::size_t i = frames.first; i < frames.first + frames.count; ++i) {
-    const auto place = find_place(truth, clip, camera_time_s[i]);
+    const auto place = find_interval(truth, clip, camera_time_s[i]);
     if (!place) continue;
     track.time_s.push_back(camera_time_s[i]);
     track.hand.push_back(exact_observation(truth.hand, *place));
@@ -87,15 +87,15 @@ std::vector<Eigen::Vector3d> raw_errors_m(const Labels& labels, const Truth& tru
       labels.raw.time_s.size(),
       Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
   for (std::size_t i = 0; i < errors_m.size(); ++i)
-    if (const auto place = find_place(truth, labels.raw.clip[i], labels.raw.time_s[i] - delay_s))
+    if (const auto place = find_interval(truth, labels.raw.clip[i], labels.raw.time_s[i] - delay_s))
       errors_m[i] = row(labels.raw.object_m, i) - interpolate(truth.object.position_m, *place);
   return errors_m;
 }
 
 /// Whether the object is in a frame's image.
 bool shows_object(const Truth& truth, const RawTrack& raw, std::size_t frame) {
-  const auto place = find_place(truth, raw.clip[frame], raw.time_s[frame]);
-  return place && in_picture(truth, interpolate(truth.object.position_m, *place));
+  const auto place = find_interval(truth, raw.clip[frame], raw.time_s[frame]);
+  return place && in_image(truth, interpolate(truth.object.position_m, *place));
 }
 
 /// Standard deviations of the white part of errors, from the median second difference over
@@ -132,7 +132,7 @@ LabelError error_of_white_positions(const Recording& recording, const Truth& tru
   std::vector<label::ClipTrack> tracks(recording.clips.size());
   for (std::size_t i = 0; i < errors_m.size(); ++i) {
     const double time_s = labels.raw.time_s[i];
-    const auto place = find_place(truth, labels.raw.clip[i], time_s);
+    const auto place = find_interval(truth, labels.raw.clip[i], time_s);
     if (!place || !errors_m[i].allFinite()) continue;
     auto& track = tracks[static_cast<std::size_t>(labels.raw.clip[i])];
     track.time_s.push_back(time_s);

@@ -154,10 +154,11 @@ class Study {
     provenance.options = json::object();
     train_model(runtime_, data, training, std::move(provenance), true);
     LoadedModel model = load_model(runtime_, training.output);
-    const Contest contest = hold_contest({&session}, {&model}, Reference::truth, rollout_stride, 1);
-    const auto [object, which] = contest.objects().front();
-    for (const Contender& contender : contest.contenders)
-      row[contender.name] = summary(contender.scores, which)["l1_at_50"];
+    const Comparison comparison =
+        compare_models({&session}, {&model}, Reference::truth, rollout_stride, 1);
+    const auto [object, which] = comparison.objects().front();
+    for (const Candidate& candidate : comparison.candidates)
+      row[candidate.name] = summary(candidate.scores, which)["l1_at_50"];
   }
 
   void measure(const Cell& cell, json& row) {

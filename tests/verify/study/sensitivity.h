@@ -22,12 +22,12 @@ struct SensitivityOptions {
 
 void describe(OptionSet& set, SensitivityOptions& options);
 
-/// What the scene's assumptions do to what is learnt. For each assumption, halved and doubled (as
-/// far as its range goes): simulates clips of the activity's default object, gives them labels that
-/// err as the vision pipeline's do or, with `images`, renders what that labels
-/// (simulated_labels.h), trains with and without touch, and rolls out on held-out clips against the
-/// truth. All cells of a seed share their random numbers; what a change does not reach is not
-/// trained again. The document, kept in `options.output` from cell to cell, has
+/// Measures the effect of the scene's parameters on the models. For each parameter, halved and
+/// doubled within its range: simulates clips of the activity's default object, labels them with
+/// modelled errors or, with `images`, from rendered images (simulated_labels.h), trains with and
+/// without touch, and evaluates on held-out clips relative to the truth. All cells of a seed share
+/// their random numbers; a model whose data did not change is not trained again. The document,
+/// saved in `options.output` after each cell, has
 ///   cells   rows {assumption, factor, seed, value, dropped_clips, full, without_touch, random}:
 ///           L1@50 in units of the cell's own deviations; null where too few clips held the object
 /// Throws usage_error for an assumption that there is not.

@@ -11,9 +11,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* contenders[] = {"full", "without_touch"};
+constexpr const char* candidates[] = {"full", "without_touch"};
 
-/// NaN where too few clips held the object.
+/// NaN if the error is missing: the object was dropped in too many clips.
 double error_of(const json& row, const char* model) {
   const json error = row.is_object() ? row.value(model, json()) : json();
   return error.is_number() ? error.get<double>() : NAN;
@@ -51,7 +51,7 @@ struct Row {
 
 std::string row_text(const std::string& name, const Row& row, const json& usual) {
   std::string text = fmt::format("| {} | {}, {} |", name, value_of(row.half), value_of(row.twice));
-  for (const char* model : contenders)
+  for (const char* model : candidates)
     text += fmt::format(" {}, {}, {} |", text_of(error_of(row.half, model)),
                         text_of(error_of(usual, model)), text_of(error_of(row.twice, model)));
   return text + "\n";
@@ -77,7 +77,7 @@ std::string sensitivity_table(const json& document) {
       "| assumption | half, double | with touch: half, default, double | without: half, default, "
       "double |\n|---|---|---|---|\n";
   text += fmt::format("| default, {} seeds | | {} | {} |\n", defaults.size(),
-                      spread_of(defaults, contenders[0]), spread_of(defaults, contenders[1]));
+                      spread_of(defaults, candidates[0]), spread_of(defaults, candidates[1]));
   for (const std::string& name : order)
     if (rows[name].changes(*defaults.front()))
       text += row_text(name, rows[name], *defaults.front());

@@ -61,8 +61,8 @@ LabelledBody without_states(std::size_t labels) {
   return body;
 }
 
-/// Labels at the right times whose states are still to be filled in.
-Labels unfilled_labels(const Recording& recording) {
+/// Labels at the right times with zero states.
+Labels zero_labels(const Recording& recording) {
   Labels labels;
   labels.activity = recording.activity;
   labels.clips = recording.clips;
@@ -84,29 +84,28 @@ void attach_truth_at_delay(Dataset& data, const std::vector<LabelledRecording>& 
   for (double& time_s : data.time_s) time_s += delay_s;
 }
 
-/// Adds the errors of one axis of one body within a clip.
-void err(Dataset& data, const Sequence& clip, const BodyErrorModel& model, int first, int axis,
-         RandomStream random) {
-  const double deviation_m = model.position_m[static_cast<std::size_t>(axis)];
-  const double band_hz =
-      std::sqrt(3.0) * model.velocity_m_per_s / (2 * std::numbers::pi * deviation_m);
+/// Adds errors to one axis of one body in a clip.
+void add_label_noise(Dataset& data, const Sequence& clip, const BodyErrorModel& model, int first,
+                     int axis, RandomStream random) {
+  const double sigma_m = model.position_m[static_cast<std::size_t>(axis)];
+  const double band_hz = std::sqrt(3.0) * model.velocity_m_per_s / (2 * std::numbers::pi * sigma_m);
   const scene::SmoothNoise noise(random, band_hz);
-  const double fresh = std::sqrt(std::max(
+  const double white = std::sqrt(std::max(
       0.0, std::pow(model.causal_velocity_m_per_s, 2) - std::pow(model.velocity_m_per_s, 2)));
   for (int frame = clip.first_frame; frame < clip.first_frame + clip.frames; ++frame) {
     const double t = data.time_s[frame];
-    const double speed = (noise.at(t + difference_s) - noise.at(t - difference_s)) /
-                         (2 * difference_s) * deviation_m;
+    const double speed =
+        (noise.at(t + difference_s) - noise.at(t - difference_s)) / (2 * difference_s) * sigma_m;
     State &label = data.label[frame], &causal = data.causal_label[frame];
-    label[first + axis] += static_cast<float>(deviation_m * noise.at(t));
+    label[first + axis] += static_cast<float>(sigma_m * noise.at(t));
     label[first + 3 + axis] += static_cast<float>(speed);
     causal[first + axis] = label[first + axis];
     causal[first + 3 + axis] =
-        label[first + 3 + axis] + static_cast<float>(fresh * random.normal());
+        label[first + 3 + axis] + static_cast<float>(white * random.normal());
   }
 }
 
-void err(Dataset& data, const LabelErrorModel& model, std::uint64_t seed) {
+void add_label_noise(Dataset& data, const LabelErrorModel& model, std::uint64_t seed) {
   RandomStream lost(seed, "modelled labels lost");
   for (std::uint8_t& trusted : data.trusted) trusted = lost.uniform() >= model.lost_share;
   for (const Sequence& clip : data.sequences)
@@ -114,8 +113,8 @@ void err(Dataset& data, const LabelErrorModel& model, std::uint64_t seed) {
       const auto stream = [&](const char* body) {
         return RandomStream(seed, fmt::format("modelled labels {} {} {}", body, clip.clip, axis));
       };
-      err(data, clip, model.object, 0, axis, stream("object"));
-      err(data, clip, model.hand, 6, axis, stream("hand"));
+      add_label_noise(data, clip, model.object, 0, axis, stream("object"));
+      add_label_noise(data, clip, model.hand, 6, axis, stream("hand"));
     }
 }
 
@@ -124,8 +123,8 @@ void err(Dataset& data, const LabelErrorModel& model, std::uint64_t seed) {
 const LabelErrorModel& measured_label_error(const std::string& activity) {
   const auto row = std::ranges::find(measured_errors, activity, &ActivityErrorModel::activity);
   if (row == std::end(measured_errors))
-    throw usage_error(fmt::format("no label errors were measured of {}", activity),
-                      "give labels of rendered images instead: --images");
+    throw usage_error(fmt::format("no measured label errors for activity '{}'", activity),
+                      "use --images: labels of rendered images");
   return row->error;
 }
 
@@ -134,11 +133,11 @@ Dataset load_with_modelled_labels(const std::filesystem::path& recording,
                                   std::uint64_t seed) {
   const ScratchFolder folder;
   const std::vector<LabelledRecording> sources{{recording, folder.path() / "labels.h5"}};
-  write_labels(sources[0].labels, unfilled_labels(RecordingReader(recording).recording()), false);
+  write_labels(sources[0].labels, zero_labels(RecordingReader(recording).recording()), false);
   Dataset data = load_dataset(sources, resolution);
   attach_truth_at_delay(data, sources, model.delay_s);
   data.label = data.causal_label = data.truth;
-  err(data, model, seed);
+  add_label_noise(data, model, seed);
   attach_truth(data, sources);
   shift_truth(data, estimate_offset(data));
   return data;

@@ -9,32 +9,32 @@
 
 namespace touchtrace::study {
 
-/// How the labels of one body err: the figures of BodyError.
+/// Label errors of one body, as BodyError measures them.
 struct BodyErrorModel {
-  std::array<double, 3> position_m;                  ///< deviations
-  double velocity_m_per_s, causal_velocity_m_per_s;  ///< per axis, less what the delay explains
+  std::array<double, 3> position_m;                  ///< standard deviations
+  double velocity_m_per_s, causal_velocity_m_per_s;  ///< per axis, without the delay's part
 };
 
-/// How the vision pipeline errs, for data sets that are too many to be rendered. Its errors are
-/// smooth: band-limited noise of that deviation in place has that one in speed if its band ends at
-/// sqrt(3) velocity / (2 pi position). Filtered states err more in speed, from frame to frame.
+/// Model of the vision pipeline's label errors, for data sets too large to render. Errors are
+/// smooth: band-limited noise with the given standard deviations of position and velocity, whose
+/// band ends at sqrt(3) velocity / (2 pi position). Causal velocities have additional white errors.
 struct LabelErrorModel {
   BodyErrorModel object, hand;
   double delay_s;     ///< of the labels
-  double lost_share;  ///< of the labels, not to be trusted
+  double lost_share;  ///< untrusted fraction of the labels
 };
 
-/// As `touchtrace-verify labels` measured it of the activity's own object at 640x480 over three
-/// seeds. What leaves the picture is lost, too. Throws usage_error for an activity without.
+/// Errors that `touchtrace-verify labels` measured with the activity's default object at 640x480,
+/// three seeds. Objects outside the image count as lost. Throws usage_error for other activities.
 const LabelErrorModel& measured_label_error(const std::string& activity);
 
-/// A simulated recording with labels that err like that instead of those of its images. Times are
-/// those that its stamps give. The truth is attached and shifted like that of a session.
+/// Loads a simulated recording with modelled labels instead of those of its images. Label times
+/// follow from its stamps. The truth is attached and shifted as in load_sessions.
 Dataset load_with_modelled_labels(const std::filesystem::path& recording,
                                   const LabelErrorModel& model, int resolution, std::uint64_t seed);
 
-/// A simulated recording with images, calibrated and labelled like a user's, with the fast tracker;
-/// truth as above. Throws data_error where that would be refused to a user.
+/// Loads a simulated recording with images, calibrated and labelled with the tracker "component";
+/// truth as above. Throws data_error if calibration or labelling fail.
 Dataset load_with_rendered_labels(const std::filesystem::path& recording, int resolution);
 
 }  // namespace touchtrace::study

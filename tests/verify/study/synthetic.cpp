@@ -11,8 +11,8 @@ namespace {
 
 constexpr double step_s = 1.0 / 15.0;
 constexpr double stiffness_per_s2 = 30.0, damping_per_s = 2.0;
-constexpr double force_deviation = 6.0,
-                 force_memory = 0.8;  ///< m/s^2 of acceleration; from frame to frame
+constexpr double force_sigma = 6.0;        // [m/s^2] of acceleration
+constexpr double force_correlation = 0.8;  // from frame to frame
 
 using Vector = std::array<double, 3>;
 
@@ -26,12 +26,12 @@ State state_of(const Vector& position, const Vector& velocity) {
   return state;
 }
 
-/// How an object presses on the glove. The first one, and one alone, is a ball.
+/// Pressure pattern of an object; number 0 is the ball.
 struct Grip {
   int number, objects;
 
   std::string name() const { return number == 0 ? "ball" : fmt::format("object {}", number); }
-  double share_of_force() const { return 1.0 - 0.5 * number / objects; }
+  double force_fraction() const { return 1.0 - 0.5 * number / objects; }
   double pressure(int col) const { return number > 0 && col % objects == number ? 0.2 : 0.0; }
 };
 
@@ -39,20 +39,21 @@ void append_image(Dataset& data, const Vector& force, const Grip& grip, RandomSt
   for (int row = 0; row < data.rows; ++row)
     for (int col = 0; col < data.cols; ++col) {
       const double pressure = 0.5 + grip.pressure(col) +
-                              0.15 * grip.share_of_force() *
+                              0.15 * grip.force_fraction() *
                                   force[static_cast<std::size_t>(3 * row / data.rows)] /
-                                  force_deviation;
+                                  force_sigma;
       data.tactile.push_back(static_cast<float>(pressure + random.normal(0.0, 0.01)));
     }
 }
 
 void append_clip(Dataset& data, const SyntheticOptions& options, Split split, const Grip& grip,
                  RandomStream& random) {
-  const double fresh = std::sqrt(1.0 - force_memory * force_memory) * force_deviation;
+  const double innovation = std::sqrt(1.0 - force_correlation * force_correlation) * force_sigma;
   data.sequences.push_back({data.frames(), options.frames, grip.name(), split});
   Vector position{}, velocity{}, force{};
   for (int frame = 0; frame < options.frames; ++frame) {
-    for (double& component : force) component = force_memory * component + fresh * random.normal();
+    for (double& component : force)
+      component = force_correlation * component + innovation * random.normal();
     data.label.push_back(state_of(position, velocity));
     append_image(data, force, grip, random);
     for (int axis = 0; axis < 3; ++axis) {
@@ -72,11 +73,11 @@ Dataset synthetic_dataset(const SyntheticOptions& options) {
   data.rows = options.rows;
   data.cols = options.cols;
   for (int clip = 0; clip < options.clips; ++clip) {
-    const double place = (clip + 0.5) / options.clips;
+    const double fraction = (clip + 0.5) / options.clips;
     append_clip(data, options,
-                place < 0.6    ? Split::train
-                : place < 0.75 ? Split::validation
-                               : Split::evaluation,
+                fraction < 0.6    ? Split::train
+                : fraction < 0.75 ? Split::validation
+                                  : Split::evaluation,
                 {clip % options.objects, options.objects}, random);
   }
   data.causal_label = data.truth = data.label;

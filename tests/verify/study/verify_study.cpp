@@ -28,14 +28,14 @@ LoadedModel train(Runtime& runtime, const Dataset& data, const fs::path& output,
   return load_model(runtime, options.output);
 }
 
-double value(const Contest& contest, const char* model, const char* metric) {
-  const auto [object, which] = contest.objects().front();
-  return summary(contest.find(model)->scores, which).at(metric);
+double value(const Comparison& comparison, const char* model, const char* metric) {
+  const auto [object, which] = comparison.objects().front();
+  return summary(comparison.find(model)->scores, which).at(metric);
 }
 
-double coverage(const Contest& contest, bool scaled) {
-  const auto [object, which] = contest.objects().front();
-  return mean_known(coverage_of(*contest.find("full"), contest.cases, which, scaled));
+double coverage(const Comparison& comparison, bool scaled) {
+  const auto [object, which] = comparison.objects().front();
+  return nan_mean(coverage_of(*comparison.find("full"), comparison.cases, which, scaled));
 }
 
 void measure(const std::function<void(Figure)>& emit) {
@@ -44,17 +44,18 @@ void measure(const std::function<void(Figure)>& emit) {
   const Session session{"synthetic", synthetic_dataset({40}), {}, {}};
   LoadedModel full = train(runtime, session.data, folder.path() / "full", true);
   LoadedModel without = train(runtime, session.data, folder.path() / "without_touch", false);
-  const Contest contest = hold_contest({&session}, {&full, &without}, Reference::truth, 5, 1);
+  const Comparison comparison =
+      compare_models({&session}, {&full, &without}, Reference::truth, 5, 1);
   for (const char* metric : {"l1_at_20", "l1_at_50"}) {
-    const double random = value(contest, "random", metric),
-                 blind = value(contest, "without_touch", metric);
+    const double random = value(comparison, "random", metric),
+                 blind = value(comparison, "without_touch", metric);
     emit(at_most(fmt::format("full over without_touch, {}", metric),
-                 value(contest, "full", metric) / blind, "1", 0.8));
+                 value(comparison, "full", metric) / blind, "1", 0.8));
     emit(at_most(fmt::format("without_touch over random, {}", metric), blind / random, "1", 0.95));
   }
-  emit(within("coverage of the scaled band over 50 steps", coverage(contest, true), "1", 0.72,
+  emit(within("coverage of the scaled band over 50 steps", coverage(comparison, true), "1", 0.72,
               0.88));
-  emit(reported("coverage of the band as predicted", coverage(contest, false), "1"));
+  emit(reported("coverage of the band as predicted", coverage(comparison, false), "1"));
 }
 
 }  // namespace

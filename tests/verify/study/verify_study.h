@@ -4,8 +4,8 @@
 
 namespace touchtrace::study {
 
-/// Rows of `touchtrace-verify study`: training and evaluation on the synthetic data set, where
-/// nothing but touch tells the force, on the fastest device.
+/// Measures training and evaluation on the synthetic data set, on the fastest device: rows of
+/// `touchtrace-verify study`.
 Verification verify_study();
 
 }  // namespace touchtrace::study

@@ -10,40 +10,40 @@
 
 namespace touchtrace::study {
 
-/// The objects of the training clips, in the order of their names.
+/// Names of the training clips' objects, sorted.
 std::vector<std::string> training_objects(const Dataset& data);
 
-/// How the object encoder is trained before its embeddings are frozen.
+/// Training of the object encoder before its embeddings are frozen.
 struct ObjectTraining {
   int updates = 600;
-  int segments = 32;  ///< of a batch
+  int segments = 32;  ///< per batch
 };
 
-/// Random segments of touch of the training clips, as many of each object. A batch depends on the
-/// seed and its number alone.
+/// Samples tactile segments of the training clips, equally many per object. A batch depends only on
+/// the seed and its index.
 class SegmentSampler {
  public:
   /// Throws data_error if an object has no training clip of `frames` frames.
   SegmentSampler(const Dataset& data, int frames, int segments, std::uint64_t seed);
 
   SegmentBatch batch(int index) const;
-  /// Every `stride`-th segment of all training clips, object by object.
+  /// Every `stride`-th segment of all training clips, ordered by object.
   SegmentBatch all(int stride) const;
 
  private:
-  std::vector<std::vector<std::int32_t>> first_frames_;  ///< of all segments, object by object
+  std::vector<std::vector<std::int32_t>> first_frames_;  ///< [objects, segments]
   int segments_;
   RandomStream random_;
 };
 
-/// Contrastive training of an object encoder on the training clips (section IV-B): "object.*".
-/// `tuning`: as in trainer.h.
+/// Trains an object encoder on the training clips by the contrastive loss (section IV-B). Returns
+/// the tensors "object.*". `tuning`: as in trainer.h.
 std::vector<Tensor> train_object_encoder(Runtime& runtime, const Dataset& data,
                                          const ModelSpec& spec, const TrainOptions& options,
                                          const ObjectTraining& how, const Tuning& tuning);
 
-/// The encoder with the embedding of each training object, the mean over the segments of its
-/// training clips.
+/// Computes the embedding of each training object, the mean over all segments of its training
+/// clips.
 FrozenObjects freeze_objects(Runtime& runtime, const Dataset& data, const ModelSpec& spec,
                              std::vector<Tensor> encoder);
 

@@ -1,4 +1,4 @@
-#include "pipeline/study/objects.h"
+#include "pipeline/study/object_training.h"
 
 #include <fmt/core.h>
 
@@ -28,8 +28,8 @@ SegmentSampler::SegmentSampler(const Dataset& data, int frames, int segments, st
       for (int first = sequence.first_frame; first <= last; ++first) starts.push_back(first);
     }
     if (starts.empty())
-      throw data_error(fmt::format("no training clip of {} holds {} frames", object, frames),
-                       "record longer clips, or leave the object encoder out");
+      throw data_error(fmt::format("no training clip of '{}' has {} frames", object, frames),
+                       "record longer clips, or use --object-encoder none");
   }
 }
 
@@ -60,9 +60,9 @@ std::vector<Tensor> train_object_encoder(Runtime& runtime, const Dataset& data,
                                          const ModelSpec& spec, const TrainOptions& options,
                                          const ObjectTraining& how, const Tuning& tuning) {
   const SegmentSampler sampler(data, spec.segment_frames, how.segments, options.seed);
-  TrainOptions of_objects = options;
-  of_objects.updates = how.updates;
-  ObjectTrainer trainer(runtime, spec, of_objects, how.segments, data.tactile, tuning);
+  TrainOptions object_options = options;
+  object_options.updates = how.updates;
+  ObjectTrainer trainer(runtime, spec, object_options, how.segments, data.tactile, tuning);
   Progress progress("training the object encoder", static_cast<std::uint64_t>(how.updates));
   while (trainer.updates() < how.updates) {
     const double loss = trainer.update(sampler.batch(trainer.updates()));

@@ -164,12 +164,13 @@ std::string zsh_completion(const std::vector<Described>& all) {
 }
 
 ExitCode run(const GenerateOptions& options, const Invocation&) {
+  const std::string format = options.format;  // describing the commands resets their options
   CommonValues values;
   const auto all = describe_all(touchtrace_program(), values);
-  if (options.format == "man")
+  if (format == "man")
     fmt::print("{}", man_page(touchtrace_program(), all));
   else
-    fmt::print("{}", options.format == "bash" ? bash_completion(all) : zsh_completion(all));
+    fmt::print("{}", format == "bash" ? bash_completion(all) : zsh_completion(all));
   return ExitCode::done;
 }
 

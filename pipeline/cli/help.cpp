@@ -125,9 +125,9 @@ std::string help_text(const Program& program) {
     for (const auto& command : group.commands) text += row(command.name, command.summary, 12);
   }
   return text + fmt::format(
-                    "\n`{0} help COMMAND` describes a command, `{0} --version` prints versions, "
-                    "`{0} --list`\nprints the commands. Without a command: this help and exit "
-                    "code 2.\n{1}\n",
+                    "\n`{0} help COMMAND` describes a command, `{0} --version` prints versions,\n"
+                    "`{0} --list` prints the commands. Without a command: this help, exit code 2.\n"
+                    "{1}\n",
                     program.name, exit_codes);
 }
 

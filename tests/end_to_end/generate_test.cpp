@@ -45,9 +45,9 @@ TEST_F(Generate, ManualPageIsValid) {
        {".TH TOUCHTRACE 1", ".SS label", "\\-\\-tracker {csrt", ".SH EXIT STATUS"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   if (run_shell("command -v mandoc").exit_code == 0) {
-    // Style advice is allowed, warnings and errors are not.
-    const auto lint = run_shell("mandoc -T lint -W warning " + file_);
-    EXPECT_EQ(lint.exit_code, 0) << lint.output;
+    // The page has no date, so that builds are reproducible.
+    const auto lint = run_shell("mandoc -T lint -W warning " + file_ + " | grep -v missing.date");
+    EXPECT_EQ(lint.output, "");
   } else if (run_shell("command -v groff").exit_code == 0) {
     EXPECT_EQ(run_shell("groff -man -ww -z " + file_).output, "");
   }

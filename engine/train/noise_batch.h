@@ -9,8 +9,6 @@ namespace touchtrace {
 
 // Random streams and batches, to measure and test training without a recording.
 
-std::vector<float> normal_floats(std::size_t size, RandomStream& random);
-
 /// Standard normal frames [frames, rows, cols].
 std::vector<float> noise_stream(const ModelSpec& spec, int frames, RandomStream& random);
 

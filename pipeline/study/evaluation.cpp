@@ -70,7 +70,8 @@ void describe(OptionSet& set, EvaluationOptions& o) {
   set.choice("against", o.against, "reference states; auto: truth if recorded, else labels",
              {"auto", "truth", "labels"});
   set.integer("stride", o.stride, "frames between starts of roll-outs", 1, 1000);
-  set.choice("accuracy", o.accuracy, "exact: denormals, compensated sums", {"fast", "exact"});
+  set.choice("accuracy", o.accuracy, "exact: denormals, compensated sums, no Winograd",
+             {"fast", "exact"});
   set.seed("seed", o.seed, "baseline Random and bootstrap");
 }
 

@@ -49,7 +49,8 @@ void describe_optimisation(OptionSet& set, TrainingOptions& o) {
       .value("P");
   set.integer("skip-not-finite", o.optimizer.max_consecutive_skips,
               "consecutive updates with NaN or infinity to skip; 0: stop at the first", 0, 1000);
-  set.choice("accuracy", o.accuracy, "exact: denormals, compensated sums", {"fast", "exact"});
+  set.choice("accuracy", o.accuracy, "exact: denormals, compensated sums, no Winograd",
+             {"fast", "exact"});
   set.seed("seed", o.optimizer.seed, "weights, batches, dropout");
 }
 

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr int rollout_stride = 5;
 
-/// One scene to learn; no assumption: the default.
+/// One run: a scene with one scaled parameter, or the default scene if `assumption` is null.
 struct Cell {
   const scene::Parameter* assumption;
   double factor;
@@ -42,8 +42,8 @@ struct Cell {
   }
 };
 
-/// In the order asked for.
-std::vector<const scene::Parameter*> chosen(const SensitivityOptions& options) {
+/// Parameters that match options.only, in that order.
+std::vector<const scene::Parameter*> select_parameters(const SensitivityOptions& options) {
   std::vector<const scene::Parameter*> rows;
   for (const std::string& start :
        options.only.empty() ? std::vector<std::string>{""} : options.only) {
@@ -61,7 +61,7 @@ std::vector<const scene::Parameter*> chosen(const SensitivityOptions& options) {
 std::vector<Cell> cells_of(const SensitivityOptions& options) {
   std::vector<Cell> cells;
   for (int seed = 1; seed <= options.seeds; ++seed) cells.push_back({nullptr, 1.0, seed});
-  for (const scene::Parameter* row : chosen(options))
+  for (const scene::Parameter* row : select_parameters(options))
     for (const double factor : {0.5, 2.0}) {
       const Cell cell{row, factor, 1};
       if (row->values(cell.parameters()) != row->values()) cells.push_back(cell);
@@ -130,8 +130,8 @@ class Study {
             {}};
   }
 
-  /// L1@50 of a model trained on these data; from another cell if that was given the same.
-  void learn(const Session& session, bool touch, json& row) {
+  /// Trains a model and adds its L1@50 to the row, or copies it from a cell with the same data.
+  void train_and_score(const Session& session, bool touch, json& row) {
     const Dataset& data = session.data;
     const std::string name = touch ? "full" : "without_touch", hash_name = name + "_data";
     const std::string labels = bytes_hash(data.label, data.causal_label, data.trusted, data.truth);
@@ -163,7 +163,7 @@ class Study {
 
   void measure(const Cell& cell, json& row) {
     const Session session = simulated(cell, row);
-    for (const bool touch : {true, false}) learn(session, touch, row);
+    for (const bool touch : {true, false}) train_and_score(session, touch, row);
   }
 
   Runtime& runtime_;
@@ -175,7 +175,7 @@ bool numbers(const json& values) {
   return values.is_array() && std::ranges::all_of(values, &json::is_number);
 }
 
-/// Whether a cell of a file holds what the study and its table read of it.
+/// Whether a cell of a file has the fields that the study and its table read.
 bool is_cell(const json& cell) {
   const auto of = [&](const char* key) { return cell.value(key, json()); };
   return cell.is_object() && of("factor").is_number() && of("seed").is_number_integer() &&
@@ -188,9 +188,8 @@ json options_of(const json& document) {
   return provenance.is_object() ? provenance.value("options", json()) : json();
 }
 
-/// What is in the file already, if it may be gone on with.
-json document_to_begin_with(const SensitivityOptions& options, Provenance provenance,
-                            bool overwrite) {
+/// New document, or with --resume the one in the output file.
+json initial_document(const SensitivityOptions& options, Provenance provenance, bool overwrite) {
   json begun{{"schema", "touchtrace/sensitivity/1"}, {"cells", json::array()}};
   for (const char* harmless : {"resume", "only", "seeds", "output"})
     provenance.options.erase(harmless);
@@ -202,9 +201,9 @@ json document_to_begin_with(const SensitivityOptions& options, Provenance proven
   }
   json found = json::parse(read_file(options.output), nullptr, false);
   const json cells = found.is_object() ? found.value("cells", json()) : json();
-  const char* hint = "give another output, or --overwrite without --resume";
+  const char* hint = "use another --output, or --overwrite without --resume";
   if (!cells.is_array() || !std::ranges::all_of(cells, is_cell))
-    throw data_error(fmt::format("{} does not hold the cells of a study", options.output), hint);
+    throw data_error(fmt::format("{} is not a sensitivity study", options.output), hint);
   if (options_of(found) != options_of(begun))
     throw usage_error(fmt::format("{} was made with other options", options.output), hint);
   return found;
@@ -213,24 +212,23 @@ json document_to_begin_with(const SensitivityOptions& options, Provenance proven
 }  // namespace
 
 void describe(OptionSet& set, SensitivityOptions& o) {
-  set.path("output", o.output, "the results, a JSON file that is kept from cell to cell");
-  set.choice("activity", o.activity, "what the hand does", scene::activity_names());
-  set.texts("only", o.only, "assumptions, or how their names begin (default: all), in this order");
-  set.integer("seeds", o.seeds, "of the default, to see what is noise", 1, 100);
-  set.integer("clips", o.clips, "of 8 to 12 s", 10, 100000);
-  set.integer("updates", o.updates, "of the weights, with and without touch", 1, 10'000'000);
-  set.integer("resolution", o.resolution, "rows and columns of a tactile frame", 6, 32);
-  set.integer("window", o.window, "tactile frames in a window", 1, 32);
-  set.flag("images", o.images,
-           "render, calibrate and label instead of labels that err as measured");
-  set.flag("resume", o.resume, "keep the cells that the output has already");
+  set.path("output", o.output, "results (.json), saved after each cell");
+  set.choice("activity", o.activity, "activity", scene::activity_names());
+  set.texts("only", o.only, "parameters or prefixes of their names (default: all)");
+  set.integer("seeds", o.seeds, "seeds of the default scene, to measure the spread", 1, 100);
+  set.integer("clips", o.clips, "clips of 8 to 12 s", 10, 100000);
+  set.integer("updates", o.updates, "weight updates, with and without touch", 1, 10'000'000);
+  set.integer("resolution", o.resolution, "tactile rows and columns", 6, 32);
+  set.integer("window", o.window, "tactile frames per window", 1, 32);
+  set.flag("images", o.images, "labels of rendered images instead of modelled label errors");
+  set.flag("resume", o.resume, "keep the cells in the output file");
 }
 
 json measure_sensitivity(Runtime& runtime, const SensitivityOptions& options, Provenance provenance,
                          bool overwrite) {
   const auto cells = cells_of(options);
   provenance.device = runtime.device().name;
-  Study study(runtime, options, document_to_begin_with(options, std::move(provenance), overwrite));
+  Study study(runtime, options, initial_document(options, std::move(provenance), overwrite));
   Progress progress("sensitivity " + options.activity, cells.size());
   for (const Cell& cell : cells) {
     study.run(cell);

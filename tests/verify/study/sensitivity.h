@@ -13,7 +13,7 @@ namespace touchtrace::study {
 /// Options of `touchtrace sensitivity`.
 struct SensitivityOptions {
   std::string output, activity = "wave";
-  std::vector<std::string> only;  ///< names of assumptions, or how they begin; empty: all
+  std::vector<std::string> only;  ///< parameter names or prefixes; empty: all
   int seeds = 3;                  ///< of the default; each other cell has the first
   int clips = 60, updates = 800, resolution = 16, window = 4;
   bool images = false;  ///< labels of rendered images; otherwise modelled ones
@@ -29,13 +29,13 @@ void describe(OptionSet& set, SensitivityOptions& options);
 /// their random numbers; a model whose data did not change is not trained again. The document,
 /// saved in `options.output` after each cell, has
 ///   cells   rows {assumption, factor, seed, value, dropped_clips, full, without_touch, random}:
-///           L1@50 in units of the cell's own deviations; null where too few clips held the object
-/// Throws usage_error for an assumption that there is not.
+///           L1@50 in units of the cell's own label sigmas; null if too many clips were dropped
+/// Throws usage_error for an unknown parameter.
 nlohmann::json measure_sensitivity(Runtime& runtime, const SensitivityOptions& options,
                                    Provenance provenance, bool overwrite);
 
-/// A Markdown table: an assumption a row, L1@50 at half, default and double, and what the default's
-/// seeds spread. Below it the assumptions that changed nothing in the data.
+/// Markdown table with one row per parameter: L1@50 at half, default and double; mean and standard
+/// deviation over the default's seeds; below, the parameters that did not change the data.
 std::string sensitivity_table(const nlohmann::json& document);
 
 }  // namespace touchtrace::study

@@ -25,7 +25,7 @@ ExitCode run(const SensitivityOptions& options, const cli::Invocation& invocatio
 
 cli::Command sensitivity_command() {
   return cli::make_command<SensitivityOptions>(
-      "sensitivity", "halve and double what the scene assumes, and see what it does to L1@50",
+      "sensitivity", "halve and double the scene's parameters and measure the effect on L1@50",
       {"touchtrace-verify sensitivity --output wave.json --only glove-gain glove-cross-talk",
        "touchtrace-verify sensitivity --output throw.json --activity throw --resume"},
       run, {.device = true, .overwrite = true, .quiet = true});

@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* candidates[] = {"full", "without_touch"};
+constexpr const char* models[] = {"full", "without_touch"};
 
 /// NaN if the error is missing: the object was dropped in too many clips.
 double error_of(const json& row, const char* model) {
@@ -37,7 +37,7 @@ std::string spread_of(const std::vector<const json*>& seeds, const char* model) 
   return fmt::format("{} +- {}", text_of(mean), text_of(std::sqrt(square / std::max(1.0, n - 1))));
 }
 
-/// An assumption's cells; null where it has none.
+/// Cells of one parameter; null if missing.
 struct Row {
   json half, twice;
 
@@ -51,7 +51,7 @@ struct Row {
 
 std::string row_text(const std::string& name, const Row& row, const json& usual) {
   std::string text = fmt::format("| {} | {}, {} |", name, value_of(row.half), value_of(row.twice));
-  for (const char* model : candidates)
+  for (const char* model : models)
     text += fmt::format(" {}, {}, {} |", text_of(error_of(row.half, model)),
                         text_of(error_of(usual, model)), text_of(error_of(row.twice, model)));
   return text + "\n";
@@ -74,10 +74,10 @@ std::string sensitivity_table(const json& document) {
   }
   if (defaults.empty()) return "";
   std::string text =
-      "| assumption | half, double | with touch: half, default, double | without: half, default, "
+      "| parameter | half, double | with touch: half, default, double | without: half, default, "
       "double |\n|---|---|---|---|\n";
   text += fmt::format("| default, {} seeds | | {} | {} |\n", defaults.size(),
-                      spread_of(defaults, candidates[0]), spread_of(defaults, candidates[1]));
+                      spread_of(defaults, models[0]), spread_of(defaults, models[1]));
   for (const std::string& name : order)
     if (rows[name].changes(*defaults.front()))
       text += row_text(name, rows[name], *defaults.front());

@@ -1,5 +1,5 @@
-// The row of adam in the table of operations. Inputs: parameters, gradient, both moments, decay;
-// outputs: parameters and both moments after the update. An optimiser has no gradient.
+// Operation `adam`. Inputs: parameters, gradient, both moments, decay. Outputs: change of the
+// parameters, both moments after the update. No gradient.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ Arrays reference(const AdamStep& step, const Arrays& in) {
     const double v = out[2][i] = 0.999 * in[3][i] + 0.001 * g * g;
     const double direction = m / (1 - std::pow(0.9, step.count)) /
                              (std::sqrt(v / (1 - std::pow(0.999, step.count))) + 1e-8);
-    out[0][i] -= step.learning_rate * (direction + in[4][i] * in[0][i]);
+    out[0][i] = -step.learning_rate * (direction + in[4][i] * in[0][i]);
   }
   return out;
 }
@@ -37,8 +37,9 @@ Arrays forward(Runtime& runtime, const AdamStep& step, const Arrays& in) {
   write(adam.first_moment(), in[2]);
   write(adam.second_moment(), in[3]);
   adam.enqueue(step);
-  return {download(runtime, parameters), download(runtime, adam.first_moment()),
-          download(runtime, adam.second_moment())};
+  auto change = download(runtime, parameters);
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] -= in[0][i];
+  return {change, download(runtime, adam.first_moment()), download(runtime, adam.second_moment())};
 }
 
 OperationCase adam_case(std::size_t size, const AdamStep& step) {
@@ -46,12 +47,17 @@ OperationCase adam_case(std::size_t size, const AdamStep& step) {
   c.shape =
       fmt::format("{} parameters, update {}, clipped to {}", size, step.count, step.clip_norm);
   c.input_sizes = std::vector<std::size_t>(5, size);
-  c.terms = double(size);
+  // 17 operations per parameter, and the norm of the gradient, summed in chunks of at most 1024.
+  c.terms = 17.0 + std::min(1024.0, double(size)) + double(size) / 1024.0;
   c.reference = [step](const Arrays& in) { return reference(step, in); };
   c.forward = [step](Runtime& runtime, const Arrays& in) { return forward(runtime, step, in); };
-  c.prepare = [](Arrays& in) {
+  // Parameters as small as a step, so that their rounding does not hide it; decay so large that it
+  // contributes as much as the gradient.
+  c.prepare = [step](Arrays& in) {
     for (std::size_t input : {3, 4})
       for (double& value : in[input]) value = std::abs(value);
+    for (double& value : in[0]) value = static_cast<float>(value * step.learning_rate);
+    for (double& value : in[4]) value = static_cast<float>(value / step.learning_rate);
   };
   return c;
 }

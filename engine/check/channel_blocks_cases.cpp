@@ -1,6 +1,5 @@
-// The rows of channel_blocks in the table of operations. A gradient is that of a ReLU, whose output
-// forwards is moved into blocks. `block_order` is the order of a dense layer's weights, there and
-// back.
+// Operations of channel_blocks.h. `channel_blocks`: a ReLU whose output is moved into blocks;
+// `block_order`: weights of a dense layer, converted to block order and back.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-// The row of conv2d in the table of operations. Its input is what stands before the ReLU of the
-// layer below, so that the mask which the kernels apply is part of the gradient; planes are taken
-// as given.
+// Operations `conv2d` and `winograd`. The input in blocks is the pre-activation of the layer below,
+// so that the gradient covers the ReLU mask that the kernels apply; planes are used as they are.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -40,7 +39,7 @@ Arrays reference(const Conv2dShape& s, const Arrays& inputs) {
   return {conv2d_reference(s, activation(s, inputs[0]), inputs[1], inputs[2])};
 }
 
-/// `gradient` where `output` is above zero.
+/// `gradient` where `output` is positive, else 0.
 std::vector<double> masked(std::vector<double> gradient, const std::vector<double>& output) {
   for (std::size_t i = 0; i < gradient.size(); ++i)
     if (!(output[i] > 0)) gradient[i] = 0;
@@ -63,14 +62,14 @@ double kink_distance(const Conv2dShape& s, const Arrays& inputs) {
   return distance;
 }
 
-/// A layer on the device with its forward pass done.
+/// Layer on the device after its forward pass.
 struct Layer {
   Layer(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice,
         const Arrays& inputs);
 
   Conv2dShape s;
   Conv2dParameters parameters;
-  Conv2dImages images;
+  Conv2dMicroBatch batch;
   std::unique_ptr<Conv2d> conv;
 };
 
@@ -80,18 +79,18 @@ Layer::Layer(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& cho
   const auto values = joined(inputs[1], inputs[2]);
   parameters = {upload(runtime, values), runtime.allocate_zeros<float>(values.size()), 0,
                 static_cast<int>(inputs[1].size())};
-  images = {s.images, upload(runtime, with_halo(activation(s, inputs[0]), in_layout(s))),
-            runtime.allocate_zeros<float>(s.out_size()),
-            runtime.allocate_zeros<float>(s.grad_out_size()),
-            s.in_planes ? Buffer<float>() : runtime.allocate_zeros<float>(s.in_size())};
+  batch = {s.images, upload(runtime, with_halo(activation(s, inputs[0]), in_layout(s))),
+           runtime.allocate_zeros<float>(s.out_size()),
+           runtime.allocate_zeros<float>(s.grad_out_size()),
+           s.in_planes ? Buffer<float>() : runtime.allocate_zeros<float>(s.in_size())};
   conv = make_conv2d(runtime, s, parameters, choice);
   enqueue(runtime, conv->prepare());
-  enqueue(runtime, conv->forward(images));
+  enqueue(runtime, conv->forward(batch));
 }
 
 std::vector<double> output(Runtime& runtime, const Layer& layer) {
   const auto& s = layer.s;
-  return without_halo(download(runtime, layer.images.out), out_layout(s));
+  return without_halo(download(runtime, layer.batch.out), out_layout(s));
 }
 
 Arrays forward(Runtime& runtime, const Conv2dShape& s, const Conv2dChoice& choice,
@@ -103,12 +102,12 @@ Arrays backward(Runtime& runtime, const Conv2dShape& s, const Conv2dChoice& choi
                 const Arrays& inputs, const Arrays& grads) {
   Layer layer(runtime, s, choice, inputs);
   const auto grad_sum = masked(grads[0], output(runtime, layer));
-  layer.images.grad_out = upload(runtime, with_halo(grad_sum, grad_out_layout(s)));
-  enqueue(runtime, layer.conv->backward(layer.images, true));
+  layer.batch.grad_out = upload(runtime, with_halo(grad_sum, grad_out_layout(s)));
+  enqueue(runtime, layer.conv->backward(layer.batch, true));
   enqueue(runtime, layer.conv->finish());
   const auto [weight, bias] = split(download(runtime, layer.parameters.gradient), inputs[1].size());
   if (s.in_planes) return {{}, weight, bias};
-  return {without_halo(download(runtime, layer.images.grad_in), in_layout(s)), weight, bias};
+  return {without_halo(download(runtime, layer.batch.grad_in), in_layout(s)), weight, bias};
 }
 
 }  // namespace
@@ -135,7 +134,7 @@ OperationCase conv2d_case(const Conv2dShape& s, const Conv2dChoice& choice) {
   return c;
 }
 
-/// Planes that are zero in one corner, a quarter of their pixels.
+/// Planes whose lower left quarter is zero.
 static OperationCase case_with_dead_pixels(Conv2dShape s) {
   std::vector<std::uint8_t> live(std::size_t(s.rows) * s.cols);
   for (int pixel = 0; pixel < s.rows * s.cols; ++pixel)
@@ -149,7 +148,7 @@ static OperationCase case_with_dead_pixels(Conv2dShape s) {
   return c;
 }
 
-/// The last layer of an encoder.
+/// Last layer of an encoder.
 static Conv2dShape compact(Conv2dShape s) {
   s.compact_output = true;
   return s;

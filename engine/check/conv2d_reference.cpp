@@ -10,7 +10,7 @@ struct Product {
   std::size_t in, weight, out, channel;
 };
 
-/// Calls `visit` for the taps of one output value that lie inside the image.
+/// Calls `visit` for the taps of one output value that are inside the image.
 template <class Visit>
 void visit_taps(const Conv2dShape& s, int image, int k, int y, int x, Visit visit) {
   const auto out =

@@ -1,5 +1,5 @@
-// The row of dense in the table of operations: a layer with bias forwards, and the three GEMMs and
-// sums of its gradients, set up as the model sets them up.
+// Operation `dense`: a layer with bias, and the GEMMs and column sums of its gradients, as the
+// model calls them.
 #include <fmt/core.h>
 
 #include "engine/base/integer_math.h"
@@ -15,7 +15,7 @@ constexpr int vector_lanes = 16;
 
 int padded(int columns) { return round_up(columns, vector_lanes); }
 
-/// A matrix on the device, its rows padded to whole vectors.
+/// Matrix on the device with rows padded to whole vectors.
 MatrixView upload_padded(Runtime& runtime, const std::vector<double>& values, int rows,
                          int columns) {
   const int ld = padded(columns);
@@ -62,7 +62,6 @@ OperationCase dense_case(const DenseShape& s) {
   c.input_sizes = {std::size_t(s.rows) * s.inputs, std::size_t(s.outputs) * s.inputs,
                    std::size_t(s.outputs)};
   c.terms = s.inputs + 1;
-  c.gradient_terms = std::max(s.rows, s.outputs);
   c.reference = [s](const Arrays& in) { return Arrays{dense_reference(s, in[0], in[1], in[2])}; };
   c.forward = [s](Runtime& runtime, const Arrays& in) { return forward(runtime, s, in); };
   c.reference_backward = [s](const Arrays& in, const Arrays& grads) {

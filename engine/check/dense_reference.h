@@ -4,7 +4,7 @@
 
 namespace touchtrace {
 
-/// A dense layer: out[rows, outputs] = in[rows, inputs] weight[outputs, inputs]' + bias[outputs].
+/// Dense layer: out[rows, outputs] = in[rows, inputs] weight[outputs, inputs]' + bias[outputs].
 struct DenseShape {
   int rows, inputs, outputs;
 };
@@ -13,7 +13,7 @@ struct DenseGradients {
   std::vector<double> in, weight, bias;
 };
 
-/// dense.h in plain loops. An empty `bias` is zero.
+/// Dense layer in plain loops. An empty `bias` counts as zero.
 std::vector<double> dense_reference(const DenseShape& shape, const std::vector<double>& in,
                                     const std::vector<double>& weight,
                                     const std::vector<double>& bias);

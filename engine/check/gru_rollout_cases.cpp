@@ -1,7 +1,6 @@
-// The row of gru_rollout in the table of operations; at one step it is the GRU cell alone. Inputs:
-// initial states and hidden states, `first`, the state's part of weight_ih, weight_hh, bias_hh, w3,
-// b3; outputs: predicted states and spread. As for the MLP, the host sums the weight gradients from
-// what the backward kernel wrote.
+// Operation `gru_rollout`; one step is a GRU cell. Inputs: initial states, initial hidden states,
+// input projection, state columns of weight_ih, weight_hh, bias_hh, w3, b3. Outputs: predicted
+// states, spread. The host sums the weight gradients from the output of the backward kernel.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -42,7 +41,7 @@ Buffer<float> upload_transposed(Runtime& runtime, const std::vector<double>& wei
                                      gru_weights_row(hidden)));
 }
 
-/// The arrays on the device, with the forward pass done.
+/// Arrays on the device after the forward pass.
 GruArrays gru_rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& in) {
   const int hidden = s.hidden;
   GruArrays a{
@@ -88,7 +87,7 @@ GruGradients gru_gone_back(Runtime& runtime, const RolloutShape& s, const GruArr
   return g;
 }
 
-/// Towards the sums of the hidden side: of rows d r | d z | d n | d a all but d n.
+/// Gradient with respect to the hidden pre-activations: rows d r | d z | d n | d a without d n.
 std::vector<double> hidden_side(const std::vector<double>& d_gates, std::size_t hidden) {
   std::vector<double> side;
   for (std::size_t i = 0; i < d_gates.size(); ++i)
@@ -132,7 +131,6 @@ OperationCase gru_case(const RolloutShape& s) {
                    2 * state * hidden,
                    2 * state};
   c.terms = double(hidden) * s.steps;
-  c.gradient_terms = double(hidden) * s.steps * std::max(s.steps, s.sequences);
   c.reference = [s](const Arrays& in) { return gru_reference(s, in); };
   c.forward = [s](Runtime& runtime, const Arrays& in) { return gru_forward(runtime, s, in); };
   c.reference_backward = [s](const Arrays& in, const Arrays& g) {
@@ -142,7 +140,7 @@ OperationCase gru_case(const RolloutShape& s) {
     return gru_backward(runtime, s, in, g);
   };
   c.prepare = [s](Arrays& in) {
-    for (double& value : in[1]) value = std::clamp(value, -1.0, 1.0);  // as tanh leaves it
+    for (double& value : in[1]) value = std::clamp(value, -1.0, 1.0);  // range of tanh
     scale_weights(in, 3, s.hidden);
   };
   return c;

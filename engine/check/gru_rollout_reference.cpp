@@ -11,7 +11,7 @@ namespace {
 
 using GruValues = std::vector<double>;
 
-/// The logistic function.
+/// Logistic function.
 double gate_of(double x) { return 1.0 / (1.0 + std::exp(-x)); }
 
 struct GruLayers {
@@ -24,14 +24,14 @@ GruLayers layers_of_gru(const RolloutShape& s) {
           {s.sequences, s.hidden, 2 * s.state}};
 }
 
-/// The index of the reset gate of hidden value `i` in rows of three gates; z and n are `hidden` and
-/// 2 `hidden` on.
+/// Index of the reset gate of hidden value `i` in rows of three gates. z and n follow at distances
+/// `hidden` and 2 `hidden`.
 std::size_t reset_of(std::size_t i, std::size_t hidden) {
   return i / hidden * 3 * hidden + i % hidden;
 }
 
-/// Appends gates and the next hidden state, from the sums of the state's side and of the hidden
-/// one's, [S, 3 hidden] each.
+/// Appends gates and the next hidden state, from the input and hidden pre-activations, [S, 3
+/// hidden] each.
 void append_cell(std::size_t hidden, const GruValues& x, const GruValues& y,
                  const GruValues& before, GruTrace& trace) {
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -43,7 +43,8 @@ void append_cell(std::size_t hidden, const GruValues& x, const GruValues& y,
   }
 }
 
-/// Of one step: towards both sides' sums, and towards the hidden state before past the gates.
+/// Gradients of one step: input and hidden pre-activations, and the direct path to the last hidden
+/// state.
 struct CellGradient {
   GruValues x, y, before;
 };

@@ -6,14 +6,14 @@
 
 namespace touchtrace {
 
-/// The weights of gru_rollout.h, as PyTorch lays them out: [outputs, inputs], outputs r, z, n.
+/// Weights of the GRU in PyTorch's layout: [outputs, inputs], outputs in the order r, z, n.
 struct GruWeights {
-  std::vector<double> w;        ///< [3 hidden, state]: weight_ih, of the state alone
+  std::vector<double> w;        ///< [3 hidden, state]: state columns of weight_ih
   std::vector<double> u, bias;  ///< [3 hidden, hidden], [3 hidden]: weight_hh and bias_hh
   std::vector<double> w3, b3;   ///< [2 state, hidden], [2 state]
 };
 
-/// A roll-out with what its gradient needs. Rows in the order [T][S].
+/// Roll-out with the values that its gradient needs. Rows are ordered [T][S].
 struct GruTrace {
   std::vector<double> states;      ///< [T + 1, S, state]
   std::vector<double> h;           ///< [T + 1, S, hidden]
@@ -26,14 +26,14 @@ struct GruReferenceGradients {
   GruWeights weights;
 };
 
-/// gru_rollout.h in plain loops. `shape.activation` is not used; `initial_h`: [S, hidden]; `first`:
+/// GRU roll-out in plain loops. `shape.activation` is not used; `initial_h`: [S, hidden]; `first`:
 /// [T * S, 3 hidden] or, shared, [3 hidden].
 GruTrace gru_rollout_reference(const RolloutShape& shape, const std::vector<double>& initial,
                                const std::vector<double>& initial_h,
                                const std::vector<double>& input_projection,
                                const GruWeights& weights);
 
-/// `grad_state`, `grad_spread`: [T, S, state], towards the predicted states and spread.
+/// `grad_state`, `grad_spread`: [T, S, state], with respect to the predicted states and spread.
 GruReferenceGradients gru_rollout_backward_reference(const RolloutShape& shape,
                                                      const GruTrace& trace,
                                                      const GruWeights& weights,

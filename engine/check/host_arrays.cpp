@@ -3,7 +3,7 @@
 namespace touchtrace {
 namespace {
 
-/// Calls `visit(plain, haloed)` with the flat indices of the same value in both layouts.
+/// Calls `visit(plain, haloed)` with the flat indices of each value in both layouts.
 template <class Visit>
 void visit_values(std::size_t planes, const HaloLayout& layout, Visit visit) {
   const auto [rows, cols, lanes, halo] = layout;
@@ -16,7 +16,7 @@ void visit_values(std::size_t planes, const HaloLayout& layout, Visit visit) {
       }
 }
 
-/// Pixels of a plane with its halo.
+/// Number of pixels of a plane, halo included.
 std::size_t haloed_area(const HaloLayout& layout) {
   return std::size_t(layout.rows + 2 * layout.halo) * (layout.cols + 2 * layout.halo);
 }
@@ -60,7 +60,7 @@ std::vector<double> without_halo(const std::vector<double>& haloed, const HaloLa
 
 namespace {
 
-/// Where value i of rows [channel][pixel] stands in block order.
+/// Index in block order of value i of rows [channel][pixel].
 std::size_t block_place(std::size_t i, int channels, int pixels) {
   const std::size_t channel = i / pixels % channels, row = i / pixels / channels;
   return ((row * channels / 16 + channel / 16) * pixels + i % pixels) * 16 + channel % 16;

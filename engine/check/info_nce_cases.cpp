@@ -1,5 +1,5 @@
-// The row of info_nce in the table of operations. Inputs: embeddings [N, columns], the object of
-// each and the weight of each; output: the loss of each anchor.
+// Operation `info_nce`. Inputs: embeddings [N, columns], objects [N], weights [N]. Output: loss of
+// each anchor.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ InfoNceProblem info_nce_problem(const InfoNceShape& s, const Arrays& in) {
   return {s.columns, s.temperature, in[0], {in[1].begin(), in[1].end()}, in[2]};
 }
 
-/// The inputs with the weights that make the loss's gradient that of sum(output * output_gradient).
+/// Inputs with weights such that the loss equals sum(output * output_gradient).
 Arrays info_nce_weighted(Arrays in, const Arrays& grads) {
   for (std::size_t i = 0; i < in[2].size(); ++i) in[2][i] *= grads[0][i];
   return in;
@@ -49,7 +49,7 @@ OperationCase info_nce_case(const InfoNceShape& s) {
   };
   c.prepare = [s](Arrays& in) {
     for (double& object : in[1]) object = std::floor(std::fmod(std::abs(object) * 1e3, s.objects));
-    in[1].front() = 0, in[1].back() = s.objects - 1;  // at least two objects, and a pair of one
+    in[1].front() = 0, in[1].back() = s.objects - 1;  // at least two objects and one positive pair
     in[1][1] = 0;
     for (double& weight : in[2]) weight = std::abs(weight);
   };

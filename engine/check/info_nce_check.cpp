@@ -10,7 +10,7 @@
 namespace touchtrace {
 
 InfoNceResult info_nce_on_device(Runtime& runtime, const InfoNceProblem& problem) {
-  constexpr int lead = 3;  // row losses stand behind others, which must stay as they are
+  constexpr int lead = 3;  // floats before the row losses, which must not change
   const auto count = problem.weight.size();
   const InfoNceArrays arrays{
       .count = static_cast<int>(count),

@@ -21,8 +21,8 @@ Rows rows_of(const InfoNceProblem& problem) {
   return rows;
 }
 
-/// What logits are dot products of: the embeddings, or these over their lengths and the root of the
-/// temperature.
+/// Vectors whose dot products are the logits: the embeddings, or unit vectors divided by
+/// sqrt(temperature).
 Rows factors_of(Rows rows, float temperature) {
   for (auto& row : rows) {
     const double scale =
@@ -43,7 +43,7 @@ double log_odds(double positive, const std::vector<double>& negatives) {
 double log_one_plus_exp(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
 double logistic(double x) { return 1.0 / (1.0 + std::exp(-x)); }
 
-/// Adds the gradient of factors' dot product number (i, j) times `slope`.
+/// Adds the gradient of the dot product of factors i and j, times `slope`.
 void add_slope(const Rows& factors, Rows& grad, std::size_t i, std::size_t j, double slope) {
   for (std::size_t d = 0; d < factors[i].size(); ++d) {
     grad[i][d] += slope * factors[j][d];
@@ -51,7 +51,7 @@ void add_slope(const Rows& factors, Rows& grad, std::size_t i, std::size_t j, do
   }
 }
 
-/// One anchor: its loss, and what it gives to the gradient towards the factors.
+/// Adds the loss of one anchor and its gradient with respect to the factors.
 double add_anchor(const InfoNceProblem& problem, const Rows& factors, std::size_t i, Rows& grad) {
   std::vector<double> negatives;
   for (std::size_t j = 0; j < factors.size(); ++j)

@@ -13,10 +13,10 @@ struct InfoNceProblem {
 };
 
 struct InfoNceResult {
-  std::vector<double> row_loss, grad_embedding;  ///< the gradient of row_loss's sum
+  std::vector<double> row_loss, grad_embedding;  ///< of sum(row_loss)
 };
 
-/// info_nce.h in plain loops.
+/// InfoNCE loss in plain loops.
 InfoNceResult info_nce_reference(const InfoNceProblem& problem);
 
 }  // namespace touchtrace

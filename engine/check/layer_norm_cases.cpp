@@ -1,4 +1,4 @@
-// The row of layer_norm in the table of operations: inputs x, gain, bias.
+// Operation `layer_norm`. Inputs: x, gain, bias.
 #include <fmt/core.h>
 
 #include "engine/check/host_arrays.h"
@@ -9,7 +9,7 @@
 namespace touchtrace {
 namespace {
 
-/// The arrays on the device, with the forward pass done.
+/// Arrays on the device after the forward pass.
 LayerNormArrays normalized(Runtime& runtime, const Arrays& in) {
   const int columns = static_cast<int>(in[1].size()),
             rows = static_cast<int>(in[0].size()) / columns;
@@ -40,7 +40,6 @@ OperationCase layer_norm_case(int rows, int columns) {
   c.shape = fmt::format("{} rows of {}", rows, columns);
   c.input_sizes = {std::size_t(rows) * columns, std::size_t(columns), std::size_t(columns)};
   c.terms = columns;
-  c.gradient_terms = std::max(rows, columns);
   c.reference = [](const Arrays& in) { return Arrays{layer_norm_reference(in[0], in[1], in[2])}; };
   c.forward = [](Runtime& runtime, const Arrays& in) {
     return Arrays{download(runtime, normalized(runtime, in).y)};

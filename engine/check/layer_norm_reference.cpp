@@ -6,7 +6,7 @@
 namespace touchtrace {
 namespace {
 
-/// Of one row.
+/// Mean and standard deviation of one row.
 struct Statistics {
   double mean = 0.0, deviation = 0.0;
 };

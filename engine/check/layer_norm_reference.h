@@ -8,7 +8,7 @@ struct LayerNormGradients {
   std::vector<double> x, gain, bias;
 };
 
-/// layer_norm.h in plain loops: x [rows, columns], gain and bias [columns].
+/// LayerNorm in plain loops: x [rows, columns], gain and bias [columns].
 std::vector<double> layer_norm_reference(const std::vector<double>& x,
                                          const std::vector<double>& gain,
                                          const std::vector<double>& bias);

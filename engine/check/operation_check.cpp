@@ -19,7 +19,7 @@ Arrays normal_like(const Arrays& shapes, RandomStream& random) {
   return arrays;
 }
 
-/// Summed in long double: differences of such sums over small steps would show how doubles round.
+/// Sum in long double, so that central differences do not show the rounding of double.
 long double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0L);
 }
@@ -42,7 +42,7 @@ double largest(const std::vector<double>& values) {
   return scale;
 }
 
-/// NaN counts as infinite, so that it never passes.
+/// Replaces NaN by infinity, so that it never passes.
 double worse(double worst, double error) {
   return error <= worst ? worst : error >= 0 ? error : infinite;
 }
@@ -54,7 +54,7 @@ Arrays moved(Arrays inputs, const Arrays& direction, double step) {
   return inputs;
 }
 
-/// A random direction of length 1 in the space of the gradient.
+/// Random unit vector in the space of the gradient.
 Arrays unit_direction(const Arrays& gradient, RandomStream& random) {
   auto direction = normal_like(gradient, random);
   const double length = std::sqrt(dot(direction, direction));
@@ -102,7 +102,7 @@ Arrays draw_inputs(const OperationCase& operation, std::uint64_t seed, double ki
         operation.kink_distance(inputs) > kink_margin)
       return inputs;
   }
-  throw failure("no inputs of " + operation.shape + " stand far enough from a kink",
+  throw failure("no inputs of " + operation.shape + " are far enough from a kink",
                 "make the case smaller");
 }
 

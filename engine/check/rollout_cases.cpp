@@ -1,6 +1,6 @@
-// The row of rollout in the table of operations. Inputs: initial states, `first`, w1, w2, b2, w3,
-// b3; outputs: predicted states and spread. The kernels leave the weight gradients to GEMMs
-// (dense), so the host sums those here from what the backward kernel wrote.
+// Operation `rollout`. Inputs: initial states, input projection, w1, w2, b2, w3, b3. Outputs:
+// predicted states, spread. The model computes weight gradients by GEMMs; here the host sums them
+// from the output of the backward kernel.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ Arrays reference_backward(const RolloutShape& s, const Arrays& in, const Arrays&
   return {{}, grad.input_projection, w.w1, w.w2, w.b2, w.w3, w.b3};
 }
 
-/// The arrays on the device, with the forward pass done.
+/// Arrays on the device after the forward pass.
 RolloutArrays rolled_out(Runtime& runtime, const RolloutShape& s, const Arrays& in) {
   const auto hidden = row_count(s) * s.hidden;
   RolloutArrays a{
@@ -131,7 +131,6 @@ OperationCase rollout_case(const RolloutShape& s) {
                    2 * state * hidden,
                    2 * state};
   c.terms = double(hidden) * s.steps;
-  c.gradient_terms = double(hidden) * s.steps * std::max(s.steps, s.sequences);
   c.reference = [s](const Arrays& in) { return reference(s, in); };
   c.forward = [s](Runtime& runtime, const Arrays& in) { return forward(runtime, s, in); };
   c.reference_backward = [s](const Arrays& in, const Arrays& g) {

@@ -8,21 +8,21 @@ namespace touchtrace {
 
 struct RolloutShape {
   int sequences, steps, state, hidden;
-  bool shared_input_projection;  ///< `first` is one row [hidden] for all instead of [T * S, hidden]
+  bool shared_input_projection;  ///< one row [hidden] instead of [T * S, hidden]
   Activation activation = Activation::relu;
 };
 
-/// The weights of rollout.h, as PyTorch lays them out: [outputs, inputs].
+/// Weights of the dynamics MLP in PyTorch's layout: [outputs, inputs].
 struct RolloutWeights {
-  std::vector<double> w1;      ///< [hidden, state]: of the state alone
+  std::vector<double> w1;      ///< [hidden, state]: state columns of the first layer
   std::vector<double> w2, b2;  ///< [hidden, hidden], [hidden]
   std::vector<double> w3, b3;  ///< [2 state, hidden], [2 state]
 };
 
-/// A roll-out with what its gradient needs. Rows in the order [T][S].
+/// Roll-out with the values that its gradient needs. Rows are ordered [T][S].
 struct RolloutTrace {
   std::vector<double> states;                            ///< [T + 1, S, state]
-  std::vector<double> pre_activation1, pre_activation2;  ///< [T, S, hidden], before the activations
+  std::vector<double> pre_activation1, pre_activation2;  ///< [T, S, hidden], pre-activations
   std::vector<double> spread;                            ///< [T, S, state]
 };
 
@@ -31,12 +31,12 @@ struct RolloutReferenceGradients {
   RolloutWeights weights;
 };
 
-/// rollout.h in plain loops.
+/// MLP roll-out in plain loops.
 RolloutTrace rollout_reference(const RolloutShape& shape, const std::vector<double>& initial,
                                const std::vector<double>& input_projection,
                                const RolloutWeights& weights);
 
-/// `grad_state`, `grad_spread`: [T, S, state], towards the predicted states and spread.
+/// `grad_state`, `grad_spread`: [T, S, state], with respect to the predicted states and spread.
 RolloutReferenceGradients rollout_backward_reference(const RolloutShape& shape,
                                                      const RolloutTrace& trace,
                                                      const RolloutWeights& weights,

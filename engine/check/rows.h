@@ -5,7 +5,7 @@
 
 namespace touchtrace {
 
-// The rows of the table of operations, each from the *_cases.cpp of its own name.
+// Rows of the table of operations, one per *_cases.cpp.
 Operation adam_operation();
 Operation channel_blocks_operation();
 Operation conv2d_operation();
@@ -19,7 +19,7 @@ Operation sum_operation();
 Operation tactile_window_operation();
 Operation winograd_operation();
 
-/// A convolution computed in one of the ways that a tuner may choose.
+/// Convolution in a configuration that the tuner may choose.
 OperationCase conv2d_case(const Conv2dShape& shape, const Conv2dChoice& choice);
 
 }  // namespace touchtrace

@@ -9,7 +9,7 @@ constexpr std::uint64_t seed = 1;
 
 }  // namespace
 
-bool OperationResult::holds() const {
+bool OperationResult::passes() const {
   return fault.empty() && output_error <= output_error_bound &&
          gradient_error <= gradient_error_bound;
 }
@@ -26,12 +26,6 @@ OperationResult self_test(Runtime& runtime, const Operation& operation) {
     result.fault = error.what();
   }
   return result;
-}
-
-std::vector<OperationResult> self_test(Runtime& runtime) {
-  std::vector<OperationResult> results;
-  for (const auto& operation : operations()) results.push_back(self_test(runtime, operation));
-  return results;
 }
 
 }  // namespace touchtrace

@@ -1,6 +1,5 @@
-// The row of state_loss in the table of operations. Inputs: predicted states, spread and target,
-// each [T, S, state], and the weight of each row; output: the loss of each row, whose sum is the
-// model's loss.
+// Operation `state_loss`. Inputs: predicted states, spread and target, each [T, S, state], and the
+// weight of each row. Output: loss of each row.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -22,7 +21,7 @@ struct Shape {
   std::size_t rows() const { return std::size_t(sequences) * steps; }
 };
 
-/// Rows of 16 with `lead` rows of NaN before them, which must not matter; so must not the padding.
+/// Rows of 16 after `lead` rows of NaN. Neither these nor the padding may affect the result.
 Buffer<float> upload_rows(Runtime& runtime, const std::vector<double>& values, int state,
                           int lead) {
   std::vector<double> rows((values.size() / state + lead) * state_lanes, std::nan(""));
@@ -66,7 +65,7 @@ Arrays backward(Runtime& runtime, const Shape& s, const Arrays& in, const Arrays
   return {state, spread, {}, {}};
 }
 
-/// Of value i of the inputs, unweighted.
+/// Unweighted loss of value i.
 StateLoss loss_of_value(const Shape& s, const Arrays& in, std::size_t i) {
   return state_loss_reference(in[0][i], in[1][i], in[2][i], s.band_quantile);
 }

@@ -1,4 +1,4 @@
-// The row of sum in the table of operations. Its gradient is 1 everywhere and is never computed.
+// Operation `sum`. No gradient.
 #include <fmt/core.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ OperationCase sum_case(std::size_t size) {
     sum(runtime, upload(runtime, in[0]), total).enqueue(runtime);
     return Arrays{download(runtime, total)};
   };
-  // As the model's losses are: none is negative, so that nothing cancels.
+  // The model's losses are not negative, so nothing cancels.
   c.prepare = [](Arrays& in) {
     for (double& value : in[0]) value = std::abs(value);
   };

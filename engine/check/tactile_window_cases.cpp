@@ -1,5 +1,4 @@
-// The row of tactile_window in the table of operations. Inputs: the stream, and the last frame of
-// each window. It has no gradient: nothing learnable stands before it.
+// Operation `tactile_window`. Inputs: the stream, and the last frame of each window. No gradient.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -26,7 +25,7 @@ Arrays forward(Runtime& runtime, const TactileWindowShape& s, const TaxelDropout
   return {without_halo(download(runtime, out), {s.rows, s.cols, 1, s.halo})};
 }
 
-/// Makes frame numbers of the second input.
+/// Turns the second input into frame numbers.
 void prepare(const TactileWindowShape& s, Arrays& inputs) {
   for (auto& value : inputs[1])
     value =

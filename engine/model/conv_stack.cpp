@@ -186,7 +186,7 @@ ConvStack::Impl::MicroBatch ConvStack::Impl::make_micro_batch(int first, int siz
   const bool is_first_backward =
       first + size + (num_queues - 1) * batch_windows >= all.windows.windows;
   const auto of_layer = [&](int i) {
-    return Conv2dImages{size, images[i], images[i + 1], gradients[i + 1], gradients[i], queue};
+    return Conv2dMicroBatch{size, images[i], images[i + 1], gradients[i + 1], gradients[i], queue};
   };
   auto first_layer = all.windows.windows == 1 && !training
                          ? layers[0]->forward_halves(of_layer(0), newest_channel(all.windows))

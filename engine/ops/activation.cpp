@@ -40,7 +40,7 @@ Activation activation_of(std::string_view name) {
   const auto found =
       std::ranges::find(activation_names, name, &decltype(activation_names)::value_type::second);
   if (found == activation_names.end())
-    throw usage_error(fmt::format("there is no activation '{}'", name), "name relu, silu or tanh");
+    throw usage_error(fmt::format("unknown activation '{}'", name), "use relu, silu or tanh");
   return found->first;
 }
 

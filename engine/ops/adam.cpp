@@ -9,7 +9,7 @@ namespace {
 
 constexpr cl_uint clip_norm_argument = 8;
 
-/// A kernel that takes `chunk` parameters a work-item.
+/// Kernel with `chunk` parameters per work-item.
 Kernel adam_kernel(Runtime& runtime, const char* name, int chunk) {
   return runtime.kernel({"common.clh", "adam.cl"}, name, {{"CHUNK", std::to_string(chunk)}});
 }

@@ -4,18 +4,19 @@
 
 namespace touchtrace {
 
-/// What one update needs beside the arrays.
+/// Scalars of one update.
 struct AdamStep {
-  int count;  ///< of this update, from 1
+  int count;  ///< number of this update, from 1
   double learning_rate, clip_norm;
 };
 
-/// Adam with decoupled weight decay and clipping of the gradient's norm, over flat arrays.
+/// AdamW: Adam with decoupled weight decay (Loshchilov and Hutter 2019) and clipping of the
+/// gradient norm, over flat arrays of equal size (kernels/adam.cl).
 class Adam {
  public:
-  /// `decay`: weight decay of each parameter. The moments start at zero. An update with a gradient
-  /// or a `loss` [1] that is not finite changes nothing. In Accuracy::exact steps below the last
-  /// place of a parameter add up instead of getting lost.
+  /// `decay`: weight decay of each parameter; `loss`: [1]. Moments start at zero. An update whose
+  /// gradient or loss is not finite changes nothing. Accuracy::exact compensates the rounding of
+  /// parameters, so that steps below one unit in the last place accumulate.
   Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float>& gradient,
        const Buffer<float>& decay, const Buffer<float>& loss);
 
@@ -23,15 +24,15 @@ class Adam {
 
   const Buffer<float>& first_moment() const { return first_; }
   const Buffer<float>& second_moment() const { return second_; }
-  /// Everything that the next update depends on beside its arguments, by names for a file.
+  /// Arrays that the next update depends on, with their names in a checkpoint.
   std::vector<std::pair<std::string, Buffer<float>>> state() const;
-  /// [1], of the whole gradient before clipping.
+  /// [1] Norm of the gradient before clipping.
   const Buffer<float>& norm() const { return norm_; }
 
  private:
   Runtime& runtime_;
   Buffer<float> first_, second_, partial_, norm_;
-  Buffer<float> compensation_;  ///< of parameters' last places; empty in Accuracy::fast
+  Buffer<float> compensation_;  ///< rounding errors of the parameters; empty in Accuracy::fast
   Launches measure_;
   Launches update_;
 };

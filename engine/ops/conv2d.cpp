@@ -15,7 +15,7 @@ std::size_t size_with_halo(int planes, int rows, int cols, int halo) {
   return std::size_t(planes) * (rows + 2 * halo) * (cols + 2 * halo);
 }
 
-/// Whether an output pixel's taps read a pixel of the input that `live` holds 1 for.
+/// Whether the taps of output pixel (y, x) read an input pixel whose `live` is 1.
 bool reads_live(const Conv2dShape& s, const std::vector<std::uint8_t>& live, int y, int x) {
   const int first_row = s.stride * y - s.halo(), first_col = s.stride * x - s.halo();
   for (int row = std::max(first_row, 0); row < std::min(first_row + s.kernel, s.rows); ++row)
@@ -24,7 +24,7 @@ bool reads_live(const Conv2dShape& s, const std::vector<std::uint8_t>& live, int
   return false;
 }
 
-/// All output pixels, dead ones last, as kernels/conv2d.clh wants them: "2,3,0,1".
+/// All output pixels, dead ones last, in the format of kernels/conv2d.clh: "2,3,0,1".
 std::string order_of(const Conv2dShape& shape) {
   std::vector<int> order(std::size_t(shape.out_rows()) * shape.out_cols());
   std::iota(order.begin(), order.end(), 0);

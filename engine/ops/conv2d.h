@@ -11,25 +11,24 @@
 
 namespace touchtrace {
 
-/// A convolution with bias and ReLU over images, of kernel 3 or 5 and stride 1 or 2, padded by half
-/// the kernel:
+/// Convolution with bias and ReLU, kernel size 3 or 5, stride 1 or 2, padding kernel / 2:
 ///
 ///     out[k][y][x] = max(0, bias[k] + sum_{c, i, j} weight[k][c][i][j] in[c][row][column]),
 ///     row = stride y + i - padding,  column = stride x + j - padding
 ///
-/// Device arrays have the layouts of kernels/conv2d.clh: blocks of 16 channels. Input and output
-/// have a halo of as many zero pixels as the padding, which is the caller's to zero, once, and
-/// which kernels never write; so layers that share an array have the same kernel. Input in blocks
-/// is the output of a ReLU with a multiple of 32 channels; input in planes has any number of
-/// channels and gets no gradient. `out_channels` is a multiple of 32.
+/// Layouts: kernels/conv2d.clh. Input and output have a halo of zero pixels as wide as the padding.
+/// The caller zeroes halos once; kernels never write them. Layers that share an array must have the
+/// same kernel size. Input is either the output of a ReLU in blocks of 16 channels, a multiple of
+/// 32 of them, or planes of any number of channels, which get no gradient. `out_channels` is a
+/// multiple of 32.
 struct Conv2dShape {
   int images, in_channels, rows, cols, out_channels;
   bool in_planes;
   int kernel = 3, stride = 2;
-  /// Output pixels, counted along rows, whose taps read nothing but zeros in every image, in
-  /// ascending order. The direct method does not compute them.
+  /// Indices (row * out_cols + column, ascending) of output pixels whose taps read only zeros in
+  /// every image. The direct method skips them.
   std::vector<int> dead = {};
-  /// No halo around the output, as a dense layer wants it; its gradient has one even so.
+  /// Output without halo, for a dense layer. Its gradient has a halo all the same.
   bool compact_output = false;
 
   int taps() const { return kernel * kernel; }
@@ -37,65 +36,65 @@ struct Conv2dShape {
   int out_halo() const { return compact_output ? 0 : halo(); }
   int out_rows() const { return ceil_div(rows, stride); }
   int out_cols() const { return ceil_div(cols, stride); }
-  std::size_t in_size() const;        ///< floats of the input with its halo
-  std::size_t out_size() const;       ///< floats of the output with its halo, if it has one
-  std::size_t grad_out_size() const;  ///< floats of the output's gradient with its halo
+  std::size_t in_size() const;        ///< number of floats of the input, halo included
+  std::size_t out_size() const;       ///< number of floats of the output, halo included
+  std::size_t grad_out_size() const;  ///< number of floats of the output gradient, halo included
   std::size_t weight_size() const { return std::size_t(out_channels) * in_channels * taps(); }
-  /// Of one forward pass or of one of the two backward passes, taps in the halo included and dead
-  /// pixels left out, whatever the method.
+  /// Operations of one forward pass, input gradient or weight gradient by the direct method: taps
+  /// in the halo included, dead pixels excluded.
   double flops() const;
 };
 
-/// Conv2dShape::dead where the input is zero in every image but for the pixels [rows, cols] that
-/// `live` holds 1 for.
+/// Conv2dShape::dead for inputs that are zero wherever `live` [rows, cols] is 0.
 std::vector<int> dead_pixels(const Conv2dShape& shape, const std::vector<std::uint8_t>& live);
 
-/// The flat buffers of all parameters and of their gradient (empty: no backward pass), and where a
-/// layer's weight [out, in, kernel, kernel] and bias [out] start in them.
+/// Flat buffers of all parameters and their gradient, with the offsets of a layer's weight
+/// [out, in, kernel, kernel] and bias [out]. Empty `gradient`: no backward pass.
 struct Conv2dParameters {
   Buffer<float> values, gradient;
   int weight_at, bias_at;
-  int sums = 1;  ///< sets of sums behind the gradient, 1 or 2
+  int num_accumulators = 1;  ///< partial weight gradients, 1 or 2
 };
 
-/// The arrays of some of a layer's images. Gradients are without what the ReLU of their array
-/// blocks: `in` gives that of grad_in. Empty `grad_in`: no gradient towards the input.
-struct Conv2dImages {
-  int images;
-  Buffer<float> in, out, grad_out, grad_in;
-  /// Which set of the layer's sums the weights' gradient goes to: parts that run beside each other
-  /// have sums of their own.
-  int sums = 0;
+/// Device arrays of a micro-batch (layouts: kernels/conv2d.clh). Gradients are with respect to
+/// pre-activations.
+struct Conv2dMicroBatch {
+  int num_images;  ///< at most Conv2dShape::images
+  Buffer<float> in, out;
+  Buffer<float> grad_out;  ///< read by backward()
+  Buffer<float> grad_in;   ///< written by backward(), 0 where in <= 0; empty: not computed
+  int accumulator = 0;     ///< partial weight gradient; not shared between concurrent queues
 };
 
-/// Launches of a pass, the second half's to be queued after the first's.
+/// Launches of a pass in two halves; enqueue `second` after `first`.
 struct Conv2dHalves {
   Launches first, second;
 };
 
-/// A layer, planned once; its passes may be cut into parts of the images, so that what a part
-/// writes is still in the cache when it is read. `shape.images` is the largest part's. A part's
-/// launches are bound to the layer, which must outlive them, and share its scratch memory.
+/// A convolution layer. Passes run on micro-batches, so that the output of a layer is still in the
+/// cache when the next one reads it. Launches share the layer's scratch memory; the layer must
+/// outlive them.
 class Conv2d {
  public:
   virtual ~Conv2d() = default;
 
-  virtual Launches prepare() = 0;  ///< once after the weights changed
-  virtual Launches forward(const Conv2dImages& part) = 0;
-  /// forward(), to the same bits, in two halves: the first needs input channels before `channel`
-  /// only and leaves their sums to the second. A method that cannot leaves all to the second.
-  virtual Conv2dHalves forward_halves(const Conv2dImages& part, int channel) {
-    static_cast<void>(channel);
-    return {{}, forward(part)};
+  /// Packs the weights. Enqueue after each change of the parameters.
+  virtual Launches prepare() = 0;
+  virtual Launches forward(const Conv2dMicroBatch& batch) = 0;
+  /// forward() with the same bits, in two halves: the first reads only input channels before
+  /// `channel`. Methods that cannot be split return everything as the second half.
+  virtual Conv2dHalves forward_halves(const Conv2dMicroBatch& batch, [[maybe_unused]] int channel) {
+    return {{}, forward(batch)};
   }
-  /// The gradient towards the input, and the weights' into the part's set of the layer's sums: the
-  /// `first` part of a set starts it, others add to it.
-  virtual Launches backward(const Conv2dImages& part, bool first) = 0;
-  /// After the last part: adds the gradients of weight and bias. Every sum has one fixed order.
+  /// Computes grad_in; adds the weight gradient to batch.accumulator, or overwrites it if
+  /// `is_first`.
+  virtual Launches backward(const Conv2dMicroBatch& batch, bool is_first) = 0;
+  /// Adds all accumulators to Conv2dParameters::gradient, in an order independent of threads.
+  /// Enqueue after the last backward().
   virtual Launches finish() = 0;
 };
 
-/// The method that needs fewer multiplications, those beyond the image's edge counted too.
+/// The method that takes fewer multiplications, padding included.
 Conv2dMethod best_method(const Conv2dShape& shape);
 
 std::unique_ptr<Conv2d> make_conv2d(Runtime& runtime, const Conv2dShape& shape,

@@ -5,10 +5,10 @@
 namespace touchtrace {
 
 Conv2dCandidates conv2d_candidates(const Runtime& runtime, const Conv2dShape& shape) {
-  if (runtime.kernel_variant() == KernelVariant::gpu) return {};  // has one way
+  if (runtime.kernel_variant() == KernelVariant::gpu) return {};  // it has one configuration
   auto products = winograd_candidates(runtime, shape);
   auto direct = direct_candidates();
-  // Where Winograd's method applies it hardly ever loses to another tile of the direct one.
+  // Where Winograd's method applies, other tiles of the direct method are hardly ever faster.
   if (!products.empty()) direct.resize(2);
   products.insert(products.end(), direct.begin(), direct.end());
   return {std::move(products), gradient_candidates(shape)};

@@ -6,16 +6,16 @@
 
 namespace touchtrace {
 
-/// What is worth measuring for a layer on a device, ten choices at most. The launches of the
-/// weights' gradient are apart from all others, so the best of both kinds add up.
+/// Configurations of a layer that are worth timing on a device, ten at most. The weight gradient
+/// has its own launches, so the fastest of both lists combine.
 struct Conv2dCandidates {
-  std::vector<Conv2dChoice> products;   ///< differ in the forward pass and the input's gradient
-  std::vector<Conv2dChoice> gradients;  ///< differ in the weights' gradient
+  std::vector<Conv2dChoice> products;   ///< for the forward pass and the input gradient
+  std::vector<Conv2dChoice> gradients;  ///< for the weight gradient
 };
 
 Conv2dCandidates conv2d_candidates(const Runtime& runtime, const Conv2dShape& shape);
 
-/// `products` with the weights' gradient of `gradients`.
+/// `products` with the weight-gradient members of `gradients`.
 Conv2dChoice joined(Conv2dChoice products, const Conv2dChoice& gradients);
 
 }  // namespace touchtrace

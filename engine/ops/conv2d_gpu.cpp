@@ -7,12 +7,12 @@
 namespace touchtrace {
 namespace {
 
-// Work-groups that the gradient of the weights is cut into, whatever the device, so that this does
-// not change the sums' order.
-constexpr int wanted_groups = 512;
-constexpr int depth = 16;  // terms that a tile sums at once
+// Minimum number of work-groups of the weight gradient. Independent of the device, so that the
+// order of sums is, too.
+constexpr int min_groups = 512;
+constexpr int depth = 16;  // terms per step of a tile
 
-/// Tiles of 4096 values, as wide as they can be to divide the columns.
+/// Tile of 4096 values, with the greatest width that divides the columns.
 GpuTile gpu_tile(int columns) { return columns % 64 == 0 ? GpuTile{64, 64} : GpuTile{128, 32}; }
 
 class GpuConv2d final : public Conv2d {
@@ -41,19 +41,19 @@ class GpuConv2d final : public Conv2d {
     return launches;
   }
 
-  Launches forward(const Conv2dImages& part) override {
-    const int pixels = part.images * area();
+  Launches forward(const Conv2dMicroBatch& batch) override {
+    const int pixels = batch.num_images * area();
     return {Launch(kernel("forward", "forward", out_tile_),
-                   range(ceil_div(pixels, out_tile_.rows), out_groups()), part.in, packed_,
-                   parameters_.values, parameters_.bias_at, part.out, part.images)
+                   range(ceil_div(pixels, out_tile_.rows), out_groups()), batch.in, packed_,
+                   parameters_.values, parameters_.bias_at, batch.out, batch.num_images)
                 .with_local_size(out_tile_.items())
-                .with_cost(conv2d_cost(shape_, part.images))
+                .with_cost(conv2d_cost(shape_, batch.num_images))
                 .with_purpose(Purpose::forward)};
   }
 
-  Launches backward(const Conv2dImages& part, bool first) override {
-    Launches launches{sum_weights(part, first)};
-    if (part.grad_in.size() > 0) launches.push_back(backward_data(part));
+  Launches backward(const Conv2dMicroBatch& batch, bool is_first) override {
+    Launches launches{sum_weights(batch, is_first)};
+    if (batch.grad_in.size() > 0) launches.push_back(backward_data(batch));
     return launches;
   }
 
@@ -66,34 +66,34 @@ class GpuConv2d final : public Conv2d {
  private:
   int area() const { return shape_.out_rows() * shape_.out_cols(); }
   int terms() const { return shape_.in_channels * shape_.taps(); }
-  int sums() const { return terms() + 1; }  ///< of an output channel: its weights' and its bias'
-  int all_chunks() const { return parameters_.sums * chunks_; }
+  int sums() const { return terms() + 1; }  ///< weight and bias gradients per output channel
+  int all_chunks() const { return parameters_.num_accumulators * chunks_; }
   int out_groups() const { return shape_.out_channels / out_tile_.columns; }
 
   void plan_chunks() {
     const int pixels = shape_.images * area();
-    const int wanted = ceil_div(wanted_groups, ceil_div(sums(), out_tile_.rows) * out_groups());
+    const int wanted = ceil_div(min_groups, ceil_div(sums(), out_tile_.rows) * out_groups());
     chunk_pixels_ = round_up(ceil_div(pixels, wanted), depth);
     chunks_ = ceil_div(pixels, chunk_pixels_);
   }
 
-  Launch sum_weights(const Conv2dImages& part, bool first) {
+  Launch sum_weights(const Conv2dMicroBatch& batch, bool is_first) {
     return Launch(kernel("weights", "weights", out_tile_),
-                  range(ceil_div(sums(), out_tile_.rows), out_groups(), chunks_), part.in,
-                  part.grad_out, partial_, part.images, chunk_pixels_, part.sums * chunks_,
-                  first ? 1 : 0)
+                  range(ceil_div(sums(), out_tile_.rows), out_groups(), chunks_), batch.in,
+                  batch.grad_out, partial_, batch.num_images, chunk_pixels_,
+                  batch.accumulator * chunks_, is_first ? 1 : 0)
         .with_local_size(out_tile_.items())
-        .with_cost(conv2d_cost(shape_, part.images))
+        .with_cost(conv2d_cost(shape_, batch.num_images))
         .with_purpose(Purpose::weight_gradient);
   }
 
-  Launch backward_data(const Conv2dImages& part) {
+  Launch backward_data(const Conv2dMicroBatch& batch) {
     return Launch(kernel("data", "data", in_tile_),
-                  range(ceil_div(part.images * area(), in_tile_.rows),
+                  range(ceil_div(batch.num_images * area(), in_tile_.rows),
                         shape_.in_channels / in_tile_.columns, shape_.stride * shape_.stride),
-                  part.grad_out, packed_transposed_, part.in, part.grad_in, part.images)
+                  batch.grad_out, packed_transposed_, batch.in, batch.grad_in, batch.num_images)
         .with_local_size(in_tile_.items())
-        .with_cost(conv2d_cost(shape_, part.images))
+        .with_cost(conv2d_cost(shape_, batch.num_images))
         .with_purpose(Purpose::data_gradient);
   }
 

@@ -6,10 +6,10 @@
 
 namespace touchtrace {
 
-/// The -D that kernels/conv2d.clh wants in backward passes, and in forward ones.
+/// -D options of kernels/conv2d.clh for backward and for forward passes.
 Defines conv2d_defines(const Conv2dShape& shape);
 Defines conv2d_forward_defines(const Conv2dShape& shape);
-/// Of one pass over some of the shape's images.
+/// Cost of one pass over `images` of the shape's images.
 LaunchCost conv2d_cost(const Conv2dShape& shape, int images);
 
 std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& shape,
@@ -18,23 +18,23 @@ std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& 
 std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,
                                              const Conv2dParameters& parameters,
                                              const Conv2dChoice& choice);
-/// The body of GPUs; `shape` as both methods take it.
+/// KernelVariant::gpu.
 std::unique_ptr<Conv2d> make_conv2d_gpu(Runtime& runtime, const Conv2dShape& shape,
                                         const Conv2dParameters& parameters);
 
-/// Whether the method computes such a layer at all.
+/// Whether the shape suits Winograd's method.
 bool winograd_applies(const Conv2dShape& shape);
-/// Images whose points stand in the device's local memory together; 0: not one does.
+/// Images per work-group; 0: local memory does not hold the transform of one image.
 int winograd_group(const Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice);
 
-/// The gradient of weight and bias, which the methods share (kernels/conv2d_backward_weights.cl).
-class Conv2dWeightsGradient {
+/// Gradient of weight and bias, shared by the methods (kernels/conv2d_backward_weights.cl).
+class Conv2dWeightGradient {
  public:
-  /// Allocates nothing if there is no gradient.
-  Conv2dWeightsGradient(Runtime& runtime, const Conv2dShape& shape,
-                        const Conv2dParameters& parameters, const Conv2dChoice& choice);
+  /// Allocates nothing if parameters.gradient is empty.
+  Conv2dWeightGradient(Runtime& runtime, const Conv2dShape& shape,
+                       const Conv2dParameters& parameters, const Conv2dChoice& choice);
 
-  Launch sum(const Conv2dImages& part, bool first);
+  Launch sum(const Conv2dMicroBatch& batch, bool is_first);
   Launch finish();
 
  private:
@@ -46,8 +46,7 @@ class Conv2dWeightsGradient {
   Buffer<float> partial_, partial_bias_;
 };
 
-// What each method offers to a tuner, its usual numbers first; the last, numbers of the weights'
-// gradient alone.
+// Configurations to time, the default first. The last one varies the weight gradient only.
 std::vector<Conv2dChoice> direct_candidates();
 std::vector<Conv2dChoice> winograd_candidates(const Runtime& runtime, const Conv2dShape& shape);
 std::vector<Conv2dChoice> gradient_candidates(const Conv2dShape& shape);

@@ -8,15 +8,15 @@ namespace touchtrace {
 namespace {
 
 constexpr int points = 81, weight_sets = 36;
-// Of local memory, so that the weights find place in a second-level cache beside it, and that a
-// part of 32 images becomes groups of equal size for the cores.
-constexpr std::size_t largest_group_bytes = 512 * 1024;
+// Limit of local memory per work-group: leaves room for the weights in the second-level cache, and
+// divides a micro-batch of 32 images evenly among cores.
+constexpr std::size_t max_group_bytes = 512 * 1024;
 
 int tiles_of(const Conv2dShape& shape) {
   return ceil_div(shape.out_rows(), 4) * ceil_div(shape.out_cols(), 4);
 }
 
-/// Images whose points this much local memory holds.
+/// Images whose transforms fit into `bytes` of local memory.
 int images_in(std::size_t bytes, const Conv2dShape& shape) {
   const std::size_t channels = shape.in_channels + shape.out_channels;
   const std::size_t image = sizeof(float) * points * tiles_of(shape) * channels;
@@ -34,7 +34,7 @@ class WinogradConv2d final : public Conv2d {
         parameters_(parameters),
         group_(winograd_group(runtime, shape, choice)),
         weights_(runtime.allocate<float>(sets_size())),
-        weights_gradient_(runtime, shape, parameters, choice) {
+        weight_gradient_(runtime, shape, parameters, choice) {
     if (parameters.gradient.size() > 0) weights_transposed_ = runtime.allocate<float>(sets_size());
   }
 
@@ -46,40 +46,40 @@ class WinogradConv2d final : public Conv2d {
     return launches;
   }
 
-  Launches forward(const Conv2dImages& part) override {
-    return {Launch(kernel("forward", conv2d_forward_defines(shape_)), groups(part), part.in,
-                   weights_, parameters_.values, parameters_.bias_at, part.out, part.images)
+  Launches forward(const Conv2dMicroBatch& batch) override {
+    return {Launch(kernel("forward", conv2d_forward_defines(shape_)), groups(batch), batch.in,
+                   weights_, parameters_.values, parameters_.bias_at, batch.out, batch.num_images)
                 .with_local_size(1)  // a work-item has the work-group's local memory to itself
-                .with_cost(cost(part))
+                .with_cost(cost(batch))
                 .with_purpose(Purpose::forward)};
   }
 
-  Launches backward(const Conv2dImages& part, bool first) override {
-    Launches launches{weights_gradient_.sum(part, first)};
-    if (part.grad_in.size() > 0)
-      launches.push_back(Launch(kernel("backward_data", conv2d_defines(shape_)), groups(part),
-                                part.grad_out, weights_transposed_, part.in, part.grad_in,
-                                part.images)
+  Launches backward(const Conv2dMicroBatch& batch, bool is_first) override {
+    Launches launches{weight_gradient_.sum(batch, is_first)};
+    if (batch.grad_in.size() > 0)
+      launches.push_back(Launch(kernel("backward_data", conv2d_defines(shape_)), groups(batch),
+                                batch.grad_out, weights_transposed_, batch.in, batch.grad_in,
+                                batch.num_images)
                              .with_local_size(1)
-                             .with_cost(cost(part))
+                             .with_cost(cost(batch))
                              .with_purpose(Purpose::data_gradient));
     return launches;
   }
 
-  Launches finish() override { return {weights_gradient_.finish()}; }
+  Launches finish() override { return {weight_gradient_.finish()}; }
 
  private:
   std::size_t sets_size() const {
     return std::size_t(weight_sets) * shape_.in_channels * shape_.out_channels;
   }
-  /// Multiplications and additions of the matrix products; those of the transforms are not counted.
-  LaunchCost cost(const Conv2dImages& part) const {
-    return {
-        2.0 * points * part.images * tiles_of(shape_) * shape_.in_channels * shape_.out_channels,
-        conv2d_cost(shape_, part.images).bytes};
+  /// Operations of the matrix products; transforms are not counted.
+  LaunchCost cost(const Conv2dMicroBatch& batch) const {
+    return {2.0 * points * batch.num_images * tiles_of(shape_) * shape_.in_channels *
+                shape_.out_channels,
+            conv2d_cost(shape_, batch.num_images).bytes};
   }
-  cl::NDRange groups(const Conv2dImages& part) const {
-    return range(ceil_div(part.images, group_));
+  cl::NDRange groups(const Conv2dMicroBatch& batch) const {
+    return range(ceil_div(batch.num_images, group_));
   }
   Kernel kernel(const std::string& pass, Defines defines) {
     defines["GROUP_IMAGES"] = std::to_string(group_);
@@ -88,8 +88,7 @@ class WinogradConv2d final : public Conv2d {
                             "winograd_weights.cl", "winograd_transform.clh", "winograd_passes.cl"},
                            "winograd_" + pass, defines);
   }
-  /// Sets [rows][lanes] of the parameters, in which a row's and a lane's weights stand `step`s
-  /// apart.
+  /// Transforms the weights to sets [rows][lanes]; steps are the strides of the parameters.
   Launch transform(int rows, int row_step, int lanes, int lane_step, const Buffer<float>& to) {
     return Launch(kernel("weights", conv2d_forward_defines(shape_)), range(lanes / 16, rows),
                   parameters_.values, parameters_.weight_at, row_step, lane_step, to);
@@ -100,7 +99,7 @@ class WinogradConv2d final : public Conv2d {
   Conv2dParameters parameters_;
   int group_;
   Buffer<float> weights_, weights_transposed_;
-  Conv2dWeightsGradient weights_gradient_;
+  Conv2dWeightGradient weight_gradient_;
 };
 
 }  // namespace
@@ -108,20 +107,20 @@ class WinogradConv2d final : public Conv2d {
 int winograd_group(const Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice) {
   const std::size_t memory = runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
   if (choice.group_images > 0) return std::min(choice.group_images, images_in(memory, shape));
-  const int images = images_in(std::min(memory, largest_group_bytes), shape);
-  const int whole =
-      4 / std::gcd(4, tiles_of(shape));  // images that fill the products' tiles of 4 rows
-  return images < whole ? images : images / whole * whole;
+  const int images = images_in(std::min(memory, max_group_bytes), shape);
+  // Images that fill the matrix products' tiles of 4 rows.
+  const int multiple = 4 / std::gcd(4, tiles_of(shape));
+  return images < multiple ? images : images / multiple * multiple;
 }
 
 std::vector<Conv2dChoice> winograd_candidates(const Runtime& runtime, const Conv2dShape& shape) {
-  const Conv2dChoice usual{Conv2dMethod::winograd};
+  const Conv2dChoice defaults{Conv2dMethod::winograd};
   std::vector<Conv2dChoice> candidates;
   if (!winograd_applies(shape) || runtime.accuracy() == Accuracy::exact) return candidates;
-  const int group = winograd_group(runtime, shape, usual);
-  if (group > 0) candidates.push_back(usual);
+  const int group = winograd_group(runtime, shape, defaults);
+  if (group > 0) candidates.push_back(defaults);
   for (const int images : {group / 4, group / 2, group * 2}) {
-    auto candidate = usual;
+    auto candidate = defaults;
     candidate.group_images = images;
     if (images > 0 && winograd_group(runtime, shape, candidate) == images)
       candidates.push_back(candidate);

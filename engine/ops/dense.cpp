@@ -8,7 +8,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr int product_rows = 6;  // of a work-item of a CPU
+constexpr int product_rows = 6;  // rows per work-item on CPUs
 
 Kernel dense_kernel(Runtime& runtime, const char* name) {
   return runtime.kernel({"common.clh", "cpu_tile.clh", "dense.cl"}, name,
@@ -21,7 +21,7 @@ Kernel gpu_kernel(Runtime& runtime, const char* name, const GpuTile& tile, bool 
   return runtime.kernel({"common.clh", "gpu_tile.clh", "dense_gpu.cl"}, name, defines);
 }
 
-/// Large tiles read less, but there must be enough of them for all compute units.
+/// Large tiles read less; small ones keep all compute units busy.
 GpuTile gpu_tile_for(const Runtime& runtime, int rows, int columns) {
   const bool enough =
       ceil_div(rows, 64) * ceil_div(columns, 64) >= 2 * runtime.device().compute_units;

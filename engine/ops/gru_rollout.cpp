@@ -12,11 +12,10 @@ Kernel gru_kernel(Runtime& runtime, const char* name, const GruArrays& a) {
                         {{"HIDDEN", std::to_string(a.hidden)}, {"STATE", std::to_string(a.state)}});
 }
 
-/// Four sequences a work-item.
+/// Four sequences per work-item.
 cl::NDRange gru_tiles(int sequences) { return range(ceil_div(sequences, 4)); }
 
-/// Of one pass: the products with both weights and with the padded output's, whose weights are read
-/// once and whose rows hold four gates.
+/// Cost of one pass: products with w, u and the padded w3. Weights are read once.
 LaunchCost gru_cost(const GruArrays& a) {
   const double rows = 1.0 * a.sequences * a.steps,
                weights = a.hidden * (3.0 * (a.state + a.hidden) + 2.0 * state_lanes);

@@ -4,20 +4,20 @@
 
 namespace touchtrace {
 
-/// LayerNorm over rows of `columns` values, a multiple of 16.
+/// Arrays of a LayerNorm over rows of `columns` values, a multiple of 16.
 struct LayerNormArrays {
   int rows, columns;
   Buffer<float> parameters;
-  int gain_at, bias_at;      ///< into `parameters` and into a gradient of the same layout
+  int gain_at, bias_at;      ///< offsets in `parameters` and in its gradient
   Buffer<float> x, y;        ///< [rows, columns]
-  Buffer<float> statistics;  ///< [rows, 2]: mean and 1 / deviation of each row
+  Buffer<float> statistics;  ///< [rows, 2]: mean and 1 / standard deviation
 };
 
 Launch layer_norm(Runtime& runtime, const LayerNormArrays& arrays);
-/// grad_x from grad_y, both [rows, columns].
+/// Computes grad_x from grad_y, both [rows, columns].
 Launch layer_norm_backward(Runtime& runtime, const LayerNormArrays& arrays,
                            const Buffer<float>& grad_y, const Buffer<float>& grad_x);
-/// The gradients of gain and bias, written into the flat `gradient`.
+/// Writes the gradients of gain and bias into the flat `gradient`.
 Launch layer_norm_weights(Runtime& runtime, const LayerNormArrays& arrays,
                           const Buffer<float>& grad_y, const Buffer<float>& gradient);
 

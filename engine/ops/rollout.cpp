@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t gpu_work_group_size = 256;  // as in rollout_gpu.clh
 
-/// Whether local memory holds what a step hands on, too.
+/// Whether local memory also holds the values that a step passes to the next.
 bool uses_gpu_kernel(const Runtime& runtime, const RolloutArrays& a) {
   const std::size_t bytes =
       4 * sizeof(float) * (2 * a.hidden + 2 * state_lanes + gpu_work_group_size);
@@ -15,7 +15,7 @@ bool uses_gpu_kernel(const Runtime& runtime, const RolloutArrays& a) {
          bytes <= runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
 }
 
-/// Four sequences a work-item, or a work-group.
+/// Four sequences per work-item on CPUs, per work-group on GPUs.
 Launch rollout_launch(Runtime& runtime, const RolloutArrays& a, const std::string& pass,
                       const auto&... arguments) {
   using Files = std::vector<std::string>;
@@ -38,7 +38,7 @@ double flops_a_row(const RolloutArrays& a) {
   return 2.0 * a.hidden * (a.state + a.hidden + 2 * state_lanes);
 }
 
-/// Of the activations of all rows and, once, the weights.
+/// Bytes of the activations of all rows and of the weights.
 double bytes_moved(const RolloutArrays& a, double rows) {
   return 4.0 * (rows * (3 * a.hidden + 4 * state_lanes) + flops_a_row(a) / 2.0);
 }

@@ -4,7 +4,7 @@
 
 namespace touchtrace {
 
-/// total[0] = the sum of `values`, in their order.
+/// Sets total[0] to the sum of `values`, added in order.
 Launch sum(Runtime& runtime, const Buffer<float>& values, const Buffer<float>& total);
 
 }  // namespace touchtrace

@@ -5,7 +5,7 @@
 namespace touchtrace {
 namespace {
 
-/// Lanes of a vector that fits a row: the kernel lets the last one overlap.
+/// Vector width that fits a row. The last vector of a row overlaps the one before.
 int lanes_of(int cols) { return cols >= 16 ? 16 : cols >= 8 ? 8 : cols >= 4 ? 4 : 1; }
 
 Kernel tactile_window_kernel(Runtime& runtime, const TactileWindowShape& shape) {

@@ -36,7 +36,7 @@ class LayerTrials {
   Runtime& runtime_;
   Conv2dShape shape_;
   Conv2dParameters parameters_;
-  std::vector<Conv2dImages> micro_batches_;
+  std::vector<Conv2dMicroBatch> micro_batches_;
   std::optional<LayerResults> reference_;
 };
 

@@ -71,7 +71,7 @@ class AccuracyTest : public ::testing::TestWithParam<KernelVariant> {
 
     Conv2dParameters parameters;
     std::unique_ptr<Conv2d> conv;
-    Conv2dImages images;
+    Conv2dMicroBatch images;
   };
 
   /// An output value, from 4608 equal terms.

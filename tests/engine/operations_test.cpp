@@ -1,4 +1,4 @@
-// Every row of the table of operations on every device that OpenCL shows here.
+// Every operation on every OpenCL device of this machine.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -11,7 +11,7 @@
 namespace touchtrace {
 namespace {
 
-/// New on every run and printed; TOUCHTRACE_TEST_SEED repeats one.
+/// Seed of this run, printed; TOUCHTRACE_TEST_SEED sets it.
 std::uint64_t test_seed() {
   static const std::uint64_t seed = [] {
     const char* given = std::getenv("TOUCHTRACE_TEST_SEED");
@@ -55,7 +55,7 @@ TEST_P(EveryOperation, AgreesWithTheReference) {
   });
 }
 
-TEST_P(EveryOperation, AgreesWithTheReferenceInExactModeToo) {
+TEST_P(EveryOperation, AgreesWithTheReferenceInExactMode) {
   const auto& operation = GetParam().cases.front();
   const auto inputs = draw_inputs(operation, test_seed(), gradient_kink_margin);
   for (const auto& device : list_devices())
@@ -84,14 +84,14 @@ TEST_P(EveryOperation, ReferenceGradientAgreesWithCentralDifferences) {
   }
 }
 
-TEST_P(EveryOperation, TakesZeroAndSaturatedInputs) {
+TEST_P(EveryOperation, AcceptsZeroAndSaturatedInputs) {
   on_every_device([](Runtime& runtime, const OperationCase& operation) {
     EXPECT_LE(output_error(runtime, operation, filled(operation, 0.0)), output_error_bound);
     EXPECT_LE(output_error(runtime, operation, filled(operation, 1023.0)), output_error_bound);
   });
 }
 
-TEST_P(EveryOperation, TakesSubnormalInputs) {
+TEST_P(EveryOperation, AcceptsSubnormalInputs) {
   on_every_device([](Runtime& runtime, const OperationCase& operation) {
     // Each summand may lose one smallest normal number, and its factors are about 1.
     const double smallest = std::numeric_limits<float>::min();
@@ -106,21 +106,33 @@ TEST_P(EveryOperation, TakesSubnormalInputs) {
 INSTANTIATE_TEST_SUITE_P(Table, EveryOperation, ::testing::ValuesIn(operations()),
                          [](const auto& row) { return row.param.name; });
 
-// The row "winograd" would also pass with the direct method in its place.
-TEST(Conv2d, TakesWinogradsMethodWhereLocalMemoryHoldsTheImage) {
+// The bound of the changed parameters must be smaller than an update.
+TEST(AdamCases, RejectAnUpdateThatChangesNothing) {
+  for (const auto& operation : operations()) {
+    if (operation.name != "adam") continue;
+    for (const auto& c : operation.cases) {
+      const auto change = c.reference(draw_inputs(c, 1)).front();
+      const std::vector<double> nothing(change.size(), 0.0);
+      EXPECT_GT(array_error(nothing, change, c.terms), 100 * output_error_bound) << c.shape;
+    }
+  }
+}
+
+// The operation `winograd` would also pass if the direct method replaced it.
+TEST(Conv2d, UsesWinogradWhereLocalMemoryHoldsAnImage) {
   Runtime runtime(choose_device(""), Accuracy::fast, KernelVariant::cpu);
   const Conv2dShape shape{2, 32, 16, 16, 64, false};
   const auto weights = shape.weight_size();
   const auto conv = make_conv2d(
       runtime, shape, {runtime.allocate<float>(weights + 64), {}, 0, static_cast<int>(weights)},
       {Conv2dMethod::winograd});
-  const Conv2dImages images{2,
-                            runtime.allocate<float>(shape.in_size()),
-                            runtime.allocate<float>(shape.out_size()),
-                            {},
-                            {}};
+  const Conv2dMicroBatch batch{2,
+                               runtime.allocate<float>(shape.in_size()),
+                               runtime.allocate<float>(shape.out_size()),
+                               {},
+                               {}};
   const auto memory = runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
-  EXPECT_EQ(conv->forward(images).front().name(),
+  EXPECT_EQ(conv->forward(batch).front().name(),
             memory >= (256u << 10) ? "winograd_forward" : "conv2d_forward");
 }
 

@@ -59,9 +59,9 @@ void measure(Runtime& runtime, const Launches& launches, double flops, Cost& cos
 }
 
 /// `windows` images in micro-batches of `shape.images`, each with its own arrays, as in ConvStack.
-std::vector<Conv2dImages> make_micro_batches(Runtime& runtime, const Conv2dShape& shape,
-                                             int windows) {
-  std::vector<Conv2dImages> batches;
+std::vector<Conv2dMicroBatch> make_micro_batches(Runtime& runtime, const Conv2dShape& shape,
+                                                 int windows) {
+  std::vector<Conv2dMicroBatch> batches;
   for (int first = 0; first < windows; first += shape.images)
     batches.push_back(
         {shape.images, normal_buffer(runtime, shape.in_size()),

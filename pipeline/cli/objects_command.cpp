@@ -14,7 +14,8 @@ struct ObjectsOptions {
 };
 
 void describe(OptionSet& set, ObjectsOptions& o) {
-  set.texts("object", o.objects, "object names or TOML files (default: all built-in objects)");
+  set.texts("object", o.objects, "object names or TOML files (default: all built-in objects)")
+      .value("NAME");
 }
 
 std::string inertia_source(const ObjectSpec& object) {

@@ -14,7 +14,7 @@ struct ParametersOptions {
 };
 
 void describe(OptionSet& set, ParametersOptions& o) {
-  set.texts("set", o.settings, "NAME=VALUE...: print these values instead of the defaults");
+  set.texts("set", o.settings, "print these values instead of the defaults").value("NAME=VALUE");
   set.texts("assume", o.former_settings, "");  // former name of --set
   set.flag("markdown", o.markdown, "print the tables of pipeline/scene/PARAMETERS.md");
 }
@@ -62,7 +62,7 @@ ExitCode run(const ParametersOptions& options, const Invocation& invocation) {
 
 }  // namespace
 
-Command parameters_verb() {
+Command parameters_command() {
   Command command = make_command<ParametersOptions>(
       "parameters", "list the parameters of the simulated scenes with their sources",
       {"touchtrace parameters", "touchtrace parameters --set glove-cross-talk=0.024 --json"}, run);

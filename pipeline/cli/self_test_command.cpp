@@ -16,14 +16,14 @@ void describe(OptionSet& set, SelfTestOptions& o) {
 
 nlohmann::json to_json(const OperationResult& result) {
   return {{"operation", result.operation},
-          {"holds", result.holds()},
+          {"holds", result.passes()},
           {"output_error_eps", result.output_error},
           {"gradient_error", result.gradient_error},
           {"fault", result.fault}};
 }
 
 void print_line(const DeviceInfo& device, const OperationResult& result) {
-  if (result.holds())
+  if (result.passes())
     fmt::print("{}: {:.2g} eps, gradient {:.2g}\n", result.operation, result.output_error,
                result.gradient_error);
   else
@@ -38,7 +38,7 @@ std::vector<OperationResult> test(const ChosenDevice& chosen, bool print) {
   const auto add = [&](OperationResult result) {
     if (print) print_line(chosen.info, result);
     results.push_back(std::move(result));
-    return results.back().holds();
+    return results.back().passes();
   };
   try {
     Runtime runtime(chosen);
@@ -58,7 +58,7 @@ ExitCode run(const SelfTestOptions& options, const Invocation& invocation) {
   for (const auto& result : results) rows.push_back(to_json(result));
   if (invocation.json)
     fmt::print("{}\n", nlohmann::json{{"device", chosen.info.name}, {"operations", rows}}.dump(2));
-  return results.back().holds() ? ExitCode::done : ExitCode::data;
+  return results.back().passes() ? ExitCode::done : ExitCode::data;
 }
 
 }  // namespace

@@ -49,13 +49,13 @@ TEST(Device, UnknownSelectorIsAnErrorThatListsTheDevices) {
 
 TEST(SelfTest, FailsOnErrorsNanAndFaults) {
   OperationResult result;
-  EXPECT_TRUE(result.holds());
+  EXPECT_TRUE(result.passes());
   result.output_error = 1.01 * output_error_bound;
-  EXPECT_FALSE(result.holds());
+  EXPECT_FALSE(result.passes());
   result.output_error = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(result.holds());
+  EXPECT_FALSE(result.passes());
   result.output_error = 0.0, result.fault = "crashed";
-  EXPECT_FALSE(result.holds());
+  EXPECT_FALSE(result.passes());
 }
 
 /// Operation y = x with an error of `error` in one value.

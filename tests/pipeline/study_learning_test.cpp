@@ -118,9 +118,9 @@ TEST_F(Learning, FullIsBetterThanWithoutTouchIsBetterThanRandom) {
     EXPECT_LT(best, 0.8 * middle) << metric;
     EXPECT_LT(middle, worst) << metric;
   }
-  // 10 evaluation and 6 validation clips; the force is correlated over (1 + .8) / (1 - .8) = 9 of 120
-  // frames, 3 axes: 390 and 234 independent values. Standard error of coverage with fitted scale:
-  // sqrt(.8 .2 (1 / 390 + 1 / 234)) = 3.3 %; 3 of these.
+  // 10 evaluation and 6 validation clips; the force is correlated over (1 + .8) / (1 - .8) = 9 of
+  // 120 frames, 3 axes: 390 and 234 independent values. Standard error of coverage with fitted
+  // scale: sqrt(.8 .2 (1 / 390 + 1 / 234)) = 3.3 %; 3 of these.
   EXPECT_NEAR(row["full"].at("coverage").get<double>(), 0.8, 0.1);
   EXPECT_EQ(row["full"].at("split"), "seen");
   for (const auto& difference : document.at("differences")) {

@@ -10,6 +10,7 @@
 #include "engine/cl/timing.h"
 #include "engine/train/batch_rows.h"
 #include "engine/train/noise_batch.h"
+#include "engine/train/predictor.h"
 #include "tests/verify/engine/model_comparison.h"
 #include "tests/verify/engine/verify_engine.h"
 

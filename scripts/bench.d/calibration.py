@@ -16,21 +16,13 @@ import cv2
 import numpy as np
 
 import figures
+from figures import at_most, row
 
 PHOTOGRAPHS = "/usr/share/doc/opencv-doc/examples/data"
 COLUMNS, ROWS, SQUARE_M, FOLDS = 9, 6, 0.025, 10
 OPENCV = {"radtan4": cv2.CALIB_FIX_K3, "radtan5": 0, "rational8": cv2.CALIB_RATIONAL_MODEL}
 FREE_BOARD = ", free board"  # calibrateCameraRO: the board's corners are unknowns (Strobl and Hirzinger)
 MRCAL = {"radtan4": "LENSMODEL_OPENCV4", "radtan5": "LENSMODEL_OPENCV5", "rational8": "LENSMODEL_OPENCV8"}
-
-
-def row(name, value, unit, goal="reported", holds=True, seconds=0.0):
-    """As `touchtrace-verify --json` prints them."""
-    return dict(name=name, value=float(value), unit=unit, goal=goal, holds=bool(holds and np.isfinite(value)), seconds=seconds)
-
-
-def at_most(name, value, unit, goal, **rest):
-    return row(name, value, unit, f"<= {goal:g}", value <= goal, **rest)
 
 
 def run_touchtrace(options, side):

@@ -22,6 +22,7 @@ if __name__ == "__main__" and any(os.environ.get(key) != value for key, value in
 import numpy as np
 import torch
 
+from figures import at_most, row
 from torch_twin.comparison import compare
 from torch_twin.course import Course, picture_of, settled, time_until
 from torch_twin.cuda import CudaTrainer
@@ -31,16 +32,6 @@ from torch_twin.problem import noise_problem, weights_of
 from torch_twin.training import WARM_UP, EngineTrainer, TorchTrainer, all_settings, best_of, contenders, race, try_settings
 
 PEER = f"PyTorch {torch.__version__}"
-
-
-def row(name, value, unit, goal="reported", holds=True, seconds=0.0, picture=None):
-    """As `touchtrace-verify --json` prints them; a picture as engine/base/figure.h has it."""
-    extra = {} if picture is None else dict(picture=picture)
-    return dict(name=name, value=float(value), unit=unit, goal=goal, holds=bool(holds), seconds=seconds, **extra)
-
-
-def at_most(name, value, unit, goal, **rest):
-    return row(name, value, unit, f"<= {goal:g}", value <= goal, **rest)
 
 
 def ratio(name, peer, ratios, goal, **rest):

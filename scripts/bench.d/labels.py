@@ -12,20 +12,11 @@ import time
 import numpy as np
 
 import figures
+from figures import at_most, row
 from smoothing_peers import PEERS
 
 GOALS = {"wave": 0.8, "throw": 0.5, "pingpong": 0.05}
 EDGE_S, IMPACT_S = 0.5, 0.005
-
-
-def row(name, value, unit, goal="reported", holds=True, seconds=0.0, picture=None):
-    """As `touchtrace-verify --json` prints them; a picture as engine/base/figure.h has it."""
-    extra = {} if picture is None else dict(picture=picture)
-    return dict(name=name, value=float(value), unit=unit, goal=goal, holds=bool(holds and np.isfinite(value)), seconds=seconds, **extra)
-
-
-def at_most(name, value, unit, goal, **rest):
-    return row(name, value, unit, f"<= {goal:g}", value <= goal, **rest)
 
 
 def run_touchtrace(program, activity):

@@ -1,10 +1,13 @@
-// The whole chain at a small size, verb by verb, as scripts/demo runs it.
+// The whole chain at a small size, command by command, as scripts/demo runs it.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
@@ -56,28 +59,65 @@ class WholeChain : public ::testing::TestWithParam<const char*> {
   fs::path folder_;
 };
 
-void expect_finite_row(const nlohmann::json& row) {
+nlohmann::json read_json(const std::string& path) {
+  return nlohmann::json::parse(std::ifstream(path));
+}
+
+std::string text_of(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+/// Corners of the simulated board are found to about 0.05 px.
+void expect_good_calibration(const nlohmann::json& calibration) {
+  EXPECT_LT(calibration.at("rms_px").get<double>(), 0.1);
+  EXPECT_GT(calibration.at("rms_px").get<double>(), 0.0);
+}
+
+/// Labels are on the object: errors per axis are smaller than its radius, of the ball or of the
+/// racket's blade.
+void expect_good_labels(const nlohmann::json& errors, double radius_m) {
+  ASSERT_FALSE(errors.empty());
+  for (const auto& error : errors) {
+    const auto& object = error.at("error").at("object");
+    for (const double rms_m : object.at("position_rms_m")) EXPECT_LT(rms_m, radius_m) << error;
+    EXPECT_LT(object.at("wrong_share").get<double>(), 0.05) << error;
+  }
+}
+
+void expect_possible(const nlohmann::json& row) {
   for (const char* key : {"l1_at_20", "l1_at_50", "hausdorff"}) {
     EXPECT_TRUE(std::isfinite(row.at(key).get<double>())) << row;
     EXPECT_GT(row.at(key).get<double>(), 0.0) << row;
   }
+  if (row.at("model") == "random") return;
+  EXPECT_GT(row.at("coverage").get<double>(), 0.0) << row;
+  EXPECT_LE(row.at("coverage").get<double>(), 1.0) << row;
 }
 
 TEST_P(WholeChain, EndsInMetricsAndAReport) {
   make_labels();
   make_models();
   if (HasFatalFailure()) return;
-  const auto results = nlohmann::json::parse(std::ifstream(at("scene.metrics.json"))).at("results");
-  std::vector<std::string> models;
-  for (const auto& row : results) {
-    models.push_back(row.at("model"));
+  expect_good_calibration(read_json(at("calibration/calibration.json")));
+  const auto metrics = read_json(at("scene.metrics.json"));
+  const bool racket = GetParam() == std::string("pingpong");
+  expect_good_labels(metrics.at("label_errors"), racket ? 0.0755 : 0.0286);
+  const auto report = text_of(at("report.html"));
+  std::map<std::string, double> l1_at_20;
+  for (const auto& row : metrics.at("results")) {
+    l1_at_20[row.at("model")] = row.at("l1_at_20");
     EXPECT_EQ(row.at("activity"), GetParam());
-    EXPECT_EQ(row.at("object"), GetParam() == std::string("pingpong") ? "racket" : "ball");
-    expect_finite_row(row);
+    EXPECT_EQ(row.at("object"), racket ? "racket" : "ball");
+    expect_possible(row);
+    const auto shown = fmt::format("\"l1_at_20\":{:.5g}", row.at("l1_at_20").get<double>());
+    EXPECT_NE(report.find(shown), std::string::npos) << shown << " is not in the report";
   }
-  for (const char* model : {"random", "without_touch", "full"})
-    EXPECT_NE(std::ranges::find(models, model), models.end()) << model;
-  EXPECT_GT(fs::file_size(at("report.html")), 10000u);
+  // Even 40 updates learn more than a path of another time knows.
+  ASSERT_EQ(l1_at_20.size(), 3u);
+  EXPECT_LT(l1_at_20.at("full"), l1_at_20.at("random"));
+  EXPECT_LT(l1_at_20.at("without_touch"), l1_at_20.at("random"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Activities, WholeChain, ::testing::Values("wave", "throw", "pingpong"),

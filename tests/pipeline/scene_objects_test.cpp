@@ -132,7 +132,7 @@ TEST(SceneObjects, TrackedPointIsRelativeToTheCentreOfMass) {
             1e-12);
   std::string ball =
       "[ball]\nradius_m = 0.02\nmass_kg = 0.003\ndrag_coefficient = 0.4\n"
-      "restitution = 0.8\nfriction = 0.5\nmeets_m = [0, 0, 0.3]\n"
+      "restitution = 0.8\nfriction = 0.5\nface_center_m = [0, 0, 0.3]\n"
       "color = [1, 1, 1]\n";
   EXPECT_EQ(parsed(beside + ball).ball->mass_kg, 0.003);
   EXPECT_NEAR(parsed(beside + ball).ball->face_center_m.z(), 0.2, 1e-12);

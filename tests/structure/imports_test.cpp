@@ -51,7 +51,8 @@ const std::map<std::string, std::set<std::string>>& allowed() {
       {"pipeline/scene/simulate",
        with(scene({"objects", "base", "glove", "person", "camera"}), {"engine/cl"})},
       {"pipeline/acquire", with(shared, {"calib/board", "calib/camera", "calib/rgbd"})},
-      {"pipeline/label", with(shared, {"calib/board", "calib/camera", "calib/rgbd", "calib/smooth"})},
+      {"pipeline/label",
+       with(shared, {"calib/board", "calib/camera", "calib/rgbd", "calib/smooth"})},
       {"pipeline/report", shared},
   };
   return modules;

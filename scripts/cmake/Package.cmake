@@ -12,10 +12,9 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME touchtrace)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "pocl-opencl-icd | opencl-icd")
-set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "predict hand and object motion from a tactile glove
- Calibrates an RGB-D camera, labels its video with positions, velocities and
- covariances of a hand and an object, trains a model of their motion from
- touch on any OpenCL device, and evaluates it. Contains a scene simulator.")
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "Calibrates an RGB-D camera, labels its video with positions, velocities and
+covariances of a hand and an object, trains a model of their motion from
+touch on any OpenCL device, and evaluates it. Contains a scene simulator.")
 
 # The libraries are static: a program that links them needs the development files of their dependencies.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtouchtrace-dev)
@@ -23,9 +22,8 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 file(STRINGS scripts/packages development_packages REGEX "^[a-z0-9.+-]+-dev$|^opencl-headers$|^opencl-clhpp-headers$")
 list(FILTER development_packages EXCLUDE REGEX "libusb|libgtest")
 list(JOIN development_packages ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "libraries of touchtrace: motion from a tactile glove
- Static libraries, headers and CMake files of touchtrace: OpenCL training
- engine, camera calibration and smoothing, recordings, labels, simulator.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Static libraries, headers and CMake files of touchtrace: OpenCL training
+engine, camera calibration and smoothing, recordings, labels, simulator.")
 
 # Debian asks for a copyright file and a changelog in each package.
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)

@@ -49,6 +49,14 @@ INSTANTIATE_TEST_SUITE_P(Faults, BadDriver,
                                            std::pair("unlisted", "signal 6")),
                          [](const auto& fault) { return std::string(fault.param.first); });
 
+TEST_F(BadDriver, NamedByTheUserIsAnErrorWithoutFallback) {
+  const auto result =
+      run_with_both_drivers("lies", "simulate --device Faulty --minutes 0.01 " + at("scene.h5"));
+  EXPECT_EQ(result.exit_code, 4) << result.output;
+  EXPECT_NE(result.output.find("computes wrong values"), std::string::npos) << result.output;
+  EXPECT_FALSE(fs::exists(at("scene.h5")));
+}
+
 TEST_F(BadDriver, IsReportedByDoctor) {
   for (const auto& [fault, message] :
        {std::pair("lies", "Faulty 3000: tactile_window computes wrong values"),

@@ -73,7 +73,7 @@ class FlightCost {
   }
 
   double without_flight() const { return with_events<double>({}, after_time()); }
-  /// Of a flight, by the Bayesian information criterion.
+  /// Penalty of a flight in the Bayesian information criterion.
   double penalty() const { return std::log(3.0 * static_cast<double>(track_.size())); }
   double scaled_time(double time_s) const { return (time_s - origin_s_) / units_.time_s; }
   double time_s(double scaled) const { return origin_s_ + scaled * units_.time_s; }

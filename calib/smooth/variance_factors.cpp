@@ -17,7 +17,8 @@ constexpr double min_residuals = 100.0;
 /// Hands in simulated scenes are this smooth; a smaller factor means that the positions were not
 /// measured independently.
 constexpr double min_factor = 0.4;
-/// Of a measurement's variance. If less remains for its residual, no other measurement predicts it.
+/// Minimum fraction of a measurement's variance in its residual. Below it, no other measurement
+/// predicts the measured value.
 constexpr double min_residual_variance_fraction = 0.02;
 
 /// Nullopt in flight and near its ends.

@@ -45,7 +45,7 @@ struct Conv2dShape {
   double flops() const;
 };
 
-/// Conv2dShape::dead for inputs that are zero wherever `live` [rows, cols] is 0.
+/// Conv2dShape::dead for inputs that are zero where `live` [rows, cols] is 0.
 std::vector<int> dead_pixels(const Conv2dShape& shape, const std::vector<std::uint8_t>& live);
 
 /// Flat buffers of all parameters and their gradient, with the offsets of a layer's weight

@@ -36,7 +36,7 @@ TEST_F(InfoNce, GradientsStayFiniteAtLargeLogits) {
 
 TEST_F(InfoNce, IsTheLogarithmOfTheNumberOfCandidatesWhereNothingIsLearnt) {
   InfoNceProblem problem = info_nce_extreme(0.0, false, false, 1);
-  // Each anchor has 3 positives, and 12 negatives beside each of them.
+  // Each anchor has 3 positives and 12 negatives.
   for (double loss : on_device(problem).row_loss) EXPECT_NEAR(loss, 3 * std::log(13.0), 1e-6);
 }
 

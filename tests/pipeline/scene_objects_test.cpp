@@ -126,19 +126,20 @@ TEST(SceneObjects, HaveTwelveSeenThreeUnseenOneOutside) {
 }
 
 TEST(SceneObjects, TrackedPointIsRelativeToTheCentreOfMass) {
-  const std::string beside = replaced(plain_ball, "mass_kg", "center_m = [0, 0, 0.1]\nmass_kg");
-  EXPECT_EQ(parsed(beside).tracked_m, Vector3d::Zero());
-  EXPECT_LT((parsed("tracked_m = [0, 0, 0.4]\n" + beside).tracked_m - Vector3d(0, 0, 0.3)).norm(),
-            1e-12);
+  const std::string off_centre = replaced(plain_ball, "mass_kg", "center_m = [0, 0, 0.1]\nmass_kg");
+  EXPECT_EQ(parsed(off_centre).tracked_m, Vector3d::Zero());
+  EXPECT_LT(
+      (parsed("tracked_m = [0, 0, 0.4]\n" + off_centre).tracked_m - Vector3d(0, 0, 0.3)).norm(),
+      1e-12);
   std::string ball =
       "[ball]\nradius_m = 0.02\nmass_kg = 0.003\ndrag_coefficient = 0.4\n"
       "restitution = 0.8\nfriction = 0.5\nface_center_m = [0, 0, 0.3]\n"
       "color = [1, 1, 1]\n";
-  EXPECT_EQ(parsed(beside + ball).ball->mass_kg, 0.003);
-  EXPECT_NEAR(parsed(beside + ball).ball->face_center_m.z(), 0.2, 1e-12);
-  EXPECT_NE(rejection_of("tracked_m = [0, 0, 0.4]\n" + beside + ball), "");
+  EXPECT_EQ(parsed(off_centre + ball).ball->mass_kg, 0.003);
+  EXPECT_NEAR(parsed(off_centre + ball).ball->face_center_m.z(), 0.2, 1e-12);
+  EXPECT_NE(rejection_of("tracked_m = [0, 0, 0.4]\n" + off_centre + ball), "");
   ball = replaced(ball, "face_center_m", "meets_m");  // former name
-  EXPECT_NEAR(parsed(beside + ball).ball->face_center_m.z(), 0.2, 1e-12);
+  EXPECT_NEAR(parsed(off_centre + ball).ball->face_center_m.z(), 0.2, 1e-12);
 }
 
 TEST(SceneObjects, MassPropertiesArePhysical) {

@@ -25,8 +25,8 @@ struct Command {
 };
 
 /// Grip force against slipping and turning under a load of `load_m_per_s2`, the object's
-/// acceleration minus gravity. Palm and fingers both contribute friction; an object held beside its
-/// centre of mass also needs grip against turning.
+/// acceleration minus gravity. Palm and fingers both contribute friction; an object held away from
+/// its centre of mass also needs grip against turning.
 double load_grip_n(const WaveParameters& grip, const ObjectSpec& object,
                    const Eigen::Vector3d& load_m_per_s2);
 /// Whether the object is in the hand after it was put on the palm.

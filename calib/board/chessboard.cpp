@@ -1,13 +1,20 @@
 #include "calib/board/chessboard.h"
 
+#include <algorithm>
+#include <limits>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "calib/board/charuco.h"
+#include "calib/board/saddle.h"
 #include "calib/board/upscaled_image.h"
 
 namespace touchtrace {
 namespace {
 
+constexpr int large_image_px = 2000, detection_size_px = 1280, probing_size_px = 800;
+constexpr int min_refinement_px = 3, max_refinement_px = 20;
+constexpr int min_corners_per_side = 3;
 constexpr int exhaustive =
     cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY;
 
@@ -21,9 +28,56 @@ std::vector<Eigen::Vector2d> find_in_upscaled(const UpscaledImage& image, const 
   return corners;
 }
 
+/// Image reduced by an integer factor.
+GreyImage reduced(const GreyImage& image, int factor) {
+  const cv::Mat original(image.height, image.width, CV_8U,
+                         const_cast<std::uint8_t*>(image.pixels.data()));
+  cv::Mat small;
+  cv::resize(original, small, {image.width / factor, image.height / factor}, 0, 0, cv::INTER_AREA);
+  return {small.cols, small.rows, {small.datastart, small.dataend}};
+}
+
+/// Factor that makes the larger side at most `size_px`.
+int reduction_to(const GreyImage& image, int size_px) {
+  return (std::max(image.width, image.height) + size_px - 1) / size_px;
+}
+
+/// Smallest distance between neighbouring corners of a row.
+double min_spacing_px(const std::vector<Eigen::Vector2d>& corners, const Chessboard& board) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < corners.size(); ++i)
+    if (static_cast<int>(i) % board.columns != 0)
+      least = std::min(least, (corners[i] - corners[i - 1]).norm());
+  return least;
+}
+
+/// False where OpenCV takes the outer border of the board for a row of inner corners.
+bool are_saddles(const GreyImage& image, const std::vector<Eigen::Vector2d>& corners) {
+  return std::ranges::all_of(corners, [&](const Eigen::Vector2d& corner) {
+    return refine_saddle_point(image, corner, min_refinement_px).has_value();
+  });
+}
+
+/// Detects on a reduced image and refines each corner in the large one; {} if one has no saddle.
+std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image, const Chessboard& board) {
+  const int factor = reduction_to(image, detection_size_px);
+  auto corners = find_chessboard(reduced(image, factor), board);
+  for (auto& corner : corners) corner = factor * (corner.array() + 0.5) - 0.5;
+  const int radius_px = std::clamp(static_cast<int>(0.3 * min_spacing_px(corners, board)),
+                                   min_refinement_px, max_refinement_px);
+  for (auto& corner : corners) {
+    const auto refined = refine_saddle_point(image, corner, radius_px);
+    if (!refined) return {};
+    corner = *refined;
+  }
+  return corners;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image, const Chessboard& board) {
+  if (std::max(image.width, image.height) > large_image_px)
+    return find_in_large_image(image, board);
   const int scale = default_upscale_factor(image);
   // Fastest first. No setting detects every board.
   const std::pair<int, int> attempts[] = {
@@ -34,7 +88,21 @@ std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image, const Chess
   return {};
 }
 
-void add_view(BoardObservations& observations, std::string name, const GreyImage& image,
+std::optional<Chessboard> find_other_size(const GreyImage& image, const Chessboard& board) {
+  const GreyImage small = reduced(image, reduction_to(image, probing_size_px));
+  const int c = board.columns, r = board.rows;
+  const std::pair<int, int> sizes[] = {{c - 1, r - 1}, {c + 1, r + 1}, {c - 1, r}, {c, r - 1},
+                                       {c + 1, r},     {c, r + 1},     {r, c},     {r - 1, c - 1}};
+  for (const auto& [columns, rows] : sizes) {
+    if (columns < min_corners_per_side || rows < min_corners_per_side) continue;
+    const Chessboard other{columns, rows, board.square_m};
+    const auto corners = find_in_upscaled({small, 1}, other, 0);
+    if (!corners.empty() && are_saddles(small, corners)) return other;
+  }
+  return {};
+}
+
+bool add_view(BoardObservations& observations, std::string name, const GreyImage& image,
               std::vector<float> depth_m) {
   const Chessboard& board = observations.board;
   BoardView view;
@@ -44,10 +112,11 @@ void add_view(BoardObservations& observations, std::string name, const GreyImage
     view.corners_px = find_chessboard(image, board);
   if (view.corners_px.empty()) {
     observations.views_without_board.push_back(std::move(name));
-    return;
+    return false;
   }
   view.name = std::move(name), view.depth_m = std::move(depth_m);
   observations.views.push_back(std::move(view));
+  return true;
 }
 
 }  // namespace touchtrace

@@ -53,23 +53,35 @@ struct BoardView {
   }
 };
 
+struct SkippedImage {
+  std::string name, why;
+};
+
 /// Input of a calibration. All images have one size.
 struct BoardObservations {
   Chessboard board;
   int width = 0, height = 0;  ///< [px]
   std::vector<BoardView> views;
   std::vector<std::string> views_without_board;  ///< names of images in which none was found
+  std::vector<SkippedImage> skipped;             ///< images that were not looked at
   std::array<double, 4> depth_intrinsics{};      ///< factory fx, fy, cx, cy [px]; 0: unknown
 };
 
 /// Returns the inner corners in the board's order, or {} if the image does not show all of them.
 ///
 /// findChessboardCornersSB (Duda and Frese, BMVC 2018) on an image upscaled to about 1280 pixels:
-/// on rendered 320x240 boards this lowers the corner error from 0.12 to 0.02 px.
+/// on rendered 320x240 boards this lowers the corner error from 0.12 to 0.02 px. In an image of
+/// more than 2000 pixels it looks on a reduced one and refines the corners by
+/// refine_saddle_point().
 std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image, const Chessboard& board);
 
+/// Board of a size near `board`'s that the image shows, for an error message; quick and not
+/// thorough.
+std::optional<Chessboard> find_other_size(const GreyImage& image, const Chessboard& board);
+
 /// Detects the board and appends to `views`, or to `views_without_board` if there is none.
-void add_view(BoardObservations& observations, std::string name, const GreyImage& image,
+/// Returns whether it was found.
+bool add_view(BoardObservations& observations, std::string name, const GreyImage& image,
               std::vector<float> depth_m = {});
 
 }  // namespace touchtrace

@@ -103,6 +103,10 @@ double board_depth_m(const DepthSample& sample, const RgbdParameters& parameters
 
 /// Names of the estimated parameters except for poses and offsets, in the order of covariance().
 std::vector<std::string> parameter_names(const BoardProblem& problem, const Lens& lens);
+/// Derivative [size, size] of parameter_names(), with rotations perturbed from the left, by the
+/// angle-axis increments that Ceres uses.
+Eigen::MatrixXd left_rotation_jacobian(const BoardProblem& problem, const RgbdParameters& p,
+                                       Eigen::Index size);
 /// Information matrix J'J at `parameters`, with corner offsets marginalised out. Order:
 /// parameter_names(), then the poses of the used views. Empty if it cannot be evaluated.
 Eigen::MatrixXd information(const BoardProblem& problem, RgbdParameters parameters);

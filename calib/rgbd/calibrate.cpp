@@ -15,6 +15,7 @@
 #include "calib/rgbd/prior.h"
 #include "calib/rgbd/target_deformation.h"
 #include "calib/rgbd/verdict.h"
+#include "calib/rgbd/view_covariance.h"
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
 
@@ -23,6 +24,7 @@ namespace {
 
 constexpr double first_extent = 0.5, final_extent = 1.0;  ///< as in depth_samples()
 constexpr int num_joint_rounds = 4;
+constexpr double same_view_px = 0.5;
 constexpr std::size_t min_depth_samples = 100;
 
 void require_views(const BoardObservations& o, std::ptrdiff_t views, const char* kind) {
@@ -58,12 +60,22 @@ void require_valid_views(const BoardObservations& o) {
   }
 }
 
+/// True if corners lie within `same_view_px` (RMS) of those of another view: the same image encoded
+/// twice, or a video of a board and a camera at rest.
+bool is_same_view(const BoardView& a, const BoardView& b) {
+  if (a.corners_px.size() != b.corners_px.size() || a.corner_ids != b.corner_ids) return false;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < a.corners_px.size(); ++i)
+    squares += (a.corners_px[i] - b.corners_px[i]).squaredNorm();
+  return squares <= same_view_px * same_view_px * static_cast<double>(a.corners_px.size());
+}
+
 /// [views] false for a duplicate of an earlier view, which would make the covariance too small.
 std::vector<bool> different_views(const BoardObservations& o) {
   std::vector<bool> different(o.views.size(), true);
   for (std::size_t view = 0; view < o.views.size(); ++view)
     for (std::size_t before = 0; before < view && different[view]; ++before)
-      different[view] = o.views[view].corners_px != o.views[before].corners_px;
+      different[view] = !different[before] || !is_same_view(o.views[view], o.views[before]);
   return different;
 }
 
@@ -123,8 +135,11 @@ RgbdCalibration assemble_calibration(const BoardProblem& problem, const RgbdPara
   c.rms_px = rms_of_used_views(problem.observations, problem.used, p);
   c.depth_rms_m = depth_rms_m(problem.samples, p);
   c.parameters = parameter_names(problem, p.lens);
-  c.covariance = covariance_of_estimate(problem, p);
-  if (c.covariance.size() == 0) throw no_convergence();
+  const Eigen::MatrixXd independent = covariance_of_estimate(problem, p);
+  if (independent.size() == 0) throw no_convergence();
+  const ViewCovariance by_view = view_covariance(problem, p, independent);
+  c.covariance = by_view.covariance;
+  c.details["view_inflation"] = by_view.inflation;
   return c;
 }
 
@@ -152,8 +167,8 @@ RgbdCalibration calibrate(const BoardObservations& observations,
       !solve_jointly(problem, parameters, noise))
     throw no_convergence();
   RgbdCalibration calibration = assemble_calibration(problem, parameters);
-  calibration.details = calibration_details(
-      {problem, parameters, calibration, color, noise, different, deformation_bic_gain});
+  calibration.details.update(calibration_details(
+      {problem, parameters, calibration, color, noise, different, deformation_bic_gain}));
   const std::chrono::duration<double> wall_s = std::chrono::steady_clock::now() - wall_start;
   calibration.details["solving"] = {
       {"wall_s", wall_s.count()},

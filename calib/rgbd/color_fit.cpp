@@ -7,6 +7,7 @@
 #include "calib/rgbd/lens_choice.h"
 #include "calib/rgbd/prior.h"
 #include "calib/rgbd/robust_fit.h"
+#include "calib/rgbd/view_covariance.h"
 #include "engine/base/interrupt.h"
 
 namespace touchtrace {
@@ -29,7 +30,12 @@ double sum_of_squares(const BoardObservations& observations, const std::vector<b
 struct LensFit {
   RgbdParameters parameters;
   std::vector<int> free_color;
-  double bic = unbounded;
+  double mean_square = unbounded;  ///< of the residuals [px^2]
+
+  /// Bayesian information criterion for `count` independent residuals.
+  double bic(double count) const {
+    return count * std::log(mean_square) + static_cast<double>(free_color.size()) * std::log(count);
+  }
 };
 
 /// Unobservable coefficients can be found at parameters that fit this well.
@@ -55,7 +61,7 @@ bool remove_unobservable(BoardProblem& problem, const RgbdParameters& parameters
 const LensFit* find_same_model(const std::vector<LensFit>& earlier, const Lens& lens,
                                const std::vector<int>& free_color) {
   const auto same = std::ranges::find_if(earlier, [&](const LensFit& fitted) {
-    return fitted.free_color == free_color &&
+    return std::isfinite(fitted.mean_square) && fitted.free_color == free_color &&
            is_perspective(fitted.parameters.lens) == is_perspective(lens);
   });
   return same == earlier.end() ? nullptr : &*same;
@@ -96,19 +102,47 @@ LensFit fit_lens(BoardProblem& problem, const LensChoice& choice, RgbdParameters
   problem.cost_tolerance = trial_bic_tolerance / count;
   if (!solve_for_observable(problem, start, earlier, fitted.parameters, trial)) return fitted;
   fitted.free_color = problem.free_color;
-  const double squares =
-      std::max(sum_of_squares(problem.observations, problem.used, fitted.parameters),
-               count * min_corner_sigma_px * min_corner_sigma_px);
-  fitted.bic = count * std::log(squares / count) +
-               static_cast<double>(fitted.free_color.size()) * std::log(count);
+  fitted.mean_square =
+      std::max(sum_of_squares(problem.observations, problem.used, fitted.parameters) / count,
+               min_corner_sigma_px * min_corner_sigma_px);
   return fitted;
 }
 
-/// BIC gain over the lens chosen so far that `lens` needs.
-double required_bic_gain(const Lens& lens, const ColorFit& fit) {
-  if (!fit.converged) return 0.0;
-  return is_perspective(lens) == is_perspective(fit.parameters.lens) ? bic_positive_evidence
-                                                                     : bic_very_strong_evidence;
+/// BIC gain over the lens `chosen` so far that `fit` needs.
+double required_bic_gain(const LensFit& fit, const LensFit* chosen) {
+  if (!chosen) return 0.0;
+  const bool has_fewer_coefficients = fit.free_color.size() < chosen->free_color.size();
+  return has_fewer_coefficients ||
+                 is_perspective(fit.parameters.lens) == is_perspective(chosen->parameters.lens)
+             ? bic_positive_evidence
+             : bic_very_strong_evidence;
+}
+
+/// Chooses among fits for `count` independent residuals, and stores BIC relative to the chosen one.
+/// Returns nullptr if none converged.
+const LensFit* choose(const std::vector<LensFit>& fits, double count, ColorFit& result) {
+  const LensFit* chosen = nullptr;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    result.trials[i].bic = fits[i].bic(count);
+    if (!std::isfinite(result.trials[i].bic)) continue;
+    if (chosen && fits[i].bic(count) >= chosen->bic(count) - required_bic_gain(fits[i], chosen))
+      continue;
+    chosen = &fits[i];
+    result.chosen = result.trials[i].name;
+  }
+  if (!chosen) return nullptr;
+  for (auto& trial : result.trials) trial.bic -= chosen->bic(count);
+  result.parameters = chosen->parameters, result.free_color = chosen->free_color;
+  return chosen;
+}
+
+/// Number of corner coordinates that one independent coordinate stands for, because corners of a
+/// view err together.
+double corner_design_effect(const BoardObservations& observations, const ColorFit& fit) {
+  const BoardProblem problem = color_problem(observations, fit);
+  const Eigen::MatrixXd independent = covariance(problem, fit.parameters);
+  const double inflation = view_covariance(problem, fit.parameters, independent).inflation;
+  return std::max(1.0, inflation * inflation);
 }
 
 }  // namespace
@@ -159,22 +193,16 @@ ColorFit fit_color(const BoardObservations& observations, const std::vector<bool
   BoardProblem problem{observations, fit.used, {}, {}};
   problem.corner_sigma_px = robust.better().sigma_px;
   fit.corner_sigma_px = problem.corner_sigma_px;
-  double best = unbounded;
-  std::vector<LensFit> earlier;
+  std::vector<LensFit> fits;
   for (const LensChoice& choice : choices) {
-    LensTrial trial{lens_name(choice.named), 0.0, {}};
-    const LensFit fitted = fit_lens(problem, choice, robust.start_of(choice.lens), earlier, trial);
-    trial.bic = fitted.bic;
-    if (std::isfinite(fitted.bic) && fitted.bic < best - required_bic_gain(choice.lens, fit)) {
-      best = fitted.bic;
-      fit.parameters = fitted.parameters, fit.free_color = fitted.free_color;
-      fit.chosen = trial.name, fit.converged = true;
-    }
-    fit.trials.push_back(std::move(trial));
-    if (std::isfinite(fitted.bic)) earlier.push_back(fitted);
+    fit.trials.push_back({lens_name(choice.named), 0.0, {}});
+    fits.push_back(
+        fit_lens(problem, choice, robust.start_of(choice.lens), fits, fit.trials.back()));
   }
-  for (auto& trial : fit.trials) trial.bic -= best;
-  fit.converged = fit.converged && solve(color_problem(observations, fit), fit.parameters);
+  const double count = num_corner_coordinates(observations, fit.used);
+  if (!choose(fits, count, fit)) return fit;
+  choose(fits, count / corner_design_effect(observations, fit), fit);
+  fit.converged = solve(color_problem(observations, fit), fit.parameters);
   if (fit.converged)
     fit.corner_sigma_px =
         corner_noise_px(observations, fit.used, fit.free_color.size(), fit.parameters);

@@ -82,13 +82,10 @@ void add_step(const BoardProblem& problem, RgbdParameters& p, const VectorXd& st
   for (std::size_t view : used_views(problem)) add(p.camera_from_board[view].data(), 6);
 }
 
-/// Converts a covariance of angle-axis increments to one of rotations from the left.
 MatrixXd with_left_rotations(const BoardProblem& problem, const RgbdParameters& p,
                              const MatrixXd& marginal) {
-  if (problem.samples.empty() || marginal.size() == 0) return marginal;
-  const auto first = static_cast<Index>(problem.free_color.size()) + 2;
-  MatrixXd jacobian = MatrixXd::Identity(marginal.rows(), marginal.cols());
-  jacobian.block<3, 3>(first, first) = left_jacobian(Eigen::Vector3d(p.depth_from_color.data()));
+  if (marginal.size() == 0) return marginal;
+  const MatrixXd jacobian = left_rotation_jacobian(problem, p, marginal.rows());
   return jacobian * marginal * jacobian.transpose();
 }
 
@@ -104,6 +101,14 @@ std::vector<std::string> parameter_names(const BoardProblem& problem, const Lens
   names.insert(names.end(), std::begin(depth_names), std::end(depth_names));
   if (problem.free_delay) names.emplace_back("depth.delay");
   return names;
+}
+
+MatrixXd left_rotation_jacobian(const BoardProblem& problem, const RgbdParameters& p, Index size) {
+  MatrixXd jacobian = MatrixXd::Identity(size, size);
+  if (problem.samples.empty()) return jacobian;
+  const auto first = static_cast<Index>(problem.free_color.size()) + 2;
+  jacobian.block<3, 3>(first, first) = left_jacobian(Eigen::Vector3d(p.depth_from_color.data()));
+  return jacobian;
 }
 
 MatrixXd information(const BoardProblem& problem, RgbdParameters p) {

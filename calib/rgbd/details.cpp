@@ -44,6 +44,8 @@ json view_details(const DetailsInput& r) {
                {"rms_px", rms(residuals)},
                {"corners_px", points(observations.views[view].corners_px)},
                {"residuals_px", points(residuals)}};
+    if (!observations.views[view].corner_ids.empty())
+      entry["corner_ids"] = observations.views[view].corner_ids;
     add_depth_residuals(r, view, entry);
     list.push_back(std::move(entry));
   }
@@ -154,6 +156,13 @@ json lenses(const ColorFit& color) {
   return list;
 }
 
+json skipped_images(const BoardObservations& observations) {
+  json list = json::array();
+  for (const auto& [name, why] : observations.skipped)
+    list.push_back({{"name", name}, {"why", why}});
+  return list;
+}
+
 }  // namespace
 
 json calibration_details(const DetailsInput& r) {
@@ -173,6 +182,7 @@ json calibration_details(const DetailsInput& r) {
           {"outlier_views", outlier_views(r)},
           {"duplicate_views", duplicate_views(r)},
           {"views_without_board", r.problem.observations.views_without_board},
+          {"skipped_images", skipped_images(r.problem.observations)},
           {"depth", depth(r)}};
 }
 

@@ -34,6 +34,7 @@ struct DetailsInput {
 ///     views                [{name, used, rms_px, corners_px [[u, v]..], residuals_px [[u, v]..],
 ///                          depth_rms_m, depth_bias_m (mean of model minus measured)}..]
 ///     outlier_views, duplicate_views, views_without_board  [name..]
+///     skipped_images  [{name, why}..]
 ///     depth                {samples, sigma_at_1m, exponent, inflation (DepthNoise), delay
 ///                          "estimated" or the reason why not, bias_sigma_at_1m [m]}; null: colour
 ///                          only

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <vector>
 
 #include "calib/rgbd/rotation.h"
 
@@ -14,6 +15,8 @@ namespace touchtrace {
 namespace {
 
 using Eigen::Index, Eigen::MatrixXd;
+
+constexpr int num_weighting_rounds = 3;
 
 /// Derivative of a pixel with respect to all intrinsics, then to the point.
 using PixelJacobian = Eigen::Matrix<double, 2, max_intrinsics + 3>;
@@ -46,34 +49,76 @@ std::vector<Index> color_parameter_indices(const RgbdCalibration& c) {
 
 }  // namespace
 
-MatrixXd rotation_free_jacobian(const RgbdCalibration& c) {
+namespace {
+
+/// Derivatives [2 pixels, ..] of the grid pixels; 0 where they cannot be unprojected.
+struct GridJacobian {
+  MatrixXd by_intrinsics, by_rotation;
+};
+
+GridJacobian grid_jacobian(const RgbdCalibration& c) {
   const auto indices = color_parameter_indices(c);
   constexpr Index pixels = ImageGrid::columns * ImageGrid::rows;
-  MatrixXd by_intrinsics = MatrixXd::Zero(2 * pixels, Index(indices.size()));
-  MatrixXd by_rotation = MatrixXd::Zero(2 * pixels, 3);
+  GridJacobian grid{MatrixXd::Zero(2 * pixels, Index(indices.size())),
+                    MatrixXd::Zero(2 * pixels, 3)};
   for (Index i = 0; i < pixels; ++i) {
     const Eigen::Vector3d ray = c.color.unproject(
         ImageGrid::pixel(c.color, int(i % ImageGrid::columns), int(i / ImageGrid::columns)));
     if (!ray.allFinite()) continue;
     const PixelJacobian jacobian = pixel_jacobian(c.color, ray);
     for (std::size_t k = 0; k < indices.size(); ++k)
-      by_intrinsics.block<2, 1>(2 * i, Index(k)) = jacobian.col(indices[k]);
-    by_rotation.middleRows<2>(2 * i) = -jacobian.rightCols<3>() * cross_matrix(ray);
+      grid.by_intrinsics.block<2, 1>(2 * i, Index(k)) = jacobian.col(indices[k]);
+    grid.by_rotation.middleRows<2>(2 * i) = -jacobian.rightCols<3>() * cross_matrix(ray);
   }
-  return by_intrinsics - by_rotation * by_rotation.colPivHouseholderQr().solve(by_intrinsics);
+  return grid;
+}
+
+/// Variance [px^2] of each row's pixel; 0 where it cannot be unprojected.
+Eigen::VectorXd row_variance(const MatrixXd& jacobian, const MatrixXd& covariance) {
+  return (jacobian * covariance).cwiseProduct(jacobian).rowwise().sum();
+}
+
+}  // namespace
+
+MatrixXd rotation_free_jacobian(const RgbdCalibration& c) {
+  const GridJacobian grid = grid_jacobian(c);
+  const Index size = grid.by_intrinsics.cols();
+  const MatrixXd covariance = c.covariance.topLeftCorner(size, size);
+  MatrixXd result = grid.by_intrinsics;
+  for (int round = 0; round < num_weighting_rounds; ++round) {
+    const Eigen::VectorXd variance = row_variance(result, covariance);
+    const Eigen::VectorXd weight =
+        (variance.array() > 0.0).select(variance.cwiseSqrt().cwiseInverse(), 0.0);
+    const MatrixXd weighted = weight.asDiagonal() * grid.by_rotation;
+    result = grid.by_intrinsics - grid.by_rotation * weighted.colPivHouseholderQr().solve(MatrixXd(
+                                                         weight.asDiagonal() * grid.by_intrinsics));
+  }
+  return result;
 }
 
 MatrixXd projection_sigma_px(const RgbdCalibration& c) {
   const MatrixXd jacobian = rotation_free_jacobian(c);
   const MatrixXd covariance = c.covariance.topLeftCorner(jacobian.cols(), jacobian.cols());
+  const Eigen::VectorXd variance = row_variance(jacobian, covariance);
   MatrixXd sigma(ImageGrid::rows, ImageGrid::columns);
-  for (Index i = 0; i < sigma.size(); ++i) {
-    const auto here = jacobian.middleRows<2>(2 * i);
-    const double variance = 0.5 * (here * covariance * here.transpose()).trace();
+  for (Index i = 0; i < sigma.size(); ++i)
     sigma(i / ImageGrid::columns, i % ImageGrid::columns) =
-        here.isZero(0.0) ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(variance);
-  }
+        jacobian.middleRows<2>(2 * i).isZero(0.0)
+            ? std::numeric_limits<double>::quiet_NaN()
+            : std::sqrt(0.5 * variance.segment<2>(2 * i).sum());
   return sigma;
+}
+
+double projection_sigma_quantile_px(const RgbdCalibration& c, double fraction) {
+  const MatrixXd map = projection_sigma_px(c);
+  std::vector<double> sigmas;
+  for (double sigma : map.reshaped())
+    if (std::isfinite(sigma)) sigmas.push_back(sigma);
+  if (sigmas.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto at = sigmas.begin() +
+                  static_cast<std::ptrdiff_t>(fraction * static_cast<double>(sigmas.size() - 1));
+  std::ranges::nth_element(sigmas, at);
+  return *at;
 }
 
 double image_coverage(const Camera& camera, const std::vector<Eigen::Vector2d>& corners_px) {

@@ -16,9 +16,12 @@ struct ImageGrid {
 
 /// Projection uncertainty of the colour camera at each grid pixel [rows, columns]: standard
 /// deviation [px, RMS of the two directions] of the projection of a far point. As in mrcal, an
-/// error that a small rotation of the camera compensates over the whole image does not count. NaN
-/// where the lens cannot be inverted.
+/// error that a small rotation of the camera compensates does not count; pixels determine that
+/// rotation in inverse proportion to their variance. NaN where the lens cannot be inverted.
 Eigen::MatrixXd projection_sigma_px(const RgbdCalibration& calibration);
+
+/// Quantile of projection_sigma_px() over the image; NaN if no pixel can be unprojected.
+double projection_sigma_quantile_px(const RgbdCalibration& calibration, double fraction);
 
 /// Derivative of the grid pixels with respect to the estimated intrinsics of the colour camera,
 /// after projecting out small rotations: [2 pixels, parameters]. Rows of pixels that cannot be

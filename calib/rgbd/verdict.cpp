@@ -6,8 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include "calib/rgbd/projection_map.h"
+
 namespace touchtrace {
 namespace {
+
+constexpr double min_aspect_sigmas = 4.0;
 
 /// Lowers the grade to WEAK if `value` > `good`, to BAD if `value` > `weak` or NaN.
 void apply_limits(Verdict& verdict, double value, double good, double weak,
@@ -42,6 +46,29 @@ void assess_color(Verdict& verdict, const RgbdCalibration& c, int used_views) {
                            "board in all corners "
                            "of the image, rotated by 90 degrees in some views",
                            centre_px));
+}
+
+/// Pixels of a sensor are square: fx and fy differ only if the board or the images are distorted.
+void assess_aspect(Verdict& verdict, const RgbdCalibration& c) {
+  const auto x = index_of(c, "color.fx"), y = index_of(c, "color.fy");
+  if (x < 0 || y < 0) return;
+  const double difference = c.color.fy / c.color.fx - 1.0;
+  const double sigma =
+      std::sqrt(c.covariance(x, x) + c.covariance(y, y) - 2.0 * c.covariance(x, y)) / c.color.fx;
+  if (std::abs(difference) < min_aspect_sigmas * sigma) return;
+  apply_limits(verdict, std::abs(difference), 0.01, 0.1,
+               fmt::format("fy differs from fx by {:+.1f} %, {:.0f} standard deviations: measure "
+                           "whether the board's squares are square, and use images as the camera "
+                           "gives them, not resized",
+                           1e2 * difference, std::abs(difference) / sigma));
+}
+
+void assess_image(Verdict& verdict, const RgbdCalibration& c) {
+  const double sigma_px = projection_sigma_quantile_px(c, judged_image_fraction);
+  apply_limits(verdict, sigma_px / c.color.width, 0.0025, 0.02,
+               fmt::format("a fifth of the image is known to {:.1f} px or worse: show the board "
+                           "there, or try another --lens",
+                           sigma_px));
 }
 
 void assess_depth(Verdict& verdict, const RgbdCalibration& c) {
@@ -83,6 +110,8 @@ double depth_bias_sigma_m(const RgbdCalibration& c, double depth_m) {
 Verdict assess_calibration(const RgbdCalibration& calibration, int used_views) {
   Verdict verdict;
   assess_color(verdict, calibration, used_views);
+  assess_aspect(verdict, calibration);
+  assess_image(verdict, calibration);
   if (calibration.depth) assess_depth(verdict, calibration);
   return verdict;
 }

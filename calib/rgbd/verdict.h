@@ -7,6 +7,9 @@
 
 namespace touchtrace {
 
+/// Fraction of the image in which the projection has to be known.
+inline constexpr double judged_image_fraction = 0.8;
+
 enum class Grade { good, weak, bad };
 
 struct Verdict {
@@ -20,6 +23,8 @@ const char* grade_name(Grade grade);  ///< GOOD, WEAK, BAD
 /// GOOD and WEAK:
 ///  - colour reprojection RMS 0.5, 1.5 px; at least 8, 4 views
 ///  - standard deviation of fx, fy: 0.5, 2 % of fx; of cx, cy: 0.5, 2 % of the image width
+///  - |fy / fx - 1|, where it exceeds 4 standard deviations: 1, 10 %
+///  - projection_sigma_px() over the best four fifths of the image: 0.25, 2 % of its width
 ///  - standard deviation of corrected depth at 1 m: 5, 20 mm; of the depth camera's position: 5,
 ///    25 mm
 Verdict assess_calibration(const RgbdCalibration& calibration, int used_views);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "calib/board/chessboard.h"
 
@@ -11,10 +12,19 @@ namespace touchtrace {
 /// recording has no views.
 BoardObservations board_views_from_recording(const std::filesystem::path& recording);
 
-/// Detects the board in the images of a folder or of a pattern such as `photos/left*.jpg`, sorted
-/// by name; no depth. Throws data_error if there are no images, one is unreadable, or sizes differ.
-BoardObservations board_views_from_images(const std::string& folder_or_pattern,
+/// Detects the board in images: files, folders and patterns such as `photos/left*.jpg`; no depth.
+/// Pixels are used as stored, because a camera's sensor does not turn with the orientation in EXIF.
+/// Files that are no image, and images of another size than most, are listed as skipped. Throws
+/// data_error if there is no image.
+BoardObservations board_views_from_images(const std::vector<std::string>& folders_or_patterns,
                                           const Chessboard& board);
+
+/// Reads corners that were detected before: calibration.json, or a text file of mrcal with the
+/// lines `filename x y level`, the corners of an image along the board's rows, `-` where one was
+/// not seen. The size of the images is in calibration.json; else the first image is read, relative
+/// to the file. Throws data_error for an invalid file or corners that the board does not have.
+BoardObservations board_views_from_corners(const std::filesystem::path& file,
+                                           const Chessboard& board);
 
 /// True for a folder in the format of the TUM RGB-D benchmark: with rgb.txt and depth.txt.
 bool is_tum_folder(const std::filesystem::path& folder);
@@ -32,6 +42,6 @@ void require_same_size(const BoardObservations& observations, const GreyImage& i
                        const std::filesystem::path& path);
 
 /// Files that board_views_from_images or board_views_from_tum reads.
-std::vector<std::filesystem::path> image_files(const std::string& folder_or_pattern);
+std::vector<std::filesystem::path> image_files(const std::vector<std::string>& folders_or_patterns);
 
 }  // namespace touchtrace

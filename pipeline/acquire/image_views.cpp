@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -17,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array image_extensions{".png", ".jpg",  ".jpeg", ".bmp",
-                                      ".tif", ".tiff", ".pgm",  ".ppm"};
+constexpr std::array image_extensions{".png",  ".jpg", ".jpeg", ".bmp", ".tif",
+                                      ".tiff", ".pgm", ".ppm",  ".webp"};
 
 bool is_image(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -37,14 +40,66 @@ std::vector<fs::path> matches(const std::string& pattern) {
   return paths;
 }
 
+GreyImage grey_image(const cv::Mat& pixels) {
+  return {pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}};
+}
+
+/// The image size with most views of the board; images of other sizes are skipped.
+BoardObservations largest_group(std::map<std::pair<int, int>, BoardObservations> by_size,
+                                std::vector<SkippedImage> skipped) {
+  const auto largest = std::ranges::max_element(by_size, {}, [](const auto& group) {
+    return std::pair(group.second.views.size(), group.second.views_without_board.size());
+  });
+  BoardObservations result = std::move(largest->second);
+  by_size.erase(largest);
+  for (const auto& [size, group] : by_size) {
+    const auto why = fmt::format("{}x{} pixels instead of {}x{}", size.first, size.second,
+                                 result.width, result.height);
+    for (const BoardView& view : group.views) skipped.push_back({view.name, why});
+    for (const std::string& name : group.views_without_board) skipped.push_back({name, why});
+  }
+  result.skipped = std::move(skipped);
+  return result;
+}
+
+/// Notices early that the images show a board of another size than was asked for.
+class BoardSizeCheck {
+ public:
+  explicit BoardSizeCheck(const Chessboard& asked) : asked_(asked) {}
+
+  /// Throws data_error if most images so far show no board, and one shows another.
+  void add(const GreyImage& image, bool is_found, const fs::path& path) {
+    ++(is_found ? found_ : missed_);
+    if (!is_found && !asked_.markers && !seen_ && missed_ <= num_probed_images) {
+      seen_ = find_other_size(image, asked_);
+      image_ = path.string();
+    }
+    if (missed_ > found_ + num_probed_images) finish();
+  }
+  void finish() const {
+    if (!seen_ || missed_ <= found_) return;
+    throw data_error(fmt::format("{} shows no board of {}x{} inner corners but one of {}x{}",
+                                 image_, asked_.columns, asked_.rows, seen_->columns, seen_->rows),
+                     fmt::format("--columns and --rows count inner corners: --columns {} --rows {}",
+                                 seen_->columns, seen_->rows));
+  }
+
+ private:
+  static constexpr int num_probed_images = 3;
+  Chessboard asked_;
+  std::optional<Chessboard> seen_;
+  std::string image_;
+  int found_ = 0, missed_ = 0;
+};
+
 }  // namespace
 
 GreyImage read_grey(const fs::path& path) {
-  const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE);
+  const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
   if (pixels.empty())
     throw data_error(fmt::format("{} is not a readable image", path.string()),
-                     "remove it from the folder, or give a pattern that excludes it");
-  return {pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}};
+                     "remove it from the folder");
+  return grey_image(pixels);
 }
 
 void require_same_size(const BoardObservations& observations, const GreyImage& image,
@@ -56,32 +111,44 @@ void require_same_size(const BoardObservations& observations, const GreyImage& i
         "give images of one camera and one size");
 }
 
-std::vector<fs::path> image_files(const std::string& folder_or_pattern) {
-  if (is_tum_folder(folder_or_pattern)) return tum_files(folder_or_pattern);
-  const bool folder = fs::is_directory(folder_or_pattern);
-  auto files = matches(folder ? folder_or_pattern + "/*" : folder_or_pattern);
-  if (folder) std::erase_if(files, [](const fs::path& path) { return !is_image(path); });
-  if (files.empty())
-    throw data_error(fmt::format("no images in '{}'", folder_or_pattern),
-                     "give a folder, or a quoted pattern such as 'photos/left*.jpg'");
+std::vector<fs::path> image_files(const std::vector<std::string>& folders_or_patterns) {
+  std::vector<fs::path> files;
+  for (const std::string& source : folders_or_patterns) {
+    if (is_tum_folder(source)) return tum_files(source);
+    const bool folder = fs::is_directory(source);
+    auto found = matches(folder ? source + "/*" : source);
+    if (folder) std::erase_if(found, [](const fs::path& path) { return !is_image(path); });
+    if (found.empty())
+      throw data_error(fmt::format("no images in '{}'", source),
+                       "give a folder, files, or a pattern such as 'photos/left*.jpg'");
+    std::ranges::move(found, std::back_inserter(files));
+  }
   return files;
 }
 
-BoardObservations board_views_from_images(const std::string& folder_or_pattern,
+BoardObservations board_views_from_images(const std::vector<std::string>& folders_or_patterns,
                                           const Chessboard& board) {
-  BoardObservations observations;
-  observations.board = board;
-  const auto files = image_files(folder_or_pattern);
+  const auto files = image_files(folders_or_patterns);
+  std::map<std::pair<int, int>, BoardObservations> by_size;
+  std::vector<SkippedImage> unreadable;
+  BoardSizeCheck size_check(board);
   Progress progress("detecting the board", files.size());
   for (const auto& path : files) {
-    const GreyImage image = read_grey(path);
-    if (observations.width == 0)
-      observations.width = image.width, observations.height = image.height;
-    require_same_size(observations, image, path);
-    add_view(observations, path.filename().string(), image);
     progress.advance();
+    const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    if (pixels.empty()) {
+      unreadable.push_back({path.filename().string(), "not a readable image"});
+      continue;
+    }
+    auto& observations = by_size[{pixels.cols, pixels.rows}];
+    observations.board = board;
+    observations.width = pixels.cols, observations.height = pixels.rows;
+    const GreyImage image = grey_image(pixels);
+    size_check.add(image, add_view(observations, path.filename().string(), image), path);
   }
-  return observations;
+  size_check.finish();
+  if (by_size.empty()) throw data_error("none of the images can be read", "give photographs");
+  return largest_group(std::move(by_size), std::move(unreadable));
 }
 
 }  // namespace touchtrace

@@ -14,7 +14,8 @@ namespace touchtrace::cli {
 namespace {
 
 struct CalibrateOptions {
-  std::string recording, images, output;
+  std::string recording, corners, output = "camera";
+  std::vector<std::string> images;
   int columns = 9, rows = 6;
   double square_mm = 25.0, marker_mm = 18.0;
   std::string markers = "none", lens = "auto";
@@ -34,14 +35,17 @@ std::vector<std::string> lens_options() {
 
 void describe(OptionSet& set, CalibrateOptions& o) {
   set.optional_input("recording", o.recording, "HDF5 with board views, or --images");
-  set.path("output", o.output,
+  set.text("output", o.output,
            "folder for calibration.json and, for ROS, OpenCV and kalibr, camera.yaml, "
            "camera_opencv.yaml, camchain.yaml")
       .value("DIR");
   set.choice("lens", o.lens, "distortion model of the colour camera; auto: selected by BIC",
              lens_options());
   set.group("Images instead of a recording");
-  set.text("images", o.images, "folder, quoted glob pattern, or TUM RGB-D folder").value("PATH");
+  set.texts("images", o.images, "folder, files, glob pattern, or TUM RGB-D folder").value("PATH");
+  set.text("corners", o.corners,
+           "detected corners: calibration.json, or text of mrcal ('filename x y level')")
+      .value("FILE");
   set.integer("columns", o.columns, "inner corners per row of the board", 3, 100);
   set.integer("rows", o.rows, "inner corners per column of the board", 3, 100);
   set.number("square-mm", o.square_mm, "side of a square [mm]", 0.1, 1000.0).value("MM");
@@ -53,15 +57,17 @@ void describe(OptionSet& set, CalibrateOptions& o) {
 }
 
 BoardObservations observe(const CalibrateOptions& o) {
-  if (o.recording.empty() == o.images.empty())
-    throw usage_error(o.images.empty() ? "missing RECORDING or --images PATH"
-                                       : "RECORDING cannot be combined with --images",
-                      "touchtrace calibrate --help describes both");
+  const int inputs = !o.recording.empty() + !o.images.empty() + !o.corners.empty();
+  if (inputs != 1)
+    throw usage_error(inputs == 0 ? "missing RECORDING, --images PATH or --corners FILE"
+                                  : "RECORDING, --images and --corners cannot be combined",
+                      "touchtrace calibrate --help describes them");
   if (!o.recording.empty()) return board_views_from_recording(o.recording);
   Chessboard board{o.columns, o.rows, 1e-3 * o.square_mm};
   if (o.markers != "none") board.markers = {o.markers, 1e-3 * o.marker_mm};
-  return is_tum_folder(o.images) ? board_views_from_tum(o.images, board)
-                                 : board_views_from_images(o.images, board);
+  if (!o.corners.empty()) return board_views_from_corners(o.corners, board);
+  return is_tum_folder(o.images.front()) ? board_views_from_tum(o.images.front(), board)
+                                         : board_views_from_images(o.images, board);
 }
 
 Provenance provenance_of(const CalibrateOptions& o, const Invocation& invocation,
@@ -69,6 +75,7 @@ Provenance provenance_of(const CalibrateOptions& o, const Invocation& invocation
   auto provenance = start_provenance(calibration_schema, "calibrate");
   provenance.options = invocation.options;
   if (!o.recording.empty()) provenance.add_input(o.recording);
+  if (!o.corners.empty()) provenance.add_input(o.corners);
   if (!o.images.empty())
     for (const auto& path : image_files(o.images)) provenance.add_input(path);
   stopwatch.stop(provenance);
@@ -136,6 +143,11 @@ void print_lens(const RgbdCalibration& c) {
   for (const auto& row : details["projection_sigma_px"])
     for (const auto& sigma : row)
       if (sigma.is_number()) worst_px = std::max(worst_px, sigma.get<double>());
+  if (const double inflation = details["view_inflation"]; inflation > 1.0)
+    fmt::print(
+        "          corners of a view err together: standard deviations are {:.1f} times those "
+        "of independent corners\n",
+        inflation);
   fmt::print("image     {:.0f} % covered by boards; projection known to {:.2f} px at worst\n",
              1e2 * details["coverage"].get<double>(), worst_px);
   print_board(c);
@@ -155,6 +167,9 @@ void print_summary(const RgbdCalibration& c) {
     fmt::print("outliers  excluded views: {}\n", list_of(details["outlier_views"]));
   if (!details["duplicate_views"].empty())
     fmt::print("repeated  views counted once: {}\n", list_of(details["duplicate_views"]));
+  for (const auto& image : details["skipped_images"])
+    fmt::print("skipped   {}: {}\n", image["name"].get<std::string>(),
+               image["why"].get<std::string>());
   if (!details["views_without_board"].empty())
     fmt::print("no board  in views {}\n", list_of(details["views_without_board"]));
   for (const auto& entry : details["not_identifiable"])

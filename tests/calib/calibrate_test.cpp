@@ -271,6 +271,48 @@ TEST(Calibrate, CountsDuplicateViewsOnce) {
   expect_error(one, "only 1 ");
 }
 
+std::string advice_of(const RgbdCalibration& c) { return c.details["advice"].dump(); }
+
+/// The same photographs encoded twice: noise of .05 px, far below what a view may differ by.
+TEST(Calibrate, CountsReEncodedViewsOnce) {
+  RandomStream random(16, "noise");
+  const BoardObservations once = observe(simulated_boards(10, false), random);
+  BoardObservations twice = once;
+  for (auto view : once.views) {
+    for (auto& corner : view.corners_px)
+      corner += 0.05 * Eigen::Vector2d(random.normal(), random.normal());
+    twice.views.push_back(view);
+  }
+  EXPECT_EQ(calibrate(twice).details["duplicate_views"].size(), 10u);
+}
+
+TEST(Calibrate, ABoardWhoseSquaresAreNotSquareIsNotGood) {
+  SimulatedBoards boards = simulated_boards(15, false, 640);
+  RandomStream random(17, "noise");
+  BoardObservations observed = observe(boards, random);
+  for (auto& view : observed.views)
+    for (auto& corner : view.corners_px) corner.y() *= 1.037;
+  observed.height = static_cast<int>(1.037 * observed.height);
+  const RgbdCalibration c = calibrate(observed);
+  EXPECT_EQ(c.details["verdict"], "WEAK");
+  EXPECT_NE(advice_of(c).find("fy differs from fx by +3.7 %"), std::string::npos) << advice_of(c);
+}
+
+/// Half of the views are from a camera whose focal length and centre differ by 2 %.
+TEST(Calibrate, StatedErrorsCoverTwoCamerasInOneFolder) {
+  const SimulatedBoards boards = simulated_boards(16, false, 640);
+  RandomStream random(18, "noise");
+  BoardObservations observed = observe(boards, random);
+  const Eigen::Vector2d centre(boards.truth.color[2], boards.truth.color[3]);
+  for (std::size_t i = 0; i < observed.views.size(); i += 2)
+    for (auto& corner : observed.views[i].corners_px)
+      corner = (1.02 * (corner - centre) + 1.02 * centre).eval();
+  const RgbdCalibration c = calibrate(observed);
+  EXPECT_NE(c.details["verdict"], "GOOD");
+  EXPECT_GT(c.details["view_inflation"].get<double>(), 3.0);
+  EXPECT_GT(4.5 * std::sqrt(c.covariance(0, 0)), std::abs(c.color.fx - boards.truth.color[0]));
+}
+
 TEST(Calibrate, ATinyImageIsNotGood) {
   BoardObservations observed = simulated_boards(8, false).clean;
   for (auto& view : observed.views)

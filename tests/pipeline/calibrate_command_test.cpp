@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "calib/rgbd/calibration.h"
@@ -9,7 +10,7 @@ namespace touchtrace {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::TemporaryFolder;
+using testing::put, testing::TemporaryFolder;
 
 const fs::path photographs = "/usr/share/doc/opencv-doc/examples/data";
 
@@ -105,7 +106,75 @@ TEST(CalibrateCommand, WantsEitherARecordingOrImages) {
   const TemporaryFolder folder;
   EXPECT_EQ(run({"-o", (folder / "out").string()}), 2);
   EXPECT_EQ(run({"recording.h5", "--images", "photos", "-o", (folder / "out").string()}), 2);
-  EXPECT_EQ(run({"--images", "photos"}), 2);
+  EXPECT_EQ(run({"--images", "photos"}), 3);  // into the default folder, but there are none
+}
+
+/// Nine photographs, an empty file, one that is no picture, and one of another size.
+TEST(CalibrateCommand, SkipsAndListsWhatIsNoViewOfTheBoard) {
+  const TemporaryFolder folder;
+  for (int i = 1; i <= 9; ++i) {
+    const auto name = "left0" + std::to_string(i) + ".jpg";
+    put(folder / name, read_file(photographs / name));
+  }
+  put(folder / "empty.jpg", "");
+  put(folder / "text.png", "this is no picture");
+  write_grey(folder / "thumbnail.pgm", 64, 48);
+  ASSERT_EQ(run({"--images", folder.path().string(), "-o", (folder / "out").string()}), 0);
+  const auto details = read_calibration(folder / "out").details;
+  std::vector<std::string> skipped;
+  for (const auto& image : details["skipped_images"]) skipped.push_back(image["name"]);
+  EXPECT_EQ(skipped, (std::vector<std::string>{"empty.jpg", "text.png", "thumbnail.pgm"}));
+  EXPECT_EQ(details["views"].size(), 9u);
+}
+
+TEST(CalibrateCommand, AcceptsAnExpandedPattern) {
+  const TemporaryFolder folder;
+  std::vector<std::string> arguments{"-o", (folder / "out").string(), "--images"};
+  for (int i = 1; i <= 5; ++i)
+    arguments.push_back((photographs / ("left0" + std::to_string(i) + ".jpg")).string());
+  EXPECT_EQ(run(arguments), 0);
+}
+
+TEST(CalibrateCommand, NamesTheSizeOfTheBoardThatTheImagesShow) {
+  const TemporaryFolder folder;
+  ::testing::internal::CaptureStderr();
+  const int code = run({"--images", (photographs / "left0?.jpg").string(), "--columns", "8",
+                        "--rows", "5", "-o", (folder / "out").string()});
+  const std::string message = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(code, 3);
+  EXPECT_NE(message.find("--columns 9 --rows 6"), std::string::npos) << message;
+}
+
+/// The corners of calibration.json, and the same as text of mrcal with one view partly seen.
+TEST(CalibrateCommand, ReadsCornersFromAFile) {
+  const TemporaryFolder folder;
+  const auto out = [&](const char* name) { return (folder / name).string(); };
+  ASSERT_EQ(run({"--images", (photographs / "left0?.jpg").string(), "-o", out("images")}), 0);
+  const RgbdCalibration images = read_calibration(folder / "images");
+  ASSERT_EQ(run({"--corners", out("images/calibration.json"), "-o", out("json")}), 0);
+  EXPECT_EQ(read_calibration(folder / "json").color.parameters(), images.color.parameters());
+
+  std::string lines = "# filename x y level\n";
+  for (const auto& view : images.details["views"]) {
+    const std::string name = view["name"];
+    put(folder / name, read_file(photographs / name));
+    for (std::size_t i = 0; i < view["corners_px"].size(); ++i) {
+      const auto& corner = view["corners_px"][i];
+      lines += name == "left01.jpg" && i < 9
+                   ? name + " - - -\n"
+                   : fmt::format("{} {:.17g} {:.17g} 0\n", name, corner[0].get<double>(),
+                                 corner[1].get<double>());
+    }
+  }
+  put(folder / "corners.vnl", lines);
+  ASSERT_EQ(run({"--corners", out("corners.vnl"), "-o", out("vnl")}), 0);
+  const RgbdCalibration vnl = read_calibration(folder / "vnl");
+  EXPECT_EQ(vnl.details["views"][0]["corners_px"].size(), 45u);
+  EXPECT_NEAR(vnl.color.fx, images.color.fx, 3.0);
+  put(folder / "corners.vnl", "left01.jpg 1 2 x\nleft01.jpg here there 0\n");
+  EXPECT_EQ(run({"--corners", out("corners.vnl"), "-o", out("broken")}), 3);
+  put(folder / "corners.json", "{\"color\": 3}");
+  EXPECT_EQ(run({"--corners", out("corners.json"), "-o", out("broken")}), 3);
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ TEST(TumViews, ReadsCornersDepthAndTimes) {
     EXPECT_NEAR(view.color_time_s, 0.033 * double(i), 1e-6);
     EXPECT_NEAR(view.depth_time_s - view.color_time_s, 0.004, 1e-6);
   }
-  EXPECT_EQ(image_files((folder / "tum").string()).size(), 10u);
+  EXPECT_EQ(image_files({(folder / "tum").string()}).size(), 10u);
 }
 
 TEST(TumViews, PairsEachDepthImageOnceWithinTwentyMilliseconds) {

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "calib/rgbd/board_problem.h"
+
+namespace touchtrace {
+
+/// Covariance of an estimate whose independent observations are views, not corners: the corners of a
+/// view err together, because lens model, board and detection are not perfect.
+struct ViewCovariance {
+  Eigen::MatrixXd covariance;  ///< of parameter_names()
+  /// Standard deviations over those of independent corners, root mean square over all parameters.
+  double inflation = 1.0;
+};
+
+/// Second moment of what the views contribute to an estimate, shrunk towards a multiple of the
+/// identity (Ledoit and Wolf, Journal of Multivariate Analysis 2004): there are hardly more views
+/// than parameters. `contributions` [parameters, views] has the covariance I / views if corners are
+/// independent. `dimensions`: number of parameters that the views determine, not the priors.
+/// Multiplied by 1 + the relative variance of the mean square, which is the excess of the mean of its
+/// inverse over the inverse of its mean: few views make a squared error over its variance too large.
+Eigen::MatrixXd shrunk_second_moment(const Eigen::MatrixXd& contributions, double dimensions);
+
+/// Cluster-robust covariance with bias reduction (Bell and McCaffrey, Survey Methodology 2002, CR2),
+/// from Gauss-Newton steps that leave one view out. `independent`: covariance for independent
+/// corners, which the result is relative to; returned if a step cannot be computed.
+ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
+                               const Eigen::MatrixXd& independent);
+
+}  // namespace touchtrace

@@ -31,7 +31,9 @@ constexpr int num_draws = 4;  ///< each is used with both signs
 /// As information(), for an existing Ceres problem.
 MatrixXd information_at(CeresProblem& ceres_problem, const BoardProblem& problem,
                         RgbdParameters& p) {
-  return eliminate_offsets(normal_equations(ceres_problem, problem, p)).parameters;
+  const auto evaluation = evaluate(ceres_problem, problem, p);
+  if (!evaluation) return {};
+  return eliminate_offsets(normal_equations(*evaluation)).parameters;
 }
 
 /// Inverse of an information matrix, by a Cholesky decomposition with unit diagonal.

@@ -80,30 +80,53 @@ void add_offsets(const Rows& rows, NormalEquations& sum) {
   }
 }
 
+/// Sums over the rows for which `is_included`.
+template <class Predicate>
+NormalEquations sum_over_rows(const Evaluation& evaluation, const Predicate& is_included) {
+  const auto& [crs, residuals, num_offsets] = evaluation;
+  const Index first = evaluation.num_parameters();
+  NormalEquations sum{MatrixXd::Zero(first, first),
+                      MatrixXd::Zero(first, num_offsets),
+                      Eigen::Matrix3Xd::Zero(3, num_offsets),
+                      VectorXd::Zero(first),
+                      VectorXd::Zero(num_offsets),
+                      0.0};
+  for (int row = 0; row < crs.num_rows;) {
+    const Rows rows = rows_from(crs, residuals, row, first);
+    row += static_cast<int>(rows.jacobian.rows());
+    if (!is_included(rows)) continue;
+    add_parameters(rows, sum), add_offsets(rows, sum);
+    sum.squares += rows.residuals.squaredNorm();
+  }
+  return sum;
+}
+
 }  // namespace
 
-NormalEquations normal_equations(CeresProblem& ceres_problem, const BoardProblem& problem,
-                                 RgbdParameters& p) {
+std::optional<Evaluation> evaluate(CeresProblem& ceres_problem, const BoardProblem& problem,
+                                   RgbdParameters& p) {
   ceres::Problem::EvaluateOptions options;
   options.num_threads = problem.num_threads;
   options.parameter_blocks = parameter_blocks(problem, p);
-  ceres::CRSMatrix crs;
-  std::vector<double> residuals;
-  if (!ceres_problem.problem.Evaluate(options, nullptr, &residuals, nullptr, &crs)) return {};
-  const auto last =
-      has_free_deformation(problem) ? 3 * static_cast<Index>(p.corner_offsets_m.size()) : 0;
-  const Index first = crs.num_cols - last;
-  NormalEquations sum{MatrixXd::Zero(first, first),
-                      MatrixXd::Zero(first, last),
-                      Eigen::Matrix3Xd::Zero(3, last),
-                      VectorXd::Zero(first),
-                      VectorXd::Zero(last),
-                      Eigen::Map<const VectorXd>(residuals.data(), crs.num_rows).squaredNorm()};
-  for (int row = 0; row < crs.num_rows;) {
-    const Rows rows = rows_from(crs, residuals, row, first);
-    add_parameters(rows, sum), add_offsets(rows, sum);
-    row += static_cast<int>(rows.jacobian.rows());
-  }
+  Evaluation result;
+  if (has_free_deformation(problem))
+    result.num_offsets = 3 * static_cast<Index>(p.corner_offsets_m.size());
+  if (!ceres_problem.problem.Evaluate(options, nullptr, &result.residuals, nullptr,
+                                      &result.jacobian))
+    return {};
+  return result;
+}
+
+NormalEquations normal_equations(const Evaluation& evaluation) {
+  return sum_over_rows(evaluation, [](const Rows&) { return true; });
+}
+
+NormalEquations normal_equations_without_view(const Evaluation& evaluation, Index first_pose) {
+  NormalEquations sum = sum_over_rows(evaluation, [&](const Rows& rows) {
+    const Index last = rows.parameters > 0 ? rows.columns[rows.parameters - 1] : -1;
+    return last < first_pose || last >= first_pose + 6;
+  });
+  sum.parameters.block<6, 6>(first_pose, first_pose).setIdentity();
   return sum;
 }
 

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <ceres/crs_matrix.h>
+
 #include <Eigen/Core>
+#include <optional>
+#include <vector>
 
 #include "calib/rgbd/board_problem.h"
 #include "calib/rgbd/ceres_problem.h"
@@ -18,10 +22,26 @@ struct NormalEquations {
   double squares = 0.0;  ///< r'r
 };
 
-/// Evaluates at `parameters`, whose blocks `ceres_problem` refers to. Empty if a residual cannot be
-/// evaluated.
-NormalEquations normal_equations(CeresProblem& ceres_problem, const BoardProblem& problem,
-                                 RgbdParameters& parameters);
+/// Residuals and their Jacobian, in the order of NormalEquations.
+struct Evaluation {
+  ceres::CRSMatrix jacobian;
+  std::vector<double> residuals;
+  Eigen::Index num_offsets = 0;  ///< 3 n
+
+  Eigen::Index num_parameters() const { return jacobian.num_cols - num_offsets; }
+};
+
+/// Evaluates at `parameters`, whose blocks `ceres_problem` refers to. nullopt if a residual cannot
+/// be evaluated.
+std::optional<Evaluation> evaluate(CeresProblem& ceres_problem, const BoardProblem& problem,
+                                   RgbdParameters& parameters);
+
+/// Sums over all residuals.
+NormalEquations normal_equations(const Evaluation& evaluation);
+/// Sums over the residuals that do not depend on one view's pose, whose six parameters begin at
+/// `first_pose_parameter`. J'J of that pose is the identity.
+NormalEquations normal_equations_without_view(const Evaluation& evaluation,
+                                              Eigen::Index first_pose_parameter);
 
 /// Normal equations after eliminating the offsets (Schur complement).
 struct ReducedEquations {

@@ -27,7 +27,9 @@ NormalEquations linearize_about_ideal_board(BoardProblem problem, RgbdParameters
   problem.prior.deformation_sigma_m = std::numeric_limits<double>::infinity();
   p.corner_offsets_m.resize(std::size_t(problem.observations.board.num_corners()),
                             Eigen::Vector3d::Zero());
-  NormalEquations n = normal_equations(*make_problem(problem, p), problem, p);
+  const auto evaluation = evaluate(*make_problem(problem, p), problem, p);
+  if (!evaluation) return {};
+  NormalEquations n = normal_equations(*evaluation);
   for (Index at = 0; at < n.coupling.cols(); at += 3) {
     const Eigen::Vector3d& offset_m = p.corner_offsets_m[std::size_t(at / 3)];
     const Eigen::Vector3d moved = n.offsets.middleCols<3>(at) * offset_m;

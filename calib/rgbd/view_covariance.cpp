@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "calib/rgbd/ceres_problem.h"
 #include "calib/rgbd/normal_equations.h"
@@ -20,25 +19,17 @@ struct Linearized {
   MatrixXd covariance;
 };
 
-Linearized linearize(const BoardProblem& problem, RgbdParameters p) {
-  const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
-  const auto ceres_problem = make_problem(problem, p);
-  const auto equations = eliminate_offsets(normal_equations(*ceres_problem, problem, p));
-  const MatrixXd marginal = marginal_covariance(equations.parameters, size);
+/// `left_rotations`: left_rotation_jacobian().
+Linearized linearize(const NormalEquations& equations, const MatrixXd& left_rotations) {
+  const auto reduced = eliminate_offsets(equations);
+  const Index size = left_rotations.rows();
+  const MatrixXd marginal = marginal_covariance(reduced.parameters, size);
   if (marginal.size() == 0) return {};
-  const VectorXd scale = equations.parameters.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<MatrixXd> cholesky(scale.asDiagonal() * equations.parameters *
-                                      scale.asDiagonal());
-  const VectorXd step = scale.cwiseProduct(cholesky.solve(scale.cwiseProduct(equations.gradient)));
-  const MatrixXd jacobian = left_rotation_jacobian(problem, p, size);
-  return {-jacobian * step.head(size), jacobian * marginal * jacobian.transpose()};
-}
-
-BoardProblem without_view(const BoardProblem& problem, std::size_t view) {
-  BoardProblem others = problem;
-  others.used[view] = false;
-  std::erase_if(others.samples, [&](const DepthSample& sample) { return sample.view == view; });
-  return others;
+  const VectorXd scale = reduced.parameters.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<MatrixXd> cholesky(scale.asDiagonal() * reduced.parameters * scale.asDiagonal());
+  const VectorXd step = scale.cwiseProduct(cholesky.solve(scale.cwiseProduct(reduced.gradient)));
+  return {-left_rotations * step.head(size),
+          left_rotations * marginal * left_rotations.transpose()};
 }
 
 MatrixXd power(const MatrixXd& symmetric, double exponent) {
@@ -55,23 +46,35 @@ struct Contributions {
   double dimensions = 0.0;
 };
 
-Contributions contributions_of_views(const BoardProblem& problem, const RgbdParameters& parameters) {
-  const Linearized all = linearize(problem, parameters);
+Contributions contributions_of_views(const BoardProblem& problem, RgbdParameters p) {
+  const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
+  const MatrixXd left_rotations = left_rotation_jacobian(problem, p, size);
+  const auto ceres_problem = make_problem(problem, p);
+  const auto evaluation = evaluate(*ceres_problem, problem, p);
+  if (!evaluation) return {};
+  const Linearized all = linearize(normal_equations(*evaluation), left_rotations);
   const Eigen::LLT<MatrixXd> root(all.covariance);
   if (all.step.size() == 0 || root.info() != Eigen::Success) return {};
-  const auto views = used_views(problem);
-  const Index size = all.step.size();
-  Contributions result{MatrixXd(size, static_cast<Index>(views.size()))};
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const Linearized others = linearize(without_view(problem, views[i]), parameters);
+  const auto count = static_cast<Index>(used_views(problem).size());
+  Contributions result{MatrixXd(size, count)};
+  for (Index view = 0; view < count; ++view) {
+    const Linearized others =
+        linearize(normal_equations_without_view(*evaluation, size + 6 * view), left_rotations);
     if (others.step.size() == 0) return {};
     const MatrixXd half = root.matrixL().solve(others.covariance);
     const MatrixXd relative = root.matrixL().solve(half.transpose());
-    result.columns.col(static_cast<Index>(i)) =
-        power(relative, -0.5) * root.matrixL().solve(others.step);
+    result.columns.col(view) = power(relative, -0.5) * root.matrixL().solve(others.step);
     result.dimensions += static_cast<double>(size) - power(relative, -1.0).trace();
   }
+  result.dimensions = std::clamp(result.dimensions, 1.0, static_cast<double>(size));
   return result;
+}
+
+/// Whether the views scatter by three standard errors more than with independent corners.
+bool is_excessive(const Contributions& views) {
+  const double mean_square = views.columns.squaredNorm() / views.dimensions;
+  const double freedom = views.dimensions * static_cast<double>(views.columns.cols());
+  return mean_square > 1.0 + 3.0 * std::sqrt(2.0 / freedom);
 }
 
 }  // namespace
@@ -94,15 +97,15 @@ MatrixXd shrunk_second_moment(const MatrixXd& contributions, double dimensions) 
 
 ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
                                const MatrixXd& independent) {
-  const auto [columns, dimensions] = contributions_of_views(problem, parameters);
+  const Contributions views = contributions_of_views(problem, parameters);
   const Eigen::LLT<MatrixXd> root(independent);
-  if (columns.cols() < 2 || !columns.allFinite() || root.info() != Eigen::Success)
+  if (views.columns.cols() < 2 || root.info() != Eigen::Success || !is_excessive(views))
     return {independent};
-  const auto size = static_cast<double>(columns.rows());
-  const MatrixXd relative = shrunk_second_moment(columns, std::clamp(dimensions, 1.0, size));
+  const MatrixXd relative = shrunk_second_moment(views.columns, views.dimensions);
   if (!relative.allFinite()) return {independent};
   const MatrixXd lower = root.matrixL();
-  return {lower * relative * lower.transpose(), std::sqrt(relative.trace() / size)};
+  return {lower * relative * lower.transpose(),
+          std::sqrt(relative.trace() / static_cast<double>(relative.rows()))};
 }
 
 }  // namespace touchtrace

@@ -4,8 +4,8 @@
 
 namespace touchtrace {
 
-/// Covariance of an estimate whose independent observations are views, not corners: the corners of a
-/// view err together, because lens model, board and detection are not perfect.
+/// Covariance of an estimate whose independent observations are views, not corners: the corners of
+/// a view err together, because lens model, board and detection are not perfect.
 struct ViewCovariance {
   Eigen::MatrixXd covariance;  ///< of parameter_names()
   /// Standard deviations over those of independent corners, root mean square over all parameters.
@@ -16,13 +16,15 @@ struct ViewCovariance {
 /// identity (Ledoit and Wolf, Journal of Multivariate Analysis 2004): there are hardly more views
 /// than parameters. `contributions` [parameters, views] has the covariance I / views if corners are
 /// independent. `dimensions`: number of parameters that the views determine, not the priors.
-/// Multiplied by 1 + the relative variance of the mean square, which is the excess of the mean of its
-/// inverse over the inverse of its mean: few views make a squared error over its variance too large.
+/// Multiplied by 1 + the relative variance of the mean square, which is the excess of the mean of
+/// its inverse over the inverse of its mean: few views make a squared error over its variance too
+/// large.
 Eigen::MatrixXd shrunk_second_moment(const Eigen::MatrixXd& contributions, double dimensions);
 
-/// Cluster-robust covariance with bias reduction (Bell and McCaffrey, Survey Methodology 2002, CR2),
-/// from Gauss-Newton steps that leave one view out. `independent`: covariance for independent
-/// corners, which the result is relative to; returned if a step cannot be computed.
+/// Cluster-robust covariance with bias reduction (Bell and McCaffrey, Survey Methodology 2002,
+/// CR2), from Gauss-Newton steps that leave one view out. `independent`: covariance for independent
+/// corners, which the result is relative to; returned if the views' contributions do not exceed
+/// those of independent corners by three standard errors, or a step cannot be computed.
 ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
                                const Eigen::MatrixXd& independent);
 

@@ -4,6 +4,7 @@
 
 #include "calib/board/charuco.h"
 #include "calib/rgbd/calibrate.h"
+#include "calib/rgbd/comparison.h"
 #include "engine/base/files.h"
 #include "engine/base/provenance.h"
 #include "engine/base/text.h"
@@ -15,7 +16,7 @@ namespace {
 
 struct CalibrateOptions {
   std::string recording, corners, output = "camera";
-  std::vector<std::string> images;
+  std::vector<std::string> images, compare;
   int columns = 9, rows = 6;
   double square_mm = 25.0, marker_mm = 18.0;
   std::string markers = "none", lens = "auto";
@@ -41,6 +42,8 @@ void describe(OptionSet& set, CalibrateOptions& o) {
       .value("DIR");
   set.choice("lens", o.lens, "distortion model of the colour camera; auto: selected by BIC",
              lens_options());
+  set.texts("compare", o.compare, "two calibrations: do they agree within their covariance?")
+      .value("CALIBRATION");
   set.group("Images instead of a recording");
   set.texts("images", o.images, "folder, files, glob pattern, or TUM RGB-D folder").value("PATH");
   set.text("corners", o.corners,
@@ -173,14 +176,49 @@ void print_summary(const RgbdCalibration& c) {
   if (!details["views_without_board"].empty())
     fmt::print("no board  in views {}\n", list_of(details["views_without_board"]));
   for (const auto& entry : details["not_identifiable"])
-    fmt::print("prior     {} not identifiable (+- {:.3g}): keeps its prior value\n",
-               entry["parameter"].get<std::string>(), entry["sigma"].get<double>());
+    fmt::print("prior     {} cannot be told from these views: keeps its prior value\n",
+               entry["parameter"].get<std::string>());
   fmt::print("verdict   {}\n", details["verdict"].get<std::string>());
   for (const auto& advice : details["advice"])
     fmt::print("          {}\n", advice.get<std::string>());
 }
 
+std::string cells(const Eigen::MatrixXd& shift_px, const Eigen::MatrixXd& sigma_px) {
+  std::string text;
+  for (Eigen::Index row = 0; row < shift_px.rows(); ++row) {
+    text += "         ";
+    for (Eigen::Index column = 0; column < shift_px.cols(); ++column)
+      text += fmt::format(" {:>5.2f}/{:<5.2f}", shift_px(row, column), sigma_px(row, column));
+    text += "\n";
+  }
+  return text;
+}
+
+ExitCode run_comparison(const std::vector<std::string>& files, bool as_json) {
+  if (files.size() != 2)
+    throw usage_error("--compare takes two calibrations", "touchtrace calibrate --compare A B");
+  const auto difference = compare(read_calibration(files[0]), read_calibration(files[1]));
+  if (as_json) {
+    fmt::print("{}\n", difference_json(difference).dump(2));
+    return ExitCode::done;
+  }
+  const double mm_per_px = 1e3 / difference.focal_px;  // at 1 m
+  fmt::print(
+      "shift     median {:.2f} px, {:.2f} mm at 1 m; worst {:.2f} px, {:.2f} mm; {:.1f} standard "
+      "deviations (RMS)\n{}",
+      difference.median_px(), mm_per_px * difference.median_px(), difference.worst_px(),
+      mm_per_px * difference.worst_px(), difference.rms_sigmas(),
+      cells(difference.shift_px, difference.sigma_px));
+  fmt::print(
+      "          of a far point over the image, and its standard deviation [px]\nverdict   {}\n",
+      difference.agrees() ? "the calibrations agree"
+                          : "the calibrations differ by more than their covariances say: the "
+                            "camera, its focus or its images have changed");
+  return ExitCode::done;
+}
+
 ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
+  if (!options.compare.empty()) return run_comparison(options.compare, invocation.json);
   const Stopwatch stopwatch;
   const OutputFile refuses_existing(std::filesystem::path(options.output) / "calibration.json",
                                     invocation.overwrite);
@@ -204,7 +242,8 @@ Command calibrate_command() {
       "calibrate an RGB-D camera from board views: lens, depth error, poses, with covariance",
       {"touchtrace calibrate wave.h5 --output camera",
        "touchtrace calibrate --images 'photos/left*.jpg' --columns 9 --rows 6 --square-mm 25 "
-       "--output camera"},
+       "--output camera",
+       "touchtrace calibrate --compare camera camera_of_last_month"},
       run, {.overwrite = true, .quiet = true});
 }
 

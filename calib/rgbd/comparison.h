@@ -1,0 +1,28 @@
+#pragma once
+
+#include "calib/rgbd/calibration.h"
+
+namespace touchtrace {
+
+/// Difference of two calibrations of one colour camera, over ImageGrid. A rotation between the two
+/// is fitted and does not count, as in mrcal-show-projection-diff: poses of boards absorb it.
+struct CalibrationDifference {
+  Eigen::MatrixXd shift_px;  ///< [rows, columns] far points move by this; NaN where one cannot project
+  Eigen::MatrixXd sigma_px;  ///< [rows, columns] stated standard deviation of the shift
+  double focal_px = 0.0;
+
+  double median_px() const;
+  double worst_px() const;
+  /// Root mean square of shift over stated standard deviation.
+  double rms_sigmas() const;
+  /// Whether the stated standard deviations explain the shift. The shifts of an image have some ten
+  /// degrees of freedom, so that rms_sigmas() of honest calibrations rarely exceeds 2.
+  bool agrees() const { return rms_sigmas() <= 2.0; }
+};
+
+/// Throws data_error if the image sizes differ or no pixel can be compared.
+CalibrationDifference compare(const RgbdCalibration& a, const RgbdCalibration& b);
+
+nlohmann::json difference_json(const CalibrationDifference& difference);
+
+}  // namespace touchtrace

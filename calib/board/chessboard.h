@@ -22,6 +22,8 @@ struct Chessboard {
   double square_m = 0.025;    ///< side of a square
   std::optional<Markers> markers = std::nullopt;
 
+  /// Whether the board looks the same after half a turn, so that a view does not tell its order.
+  bool is_symmetric() const { return !markers && (columns + rows) % 2 == 0; }
   int num_corners() const { return columns * rows; }
   Eigen::Vector3d corner_m(int index) const {
     return {square_m * (index % columns), square_m * (index / columns), 0.0};
@@ -74,6 +76,10 @@ struct BoardObservations {
 /// more than 2000 pixels it looks on a reduced one and refines the corners by
 /// refine_saddle_point().
 std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image, const Chessboard& board);
+
+/// Reverses the corners of views of a symmetric board that are turned by more than 90 degrees from
+/// the first view, so that a corner of the board has one index in all views.
+void align_symmetric_views(BoardObservations& observations);
 
 /// Board of a size near `board`'s that the image shows, for an error message; quick and not
 /// thorough.

@@ -145,12 +145,12 @@ RgbdCalibration assemble_calibration(const BoardProblem& problem, const RgbdPara
 
 }  // namespace
 
-RgbdCalibration calibrate(const BoardObservations& observations,
-                          const CalibrationOptions& options) {
+RgbdCalibration calibrate(BoardObservations observations, const CalibrationOptions& options) {
   const auto wall_start = std::chrono::steady_clock::now();
   const std::clock_t cpu_start = std::clock();
   require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "detected");
   require_valid_views(observations);
+  align_symmetric_views(observations);
   const auto different = different_views(observations);
   require_views(observations, std::ranges::count(different, true), "different");
   const ColorFit color = fit_color(observations, different, options.lenses);

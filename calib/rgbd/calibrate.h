@@ -23,7 +23,6 @@ struct CalibrationOptions {
 ///
 /// Throws data_error if fewer than `min_views` different views are usable, a view shows the board
 /// from behind or has a corner that is not finite, or the solver does not converge.
-RgbdCalibration calibrate(const BoardObservations& observations,
-                          const CalibrationOptions& options = {});
+RgbdCalibration calibrate(BoardObservations observations, const CalibrationOptions& options = {});
 
 }  // namespace touchtrace

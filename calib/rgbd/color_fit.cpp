@@ -6,7 +6,9 @@
 
 #include "calib/rgbd/lens_choice.h"
 #include "calib/rgbd/prior.h"
+#include "calib/rgbd/projection_map.h"
 #include "calib/rgbd/robust_fit.h"
+#include "calib/rgbd/verdict.h"
 #include "calib/rgbd/view_covariance.h"
 #include "engine/base/interrupt.h"
 
@@ -108,41 +110,58 @@ LensFit fit_lens(BoardProblem& problem, const LensChoice& choice, RgbdParameters
   return fitted;
 }
 
+/// What the choice among lenses depends on besides their fits.
+struct ChoiceRule {
+  double count;  ///< of independent residuals
+  bool image_known =
+      true;  ///< whether the lens that is best for independent corners fixes the image
+};
+
 /// BIC gain over the lens `chosen` so far that `fit` needs.
-double required_bic_gain(const LensFit& fit, const LensFit* chosen) {
+double required_bic_gain(const LensFit& fit, const LensFit* chosen, const ChoiceRule& rule) {
   if (!chosen) return 0.0;
-  const bool has_fewer_coefficients = fit.free_color.size() < chosen->free_color.size();
-  return has_fewer_coefficients ||
-                 is_perspective(fit.parameters.lens) == is_perspective(chosen->parameters.lens)
+  const bool is_simpler = fit.free_color.size() < chosen->free_color.size();
+  return is_perspective(fit.parameters.lens) == is_perspective(chosen->parameters.lens) ||
+                 (is_simpler && !rule.image_known)
              ? bic_positive_evidence
              : bic_very_strong_evidence;
 }
 
-/// Chooses among fits for `count` independent residuals, and stores BIC relative to the chosen one.
-/// Returns nullptr if none converged.
-const LensFit* choose(const std::vector<LensFit>& fits, double count, ColorFit& result) {
+/// Chooses among fits, and stores BIC relative to the chosen one. Returns false if none converged.
+bool choose(const std::vector<LensFit>& fits, const ChoiceRule& rule, ColorFit& result) {
+  const double count = rule.count;
   const LensFit* chosen = nullptr;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     result.trials[i].bic = fits[i].bic(count);
     if (!std::isfinite(result.trials[i].bic)) continue;
-    if (chosen && fits[i].bic(count) >= chosen->bic(count) - required_bic_gain(fits[i], chosen))
+    if (chosen &&
+        fits[i].bic(count) >= chosen->bic(count) - required_bic_gain(fits[i], chosen, rule))
       continue;
     chosen = &fits[i];
     result.chosen = result.trials[i].name;
   }
-  if (!chosen) return nullptr;
+  if (!chosen) return false;
   for (auto& trial : result.trials) trial.bic -= chosen->bic(count);
   result.parameters = chosen->parameters, result.free_color = chosen->free_color;
-  return chosen;
+  return true;
 }
 
-/// Number of corner coordinates that one independent coordinate stands for, because corners of a
-/// view err together.
-double corner_design_effect(const BoardObservations& observations, const ColorFit& fit) {
-  const BoardProblem problem = color_problem(observations, fit);
-  const Eigen::MatrixXd independent = covariance(problem, fit.parameters);
-  const double inflation = view_covariance(problem, fit.parameters, independent).inflation;
-  return std::max(1.0, inflation * inflation);
+/// Rule for a second choice: corners of a view err together, and a lens with many coefficients may
+/// fit the boards and leave the rest of the image unknown.
+ChoiceRule rule_given(const BoardObservations& observations, const ColorFit& first, double count) {
+  const BoardProblem problem = color_problem(observations, first);
+  RgbdCalibration c;
+  c.color.width = observations.width, c.color.height = observations.height;
+  c.color.lens = first.parameters.lens;
+  c.color.set_parameters(first.parameters.color);
+  c.parameters = parameter_names(problem, first.parameters.lens);
+  const Eigen::MatrixXd independent = covariance(problem, first.parameters);
+  if (independent.size() == 0) return {count};
+  const ViewCovariance by_view = view_covariance(problem, first.parameters, independent);
+  c.covariance = by_view.covariance;
+  const double unknown_px = projection_sigma_quantile_px(c, judged_image_fraction);
+  return {count / std::max(1.0, by_view.inflation * by_view.inflation),
+          unknown_px <= good_projection_sigma * observations.width};
 }
 
 }  // namespace
@@ -200,8 +219,8 @@ ColorFit fit_color(const BoardObservations& observations, const std::vector<bool
         fit_lens(problem, choice, robust.start_of(choice.lens), fits, fit.trials.back()));
   }
   const double count = num_corner_coordinates(observations, fit.used);
-  if (!choose(fits, count, fit)) return fit;
-  choose(fits, count / corner_design_effect(observations, fit), fit);
+  if (!choose(fits, {count}, fit)) return fit;
+  choose(fits, rule_given(observations, fit, count), fit);
   fit.converged = solve(color_problem(observations, fit), fit.parameters);
   if (fit.converged)
     fit.corner_sigma_px =

@@ -34,10 +34,10 @@ struct ColorFit {
 ///
 /// Fits robustly, removes outlier views, then chooses the lens among `names` (empty: all) by the
 /// Bayesian information criterion. A later lens must be better by 2, one of the other ideal
-/// projection (perspective, fisheye) by 10 unless it has fewer coefficients. The criterion counts
-/// independent residuals: corners of a view err together, by view_covariance() of the lens that is
-/// best for independent ones. Unobservable coefficients are removed, the last first, and the
-/// remaining ones fitted again.
+/// projection (perspective, fisheye) by 10, unless it has fewer coefficients and the first choice
+/// leaves much of the image unknown. The criterion counts independent residuals: corners of a view
+/// err together, by view_covariance() of the lens that is best for independent ones. Unobservable
+/// coefficients are removed, the last first, and the remaining ones fitted again.
 ///
 /// "none" and the radial-tangential lenses estimate tangential coefficients under their prior.
 /// Fixed at zero, they would rotate every pose, by more than the covariance says.

@@ -97,10 +97,10 @@ CalibrationDifference compare(const RgbdCalibration& a, const RgbdCalibration& b
     throw data_error(fmt::format("the calibrations are of {}x{} and of {}x{} pixels", a.color.width,
                                  a.color.height, b.color.width, b.color.height),
                      "compare calibrations of one camera and one image size");
-  CalibrationDifference result{MatrixXd::Constant(ImageGrid::rows, ImageGrid::columns, nan),
-                               (projection_sigma_px(a).cwiseAbs2() +
-                                projection_sigma_px(b).cwiseAbs2()).cwiseSqrt(),
-                               a.color.fx};
+  CalibrationDifference result{
+      MatrixXd::Constant(ImageGrid::rows, ImageGrid::columns, nan),
+      (projection_sigma_px(a).cwiseAbs2() + projection_sigma_px(b).cwiseAbs2()).cwiseSqrt(),
+      a.color.fx};
   std::vector<GridPoint> points;
   std::vector<std::pair<int, int>> cells;
   for (int row = 0; row < ImageGrid::rows; ++row)
@@ -114,8 +114,9 @@ CalibrationDifference compare(const RgbdCalibration& a, const RgbdCalibration& b
   for (std::size_t i = 0; i < points.size(); ++i)
     result.shift_px(cells[i].first, cells[i].second) = shift(b.color, points[i], rotation).norm();
   if (finite(result.shift_px).empty())
-    throw data_error("no pixel of the two calibrations can be compared",
-                     "give calibration.json files of `touchtrace calibrate`, which hold a covariance");
+    throw data_error(
+        "no pixel of the two calibrations can be compared",
+        "give calibration.json files of `touchtrace calibrate`, which hold a covariance");
   return result;
 }
 

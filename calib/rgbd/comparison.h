@@ -7,7 +7,8 @@ namespace touchtrace {
 /// Difference of two calibrations of one colour camera, over ImageGrid. A rotation between the two
 /// is fitted and does not count, as in mrcal-show-projection-diff: poses of boards absorb it.
 struct CalibrationDifference {
-  Eigen::MatrixXd shift_px;  ///< [rows, columns] far points move by this; NaN where one cannot project
+  Eigen::MatrixXd
+      shift_px;  ///< [rows, columns] far points move by this; NaN where one cannot project
   Eigen::MatrixXd sigma_px;  ///< [rows, columns] stated standard deviation of the shift
   double focal_px = 0.0;
 

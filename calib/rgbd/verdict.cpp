@@ -65,7 +65,7 @@ void assess_aspect(Verdict& verdict, const RgbdCalibration& c) {
 
 void assess_image(Verdict& verdict, const RgbdCalibration& c) {
   const double sigma_px = projection_sigma_quantile_px(c, judged_image_fraction);
-  apply_limits(verdict, sigma_px / c.color.width, 0.0025, 0.02,
+  apply_limits(verdict, sigma_px / c.color.width, good_projection_sigma, weak_projection_sigma,
                fmt::format("a fifth of the image is known to {:.1f} px or worse: show the board "
                            "there, or try another --lens",
                            sigma_px));

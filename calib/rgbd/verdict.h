@@ -9,6 +9,9 @@ namespace touchtrace {
 
 /// Fraction of the image in which the projection has to be known.
 inline constexpr double judged_image_fraction = 0.8;
+/// Largest standard deviation of the projection in that fraction of the image, over the image
+/// width.
+inline constexpr double good_projection_sigma = 0.0025, weak_projection_sigma = 0.02;
 
 enum class Grade { good, weak, bad };
 

@@ -13,6 +13,8 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
+constexpr double max_relative_variance = 0.5;  ///< of a variance with four degrees of freedom
+
 /// Gauss-Newton step and covariance of parameter_names(); empty if the equations are singular.
 struct Linearized {
   VectorXd step;
@@ -32,21 +34,26 @@ Linearized linearize(const NormalEquations& equations, const MatrixXd& left_rota
           left_rotations * marginal * left_rotations.transpose()};
 }
 
-MatrixXd power(const MatrixXd& symmetric, double exponent) {
+MatrixXd inverse_root(const MatrixXd& symmetric) {
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric).operatorInverseSqrt();
+}
+
+/// Variance of the mean of each row.
+VectorXd variances_of_means(const MatrixXd& values) {
+  const auto n = static_cast<double>(values.cols());
+  return (values.colwise() - values.rowwise().mean()).rowwise().squaredNorm() / (n * (n - 1.0));
+}
+
+/// Eigenvalues raised to at least 1.
+MatrixXd at_least_identity(const MatrixXd& symmetric) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(symmetric);
-  return eigen.eigenvectors() *
-         eigen.eigenvalues().cwiseMax(0.0).array().pow(exponent).matrix().asDiagonal() *
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(1.0).asDiagonal() *
          eigen.eigenvectors().transpose();
 }
 
-/// Contributions of the views and the number of dimensions that they determine, as
-/// shrunk_second_moment() takes them.
-struct Contributions {
-  MatrixXd columns;
-  double dimensions = 0.0;
-};
-
-Contributions contributions_of_views(const BoardProblem& problem, RgbdParameters p) {
+/// Contributions [parameters, views], as shrunk_second_moment() takes them; empty if one cannot be
+/// computed.
+MatrixXd contributions_of_views(const BoardProblem& problem, RgbdParameters p) {
   const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
   const MatrixXd left_rotations = left_rotation_jacobian(problem, p, size);
   const auto ceres_problem = make_problem(problem, p);
@@ -55,53 +62,55 @@ Contributions contributions_of_views(const BoardProblem& problem, RgbdParameters
   const Linearized all = linearize(normal_equations(*evaluation), left_rotations);
   const Eigen::LLT<MatrixXd> root(all.covariance);
   if (all.step.size() == 0 || root.info() != Eigen::Success) return {};
-  const auto count = static_cast<Index>(used_views(problem).size());
-  Contributions result{MatrixXd(size, count)};
-  for (Index view = 0; view < count; ++view) {
+  MatrixXd columns(size, static_cast<Index>(used_views(problem).size()));
+  for (Index view = 0; view < columns.cols(); ++view) {
     const Linearized others =
         linearize(normal_equations_without_view(*evaluation, size + 6 * view), left_rotations);
     if (others.step.size() == 0) return {};
     const MatrixXd half = root.matrixL().solve(others.covariance);
     const MatrixXd relative = root.matrixL().solve(half.transpose());
-    result.columns.col(view) = power(relative, -0.5) * root.matrixL().solve(others.step);
-    result.dimensions += static_cast<double>(size) - power(relative, -1.0).trace();
+    columns.col(view) = inverse_root(relative) * root.matrixL().solve(others.step);
   }
-  result.dimensions = std::clamp(result.dimensions, 1.0, static_cast<double>(size));
-  return result;
+  return columns;
 }
 
 /// Whether the views scatter by three standard errors more than with independent corners.
-bool is_excessive(const Contributions& views) {
-  const double mean_square = views.columns.squaredNorm() / views.dimensions;
-  const double freedom = views.dimensions * static_cast<double>(views.columns.cols());
-  return mean_square > 1.0 + 3.0 * std::sqrt(2.0 / freedom);
+bool is_excessive(const MatrixXd& contributions) {
+  const auto size = static_cast<double>(contributions.rows());
+  const double freedom = size * static_cast<double>(contributions.cols());
+  return contributions.squaredNorm() / size > 1.0 + 3.0 * std::sqrt(2.0 / freedom);
 }
 
 }  // namespace
 
-MatrixXd shrunk_second_moment(const MatrixXd& contributions, double dimensions) {
-  const auto n = static_cast<double>(contributions.cols());
+MatrixXd shrunk_second_moment(const MatrixXd& contributions) {
+  const auto n = static_cast<double>(contributions.cols()),
+             d = static_cast<double>(contributions.rows());
   const MatrixXd identity = MatrixXd::Identity(contributions.rows(), contributions.rows());
   const MatrixXd moment = contributions * contributions.transpose();
-  const double mean_square = moment.trace() / dimensions;
-  double spread = 0.0, variance = 0.0;
-  for (const auto& column : contributions.colwise()) {
+  const double mean_square = moment.trace() / d;
+  double spread = 0.0;
+  for (const auto& column : contributions.colwise())
     spread += (n * column * column.transpose() - moment).squaredNorm() / (n * n);
-    variance += std::pow(n * column.squaredNorm() / dimensions - mean_square, 2) / (n * (n - 1.0));
-  }
   const double distance = (moment - mean_square * identity).squaredNorm();
   const double weight = distance > spread ? spread / distance : 1.0;
-  return (1.0 + variance / (mean_square * mean_square)) *
-         ((1.0 - weight) * moment + weight * mean_square * identity);
+  const double own = (1.0 - weight) * (1.0 - weight);
+  const MatrixXd squares = n * contributions.cwiseAbs2();  // [parameters, views]
+  const double relative_variance =
+      (own * variances_of_means(squares).mean() +
+       (1.0 - own) * variances_of_means(squares.colwise().mean()).value()) /
+      (mean_square * mean_square);
+  return ((1.0 - weight) * moment + weight * mean_square * identity) /
+         (1.0 - std::min(relative_variance, max_relative_variance));
 }
 
 ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
                                const MatrixXd& independent) {
-  const Contributions views = contributions_of_views(problem, parameters);
+  const MatrixXd columns = contributions_of_views(problem, parameters);
   const Eigen::LLT<MatrixXd> root(independent);
-  if (views.columns.cols() < 2 || root.info() != Eigen::Success || !is_excessive(views))
+  if (columns.cols() < 2 || root.info() != Eigen::Success || !is_excessive(columns))
     return {independent};
-  const MatrixXd relative = shrunk_second_moment(views.columns, views.dimensions);
+  const MatrixXd relative = at_least_identity(shrunk_second_moment(columns));
   if (!relative.allFinite()) return {independent};
   const MatrixXd lower = root.matrixL();
   return {lower * relative * lower.transpose(),

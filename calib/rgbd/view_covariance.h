@@ -15,11 +15,10 @@ struct ViewCovariance {
 /// Second moment of what the views contribute to an estimate, shrunk towards a multiple of the
 /// identity (Ledoit and Wolf, Journal of Multivariate Analysis 2004): there are hardly more views
 /// than parameters. `contributions` [parameters, views] has the covariance I / views if corners are
-/// independent. `dimensions`: number of parameters that the views determine, not the priors.
-/// Multiplied by 1 + the relative variance of the mean square, which is the excess of the mean of
-/// its inverse over the inverse of its mean: few views make a squared error over its variance too
-/// large.
-Eigen::MatrixXd shrunk_second_moment(const Eigen::MatrixXd& contributions, double dimensions);
+/// independent. Divided by 1 - r, where r is the relative variance of the result in one direction:
+/// the mean of the inverse of a gamma variate exceeds the inverse of its mean by that, so that few
+/// views would make squared errors over their estimated variance too large.
+Eigen::MatrixXd shrunk_second_moment(const Eigen::MatrixXd& contributions);
 
 /// Cluster-robust covariance with bias reduction (Bell and McCaffrey, Survey Methodology 2002,
 /// CR2), from Gauss-Newton steps that leave one view out. `independent`: covariance for independent

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 
+#include "calib/rgbd/calibrate.h"
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
@@ -67,24 +68,29 @@ class BoardSizeCheck {
  public:
   explicit BoardSizeCheck(const Chessboard& asked) : asked_(asked) {}
 
-  /// Throws data_error if most images so far show no board, and one shows another.
+  /// Throws data_error if hardly an image so far shows the board, and one shows another.
   void add(const GreyImage& image, bool is_found, const fs::path& path) {
     ++(is_found ? found_ : missed_);
     if (!is_found && !asked_.markers && !seen_ && missed_ <= num_probed_images) {
       seen_ = find_other_size(image, asked_);
       image_ = path.string();
     }
-    if (missed_ > found_ + num_probed_images) finish();
+    if (missed_ > num_probed_images + 4 * found_) require_no_other();
   }
+  /// Many views that show a part of the board are no reason, if enough show all of it.
   void finish() const {
-    if (!seen_ || missed_ <= found_) return;
+    if (found_ < min_views) require_no_other();
+  }
+
+ private:
+  void require_no_other() const {
+    if (!seen_) return;
     throw data_error(fmt::format("{} shows no board of {}x{} inner corners but one of {}x{}",
                                  image_, asked_.columns, asked_.rows, seen_->columns, seen_->rows),
                      fmt::format("--columns and --rows count inner corners: --columns {} --rows {}",
                                  seen_->columns, seen_->rows));
   }
 
- private:
   static constexpr int num_probed_images = 3;
   Chessboard asked_;
   std::optional<Chessboard> seen_;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -296,6 +297,19 @@ TEST(Calibrate, ABoardWhoseSquaresAreNotSquareIsNotGood) {
   const RgbdCalibration c = calibrate(observed);
   EXPECT_EQ(c.details["verdict"], "WEAK");
   EXPECT_NE(advice_of(c).find("fy differs from fx by +3."), std::string::npos) << advice_of(c);
+}
+
+/// A board of 9x7 corners looks the same after half a turn; the detector begins at either end.
+TEST(Calibrate, TurnsViewsOfASymmetricBoardTheSameWay) {
+  RandomStream random(19, "noise");
+  BoardObservations observed = observe(simulated_boards(10, false), random);
+  observed.board.rows = 5;  // 9x5, as the rows come last
+  for (auto& view : observed.views) view.corners_px.resize(45);
+  BoardObservations turned = observed;
+  for (std::size_t i = 1; i < turned.views.size(); i += 2)
+    std::ranges::reverse(turned.views[i].corners_px);
+  const RgbdCalibration a = calibrate(observed), b = calibrate(turned);
+  EXPECT_EQ(a.color.parameters(), b.color.parameters());
 }
 
 /// Half of the views are from a camera whose focal length and centre differ by 2 %.

@@ -70,7 +70,7 @@ TEST(ViewCovariance, SecondMomentOfManyViewsIsNotShrunk) {
   for (int i = 0; i < views; ++i)
     contributions.col(i) =
         root * Eigen::Vector2d(random.normal(), random.normal()) / std::sqrt(views);
-  const Eigen::MatrixXd found = shrunk_second_moment(contributions, 2.0);
+  const Eigen::MatrixXd found = shrunk_second_moment(contributions);
   // Relative standard error of a variance: sqrt(2 / views) = .01; 4 of these.
   EXPECT_TRUE(found.isApprox(truth, 0.04)) << found;
 }
@@ -81,7 +81,7 @@ TEST(ViewCovariance, SecondMomentOfFewViewsIsNearlyAMultipleOfTheIdentity) {
   Eigen::MatrixXd contributions(parameters, views);
   for (double& value : contributions.reshaped()) value = 3.0 * random.normal() / std::sqrt(views);
   const Eigen::VectorXd found =
-      shrunk_second_moment(contributions, parameters).selfadjointView<Eigen::Lower>().eigenvalues();
+      shrunk_second_moment(contributions).selfadjointView<Eigen::Lower>().eigenvalues();
   // The plain second moment has rank 6. The mean of 60 squares has a relative standard error of
   // sqrt(2 / 60) = .18; 4 of these, and the factor of at most 1.2 for few views.
   EXPECT_GT(found.minCoeff(), 9.0 * (1.0 - 4.0 * 0.18) / 2.0);

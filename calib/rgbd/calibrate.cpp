@@ -140,6 +140,9 @@ RgbdCalibration assemble_calibration(const BoardProblem& problem, const RgbdPara
   const ViewCovariance by_view = view_covariance(problem, p, independent);
   c.covariance = by_view.covariance;
   c.details["view_inflation"] = by_view.inflation;
+  for (std::size_t i = 0; i < c.parameters.size(); ++i)
+    c.details["independent_sigmas"][c.parameters[i]] =
+        std::sqrt(independent(Eigen::Index(i), Eigen::Index(i)));
   return c;
 }
 

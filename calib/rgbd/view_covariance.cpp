@@ -13,6 +13,7 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
+constexpr Index min_views_for_scatter = 6;
 constexpr double max_relative_variance = 0.5;  ///< of a variance with four degrees of freedom
 
 /// Gauss-Newton step and covariance of parameter_names(); empty if the equations are singular.
@@ -108,7 +109,8 @@ ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters
                                const MatrixXd& independent) {
   const MatrixXd columns = contributions_of_views(problem, parameters);
   const Eigen::LLT<MatrixXd> root(independent);
-  if (columns.cols() < 2 || root.info() != Eigen::Success || !is_excessive(columns))
+  if (columns.cols() < min_views_for_scatter || root.info() != Eigen::Success ||
+      !is_excessive(columns))
     return {independent};
   const MatrixXd relative = at_least_identity(shrunk_second_moment(columns));
   if (!relative.allFinite()) return {independent};

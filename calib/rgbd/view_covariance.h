@@ -22,8 +22,9 @@ Eigen::MatrixXd shrunk_second_moment(const Eigen::MatrixXd& contributions);
 
 /// Cluster-robust covariance with bias reduction (Bell and McCaffrey, Survey Methodology 2002,
 /// CR2), from Gauss-Newton steps that leave one view out. `independent`: covariance for independent
-/// corners, which the result is relative to; returned if the views' contributions do not exceed
-/// those of independent corners by three standard errors, or a step cannot be computed.
+/// corners, which the result is relative to and not below. Returned if the views' contributions do
+/// not exceed those of independent corners by three standard errors, if there are fewer than six
+/// views, or if a step cannot be computed.
 ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
                                const Eigen::MatrixXd& independent);
 

@@ -189,6 +189,11 @@ void Runtime::on_side_queue(const std::function<void()>& enqueue_all) {
   on_side_queue_ = before;
 }
 
+Runtime::~Runtime() {
+  for (const auto& queue : {side_queue_, queue_})
+    if (queue()) clFinish(queue());  // its error can be reported to nobody
+}
+
 void Runtime::finish() {
   guarded("waiting for kernels", [&] {
     side_queue_.finish();

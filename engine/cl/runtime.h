@@ -64,6 +64,11 @@ class Runtime {
   /// `variant`: default_variant() of the device if empty.
   explicit Runtime(ChosenDevice device, Accuracy accuracy = Accuracy::fast,
                    std::optional<KernelVariant> variant = {});
+  Runtime(const Runtime&) = delete;
+  Runtime& operator=(const Runtime&) = delete;
+  /// Waits for commands that are still queued: PoCL crashes if the program ends while it compiles
+  /// one.
+  ~Runtime();
 
   const DeviceInfo& device() const { return device_.info; }
   const std::string& reason() const { return device_.reason; }

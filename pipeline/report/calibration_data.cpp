@@ -35,6 +35,8 @@ json data_of(const json& document, const std::string& name) {
             {"verdict", details.at("verdict")},
             {"advice", details.value("advice", json::array())},
             {"sigmas", details.value("sigmas", json::object())},
+            {"independent_sigmas", details.value("independent_sigmas", json::object())},
+            {"view_inflation", details.value("view_inflation", 1.0)},
             {"projection_sigma_px", details.value("projection_sigma_px", json::array())},
             {"coverage", details.value("coverage", json())},
             {"deformation_sigma_m", deformation_sigma_m(details)},

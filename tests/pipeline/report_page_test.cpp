@@ -77,8 +77,9 @@ TEST_F(ReportPage, ScriptsCreateTextNodesOnly) {
 TEST_F(ReportPage, EmbedsAllScriptsAndUsesAllFunctions) {
   const std::string page = report::render(json::object());
   for (const auto& [name, text] : report_page())
-    if (name.ends_with(".js") || name.ends_with(".css"))
+    if (name.ends_with(".js") || name.ends_with(".css")) {
       EXPECT_NE(page.find(text), std::string::npos) << name;
+    }
   std::map<std::string, int> uses;  // of each word
   std::vector<std::string> functions;
   const std::regex word(R"(\w+)");
@@ -148,6 +149,7 @@ TEST_F(ReportPage, IncludesUncertaintyOfCalibrations) {
                  {{"verdict", "GOOD"},
                   {"advice", json::array()},
                   {"sigmas", json::object()},
+                  {"view_inflation", 3.1},
                   {"projection_sigma_px", {{0.1, 0.123456789}, {nullptr, 0.3}}},
                   {"coverage", 0.9},
                   {"target_deformation", {{"sigma_m", 6e-5}}},
@@ -157,6 +159,7 @@ TEST_F(ReportPage, IncludesUncertaintyOfCalibrations) {
   const json with = report::report_data(inputs).at("calibrations")[0];
   EXPECT_EQ(with.at("projection_sigma_px"), json({{0.1, 0.12346}, {nullptr, 0.3}}));
   EXPECT_EQ(with.at("coverage"), 0.9);
+  EXPECT_EQ(with.at("view_inflation"), 3.1);
   EXPECT_EQ(with.at("deformation_sigma_m"), 6e-5);
   for (const char* key : {"projection_sigma_px", "coverage", "target_deformation"})
     document["details"].erase(key);

@@ -28,11 +28,13 @@ function uncertaintyMap({ projection_sigma_px: rows, width, height }) {
 }
 
 function calibrationView(calibration) {
+  const digits = (value) => number(known(value) ? value.toPrecision(3) : "–");
   const { name, corners, views, sigmas } = calibration;
   const depth = calibration.depth_rms_m > 0 ? `, RMS depth error ${fixed(1000 * calibration.depth_rms_m, 2)} mm` : "";
   const print = calibration.deformation_sigma_m > 0 ? ` The board deviates from its nominal geometry by ${fixed(1000 * calibration.deformation_sigma_m, 3)} mm per corner (estimated with the camera).` : "";
+  const together = calibration.view_inflation > 1 ? ` Corners of a view err together: standard deviations are ${fixed(calibration.view_inflation, 1)} times those of independent corners.` : "";
   return [element("h3", {}, name),
-    element("p", {}, `RMS reprojection error ${fixed(calibration.rms_px, 3)} px${depth}.${print} Verdict: ${calibration.verdict}. ${calibration.advice.join(" ")}`),
+    element("p", {}, `RMS reprojection error ${fixed(calibration.rms_px, 3)} px${depth}.${print}${together} Verdict: ${calibration.verdict}. ${calibration.advice.join(" ")}`),
     element("div", { class: "figures" }, element("figure", {}, residualField(calibration)),
       element("figure", {}, lineChart([{ x: corners.map((c) => c[2]), y: corners.map((c) => c[3]), stroke: "full", dots: 1.4 }],
         { width: 330, height: 370, title: "corner residuals, px", xLabel: "x, px" })),
@@ -41,7 +43,7 @@ function calibrationView(calibration) {
     calibration.projection_sigma_px.length ? element("figure", {}, uncertaintyMap(calibration),
       element("figcaption", {}, `Standard deviation of the projection of a distant point, both axes combined, after removing a rotation of the camera. ${known(calibration.coverage) ? `Board corners cover ${fixed(100 * calibration.coverage, 0)} % of the image cells.` : ""}`)) : null,
     element("details", {}, element("summary", {}, "Standard deviations of the parameters"),
-      table(["parameter", number("standard deviation")], Object.entries(sigmas).map(([parameter, sigma]) => ({ cells: [parameter, number(known(sigma) ? sigma.toPrecision(3) : "–")] }))))];
+      table(["parameter", number("standard deviation"), number("if corners were independent")], Object.entries(sigmas).map(([parameter, sigma]) => ({ cells: [parameter, digits(sigma), digits(calibration.independent_sigmas[parameter])] }))))];
 }
 
 function calibrationSection(calibrations) {

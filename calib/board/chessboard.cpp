@@ -62,6 +62,7 @@ bool are_saddles(const GreyImage& image, const std::vector<Eigen::Vector2d>& cor
 std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image, const Chessboard& board) {
   const int factor = reduction_to(image, detection_size_px);
   auto corners = find_chessboard(reduced(image, factor), board);
+  if (corners.empty()) return {};
   for (auto& corner : corners) corner = factor * (corner.array() + 0.5) - 0.5;
   const int radius_px = std::clamp(static_cast<int>(0.3 * min_spacing_px(corners, board)),
                                    min_refinement_px, max_refinement_px);
@@ -91,8 +92,9 @@ std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image, const Chess
 std::optional<Chessboard> find_other_size(const GreyImage& image, const Chessboard& board) {
   const GreyImage small = reduced(image, reduction_to(image, probing_size_px));
   const int c = board.columns, r = board.rows;
-  const std::pair<int, int> sizes[] = {{c - 1, r - 1}, {c + 1, r + 1}, {c - 1, r}, {c, r - 1},
-                                       {c + 1, r},     {c, r + 1},     {r, c},     {r - 1, c - 1}};
+  const std::pair<int, int> sizes[] = {
+      {c - 1, r - 1}, {c + 1, r + 1}, {c - 1, r},     {c, r - 1}, {c + 1, r},
+      {c, r + 1},     {c + 1, r - 1}, {c - 1, r + 1}, {r, c},     {r - 1, c - 1}};
   for (const auto& [columns, rows] : sizes) {
     if (columns < min_corners_per_side || rows < min_corners_per_side) continue;
     const Chessboard other{columns, rows, board.square_m};

@@ -122,11 +122,10 @@ Camera depth_camera(const BoardObservations& o, const std::array<double, 4>& int
   return camera;
 }
 
-RgbdCalibration assemble_calibration(const BoardProblem& problem, const RgbdParameters& p) {
+RgbdCalibration assemble_calibration(const BoardProblem& problem, const RgbdParameters& p,
+                                     const Eigen::MatrixXd& covariance) {
   RgbdCalibration c;
-  c.color.width = problem.observations.width, c.color.height = problem.observations.height;
-  c.color.lens = p.lens;
-  c.color.set_parameters(p.color);
+  c.color = color_camera(problem.observations, p);
   if (!problem.samples.empty()) c.depth = depth_camera(problem.observations, p.depth);
   c.depth_from_color = pose_of(p.depth_from_color);
   c.depth_scale = p.depth_correction[0], c.depth_offset_m = p.depth_correction[1];
@@ -135,14 +134,7 @@ RgbdCalibration assemble_calibration(const BoardProblem& problem, const RgbdPara
   c.rms_px = rms_of_used_views(problem.observations, problem.used, p);
   c.depth_rms_m = depth_rms_m(problem.samples, p);
   c.parameters = parameter_names(problem, p.lens);
-  const Eigen::MatrixXd independent = covariance_of_estimate(problem, p);
-  if (independent.size() == 0) throw no_convergence();
-  const ViewCovariance by_view = view_covariance(problem, p, independent);
-  c.covariance = by_view.covariance;
-  c.details["view_inflation"] = by_view.inflation;
-  for (std::size_t i = 0; i < c.parameters.size(); ++i)
-    c.details["independent_sigmas"][c.parameters[i]] =
-        std::sqrt(independent(Eigen::Index(i), Eigen::Index(i)));
+  c.covariance = covariance;
   return c;
 }
 
@@ -169,9 +161,12 @@ RgbdCalibration calibrate(BoardObservations observations, const CalibrationOptio
   if (has_depth(observations) && initialize_depth_camera(problem, parameters) &&
       !solve_jointly(problem, parameters, noise))
     throw no_convergence();
-  RgbdCalibration calibration = assemble_calibration(problem, parameters);
-  calibration.details.update(calibration_details(
-      {problem, parameters, calibration, color, noise, different, deformation_bic_gain}));
+  const Eigen::MatrixXd independent = covariance_of_estimate(problem, parameters);
+  if (independent.size() == 0) throw no_convergence();
+  const ViewCovariance covariance = view_covariance(problem, parameters, independent);
+  RgbdCalibration calibration = assemble_calibration(problem, parameters, covariance.by_views);
+  calibration.details = calibration_details({problem, parameters, calibration, covariance, color,
+                                             noise, different, deformation_bic_gain});
   const std::chrono::duration<double> wall_s = std::chrono::steady_clock::now() - wall_start;
   calibration.details["solving"] = {
       {"wall_s", wall_s.count()},

@@ -113,8 +113,8 @@ LensFit fit_lens(BoardProblem& problem, const LensChoice& choice, RgbdParameters
 /// What the choice among lenses depends on besides their fits.
 struct ChoiceRule {
   double count;  ///< of independent residuals
-  bool image_known =
-      true;  ///< whether the lens that is best for independent corners fixes the image
+  /// Whether the lens that is best for independent corners determines most of the image.
+  bool image_known = true;
 };
 
 /// BIC gain over the lens `chosen` so far that `fit` needs.
@@ -151,14 +151,12 @@ bool choose(const std::vector<LensFit>& fits, const ChoiceRule& rule, ColorFit& 
 ChoiceRule rule_given(const BoardObservations& observations, const ColorFit& first, double count) {
   const BoardProblem problem = color_problem(observations, first);
   RgbdCalibration c;
-  c.color.width = observations.width, c.color.height = observations.height;
-  c.color.lens = first.parameters.lens;
-  c.color.set_parameters(first.parameters.color);
+  c.color = color_camera(observations, first.parameters);
   c.parameters = parameter_names(problem, first.parameters.lens);
   const Eigen::MatrixXd independent = covariance(problem, first.parameters);
   if (independent.size() == 0) return {count};
   const ViewCovariance by_view = view_covariance(problem, first.parameters, independent);
-  c.covariance = by_view.covariance;
+  c.covariance = by_view.by_views;
   const double unknown_px = projection_sigma_quantile_px(c, judged_image_fraction);
   return {count / std::max(1.0, by_view.inflation * by_view.inflation),
           unknown_px <= good_projection_sigma * observations.width};
@@ -172,6 +170,13 @@ double num_corner_coordinates(const BoardObservations& observations,
   for (std::size_t view = 0; view < used.size(); ++view)
     if (used[view]) corners += observations.views[view].corners_px.size();
   return 2.0 * static_cast<double>(corners);
+}
+
+Camera color_camera(const BoardObservations& observations, const RgbdParameters& parameters) {
+  Camera camera{.width = observations.width, .height = observations.height};
+  camera.lens = parameters.lens;
+  camera.set_parameters(parameters.color);
+  return camera;
 }
 
 BoardProblem color_problem(const BoardObservations& observations, const ColorFit& fit) {

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "calib/camera/camera.h"
 #include "calib/rgbd/board_problem.h"
 
 namespace touchtrace {
@@ -43,6 +44,9 @@ struct ColorFit {
 /// Fixed at zero, they would rotate every pose, by more than the covariance says.
 ColorFit fit_color(const BoardObservations& observations, const std::vector<bool>& usable,
                    const std::vector<std::string>& names);
+
+/// Colour camera with the intrinsics of `parameters`.
+Camera color_camera(const BoardObservations& observations, const RgbdParameters& parameters);
 
 /// Problem of the used views with the chosen lens, without per-corner deformation.
 BoardProblem color_problem(const BoardObservations& observations, const ColorFit& fit);

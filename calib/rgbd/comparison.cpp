@@ -69,14 +69,10 @@ std::vector<double> finite(const MatrixXd& values) {
   return result;
 }
 
-nlohmann::json rows_json(const MatrixXd& values) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (Index row = 0; row < values.rows(); ++row) {
-    rows.push_back(nlohmann::json::array());
-    for (double value : values.row(row))
-      rows.back().push_back(std::isfinite(value) ? nlohmann::json(value) : nlohmann::json());
-  }
-  return rows;
+/// Standard deviation of the length of a shift in two directions.
+MatrixXd shift_sigma_px(const RgbdCalibration& a, const RgbdCalibration& b) {
+  return (2.0 * (projection_sigma_px(a).cwiseAbs2() + projection_sigma_px(b).cwiseAbs2()))
+      .cwiseSqrt();
 }
 
 }  // namespace
@@ -97,10 +93,8 @@ CalibrationDifference compare(const RgbdCalibration& a, const RgbdCalibration& b
     throw data_error(fmt::format("the calibrations are of {}x{} and of {}x{} pixels", a.color.width,
                                  a.color.height, b.color.width, b.color.height),
                      "compare calibrations of one camera and one image size");
-  CalibrationDifference result{
-      MatrixXd::Constant(ImageGrid::rows, ImageGrid::columns, nan),
-      (projection_sigma_px(a).cwiseAbs2() + projection_sigma_px(b).cwiseAbs2()).cwiseSqrt(),
-      a.color.fx};
+  CalibrationDifference result{MatrixXd::Constant(ImageGrid::rows, ImageGrid::columns, nan),
+                               shift_sigma_px(a, b), a.color.fx};
   std::vector<GridPoint> points;
   std::vector<std::pair<int, int>> cells;
   for (int row = 0; row < ImageGrid::rows; ++row)
@@ -125,8 +119,8 @@ nlohmann::json difference_json(const CalibrationDifference& difference) {
           {"rms_sigmas", difference.rms_sigmas()},
           {"median_px", difference.median_px()},
           {"worst_px", difference.worst_px()},
-          {"shift_px", rows_json(difference.shift_px)},
-          {"sigma_px", rows_json(difference.sigma_px)}};
+          {"shift_px", grid_json(difference.shift_px)},
+          {"sigma_px", grid_json(difference.sigma_px)}};
 }
 
 }  // namespace touchtrace

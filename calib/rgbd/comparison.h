@@ -9,15 +9,14 @@ namespace touchtrace {
 struct CalibrationDifference {
   Eigen::MatrixXd
       shift_px;  ///< [rows, columns] far points move by this; NaN where one cannot project
-  Eigen::MatrixXd sigma_px;  ///< [rows, columns] stated standard deviation of the shift
+  Eigen::MatrixXd sigma_px;  ///< [rows, columns] root mean square of the shift if both are right
   double focal_px = 0.0;
 
   double median_px() const;
   double worst_px() const;
-  /// Root mean square of shift over stated standard deviation.
+  /// Root mean square of shift_px over sigma_px: 1 on average if both covariances are right.
   double rms_sigmas() const;
-  /// Whether the stated standard deviations explain the shift. The shifts of an image have some ten
-  /// degrees of freedom, so that rms_sigmas() of honest calibrations rarely exceeds 2.
+  /// Whether the stated standard deviations explain the shift.
   bool agrees() const { return rms_sigmas() <= 2.0; }
 };
 

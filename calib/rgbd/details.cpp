@@ -52,18 +52,6 @@ json view_details(const DetailsInput& r) {
   return list;
 }
 
-/// Rows of the grid; null for NaN.
-json projection_map(const RgbdCalibration& calibration) {
-  const Eigen::MatrixXd sigma = projection_sigma_px(calibration);
-  json rows = json::array();
-  for (Eigen::Index i = 0; i < sigma.rows(); ++i) {
-    json row = json::array();
-    for (double value : sigma.row(i)) row.push_back(std::isfinite(value) ? json(value) : json());
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
 double coverage_of_used_views(const DetailsInput& r) {
   std::vector<Eigen::Vector2d> corners;
   for (std::size_t view = 0; view < r.problem.used.size(); ++view)
@@ -127,9 +115,11 @@ json target_deformation(const DetailsInput& r) {
       {"offsets_m", offsets_m}};
 }
 
-json sigmas(const RgbdCalibration& calibration) {
+/// Standard deviation of each parameter.
+json sigmas(const std::vector<std::string>& parameters, const Eigen::MatrixXd& covariance) {
   json values = json::object();
-  for (const auto& name : calibration.parameters) values[name] = parameter_sigma(calibration, name);
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    values[parameters[i]] = std::sqrt(covariance(Eigen::Index(i), Eigen::Index(i)));
   return values;
 }
 
@@ -174,8 +164,10 @@ json calibration_details(const DetailsInput& r) {
           {"lenses", lenses(r.color)},
           {"target_deformation", target_deformation(r)},
           {"corner_sigma_px", r.problem.corner_sigma_px},
-          {"sigmas", sigmas(r.calibration)},
-          {"projection_sigma_px", projection_map(r.calibration)},
+          {"sigmas", sigmas(r.calibration.parameters, r.covariance.by_views)},
+          {"independent_sigmas", sigmas(r.calibration.parameters, r.covariance.independent)},
+          {"view_inflation", r.covariance.inflation},
+          {"projection_sigma_px", grid_json(projection_sigma_px(r.calibration))},
           {"coverage", coverage_of_used_views(r)},
           {"not_identifiable", not_identifiable(r)},
           {"views", view_details(r)},

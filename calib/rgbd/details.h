@@ -5,6 +5,7 @@
 #include "calib/rgbd/calibration.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/depth_fit.h"
+#include "calib/rgbd/view_covariance.h"
 
 namespace touchtrace {
 
@@ -12,6 +13,7 @@ struct DetailsInput {
   const BoardProblem& problem;
   const RgbdParameters& parameters;
   const RgbdCalibration& calibration;
+  const ViewCovariance& covariance;
   const ColorFit& color;
   const DepthNoise& noise;
   const std::vector<bool>& different;  ///< [views] false: duplicate of an earlier view
@@ -27,6 +29,8 @@ struct DetailsInput {
 ///                          each direction, offsets_m [[x, y, z]..]}; "ideal": 0 and []
 ///     corner_sigma_px      noise of one corner coordinate
 ///     sigmas               {parameter: standard deviation}
+///     independent_sigmas   the same if corners were independent
+///     view_inflation       ViewCovariance::inflation
 ///     projection_sigma_px  [ImageGrid::rows][ImageGrid::columns] (projection_map.h); null: the
 ///                          lens cannot be inverted there
 ///     coverage             fraction of the image covered by corners, 0..1
@@ -34,7 +38,7 @@ struct DetailsInput {
 ///     views                [{name, used, rms_px, corners_px [[u, v]..], residuals_px [[u, v]..],
 ///                          depth_rms_m, depth_bias_m (mean of model minus measured)}..]
 ///     outlier_views, duplicate_views, views_without_board  [name..]
-///     skipped_images  [{name, why}..]
+///     skipped_images       [{name, why}..]
 ///     depth                {samples, sigma_at_1m, exponent, inflation (DepthNoise), delay
 ///                          "estimated" or the reason why not, bias_sigma_at_1m [m]}; null: colour
 ///                          only

@@ -47,10 +47,6 @@ std::vector<Index> color_parameter_indices(const RgbdCalibration& c) {
   return indices;
 }
 
-}  // namespace
-
-namespace {
-
 /// Derivatives [2 pixels, ..] of the grid pixels; 0 where they cannot be unprojected.
 struct GridJacobian {
   MatrixXd by_intrinsics, by_rotation;
@@ -119,6 +115,17 @@ double projection_sigma_quantile_px(const RgbdCalibration& c, double fraction) {
                   static_cast<std::ptrdiff_t>(fraction * static_cast<double>(sigmas.size() - 1));
   std::ranges::nth_element(sigmas, at);
   return *at;
+}
+
+nlohmann::json grid_json(const MatrixXd& grid) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (Index i = 0; i < grid.rows(); ++i) {
+    nlohmann::json row = nlohmann::json::array();
+    for (double value : grid.row(i))
+      row.push_back(std::isfinite(value) ? nlohmann::json(value) : nlohmann::json());
+    rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 double image_coverage(const Camera& camera, const std::vector<Eigen::Vector2d>& corners_px) {

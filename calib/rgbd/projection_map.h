@@ -23,6 +23,9 @@ Eigen::MatrixXd projection_sigma_px(const RgbdCalibration& calibration);
 /// Quantile of projection_sigma_px() over the image; NaN if no pixel can be unprojected.
 double projection_sigma_quantile_px(const RgbdCalibration& calibration, double fraction);
 
+/// Rows of a matrix over ImageGrid; null for NaN.
+nlohmann::json grid_json(const Eigen::MatrixXd& grid);
+
 /// Derivative of the grid pixels with respect to the estimated intrinsics of the colour camera,
 /// after projecting out small rotations: [2 pixels, parameters]. Rows of pixels that cannot be
 /// unprojected are 0.

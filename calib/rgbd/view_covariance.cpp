@@ -111,11 +111,11 @@ ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters
   const Eigen::LLT<MatrixXd> root(independent);
   if (columns.cols() < min_views_for_scatter || root.info() != Eigen::Success ||
       !is_excessive(columns))
-    return {independent};
+    return {independent, independent};
   const MatrixXd relative = at_least_identity(shrunk_second_moment(columns));
-  if (!relative.allFinite()) return {independent};
+  if (!relative.allFinite()) return {independent, independent};
   const MatrixXd lower = root.matrixL();
-  return {lower * relative * lower.transpose(),
+  return {independent, lower * relative * lower.transpose(),
           std::sqrt(relative.trace() / static_cast<double>(relative.rows()))};
 }
 

@@ -7,7 +7,8 @@ namespace touchtrace {
 /// Covariance of an estimate whose independent observations are views, not corners: the corners of
 /// a view err together, because lens model, board and detection are not perfect.
 struct ViewCovariance {
-  Eigen::MatrixXd covariance;  ///< of parameter_names()
+  Eigen::MatrixXd independent;  ///< of parameter_names(), if corners were independent
+  Eigen::MatrixXd by_views;     ///< of parameter_names()
   /// Standard deviations over those of independent corners, root mean square over all parameters.
   double inflation = 1.0;
 };
@@ -22,9 +23,9 @@ Eigen::MatrixXd shrunk_second_moment(const Eigen::MatrixXd& contributions);
 
 /// Cluster-robust covariance with bias reduction (Bell and McCaffrey, Survey Methodology 2002,
 /// CR2), from Gauss-Newton steps that leave one view out. `independent`: covariance for independent
-/// corners, which the result is relative to and not below. Returned if the views' contributions do
-/// not exceed those of independent corners by three standard errors, if there are fewer than six
-/// views, or if a step cannot be computed.
+/// corners, which the result is relative to and not below. It is the result if the views'
+/// contributions do not exceed those of independent corners by three standard errors, if there are
+/// fewer than six views, or if a step cannot be computed.
 ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
                                const Eigen::MatrixXd& independent);
 

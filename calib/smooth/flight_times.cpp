@@ -1,6 +1,6 @@
+#include <ceres/autodiff_first_order_function.h>
 #include <ceres/gradient_problem.h>
 #include <ceres/gradient_problem_solver.h>
-#include <ceres/numeric_diff_first_order_function.h>
 
 #include <algorithm>
 #include <cmath>
@@ -181,8 +181,7 @@ std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& unit
   const auto window = window_around(track, guess);
   if (window.points.size() < min_points_per_flight) return std::nullopt;
   auto* cost = new FlightCost(window, units, guess, before, after, noise, options);
-  const ceres::GradientProblem problem(
-      new ceres::NumericDiffFirstOrderFunction<FlightCost, ceres::CENTRAL, 2>(cost));
+  const ceres::GradientProblem problem(new ceres::AutoDiffFirstOrderFunction<FlightCost, 2>(cost));
   double times[2] = {0.0, 0.0};
   const double max_cost = implausible == ImplausibleFlights::keep
                               ? std::numeric_limits<double>::infinity()

@@ -1,6 +1,6 @@
+#include <ceres/autodiff_first_order_function.h>
 #include <ceres/gradient_problem.h>
 #include <ceres/gradient_problem_solver.h>
-#include <ceres/numeric_diff_first_order_function.h>
 
 #include <algorithm>
 #include <cmath>
@@ -111,14 +111,11 @@ double best_log_density(const NoiseCost& cost) {
 
 ceres::FirstOrderFunction* with_derivatives(NoiseCost* cost) {
   if (cost->num_parameters() == contact_parameters)
-    return new ceres::NumericDiffFirstOrderFunction<NoiseCost, ceres::CENTRAL, contact_parameters>(
-        cost);
+    return new ceres::AutoDiffFirstOrderFunction<NoiseCost, contact_parameters>(cost);
   static_assert(oscillator_parameters == bouncing_parameters);
   if (cost->num_parameters() == bouncing_parameters)
-    return new ceres::NumericDiffFirstOrderFunction<NoiseCost, ceres::CENTRAL, bouncing_parameters>(
-        cost);
-  return new ceres::NumericDiffFirstOrderFunction<NoiseCost, ceres::CENTRAL, throw_parameters>(
-      cost);
+    return new ceres::AutoDiffFirstOrderFunction<NoiseCost, bouncing_parameters>(cost);
+  return new ceres::AutoDiffFirstOrderFunction<NoiseCost, throw_parameters>(cost);
 }
 
 }  // namespace

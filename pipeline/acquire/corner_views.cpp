@@ -48,10 +48,12 @@ BoardView view_from_json(const json& entry) {
   return view;
 }
 
-void read_json(const std::string& text, BoardObservations& observations) {
+void read_json(const fs::path& file, const std::string& text, BoardObservations& observations) {
   const json document = json::parse(text);
   observations.width = document.at("color").at("width");
   observations.height = document.at("color").at("height");
+  if (observations.width < 1 || observations.height < 1)
+    throw invalid(file, "color.width and color.height have to be positive");
   for (const auto& entry : document.at("details").at("views"))
     observations.views.push_back(view_from_json(entry));
 }
@@ -86,6 +88,7 @@ void read_lines(const fs::path& file, const std::string& text, BoardObservations
       const GreyImage image = read_grey(file.parent_path() / name);
       observations.width = image.width, observations.height = image.height;
     }
+    if (view.corners_px.size() == static_cast<std::size_t>(count)) view.corner_ids.clear();  // all
     observations.views.push_back(std::move(view));
   }
 }
@@ -96,10 +99,10 @@ BoardObservations board_views_from_corners(const fs::path& file, const Chessboar
   BoardObservations observations;
   observations.board = board;
   const std::string text = read_file(file, max_bytes);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
   try {
-    if (text.find_first_not_of(" \t\r\n") != std::string::npos &&
-        text[text.find_first_not_of(" \t\r\n")] == '{')
-      read_json(text, observations);
+    if (first != std::string::npos && text[first] == '{')
+      read_json(file, text, observations);
     else
       read_lines(file, text, observations);
   } catch (const json::exception& error) {

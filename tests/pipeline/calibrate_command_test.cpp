@@ -1,8 +1,11 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include "calib/rgbd/calibration.h"
 #include "engine/base/files.h"
+#include "pipeline/acquire/board_views.h"
 #include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
 
@@ -133,6 +136,28 @@ TEST(CalibrateCommand, AcceptsAnExpandedPattern) {
   for (int i = 1; i <= 5; ++i)
     arguments.push_back((photographs / ("left0" + std::to_string(i) + ".jpg")).string());
   EXPECT_EQ(run(arguments), 0);
+}
+
+/// A photograph enlarged four times: the corners are those of the photograph, within the error of
+/// either detection.
+TEST(CalibrateCommand, FindsTheBoardInALargeImage) {
+  const GreyImage small = read_grey(photographs / "left01.jpg");
+  const cv::Mat original(small.height, small.width, CV_8U,
+                         const_cast<std::uint8_t*>(small.pixels.data()));
+  cv::Mat enlarged;
+  cv::resize(original, enlarged, {}, 4.0, 4.0, cv::INTER_CUBIC);
+  const auto expected = find_chessboard(small, Chessboard{});
+  const auto found = find_chessboard(
+      {enlarged.cols, enlarged.rows, {enlarged.datastart, enlarged.dataend}}, Chessboard{});
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Eigen::Vector2d in_original = (found[i].array() + 0.5) / 4.0 - 0.5;
+    EXPECT_LT((in_original - expected[i]).norm(), 0.3) << i;
+  }
+  cv::Mat without(enlarged.size(), CV_8U, cv::Scalar(128));
+  EXPECT_TRUE(find_chessboard({without.cols, without.rows, {without.datastart, without.dataend}},
+                              Chessboard{})
+                  .empty());
 }
 
 TEST(CalibrateCommand, NamesTheSizeOfTheBoardThatTheImagesShow) {

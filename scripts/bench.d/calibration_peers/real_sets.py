@@ -100,6 +100,7 @@ def figures_of(folder, touchtrace):
     width = whole["color"]["width"]
     about = f"{folder.name} ({len(views)} views, {width}x{whole['color']['height']}, {lens}, {whole['rms_px']:.2f} px)"
     value = float(np.mean(values["touchtrace"])) if values["touchtrace"] else float("nan")
+    about += "" if len(values["touchtrace"]) == SPLITS else f", {len(values['touchtrace'])} of {SPLITS} splits converge"
     yield row(f"{about}: NEES of halves", value, "", "in [.7, 1.5]", 0.7 <= value <= 1.5)
     if values["OpenCV"]:
         yield row(f"{about}: NEES of halves, OpenCV", np.mean(values["OpenCV"]), "")

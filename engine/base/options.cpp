@@ -28,7 +28,8 @@ std::string text_of(const Option::Target& target) {
         using Value = std::remove_cvref_t<decltype(*value)>;
         if constexpr (std::is_same_v<Value, bool>)
           return "";
-        else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
+        else if constexpr (std::is_same_v<Value, std::vector<std::string>> ||
+                           std::is_same_v<Value, std::vector<double>>)
           return fmt::format("{}", fmt::join(*value, " "));
         else
           return fmt::format("{}", *value);
@@ -43,6 +44,14 @@ void validate_number(const Option& option, double value) {
                          : fmt::format("at least {}", option.minimum);
   throw usage_error(fmt::format("{} must be {}, not {}", option.label(), range, value),
                     option.help);
+}
+
+void validate_numbers(const Option& option, const std::vector<double>& values) {
+  if (!values.empty() && values.size() != option.count)
+    throw usage_error(fmt::format("{} needs {} numbers, {}, not {}", option.label(), option.count,
+                                  option.placeholder, values.size()),
+                      option.help);
+  for (double value : values) validate_number(option, value);
 }
 
 void validate_text(const Option& option, const std::string& value) {
@@ -105,6 +114,13 @@ Option& OptionSet::number(std::string name, double& target, std::string help, do
   return add({std::move(name), &target, std::move(help), minimum, maximum, {}}).value("X");
 }
 
+Option& OptionSet::numbers(std::string name, std::vector<double>& target, std::string help,
+                           std::size_t count, double minimum, double maximum) {
+  Option& option = add({std::move(name), &target, std::move(help), minimum, maximum, {}});
+  option.count = count;
+  return option.value("X...");
+}
+
 Option& OptionSet::text(std::string name, std::string& target, std::string help) {
   return add({std::move(name), &target, std::move(help), 0, 0, {}}).value("TEXT");
 }
@@ -130,6 +146,12 @@ Option& OptionSet::paths(std::string name, std::vector<std::string>& target, std
 }
 
 Option& OptionSet::input(std::string name, std::string& target, std::string help) {
+  auto placeholder = upper_case(name);
+  return add({std::move(name), &target, std::move(help), 0, 0, {}, true, true})
+      .value(std::move(placeholder));
+}
+
+Option& OptionSet::inputs(std::string name, std::vector<std::string>& target, std::string help) {
   auto placeholder = upper_case(name);
   return add({std::move(name), &target, std::move(help), 0, 0, {}, true, true})
       .value(std::move(placeholder));
@@ -164,6 +186,8 @@ void OptionSet::validate() const {
           using Value = std::remove_cvref_t<decltype(*target)>;
           if constexpr (std::is_arithmetic_v<Value>)
             validate_number(option, static_cast<double>(*target));
+          else if constexpr (std::is_same_v<Value, std::vector<double>>)
+            validate_numbers(option, *target);
           else if constexpr (std::is_same_v<Value, std::string>)
             validate_text(option, *target);
         },

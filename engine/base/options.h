@@ -10,8 +10,8 @@ namespace touchtrace {
 
 /// Description of one member of an options struct.
 struct Option {
-  using Target =
-      std::variant<bool*, int*, std::uint64_t*, double*, std::string*, std::vector<std::string>*>;
+  using Target = std::variant<bool*, int*, std::uint64_t*, double*, std::string*,
+                              std::vector<double>*, std::vector<std::string>*>;
 
   std::string name;  ///< "learning-rate": flag --learning-rate, TOML key learning_rate
   Target target;
@@ -23,9 +23,13 @@ struct Option {
   std::string placeholder = {};      ///< value in the help: FILE, N, X; flags have none
   std::string group = {};            ///< heading in the help
   std::string default_text = {};     ///< target's value when described; empty: none
+  std::size_t count = 0;             ///< number of values of a list; 0: any
 
   bool is_flag() const { return std::holds_alternative<bool*>(target); }
-  bool is_list() const { return std::holds_alternative<std::vector<std::string>*>(target); }
+  bool is_list() const {
+    return std::holds_alternative<std::vector<double>*>(target) ||
+           std::holds_alternative<std::vector<std::string>*>(target);
+  }
   /// Number 0 counts as a value; an empty text or list does not.
   bool is_empty() const;
   /// "--learning-rate", or "RECORDING" if positional.
@@ -56,6 +60,9 @@ class OptionSet {
   Option& seed(std::string name, std::uint64_t& target, std::string help);
   Option& number(std::string name, double& target, std::string help, double minimum,
                  double maximum);
+  /// List of `count` numbers, or empty.
+  Option& numbers(std::string name, std::vector<double>& target, std::string help,
+                  std::size_t count, double minimum, double maximum);
   Option& text(std::string name, std::string& target, std::string help);
   Option& texts(std::string name, std::vector<std::string>& target, std::string help);
   Option& choice(std::string name, std::string& target, std::string help,
@@ -65,6 +72,7 @@ class OptionSet {
   Option& paths(std::string name, std::vector<std::string>& target, std::string help);
   // Positional:
   Option& input(std::string name, std::string& target, std::string help);
+  Option& inputs(std::string name, std::vector<std::string>& target, std::string help);
   Option& optional_input(std::string name, std::string& target, std::string help);
 
   const std::vector<Option>& options() const { return options_; }
@@ -72,7 +80,8 @@ class OptionSet {
 
   /// Current value of every listed option, by key.
   nlohmann::json values() const;
-  /// Throws usage_error if a value is out of range, not a choice, NaN, or required and empty.
+  /// Throws usage_error if a value is out of range, not a choice, NaN, or required and empty, or if
+  /// a list has the wrong number of values.
   void validate() const;
 
  private:

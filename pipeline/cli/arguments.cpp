@@ -21,6 +21,11 @@ bool is_option(const std::string& argument) {
          !std::isdigit(static_cast<unsigned char>(argument[1])) && argument[1] != '.';
 }
 
+template <class T>
+constexpr bool is_vector = false;
+template <class T>
+constexpr bool is_vector<std::vector<T>> = true;
+
 template <class Number>
 bool parse(const std::string& text, Number& target) {
   const char* end = text.data() + text.size();
@@ -28,20 +33,29 @@ bool parse(const std::string& text, Number& target) {
   return error == std::errc() && stop == end;
 }
 
+template <class Value>
+void assign_value(const Option& option, const std::string& text, Value& target) {
+  if constexpr (std::is_same_v<Value, std::string>)
+    target = text;
+  else if constexpr (is_vector<Value>)
+    assign_value(option, text, target.emplace_back());
+  else if constexpr (!std::is_same_v<Value, bool>)
+    if (!parse(text, target))
+      throw usage_error(
+          fmt::format("{} must be {}, not '{}'", option.label(),
+                      std::is_floating_point_v<Value> ? "a number" : "a whole number", text),
+          option.help);
+}
+
+/// Sets the value, or adds one to a list.
 void assign(const Option& option, const std::string& text) {
+  std::visit([&](auto* target) { assign_value(option, text, *target); }, option.target);
+}
+
+void clear_list(const Option& option) {
   std::visit(
-      [&](auto* target) {
-        using Value = std::remove_pointer_t<decltype(target)>;
-        if constexpr (std::is_same_v<Value, std::string>)
-          *target = text;
-        else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
-          target->push_back(text);
-        else if constexpr (!std::is_same_v<Value, bool>)
-          if (!parse(text, *target))
-            throw usage_error(
-                fmt::format("{} must be {}, not '{}'", option.label(),
-                            std::is_floating_point_v<Value> ? "a number" : "a whole number", text),
-                option.help);
+      [](auto* target) {
+        if constexpr (is_vector<std::remove_pointer_t<decltype(target)>>) target->clear();
       },
       option.target);
 }
@@ -91,13 +105,14 @@ class Parser {
     if (!has_value())
       throw usage_error(fmt::format("{} needs a value: {}", option.label(), option.placeholder),
                         option.help);
+    std::size_t count = 0;
     do assign(option, arguments_[next_++]);
-    while (option.is_list() && has_value());
+    while (option.is_list() && ++count != option.count && has_value());
   }
 
   void take_positional(const std::string& argument) {
     for (const Option& option : options_)
-      if (option.positional && !given_.contains(option.name)) {
+      if (option.positional && (option.is_list() || !given_.contains(option.name))) {
         begin(option);
         assign(option, argument);
         return;
@@ -122,8 +137,8 @@ class Parser {
   /// Notes that an option is given, and clears the default of a list.
   void begin(const Option& option) {
     const bool is_first = given_.insert(option.name).second;
-    if (auto* list = std::get_if<std::vector<std::string>*>(&option.target)) {
-      if (is_first) (*list)->clear();
+    if (option.is_list()) {
+      if (is_first) clear_list(option);
     } else if (!is_first && !option.is_flag()) {
       throw usage_error(fmt::format("{} is given twice", option.label()), usage_);
     }

@@ -22,6 +22,7 @@ Command report_command();
 Command self_test_command();
 Command send_command();
 Command simulate_command();
+Command smooth_command();
 Command train_command();
 Command tune_command();
 

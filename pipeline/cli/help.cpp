@@ -96,7 +96,7 @@ CommandOptions describe_options(const Command& command, CommonValues& values) {
 }
 
 std::string signature(const Option& option) {
-  const std::string more = option.is_list() ? "..." : "";
+  const std::string more = option.is_list() && option.count == 0 ? "..." : "";
   if (option.positional) return option.placeholder + more;
   if (option.name == "help") return "-h,--help";
   const std::string label = (option.name == "output" ? "-o," : "") + option.label();
@@ -107,8 +107,9 @@ std::string usage_line(const std::string& program, const Command& command,
                        const std::vector<Option>& options) {
   std::string positional, required;
   for (const Option& option : options) {
-    const std::string text =
-        option.positional ? option.placeholder : option.label() + " " + option.placeholder;
+    const std::string text = option.positional
+                                 ? option.placeholder + (option.is_list() ? "..." : "")
+                                 : option.label() + " " + option.placeholder;
     if (option.positional)
       positional += option.required ? " " + text : " [" + text + "]";
     else if (option.required)

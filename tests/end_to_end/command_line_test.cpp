@@ -34,8 +34,8 @@ std::vector<std::string> command_names() {
 
 TEST(CommandLine, EveryCommandHasHelpWithUsageExamplesAndExitCodes) {
   const auto names = command_names();
-  for (const char* needed : {"doctor", "devices", "plan", "simulate", "check", "calibrate", "label",
-                             "train", "evaluate", "report"})
+  for (const char* needed : {"doctor", "devices", "plan", "simulate", "check", "calibrate",
+                             "smooth", "label", "train", "evaluate", "report"})
     EXPECT_NE(std::ranges::find(names, needed), names.end()) << needed;
   for (const auto& name : names) {
     const auto help = run_program(name + " --help");
@@ -69,6 +69,10 @@ TEST(CommandLine, HelpNamesValuesChoicesAndRequiredOptions) {
                            "--tracker {csrt,csrt-fast,kcf,component}", "-o,--output FILE",
                            "(required)", "--trajectories DIR", "[csrt-fast]"})
     EXPECT_TRUE(contains(label, part)) << part << "\n" << label;
+  const auto smooth = run_program("smooth --help").output;
+  for (const char* part : {"touchtrace smooth TRACK... [OPTIONS]", "  TRACK...  ",
+                           "--flights {find,none,FILE}", "--gravity X Y Z  ", "[smoothed]"})
+    EXPECT_TRUE(contains(smooth, part)) << part << "\n" << smooth;
   const auto train = run_program("train --help").output;
   for (const char* part : {"Optimisation:\n", "--recording FILE...", "--checkpoint-seconds SECONDS",
                            "weight updates [3000]"})
@@ -79,7 +83,8 @@ TEST(CommandLine, CommandsListOnlyCommonOptionsThatAffectThem) {
   for (const char* command : {"doctor", "check", "devices", "plan", "self-test", "tune", "objects"})
     EXPECT_FALSE(contains(run_program(std::string(command) + " --help").output, "--overwrite"))
         << command;
-  for (const char* command : {"label", "calibrate", "check", "report", "objects", "send", "doctor"})
+  for (const char* command :
+       {"label", "calibrate", "check", "report", "objects", "send", "doctor", "smooth"})
     expect_failure(std::string(command) + " --device 0", 2, "unknown option '--device'");
   for (const char* command : {"simulate", "train", "evaluate", "devices", "plan", "tune"})
     EXPECT_TRUE(contains(run_program(std::string(command) + " --help").output, "--device DEVICE"))
@@ -133,6 +138,10 @@ TEST(CommandLine, ConfigurationFileIsChecked) {
   expect_refused("[simulat]\nminutes = 1\n", "unknown table [simulat]; did you mean 'simulate'?");
   expect_refused("[train]\nupdates = 3\n[trian]\n", "unknown table [trian]; did you mean 'train'?");
   expect_refused("minutes = 1\n[simulate]\n", "key 'minutes' is outside any table");
+  std::ofstream(path) << "[smooth]\ntrack = [\"/no/such/file.csv\"]\ngravity = [0, 0, -9.81]\n";
+  expect_failure("smooth --config " + path, 3, "/no/such/file.csv");
+  std::ofstream(path) << "[smooth]\ntrack = [\"a.csv\"]\ngravity = [0, \"y\", 0]\n";
+  expect_failure("smooth --config " + path, 2, "wrong type");
   std::filesystem::remove(path);
 }
 

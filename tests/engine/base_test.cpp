@@ -131,6 +131,21 @@ TEST(Options, InvalidValuesAreUsageErrors) {
   expect_usage_error({3, 15, "a", ""});
 }
 
+TEST(Options, ListsOfNumbersHaveTheirLength) {
+  std::vector<double> gravity;
+  OptionSet set;
+  set.numbers("gravity", gravity, "gravity [m/s^2]", 3, -100.0, 100.0);
+  EXPECT_NO_THROW(set.validate());
+  EXPECT_EQ(set.values().dump(), R"({"gravity":[]})");
+  gravity = {0.0, 9.81, 0.0};
+  EXPECT_NO_THROW(set.validate());
+  EXPECT_EQ(set.values().dump(), R"({"gravity":[0.0,9.81,0.0]})");
+  gravity = {0.0, 9.81};
+  EXPECT_THROW(set.validate(), Error);
+  gravity = {0.0, 981.0, 0.0};
+  EXPECT_THROW(set.validate(), Error);
+}
+
 TEST(Figures, NaNNeverPasses) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(at_most("x", nan, "", 1).passes());

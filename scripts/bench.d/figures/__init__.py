@@ -16,6 +16,10 @@ def at_most(name, value, unit, goal, **rest):
     return row(name, value, unit, f"<= {goal:g}", value <= goal, **rest)
 
 
+def within(name, value, unit, low, high, **rest):
+    return row(name, value, unit, f"in [{low:g}, {high:g}]", low <= value <= high, **rest)
+
+
 def emit(figures, name_width, as_json):
     """Prints each figure as soon as it is known, on stderr if `as_json`; then stdout gets one JSON object.
 

@@ -54,7 +54,8 @@ def kalman(t, p, density):
 
 
 def windows():
-    return tuple((2 * half + 1, degree) for half, degree in itertools.product(range(1, 8), range(2, 7)) if degree <= 2 * half)
+    halves = (*range(1, 8), 9, 11, 14, 18, 23, 29)  # the long ones are for 60 Hz
+    return tuple((2 * half + 1, degree) for half, degree in itertools.product(halves, range(2, 7)) if degree <= 2 * half)
 
 
 def described(unit, *names):
@@ -66,6 +67,6 @@ PEERS = (
     Peer("Butterworth", tuple(itertools.product((2, 4), np.arange(1.0, 9.6, 0.5))), butterworth, described(" Hz", "order", "cutoff")),
     Peer("Butterworth by residual analysis", (None,), butterworth_by_residuals),
     Peer("quintic spline, GCV", (None,), GcvSpline()),
-    Peer("quintic spline", tuple(10.0 ** np.arange(-12, -4, 0.25)), QuinticSpline(), described(" m^2 s^5", "penalty")),
-    Peer("RTS, simdkalman", tuple(10.0 ** np.arange(0.5, 5.1, 0.25)), kalman, described(" m^2/s^5", "density")),
+    Peer("quintic spline", tuple(10.0 ** np.arange(-12, -1, 0.25)), QuinticSpline(), described(" m^2 s^5", "penalty")),
+    Peer("RTS, simdkalman", tuple(10.0 ** np.arange(-1.5, 5.1, 0.25)), kalman, described(" m^2/s^5", "density")),
 )

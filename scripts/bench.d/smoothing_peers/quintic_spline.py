@@ -21,9 +21,14 @@ class System:
         nodes, weights = np.polynomial.legendre.leggauss(ORDER)
         half = np.diff(t)[:, None] / 2
         at, weight = (t[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
-        count = len(self.knots) - DEGREE - 1
-        third = scipy.interpolate.BSpline(self.knots, np.eye(count), DEGREE).derivative(ORDER)(at)
-        third = scipy.sparse.csr_matrix(np.sqrt(weight)[:, None] * third)
+        knots, count = self.knots, len(self.knots) - DEGREE - 1
+        derivative = scipy.sparse.identity(count, format="csr")
+        for degree in range(DEGREE, DEGREE - ORDER, -1):
+            slope = degree / (knots[degree + 1:-1] - knots[1:-degree - 1])
+            derivative = scipy.sparse.diags([-slope, slope], [0, 1], (len(slope), len(slope) + 1)) @ derivative
+            knots = knots[1:-1]
+        third = scipy.interpolate.BSpline.design_matrix(at, knots, DEGREE - ORDER) @ derivative
+        third = scipy.sparse.diags(np.sqrt(weight)) @ third
         return (third.T @ third).tocsr()
 
     def coefficients(self, values, penalty):
@@ -33,8 +38,13 @@ class System:
             bands[DEGREE - k, k:] = matrix.diagonal(k)
         return scipy.linalg.solveh_banded(bands, self.basis.T @ values)
 
-    def velocity(self, t, values, penalty):
-        return scipy.interpolate.BSpline(self.knots, self.coefficients(values, penalty), DEGREE).derivative()(t)
+    def spline(self, values, penalty):
+        return scipy.interpolate.BSpline(self.knots, self.coefficients(values, penalty), DEGREE)
+
+
+def grid(t):
+    """The same for all clips of a length and rate."""
+    return len(t), round(t[1] - t[0], 9)
 
 
 class QuinticSpline:
@@ -42,39 +52,43 @@ class QuinticSpline:
         self.systems = {}
 
     def system(self, t):
-        """Kept: one for all clips of a length."""
-        if len(t) not in self.systems:
-            self.systems[len(t)] = System(t)
-        return self.systems[len(t)]
+        """Kept: one for all clips of a length and rate."""
+        if grid(t) not in self.systems:
+            self.systems[grid(t)] = System(t)
+        return self.systems[grid(t)]
 
     def __call__(self, t, p, penalty):
-        return self.system(t).velocity(t, p, penalty)
+        return self.system(t).spline(p, penalty).derivative()(t)
 
 
 class GcvSpline(QuinticSpline):
     """With the penalty of each axis by generalised cross-validation, n RSS / (n - trace)^2. The eigenvalues of
     (rough, normal + rough), kept as well, give the trace at any penalty."""
 
-    penalties = 10.0 ** np.arange(-12, -4, 0.125)
+    penalties = 10.0 ** np.arange(-12, 0, 0.125)
 
     def __init__(self):
         super().__init__()
         self.shares = {}
 
     def trace(self, t, penalty):
-        if len(t) not in self.shares:
+        if grid(t) not in self.shares:
             system, scale = self.system(t), 1e-8
             rough, normal = scale * system.rough.toarray(), system.normal.toarray()
-            self.shares[len(t)] = scipy.linalg.eigh(rough, normal + rough, eigvals_only=True) / scale, scale
-        rough, scale = self.shares[len(t)]
+            self.shares[grid(t)] = scipy.linalg.eigh(rough, normal + rough, eigvals_only=True) / scale, scale
+        rough, scale = self.shares[grid(t)]
         normal = 1 - scale * rough
         return (normal / (normal + penalty * rough)).sum()
 
-    def __call__(self, t, p, _):
+    def splines(self, t, p):
+        """One for each column of p."""
         system = self.system(t)
         scores = []
         for penalty in self.penalties:
             residual = p - system.basis @ system.coefficients(p, penalty)
             scores.append(len(t) * (residual ** 2).sum(axis=0) / (len(t) - self.trace(t, penalty)) ** 2)
         chosen = self.penalties[np.argmin(scores, axis=0)]
-        return np.stack([system.velocity(t, p[:, k], penalty) for k, penalty in enumerate(chosen)], axis=1)
+        return [system.spline(p[:, k], penalty) for k, penalty in enumerate(chosen)]
+
+    def __call__(self, t, p, _):
+        return np.stack([spline.derivative()(t) for spline in self.splines(t, p)], axis=1)

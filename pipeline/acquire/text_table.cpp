@@ -1,0 +1,173 @@
+#include "pipeline/acquire/text_table.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr std::size_t max_quoted_bytes = 40;
+constexpr std::string_view blanks = " \t\r\v\f";
+
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+std::string_view without_quotes(std::string_view field) {
+  field = trimmed(field);
+  if (field.size() < 2 || field.front() != '"' || field.back() != '"') return field;
+  return trimmed(field.substr(1, field.size() - 2));
+}
+
+char separator_of(std::string_view line) {
+  for (char separator : {';', '\t', ','})
+    if (line.find(separator) != std::string_view::npos) return separator;
+  return ' ';
+}
+
+std::vector<std::string_view> split_at_blanks(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (line = trimmed(line); !line.empty();) {
+    const auto end = std::min(line.find_first_of(blanks), line.size());
+    fields.push_back(without_quotes(line.substr(0, end)));
+    line = trimmed(line.substr(end));
+  }
+  return fields;
+}
+
+/// Separators inside double quotes do not count.
+std::vector<std::string_view> split(std::string_view line, char separator) {
+  if (separator == ' ') return split_at_blanks(line);
+  std::vector<std::string_view> fields;
+  std::size_t start = 0;
+  bool is_quoted = false;
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    if (i < line.size() && line[i] == '"') is_quoted = !is_quoted;
+    if (i < line.size() && (line[i] != separator || is_quoted)) continue;
+    fields.push_back(without_quotes(line.substr(start, i - start)));
+    start = i + 1;
+  }
+  return fields;
+}
+
+std::string column_name(std::string_view field) {
+  std::string name;
+  for (char c : lower_case(field)) {
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      name += c;
+    else if (!name.empty() && name.back() != '_')
+      name += '_';
+  }
+  if (name.ends_with('_')) name.pop_back();
+  return name;
+}
+
+std::vector<std::string> column_names(const std::vector<std::string_view>& fields) {
+  std::vector<std::string> names;
+  for (const auto field : fields) names.push_back(column_name(field));
+  return names;
+}
+
+bool is_header(const std::vector<std::string_view>& fields, bool has_decimal_comma) {
+  return std::ranges::none_of(fields, [&](std::string_view field) {
+    const auto number = parse_number<double>(field, has_decimal_comma);
+    return number && !std::isnan(*number);
+  });
+}
+
+bool is_missing(std::string_view field) {
+  constexpr std::array<std::string_view, 7> words{"", "nan", "-nan", "+nan", "na", "null", "none"};
+  return field.size() <= 4 && std::ranges::find(words, lower_case(field)) != words.end();
+}
+
+}  // namespace
+
+TextTable::TextTable(std::filesystem::path file)
+    : file_(std::move(file)), text_(read_file(file_, max_bytes)) {
+  if (text_.find('\0') != std::string::npos)
+    throw data_error(fmt::format("{} is not a text file in UTF-8 or ASCII", file_.string()),
+                     "save or export it as CSV");
+  if (text_.starts_with("\xEF\xBB\xBF")) next_ = 3;  // byte order mark
+  while (next_line()) {
+    if (!is_comment()) break;
+    const auto comment = trimmed(content_).substr(1);
+    comment_names_ = column_names(split(comment, separator_of(comment)));
+  }
+  if (trimmed(content_).empty())
+    throw data_error(fmt::format("{} has no rows", file_.string()),
+                     "give a file with a time and a position in each row");
+  separator_ = separator_of(content_);
+  fields_ = split(content_, separator_);
+  num_columns_ = fields_.size();
+  is_row_pending_ = !is_header(fields_, has_decimal_comma());
+  if (!is_row_pending_) names_ = column_names(fields_);
+}
+
+bool TextTable::is_comment() const { return trimmed(content_).starts_with('#'); }
+
+bool TextTable::next_line() {
+  content_ = {};
+  while (trimmed(content_).empty() && next_ < text_.size()) {
+    const auto end = std::min(text_.find('\n', next_), text_.size());
+    ++line_;
+    if (end - next_ > max_line_bytes)
+      throw data_error(fmt::format("{}, line {}: {} bytes, more than the limit of {}",
+                                   file_.string(), line_, end - next_, max_line_bytes),
+                       "check that this is the intended file; lines end with a line feed");
+    content_ = std::string_view(text_).substr(next_, end - next_);
+    next_ = end + 1;
+  }
+  return !trimmed(content_).empty();
+}
+
+bool TextTable::next_row() {
+  if (std::exchange(is_row_pending_, false)) return true;
+  do
+    if (!next_line()) return false;
+  while (is_comment());
+  fields_ = split(content_, separator_);
+  return true;
+}
+
+template <class Number>
+std::optional<Number> parse_number(std::string_view field, bool has_decimal_comma) {
+  if (is_missing(field)) return std::numeric_limits<Number>::quiet_NaN();
+  std::string text(field.substr(field.starts_with('+') ? 1 : 0));
+  if (has_decimal_comma) std::ranges::replace(text, ',', '.');
+  Number number;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error == std::errc::result_out_of_range && stop == end)
+    return std::numeric_limits<Number>::infinity();
+  return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
+}
+
+template std::optional<double> parse_number(std::string_view field, bool has_decimal_comma);
+template std::optional<long double> parse_number(std::string_view field, bool has_decimal_comma);
+
+std::string quoted_field(std::string_view field) {
+  std::string text(field.substr(0, max_quoted_bytes));
+  for (char& c : text)
+    if (!std::isprint(static_cast<unsigned char>(c))) c = '?';
+  return fmt::format("'{}'{}", text, field.size() > max_quoted_bytes ? "..." : "");
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace touchtrace {
+
+/// Rows of a text file whose columns are separated by commas, semicolons, tabs or blanks: whichever
+/// of these, in the order `;` tab `,` blank, the first row contains. Blank lines and comments
+/// (`#...`) are skipped. Fields may be in double quotes. The first row is a header if none of its
+/// fields is a number.
+class TextTable {
+ public:
+  static constexpr std::uintmax_t max_bytes = 1u << 28;
+  static constexpr std::size_t max_line_bytes = 1u << 16;
+
+  /// Reads the file. Throws data_error if it is unreadable, too large, not text or without a row.
+  explicit TextTable(std::filesystem::path file);
+  TextTable(const TextTable&) = delete;
+  TextTable& operator=(const TextTable&) = delete;
+
+  const std::filesystem::path& file() const { return file_; }
+  /// Column names of the header in lower case; each run of other characters than letters and digits
+  /// is one underscore: "Time [ms]" is "time_ms". Empty without a header.
+  const std::vector<std::string>& names() const { return names_; }
+  /// Words of the last comment before the first row, in the same form.
+  const std::vector<std::string>& comment_names() const { return comment_names_; }
+  /// Number of columns of the first row.
+  std::size_t num_columns() const { return num_columns_; }
+  bool has_decimal_comma() const { return separator_ != ','; }
+
+  /// Advances to the next row. Returns false at the end. Throws data_error for a line that is too
+  /// long.
+  bool next_row();
+  /// Line number of the row, from 1.
+  std::size_t line() const { return line_; }
+  /// Fields of the row without blanks and quotes around them; valid until the next call of
+  /// next_row().
+  const std::vector<std::string_view>& fields() const { return fields_; }
+
+ private:
+  /// Advances to the next line that is not blank.
+  bool next_line();
+  bool is_comment() const;
+
+  std::filesystem::path file_;
+  std::string text_;
+  std::string_view content_;  ///< of the current line
+  std::size_t next_ = 0, line_ = 0, num_columns_ = 0;
+  char separator_ = ' ';
+  bool is_row_pending_ = false;
+  std::vector<std::string_view> fields_;
+  std::vector<std::string> names_, comment_names_;
+};
+
+/// Number of a field: NaN for a missing value (empty, `nan`, `na`, `null`, `none`), nullopt for
+/// other text. `Number`: double or long double.
+template <class Number>
+std::optional<Number> parse_number(std::string_view field, bool has_decimal_comma);
+
+/// A field of an untrusted file for messages: in quotes, printable and at most 40 characters long.
+std::string quoted_field(std::string_view field);
+
+}  // namespace touchtrace

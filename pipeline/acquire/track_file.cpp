@@ -1,0 +1,104 @@
+#include "pipeline/acquire/track_file.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "engine/base/error.h"
+#include "pipeline/acquire/track_columns.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr const char* hint =
+    "a row has a time, which must not decrease, and a position; pipeline/acquire/README.md "
+    "describes the formats";
+constexpr long double max_time_s = 1e11L;       // the year 5138, if they count from 1970
+constexpr long double max_plain_time_s = 1e6L;  // doubles resolve these to 0.1 ns
+
+class TrackReader {
+ public:
+  explicit TrackReader(const std::filesystem::path& file)
+      : table_(file), columns_(columns_of(table_)) {
+    result_.file = file;
+    result_.has_sigmas = columns_.sigma.has_value();
+  }
+
+  TrackFile read() {
+    for_each_row(table_, TrackFile::max_rows, hint, [&] { add_row(); });
+    if (result_.track.empty())
+      throw data_error(fmt::format("{} has no row with a position", result_.file.string()), hint);
+    return std::move(result_);
+  }
+
+ private:
+  void add_row() {
+    const double time_s = next_time();
+    const Eigen::Vector3d position = values(columns_.position);
+    if (position.hasNaN()) {
+      ++result_.num_skipped;
+      return;
+    }
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    result_.track.push_back(
+        {time_s, position, columns_.sigma ? sigma() : Eigen::Vector3d::Constant(nan)});
+  }
+
+  /// Time of the row relative to the origin.
+  double next_time() {
+    const auto time_s = value_of<long double>(table_, columns_.time);
+    if (std::isnan(time_s)) throw LineFault{columns_.time.label + " is missing"};
+    if (std::abs(time_s) > max_time_s)
+      throw LineFault{
+          fmt::format("{} {} is out of range in seconds; name the column time_ms, "
+                      "time_us or time_ns for other units",
+                      columns_.time.label, field(columns_.time))};
+    const auto previous_s = std::exchange(last_time_s_, time_s);
+    if (!previous_s && std::abs(time_s) > max_plain_time_s)
+      result_.origin_s = static_cast<std::int64_t>(std::floor(time_s));
+    if (previous_s && time_s < *previous_s)
+      throw LineFault{fmt::format("{} {} is before that of the previous row", columns_.time.label,
+                                  field(columns_.time))};
+    return static_cast<double>(time_s - static_cast<long double>(result_.origin_s));
+  }
+
+  Eigen::Vector3d sigma() const {
+    const Eigen::Vector3d sigma_m = values(*columns_.sigma);
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const auto& column = (*columns_.sigma)[i]; !(sigma_m[Eigen::Index(i)] > 0.0))
+        throw LineFault{fmt::format("{} {} is not positive", column.label, field(column))};
+    return sigma_m;
+  }
+
+  Eigen::Vector3d values(const std::array<TableColumn, 3>& columns) const {
+    return {value_of<double>(table_, columns[0]), value_of<double>(table_, columns[1]),
+            value_of<double>(table_, columns[2])};
+  }
+
+  std::string field(const TableColumn& column) const {
+    return quoted_field(table_.fields()[column.index]);
+  }
+
+  TextTable table_;
+  TrackColumns columns_;
+  std::optional<long double> last_time_s_;
+  TrackFile result_;
+};
+
+}  // namespace
+
+TrackFile read_track(const std::filesystem::path& file) { return TrackReader(file).read(); }
+
+std::string time_text(std::int64_t origin_s, double time_s) {
+  if (origin_s == 0) return fmt::format("{}", time_s);
+  auto text = fmt::format("{:.9f}", static_cast<long double>(origin_s) + time_s);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text += '0';
+  return text;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,266 @@
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "engine/base/files.h"
+#include "engine/base/random.h"
+#include "engine/base/text.h"
+#include "pipeline/cli/commands.h"
+#include "tests/pipeline/recording_samples.h"
+#include "tests/verify/calib/synthetic_track.h"
+
+namespace touchtrace {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::put, testing::TemporaryFolder;
+
+int run(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"touchtrace", "smooth", "--quiet"});
+  std::vector<const char*> argv;
+  for (const auto& argument : arguments) argv.push_back(argument.c_str());
+  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
+                               argv.data());
+}
+
+/// Columns of a CSV file by name, as text.
+std::map<std::string, std::vector<std::string>> columns_of(const fs::path& file) {
+  std::istringstream lines(read_file(file));
+  std::string line;
+  std::getline(lines, line);
+  const auto names = split_text(line, ',');
+  std::map<std::string, std::vector<std::string>> columns;
+  while (std::getline(lines, line)) {
+    const auto fields = split_text(line, ',');
+    EXPECT_EQ(fields.size(), names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) columns[names[i]].push_back(fields[i]);
+  }
+  return columns;
+}
+
+std::vector<double> numbers(const std::vector<std::string>& texts) {
+  std::vector<double> values;
+  for (const auto& text : texts) values.push_back(std::stod(text));
+  return values;
+}
+
+std::string csv(const Track& track) {
+  std::string text = "time_s,x_m,y_m,z_m\n";
+  for (const auto& [time_s, p, sigma_m] : track)
+    text += fmt::format("{},{},{},{}\n", time_s, p.x(), p.y(), p.z());
+  return text;
+}
+
+constexpr double amplitude_m = 0.1, rad_per_s = 2.0 * std::numbers::pi;
+
+/// Sine along x at 100 Hz with white errors of 1 mm, at rest along y and z.
+Track sine(double seconds, std::uint64_t seed) {
+  RandomStream random(seed, "sine");
+  Track track;
+  for (int i = 0; i <= 100 * seconds; ++i) {
+    const double t = 0.01 * i;
+    Eigen::Vector3d error;
+    for (double& e : error) e = random.normal(0.0, 1e-3);
+    track.push_back({t, error + amplitude_m * std::sin(rad_per_s * t) * Eigen::Vector3d::UnitX(),
+                     Eigen::Vector3d::Constant(1e-3)});
+  }
+  return track;
+}
+
+class SmoothCommand : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  json summary(const std::string& output = "out") const {
+    return json::parse(read_file(folder_ / (output + "/smooth.json")));
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// Position and velocity of a sine. A velocity is wrong by 4 standard deviations in 1 of 16000
+/// cases; they are correlated over some 10 samples, and the smoother estimates them to 20 %.
+TEST_F(SmoothCommand, WritesPositionAndVelocityWithinTheirCovariance) {
+  put(folder_ / "sine.csv", csv(sine(20.0, 1)));
+  ASSERT_EQ(run({path("sine.csv"), "--sigma", "0.001", "-o", path("out")}), 0);
+  auto columns = columns_of(folder_ / "out/sine.csv");
+  EXPECT_EQ(columns.size(), 31u);
+  const auto t = numbers(columns["time_s"]), x = numbers(columns["x_m"]),
+             vx = numbers(columns["vx_m_per_s"]), var_x = numbers(columns["cov_x_x"]),
+             var_vx = numbers(columns["cov_vx_vx"]);
+  ASSERT_EQ(t.size(), 2001u);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const double error = vx[i] - amplitude_m * rad_per_s * std::cos(rad_per_s * t[i]);
+    EXPECT_LT(std::abs(error), 5.0 * std::sqrt(var_vx[i])) << t[i];
+    EXPECT_LT(std::abs(x[i] - amplitude_m * std::sin(rad_per_s * t[i])), 5.0 * std::sqrt(var_x[i]));
+    squares += error * error / var_vx[i];
+  }
+  EXPECT_GT(squares / 2001.0, 0.4);
+  EXPECT_LT(squares / 2001.0, 1.6);
+  EXPECT_LT(std::sqrt(var_vx[1000]), 0.05 * amplitude_m * rad_per_s);
+}
+
+TEST_F(SmoothCommand, SummarisesTracksThatShareTheirNoise) {
+  fs::create_directories(folder_ / "second");
+  put(folder_ / "hand.csv", csv(sine(5.0, 1)) + "9,,,\n");
+  put(folder_ / "second/hand.csv", csv(sine(8.0, 2)));
+  ::testing::internal::CaptureStdout();
+  const int code = run({path("hand.csv"), path("second/hand.csv"), "-o", path("out"), "--json"});
+  const json printed = json::parse(::testing::internal::GetCapturedStdout());
+  ASSERT_EQ(code, 0);
+  EXPECT_EQ(printed, summary());
+  const auto& tracks = printed["tracks"];
+  ASSERT_EQ(tracks.size(), 2u);
+  EXPECT_EQ(tracks[0]["name"], "hand");
+  EXPECT_EQ(tracks[1]["name"], "hand-2");
+  EXPECT_EQ(tracks[0]["skipped_rows"], 1);
+  for (const auto& track : tracks) {
+    EXPECT_EQ(track["status"], "converged");
+    EXPECT_EQ(track["sigma_source"], "data");
+    EXPECT_TRUE(fs::exists(track["output"].get<std::string>()));
+    for (const auto& sigma_m : track["sigma_m"]) EXPECT_NEAR(sigma_m.get<double>(), 1e-3, 3e-4);
+    EXPECT_NEAR(track["residual_rms"].get<double>(), 1.0, 0.3);
+  }
+  EXPECT_NEAR(printed["noise"]["measurement_scale"].get<double>(), 1.0, 0.3);
+  EXPECT_EQ(printed["provenance"]["inputs"].size(), 2u);
+  EXPECT_GT(printed["provenance"]["cpu_seconds"].get<double>(), 0.0);
+}
+
+TEST_F(SmoothCommand, PrintsATable) {
+  put(folder_ / "hand.csv", csv(sine(5.0, 1)));
+  ::testing::internal::CaptureStdout();
+  const int code = run({path("hand.csv"), "-o", path("out")});
+  const auto table = ::testing::internal::GetCapturedStdout();
+  ASSERT_EQ(code, 0);
+  for (const char* part : {"hand", "501", "5.0", "mm (estimated from the data)", "out/hand.csv"})
+    EXPECT_NE(table.find(part), std::string::npos) << part << "\n" << table;
+}
+
+TEST_F(SmoothCommand, RateGivesAnEvenGrid) {
+  const auto track = sine(5.0, 1);
+  put(folder_ / "a.csv", csv(track));
+  ASSERT_EQ(run({path("a.csv"), "--rate", "40", "-o", path("out")}), 0);
+  auto columns = columns_of(folder_ / "out/a.csv");
+  const auto t = numbers(columns["time_s"]), vx = numbers(columns["vx_m_per_s"]),
+             var_vx = numbers(columns["cov_vx_vx"]);
+  ASSERT_EQ(t.size(), 201u);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    EXPECT_NEAR(t[i], 0.025 * static_cast<double>(i), 1e-12);
+    EXPECT_NEAR(vx[i], amplitude_m * rad_per_s * std::cos(rad_per_s * t[i]),
+                5.0 * std::sqrt(var_vx[i]));
+  }
+  put(folder_ / "gap.csv", "0,1,1,1\n1,1,1,1\n100000000,1,1,1\n");
+  EXPECT_EQ(run({path("gap.csv"), "--sigma", "1", "--rate", "100", "-o", path("gap")}), 2);
+}
+
+TEST_F(SmoothCommand, NanosecondTimesSurvive) {
+  std::string text = "timestamp_ns,x_mm,y_mm,z_mm\n";
+  RandomStream random(3, "times");
+  std::vector<std::string> expected;
+  for (int i = 0; i < 40; ++i) {
+    const int ns = 123456789 + 20000001 * i;
+    text += fmt::format("1700000000{:09},{},{},{}\n", ns, random.normal(), random.normal(),
+                        random.normal());
+    expected.push_back(fmt::format("1700000000.{:09}", ns));
+  }
+  put(folder_ / "a.csv", text);
+  ASSERT_EQ(run({path("a.csv"), "-o", path("out")}), 0);
+  const auto times = columns_of(folder_ / "out/a.csv")["time_s"];
+  ASSERT_EQ(times.size(), expected.size());
+  for (std::size_t i = 0; i < times.size(); ++i)
+    EXPECT_EQ(times[i], expected[i].substr(0, expected[i].find_last_not_of('0') + 1));
+  EXPECT_EQ(summary()["tracks"][0]["start_s"], "1700000000.123456789");
+  // Neither does an error of the standard deviation estimated from 40 samples imply correlation.
+  EXPECT_EQ(summary()["noise"]["correlated_scale"], 0.0);
+}
+
+/// Times of flights of a ball that is thrown along -y, found or given with an error of 30 ms.
+TEST_F(SmoothCommand, EstimatesFlights) {
+  const auto motion = synthetic_throw(20.0, 1);
+  put(folder_ / "ball.csv", csv(measure(motion, 60.0, 0.002, 1)));
+  std::string guess = "release_s,landing_s\n";
+  for (const auto& flight : motion.flights)
+    guess += fmt::format("{},{}\n", flight.release_s + 0.03, flight.landing_s - 0.03);
+  put(folder_ / "guess.csv", guess);
+  for (const auto& flights : {std::string("find"), path("guess.csv")}) {
+    ASSERT_EQ(run({"--gravity", "0", "9.81", "0", path("ball.csv"), "--sigma", "0.002", "--flights",
+                   flights, "-o", path("out"), "--overwrite"}),
+              0);
+    auto columns = columns_of(folder_ / "out/ball.flights.csv");
+    const auto release_s = numbers(columns["release_s"]), landing_s = numbers(columns["landing_s"]),
+               sigma_s = numbers(columns["landing_sigma_s"]);
+    ASSERT_EQ(release_s.size(), motion.flights.size());
+    EXPECT_EQ(summary()["tracks"][0]["flights"], motion.flights.size());
+    for (std::size_t i = 0; i < release_s.size(); ++i) {
+      EXPECT_NEAR(release_s[i], motion.flights[i].release_s, 0.03);
+      EXPECT_NEAR(landing_s[i], motion.flights[i].landing_s, 0.02);
+      EXPECT_GT(sigma_s[i], 0.0);
+      EXPECT_LT(sigma_s[i], 0.02);
+    }
+  }
+  ASSERT_EQ(run({path("ball.csv"), "-o", path("out"), "--overwrite"}), 0);
+  EXPECT_FALSE(fs::exists(folder_ / "out/ball.flights.csv"));  // of the previous run
+}
+
+TEST_F(SmoothCommand, NeverOverwritesSilently) {
+  put(folder_ / "a.csv", csv(sine(2.0, 1)));
+  for (const char* name : {"a.csv", "a.flights.csv", "smooth.json"}) {
+    write_file(folder_ / "out" / name, "precious", false);
+    EXPECT_EQ(run({path("a.csv"), "-o", path("out")}), 2);
+    EXPECT_EQ(read_file(folder_ / "out" / name), "precious");
+    fs::remove(folder_ / "out" / name);
+  }
+  EXPECT_EQ(run({path("a.csv"), "-o", folder_.path().string(), "--overwrite"}), 2);  // the input
+  EXPECT_TRUE(read_file(folder_ / "a.csv").starts_with("time_s,x_m,y_m,z_m\n"));
+}
+
+TEST_F(SmoothCommand, ExplainsWrongUsage) {
+  put(folder_ / "a.csv", csv(sine(2.0, 1)));
+  put(folder_ / "few.csv", "0,1,2,3\n1,2,3,4\n");
+  put(folder_ / "flights.csv", "0.5,1.0\n");
+  const auto expect_refused = [&](std::vector<std::string> arguments, int code,
+                                  const std::string& message) {
+    arguments.insert(arguments.end(), {"-o", path("out")});
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(run(arguments), code);
+    const auto error = ::testing::internal::GetCapturedStderr();
+    EXPECT_NE(error.find(message), std::string::npos) << error;
+    EXPECT_NE(error.find("\nhint: "), std::string::npos) << error;
+  };
+  expect_refused({}, 2, "missing TRACK; usage: touchtrace smooth TRACK... [OPTIONS]");
+  expect_refused({path("a.csv"), "--flights", "find"}, 2, "camera frame: --gravity 0 9.81 0");
+  expect_refused({path("a.csv"), "--gravity", "0", "9.81"}, 2, "needs 3 numbers, X Y Z, not 2");
+  expect_refused({path("a.csv"), "--gravity", "0", "y", "0"}, 2, "must be a number, not 'y'");
+  expect_refused({path("a.csv"), "--gravity", "0", "0", "0", "--flights", "find"}, 2, "0 0 0");
+  expect_refused({path("a.csv"), path("few.csv"), "--gravity", "0", "0", "-9.81", "--flights",
+                  path("flights.csv")},
+                 2, "cannot be used with 2 tracks");
+  expect_refused({path("a.csv"), "--gravity", "0", "0", "-9.81", "--flights", "fnd"}, 3,
+                 "cannot read fnd");
+  expect_refused({path("few.csv")}, 3, "cannot be estimated from its 2 samples");
+  expect_refused({path("missing.csv")}, 3, "missing.csv");
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+/// Positions that overflow double precision: that track fails, the other one does not.
+TEST_F(SmoothCommand, ReportsTracksThatFail) {
+  put(folder_ / "good.csv", csv(sine(2.0, 1)));
+  std::string extreme;
+  for (int i = 0; i < 100; ++i) extreme += fmt::format("{},{}e160,0,0\n", i, i % 2 ? 1 : -1);
+  put(folder_ / "extreme.csv", extreme);
+  EXPECT_EQ(run({path("extreme.csv"), path("good.csv"), "--sigma", "0.001", "-o", path("out")}), 3);
+  const auto tracks = summary()["tracks"];
+  EXPECT_EQ(tracks[0]["status"], "not converged");
+  EXPECT_EQ(tracks[1]["status"], "converged");
+  EXPECT_FALSE(fs::exists(folder_ / "out/extreme.csv"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/good.csv"));
+}
+
+}  // namespace
+}  // namespace touchtrace

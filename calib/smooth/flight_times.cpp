@@ -1,6 +1,4 @@
-#include <ceres/autodiff_first_order_function.h>
-#include <ceres/gradient_problem.h>
-#include <ceres/gradient_problem_solver.h>
+#include "calib/smooth/flight_times.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +8,7 @@
 #include <utility>
 
 #include "calib/smooth/likelihood.h"
-#include "calib/smooth/scaled_track.h"
+#include "calib/smooth/minimize.h"
 
 namespace touchtrace {
 namespace {
@@ -19,13 +17,14 @@ constexpr double grid_step_s = 0.02, margin_s = 0.35, min_flight_s = 0.04;
 constexpr int grid_half = 3;
 constexpr std::size_t min_points_per_flight = 3;  // in a flight and its margins
 constexpr double scan_step_s = 0.001, min_sigma_s = 1e-4;
-constexpr int scan_half = 30;
+constexpr int scan_half = 30, max_iterations = 20;
+constexpr double numeric_step_s = 1e-4;
 /// Grid spacing of EventTimeDistribution in standard deviations: for a normal distribution the
-/// trapezoid rule is exact to 1e-15, and times beyond 4.5 are negligible.
+/// trapezoid rule is exact to 1e-15; times beyond 3 have a probability of 0.3 %.
 constexpr double spacing_sigmas = 0.75;
 
-/// Part of a track around one flight, without jerk covariances: they were estimated with the
-/// current event times and would confirm them.
+/// Part of a track around one flight, without its process noise curve: it was estimated with
+/// the current event times and would confirm them.
 WeightedTrack window_around(const WeightedTrack& track, const Flight& flight) {
   WeightedTrack window;
   for (std::size_t i = 0; i < track.points.size(); ++i) {
@@ -45,60 +44,50 @@ class FlightCost {
  public:
   FlightCost(const WeightedTrack& window, const MotionUnits& units, const Flight& flight,
              const std::vector<Flight>& before, const std::vector<Flight>& after,
-             const MotionNoise<double>& noise, const SmoothOptions& options)
-      : units_(units),
-        track_(window, units_),
-        origin_s_(window.points.front().time_s),
-        noise_(units_.scaled(noise)),
-        gravity_(options.gravity_m_per_s2 / units_.acceleration()),
-        initial_(scaled(options.initial, units_)),
-        before_(contact_events(before, origin_s_, units_.time_s)),
-        after_(contact_events(after, origin_s_, units_.time_s)),
+             const MotionNoise& noise, const SmoothOptions& options)
+      : track_(window, units),
+        noise_(units.scaled(noise)),
+        gravity_(options.gravity_m_per_s2 / units.acceleration()),
+        before_(contact_events(before, track_.origin_s, units.time_s)),
+        after_(contact_events(after, track_.origin_s, units.time_s)),
         begins_with_hit_(!before.empty() && flight.release_s <= before.back().landing_s),
         ends_with_hit_(!after.empty() && after.front().release_s <= flight.landing_s) {}
 
   bool is_release_free() const { return !begins_with_hit_; }
 
-  /// Returns false if the times are out of order.
-  template <class T>
-  bool operator()(const T* times, T* cost) const {
-    const T release = begins_with_hit_ ? T(before_.back().time) : times[0], &landing = times[1];
+  /// Infinite if the times are out of order.
+  double operator()(const double* times) const {
+    const double release = begins_with_hit_ ? before_.back().time : times[0], landing = times[1];
     const auto next = static_cast<std::size_t>(ends_with_hit_);
-    if (landing < release + T(min_flight_s / units_.time_s) ||
-        (!before_.empty() && release < T(before_.back().time)) ||
-        (next < after_.size() && T(after_[next].time) < landing))
-      return false;
-    *cost = with_events<T>({{release, true}, {landing, false}}, landing);
-    return true;
+    if (landing < release + min_flight_s / track_.units.time_s ||
+        (!before_.empty() && release < before_.back().time) ||
+        (next < after_.size() && after_[next].time < landing))
+      return std::numeric_limits<double>::infinity();
+    return with_events({{release, true}, {landing, false}}, landing);
   }
 
-  double without_flight() const { return with_events<double>({}, after_time()); }
+  double without_flight() const {
+    return with_events({}, after_.empty() ? 0.0 : after_.front().time);
+  }
   /// Penalty of a flight in the Bayesian information criterion.
-  double penalty() const { return std::log(3.0 * static_cast<double>(track_.size())); }
-  double scaled_time(double time_s) const { return (time_s - origin_s_) / units_.time_s; }
-  double time_s(double scaled) const { return origin_s_ + scaled * units_.time_s; }
+  double penalty() const { return std::log(3.0 * static_cast<double>(track_.points.size())); }
+  double scaled_time(double time_s) const { return track_.to_scaled_time(time_s); }
+  double time_s(double scaled) const { return track_.origin_s + scaled * track_.units.time_s; }
 
  private:
-  double after_time() const { return after_.empty() ? 0.0 : after_.front().time; }
-
-  template <class T>
-  T with_events(const std::vector<ContactEvent<T>>& own, const T& next_hit) const {
-    std::vector<ContactEvent<T>> events;
-    for (const auto& event : before_) events.push_back({T(event.time), event.is_release});
-    events.insert(events.end(), own.begin(), own.end());
-    for (const auto& event : after_) events.push_back({T(event.time), event.is_release});
-    if (ends_with_hit_) events[before_.size() + own.size()].time = next_hit;
-    return negative_log_likelihood(track_, MotionPrior<T>(noise_.cast<T>(), std::move(events)),
-                                   gravity_, initial_);
+  double with_events(const std::vector<ContactEvent>& own, double next_hit) const {
+    ScaledTrack track = track_;
+    track.events = before_;
+    track.events.insert(track.events.end(), own.begin(), own.end());
+    track.events.insert(track.events.end(), after_.begin(), after_.end());
+    if (ends_with_hit_) track.events[before_.size() + own.size()].time = next_hit;
+    return negative_log_likelihood(track, noise_, gravity_);
   }
 
-  MotionUnits units_;
   ScaledTrack track_;
-  double origin_s_;
-  MotionNoise<double> noise_;
+  MotionNoise noise_;
   Eigen::Vector3d gravity_;
-  InitialMotion initial_;
-  std::vector<ContactEvent<double>> before_, after_;
+  std::vector<ContactEvent> before_, after_;
   bool begins_with_hit_, ends_with_hit_;
 };
 
@@ -111,8 +100,8 @@ double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
     for (int j = -grid_half; j <= grid_half; ++j) {
       const double at[] = {cost.scaled_time(guess.release_s + i * grid_step_s),
                            cost.scaled_time(guess.landing_s + j * grid_step_s)};
-      double value;
-      if (cost(at, &value) && value < lowest) lowest = value, times[0] = at[0], times[1] = at[1];
+      const double value = cost(at);
+      if (value < lowest) lowest = value, times[0] = at[0], times[1] = at[1];
     }
   return lowest;
 }
@@ -130,7 +119,7 @@ void scan(const FlightCost& cost, const double* times, int event, double center_
     time_s[i] = center_s + (static_cast<double>(i) - static_cast<double>(count / 2)) * step_s;
     double at[] = {times[0], times[1]};
     at[event] = cost.scaled_time(time_s[i]);
-    if (!cost(at, &probability[i])) probability[i] = std::numeric_limits<double>::infinity();
+    probability[i] = cost(at);
   }
   const double lowest = *std::ranges::min_element(probability);
   for (double& p : probability) p = std::exp(lowest - p);
@@ -176,35 +165,28 @@ EventTimeDistribution event_distribution(const FlightCost& cost, const double* t
 /// it is implausible and to be dropped.
 std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& units,
                              const Flight& guess, const std::vector<Flight>& before,
-                             const std::vector<Flight>& after, const MotionNoise<double>& noise,
+                             const std::vector<Flight>& after, const MotionNoise& noise,
                              const SmoothOptions& options, ImplausibleFlights implausible) {
   const auto window = window_around(track, guess);
   if (window.points.size() < min_points_per_flight) return std::nullopt;
-  auto* cost = new FlightCost(window, units, guess, before, after, noise, options);
-  const ceres::GradientProblem problem(new ceres::AutoDiffFirstOrderFunction<FlightCost, 2>(cost));
-  double times[2] = {0.0, 0.0};
+  const FlightCost cost(window, units, guess, before, after, noise, options);
+  std::vector<double> times(2);
   const double max_cost = implausible == ImplausibleFlights::keep
                               ? std::numeric_limits<double>::infinity()
-                              : cost->without_flight() - cost->penalty();
-  if (!(search_grid(*cost, guess, times) < max_cost)) return std::nullopt;
-
-  ceres::GradientProblemSolver::Options solver;
-  solver.logging_type = ceres::SILENT;
-  solver.line_search_direction_type = ceres::BFGS;
-  solver.max_num_iterations = 20;
-  ceres::GradientProblemSolver::Summary summary;
-  double refined[2] = {times[0], times[1]};
-  ceres::Solve(solver, problem, refined, &summary);
-  if (summary.IsSolutionUsable()) std::copy_n(refined, 2, times);
-  const Flight flight{cost->is_release_free() ? cost->time_s(times[0]) : before.back().landing_s,
-                      cost->time_s(times[1])};
+                              : cost.without_flight() - cost.penalty();
+  if (!(search_grid(cost, guess, times.data()) < max_cost)) return std::nullopt;
+  minimize(with_numeric_gradient([&](const double* at) { return cost(at); }, 2,
+                                 numeric_step_s / units.time_s, 1),
+           times, max_iterations);
+  const Flight flight{cost.is_release_free() ? cost.time_s(times[0]) : before.back().landing_s,
+                      cost.time_s(times[1])};
   if (window_around(track, flight).points.size() < min_points_per_flight) return std::nullopt;
   return flight;
 }
 
 }  // namespace
 
-std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoise<double>& noise,
+std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoise& noise,
                                      const SmoothOptions& options, ImplausibleFlights implausible) {
   const auto units = MotionUnits::of({track.points});
   std::vector<Flight> found;
@@ -221,7 +203,7 @@ std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoi
   return found;
 }
 
-void estimate_event_distributions(WeightedTrack& track, const MotionNoise<double>& noise,
+void estimate_event_distributions(WeightedTrack& track, const MotionNoise& noise,
                                   const SmoothOptions& options) {
   const auto units = MotionUnits::of({track.points});
   auto& flights = track.flights;

@@ -12,9 +12,9 @@ constexpr int max_passes = 100;
 
 }  // namespace
 
-Trajectory smooth_once(const WeightedTrack& track, const MotionNoise<double>& noise,
+Trajectory smooth_once(const WeightedTrack& track, const MotionNoise& noise,
                        const SmoothOptions& options) {
-  return {track, noise, options.gravity_m_per_s2, options.initial};
+  return {track, noise, options.gravity_m_per_s2};
 }
 
 double cauchy_loss(double squared_residual) {
@@ -36,7 +36,7 @@ double reweight(WeightedTrack& track, const Trajectory& trajectory) {
   return max_change;
 }
 
-bool estimate_weights(WeightedTrack& track, const MotionNoise<double>& noise,
+bool estimate_weights(WeightedTrack& track, const MotionNoise& noise,
                       const SmoothOptions& options) {
   for (int i = 0; i < max_passes; ++i)
     if (reweight(track, smooth_once(track, noise, options)) < weight_tolerance) return true;

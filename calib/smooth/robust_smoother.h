@@ -8,8 +8,9 @@ namespace touchtrace {
 /// r. Dividing variances by it makes their mean, weights included, that of the measurements.
 constexpr double robust_variance_ratio = 0.923;
 
-/// Linear filter and smoother pass with the track's current weights, flights and jerk covariances.
-Trajectory smooth_once(const WeightedTrack& track, const MotionNoise<double>& noise,
+/// Linear filter and smoother pass with the track's current weights, flights and process noise
+/// curve.
+Trajectory smooth_once(const WeightedTrack& track, const MotionNoise& noise,
                        const SmoothOptions& options);
 
 /// Cauchy loss c^2 log(1 + r^2 / c^2) of a squared whitened residual r^2, with c = 4.
@@ -21,7 +22,6 @@ double reweight(WeightedTrack& track, const Trajectory& trajectory);
 
 /// Minimises the robust loss by iteratively reweighted least squares. Returns whether the weights
 /// converged to 1e-4.
-bool estimate_weights(WeightedTrack& track, const MotionNoise<double>& noise,
-                      const SmoothOptions& options);
+bool estimate_weights(WeightedTrack& track, const MotionNoise& noise, const SmoothOptions& options);
 
 }  // namespace touchtrace

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <vector>
 
 #include "calib/smooth/smoothed_track.h"
@@ -9,10 +8,7 @@ namespace touchtrace {
 
 struct SmoothOptions {
   Eigen::Vector3d gravity_m_per_s2{0.0, 9.81, 0.0};  ///< in the tracks' frame
-  /// Prior at the first sample.
-  InitialMotion initial{std::numeric_limits<double>::infinity(),
-                        std::numeric_limits<double>::infinity()};
-  MotionNoise<double> noise;        ///< initial guess; used as it is unless estimate_noise
+  MotionNoise noise;                ///< initial guess; used as it is unless estimate_noise
   double release_duration_s = 0.0;  ///< from loosening the grip to free flight
   bool estimate_noise = true;
   bool robust = true;   ///< Cauchy loss of the whitened residual, scale 4; else squared
@@ -20,8 +16,8 @@ struct SmoothOptions {
 };
 
 struct SmoothedTracks {
-  MotionNoise<double> noise;         ///< of the smoother
-  MotionNoise<double> causal_noise;  ///< of the causal filter, which ignores flights
+  MotionNoise noise;         ///< of the smoother
+  MotionNoise causal_noise;  ///< of the causal filter, which ignores flights
   std::vector<SmoothedTrack> tracks;
 };
 
@@ -30,14 +26,12 @@ struct SmoothedTracks {
 /// `flights`: per track, release and landing times correct to +-60 ms, or empty: no track has any.
 /// Throws usage_error if `flights` is neither empty nor as long as `tracks`.
 ///
-/// Model: white-noise jerk in contact; gravity and linear drag in flight. Given event times and
-/// noise: Kalman filter and Rauch-Tung-Striebel smoother, O(n), iteratively reweighted for the
-/// robust loss. Event times and noise maximise the likelihood of the innovations (Ceres). Flights
-/// that the Bayesian information criterion rejects are dropped. With estimate_noise and 6 samples
-/// or more, all tracks share one maximum-likelihood noise, extended by
-///  - time-varying process noise, if it predicts held-out samples better;
-///  - correlated errors, if white ones leave 25 % of the stated variance unexplained;
-///  - smoothed covariances scaled by the mean square of studentised residuals (VarianceFactors).
+/// Model: in contact the velocity is a Matern process whose variance varies with time; in flight
+/// there is gravity and linear drag, and the measured point wanders about the body. Given event
+/// times and noise: Kalman filter and Rauch-Tung-Striebel smoother, O(n), iteratively reweighted
+/// for the robust loss. Event times and noise maximise the likelihood of the innovations (Ceres).
+/// Flights that the Bayesian information criterion rejects are dropped. With estimate_noise and 6
+/// samples or more, all tracks share one maximum-likelihood noise.
 /// Bad data do not throw: query states only if SmoothedTrack::status is `converged`.
 SmoothedTracks smooth(const std::vector<Track>& tracks,
                       const std::vector<std::vector<Flight>>& flights,

@@ -45,6 +45,8 @@ const char* name_of(SmoothStatus status) {
       return "times out of order";
     case SmoothStatus::not_converged:
       return "not converged";
+    case SmoothStatus::inconsistent:
+      return "most measurements are over three standard deviations from the smoothed motion";
   }
   return "unknown";
 }
@@ -69,9 +71,7 @@ MotionState SmoothedTrack::average_over_event_times(double time_s) const {
 }
 
 MotionState SmoothedTrack::smoothed(double time_s) const {
-  auto state = average_over_event_times(time_s);
-  state.covariance *= factors.at(flights, time_s);
-  return state;
+  return average_over_event_times(time_s);
 }
 
 }  // namespace touchtrace

@@ -3,12 +3,18 @@
 #include <vector>
 
 #include "calib/smooth/trajectory.h"
-#include "calib/smooth/variance_factors.h"
 
 namespace touchtrace {
 
 /// Outcome of smoothing a track. Only `converged` comes with states.
-enum class SmoothStatus { converged, no_samples, not_finite, unordered_times, not_converged };
+enum class SmoothStatus {
+  converged,
+  no_samples,
+  not_finite,
+  unordered_times,
+  not_converged,
+  inconsistent
+};
 
 /// Description for messages, such as "no samples".
 const char* name_of(SmoothStatus status);
@@ -21,8 +27,7 @@ struct SmoothedTrack {
   std::vector<Flight> flights;           ///< with estimated times, without the rejected ones
   std::vector<double> weights;           ///< [points] of the robust loss; 1: inlier
   std::vector<Trajectory> trajectories;  ///< [EventTimeDistribution::count]; one without flights
-  VarianceFactors factors;  ///< of smoothed covariances, shared by the tracks of one smooth() call
-  Trajectory filter;        ///< causal: without flights and weights, which depend on later samples
+  Trajectory filter;  ///< causal: without flights, weights and curve, which depend on later samples
 
   /// Estimate from all measurements. Outside their time span the prior extrapolates. Needs
   /// `converged`.

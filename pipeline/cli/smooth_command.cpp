@@ -81,23 +81,13 @@ std::vector<std::vector<Flight>> guess_flights(const SmoothCommandOptions& o,
   return flights;
 }
 
-SmoothedTracks run_smoother(const SmoothCommandOptions& o, const std::vector<SmoothInput>& inputs) {
+SmoothedTracks smooth_inputs(const SmoothCommandOptions& o,
+                             const std::vector<SmoothInput>& inputs) {
   SmoothOptions options;
   if (o.has_flights()) options.gravity_m_per_s2 = o.gravity();
   std::vector<Track> tracks;
   for (const auto& input : inputs) tracks.push_back(input.track.track);
   return smooth(tracks, guess_flights(o, inputs), options);
-}
-
-/// The smoother infers correlated errors from the stated variance that white errors leave. An
-/// estimated standard deviation that is too large would look the same, so it is corrected first.
-SmoothedTracks smooth_inputs(const SmoothCommandOptions& o, std::vector<SmoothInput>& inputs) {
-  auto smoothed = run_smoother(o, inputs);
-  const auto& noise = smoothed.noise;
-  if (noise.correlated_scale > 0.0 && noise.measurement_scale > 0.0 &&
-      scale_estimated_sigmas(inputs, noise.measurement_scale))
-    smoothed = run_smoother(o, inputs);
-  return smoothed;
 }
 
 /// Writes the files of a track; removes those of an earlier run that it does not have any more.

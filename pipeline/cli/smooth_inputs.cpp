@@ -40,14 +40,4 @@ std::vector<SmoothInput> read_smooth_inputs(const std::vector<std::string>& path
   return inputs;
 }
 
-bool scale_estimated_sigmas(std::vector<SmoothInput>& inputs, double scale) {
-  bool has_any = false;
-  for (auto& input : inputs) {
-    if (input.sigma_source != "data") continue;
-    has_any = true;
-    for (auto& point : input.track.track) point.sigma_m *= scale;
-  }
-  return has_any;
-}
-
 }  // namespace touchtrace::cli

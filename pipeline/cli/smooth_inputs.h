@@ -21,7 +21,4 @@ std::vector<SmoothInput> read_smooth_inputs(const std::vector<std::string>& path
                                             const std::vector<SmoothedFiles>& files,
                                             double sigma_m);
 
-/// Multiplies standard deviations that were estimated from the data. Returns whether there are any.
-bool scale_estimated_sigmas(std::vector<SmoothInput>& inputs, double scale);
-
 }  // namespace touchtrace::cli

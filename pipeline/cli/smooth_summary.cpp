@@ -53,14 +53,14 @@ json summary_of(const SmoothInput& input, const SmoothedTrack& smoothed) {
   return summary;
 }
 
-json noise_of(const MotionNoise<double>& noise) {
+json noise_of(const MotionNoise& noise) {
   return {{"jerk_density_m2_per_s5", noise.jerk_density},
+          {"bandwidth_rad_per_s", noise.bandwidth_rad_per_s},
           {"measurement_scale", noise.measurement_scale},
-          {"correlated_scale", noise.correlated_scale},
-          {"correlation_time_s", noise.correlation_time_s},
           {"flight_drag_per_s", noise.flight_drag_per_s},
-          {"oscillator_rad_per_s", noise.oscillator_rad_per_s},
-          {"oscillator_damping", noise.oscillator_damping}};
+          {"landing_velocity_fraction", noise.landing_velocity_fraction},
+          {"landing_velocity_sigma_m_per_s", noise.landing_velocity_sigma_m_per_s},
+          {"wander_sigma_m", noise.wander_sigma_m}};
 }
 
 std::string sigma_text(const json& track) {
@@ -113,11 +113,9 @@ void print_smooth_summary(const json& summary) {
              "seconds", "residual", "flights", "output");
   for (const auto& track : summary["tracks"]) print_track(track, width);
   const auto& noise = summary["noise"];
-  fmt::print(
-      "residual: RMS over sigma; noise: white errors {:.2f} sigma, correlated errors {:.2f} sigma, "
-      "jerk density {:.3g} m^2/s^5\n",
-      noise["measurement_scale"].get<double>(), noise["correlated_scale"].get<double>(),
-      noise["jerk_density_m2_per_s5"].get<double>());
+  fmt::print("residual: RMS over sigma; noise: errors {:.2f} sigma, jerk density {:.3g} m^2/s^5\n",
+             noise["measurement_scale"].get<double>(),
+             noise["jerk_density_m2_per_s5"].get<double>());
 }
 
 }  // namespace touchtrace::cli

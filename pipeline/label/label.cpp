@@ -132,7 +132,7 @@ nlohmann::json clock_summary(const ClockFit& clock) {
 nlohmann::json noise_summary(const SmoothedTracks& smoothed) {
   return {{"jerk_density_m2_per_s5", smoothed.noise.jerk_density},
           {"measurement_scale", smoothed.noise.measurement_scale},
-          {"correlated_scale", smoothed.noise.correlated_scale}};
+          {"bandwidth_rad_per_s", smoothed.noise.bandwidth_rad_per_s}};
 }
 
 nlohmann::json flights_summary(const SmoothedTracks& smoothed) {

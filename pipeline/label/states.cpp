@@ -10,9 +10,6 @@
 namespace touchtrace::label {
 namespace {
 
-/// Prior standard deviations of velocity [m/s] and acceleration [m/s^2] at the first sample: a
-/// person's motion. Causal states need it.
-constexpr InitialMotion initial_motion{1.5, 15.0};
 /// Time in which fingers let go of an object.
 constexpr double hand_opens_s = 0.02;
 /// Systematic error of the hand's centre: its visible part changes slowly.
@@ -49,8 +46,7 @@ std::uint8_t quality(double time_s, const std::vector<double>& frame_time_s,
 /// Variances of errors that neighbouring measurements share, which a smoother cannot reduce: the
 /// unexplained part of the nearest measurement's variance (an object's visible part changes
 /// slowly), the shape model's centre, and the position of an object that the hand hides.
-Variances object_systematic(double time_s, const ClipTrack& track,
-                            const MotionNoise<double>& noise) {
+Variances object_systematic(double time_s, const ClipTrack& track, const MotionNoise& noise) {
   const Observation* nearest = nullptr;
   double nearest_s = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < track.time_s.size(); ++i) {
@@ -128,7 +124,6 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
   }
   SmoothOptions hand_options;
   hand_options.gravity_m_per_s2 = gravity_m_per_s2;
-  hand_options.initial = initial_motion;
   hand_options.num_threads = num_threads;
   SmoothOptions object_options = hand_options;
   if (bounces)

@@ -19,7 +19,7 @@ class TargetFilter {
   double gate_m() const;
 
  private:
-  std::array<AxisState<double>, 3> axes_;
+  std::array<AxisState<2>, 3> axes_;
 };
 
 }  // namespace touchtrace::label

@@ -2,65 +2,57 @@
 
 #include <cmath>
 
+#include "calib/smooth/likelihood.h"
 #include "calib/smooth/smooth.h"
+#include "engine/base/random.h"
 #include "tests/verify/calib/synthetic_track.h"
 
 namespace touchtrace {
 namespace {
-
-MotionNoise<double> oscillator(double rad_per_s, double damping) {
-  MotionNoise<double> noise;
-  noise.jerk_density = 100.0;
-  noise.oscillator_rad_per_s = rad_per_s;
-  noise.oscillator_damping = damping;
-  return noise;
-}
 
 /// Largest difference of a and b over the largest element of b.
 double difference(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
 }
 
-TEST(DampedOscillator, IsWhiteJerkAtZeroFrequency) {
+TEST(ContactStep, IsWhiteJerkWithoutBandwidth) {
   for (double h : {1e-3, 0.05, 1.0}) {
-    const auto slow = damped_oscillator(h, oscillator(1e-9, 0.5)), free = white_jerk(h, 100.0);
-    EXPECT_LT(difference(slow.F, free.F), 1e-8) << h;
-    EXPECT_LT(difference(slow.Q, free.Q), 1e-8) << h;
+    const auto step = contact_step(h, 100.0, 0.0);
+    Eigen::Matrix3d F, Q;
+    F << 1.0, h, h * h / 2.0, 0.0, 1.0, h, 0.0, 0.0, 1.0;
+    Q << std::pow(h, 5) / 20.0, std::pow(h, 4) / 8.0, std::pow(h, 3) / 6.0,  //
+        std::pow(h, 4) / 8.0, std::pow(h, 3) / 3.0, h * h / 2.0,             //
+        std::pow(h, 3) / 6.0, h * h / 2.0, h;
+    EXPECT_LT(difference(step.F, F), 1e-14) << h;
+    EXPECT_LT(difference(step.Q, 100.0 * Q), 1e-14) << h;
   }
 }
 
-TEST(DampedOscillator, ManyShortStepsEqualOneLongStep) {
-  for (double damping : {0.1, 0.7, 3.0})
+TEST(ContactStep, ManyShortStepsEqualOneLongStep) {
+  for (double bandwidth : {0.1, 12.0, 100.0})
     for (double h : {0.05, 0.5, 5.0}) {
-      const auto noise = oscillator(12.0, damping);
-      Transition<double> composed;
-      for (int i = 0; i < 1000; ++i) composed = composed.then(damped_oscillator(h / 1000, noise));
-      const auto single = damped_oscillator(h, noise);
-      EXPECT_LT(difference(single.F, composed.F), 1e-10) << damping << " " << h;
-      EXPECT_LT(difference(single.Q, composed.Q), 1e-10) << damping << " " << h;
+      Transition<motion_size> composed;
+      for (int i = 0; i < 1000; ++i)
+        composed = composed.then(contact_step(h / 1000, 100.0, bandwidth));
+      const auto single = contact_step(h, 100.0, bandwidth);
+      EXPECT_LT(difference(single.F, composed.F), 1e-10) << bandwidth << " " << h;
+      EXPECT_LT(difference(single.Q, composed.Q), 1e-10) << bandwidth << " " << h;
     }
 }
 
-TEST(DampedOscillator, MatchesTheClosedForm) {
-  const double w = 12.0, z = 0.3, h = 0.4, d = w * std::sqrt(1.0 - z * z);
-  const auto step = damped_oscillator(h, oscillator(w, z));
-  // v'' = -w^2 v - 2 z w v' from v = 1, v' = 0
-  const double expected = std::exp(-z * w * h) * (std::cos(d * h) + z * w / d * std::sin(d * h));
-  EXPECT_NEAR(step.F(1, 1), expected, 1e-12);
-}
-
-/// Velocity is stationary: after many periods its variance is q / (4 z w^3).
-TEST(DampedOscillator, ConvergesToTheStationaryVariance) {
-  const auto step = damped_oscillator(100.0, oscillator(12.0, 0.5));
+/// After a long time the variances are q / (4 b^3) and q / (4 b).
+TEST(ContactStep, ConvergesToTheStationaryVariances) {
+  const auto step = contact_step(100.0, 100.0, 12.0);
   EXPECT_NEAR(step.F(1, 1), 0.0, 1e-12);
-  EXPECT_NEAR(step.Q(1, 1) / (100.0 / (4.0 * 0.5 * std::pow(12.0, 3))), 1.0, 1e-9);
+  EXPECT_NEAR(step.Q(1, 1) / (100.0 / (4.0 * std::pow(12.0, 3))), 1.0, 1e-9);
+  EXPECT_NEAR(step.Q(2, 2) / (100.0 / (4.0 * 12.0)), 1.0, 1e-9);
 }
 
 /// v' = g - c v from v = 0 after a release, in one and in many steps.
 TEST(FreeFlight, MatchesTheClosedFormWithDrag) {
-  MotionNoise<double> noise;
+  MotionNoise noise;
   noise.flight_drag_per_s = 0.3;
-  const MotionPrior<double> prior(noise, {{0.0, true}});
+  const MotionPrior<StateModel::with_flights> prior(noise, {{0.0, true}});
   const double g = 9.81, c = noise.flight_drag_per_s, h = 0.5;
   for (int steps : {1, 50}) {
     auto fall = prior.between(-1e-9, 0.0);
@@ -71,23 +63,69 @@ TEST(FreeFlight, MatchesTheClosedFormWithDrag) {
   }
 }
 
-double causal_velocity_rms(const SyntheticMotion& motion, const SmoothedTrack& smoothed) {
+/// The wander keeps its variance, whatever happens to the body.
+TEST(Wander, IsStationary) {
+  MotionNoise noise;
+  noise.wander_sigma_m = 0.01;
+  const MotionPrior<StateModel::with_flights> prior(noise, {{0.2, true}, {0.6, false}}, 0.2);
+  Eigen::Matrix2d covariance = prior.initial(1.0).Q_fixed.bottomRightCorner<2, 2>();
+  for (double t = 0.0; t < 1.0; t += 0.05) {
+    const auto step = prior.between(t, t + 0.05);
+    const Eigen::Matrix2d F = step.F.bottomRightCorner<2, 2>();
+    covariance = (F * covariance * F.transpose() + step.Q_fixed.bottomRightCorner<2, 2>()).eval();
+    EXPECT_LT((covariance - 1e-4 * Eigen::Matrix2d::Identity()).norm(), 1e-16) << t;
+  }
+}
+
+/// Derivatives with respect to the process noise of single steps, against central differences.
+TEST(LikelihoodGradient, MatchesDifferences) {
+  for (const bool with_flights : {false, true}) {
+    const auto motion = synthetic_throw(6.0, 1);
+    const auto points = measure(motion, 20.0, 0.002, 1);
+    RandomStream random(1, "curve");
+    WeightedTrack track{points, std::vector<double>(points.size(), 1.0), {}};
+    track.weights[7] = 0.2;
+    if (with_flights) track.flights = motion.flights;
+    track.curve = {0.0, 0.25, std::vector<double>(26)};
+    for (double& value : track.curve.log_variance) value = random.normal();
+    const auto units = MotionUnits::of({points});
+    const auto noise = units.scaled({});
+    const Eigen::Vector3d gravity(0.0, 9.81 / units.acceleration(), 0.0);
+    ScaledTrack scaled(track, units);
+    const auto gradient = likelihood_gradient(scaled, noise, gravity);
+    EXPECT_NEAR(gradient.cost, negative_log_likelihood(scaled, noise, gravity), 1e-9);
+    for (std::size_t i = 1; i < points.size(); i += 7) {
+      constexpr double step = 1e-4;
+      double difference = 0.0;
+      for (const double sign : {1.0, -1.0}) {
+        auto moved = scaled;
+        moved.points[i].log_noise += sign * step;
+        difference += sign * negative_log_likelihood(moved, noise, gravity) / (2.0 * step);
+      }
+      EXPECT_NEAR(gradient.by_log_noise[i], difference, 1e-5 * (1.0 + std::abs(difference))) << i;
+    }
+  }
+}
+
+double velocity_rms(const SyntheticMotion& motion, const SmoothedTrack& smoothed) {
   double sum = 0.0, count = 0.0;
-  for (double t = 1.0; t < 19.0; t += 0.0667, ++count)
-    sum += (smoothed.causal(t).velocity_m_per_s - motion.velocity_at(t)).squaredNorm();
+  for (double t = 1.0; t < 39.0; t += 0.0667, ++count)
+    sum += (smoothed.smoothed(t).velocity_m_per_s - motion.velocity_at(t)).squaredNorm();
   return std::sqrt(sum / count);
 }
 
-TEST(DampedOscillator, ImprovesCausalVelocities) {
+/// Rest and motion in turns: a constant process noise fits neither.
+TEST(ProcessNoiseCurve, ImprovesVelocitiesOfMotionsWithRests) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const auto motion = synthetic_wave(20.0, seed);
+    auto motion = synthetic_wave(40.0, seed);
+    for (std::size_t i = 0; i < motion.position_m.size(); ++i)
+      if (i / 5000 % 2 == 0) motion.position_m[i].setZero(), motion.velocity_m_per_s[i].setZero();
     const auto track = measure(motion, 20.0, 0.002, seed);
     const auto found = smooth(std::vector<Track>{track}, {}, {});
-    SmoothOptions white_jerk;
-    white_jerk.noise = found.noise;
-    white_jerk.estimate_noise = false;
-    EXPECT_LT(causal_velocity_rms(motion, found.tracks.front()),
-              0.8 * causal_velocity_rms(motion, smooth(track, white_jerk)))
+    SmoothOptions constant;
+    constant.noise = found.noise, constant.estimate_noise = false;
+    EXPECT_LT(velocity_rms(motion, found.tracks.front()),
+              0.95 * velocity_rms(motion, smooth(track, constant)))
         << seed;
   }
 }

@@ -17,7 +17,7 @@ struct PriorMotion {
 
 PriorMotion draw_motion(int frames, double jerk_density, double sigma_m, std::uint64_t seed) {
   RandomStream random(seed, "prior");
-  const auto step = white_jerk(0.05, jerk_density);
+  const auto step = contact_step(0.05, jerk_density, 0.0);
   const Eigen::Matrix3d root = step.Q.llt().matrixL();
   Eigen::Matrix3d state = Eigen::Matrix3d::Zero(), noise;
   PriorMotion motion;
@@ -34,7 +34,7 @@ PriorMotion draw_motion(int frames, double jerk_density, double sigma_m, std::ui
 
 /// Estimated noise and calibration of the velocities' covariances.
 struct Calibration {
-  MotionNoise<double> noise;
+  MotionNoise noise;
   double coverage = 0.0;  ///< fraction of velocities inside their 80 % intervals
   double nees = 0.0;      ///< normalised estimation error squared per axis; 1 if calibrated
 };

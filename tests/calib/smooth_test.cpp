@@ -11,10 +11,12 @@
 namespace touchtrace {
 namespace {
 
+/// White jerk.
 SmoothOptions fixed_noise(double jerk_density) {
   SmoothOptions options;
   options.estimate_noise = false;
   options.noise.jerk_density = jerk_density;
+  options.noise.bandwidth_rad_per_s = 0.0;
   return options;
 }
 
@@ -74,7 +76,7 @@ std::vector<Eigen::Vector3d> solve_with_ceres(const Track& track, double jerk_de
         new ceres::AutoDiffCostFunction<PositionCost, 3, 9>(new PositionCost{track[i]}),
         new ceres::CauchyLoss(4.0), knots[i].data());
     if (i == 0) continue;
-    const auto step = white_jerk(track[i].time_s - track[i - 1].time_s, jerk_density);
+    const auto step = contact_step(track[i].time_s - track[i - 1].time_s, jerk_density, 0.0);
     const Eigen::Matrix3d root = step.Q.inverse().llt().matrixU();
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<JerkCost, 9, 9, 9>(new JerkCost{root, step.F}), nullptr,

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "calib/smooth/scaled_track.h"
+#include "calib/smooth/likelihood.h"
 
 namespace touchtrace {
 namespace {
@@ -18,26 +18,22 @@ Track without_errors(const SyntheticMotion& motion, Track track) {
 /// so its curvature is the Fisher information.
 class ExpectedCost {
  public:
-  ExpectedCost(const Track& track, const MotionNoise<double>& noise, const SmoothOptions& options)
-      : units_(MotionUnits::of({track})),
-        track_({track, std::vector<double>(track.size(), 1.0), {}}, units_),
-        origin_s_(track.front().time_s),
+  ExpectedCost(const Track& track, const MotionNoise& noise, const SmoothOptions& options)
+      : track_{track, std::vector<double>(track.size(), 1.0), {}},
+        units_(MotionUnits::of({track})),
         noise_(units_.scaled(noise)),
-        gravity_(options.gravity_m_per_s2 / units_.acceleration()),
-        initial_(scaled(options.initial, units_)) {}
+        gravity_(options.gravity_m_per_s2 / units_.acceleration()) {}
 
-  double operator()(const std::vector<Flight>& flights) const {
-    const MotionPrior<double> prior(noise_, contact_events(flights, origin_s_, units_.time_s));
-    return negative_log_likelihood(track_, prior, gravity_, initial_);
+  double operator()(const std::vector<Flight>& flights) {
+    track_.flights = flights;
+    return negative_log_likelihood(ScaledTrack(track_, units_), noise_, gravity_);
   }
 
  private:
+  WeightedTrack track_;
   MotionUnits units_;
-  ScaledTrack track_;
-  double origin_s_;
-  MotionNoise<double> noise_;
+  MotionNoise noise_;
   Eigen::Vector3d gravity_;
-  InitialMotion initial_;
 };
 
 /// A hit is the end of one flight and the beginning of the next: both move.
@@ -53,9 +49,8 @@ std::vector<Flight> with_landing_moved(std::vector<Flight> flights, std::size_t 
 }  // namespace
 
 std::vector<double> landing_sigma_bounds_s(const SyntheticMotion& motion, const Track& track,
-                                           const MotionNoise<double>& noise,
-                                           const SmoothOptions& options) {
-  const ExpectedCost cost(without_errors(motion, track), noise, options);
+                                           const MotionNoise& noise, const SmoothOptions& options) {
+  ExpectedCost cost(without_errors(motion, track), noise, options);
   const double center = cost(motion.flights);
   std::vector<double> result;
   for (std::size_t i = 0; i < motion.flights.size(); ++i) {

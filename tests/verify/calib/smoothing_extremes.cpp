@@ -16,7 +16,7 @@ Track wave() { return measure(synthetic_wave(track_s, 1), 1.0 / frame_s, 0.002, 
 SmoothOptions linear(double jerk_density) {
   SmoothOptions options;
   options.estimate_noise = options.robust = false;
-  options.noise.jerk_density = jerk_density;
+  options.noise.jerk_density = jerk_density, options.noise.bandwidth_rad_per_s = 0.0;
   return options;
 }
 

@@ -90,7 +90,7 @@ double best_constant_rms(const SmoothingSample& data, bool with_impacts) {
   for (double decade = -1.0; decade <= 5.0; decade += 0.25) {
     SmoothOptions options;
     options.estimate_noise = options.robust = false;
-    options.noise.jerk_density = std::pow(10.0, decade);
+    options.noise.jerk_density = std::pow(10.0, decade), options.noise.bandwidth_rad_per_s = 0.0;
     std::vector<SmoothedTrack> smoothed;
     for (const auto& track : data.tracks) smoothed.push_back(smooth(track, options));
     best = best.min(velocity_squares(data, with_impacts, [&](std::size_t clip, std::size_t i) {
@@ -119,15 +119,15 @@ double emit_errors(const std::string& name, const SmoothingSample& data,
 }
 
 /// Emits the Cramer-Rao bounds of impact times and of the velocity error that they imply.
-void emit_bound(const std::string& name, const SmoothingSample& data,
-                const MotionNoise<double>& noise, double peer, const Emit& emit) {
+void emit_bound(const std::string& name, const SmoothingSample& data, const MotionNoise& noise,
+                double peer, const Emit& emit) {
   SmoothOptions options;
   std::vector<Trajectory> known;
   for (std::size_t clip = 0; clip < data.tracks.size(); ++clip)
     known.emplace_back(
         WeightedTrack{data.tracks[clip], std::vector<double>(data.tracks[clip].size(), 1.0),
                       data.motions[clip].flights},
-        noise, options.gravity_m_per_s2, options.initial);
+        noise, options.gravity_m_per_s2);
   const double known_rms = velocity_rms(data, false, [&](std::size_t clip, std::size_t i) {
     return known[clip].smoothed(data.tracks[clip][i].time_s).velocity_m_per_s;
   });
@@ -175,7 +175,7 @@ void measure_wave(const Emit& emit) {
 }
 
 void measure_flights(const std::string& name, SyntheticMotion (*make)(double, std::uint64_t),
-                     const MotionNoise<double>& noise, double goal, const Emit& emit) {
+                     const MotionNoise& noise, double goal, const Emit& emit) {
   const auto data = smoothing_sample(make);
   SmoothOptions options;
   options.noise = noise;
@@ -216,7 +216,7 @@ SmoothingSample with_errors(SmoothingSample data, ErrorKind kind) {
 }
 
 void measure_with_errors(const std::string& name, const SmoothingSample& sample, ErrorKind kind,
-                         const MotionNoise<double>& noise, const Emit& emit) {
+                         const MotionNoise& noise, const Emit& emit) {
   const auto data = with_errors(sample, kind);
   SmoothOptions options;
   options.noise = noise;
@@ -247,10 +247,9 @@ void measure_clock(const Emit& emit) {
 void measure_speed(const std::string& name, double knots, double max_s, const Emit& emit) {
   const auto track = measure(synthetic_wave(knots / SmoothingSample::rate_hz, 1),
                              SmoothingSample::rate_hz, SmoothingSample::noise_m, 1);
-  const double unknown = std::numeric_limits<double>::infinity();
   const Stopwatch stopwatch;
   const Trajectory trajectory({track, std::vector<double>(track.size(), 1.0), {}}, {},
-                              {0.0, 9.81, 0.0}, {unknown, unknown});
+                              {0.0, 9.81, 0.0});
   const double seconds = stopwatch.cpu_seconds();
   emit(at_most(name + " knots with covariance, CPU time", trajectory.is_finite() ? seconds : NAN,
                "s", max_s));

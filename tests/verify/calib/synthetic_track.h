@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "calib/smooth/trajectory.h"
+#include "calib/smooth/track.h"
 
 namespace touchtrace {
 

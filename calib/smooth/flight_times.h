@@ -1,0 +1,20 @@
+#pragma once
+
+#include "calib/smooth/smooth.h"
+
+namespace touchtrace {
+
+/// Treatment of flights that explain the data worse than no flight does, by the Bayesian
+/// information criterion.
+enum class ImplausibleFlights { keep, drop };
+
+/// Returns the track's flights with maximum-likelihood times: grid search over +-60 ms, then
+/// L-BFGS.
+std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoise& noise,
+                                     const SmoothOptions& options, ImplausibleFlights implausible);
+
+/// Sets the time distribution of each event of the track's flights, given all other events.
+void estimate_event_distributions(WeightedTrack& track, const MotionNoise& noise,
+                                  const SmoothOptions& options);
+
+}  // namespace touchtrace

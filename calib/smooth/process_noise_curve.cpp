@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "calib/smooth/likelihood.h"
+#include "calib/smooth/minimize.h"
+#include "calib/smooth/noise_estimate.h"
+#include "engine/base/parallel.h"
+
+namespace touchtrace {
+namespace {
+
+/// Spacing of the knots, unless measurements are so rare that fewer than `min_points_per_knot`
+/// would lie between them.
+constexpr double knot_spacing_s = 0.25, min_points_per_knot = 5.0;
+/// Standard deviation of the random walk from knot to knot. Chosen on recorded motion of hands and
+/// tools: 0.25 to 0.5 differ by 2 % in the velocities' errors.
+constexpr double step_sigma = 0.35;
+constexpr int max_iterations = 20;
+
+ProcessNoiseCurve constant_curve(const Track& points) {
+  const double start_s = points.front().time_s, duration_s = points.back().time_s - start_s,
+               spacing_s =
+                   std::max(knot_spacing_s, min_points_per_knot * MotionUnits::of({points}).time_s);
+  const auto num_knots = static_cast<std::size_t>(std::ceil(duration_s / spacing_s)) + 1;
+  return {start_s, spacing_s, std::vector<double>(std::max<std::size_t>(num_knots, 2), 0.0)};
+}
+
+/// Negative logarithm of the curve's prior. Adds its derivatives to `gradient`.
+double prior_cost(const ProcessNoiseCurve& curve, std::vector<double>& gradient) {
+  const auto& values = curve.log_variance;
+  double cost = 0.0;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    const double step = values[i] - values[i - 1];
+    cost += 0.5 * std::pow(step / step_sigma, 2);
+    const double slope = step / (step_sigma * step_sigma);
+    gradient[i] += slope, gradient[i - 1] -= slope;
+  }
+  return cost;
+}
+
+/// Chain rule from the steps' process noise to the curve's knots. Adds to `gradient`.
+void add_to_knots(const WeightedTrack& track, const std::vector<double>& by_log_noise,
+                  std::vector<double>& gradient) {
+  double previous_s = track.points.front().time_s;
+  for (std::size_t i = 0; i < track.points.size(); ++i) {
+    const double time_s = track.points[i].time_s;
+    const auto [knot, part] = track.curve.position(std::midpoint(previous_s, time_s));
+    gradient[knot] += (1.0 - part) * by_log_noise[i];
+    gradient[knot + 1] += part * by_log_noise[i];
+    previous_s = time_s;
+  }
+}
+
+void estimate_curve(WeightedTrack& track, const MotionNoise& noise, const SmoothOptions& options) {
+  const auto units = MotionUnits::of({track.points});
+  const auto scaled_noise = units.scaled(noise);
+  const Eigen::Vector3d gravity = options.gravity_m_per_s2 / units.acceleration();
+  auto& curve = track.curve;
+  if (curve.log_variance.empty()) curve = constant_curve(track.points);
+  auto best = curve.log_variance;
+  const auto evaluate = [&](const double* knots, double* gradient) {
+    std::copy_n(knots, best.size(), curve.log_variance.begin());
+    std::vector<double> derivatives(best.size(), 0.0);
+    const double cost = prior_cost(curve, derivatives);
+    const ScaledTrack scaled(track, units);
+    if (!gradient) return cost + negative_log_likelihood(scaled, scaled_noise, gravity);
+    const auto likelihood = likelihood_gradient(scaled, scaled_noise, gravity);
+    add_to_knots(track, likelihood.by_log_noise, derivatives);
+    std::ranges::copy(derivatives, gradient);
+    return cost + likelihood.cost;
+  };
+  minimize(evaluate, best, max_iterations);
+  curve.log_variance = best;
+}
+
+}  // namespace
+
+void estimate_curves(std::vector<WeightedTrack>& tracks, const MotionNoise& noise,
+                     const SmoothOptions& options) {
+  parallel_for(tracks.size(), options.num_threads,
+               [&](std::size_t i) { estimate_curve(tracks[i], noise, options); });
+}
+
+}  // namespace touchtrace

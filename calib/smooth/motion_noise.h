@@ -30,6 +30,14 @@ struct MotionNoise {
   double unexplained_variance_fraction() const {
     return measurement_scale < 1.0 ? 1.0 - measurement_scale * measurement_scale : 0.0;
   }
+
+  /// Fraction of the stated variance that neighbouring measurements share: the unexplained one, if
+  /// it is more than white errors with long tails leave.
+  double correlated_variance_fraction() const {
+    constexpr double min_fraction = 0.25;
+    const double fraction = unexplained_variance_fraction();
+    return fraction < min_fraction ? 0.0 : fraction;
+  }
 };
 
 /// Initial noise of a table-tennis ball, which has drag and reverses its velocity at every hit.

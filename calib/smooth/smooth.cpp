@@ -77,6 +77,8 @@ SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const Smoot
   result.status = options.estimate_noise && !is_consistent(track, all.noise, options)
                       ? SmoothStatus::inconsistent
                       : SmoothStatus::converged;
+  if (options.estimate_noise)
+    result.correlated_variance_fraction = all.noise.correlated_variance_fraction();
   result.flights = std::move(track.flights);
   result.weights = std::move(track.weights);
   return result;

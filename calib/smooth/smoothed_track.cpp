@@ -71,7 +71,10 @@ MotionState SmoothedTrack::average_over_event_times(double time_s) const {
 }
 
 MotionState SmoothedTrack::smoothed(double time_s) const {
-  return average_over_event_times(time_s);
+  auto state = average_over_event_times(time_s);
+  state.covariance.topLeftCorner<3, 3>().diagonal() +=
+      correlated_variance_fraction * trajectories.front().stated_variance_m2(time_s);
+  return state;
 }
 
 }  // namespace touchtrace

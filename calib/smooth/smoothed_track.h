@@ -27,6 +27,9 @@ struct SmoothedTrack {
   std::vector<Flight> flights;           ///< with estimated times, without the rejected ones
   std::vector<double> weights;           ///< [points] of the robust loss; 1: inlier
   std::vector<Trajectory> trajectories;  ///< [EventTimeDistribution::count]; one without flights
+  /// Variance of errors that neighbouring measurements share, which smoothing does not reduce, over
+  /// the nearest measurement's. Part of the positions' covariance.
+  double correlated_variance_fraction = 0.0;
   Trajectory filter;  ///< causal: without flights, weights and curve, which depend on later samples
 
   /// Estimate from all measurements. Outside their time span the prior extrapolates. Needs

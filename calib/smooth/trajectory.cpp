@@ -9,6 +9,7 @@ namespace touchtrace {
 Trajectory::Trajectory(const WeightedTrack& track, const MotionNoise& noise,
                        const Eigen::Vector3d& gravity_m_per_s2)
     : units_(MotionUnits::of({track.points})),
+      measurement_scale_(noise.measurement_scale),
       origin_s_(track.points.front().time_s),
       origin_m_(track.points.front().position_m),
       gravity_(gravity_m_per_s2 / units_.acceleration()) {
@@ -17,8 +18,7 @@ Trajectory::Trajectory(const WeightedTrack& track, const MotionNoise& noise,
     times_.push_back(point.time);
     noise_scale_.push_back(std::exp(point.log_noise));
   }
-  for (const auto& point : track.points)
-    white_variance_m2_.push_back((noise.measurement_scale * point.sigma_m).cwiseAbs2());
+  for (const auto& point : track.points) stated_variance_m2_.push_back(point.sigma_m.cwiseAbs2());
   if (track.flights.empty())
     knots_ = solve<StateModel::contact>(scaled, units_.scaled(noise));
   else
@@ -116,6 +116,13 @@ MotionState Trajectory::causal(double time_s) const {
                     knots_);
 }
 
+const Eigen::Vector3d& Trajectory::stated_variance_m2(double time_s) const {
+  const double time = (time_s - origin_s_) / units_.time_s;
+  std::size_t nearest = time < times_.front() ? 0 : knot_before(time);
+  if (nearest + 1 < times_.size() && times_[nearest + 1] - time < time - times_[nearest]) ++nearest;
+  return stated_variance_m2_[nearest];
+}
+
 std::vector<PredictedMeasurement> Trajectory::predicted_measurements() const {
   std::vector<PredictedMeasurement> result;
   std::visit(
@@ -131,7 +138,8 @@ template <StateModel model>
 PredictedMeasurement Trajectory::predict_measurement(const Knots<model>& knots,
                                                      std::size_t knot) const {
   constexpr int size = axis_state_size<model>;
-  PredictedMeasurement point{{}, {}, white_variance_m2_[knot]};
+  PredictedMeasurement point{
+      {}, {}, measurement_scale_ * measurement_scale_ * stated_variance_m2_[knot]};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto& [mean, covariance] = knots.smoothed[knot][axis];
     const auto i = static_cast<Eigen::Index>(axis);

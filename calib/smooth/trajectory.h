@@ -29,6 +29,8 @@ class Trajectory {
   MotionState smoothed(double time_s) const;
   /// Estimate from the measurements up to `time_s`; before the first one as `smoothed`.
   MotionState causal(double time_s) const;
+  /// Variance of the measurement nearest to `time_s`, as its track states it.
+  const Eigen::Vector3d& stated_variance_m2(double time_s) const;
   /// [points] Smoothed predictions of the measurements.
   std::vector<PredictedMeasurement> predicted_measurements() const;
   /// Whether no number overflowed and all variances are positive.
@@ -60,11 +62,12 @@ class Trajectory {
   std::size_t knot_before(double time) const;
 
   MotionUnits units_;
+  double measurement_scale_ = 1.0;
   double origin_s_ = 0.0;
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero(), gravity_ = Eigen::Vector3d::Zero();
   std::vector<double> times_;
-  std::vector<double> noise_scale_;                 ///< [points] of the step before each
-  std::vector<Eigen::Vector3d> white_variance_m2_;  ///< [points] not divided by the weight
+  std::vector<double> noise_scale_;                  ///< [points] of the step before each
+  std::vector<Eigen::Vector3d> stated_variance_m2_;  ///< [points]
   std::variant<Knots<StateModel::contact>, Knots<StateModel::with_flights>> knots_;
 };
 

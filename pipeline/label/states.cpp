@@ -58,7 +58,10 @@ Variances object_systematic(double time_s, const ClipTrack& track, const MotionN
   Variances variances = Variances::Zero();
   variances.head<3>().setConstant(track.object_centre_sigma_m * track.object_centre_sigma_m);
   if (!nearest) return variances;
-  variances.head<3>() += noise.unexplained_variance_fraction() * nearest->sigma_m.cwiseAbs2();
+  // the smoother's covariance has the rest
+  const double fraction =
+      noise.unexplained_variance_fraction() - noise.correlated_variance_fraction();
+  variances.head<3>() += fraction * nearest->sigma_m.cwiseAbs2();
   if (nearest->follows_hand) {
     variances.head<3>().array() += std::pow(hidden_systematic_m, 2);
     variances.tail<3>().array() += std::pow(hidden_systematic_m / hidden_systematic_s, 2);

@@ -8,17 +8,15 @@
 #include <utility>
 
 #include "calib/smooth/likelihood.h"
-#include "calib/smooth/minimize.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr double grid_step_s = 0.02, margin_s = 0.35, min_flight_s = 0.04;
+constexpr double grid_step_s = 0.02, margin_s = 0.35, min_flight_s = 0.04, min_step_s = 2e-4;
 constexpr int grid_half = 3;
 constexpr std::size_t min_points_per_flight = 3;  // in a flight and its margins
 constexpr double scan_step_s = 0.001, min_sigma_s = 1e-4;
-constexpr int scan_half = 30, max_iterations = 20;
-constexpr double numeric_step_s = 1e-4;
+constexpr int scan_half = 30;
 /// Grid spacing of EventTimeDistribution in standard deviations: for a normal distribution the
 /// trapezoid rule is exact to 1e-15; times beyond 3 have a probability of 0.3 %.
 constexpr double spacing_sigmas = 0.75;
@@ -91,18 +89,28 @@ class FlightCost {
   bool begins_with_hit_, ends_with_hit_;
 };
 
-/// Sets `times` to the best point of a grid around the guess and returns its cost. Needed because
-/// the likelihood has kinks where an event passes a frame.
-double search_grid(const FlightCost& cost, const Flight& guess, double* times) {
-  double lowest = std::numeric_limits<double>::infinity();
-  const int release_half = cost.is_release_free() ? grid_half : 0;
+/// Moves `times` to the best point of a square grid around them, if it is below `lowest`, and
+/// returns its cost.
+double search_grid(const FlightCost& cost, double step, int half, double lowest, double* times) {
+  const double center[] = {times[0], times[1]};
+  const int release_half = cost.is_release_free() ? half : 0;
   for (int i = -release_half; i <= release_half; ++i)
-    for (int j = -grid_half; j <= grid_half; ++j) {
-      const double at[] = {cost.scaled_time(guess.release_s + i * grid_step_s),
-                           cost.scaled_time(guess.landing_s + j * grid_step_s)};
+    for (int j = -half; j <= half; ++j) {
+      const double at[] = {center[0] + i * step, center[1] + j * step};
       const double value = cost(at);
       if (value < lowest) lowest = value, times[0] = at[0], times[1] = at[1];
     }
+  return lowest;
+}
+
+/// Sets `times` to the best ones within some 0.1 s of a guess and returns their cost, which is
+/// infinite if there are none. By grids: the likelihood has kinks where an event passes a frame.
+double search(const FlightCost& cost, const Flight& guess, double unit_s, double* times) {
+  times[0] = cost.scaled_time(guess.release_s), times[1] = cost.scaled_time(guess.landing_s);
+  double lowest = search_grid(cost, grid_step_s / unit_s, grid_half,
+                              std::numeric_limits<double>::infinity(), times);
+  for (double step_s = grid_step_s / 2.0; step_s > min_step_s; step_s /= 2.0)
+    lowest = search_grid(cost, step_s / unit_s, 1, lowest, times);
   return lowest;
 }
 
@@ -170,14 +178,11 @@ std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& unit
   const auto window = window_around(track, guess);
   if (window.points.size() < min_points_per_flight) return std::nullopt;
   const FlightCost cost(window, units, guess, before, after, noise, options);
-  std::vector<double> times(2);
+  double times[2];
   const double max_cost = implausible == ImplausibleFlights::keep
                               ? std::numeric_limits<double>::infinity()
                               : cost.without_flight() - cost.penalty();
-  if (!(search_grid(cost, guess, times.data()) < max_cost)) return std::nullopt;
-  minimize(with_numeric_gradient([&](const double* at) { return cost(at); }, 2,
-                                 numeric_step_s / units.time_s, 1),
-           times, max_iterations);
+  if (!(search(cost, guess, units.time_s, times) < max_cost)) return std::nullopt;
   const Flight flight{cost.is_release_free() ? cost.time_s(times[0]) : before.back().landing_s,
                       cost.time_s(times[1])};
   if (window_around(track, flight).points.size() < min_points_per_flight) return std::nullopt;

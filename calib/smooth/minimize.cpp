@@ -53,8 +53,10 @@ Objective with_numeric_gradient(std::function<double(const double*)> function,
       if (i > 0) at[(i - 1) / 2] += i % 2 == 1 ? step : -step;
       values[i] = function(at.data());
     });
-    for (std::size_t i = 0; i < num_parameters; ++i)
+    for (std::size_t i = 0; i < num_parameters; ++i) {
       gradient[i] = (values[2 * i + 1] - values[2 * i + 2]) / (2.0 * step);
+      if (!std::isfinite(gradient[i])) gradient[i] = 0.0;
+    }
     return values[0];
   };
 }

@@ -29,10 +29,10 @@ struct SmoothedTracks {
 /// Model: in contact the velocity is a Matern process whose variance varies with time; in flight
 /// there is gravity and linear drag, and the measured point wanders about the body. Given event
 /// times and noise: Kalman filter and Rauch-Tung-Striebel smoother, O(n), iteratively reweighted
-/// for the robust loss. Event times and noise maximise the likelihood of the innovations (Ceres).
-/// Flights that the Bayesian information criterion rejects are dropped. With estimate_noise and 6
-/// samples or more, all tracks share one maximum-likelihood noise.
-/// Bad data do not throw: query states only if SmoothedTrack::status is `converged`.
+/// for the robust loss. Event times (grids) and noise (Ceres) maximise the likelihood of the
+/// innovations. Flights that the Bayesian information criterion rejects are dropped. With
+/// estimate_noise and 6 samples or more, all tracks share one maximum-likelihood noise. Bad data do
+/// not throw: query states only if SmoothedTrack::status is `converged`.
 SmoothedTracks smooth(const std::vector<Track>& tracks,
                       const std::vector<std::vector<Flight>>& flights,
                       const SmoothOptions& options);

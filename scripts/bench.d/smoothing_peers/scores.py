@@ -1,10 +1,12 @@
-"""Scores of smoothed tracks against the truth. The first and last EDGE_S of a track do not count."""
+"""Scores of smoothed tracks against the truth. The first and last EDGE_S of a track do not count, nor do frames within
+EVENT_S of a true release or landing: there the low-passed truth itself is wrong by a part of the velocity's jump."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 EDGE_S = 0.5
+EVENT_S = 0.015
 QUANTILE_80 = 1.2815515655446004  # of a normal distribution, two-sided
 TRUE_EVENT_S = 0.005  # standard deviation of a true release or landing
 
@@ -19,7 +21,9 @@ class Estimate:
 
 def counted(track):
     """Mask of the frames that count."""
-    return (track.time_s >= EDGE_S) & (track.time_s <= track.time_s[-1] - EDGE_S)
+    events = track.flights_s.ravel()
+    near_event = (np.abs(track.time_s[:, None] - events) < EVENT_S).any(axis=1)
+    return (track.time_s >= EDGE_S) & (track.time_s <= track.time_s[-1] - EDGE_S) & ~near_event
 
 
 def errors(tracks, estimates, key):

@@ -13,7 +13,7 @@ namespace touchtrace {
 namespace {
 
 constexpr double grid_step_s = 0.02, margin_s = 0.35, min_flight_s = 0.04, min_step_s = 2e-4;
-constexpr int grid_half = 3;
+constexpr int grid_half = 3, max_moves = 5;
 constexpr std::size_t min_points_per_flight = 3;  // in a flight and its margins
 constexpr double scan_step_s = 0.001, min_sigma_s = 1e-4;
 constexpr int scan_half = 30;
@@ -103,12 +103,17 @@ double search_grid(const FlightCost& cost, double step, int half, double lowest,
   return lowest;
 }
 
-/// Sets `times` to the best ones within some 0.1 s of a guess and returns their cost, which is
-/// infinite if there are none. By grids: the likelihood has kinks where an event passes a frame.
+/// Sets `times` to the best ones around a guess and returns their cost, which is infinite if there
+/// are none. By grids, which move until their middle is best and then shrink: the likelihood has
+/// kinks where an event passes a frame.
 double search(const FlightCost& cost, const Flight& guess, double unit_s, double* times) {
   times[0] = cost.scaled_time(guess.release_s), times[1] = cost.scaled_time(guess.landing_s);
-  double lowest = search_grid(cost, grid_step_s / unit_s, grid_half,
-                              std::numeric_limits<double>::infinity(), times);
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int move = 0; move < max_moves; ++move) {
+    const double before = lowest;
+    lowest = search_grid(cost, grid_step_s / unit_s, grid_half, lowest, times);
+    if (!(lowest < before)) break;
+  }
   for (double step_s = grid_step_s / 2.0; step_s > min_step_s; step_s /= 2.0)
     lowest = search_grid(cost, step_s / unit_s, 1, lowest, times);
   return lowest;

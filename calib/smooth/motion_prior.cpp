@@ -82,6 +82,8 @@ typename MotionPrior<model>::Step MotionPrior<model>::free_flight(double h) cons
   Step step;
   step.F(0, 1) = h, step.F(0, 2) = h * h / 2.0 * third;
   step.F(1, 2) = h * half, step.F(2, 2) = 1.0 + x * half;
+  step.Q_fixed.template topLeftCorner<motion_size, motion_size>() =
+      contact_step(h, noise_.flight_jerk_density, 0.0).Q;
   return step;
 }
 

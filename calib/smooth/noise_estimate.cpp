@@ -40,7 +40,8 @@ constexpr double fraction_sigma = 0.5;
 /// Prior median of the bandwidth, per measurement: an unobservable one is in their middle.
 constexpr double bandwidth_per_point = 0.2;
 
-std::vector<Parameter> parameters(bool has_flights) {
+/// What a landing keeps of a velocity is not estimated for a bouncing body: a hit gives it any.
+std::vector<Parameter> parameters(bool has_flights, bool is_bouncing) {
   std::vector<Parameter> all{{&MotionNoise::jerk_density, no_prior},
                              {&MotionNoise::bandwidth_rad_per_s, wide},
                              {&MotionNoise::measurement_scale, scale_sigma}};
@@ -48,8 +49,9 @@ std::vector<Parameter> parameters(bool has_flights) {
     all.insert(all.end(), {{&MotionNoise::flight_drag_per_s, wide},
                            {&MotionNoise::wander_sigma_m, wide},
                            {&MotionNoise::throw_density_ratio, wide},
-                           {&MotionNoise::landing_velocity_fraction, fraction_sigma, false},
                            {&MotionNoise::landing_velocity_sigma_m_per_s, wide}});
+  if (has_flights && !is_bouncing)
+    all.push_back({&MotionNoise::landing_velocity_fraction, fraction_sigma, false});
   return all;
 }
 
@@ -60,8 +62,9 @@ class NoiseCost {
       : units_(units_of(tracks)),
         centre_(units_.scaled(options.noise)),
         gravity_(options.gravity_m_per_s2 / units_.acceleration()),
-        parameters_(parameters(std::ranges::any_of(
-            tracks, [](const auto& track) { return !track.flights.empty(); }))) {
+        parameters_(parameters(
+            std::ranges::any_of(tracks, [](const auto& track) { return !track.flights.empty(); }),
+            options.noise.is_bouncing())) {
     for (const auto& track : tracks) tracks_.emplace_back(track, units_);
     centre_.jerk_density = 1.0, centre_.bandwidth_rad_per_s = bandwidth_per_point;
   }

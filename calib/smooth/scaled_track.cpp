@@ -25,6 +25,7 @@ double median_or(std::vector<double> values, double otherwise) {
 MotionNoise in_units(const MotionNoise& noise, double length, double time) {
   MotionNoise result = noise;
   result.jerk_density *= std::pow(time, 5) / (length * length);
+  result.flight_jerk_density *= std::pow(time, 5) / (length * length);
   result.bandwidth_rad_per_s *= time;
   result.flight_drag_per_s *= time;
   result.flight_acceleration_sigma_m_per_s2 *= time * time / length;

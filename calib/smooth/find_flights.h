@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "calib/smooth/trajectory.h"
+#include "calib/smooth/track.h"
 
 namespace touchtrace {
 

@@ -8,7 +8,7 @@
 namespace touchtrace {
 namespace {
 
-/// Filters a track. Calls visit(k, step, innovations of the axes) after each point.
+/// Filters a track. Calls visit(step, innovations of the axes) after each point.
 template <StateModel model, class Visitor>
 double filter(const ScaledTrack& track, const MotionNoise& noise, const Eigen::Vector3d& gravity,
               Visitor&& visit) {

@@ -19,6 +19,9 @@ class Function : public ceres::FirstOrderFunction {
   Function(Objective evaluate, std::size_t size) : evaluate_(std::move(evaluate)), size_(size) {}
   bool Evaluate(const double* x, double* cost, double* gradient) const override {
     *cost = evaluate_(x, gradient);
+    // Ceres aborts where a value is finite and its gradient is not
+    for (std::size_t i = 0; gradient && i < size_; ++i)
+      if (!std::isfinite(gradient[i])) gradient[i] = 0.0;
     return std::isfinite(*cost);
   }
   int NumParameters() const override { return static_cast<int>(size_); }
@@ -53,10 +56,8 @@ Objective with_numeric_gradient(std::function<double(const double*)> function,
       if (i > 0) at[(i - 1) / 2] += i % 2 == 1 ? step : -step;
       values[i] = function(at.data());
     });
-    for (std::size_t i = 0; i < num_parameters; ++i) {
+    for (std::size_t i = 0; i < num_parameters; ++i)
       gradient[i] = (values[2 * i + 1] - values[2 * i + 2]) / (2.0 * step);
-      if (!std::isfinite(gradient[i])) gradient[i] = 0.0;
-    }
     return values[0];
   };
 }

@@ -37,10 +37,10 @@ constexpr double wide = 2.3;
 /// Tracks come with standard deviations: these are held near what is stated.
 constexpr double scale_sigma = 0.5;
 constexpr double fraction_sigma = 0.5;
-/// Prior median of the bandwidth, per measurement: an unobservable one is in their middle.
+/// Prior median of the bandwidth, in radians per interval between measurements.
 constexpr double bandwidth_per_point = 0.2;
 
-/// What a landing keeps of a velocity is not estimated for a bouncing body: a hit gives it any.
+/// The landing velocity fraction of a bouncing body is not estimated: a hit gives it any velocity.
 std::vector<Parameter> parameters(bool has_flights, bool is_bouncing) {
   std::vector<Parameter> all{{&MotionNoise::jerk_density, no_prior},
                              {&MotionNoise::bandwidth_rad_per_s, wide},

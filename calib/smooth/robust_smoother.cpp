@@ -25,7 +25,7 @@ double reweight(WeightedTrack& track, const Trajectory& trajectory) {
   double max_change = 0.0;
   const auto predicted = trajectory.predicted_measurements();
   for (std::size_t i = 0; i < track.points.size(); ++i) {
-    const auto& [position_m, variance_m2, white_variance_m2] = predicted[i];
+    const auto& [position_m, white_variance_m2] = predicted[i];
     const double squared_residual = (position_m - track.points[i].position_m)
                                         .cwiseAbs2()
                                         .cwiseQuotient(white_variance_m2)

@@ -49,18 +49,17 @@ WeightedTrack causal_track(const WeightedTrack& track) {
   return {track.points, std::vector<double>(track.points.size(), 1.0), {}};
 }
 
-/// Whether the median of the squared whitened residuals is below `max_median`. If the model is
-/// right it is 2.4, or less.
-bool is_consistent(const WeightedTrack& track, const MotionNoise& noise,
-                   const SmoothOptions& options) {
-  constexpr double max_median = 25.0;
+/// Whether half of the measurements are within 5 stated standard deviations (norm over the axes) of
+/// the smoothed motion. If these and the model are right, half are within 1.6.
+bool is_consistent(const Track& points, const Trajectory& trajectory) {
+  constexpr double max_sigmas = 5.0;
   std::vector<double> squares;
-  const auto predicted = smooth_once(track, noise, options).predicted_measurements();
+  const auto predicted = trajectory.predicted_measurements();
   for (std::size_t i = 0; i < predicted.size(); ++i)
-    squares.push_back((predicted[i].position_m - track.points[i].position_m)
-                          .cwiseQuotient(track.points[i].sigma_m)
+    squares.push_back((predicted[i].position_m - points[i].position_m)
+                          .cwiseQuotient(points[i].sigma_m)
                           .squaredNorm());
-  return median(std::move(squares)) < max_median;
+  return median(std::move(squares)) < max_sigmas * max_sigmas;
 }
 
 SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const SmoothOptions& options) {
@@ -74,7 +73,8 @@ SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const Smoot
     result.status = SmoothStatus::not_converged;
     return result;
   }
-  result.status = options.estimate_noise && !is_consistent(track, all.noise, options)
+  const auto& middle = result.trajectories[result.trajectories.size() / 2];
+  result.status = options.estimate_noise && !is_consistent(track.points, middle)
                       ? SmoothStatus::inconsistent
                       : SmoothStatus::converged;
   if (options.estimate_noise)

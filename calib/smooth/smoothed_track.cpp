@@ -46,7 +46,9 @@ const char* name_of(SmoothStatus status) {
     case SmoothStatus::not_converged:
       return "not converged";
     case SmoothStatus::inconsistent:
-      return "most measurements are over three standard deviations from the smoothed motion";
+      return "half of the measurements are over 5 standard deviations from the smoothed motion: "
+             "these are "
+             "too small, or flights are missing";
   }
   return "unknown";
 }

@@ -13,7 +13,7 @@ enum class SmoothStatus {
   not_finite,
   unordered_times,
   not_converged,
-  inconsistent
+  inconsistent  ///< the estimated motion misses half of the measurements by over 5 sigma
 };
 
 /// Description for messages, such as "no samples".

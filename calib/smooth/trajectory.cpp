@@ -138,14 +138,12 @@ template <StateModel model>
 PredictedMeasurement Trajectory::predict_measurement(const Knots<model>& knots,
                                                      std::size_t knot) const {
   constexpr int size = axis_state_size<model>;
-  PredictedMeasurement point{
-      {}, {}, measurement_scale_ * measurement_scale_ * stated_variance_m2_[knot]};
+  PredictedMeasurement point{{},
+                             measurement_scale_ * measurement_scale_ * stated_variance_m2_[knot]};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto& [mean, covariance] = knots.smoothed[knot][axis];
     const auto i = static_cast<Eigen::Index>(axis);
-    point.position_m[i] = origin_m_[i] + units_.length_m * observe<size>(mean);
-    point.variance_m2[i] =
-        units_.length_m * units_.length_m * observe<size>(observe_columns<size>(covariance));
+    point.position_m[i] =
+        origin_m_[i] + units_.length_m * observe<size>(knots.smoothed[knot][axis].mean);
   }
   return point;
 }

@@ -11,13 +11,13 @@ namespace touchtrace {
 
 /// Smoothed prediction of a measurement.
 struct PredictedMeasurement {
-  Eigen::Vector3d position_m, variance_m2;
+  Eigen::Vector3d position_m;
   Eigen::Vector3d white_variance_m2;  ///< of the measurement's error, not divided by its weight
 };
 
 /// Smoothed motion: Kalman filter and Rauch-Tung-Striebel smoother with states at the measurements,
-/// O(n). States in between follow exactly from the same prior. Covariances are sums of positive
-/// semidefinite terms.
+/// O(n). States in between follow exactly from the same prior. Filtered covariances are in Joseph
+/// form, smoothed ones are sums of positive semidefinite terms.
 class Trajectory {
  public:
   Trajectory() = default;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/smooth/trajectory.h"
+#include "calib/smooth/track.h"
 
 namespace touchtrace {
 

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "calib/smooth/likelihood.h"
+#include "calib/smooth/minimize.h"
 #include "calib/smooth/smooth.h"
 #include "engine/base/random.h"
 #include "tests/verify/calib/synthetic_track.h"
@@ -105,6 +107,17 @@ TEST(LikelihoodGradient, MatchesDifferences) {
       EXPECT_NEAR(gradient.by_log_noise[i], difference, 1e-5 * (1.0 + std::abs(difference))) << i;
     }
   }
+}
+
+/// The numeric gradient at the edge of the function's domain is infinite.
+TEST(Minimize, SurvivesTheEdgeOfTheDomain) {
+  const auto function = [](const double* x) {
+    return x[0] > 1.0005 ? std::numeric_limits<double>::infinity() : std::pow(x[0] - 2.0, 2);
+  };
+  std::vector<double> x{0.0};
+  minimize(with_numeric_gradient(function, 1, 1e-3, 1), x, 20);
+  EXPECT_GT(x[0], 0.5);
+  EXPECT_LE(x[0], 1.0005);
 }
 
 double velocity_rms(const SyntheticMotion& motion, const SmoothedTrack& smoothed) {

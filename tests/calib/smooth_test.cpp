@@ -264,6 +264,30 @@ TEST(Smooth, ReportsInvalidTracks) {
   EXPECT_EQ(smooth(track, options).status, SmoothStatus::unordered_times);
 }
 
+/// An error of 2 mm that is stated as 0.2 mm: 10 standard deviations.
+TEST(Smooth, ReportsMeasurementsThatTheirSigmasDoNotExplain) {
+  auto track = measure(synthetic_wave(20.0, 1), 20.0, 0.002, 1);
+  EXPECT_EQ(smooth(track, {}).status, SmoothStatus::converged);
+  for (auto& point : track) point.sigma_m.setConstant(0.0002);
+  EXPECT_EQ(smooth(track, {}).status, SmoothStatus::inconsistent);
+}
+
+/// Half of the variance is a bias of two seconds.
+TEST(Smooth, WidensPositionsByErrorsThatNeighboursShare) {
+  auto track = measure(synthetic_wave(40.0, 1), 20.0, 0.002, 1);
+  EXPECT_EQ(smooth(track, {}).correlated_variance_fraction, 0.0);
+  const double scale = std::sqrt(2.0);
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    track[i].position_m.array() += i / 40 % 2 == 0 ? 0.002 : -0.002;
+    track[i].sigma_m *= scale;
+  }
+  const auto smoothed = smooth(track, {});
+  // the loss weights leave 0.22 of white errors unexplained: 1 - 0.5 (1 - 0.22) = 0.61
+  EXPECT_NEAR(smoothed.correlated_variance_fraction, 0.61, 0.1);
+  EXPECT_GT(smoothed.smoothed(19.0).covariance(0, 0),
+            smoothed.correlated_variance_fraction * 2.0 * 0.002 * 0.002);
+}
+
 TEST(Smooth, NoListsOfFlightsMeansNoFlights) {
   const std::vector<Track> tracks{measure(synthetic_wave(2.0, 1), 20.0, 0.002, 1),
                                   measure(synthetic_wave(2.0, 2), 20.0, 0.002, 2)};

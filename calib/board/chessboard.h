@@ -20,6 +20,7 @@ struct Chessboard {
 
   int columns = 9, rows = 6;  ///< inner corners in each row and column
   double square_m = 0.025;    ///< side of a square
+  bool is_flat = false;       ///< its warp is not estimated
   std::optional<Markers> markers = std::nullopt;
 
   /// Whether the board looks the same after half a turn, so that a view does not tell its order.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "calib/rgbd/board_models.h"
 #include "calib/rgbd/board_motion.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/cross_validation.h"
@@ -146,6 +147,7 @@ RgbdCalibration calibrate(BoardObservations observations, const CalibrationOptio
   require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "detected");
   require_valid_views(observations);
   align_symmetric_views(observations);
+  observations.board.is_flat = !options.warp;
   const auto different = different_views(observations);
   require_views(observations, std::ranges::count(different, true), "different");
   const ColorFit color = fit_color(observations, different, options.lenses);
@@ -153,7 +155,7 @@ RgbdCalibration calibrate(BoardObservations observations, const CalibrationOptio
   require_views(observations, std::ranges::count(color.used, true), "usable");
   BoardProblem problem = color_problem(observations, color);
   RgbdParameters parameters = color.parameters;
-  const double deformation_bic_gain = fit_target_deformation(problem, parameters);
+  const BoardModels boards = fit_board(problem, parameters, options.target_deformation);
   add_depth_prior(observations, parameters, problem.prior);
   parameters.depth = problem.prior.depth_mean;
   problem.free_delay = is_delay_observable(board_motions(observations, color.used, parameters));
@@ -165,8 +167,8 @@ RgbdCalibration calibrate(BoardObservations observations, const CalibrationOptio
   if (independent.size() == 0) throw no_convergence();
   const ViewCovariance covariance = view_covariance(problem, parameters, independent);
   RgbdCalibration calibration = assemble_calibration(problem, parameters, covariance.by_views);
-  calibration.details = calibration_details({problem, parameters, calibration, covariance, color,
-                                             noise, different, deformation_bic_gain});
+  calibration.details = calibration_details(
+      {problem, parameters, calibration, covariance, color, noise, different, boards});
   const std::chrono::duration<double> wall_s = std::chrono::steady_clock::now() - wall_start;
   calibration.details["solving"] = {
       {"wall_s", wall_s.count()},

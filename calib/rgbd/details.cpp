@@ -16,6 +16,8 @@ using nlohmann::json;
 
 constexpr double max_sigma_ratio = 0.7;  ///< posterior over prior sigma of identifiable parameters
 
+json number_or_null(double value) { return std::isfinite(value) ? json(value) : json(); }
+
 json points(const std::vector<Eigen::Vector2d>& values) {
   json list = json::array();
   for (const auto& value : values) list.push_back({value.x(), value.y()});
@@ -96,6 +98,8 @@ json not_identifiable(const DetailsInput& r) {
   json list = json::array();
   const auto priors = prior_sigmas(r.problem);
   for (std::size_t i = 0; i < priors.size(); ++i) {
+    if (r.problem.observations.board.is_flat && r.calibration.parameters[i].starts_with("board."))
+      continue;
     const double sigma = parameter_sigma(r.calibration, r.calibration.parameters[i]);
     if (!(sigma <= max_sigma_ratio * priors[i]))
       list.push_back({{"parameter", r.calibration.parameters[i]},
@@ -108,11 +112,10 @@ json not_identifiable(const DetailsInput& r) {
 json target_deformation(const DetailsInput& r) {
   json offsets_m = json::array();
   for (const auto& o : r.parameters.corner_offsets_m) offsets_m.push_back({o.x(), o.y(), o.z()});
-  return {
-      {"chosen", has_free_deformation(r.problem) ? "free" : "ideal"},
-      {"bic_gain", std::isfinite(r.deformation_bic_gain) ? json(r.deformation_bic_gain) : json()},
-      {"sigma_m", r.problem.prior.deformation_sigma_m},
-      {"offsets_m", offsets_m}};
+  return {{"chosen", has_free_deformation(r.problem) ? "free" : "ideal"},
+          {"bic_gain", number_or_null(r.boards.deformation_bic_gain)},
+          {"sigma_m", r.problem.prior.deformation_sigma_m},
+          {"offsets_m", offsets_m}};
 }
 
 /// Standard deviation of each parameter.
@@ -139,9 +142,8 @@ json lenses(const ColorFit& color) {
     json removed = json::array();
     for (const auto& [parameter, why] : trial.removed)
       removed.push_back({{"parameter", parameter}, {"why", why}});
-    list.push_back({{"name", trial.name},
-                    {"bic", std::isfinite(trial.bic) ? json(trial.bic) : json()},
-                    {"removed", removed}});
+    list.push_back(
+        {{"name", trial.name}, {"bic", number_or_null(trial.bic)}, {"removed", removed}});
   }
   return list;
 }
@@ -157,12 +159,13 @@ json skipped_images(const BoardObservations& observations) {
 
 json calibration_details(const DetailsInput& r) {
   const auto used = static_cast<int>(std::ranges::count(r.problem.used, true));
-  const Verdict verdict = assess_calibration(r.calibration, used);
+  const Verdict verdict = assess_calibration(r.calibration, used, r.covariance.inflation);
   return {{"verdict", grade_name(verdict.grade)},
           {"advice", verdict.advice},
           {"lens", r.color.chosen},
           {"lenses", lenses(r.color)},
           {"target_deformation", target_deformation(r)},
+          {"board_models", board_models_json(r.boards)},
           {"corner_sigma_px", r.problem.corner_sigma_px},
           {"sigmas", sigmas(r.calibration.parameters, r.covariance.by_views)},
           {"independent_sigmas", sigmas(r.calibration.parameters, r.covariance.independent)},

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "calib/rgbd/board_models.h"
 #include "calib/rgbd/calibration.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/depth_fit.h"
@@ -17,7 +18,7 @@ struct DetailsInput {
   const ColorFit& color;
   const DepthNoise& noise;
   const std::vector<bool>& different;  ///< [views] false: duplicate of an earlier view
-  double deformation_bic_gain;         ///< returned by fit_target_deformation()
+  const BoardModels& boards;
 };
 
 /// RgbdCalibration::details. Residuals are measured minus projected.
@@ -27,6 +28,7 @@ struct DetailsInput {
 ///     lenses               [{name, bic relative to the chosen, removed [{parameter, why}..]}..]
 ///     target_deformation   {chosen "ideal" | "free", bic_gain of "free", sigma_m of an offset in
 ///                          each direction, offsets_m [[x, y, z]..]}; "ideal": 0 and []
+///     board_models         board_models_json()
 ///     corner_sigma_px      noise of one corner coordinate
 ///     sigmas               {parameter: standard deviation}
 ///     independent_sigmas   the same if corners were independent

@@ -10,6 +10,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double centre_sigma = 0.1;            ///< fraction of the width
 constexpr double guessed_relative_sigma = 0.1;  ///< colour intrinsics used for the depth camera
 constexpr double relative_warp_sigma = 0.005;   ///< fraction of the board's diagonal
+constexpr double flat_warp_sigma_m = 1e-7;
 constexpr double pose_sigma_rad = 0.1, pose_sigma_m = 0.1;
 constexpr double scale_sigma = 0.05, offset_sigma_m = 0.05;
 constexpr double delay_sigma_s = 0.1;
@@ -17,6 +18,7 @@ constexpr double delay_sigma_s = 0.1;
 }  // namespace
 
 double warp_sigma_m(const Chessboard& board) {
+  if (board.is_flat) return flat_warp_sigma_m;
   return relative_warp_sigma * (board.corner_m(board.num_corners() - 1) - board.corner_m(0)).norm();
 }
 

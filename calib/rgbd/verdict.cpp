@@ -63,6 +63,15 @@ void assess_aspect(Verdict& verdict, const RgbdCalibration& c) {
                            1e2 * difference, std::abs(difference) / sigma));
 }
 
+/// Views that contradict each other: details.views tells which.
+void assess_agreement(Verdict& verdict, double view_inflation) {
+  apply_limits(verdict, view_inflation, 4.0, std::numeric_limits<double>::infinity(),
+               fmt::format("the views contradict each other: they scatter {:.1f} times as much as "
+                           "their corners do. Use images of one camera with fixed focus and zoom, "
+                           "without stabilisation, and a stiff board at rest",
+                           view_inflation));
+}
+
 void assess_image(Verdict& verdict, const RgbdCalibration& c) {
   const double sigma_px = projection_sigma_quantile_px(c, judged_image_fraction);
   apply_limits(verdict, sigma_px / c.color.width, good_projection_sigma, weak_projection_sigma,
@@ -107,10 +116,12 @@ double depth_bias_sigma_m(const RgbdCalibration& c, double depth_m) {
                    depth_m * depth_m * c.covariance(scale, scale));
 }
 
-Verdict assess_calibration(const RgbdCalibration& calibration, int used_views) {
+Verdict assess_calibration(const RgbdCalibration& calibration, int used_views,
+                           double view_inflation) {
   Verdict verdict;
   assess_color(verdict, calibration, used_views);
   assess_aspect(verdict, calibration);
+  assess_agreement(verdict, view_inflation);
   assess_image(verdict, calibration);
   if (calibration.depth) assess_depth(verdict, calibration);
   return verdict;

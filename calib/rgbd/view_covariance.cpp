@@ -75,6 +75,40 @@ MatrixXd contributions_of_views(const BoardProblem& problem, RgbdParameters p) {
   return columns;
 }
 
+/// Roots of 1 / (1 - r), as shrunk_second_moment() describes r, of each parameter.
+VectorXd factors_for_few_views(const MatrixXd& contributions, const std::vector<Index>& block_sizes,
+                               double weight) {
+  const double own = (1.0 - weight) * (1.0 - weight);
+  VectorXd factors(contributions.rows());
+  Index first = 0;
+  for (const Index size : block_sizes) {
+    const MatrixXd squares = static_cast<double>(contributions.cols()) *
+                             contributions.middleRows(first, size).cwiseAbs2();
+    const double relative_variance =
+        (own * variances_of_means(squares).mean() +
+         (1.0 - own) * variances_of_means(squares.colwise().mean()).value()) /
+        std::pow(squares.mean(), 2);
+    factors.segment(first, size)
+        .setConstant(1.0 / std::sqrt(1.0 - std::min(relative_variance, max_relative_variance)));
+    first += size;
+  }
+  return factors;
+}
+
+/// Numbers of consecutive parameter_names() that belong together: fx, fy, cx, cy; distortion;
+/// board; pose of the depth camera; its other parameters.
+std::vector<Index> block_sizes(const std::vector<std::string>& names) {
+  constexpr Index core = 4;
+  std::vector<Index> sizes{core};
+  std::string last;
+  for (auto name = names.begin() + core; name != names.end(); ++name) {
+    const std::string group = name->substr(0, name->find('.'));
+    if (group != last) sizes.push_back(0);
+    ++sizes.back(), last = group;
+  }
+  return sizes;
+}
+
 /// Whether the views scatter by three standard errors more than with independent corners.
 bool is_excessive(const MatrixXd& contributions) {
   const auto size = static_cast<double>(contributions.rows());
@@ -84,25 +118,25 @@ bool is_excessive(const MatrixXd& contributions) {
 
 }  // namespace
 
-MatrixXd shrunk_second_moment(const MatrixXd& contributions) {
-  const auto n = static_cast<double>(contributions.cols()),
-             d = static_cast<double>(contributions.rows());
-  const MatrixXd identity = MatrixXd::Identity(contributions.rows(), contributions.rows());
+MatrixXd shrunk_second_moment(const MatrixXd& contributions,
+                              const std::vector<Index>& block_sizes) {
+  const auto n = static_cast<double>(contributions.cols());
   const MatrixXd moment = contributions * contributions.transpose();
-  const double mean_square = moment.trace() / d;
+  VectorXd target(moment.rows());
+  Index first = 0;
+  for (const Index size : block_sizes) {
+    target.segment(first, size).setConstant(moment.diagonal().segment(first, size).mean());
+    first += size;
+  }
   double spread = 0.0;
   for (const auto& column : contributions.colwise())
     spread += (n * column * column.transpose() - moment).squaredNorm() / (n * n);
-  const double distance = (moment - mean_square * identity).squaredNorm();
+  const MatrixXd diagonal = target.asDiagonal();
+  const double distance = (moment - diagonal).squaredNorm();
   const double weight = distance > spread ? spread / distance : 1.0;
-  const double own = (1.0 - weight) * (1.0 - weight);
-  const MatrixXd squares = n * contributions.cwiseAbs2();  // [parameters, views]
-  const double relative_variance =
-      (own * variances_of_means(squares).mean() +
-       (1.0 - own) * variances_of_means(squares.colwise().mean()).value()) /
-      (mean_square * mean_square);
-  return ((1.0 - weight) * moment + weight * mean_square * identity) /
-         (1.0 - std::min(relative_variance, max_relative_variance));
+  const VectorXd factors = factors_for_few_views(contributions, block_sizes, weight);
+  return factors.asDiagonal() * ((1.0 - weight) * moment + weight * diagonal) *
+         factors.asDiagonal();
 }
 
 ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
@@ -112,7 +146,8 @@ ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters
   if (columns.cols() < min_views_for_scatter || root.info() != Eigen::Success ||
       !is_excessive(columns))
     return {independent, independent};
-  const MatrixXd relative = at_least_identity(shrunk_second_moment(columns));
+  const MatrixXd relative = at_least_identity(
+      shrunk_second_moment(columns, block_sizes(parameter_names(problem, parameters.lens))));
   if (!relative.allFinite()) return {independent, independent};
   const MatrixXd lower = root.matrixL();
   return {independent, lower * relative * lower.transpose(),

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "calib/rgbd/board_problem.h"
 
 namespace touchtrace {
@@ -13,13 +15,18 @@ struct ViewCovariance {
   double inflation = 1.0;
 };
 
-/// Second moment of what the views contribute to an estimate, shrunk towards a multiple of the
-/// identity (Ledoit and Wolf, Journal of Multivariate Analysis 2004): there are hardly more views
-/// than parameters. `contributions` [parameters, views] has the covariance I / views if corners are
-/// independent. Divided by 1 - r, where r is the relative variance of the result in one direction:
-/// the mean of the inverse of a gamma variate exceeds the inverse of its mean by that, so that few
-/// views would make squared errors over their estimated variance too large.
-Eigen::MatrixXd shrunk_second_moment(const Eigen::MatrixXd& contributions);
+/// Second moment of what the views contribute to an estimate, shrunk (Ledoit and Wolf, Journal of
+/// Multivariate Analysis 2004) because there are hardly more views than parameters. The target is
+/// diagonal, with the mean square of a block of parameters: errors that corners share reach focal
+/// lengths, distortion and board by different amounts.
+///
+/// `contributions` [parameters, views] has the covariance I / views if corners are independent.
+/// `block_sizes`: numbers of consecutive parameters. A block is divided by 1 - r, where r is the
+/// relative variance of the result in one direction: the mean of the inverse of a gamma variate
+/// exceeds the inverse of its mean by that, so that few views would make squared errors over their
+/// estimated variance too large.
+Eigen::MatrixXd shrunk_second_moment(const Eigen::MatrixXd& contributions,
+                                     const std::vector<Eigen::Index>& block_sizes);
 
 /// Cluster-robust covariance with bias reduction (Bell and McCaffrey, Survey Methodology 2002,
 /// CR2), from Gauss-Newton steps that leave one view out. `independent`: covariance for independent

@@ -20,6 +20,7 @@ struct CalibrateOptions {
   int columns = 9, rows = 6;
   double square_mm = 25.0, marker_mm = 18.0;
   std::string markers = "none", lens = "auto";
+  bool no_warp = false, no_target_deformation = false;
 };
 
 std::vector<std::string> marker_choices() {
@@ -42,6 +43,9 @@ void describe(OptionSet& set, CalibrateOptions& o) {
       .value("DIR");
   set.choice("lens", o.lens, "distortion model of the colour camera; auto: selected by BIC",
              lens_options());
+  set.flag("no-warp", o.no_warp, "the board is flat: do not estimate its warp");
+  set.flag("no-target-deformation", o.no_target_deformation,
+           "do not estimate offsets of the board's corners");
   set.texts("compare", o.compare, "two calibrations: do they agree within their covariance?")
       .value("CALIBRATION");
   set.group("Images instead of a recording");
@@ -115,6 +119,17 @@ void print_delay(const RgbdCalibration& c) {
                1e3 * c.depth_delay_s, 1e3 * sigmas["depth.delay"].get<double>());
 }
 
+/// How the model of the board changes the camera.
+void print_board_models(const nlohmann::json& models) {
+  std::string text;
+  for (const auto& [key, name] :
+       {std::pair{"flat", "flat"}, {"warped", "warped"}, {"free_corners", "free corners"}})
+    if (const auto& intrinsics = models.at(key); intrinsics.is_array())
+      text +=
+          fmt::format("{}{} {:.2f}", text.empty() ? "" : ", ", name, intrinsics[0].get<double>());
+  fmt::print("          fx by model of the board: {}\n", text);
+}
+
 void print_board(const RgbdCalibration& c) {
   fmt::print("board     warped by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
              1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
@@ -123,6 +138,7 @@ void print_board(const RgbdCalibration& c) {
     fmt::print(
         "          corners deviate by {:.3f} mm (RMS), estimated with the camera (BIC {:+.1f})\n",
         1e3 * deformation["sigma_m"].get<double>(), -deformation["bic_gain"].get<double>());
+  print_board_models(c.details["board_models"]);
 }
 
 void print_lens(const RgbdCalibration& c) {
@@ -222,7 +238,9 @@ ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
   const Stopwatch stopwatch;
   const OutputFile refuses_existing(std::filesystem::path(options.output) / "calibration.json",
                                     invocation.overwrite);
-  CalibrationOptions settings{.cross_validate = true};
+  CalibrationOptions settings{.warp = !options.no_warp,
+                              .target_deformation = !options.no_target_deformation,
+                              .cross_validate = true};
   if (options.lens != "auto") settings.lenses = {options.lens};
   RgbdCalibration calibration = calibrate(observe(options), settings);
   calibration.details["provenance"] = provenance_of(options, invocation, stopwatch);

@@ -51,19 +51,29 @@ TEST(CalibrateFaults, TurnsViewsOfASymmetricBoardTheSameWay) {
   EXPECT_EQ(a.color.parameters(), b.color.parameters());
 }
 
-/// Half of the views are from a camera whose focal length and centre differ by 2 %: a spread of 1 %
-/// about the mean, which the standard deviation of some 16 views has to cover. The verdict may be GOOD.
-TEST(CalibrateFaults, StatedErrorsCoverTwoCamerasInOneFolder) {
-  const SimulatedBoards boards = simulated_boards(16, false, 640);
+/// Every second view is from a camera whose focal length and centre are `scale` times as large.
+BoardObservations two_cameras(const SimulatedBoards& boards, double scale) {
   RandomStream random(18, "noise");
   BoardObservations observed = observe(boards, random);
-  const Eigen::Vector2d centre(boards.truth.color[2], boards.truth.color[3]);
   for (std::size_t i = 0; i < observed.views.size(); i += 2)
-    for (auto& corner : observed.views[i].corners_px)
-      corner = (1.02 * (corner - centre) + 1.02 * centre).eval();
-  const RgbdCalibration c = calibrate(observed);
+    for (auto& corner : observed.views[i].corners_px) corner *= scale;
+  return observed;
+}
+
+/// A spread of 1 % about the mean, which the standard deviation of some 16 views has to cover. The
+/// verdict may be GOOD.
+TEST(CalibrateFaults, StatedErrorsCoverTwoCamerasInOneFolder) {
+  const SimulatedBoards boards = simulated_boards(16, false, 640);
+  const RgbdCalibration c = calibrate(two_cameras(boards, 1.02));
   EXPECT_GT(c.details["view_inflation"].get<double>(), 2.0);
   EXPECT_GT(4.5 * std::sqrt(c.covariance(0, 0)), std::abs(c.color.fx - boards.truth.color[0]));
+}
+
+TEST(CalibrateFaults, TwoCamerasThatDifferByATwentiethAreNotGood) {
+  const RgbdCalibration c = calibrate(two_cameras(simulated_boards(16, false, 640), 1.05));
+  EXPECT_NE(c.details["verdict"], "GOOD");
+  EXPECT_NE(advice_of(c).find("the views contradict each other"), std::string::npos)
+      << advice_of(c) << c.details["view_inflation"];
 }
 
 }  // namespace

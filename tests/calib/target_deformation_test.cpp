@@ -149,5 +149,25 @@ TEST(TargetDeformation, KeepsTheBoardsPoseAndSize) {
   EXPECT_LT(std::abs(growth), 1e-5);
 }
 
+TEST(BoardModels, FlatBoardAndIdealCornersCanBeDemanded) {
+  RandomStream random(31, "noise");
+  const SimulatedBoards warped = with_deformed_target(
+      with_warp(simulated_boards(15, false, 640), {1e-3, 0.5e-3}), 2e-4, random);
+  const BoardObservations observed = observe(warped, random);
+  const RgbdCalibration all = calibrate(observed, {.lenses = {"radtan4"}});
+  const RgbdCalibration flat =
+      calibrate(observed, {.lenses = {"radtan4"}, .warp = false, .target_deformation = false});
+  EXPECT_EQ(all.details["target_deformation"]["chosen"], "free");
+  EXPECT_EQ(flat.details["target_deformation"]["chosen"], "ideal");
+  EXPECT_LT(std::abs(flat.board_warp_m[0]), 1e-6);
+  EXPECT_EQ(flat.details["not_identifiable"].dump().find("board."), std::string::npos);
+  // The prediction is linear; fx changes by several pixels.
+  const double predicted_px = all.details["board_models"]["flat"][0];
+  const double change_px =
+      std::abs(flat.color.fx - all.details["board_models"]["warped"][0].get<double>());
+  EXPECT_GT(change_px, 0.5);
+  EXPECT_NEAR(predicted_px, flat.color.fx, 0.2 * change_px);
+}
+
 }  // namespace
 }  // namespace touchtrace

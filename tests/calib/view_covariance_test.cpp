@@ -70,7 +70,7 @@ TEST(ViewCovariance, SecondMomentOfManyViewsIsNotShrunk) {
   for (int i = 0; i < views; ++i)
     contributions.col(i) =
         root * Eigen::Vector2d(random.normal(), random.normal()) / std::sqrt(views);
-  const Eigen::MatrixXd found = shrunk_second_moment(contributions);
+  const Eigen::MatrixXd found = shrunk_second_moment(contributions, {2});
   // Relative standard error of a variance: sqrt(2 / views) = .01; 4 of these.
   EXPECT_TRUE(found.isApprox(truth, 0.04)) << found;
 }
@@ -80,12 +80,26 @@ TEST(ViewCovariance, SecondMomentOfFewViewsIsNearlyAMultipleOfTheIdentity) {
   constexpr int views = 6, parameters = 10;
   Eigen::MatrixXd contributions(parameters, views);
   for (double& value : contributions.reshaped()) value = 3.0 * random.normal() / std::sqrt(views);
-  const Eigen::VectorXd found =
-      shrunk_second_moment(contributions).selfadjointView<Eigen::Lower>().eigenvalues();
+  const Eigen::VectorXd found = shrunk_second_moment(contributions, {parameters})
+                                    .selfadjointView<Eigen::Lower>()
+                                    .eigenvalues();
   // The plain second moment has rank 6. The mean of 60 squares has a relative standard error of
   // sqrt(2 / 60) = .18; 4 of these, and the factor of at most 1.2 for few views.
   EXPECT_GT(found.minCoeff(), 9.0 * (1.0 - 4.0 * 0.18) / 2.0);
   EXPECT_NEAR(found.mean(), 9.0 * 1.1, 9.0 * (4.0 * 0.18 + 0.1));
+}
+
+/// Two kinds of parameters whose errors are inflated 2 and 6 times.
+TEST(ViewCovariance, FewViewsAreShrunkToTheMeanSquareOfEachBlock) {
+  RandomStream random(3, "contributions");
+  constexpr int views = 8, block = 50;
+  Eigen::MatrixXd contributions(2 * block, views);
+  for (double& value : contributions.reshaped()) value = random.normal() / std::sqrt(views);
+  contributions.topRows(block) *= 2.0, contributions.bottomRows(block) *= 6.0;
+  const Eigen::VectorXd found = shrunk_second_moment(contributions, {block, block}).diagonal();
+  // 400 squares: relative standard error sqrt(2 / 400) = .07; 4 of these, and 1 / (1 - r) < 1.3.
+  EXPECT_NEAR(found.head(block).mean(), 4.0 * 1.15, 4.0 * (0.28 + 0.15));
+  EXPECT_NEAR(found.tail(block).mean(), 36.0 * 1.15, 36.0 * (0.28 + 0.15));
 }
 
 }  // namespace

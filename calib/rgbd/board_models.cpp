@@ -1,0 +1,45 @@
+#include "calib/rgbd/board_models.h"
+
+#include <Eigen/LU>
+
+#include "calib/rgbd/target_deformation.h"
+
+namespace touchtrace {
+namespace {
+
+Eigen::Vector4d core_intrinsics(const RgbdParameters& parameters) {
+  return Eigen::Map<const Eigen::Vector4d>(parameters.color.data());
+}
+
+Eigen::Vector4d mean_given_no_warp(const BoardProblem& problem, const RgbdParameters& parameters) {
+  const Eigen::MatrixXd c = covariance(problem, parameters);
+  if (c.size() == 0) return Eigen::Vector4d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const auto warp = static_cast<Eigen::Index>(problem.free_color.size());
+  const Eigen::Matrix2d inverse = c.block<2, 2>(warp, warp).inverse();
+  return core_intrinsics(parameters) -
+         c.block<4, 2>(0, warp) *
+             (inverse * Eigen::Map<const Eigen::Vector2d>(parameters.board_warp_m.data()));
+}
+
+nlohmann::json list(const Eigen::Vector4d& values) {
+  if (!values.allFinite()) return nullptr;
+  return std::vector<double>(values.begin(), values.end());
+}
+
+}  // namespace
+
+BoardModels fit_board(BoardProblem& problem, RgbdParameters& parameters, bool target_deformation) {
+  BoardModels models{mean_given_no_warp(problem, parameters), core_intrinsics(parameters), {}};
+  if (!target_deformation) return models;
+  models.deformation_bic_gain = fit_target_deformation(problem, parameters);
+  if (has_free_deformation(problem)) models.free_corners = core_intrinsics(parameters);
+  return models;
+}
+
+nlohmann::json board_models_json(const BoardModels& models) {
+  return {{"flat", list(models.flat)},
+          {"warped", list(models.warped)},
+          {"free_corners", models.free_corners ? list(*models.free_corners) : nlohmann::json()}};
+}
+
+}  // namespace touchtrace

@@ -54,19 +54,15 @@ MatrixXd at_least_identity(const MatrixXd& symmetric) {
 
 /// Contributions [parameters, views], as shrunk_second_moment() takes them; empty if one cannot be
 /// computed.
-MatrixXd contributions_of_views(const BoardProblem& problem, RgbdParameters p) {
-  const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
-  const MatrixXd left_rotations = left_rotation_jacobian(problem, p, size);
-  const auto ceres_problem = make_problem(problem, p);
-  const auto evaluation = evaluate(*ceres_problem, problem, p);
-  if (!evaluation) return {};
-  const Linearized all = linearize(normal_equations(*evaluation), left_rotations);
+MatrixXd contributions_of_views(const Evaluation& evaluation, const MatrixXd& left_rotations) {
+  const Index size = left_rotations.rows();
+  const Linearized all = linearize(normal_equations(evaluation), left_rotations);
   const Eigen::LLT<MatrixXd> root(all.covariance);
   if (all.step.size() == 0 || root.info() != Eigen::Success) return {};
-  MatrixXd columns(size, static_cast<Index>(used_views(problem).size()));
+  MatrixXd columns(size, (evaluation.num_parameters() - size) / 6);
   for (Index view = 0; view < columns.cols(); ++view) {
     const Linearized others =
-        linearize(normal_equations_without_view(*evaluation, size + 6 * view), left_rotations);
+        linearize(normal_equations_without_view(evaluation, size + 6 * view), left_rotations);
     if (others.step.size() == 0) return {};
     const MatrixXd half = root.matrixL().solve(others.covariance);
     const MatrixXd relative = root.matrixL().solve(half.transpose());
@@ -107,7 +103,16 @@ MatrixXd shrunk_second_moment(const MatrixXd& contributions) {
 
 ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
                                const MatrixXd& independent) {
-  const MatrixXd columns = contributions_of_views(problem, parameters);
+  RgbdParameters p = parameters;
+  const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
+  const auto evaluation = evaluate(*make_problem(problem, p), problem, p);
+  if (!evaluation) return {independent, independent};
+  return view_covariance(*evaluation, left_rotation_jacobian(problem, p, size), independent);
+}
+
+ViewCovariance view_covariance(const Evaluation& evaluation, const MatrixXd& left_rotations,
+                               const MatrixXd& independent) {
+  const MatrixXd columns = contributions_of_views(evaluation, left_rotations);
   const Eigen::LLT<MatrixXd> root(independent);
   if (columns.cols() < min_views_for_scatter || root.info() != Eigen::Success ||
       !is_excessive(columns))

@@ -9,7 +9,7 @@ namespace touchtrace {
 Eigen::Matrix<double, 6, 6> pose_covariance(const RigCalibration& rig, std::size_t camera) {
   const auto first =
       std::ranges::find(rig.parameters, rig.names[camera] + "_from_" + rig.names.front() + ".rx");
-  if (first == rig.parameters.end())
+  if (rig.parameters.end() - first < 6)
     return Eigen::Matrix<double, 6, 6>::Constant(std::numeric_limits<double>::quiet_NaN());
   const auto at = first - rig.parameters.begin();
   return rig.covariance.block<6, 6>(at, at);

@@ -212,6 +212,7 @@ std::string cells(const Eigen::MatrixXd& shift_px, const Eigen::MatrixXd& sigma_
 ExitCode run_comparison(const std::vector<std::string>& files, bool as_json) {
   if (files.size() != 2)
     throw usage_error("--compare takes two calibrations", "touchtrace calibrate --compare A B");
+  if (is_rig(files[0]) || is_rig(files[1])) return compare_rigs(files[0], files[1], as_json);
   const auto difference = compare(read_calibration(files[0]), read_calibration(files[1]));
   if (as_json) {
     fmt::print("{}\n", difference_json(difference).dump(2));

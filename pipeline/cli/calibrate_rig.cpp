@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "calib/rig/calibrate_rig.h"
+#include "calib/rig/rig_comparison.h"
 #include "engine/base/files.h"
 #include "engine/base/provenance.h"
 #include "engine/base/text.h"
@@ -121,6 +122,31 @@ void print_summary(const RigCalibration& rig) {
 }
 
 }  // namespace
+
+bool is_rig(const std::string& path) {
+  return fs::path(path).filename() == "rig.json" || fs::exists(fs::path(path) / "rig.json");
+}
+
+ExitCode compare_rigs(const std::string& a, const std::string& b, bool as_json) {
+  const RigCalibration first = read_rig(a);
+  const auto differences = compare(first, read_rig(b));
+  nlohmann::json list = nlohmann::json::array();
+  for (std::size_t i = 0; i < differences.size(); ++i) {
+    const auto& d = differences[i];
+    list.push_back({{"camera", first.names[i + 1]},
+                    {"position_m", d.position_m},
+                    {"rotation_rad", d.rotation_rad},
+                    {"rms_sigmas", d.rms_sigmas},
+                    {"agree", d.agrees()}});
+    if (!as_json)
+      fmt::print(
+          "{:<9} moved by {:.3f} mm and {:.4f} degrees: {:.1f} standard deviations (RMS); {}\n",
+          first.names[i + 1], 1e3 * d.position_m, degrees_per_rad * d.rotation_rad, d.rms_sigmas,
+          d.agrees() ? "the poses agree" : "the poses differ");
+  }
+  if (as_json) fmt::print("{}\n", list.dump(2));
+  return ExitCode::done;
+}
 
 ExitCode calibrate_rig(const RigOptions& options, const Invocation& invocation) {
   const Stopwatch stopwatch;

@@ -17,6 +17,12 @@ struct RigOptions {
   std::string output;
 };
 
+/// Whether a path is a folder or rig.json of a calibrated rig.
+bool is_rig(const std::string& path);
+
+/// `touchtrace calibrate --compare A B` of two rigs.
+ExitCode compare_rigs(const std::string& a, const std::string& b, bool as_json);
+
 ExitCode calibrate_rig(const RigOptions& options, const Invocation& invocation);
 
 }  // namespace touchtrace::cli

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "calib/rgbd/rotation.h"
 #include "calib/rig/rig.h"
+#include "calib/rig/rig_comparison.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/scratch_folder.h"
@@ -64,6 +66,22 @@ TEST(RigFile, CamchainOfThreeCamerasIsReadBack) {
   EXPECT_TRUE(std::isnan(relative_pose(read, 1).baseline_sigma_m));
 }
 
+TEST(RigFile, ComparisonCountsStandardDeviations) {
+  const RigCalibration rig = sample_rig();
+  RigCalibration moved = rig;
+  moved.camera_from_rig[1].translation().x() += 12.0;
+  moved.parameters.clear();  // exact
+  RigCalibration pair = rig;
+  for (auto* r : {&pair, &moved}) r->cameras.pop_back(), r->camera_from_rig.pop_back();
+  const auto differences = compare(pair, moved);
+  ASSERT_EQ(differences.size(), 1u);
+  EXPECT_NEAR(differences[0].rms_sigmas, 6.0 / std::sqrt(6.0), 1e-9);  // sigma: 2 m
+  EXPECT_FALSE(differences[0].agrees());
+  EXPECT_TRUE(compare(pair, pair)[0].agrees());
+  EXPECT_THROW(compare(rig, pair), Error);
+  EXPECT_THROW(compare(moved, moved), Error);
+}
+
 TEST(RigFile, IsNotOverwritten) {
   const ScratchFolder folder;
   write_file(folder.path() / "rig/c2/calibration.json", "precious", false);
@@ -85,6 +103,10 @@ TEST(RigFile, FaultsAreErrors) {
   EXPECT_THROW(reads("a.json", good.substr(0, good.size() / 2))(), Error);
   EXPECT_THROW(reads("a.json", R"({"schema": "touchtrace/rig/1", "cameras": 3})")(), Error);
   EXPECT_THROW(reads("a.yaml", "cam1: {}")(), Error);
+  RigCalibration short_covariance = sample_rig();
+  short_covariance.parameters.resize(3);
+  short_covariance.covariance = Eigen::MatrixXd::Identity(3, 3);
+  EXPECT_TRUE(std::isnan(relative_pose(short_covariance, 1).baseline_sigma_m));
   std::string chain = read_file(folder.path() / "rig/camchain.yaml");
   chain.erase(chain.rfind("T_cn_cnm1"), 9);
   EXPECT_THROW(reads("a.yaml", chain)(), Error);

@@ -117,12 +117,9 @@ TEST(Rig, HeldOutEpipolarErrorIsTheNoise) {
 
 TEST(Rig, NeedsSharedFrames) {
   auto inputs = observed(simulated_rig(12));
-  for (auto& view : inputs[1].observations.views) view.name = "other " + view.name + "b";
-  inputs[1].observations.views.pop_back();
-  inputs[1].observations.views.erase(inputs[1].observations.views.begin() + 2,
-                                     inputs[1].observations.views.end() - 4);
-  for (std::size_t i = 0; i < inputs[1].observations.views.size(); ++i)
-    inputs[1].observations.views[i].name = "image " + std::to_string(100 + i);
+  auto& views = inputs[1].observations.views;
+  views.resize(5);  // fewer than the first camera's: not paired by order
+  for (std::size_t i = 0; i < views.size(); ++i) views[i].name = std::to_string(100 + i);
   EXPECT_THROW(calibrate_rig(inputs, one_lens), Error);
   inputs.pop_back();
   EXPECT_THROW(calibrate_rig(inputs, one_lens), Error);

@@ -13,7 +13,7 @@ Eigen::Vector4d core_intrinsics(const RgbdParameters& parameters) {
 
 Eigen::Vector4d mean_given_no_warp(const BoardProblem& problem, const RgbdParameters& parameters) {
   const Eigen::MatrixXd c = covariance(problem, parameters);
-  if (c.size() == 0) return Eigen::Vector4d::Constant(std::numeric_limits<double>::quiet_NaN());
+  if (c.size() == 0) return Eigen::Vector4d::Constant(BoardModels::unknown);
   const auto warp = static_cast<Eigen::Index>(problem.free_color.size());
   const Eigen::Matrix2d inverse = c.block<2, 2>(warp, warp).inverse();
   return core_intrinsics(parameters) -

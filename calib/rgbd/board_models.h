@@ -10,12 +10,14 @@ namespace touchtrace {
 
 /// fx, fy, cx, cy [px] of the colour camera for each model of the board.
 struct BoardModels {
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
   /// To first order: the mean given a warp of 0. NaN if the covariance is singular.
-  Eigen::Vector4d flat;
-  Eigen::Vector4d warped;
+  Eigen::Vector4d flat = Eigen::Vector4d::Constant(unknown);
+  Eigen::Vector4d warped = flat;
   std::optional<Eigen::Vector4d> free_corners;  ///< nullopt: not chosen
   /// TargetDeformation::bic_gain; NaN if it was not tried.
-  double deformation_bic_gain = std::numeric_limits<double>::quiet_NaN();
+  double deformation_bic_gain = unknown;
 };
 
 /// Completes a solved problem of the colour camera by fit_target_deformation(), if

@@ -164,21 +164,26 @@ Eigen::Isometry3d pose_of(const std::array<double, 6>& p) {
   return pose;
 }
 
-bool solve(const BoardProblem& problem, RgbdParameters& parameters) {
+bool minimize(ceres::Problem& problem, const SolverLimits& limits) {
   silence_ceres_warnings();
-  RgbdParameters trial = parameters;
-  const auto ceres_problem = make_problem(problem, trial);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.max_num_iterations = problem.max_iterations;
-  options.function_tolerance = problem.cost_tolerance;
-  options.parameter_tolerance = problem.parameter_tolerance;
-  options.num_threads = problem.num_threads;
+  options.max_num_iterations = limits.max_iterations;
+  options.function_tolerance = limits.cost_tolerance;
+  options.parameter_tolerance = limits.parameter_tolerance;
+  options.num_threads = limits.num_threads;
   options.initial_trust_region_radius = 1e8;  // close to Gauss-Newton: half the iterations
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &ceres_problem->problem, &summary);
-  if (summary.termination_type != ceres::CONVERGENCE || !std::isfinite(summary.final_cost))
+  ceres::Solve(options, &problem, &summary);
+  return summary.termination_type == ceres::CONVERGENCE && std::isfinite(summary.final_cost);
+}
+
+bool solve(const BoardProblem& problem, RgbdParameters& parameters) {
+  RgbdParameters trial = parameters;
+  const auto ceres_problem = make_problem(problem, trial);
+  if (!minimize(ceres_problem->problem, {problem.max_iterations, problem.cost_tolerance,
+                                         problem.parameter_tolerance, problem.num_threads}))
     return false;
   parameters = trial;
   return true;

@@ -1,11 +1,10 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <map>
 #include <stdexcept>
 #include <utility>
 
-#include "calib/rgbd/calibration.h"
+#include "calib/rgbd/calibration_json.h"
 #include "calib/rgbd/camera_info.h"
 #include "calib/rgbd/foreign_calibration.h"
 #include "engine/base/error.h"
@@ -20,28 +19,6 @@ constexpr std::uintmax_t max_bytes = 64u << 20;
 
 json numbers(const double* values, Eigen::Index count) {
   return std::vector<double>(values, values + count);
-}
-
-/// Row-major.
-json matrix_json(const Eigen::MatrixXd& matrix) {
-  json rows = json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    const Eigen::VectorXd row = matrix.row(i).transpose();
-    rows.push_back(numbers(row.data(), row.size()));
-  }
-  return rows;
-}
-
-json camera_json(const Camera& camera) {
-  json distortion = json::object();
-  const auto names = coefficient_names(camera.lens);
-  for (std::size_t i = 0; i < names.size(); ++i)
-    distortion[names[i]] = camera.distortion[static_cast<Eigen::Index>(i)];
-  return {{"width", camera.width},
-          {"height", camera.height},
-          {"lens", lens_name(camera.lens)},
-          {"intrinsics_px", {camera.fx, camera.fy, camera.cx, camera.cy}},
-          {"distortion", distortion}};
 }
 
 void require(bool good, const std::string& what) {
@@ -67,7 +44,42 @@ std::vector<double> numbers(const json& values, std::size_t count) {
   return result;
 }
 
-Eigen::MatrixXd matrix(const json& rows, Eigen::Index height, Eigen::Index width) {
+/// Renames keys that older versions wrote.
+json with_current_keys(json details) {
+  constexpr std::pair<const char*, const char*> renamed[] = {{"board_print", "target_deformation"},
+                                                             {"not_told", "not_identifiable"}};
+  for (const auto& [before, now] : renamed)
+    if (details.is_object() && details.contains(before)) {
+      details[now] = details[before];
+      details.erase(before);
+    }
+  return details;
+}
+
+}  // namespace
+
+json matrix_json(const Eigen::MatrixXd& matrix) {
+  json rows = json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    const Eigen::VectorXd row = matrix.row(i).transpose();
+    rows.push_back(numbers(row.data(), row.size()));
+  }
+  return rows;
+}
+
+json camera_json(const Camera& camera) {
+  json distortion = json::object();
+  const auto names = coefficient_names(camera.lens);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    distortion[names[i]] = camera.distortion[static_cast<Eigen::Index>(i)];
+  return {{"width", camera.width},
+          {"height", camera.height},
+          {"lens", lens_name(camera.lens)},
+          {"intrinsics_px", {camera.fx, camera.fy, camera.cx, camera.cy}},
+          {"distortion", distortion}};
+}
+
+Eigen::MatrixXd matrix_from_json(const json& rows, Eigen::Index height, Eigen::Index width) {
   require(rows.is_array() && static_cast<Eigen::Index>(rows.size()) == height,
           fmt::format("expected {} rows", height));
   Eigen::MatrixXd result(height, width);
@@ -78,7 +90,7 @@ Eigen::MatrixXd matrix(const json& rows, Eigen::Index height, Eigen::Index width
   return result;
 }
 
-Camera camera_from(const json& value) {
+Camera camera_from_json(const json& value) {
   Camera camera;
   camera.width = image_size(value.at("width"));
   camera.height = image_size(value.at("height"));
@@ -95,38 +107,24 @@ Camera camera_from(const json& value) {
   return camera;
 }
 
-Eigen::Isometry3d isometry_from(const json& value) {
+Eigen::Isometry3d pose_from_json(const json& value, const std::string& name) {
   Eigen::Isometry3d pose;
-  pose.matrix() = matrix(value, 4, 4);
+  pose.matrix() = matrix_from_json(value, 4, 4);
   const Eigen::Matrix3d rotation = pose.linear();
   require((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-6 &&
               rotation.determinant() > 0.0 &&
               pose.matrix().row(3) == Eigen::RowVector4d(0, 0, 0, 1),
-          "depth_from_color is not a rigid motion");
+          name + " is not a rigid motion");
   return pose;
 }
-
-/// Renames keys that older versions wrote.
-json with_current_keys(json details) {
-  constexpr std::pair<const char*, const char*> renamed[] = {{"board_print", "target_deformation"},
-                                                             {"not_told", "not_identifiable"}};
-  for (const auto& [before, now] : renamed)
-    if (details.is_object() && details.contains(before)) {
-      details[now] = details[before];
-      details.erase(before);
-    }
-  return details;
-}
-
-}  // namespace
 
 RgbdCalibration calibration_from_json(const json& value) {
   require(value.at("schema") == calibration_schema,
           fmt::format("schema {} is not {}", value.at("schema").dump(), calibration_schema));
   RgbdCalibration c;
-  c.color = camera_from(value.at("color"));
-  if (!value.at("depth").is_null()) c.depth = camera_from(value.at("depth"));
-  c.depth_from_color = isometry_from(value.at("depth_from_color"));
+  c.color = camera_from_json(value.at("color"));
+  if (!value.at("depth").is_null()) c.depth = camera_from_json(value.at("depth"));
+  c.depth_from_color = pose_from_json(value.at("depth_from_color"), "depth_from_color");
   c.depth_scale = number(value.at("depth_scale"));
   require(c.depth_scale > 0.0, "depth_scale is not positive");
   c.depth_offset_m = number(value.at("depth_offset_m"));
@@ -137,7 +135,7 @@ RgbdCalibration calibration_from_json(const json& value) {
   c.depth_rms_m = number(value.at("depth_rms_m"));
   c.parameters = value.at("parameters").get<std::vector<std::string>>();
   const auto size = static_cast<Eigen::Index>(c.parameters.size());
-  c.covariance = matrix(value.at("covariance"), size, size);
+  c.covariance = matrix_from_json(value.at("covariance"), size, size);
   c.details = with_current_keys(value.at("details"));
   return c;
 }
@@ -158,9 +156,8 @@ json calibration_json(const RgbdCalibration& c) {
           {"details", c.details}};
 }
 
-void write_calibration(const std::filesystem::path& folder, const RgbdCalibration& calibration,
-                       bool overwrite) {
-  std::map<std::string, std::string> texts;
+FileTexts calibration_files(const RgbdCalibration& calibration) {
+  FileTexts texts;
   texts["camera.yaml"] = camera_info_yaml("color", calibration.color);
   texts["camera_opencv.yaml"] = file_storage_yaml(calibration.color);
   if (calibration.depth) {
@@ -169,9 +166,18 @@ void write_calibration(const std::filesystem::path& folder, const RgbdCalibratio
   }
   texts["camchain.yaml"] = camchain_yaml(calibration);
   texts["calibration.json"] = calibration_json(calibration).dump(1) + "\n";
+  return texts;
+}
+
+void write_files(const std::filesystem::path& folder, const FileTexts& texts, bool overwrite) {
   for (const auto& [name, text] : texts)
     OutputFile(folder / name, overwrite);  // throws before any file is written
   for (const auto& [name, text] : texts) write_file(folder / name, text, overwrite);
+}
+
+void write_calibration(const std::filesystem::path& folder, const RgbdCalibration& calibration,
+                       bool overwrite) {
+  write_files(folder, calibration_files(calibration), overwrite);
 }
 
 RgbdCalibration read_calibration(const std::filesystem::path& folder_or_file) {

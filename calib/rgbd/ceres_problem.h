@@ -37,6 +37,16 @@ struct CeresProblem {
 
 std::unique_ptr<CeresProblem> make_problem(const BoardProblem& problem, RgbdParameters& parameters);
 
+struct SolverLimits {
+  int max_iterations = 500;
+  double cost_tolerance = 1e-10, parameter_tolerance = 1e-10;  ///< relative
+  int num_threads = 1;
+};
+
+/// Minimises by Levenberg-Marquardt. Returns false if Ceres does not converge or the cost is not
+/// finite.
+bool minimize(ceres::Problem& problem, const SolverLimits& limits);
+
 /// Indices of the views with BoardProblem::used, increasing.
 std::vector<std::size_t> used_views(const BoardProblem& problem);
 

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
+#include "calib/rgbd/calibration_json.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 
@@ -182,7 +183,8 @@ FourCoefficients four_coefficients(const Camera& c) {
   return model != nullptr ? FourCoefficients{model, {d[0], d[1], d[2], d[3]}} : fit_radtan(c);
 }
 
-std::string camchain_entry(const char* name, const char* topic, const Camera& c) {
+std::string camchain_entry(const std::string& name, const ChainCamera& entry) {
+  const Camera& c = entry.camera;
   const FourCoefficients four = four_coefficients(c);
   const auto& d = four.values;
   std::string text = fmt::format("{}:\n", name);
@@ -195,20 +197,57 @@ std::string camchain_entry(const char* name, const char* topic, const Camera& c)
                     "  distortion_model: {}\n  distortion_coeffs: [{:#}, {:#}, {:#}, {:#}]\n"
                     "  resolution: [{}, {}]\n  rostopic: {}\n",
                     c.fx, c.fy, c.cx, c.cy, four.model, d[0], d[1], d[2], d[3], c.width, c.height,
-                    topic);
+                    entry.topic);
+}
+
+/// Calls `read` with the content of a YAML file.
+template <class Read>
+auto read_yaml(const std::filesystem::path& file, Read&& read) {
+  const std::string text = read_file(file, max_foreign_bytes);
+  try {
+    return read(parse_yaml(text));
+  } catch (const std::exception& error) {
+    throw data_error(
+        fmt::format("cannot read calibration {}: {}", file.string(), error.what()),
+        "use a folder of `touchtrace calibrate`, a camera_info, a cv::FileStorage or a camchain");
+  }
 }
 
 }  // namespace
 
-std::string camchain_yaml(const RgbdCalibration& calibration) {
-  std::string text = camchain_entry("cam0", "/camera/color/image_raw", calibration.color);
-  if (!calibration.depth) return text;
-  text += camchain_entry("cam1", "/camera/depth/image_raw", *calibration.depth);
-  text += "  T_cn_cnm1:\n";
-  const Eigen::Matrix4d m = calibration.depth_from_color.matrix();
-  for (int i = 0; i < 4; ++i)
-    text += fmt::format("  - [{:#}, {:#}, {:#}, {:#}]\n", m(i, 0), m(i, 1), m(i, 2), m(i, 3));
+std::string camchain_yaml(const std::vector<ChainCamera>& chain) {
+  std::string text;
+  for (std::size_t camera = 0; camera < chain.size(); ++camera) {
+    text += camchain_entry(fmt::format("cam{}", camera), chain[camera]);
+    if (camera == 0) continue;
+    text += "  T_cn_cnm1:\n";
+    const Eigen::Matrix4d m = chain[camera].from_previous.matrix();
+    for (int i = 0; i < 4; ++i)
+      text += fmt::format("  - [{:#}, {:#}, {:#}, {:#}]\n", m(i, 0), m(i, 1), m(i, 2), m(i, 3));
+  }
   return text;
+}
+
+std::string camchain_yaml(const RgbdCalibration& calibration) {
+  std::vector<ChainCamera> chain{{"/camera/color/image_raw", calibration.color}};
+  if (calibration.depth)
+    chain.push_back({"/camera/depth/image_raw", *calibration.depth, calibration.depth_from_color});
+  return camchain_yaml(chain);
+}
+
+std::vector<ChainCamera> read_camchain(const std::filesystem::path& file) {
+  return read_yaml(file, [](const json& y) {
+    require_foreign(y.is_object() && y.contains("cam0"), "not a camchain");
+    std::vector<ChainCamera> chain;
+    for (std::string name = "cam0"; y.contains(name); name = fmt::format("cam{}", chain.size())) {
+      const json& entry = y.at(name);
+      ChainCamera camera{entry.value("rostopic", ""),
+                         camera_from_json(camera_from_camchain(entry))};
+      if (!chain.empty()) camera.from_previous = pose_from_json(entry.at("T_cn_cnm1"), "T_cn_cnm1");
+      chain.push_back(std::move(camera));
+    }
+    return chain;
+  });
 }
 
 std::string file_storage_yaml(const Camera& c) {
@@ -223,14 +262,8 @@ std::string file_storage_yaml(const Camera& c) {
 }
 
 RgbdCalibration read_foreign_calibration(const std::filesystem::path& file) {
-  const std::string text = read_file(file, max_foreign_bytes);
-  try {
-    return calibration_from_json(to_calibration_json(parse_yaml(text)));
-  } catch (const std::exception& error) {
-    throw data_error(
-        fmt::format("cannot read calibration {}: {}", file.string(), error.what()),
-        "use a folder of `touchtrace calibrate`, a camera_info, a cv::FileStorage or a camchain");
-  }
+  return read_yaml(file,
+                   [](const json& y) { return calibration_from_json(to_calibration_json(y)); });
 }
 
 }  // namespace touchtrace

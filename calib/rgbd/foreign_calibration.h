@@ -7,11 +7,21 @@
 
 namespace touchtrace {
 
-/// kalibr camchain: cam0 is the colour, cam1 the depth camera, T_cn_cnm1 = depth_from_color. kalibr
-/// knows radtan with four coefficients and equidistant. For a lens with k3 != 0 and a rational
-/// lens, four coefficients are fitted to the distortion over the image; a comment in the file
-/// states their largest error [px].
+/// Entry of a kalibr camchain.
+struct ChainCamera {
+  std::string topic;  ///< rostopic
+  Camera camera;
+  Eigen::Isometry3d from_previous = Eigen::Isometry3d::Identity();  ///< T_cn_cnm1, not of cam0
+};
+
+/// kalibr camchain. kalibr knows radtan with four coefficients and equidistant. For a lens with
+/// k3 != 0 and a rational lens, four coefficients are fitted to the distortion over the image; a
+/// comment in the file states their largest error [px].
+std::string camchain_yaml(const std::vector<ChainCamera>& chain);
+/// The same for cam0, the colour, and cam1, the depth camera.
 std::string camchain_yaml(const RgbdCalibration& calibration);
+/// Reads all cameras of a camchain: cam0, cam1, .. Throws data_error for an invalid file.
+std::vector<ChainCamera> read_camchain(const std::filesystem::path& file);
 
 /// cv::FileStorage with the keys of OpenCV's calibration sample.
 std::string file_storage_yaml(const Camera& camera);

@@ -5,7 +5,6 @@
 #include <limits>
 #include <opencv2/calib3d.hpp>
 
-#include "calib/camera/camera.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/lens_choice.h"
 #include "engine/base/statistics.h"
@@ -53,7 +52,8 @@ double focal_length_from_homographies(const BoardObservations& observations) {
   return plausible_focal_length(camera(0, 0), observations.width);
 }
 
-/// Pose from the corners whose rays are within max_ray_tangent.
+}  // namespace
+
 std::array<double, 6> initial_pose(const BoardView& view, const Chessboard& board,
                                    const Camera& camera) {
   std::vector<cv::Point3f> on_board;
@@ -75,6 +75,8 @@ std::array<double, 6> initial_pose(const BoardView& view, const Chessboard& boar
   }
   return {rotation[0], rotation[1], rotation[2], translation[0], translation[1], translation[2]};
 }
+
+namespace {
 
 RgbdParameters guess_for_focal_length(double focal_px, const BoardObservations& o,
                                       const Lens& lens) {

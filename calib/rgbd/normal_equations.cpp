@@ -105,15 +105,19 @@ NormalEquations sum_over_rows(const Evaluation& evaluation, const Predicate& is_
 
 std::optional<Evaluation> evaluate(CeresProblem& ceres_problem, const BoardProblem& problem,
                                    RgbdParameters& p) {
+  const auto corners = static_cast<Index>(p.corner_offsets_m.size());
+  return evaluate(ceres_problem.problem, parameter_blocks(problem, p),
+                  has_free_deformation(problem) ? 3 * corners : 0, problem.num_threads);
+}
+
+std::optional<Evaluation> evaluate(ceres::Problem& problem, std::vector<double*> blocks,
+                                   Index num_offsets, int num_threads) {
   ceres::Problem::EvaluateOptions options;
-  options.num_threads = problem.num_threads;
-  options.parameter_blocks = parameter_blocks(problem, p);
+  options.num_threads = num_threads;
+  options.parameter_blocks = std::move(blocks);
   Evaluation result;
-  if (has_free_deformation(problem))
-    result.num_offsets = 3 * static_cast<Index>(p.corner_offsets_m.size());
-  if (!ceres_problem.problem.Evaluate(options, nullptr, &result.residuals, nullptr,
-                                      &result.jacobian))
-    return {};
+  result.num_offsets = num_offsets;
+  if (!problem.Evaluate(options, nullptr, &result.residuals, nullptr, &result.jacobian)) return {};
   return result;
 }
 

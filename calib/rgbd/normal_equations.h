@@ -36,6 +36,11 @@ struct Evaluation {
 std::optional<Evaluation> evaluate(CeresProblem& ceres_problem, const BoardProblem& problem,
                                    RgbdParameters& parameters);
 
+/// The same for any problem: `blocks` are its parameters, each observation's pose and then the
+/// offsets last; `num_offsets`: 3 n, or 0.
+std::optional<Evaluation> evaluate(ceres::Problem& problem, std::vector<double*> blocks,
+                                   Eigen::Index num_offsets, int num_threads = 1);
+
 /// Sums over all residuals.
 NormalEquations normal_equations(const Evaluation& evaluation);
 /// Sums over the residuals that do not depend on one view's pose, whose six parameters begin at

@@ -37,16 +37,6 @@ PixelJacobian pixel_jacobian(const Camera& camera, const Eigen::Vector3d& ray) {
   return jacobian;
 }
 
-/// Index in Camera::parameters() of each colour parameter of the covariance.
-std::vector<Index> color_parameter_indices(const RgbdCalibration& c) {
-  const auto names = intrinsic_names(c.color.lens);
-  std::vector<Index> indices;
-  for (const std::string& parameter : c.parameters)
-    for (std::size_t i = 0; i < names.size(); ++i)
-      if (parameter == "color." + names[i]) indices.push_back(Index(i));
-  return indices;
-}
-
 /// Derivatives [2 pixels, ..] of the grid pixels; 0 where they cannot be unprojected.
 struct GridJacobian {
   MatrixXd by_intrinsics, by_rotation;
@@ -90,6 +80,15 @@ MatrixXd rotation_free_jacobian(const RgbdCalibration& c) {
                                                          weight.asDiagonal() * grid.by_intrinsics));
   }
   return result;
+}
+
+std::vector<int> color_parameter_indices(const RgbdCalibration& c) {
+  const auto names = intrinsic_names(c.color.lens);
+  std::vector<int> indices;
+  for (const std::string& parameter : c.parameters)
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (parameter == "color." + names[i]) indices.push_back(static_cast<int>(i));
+  return indices;
 }
 
 MatrixXd projection_sigma_px(const RgbdCalibration& c) {

@@ -26,6 +26,9 @@ double projection_sigma_quantile_px(const RgbdCalibration& calibration, double f
 /// Rows of a matrix over ImageGrid; null for NaN.
 nlohmann::json grid_json(const Eigen::MatrixXd& grid);
 
+/// Index in Camera::parameters() of each estimated parameter of the colour camera.
+std::vector<int> color_parameter_indices(const RgbdCalibration& calibration);
+
 /// Derivative of the grid pixels with respect to the estimated intrinsics of the colour camera,
 /// after projecting out small rotations: [2 pixels, parameters]. Rows of pixels that cannot be
 /// unprojected are 0.

@@ -12,7 +12,6 @@
 namespace touchtrace {
 namespace {
 
-constexpr double outlier_ratio = 3.0;  ///< RMS of an outlier view over that of the median view
 constexpr int num_robust_rounds = 2;
 constexpr double poor_rms_px = 1.0;  ///< above it, a lens taken for radtan4 may be a fisheye
 constexpr double robust_fit_tolerance = 1e-5;

@@ -34,6 +34,8 @@ struct RobustFits {
 RobustFits fit_robustly(const BoardObservations& observations, const std::vector<bool>& usable,
                         const std::vector<LensChoice>& choices);
 
+/// RMS of an outlier view over that of the median view.
+inline constexpr double outlier_ratio = 3.0;
 /// An RMS that is larger by this factor is much worse.
 inline constexpr double much_worse_ratio = 2.0;
 

@@ -13,14 +13,6 @@ namespace {
 
 constexpr double min_aspect_sigmas = 4.0;
 
-/// Lowers the grade to WEAK if `value` > `good`, to BAD if `value` > `weak` or NaN.
-void apply_limits(Verdict& verdict, double value, double good, double weak,
-                  const std::string& advice) {
-  if (value <= good) return;
-  verdict.grade = std::max(verdict.grade, value <= weak ? Grade::weak : Grade::bad);
-  verdict.advice.push_back(advice);
-}
-
 Eigen::Index index_of(const RgbdCalibration& c, const std::string& parameter) {
   const auto found = std::ranges::find(c.parameters, parameter);
   return found == c.parameters.end() ? -1 : found - c.parameters.begin();
@@ -98,6 +90,13 @@ void assess_depth(Verdict& verdict, const RgbdCalibration& c) {
 }
 
 }  // namespace
+
+void apply_limits(Verdict& verdict, double value, double good, double weak,
+                  const std::string& advice) {
+  if (value <= good) return;
+  verdict.grade = std::max(verdict.grade, value <= weak ? Grade::weak : Grade::bad);
+  verdict.advice.push_back(advice);
+}
 
 const char* grade_name(Grade grade) {
   constexpr const char* names[] = {"GOOD", "WEAK", "BAD"};

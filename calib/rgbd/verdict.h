@@ -34,6 +34,10 @@ const char* grade_name(Grade grade);  ///< GOOD, WEAK, BAD
 Verdict assess_calibration(const RgbdCalibration& calibration, int used_views,
                            double view_inflation);
 
+/// Lowers the grade to WEAK if `value` > `good`, to BAD if `value` > `weak` or NaN.
+void apply_limits(Verdict& verdict, double value, double good, double weak,
+                  const std::string& advice);
+
 /// Standard deviation of a parameter; NaN if it was not estimated.
 double parameter_sigma(const RgbdCalibration& calibration, const std::string& parameter);
 

@@ -54,19 +54,15 @@ MatrixXd at_least_identity(const MatrixXd& symmetric) {
 
 /// Contributions [parameters, views], as shrunk_second_moment() takes them; empty if one cannot be
 /// computed.
-MatrixXd contributions_of_views(const BoardProblem& problem, RgbdParameters p) {
-  const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
-  const MatrixXd left_rotations = left_rotation_jacobian(problem, p, size);
-  const auto ceres_problem = make_problem(problem, p);
-  const auto evaluation = evaluate(*ceres_problem, problem, p);
-  if (!evaluation) return {};
-  const Linearized all = linearize(normal_equations(*evaluation), left_rotations);
+MatrixXd contributions_of_views(const Evaluation& evaluation, const MatrixXd& left_rotations) {
+  const Index size = left_rotations.rows();
+  const Linearized all = linearize(normal_equations(evaluation), left_rotations);
   const Eigen::LLT<MatrixXd> root(all.covariance);
   if (all.step.size() == 0 || root.info() != Eigen::Success) return {};
-  MatrixXd columns(size, static_cast<Index>(used_views(problem).size()));
+  MatrixXd columns(size, (evaluation.num_parameters() - size) / 6);
   for (Index view = 0; view < columns.cols(); ++view) {
     const Linearized others =
-        linearize(normal_equations_without_view(*evaluation, size + 6 * view), left_rotations);
+        linearize(normal_equations_without_view(evaluation, size + 6 * view), left_rotations);
     if (others.step.size() == 0) return {};
     const MatrixXd half = root.matrixL().solve(others.covariance);
     const MatrixXd relative = root.matrixL().solve(half.transpose());
@@ -95,16 +91,23 @@ VectorXd factors_for_few_views(const MatrixXd& contributions, const std::vector<
   return factors;
 }
 
-/// Numbers of consecutive parameter_names() that belong together: fx, fy, cx, cy; distortion;
-/// board; pose of the depth camera; its other parameters.
-std::vector<Index> block_sizes(const std::vector<std::string>& names) {
-  constexpr Index core = 4;
-  std::vector<Index> sizes{core};
+/// What a parameter belongs to: fx, fy, cx, cy of a camera; its other parameters; a pose; the
+/// board.
+std::string block_of(const std::string& parameter) {
+  const std::size_t dot = parameter.rfind('.');
+  const std::string name = parameter.substr(dot + 1);
+  const bool is_core = name == "fx" || name == "fy" || name == "cx" || name == "cy";
+  return parameter.substr(0, dot) + (is_core ? " core" : "");
+}
+
+/// Numbers of consecutive parameters of one block.
+std::vector<Index> block_sizes(const std::vector<std::string>& parameters) {
+  std::vector<Index> sizes;
   std::string last;
-  for (auto name = names.begin() + core; name != names.end(); ++name) {
-    const std::string group = name->substr(0, name->find('.'));
-    if (group != last) sizes.push_back(0);
-    ++sizes.back(), last = group;
+  for (const std::string& parameter : parameters) {
+    const std::string block = block_of(parameter);
+    if (block != last) sizes.push_back(0);
+    ++sizes.back(), last = block;
   }
   return sizes;
 }
@@ -141,13 +144,25 @@ MatrixXd shrunk_second_moment(const MatrixXd& contributions,
 
 ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
                                const MatrixXd& independent) {
-  const MatrixXd columns = contributions_of_views(problem, parameters);
+  RgbdParameters p = parameters;
+  const auto names = parameter_names(problem, p.lens);
+  const auto evaluation = evaluate(*make_problem(problem, p), problem, p);
+  if (!evaluation) return {independent, independent};
+  return view_covariance(*evaluation, names,
+                         left_rotation_jacobian(problem, p, static_cast<Index>(names.size())),
+                         independent);
+}
+
+ViewCovariance view_covariance(const Evaluation& evaluation,
+                               const std::vector<std::string>& parameters,
+                               const MatrixXd& left_rotations, const MatrixXd& independent) {
+  const MatrixXd columns = contributions_of_views(evaluation, left_rotations);
   const Eigen::LLT<MatrixXd> root(independent);
   if (columns.cols() < min_views_for_scatter || root.info() != Eigen::Success ||
       !is_excessive(columns))
     return {independent, independent};
-  const MatrixXd relative = at_least_identity(
-      shrunk_second_moment(columns, block_sizes(parameter_names(problem, parameters.lens))));
+  const MatrixXd relative =
+      at_least_identity(shrunk_second_moment(columns, block_sizes(parameters)));
   if (!relative.allFinite()) return {independent, independent};
   const MatrixXd lower = root.matrixL();
   return {independent, lower * relative * lower.transpose(),

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "calib/rgbd/board_problem.h"
+#include "calib/rgbd/normal_equations.h"
 
 namespace touchtrace {
 
@@ -34,6 +36,13 @@ Eigen::MatrixXd shrunk_second_moment(const Eigen::MatrixXd& contributions,
 /// contributions do not exceed those of independent corners by three standard errors, if there are
 /// fewer than six views, or if a step cannot be computed.
 ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
+                               const Eigen::MatrixXd& independent);
+/// The same for any problem. Its parameters are those of interest, with names WHOSE.NAME, to which
+/// the square matrix `left_rotations` is applied, then six for the pose of each independent
+/// observation.
+ViewCovariance view_covariance(const Evaluation& evaluation,
+                               const std::vector<std::string>& parameters,
+                               const Eigen::MatrixXd& left_rotations,
                                const Eigen::MatrixXd& independent);
 
 }  // namespace touchtrace

@@ -9,6 +9,7 @@
 #include "engine/base/provenance.h"
 #include "engine/base/text.h"
 #include "pipeline/acquire/board_views.h"
+#include "pipeline/cli/calibrate_rig.h"
 #include "pipeline/cli/commands.h"
 
 namespace touchtrace::cli {
@@ -16,7 +17,7 @@ namespace {
 
 struct CalibrateOptions {
   std::string recording, corners, output = "camera";
-  std::vector<std::string> images, compare;
+  std::vector<std::string> images, cameras, compare;
   int columns = 9, rows = 6;
   double square_mm = 25.0, marker_mm = 18.0;
   std::string markers = "none", lens = "auto";
@@ -50,6 +51,10 @@ void describe(OptionSet& set, CalibrateOptions& o) {
       .value("CALIBRATION");
   set.group("Images instead of a recording");
   set.texts("images", o.images, "folder, files, glob pattern, or TUM RGB-D folder").value("PATH");
+  set.texts("camera", o.cameras,
+            "two or more cameras of a rig, e.g. left=photos/left right=photos/right: images as for "
+            "--images, or a file as for --corners")
+      .value("NAME=PATH");
   set.text("corners", o.corners,
            "detected corners: calibration.json, or text of mrcal ('filename x y level')")
       .value("FILE");
@@ -63,15 +68,25 @@ void describe(OptionSet& set, CalibrateOptions& o) {
   set.number("marker-mm", o.marker_mm, "side of a marker [mm]", 0.1, 1000.0).value("MM");
 }
 
-BoardObservations observe(const CalibrateOptions& o) {
-  const int inputs = !o.recording.empty() + !o.images.empty() + !o.corners.empty();
+void require_one_input(const CalibrateOptions& o) {
+  const int inputs =
+      !o.recording.empty() + !o.images.empty() + !o.corners.empty() + !o.cameras.empty();
   if (inputs != 1)
-    throw usage_error(inputs == 0 ? "missing RECORDING, --images PATH or --corners FILE"
-                                  : "RECORDING, --images and --corners cannot be combined",
+    throw usage_error(inputs == 0
+                          ? "missing RECORDING, --images PATH, --corners FILE or --camera NAME=PATH"
+                          : "RECORDING, --images, --corners and --camera cannot be combined",
                       "touchtrace calibrate --help describes them");
-  if (!o.recording.empty()) return board_views_from_recording(o.recording);
+}
+
+Chessboard board_of(const CalibrateOptions& o) {
   Chessboard board{o.columns, o.rows, 1e-3 * o.square_mm};
   if (o.markers != "none") board.markers = {o.markers, 1e-3 * o.marker_mm};
+  return board;
+}
+
+BoardObservations observe(const CalibrateOptions& o) {
+  if (!o.recording.empty()) return board_views_from_recording(o.recording);
+  const Chessboard board = board_of(o);
   if (!o.corners.empty()) return board_views_from_corners(o.corners, board);
   return is_tum_folder(o.images.front()) ? board_views_from_tum(o.images.front(), board)
                                          : board_views_from_images(o.images, board);
@@ -213,6 +228,7 @@ std::string cells(const Eigen::MatrixXd& shift_px, const Eigen::MatrixXd& sigma_
 ExitCode run_comparison(const std::vector<std::string>& files, bool as_json) {
   if (files.size() != 2)
     throw usage_error("--compare takes two calibrations", "touchtrace calibrate --compare A B");
+  if (is_rig(files[0]) || is_rig(files[1])) return compare_rigs(files[0], files[1], as_json);
   const auto difference = compare(read_calibration(files[0]), read_calibration(files[1]));
   if (as_json) {
     fmt::print("{}\n", difference_json(difference).dump(2));
@@ -235,13 +251,17 @@ ExitCode run_comparison(const std::vector<std::string>& files, bool as_json) {
 
 ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
   if (!options.compare.empty()) return run_comparison(options.compare, invocation.json);
-  const Stopwatch stopwatch;
-  const OutputFile refuses_existing(std::filesystem::path(options.output) / "calibration.json",
-                                    invocation.overwrite);
+  require_one_input(options);
   CalibrationOptions settings{.warp = !options.no_warp,
                               .target_deformation = !options.no_target_deformation,
                               .cross_validate = true};
   if (options.lens != "auto") settings.lenses = {options.lens};
+  if (!options.cameras.empty())
+    return calibrate_rig({options.cameras, board_of(options), settings, options.output},
+                         invocation);
+  const Stopwatch stopwatch;
+  const OutputFile refuses_existing(std::filesystem::path(options.output) / "calibration.json",
+                                    invocation.overwrite);
   RgbdCalibration calibration = calibrate(observe(options), settings);
   calibration.details["provenance"] = provenance_of(options, invocation, stopwatch);
   write_calibration(options.output, calibration, invocation.overwrite);
@@ -261,6 +281,7 @@ Command calibrate_command() {
       {"touchtrace calibrate wave.h5 --output camera",
        "touchtrace calibrate --images 'photos/left*.jpg' --columns 9 --rows 6 --square-mm 25 "
        "--output camera",
+       "touchtrace calibrate --camera left=photos/left right=photos/right --output stereo",
        "touchtrace calibrate --compare camera camera_of_last_month"},
       run, {.overwrite = true, .quiet = true});
 }

@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 
 import figures
-from calibration_peers import real_sets
+from calibration_peers import real_rigs, real_sets
 from figures import at_most, row
 
 PHOTOGRAPHS = "/usr/share/doc/opencv-doc/examples/data"
@@ -116,15 +116,22 @@ def figures_of(options, side, mrcal):
             yield row(f"{side}: solving, {key.removesuffix('_s')}, {name}", 1e3 * statistics.median(r[key] for r in several), "ms")
 
 
+def figures_of_sets(folder, touchtrace):
+    """A set of several cameras has a folder for each."""
+    for path in sorted(p for p in pathlib.Path(folder).iterdir() if p.is_dir()):
+        is_rig = any(p.is_dir() for p in path.iterdir())
+        yield from (real_rigs if is_rig else real_sets).figures_of(path, touchtrace)
+
+
 def main():
     parser = argparse.ArgumentParser(prog="scripts/bench calibration", description="touchtrace, OpenCV and mrcal on the same corners")
     parser.add_argument("--touchtrace", default="build/release/touchtrace")
     parser.add_argument("--rounds", type=int, default=5, help="alternating runs of a timing")
-    parser.add_argument("--real", metavar="FOLDER", help="sets of photographs, one folder each, instead: calibration_peers/real_sets.py")
+    parser.add_argument("--real", metavar="FOLDER", help="sets of photographs, one folder each, instead: calibration_peers/real_sets.py, real_rigs.py")
     parser.add_argument("--json", action="store_true", help="print all rows as one JSON object")
     options = parser.parse_args()
     if options.real:
-        return figures.emit(real_sets.figures_of_sets(options.real, options.touchtrace), 80, options.json)
+        return figures.emit(figures_of_sets(options.real, options.touchtrace), 80, options.json)
     if not glob.glob(f"{PHOTOGRAPHS}/left0?.jpg"):
         parser.error("the sample photographs of OpenCV are missing: apt-get install opencv-doc")
     if not os.access(options.touchtrace, os.X_OK):

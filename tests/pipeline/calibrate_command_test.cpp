@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calib/rgbd/calibration.h"
+#include "calib/rig/rig.h"
 #include "engine/base/files.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/cli/commands.h"
@@ -128,6 +129,51 @@ TEST(CalibrateCommand, SkipsAndListsWhatIsNoViewOfTheBoard) {
   for (const auto& image : details["skipped_images"]) skipped.push_back(image["name"]);
   EXPECT_EQ(skipped, (std::vector<std::string>{"empty.jpg", "text.png", "thumbnail.pgm"}));
   EXPECT_EQ(details["views"].size(), 9u);
+}
+
+/// cv::stereoCalibrate on the same corners: 83.16 mm, or 83.18 mm without the frame 08.
+TEST(CalibrateCommand, CalibratesTheStereoPairOfOpenCv) {
+  const TemporaryFolder folder;
+  const auto calibrate_pair = [&](const std::string& output) {
+    return run({"--camera", "left=" + (photographs / "left[01]?.jpg").string(),
+                "right=" + (photographs / "right[01]?.jpg").string(), "--lens", "radtan4",
+                "--output", (folder / output).string()});
+  };
+  ASSERT_EQ(calibrate_pair("stereo"), 0);
+  EXPECT_EQ(calibrate_pair("stereo"), 2);  // does not overwrite
+  const RigCalibration rig = read_rig(folder / "stereo");
+  const RelativePose pose = relative_pose(rig, 1);
+  EXPECT_NEAR(pose.baseline_m, 0.08318, 4.0 * pose.baseline_sigma_m);
+  EXPECT_LT(pose.baseline_sigma_m, 2e-4);
+  EXPECT_LT(rig.details["epipolar"][0]["rms_px"].get<double>(), 0.2);
+  EXPECT_EQ(rig.details["verdict"], "GOOD");
+  EXPECT_EQ(read_calibration(folder / "stereo/right").color.parameters(),
+            rig.cameras[1].color.parameters());
+  for (const char* name : {"camchain.yaml", "left_right_opencv.yaml", "left/camera.yaml"})
+    EXPECT_TRUE(fs::exists(folder / "stereo" / name)) << name;
+  EXPECT_EQ(
+      run({"--compare", (folder / "stereo").string(), (folder / "stereo/camchain.yaml").string()}),
+      0);
+}
+
+TEST(CalibrateCommand, SaysWhatIsWrongWithTheCameras) {
+  const TemporaryFolder folder;
+  write_grey(folder / "a/1.pgm", 64, 48);
+  write_grey(folder / "b/1.pgm", 64, 48);
+  const std::string a = folder / "a", b = folder / "b", out = folder / "out";
+  const auto with = [&](std::vector<std::string> cameras) {
+    cameras.insert(cameras.begin(), "--camera");
+    cameras.insert(cameras.end(), {"--output", out});
+    return run(cameras);
+  };
+  EXPECT_EQ(with({a}), 2);
+  EXPECT_EQ(with({"x=" + a, "x=" + b}), 2);
+  EXPECT_EQ(with({"../x=" + a, "y=" + b}), 2);
+  EXPECT_EQ(with({"x=", "y=" + b}), 2);
+  EXPECT_EQ(with({a, b, "--images", a}), 2);
+  EXPECT_EQ(with({a, b}), 3);  // there is no board
+  EXPECT_EQ(with({a, "y=" + (folder / "missing").string()}), 3);
+  EXPECT_FALSE(fs::exists(folder / "out/rig.json"));
 }
 
 TEST(CalibrateCommand, AcceptsAnExpandedPattern) {

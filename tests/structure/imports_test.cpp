@@ -38,6 +38,7 @@ const std::map<std::string, std::set<std::string>>& allowed() {
       {"calib/camera", {"engine/base"}},
       {"calib/board", {"engine/base", "calib/camera"}},
       {"calib/rgbd", {"engine/base", "calib/camera", "calib/board"}},
+      {"calib/rig", {"engine/base", "calib/camera", "calib/board", "calib/rgbd"}},
       {"calib/smooth", {"engine/base"}},
       {"pipeline/recording", {"engine/base"}},
       {"pipeline/dataset", {"engine/base", "pipeline/recording"}},

@@ -105,8 +105,3 @@ def figures_of(folder, touchtrace):
     if values["OpenCV"]:
         yield row(f"{about}: NEES of halves, OpenCV", np.mean(values["OpenCV"]), "")
     yield row(f"{about}: sigma over that of independent corners", whole["details"]["view_inflation"], "")
-
-
-def figures_of_sets(folder, touchtrace):
-    for path in sorted(p for p in pathlib.Path(folder).iterdir() if p.is_dir()):
-        yield from figures_of(path, touchtrace)

@@ -11,11 +11,12 @@
 #include "calib/rgbd/cross_validation.h"
 #include "engine/base/statistics.h"
 #include "tests/verify/calib/monte_carlo.h"
+#include "tests/verify/calib/simulated_rig.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr int runs = 1000, views = 15, timed_runs = 20;
+constexpr int runs = 1000, views = 15, timed_runs = 20, rig_runs = 100;
 constexpr int compared_runs = 50;  ///< each is fitted ten more times for cross-validation
 constexpr double deformation_sigma_m = 1e-4, deformed_noise_px = 0.1;
 constexpr double max_linear_noise_px = 0.5;  ///< up to here the problem is nearly linear
@@ -88,6 +89,11 @@ void emit_depth(const std::function<void(Figure)>& emit) {
       emit(at_most("RMSE over Cramer-Rao, " + result.names[i], result.rmse_ratio[i], "", 1.1));
 }
 
+void emit_rig(const std::function<void(Figure)>& emit) {
+  emit(within(fmt::format("NEES/6 of the relative pose of two cameras, {} rigs", rig_runs),
+              rig_pose_nees(simulated_rig(views), rig_runs), "", 0.8, 1.25));
+}
+
 /// CPU time [ms] of one calibration that chooses among all lenses; median of `timed_runs`.
 double lens_choice_cpu_ms() {
   std::vector<double> ms;
@@ -114,6 +120,7 @@ void verify_simulated_calibration(const std::function<void(Figure)>& emit) {
   for (double corner_sigma_px : {0.01, 0.1, 0.5, 2.0}) emit_level(corner_sigma_px, emit);
   emit_depth(emit);
   emit_deformation(emit);
+  emit_rig(emit);
   const MonteCarlo timing = monte_carlo(color_boards(0.2), timed_runs);
   emit(at_most("15 views, one lens, CPU time", 1e3 * timing.cpu_s, "ms", 50.0));
   emit(at_most("15 views, best of all lenses, CPU time", lens_choice_cpu_ms(), "ms", 50.0));

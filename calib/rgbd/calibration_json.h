@@ -1,0 +1,29 @@
+#pragma once
+
+#include <map>
+
+#include "calib/rgbd/calibration.h"
+
+namespace touchtrace {
+
+// Parts of calibration.json and rig.json. Readers throw std::exception for an invalid document.
+
+nlohmann::json camera_json(const Camera& camera);
+Camera camera_from_json(const nlohmann::json& value);
+
+/// Row-major.
+nlohmann::json matrix_json(const Eigen::MatrixXd& matrix);
+Eigen::MatrixXd matrix_from_json(const nlohmann::json& rows, Eigen::Index height,
+                                 Eigen::Index width);
+
+/// Rigid motion from a 4x4 matrix. `name`: for messages.
+Eigen::Isometry3d pose_from_json(const nlohmann::json& value, const std::string& name);
+
+using FileTexts = std::map<std::string, std::string>;  ///< by path relative to a folder
+
+/// Files of write_calibration().
+FileTexts calibration_files(const RgbdCalibration& calibration);
+/// Throws if a file exists, unless `overwrite`; then nothing is written.
+void write_files(const std::filesystem::path& folder, const FileTexts& texts, bool overwrite);
+
+}  // namespace touchtrace

@@ -33,6 +33,10 @@ Progress::~Progress() {
   if (printed_ && terminal_) std::fputc('\n', stderr);
 }
 
+void Progress::report(const std::string& line) {
+  if (!silent) fmt::print(stderr, "{}\n", line);
+}
+
 void Progress::silence() { silent = true; }
 
 double Progress::seconds() const {

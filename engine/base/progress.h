@@ -22,6 +22,8 @@ class Progress {
   /// Seconds since the construction.
   double seconds() const;
 
+  /// Prints a line on stderr: progress of work without a known number of steps.
+  static void report(const std::string& line);
   /// Turns off all progress reports (--quiet).
   static void silence();
 

@@ -41,6 +41,9 @@ GreyImage read_grey(const std::filesystem::path& path);
 void require_same_size(const BoardObservations& observations, const GreyImage& image,
                        const std::filesystem::path& path);
 
+/// Images in a folder, by their extension, sorted; may be empty.
+std::vector<std::filesystem::path> images_in_folder(const std::filesystem::path& folder);
+
 /// Files that board_views_from_images or board_views_from_tum reads.
 std::vector<std::filesystem::path> image_files(const std::vector<std::string>& folders_or_patterns);
 

@@ -117,13 +117,19 @@ void require_same_size(const BoardObservations& observations, const GreyImage& i
         "give images of one camera and one size");
 }
 
+std::vector<fs::path> images_in_folder(const fs::path& folder) {
+  std::vector<fs::path> images;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (is_image(entry.path())) images.push_back(entry.path());
+  std::ranges::sort(images);
+  return images;
+}
+
 std::vector<fs::path> image_files(const std::vector<std::string>& folders_or_patterns) {
   std::vector<fs::path> files;
   for (const std::string& source : folders_or_patterns) {
     if (is_tum_folder(source)) return tum_files(source);
-    const bool folder = fs::is_directory(source);
-    auto found = matches(folder ? source + "/*" : source);
-    if (folder) std::erase_if(found, [](const fs::path& path) { return !is_image(path); });
+    auto found = fs::is_directory(source) ? images_in_folder(source) : matches(source);
     if (found.empty())
       throw data_error(fmt::format("no images in '{}'", source),
                        "give a folder, files, or a pattern such as 'photos/left*.jpg'");

@@ -5,11 +5,13 @@
 #include "calib/board/charuco.h"
 #include "calib/rgbd/calibrate.h"
 #include "calib/rgbd/comparison.h"
+#include "calib/rgbd/next_view.h"
 #include "engine/base/files.h"
 #include "engine/base/provenance.h"
 #include "engine/base/text.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/cli/calibrate_rig.h"
+#include "pipeline/cli/calibrate_watch.h"
 #include "pipeline/cli/commands.h"
 
 namespace touchtrace::cli {
@@ -21,7 +23,7 @@ struct CalibrateOptions {
   int columns = 9, rows = 6;
   double square_mm = 25.0, marker_mm = 18.0;
   std::string markers = "none", lens = "auto";
-  bool no_warp = false, no_target_deformation = false;
+  bool watch = false, no_warp = false, no_target_deformation = false;
 };
 
 std::vector<std::string> marker_choices() {
@@ -51,6 +53,9 @@ void describe(OptionSet& set, CalibrateOptions& o) {
       .value("CALIBRATION");
   set.group("Images instead of a recording");
   set.texts("images", o.images, "folder, files, glob pattern, or TUM RGB-D folder").value("PATH");
+  set.flag("watch", o.watch,
+           "wait for images in the folder, say which view helps most, end when the calibration is "
+           "GOOD");
   set.texts("camera", o.cameras,
             "two or more cameras of a rig, e.g. left=photos/left right=photos/right: images as for "
             "--images, or a file as for --corners")
@@ -212,6 +217,8 @@ void print_summary(const RgbdCalibration& c) {
   fmt::print("verdict   {}\n", details["verdict"].get<std::string>());
   for (const auto& advice : details["advice"])
     fmt::print("          {}\n", advice.get<std::string>());
+  if (details.contains("next_view"))
+    fmt::print("next      a view with the board {}\n", details["next_view"].get<std::string>());
 }
 
 std::string cells(const Eigen::MatrixXd& shift_px, const Eigen::MatrixXd& sigma_px) {
@@ -249,6 +256,25 @@ ExitCode run_comparison(const std::vector<std::string>& files, bool as_json) {
   return ExitCode::done;
 }
 
+BoardObservations watch(const CalibrateOptions& options, const CalibrationOptions& settings,
+                        const Invocation& invocation) {
+  if (options.images.size() != 1)
+    throw usage_error("--watch takes one folder", "touchtrace calibrate --images FOLDER --watch");
+  CalibrationOptions quick = settings;
+  quick.cross_validate = false;
+  return watch_folder({options.images.front(), options.output, board_of(options), quick},
+                      invocation);
+}
+
+/// Says which further view would help most, unless all is well.
+void add_next_view(RgbdCalibration& calibration, const Chessboard& board) {
+  if (calibration.details["verdict"] == "GOOD") return;
+  if (const auto next = find_next_view(calibration, board))
+    calibration.details["next_view"] =
+        fmt::format("{}: four fifths of the image are then known to {:.2f} px instead of {:.2f}",
+                    describe(*next), next->then_px, next->sigma_px);
+}
+
 ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
   if (!options.compare.empty()) return run_comparison(options.compare, invocation.json);
   require_one_input(options);
@@ -262,9 +288,12 @@ ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
   const Stopwatch stopwatch;
   const OutputFile refuses_existing(std::filesystem::path(options.output) / "calibration.json",
                                     invocation.overwrite);
-  RgbdCalibration calibration = calibrate(observe(options), settings);
+  const BoardObservations observations =
+      options.watch ? watch(options, settings, invocation) : observe(options);
+  RgbdCalibration calibration = calibrate(observations, settings);
+  add_next_view(calibration, observations.board);
   calibration.details["provenance"] = provenance_of(options, invocation, stopwatch);
-  write_calibration(options.output, calibration, invocation.overwrite);
+  write_calibration(options.output, calibration, invocation.overwrite || options.watch);
   if (invocation.json)
     fmt::print("{}\n", calibration_json(calibration).dump(2));
   else

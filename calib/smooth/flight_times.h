@@ -8,12 +8,12 @@ namespace touchtrace {
 /// information criterion.
 enum class ImplausibleFlights { keep, drop };
 
-/// Returns the track's flights with maximum-likelihood times: grid search over +-60 ms, then
-/// L-BFGS.
+/// Returns the track's flights with maximum-likelihood times, by grids of 20 to 0.3 ms.
 std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoise& noise,
                                      const SmoothOptions& options, ImplausibleFlights implausible);
 
-/// Sets the time distribution of each event of the track's flights, given all other events.
+/// Sets the time distribution of each event of the track's flights, given the others' likeliest
+/// times, and its time to the mean.
 void estimate_event_distributions(WeightedTrack& track, const MotionNoise& noise,
                                   const SmoothOptions& options);
 

@@ -21,7 +21,8 @@ struct MotionNoise {
   double landing_velocity_fraction = 0.5, landing_velocity_sigma_m_per_s = 0.7;
   double landing_acceleration_sigma_m_per_s2 = 10.0;  ///< around 0, after a landing
   /// Standard deviation of the measured point about the flying body (a marker or a visible surface
-  /// turns with it), and the time in which it changes: a Matern process of smoothness 3/2.
+  /// turns with it), and the time in which it changes: a Matern process of smoothness 3/2, in
+  /// flight alone.
   double wander_sigma_m = 0.002, wander_time_s = 0.25;
 
   /// Whether the body is only hit, never held: landings reverse its velocity.

@@ -44,8 +44,7 @@ template <StateModel model>
 typename MotionPrior<model>::Step MotionPrior<model>::between(double from, double to) const {
   auto change = std::ranges::upper_bound(changes_, from, {}, &ModeChange::time);
   Mode mode = mode_at(from);
-  if (change == changes_.end() || to < change->time)
-    return with_wander(during(mode, to - from), to - from);
+  if (change == changes_.end() || to < change->time) return during(mode, to - from);
   Step total;
   double now = from;
   for (; change != changes_.end() && change->time <= to; ++change) {
@@ -53,7 +52,7 @@ typename MotionPrior<model>::Step MotionPrior<model>::between(double from, doubl
     mode = change->mode, now = change->time;
     if (change->jumps) total = total.then(mode == Mode::flight ? release() : landing());
   }
-  return with_wander(total.then(during(mode, to - now)), to - from);
+  return total.then(during(mode, to - now));
 }
 
 template <StateModel model>
@@ -84,6 +83,7 @@ typename MotionPrior<model>::Step MotionPrior<model>::free_flight(double h) cons
   step.F(1, 2) = h * half, step.F(2, 2) = 1.0 + x * half;
   step.Q_fixed.template topLeftCorner<motion_size, motion_size>() =
       contact_step(h, noise_.flight_jerk_density, 0.0).Q;
+  if constexpr (model == StateModel::with_flights) add_wander(step, h);
   return step;
 }
 
@@ -93,6 +93,11 @@ typename MotionPrior<model>::Step MotionPrior<model>::release() const {
   step.F(2, 1) = -noise_.flight_drag_per_s, step.F(2, 2) = 0.0;
   step.u[2] = 1.0;
   step.Q_fixed(2, 2) = square(noise_.flight_acceleration_sigma_m_per_s2);
+  if constexpr (model == StateModel::with_flights) {
+    step.F.template bottomRightCorner<2, 2>().setZero();
+    step.Q_fixed.template bottomRightCorner<2, 2>().diagonal().setConstant(
+        square(noise_.wander_sigma_m));
+  }
   return step;
 }
 
@@ -102,23 +107,20 @@ typename MotionPrior<model>::Step MotionPrior<model>::landing() const {
   step.F(1, 1) = noise_.landing_velocity_fraction, step.F(2, 2) = 0.0;
   step.Q_fixed(1, 1) = square(noise_.landing_velocity_sigma_m_per_s);
   step.Q_fixed(2, 2) = square(noise_.landing_acceleration_sigma_m_per_s2);
+  if constexpr (model == StateModel::with_flights) step.F(motion_size + 1, motion_size + 1) = 0.0;
   return step;
 }
 
 /// A Matern process of smoothness 3/2, in the states (offset, derivative over wander_rate).
 template <StateModel model>
-typename MotionPrior<model>::Step MotionPrior<model>::with_wander(Step step,
-                                                                  double duration) const {
-  if constexpr (model == StateModel::with_flights) {
-    const double x = wander_rate() * duration;
-    Eigen::Matrix2d F;
-    F << 1.0 + x, x, -x, 1.0 - x;
-    F *= std::exp(-x);
-    step.F.template bottomRightCorner<2, 2>() = F;
-    step.Q_fixed.template bottomRightCorner<2, 2>() =
-        square(noise_.wander_sigma_m) * (Eigen::Matrix2d::Identity() - F * F.transpose());
-  }
-  return step;
+void MotionPrior<model>::add_wander(Step& step, double duration) const {
+  const double x = wander_rate() * duration;
+  Eigen::Matrix2d F;
+  F << 1.0 + x, x, -x, 1.0 - x;
+  F *= std::exp(-x);
+  step.F.template bottomRightCorner<2, 2>() = F;
+  step.Q_fixed.template bottomRightCorner<2, 2>() =
+      square(noise_.wander_sigma_m) * (Eigen::Matrix2d::Identity() - F * F.transpose());
 }
 
 template <StateModel model>
@@ -134,9 +136,6 @@ typename MotionPrior<model>::Step MotionPrior<model>::initial(double flat) const
     step.Q_fixed(1, 1) = square(flat);
     step = step.then(release());
   }
-  if constexpr (model == StateModel::with_flights)
-    step.Q_fixed.template bottomRightCorner<2, 2>().diagonal().setConstant(
-        square(noise_.wander_sigma_m));
   return step;
 }
 

@@ -39,15 +39,18 @@ struct Transition {
 /// quadrature), so it is positive semidefinite and exact for short steps, too.
 Transition<motion_size> contact_step(double h, double density, double bandwidth);
 
-/// Release, after which the acceleration is gravity and drag, or landing, which keeps a fraction of
-/// the velocity and resets the acceleration.
+/// Release, after which the acceleration is gravity and drag and the measured point wanders, or
+/// landing, which keeps a fraction of the velocity, resets the acceleration and ends the wander.
 struct ContactEvent {
   double time;
   bool is_release;
 };
 
 /// Gaussian process prior of a motion with flights. In contact the velocity is a Matern process; in
-/// flight there is gravity and drag. Times, lengths and noise in consistent units.
+/// flight there is gravity and drag, and the measured point wanders about the body. Its offset is
+/// drawn at the release, as a hand that lets go uncovers other parts of the body, and constant in
+/// contact, where it cannot be told from the body's motion. Times, lengths and noise in consistent
+/// units.
 template <StateModel model>
 class MotionPrior {
  public:
@@ -83,7 +86,7 @@ class MotionPrior {
   Step free_flight(double duration) const;
   Step release() const;
   Step landing() const;
-  Step with_wander(Step step, double duration) const;
+  void add_wander(Step& step, double duration) const;
 
   MotionNoise noise_;
   std::vector<ModeChange> changes_;

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace touchtrace {
@@ -15,12 +17,26 @@ struct TrackPoint {
 /// Measurements ordered by time; equal times are allowed.
 using Track = std::vector<TrackPoint>;
 
-/// Discrete distribution of an event's time on an even grid. Sums over it are integrals by the
-/// trapezoid rule. All zero for a guess.
-struct EventTimeDistribution {
-  static constexpr std::size_t count = 9;
+/// Discrete distribution of a time on an even grid.
+template <std::size_t num_times>
+struct TimeDistribution {
+  static constexpr std::size_t count = num_times;
   std::array<double, count> time_s{}, probability{};  ///< probabilities sum to 1
+
+  double mean_s() const {
+    return std::inner_product(time_s.begin(), time_s.end(), probability.begin(), 0.0);
+  }
+  double sigma_s() const {
+    const double mean = mean_s();
+    double variance = 0.0;
+    for (std::size_t i = 0; i < count; ++i)
+      variance += probability[i] * (time_s[i] - mean) * (time_s[i] - mean);
+    return std::sqrt(variance);
+  }
 };
+
+/// All zero for a guess.
+using EventTimeDistribution = TimeDistribution<9>;
 
 /// Free flight from the end of contact to its next beginning. A flight that begins when the one
 /// before it lands begins with a hit.

@@ -65,16 +65,6 @@ void append_row(std::string& text, const std::string& time, const MotionState& s
   text += '\n';
 }
 
-/// Standard deviation of an event's time; NaN if it was not estimated.
-double sigma_of(const EventTimeDistribution& event) {
-  double mean = 0.0, variance = 0.0, total = 0.0;
-  for (std::size_t k = 0; k < EventTimeDistribution::count; ++k)
-    total += event.probability[k], mean += event.probability[k] * event.time_s[k];
-  for (std::size_t k = 0; k < EventTimeDistribution::count; ++k)
-    variance += event.probability[k] * std::pow(event.time_s[k] - mean / total, 2) / total;
-  return std::sqrt(variance);
-}
-
 }  // namespace
 
 std::vector<SmoothedFiles> smoothed_files(const fs::path& folder,
@@ -135,7 +125,7 @@ void write_flights(const fs::path& file, const TrackFile& track, const SmoothedT
     text +=
         fmt::format("{},{},{:.6g},{:.6g}\n", time_text(track.origin_s, flight.release_s),
                     time_text(track.origin_s, flight.landing_s),
-                    sigma_of(flight.release_distribution), sigma_of(flight.landing_distribution));
+                    flight.release_distribution.sigma_s(), flight.landing_distribution.sigma_s());
   write_file(file, text, overwrite);
 }
 

@@ -5,7 +5,6 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "calib/board/charuco.h"
 #include "calib/board/saddle.h"
 #include "calib/board/upscaled_image.h"
 
@@ -113,23 +112,6 @@ void align_symmetric_views(BoardObservations& observations) {
   for (BoardView& view : observations.views)
     if (view.corner_ids.empty() && diagonal(view).dot(first) < 0.0)
       std::ranges::reverse(view.corners_px);
-}
-
-bool add_view(BoardObservations& observations, std::string name, const GreyImage& image,
-              std::vector<float> depth_m) {
-  const Chessboard& board = observations.board;
-  BoardView view;
-  if (board.markers)
-    std::tie(view.corners_px, view.corner_ids) = find_charuco_corners(image, board);
-  else
-    view.corners_px = find_chessboard(image, board);
-  if (view.corners_px.empty()) {
-    observations.views_without_board.push_back(std::move(name));
-    return false;
-  }
-  view.name = std::move(name), view.depth_m = std::move(depth_m);
-  observations.views.push_back(std::move(view));
-  return true;
 }
 
 }  // namespace touchtrace

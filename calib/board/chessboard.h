@@ -85,9 +85,4 @@ void align_symmetric_views(BoardObservations& observations);
 /// thorough.
 std::optional<Chessboard> find_other_size(const GreyImage& image, const Chessboard& board);
 
-/// Detects the board and appends to `views`, or to `views_without_board` if there is none.
-/// Returns whether it was found.
-bool add_view(BoardObservations& observations, std::string name, const GreyImage& image,
-              std::vector<float> depth_m = {});
-
 }  // namespace touchtrace

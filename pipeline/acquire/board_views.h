@@ -37,8 +37,8 @@ BoardObservations board_views_from_tum(const std::filesystem::path& folder,
 /// Reads an image as grey values. Throws data_error if that fails.
 GreyImage read_grey(const std::filesystem::path& path);
 
-/// Throws data_error unless the image has the size of the previous ones.
-void require_same_size(const BoardObservations& observations, const GreyImage& image,
+/// Throws data_error unless the image has the size of the first one.
+void require_same_size(const GreyImage& first, const GreyImage& image,
                        const std::filesystem::path& path);
 
 /// Files that board_views_from_images or board_views_from_tum reads.

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 
-#include "calib/board/charuco.h"
-
 namespace touchtrace {
 namespace {
 
 /// Direction in the image of the diagonal from corner 0 to the last corner.
-Eigen::Vector2d diagonal_px(const Chessboard& board, const BoardView& view) {
+Eigen::Vector2d diagonal_px(const CalibrationTarget& board, const BoardView& view) {
   std::size_t first = 0, last = 0;
   const auto place = [&](std::size_t i) {
     return view.corner_id(i) % board.columns + view.corner_id(i) / board.columns;
@@ -25,21 +23,18 @@ Eigen::Vector2d diagonal_px(const Chessboard& board, const BoardView& view) {
 }  // namespace
 
 bool BoardDetector::add(BoardView view, const GreyImage& image) {
-  const Chessboard& board = observations_.board;
+  const CalibrationTarget& board = observations_.board;
   observations_.width = image.width, observations_.height = image.height;
-  if (board.markers)
-    std::tie(view.corners_px, view.corner_ids) = find_charuco_corners(image, board);
-  else
-    view.corners_px = find_chessboard(image, board);
+  std::tie(view.corners_px, view.corner_ids) = board.kind->find_corners(image, board);
   if (view.corners_px.empty()) return add_part(std::move(view), image);
-  if (!board.markers && !is_main_dark_)
+  if (board.kind == &chessboard_kind && !is_main_dark_)
     is_main_dark_ = is_corner_0_main_dark(image, board, view.corners_px);
   observations_.views.push_back(std::move(view));
   return true;
 }
 
 bool BoardDetector::add_part(BoardView view, const GreyImage& image) {
-  if (!observations_.board.markers)
+  if (observations_.board.kind == &chessboard_kind)
     if (auto part = find_chessboard_part(image);
         part && !possible_places(*part, observations_.board, {}).empty()) {
       partial_views_.push_back({std::move(view), std::move(*part)});
@@ -50,7 +45,7 @@ bool BoardDetector::add_part(BoardView view, const GreyImage& image) {
 }
 
 void BoardDetector::place(BoardView view, const ChessboardPart& part) {
-  const Chessboard& board = observations_.board;
+  const CalibrationTarget& board = observations_.board;
   view.corners_px = part.corners_px;
   auto places = possible_places(part, board, is_main_dark_);
   if (board.is_symmetric() && !observations_.views.empty()) {

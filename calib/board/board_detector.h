@@ -16,7 +16,7 @@ namespace touchtrace {
 /// the place of its depth pixels, but not the intrinsics of the camera.
 class BoardDetector {
  public:
-  explicit BoardDetector(const Chessboard& board) { observations_.board = board; }
+  explicit BoardDetector(const CalibrationTarget& board) { observations_.board = board; }
 
   /// Adds a view with the corners that the image shows; `view` has the other members. All images
   /// have one size. Returns whether the board or a part of it was found.

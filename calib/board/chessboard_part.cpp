@@ -70,12 +70,6 @@ std::vector<ChessboardPart::End> find_ends(const CornerLattice& lattice, const G
   return all;
 }
 
-/// Lattice coordinates turned by quarter turns, clockwise.
-LatticeCell turned(LatticeCell cell, int quarter_turns) {
-  for (int i = 0; i < quarter_turns; ++i) cell = {-cell[1], cell[0]};
-  return cell;
-}
-
 bool is_even(const LatticeCell& cell) { return (cell[0] + cell[1]) % 2 == 0; }
 
 /// A place of a part: corner c of the part is at turned(c) + `shift` on the board.
@@ -88,11 +82,11 @@ struct Place {
   }
 };
 
-bool is_on_board(const LatticeCell& cell, const Chessboard& board) {
+bool is_on_board(const LatticeCell& cell, const CalibrationTarget& board) {
   return cell[0] >= 0 && cell[1] >= 0 && cell[0] < board.columns && cell[1] < board.rows;
 }
 
-bool agrees(const Place& place, const ChessboardPart& part, const Chessboard& board,
+bool agrees(const Place& place, const ChessboardPart& part, const CalibrationTarget& board,
             std::optional<bool> is_main_dark) {
   for (const LatticeCell& cell : part.cells)
     if (!is_on_board(place.on_board(cell), board)) return false;
@@ -120,7 +114,7 @@ std::optional<ChessboardPart> find_chessboard_part(const GreyImage& image) {
   return part;
 }
 
-bool is_corner_0_main_dark(const GreyImage& image, const Chessboard& board,
+bool is_corner_0_main_dark(const GreyImage& image, const CalibrationTarget& board,
                            const std::vector<Eigen::Vector2d>& corners_px) {
   CornerLattice lattice;
   for (int i = 0; i < board.num_corners(); ++i)
@@ -129,7 +123,8 @@ bool is_corner_0_main_dark(const GreyImage& image, const Chessboard& board,
   return squares && squares->is_main_dark();
 }
 
-std::vector<std::vector<int>> possible_places(const ChessboardPart& part, const Chessboard& board,
+std::vector<std::vector<int>> possible_places(const ChessboardPart& part,
+                                              const CalibrationTarget& board,
                                               std::optional<bool> is_main_dark) {
   std::vector<std::vector<int>> places;
   for (int quarter_turns = 0; quarter_turns < 4; ++quarter_turns)

@@ -25,12 +25,13 @@ struct ChessboardPart {
 std::optional<ChessboardPart> find_chessboard_part(const GreyImage& image);
 
 /// CornerSquares::is_main_dark() at corner 0 of a board all of whose corners are known.
-bool is_corner_0_main_dark(const GreyImage& image, const Chessboard& board,
+bool is_corner_0_main_dark(const GreyImage& image, const CalibrationTarget& board,
                            const std::vector<Eigen::Vector2d>& corners_px);
 
 /// Board indices [corners] of the part for every place on the board, in any of four orientations,
 /// that agrees with its ends and, if `is_main_dark` is known, with the colours of the squares.
-std::vector<std::vector<int>> possible_places(const ChessboardPart& part, const Chessboard& board,
+std::vector<std::vector<int>> possible_places(const ChessboardPart& part,
+                                              const CalibrationTarget& board,
                                               std::optional<bool> is_main_dark);
 
 }  // namespace touchtrace

@@ -36,13 +36,6 @@ std::optional<Eigen::Vector2d> side_px(const CornerLattice& lattice, const Latti
   return {};
 }
 
-/// A corner that is not known yet, and the sides of its squares.
-struct PredictedCorner {
-  Eigen::Vector2d at_px, x_px, y_px;
-
-  double min_side_px() const { return std::min(x_px.norm(), y_px.norm()); }
-};
-
 /// Image of the unit square with these corners, as a homography of steps along `step` and `across`.
 std::optional<cv::Matx33d> square_homography(const CornerLattice& lattice, const LatticeCell& cell,
                                              const LatticeCell& step, const LatticeCell& across) {
@@ -57,9 +50,38 @@ std::optional<cv::Matx33d> square_homography(const CornerLattice& lattice, const
   return cv::Matx33d(cv::getPerspectiveTransform(on_square, in_image));
 }
 
-/// Predicts the corner one step after `cell` by the homography of a square before it.
-std::optional<PredictedCorner> predict(const CornerLattice& lattice, const LatticeCell& cell,
-                                       const LatticeCell& step) {
+/// Refines first with a radius that bears the error of a prediction, then with one that lens
+/// distortion does not affect.
+std::optional<Eigen::Vector2d> refine_prediction(const GreyImage& image,
+                                                 const PredictedCorner& predicted) {
+  const double side_px = predicted.min_side_px();
+  if (!(side_px < image.width)) return {};
+  const int radius_px = std::max(static_cast<int>(max_prediction_error * side_px), min_radius_px);
+  auto corner = refine_saddle_point(image, predicted.at_px, radius_px);
+  if (corner && radius_px > max_radius_px)
+    corner = refine_saddle_point(image, *corner, max_radius_px);
+  return corner;
+}
+
+/// The corner after `cell`, if the image shows one there.
+std::optional<Eigen::Vector2d> next_corner(const CornerLattice& lattice, const GreyImage& image,
+                                           const LatticeCell& cell, const LatticeCell& step) {
+  const auto predicted = predict_corner(lattice, cell, step);
+  const auto known = squares_around(image, lattice, cell);
+  if (!predicted || !known) return {};
+  const auto corner = refine_prediction(image, *predicted);
+  if (!corner) return {};
+  const auto squares = CornerSquares::sample(image, *corner, predicted->x_px, predicted->y_px);
+  const bool is_main_dark = known->is_main_dark();
+  if (!squares || !(squares->contrast(!is_main_dark) > 0.5 * known->contrast(is_main_dark)))
+    return {};
+  return corner;
+}
+
+}  // namespace
+
+std::optional<PredictedCorner> predict_corner(const CornerLattice& lattice, const LatticeCell& cell,
+                                              const LatticeCell& step) {
   for (const int sign : {1, -1}) {
     const LatticeCell across{-sign * step[1], sign * step[0]};
     const auto h = square_homography(lattice, cell, step, across);
@@ -76,35 +98,6 @@ std::optional<PredictedCorner> predict(const CornerLattice& lattice, const Latti
   }
   return {};
 }
-
-/// Refines first with a radius that bears the error of a prediction, then with one that lens
-/// distortion does not affect.
-std::optional<Eigen::Vector2d> refine_prediction(const GreyImage& image,
-                                                 const PredictedCorner& predicted) {
-  const int radius_px =
-      std::max(static_cast<int>(max_prediction_error * predicted.min_side_px()), min_radius_px);
-  auto corner = refine_saddle_point(image, predicted.at_px, radius_px);
-  if (corner && radius_px > max_radius_px)
-    corner = refine_saddle_point(image, *corner, max_radius_px);
-  return corner;
-}
-
-/// The corner after `cell`, if the image shows one there.
-std::optional<Eigen::Vector2d> next_corner(const CornerLattice& lattice, const GreyImage& image,
-                                           const LatticeCell& cell, const LatticeCell& step) {
-  const auto predicted = predict(lattice, cell, step);
-  const auto known = squares_around(image, lattice, cell);
-  if (!predicted || !known) return {};
-  const auto corner = refine_prediction(image, *predicted);
-  if (!corner) return {};
-  const auto squares = CornerSquares::sample(image, *corner, predicted->x_px, predicted->y_px);
-  const bool is_main_dark = known->is_main_dark();
-  if (!squares || !(squares->contrast(!is_main_dark) > 0.5 * known->contrast(is_main_dark)))
-    return {};
-  return corner;
-}
-
-}  // namespace
 
 std::optional<CornerSquares> CornerSquares::sample(const GreyImage& image,
                                                    const Eigen::Vector2d& corner_px,
@@ -162,7 +155,7 @@ void grow(CornerLattice& lattice, const GreyImage& image) {
 bool is_end_of_board(const CornerLattice& lattice, const GreyImage& image, const LatticeCell& cell,
                      const LatticeCell& step) {
   if (lattice.contains(cell + step)) return false;
-  const auto predicted = predict(lattice, cell, step);
+  const auto predicted = predict_corner(lattice, cell, step);
   const auto known = squares_around(image, lattice, cell);
   if (!predicted || !known) return false;
   const auto squares =

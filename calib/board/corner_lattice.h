@@ -1,10 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
 
-#include "calib/board/chessboard.h"
+#include "calib/board/board_view.h"
 
 namespace touchtrace {
 
@@ -23,6 +24,24 @@ inline LatticeCell operator-(const LatticeCell& a, const LatticeCell& b) {
 
 /// Steps to the four neighbours of a corner.
 inline constexpr LatticeCell lattice_steps[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+
+/// Cell turned by quarter turns about (0, 0), clockwise.
+inline LatticeCell turned(LatticeCell cell, int quarter_turns) {
+  for (int i = 0; i < quarter_turns; ++i) cell = {-cell[1], cell[0]};
+  return cell;
+}
+
+/// A corner that is not known yet, and the sides of the squares around it.
+struct PredictedCorner {
+  Eigen::Vector2d at_px, x_px, y_px;
+
+  double min_side_px() const { return std::min(x_px.norm(), y_px.norm()); }
+};
+
+/// Predicts the corner one step after `cell` by the homography of a square before it; nullopt if
+/// no such square is known.
+std::optional<PredictedCorner> predict_corner(const CornerLattice& lattice, const LatticeCell& cell,
+                                              const LatticeCell& step);
 
 /// Grey values of the four squares around a corner.
 class CornerSquares {

@@ -70,12 +70,12 @@ BoardObservations largest_group(std::map<std::pair<int, int>, BoardDetector> det
 /// Notices early that the images show a board of another size than was asked for.
 class BoardSizeCheck {
  public:
-  explicit BoardSizeCheck(const Chessboard& asked) : asked_(asked) {}
+  explicit BoardSizeCheck(const CalibrationTarget& asked) : asked_(asked) {}
 
   /// Throws data_error if hardly an image so far shows the board, and one shows another.
   void add(const GreyImage& image, bool is_found, const fs::path& path) {
     ++(is_found ? found_ : missed_);
-    if (!is_found && !asked_.markers && !seen_ && missed_ <= num_probed_images) {
+    if (!is_found && asked_.kind == &chessboard_kind && !seen_ && missed_ <= num_probed_images) {
       seen_ = find_other_size(image, asked_);
       image_ = path.string();
     }
@@ -96,8 +96,8 @@ class BoardSizeCheck {
   }
 
   static constexpr int num_probed_images = 3;
-  Chessboard asked_;
-  std::optional<Chessboard> seen_;
+  CalibrationTarget asked_;
+  std::optional<CalibrationTarget> seen_;
   std::string image_;
   int found_ = 0, missed_ = 0;
 };
@@ -136,7 +136,7 @@ std::vector<fs::path> image_files(const std::vector<std::string>& folders_or_pat
 }
 
 BoardObservations board_views_from_images(const std::vector<std::string>& folders_or_patterns,
-                                          const Chessboard& board) {
+                                          const CalibrationTarget& board) {
   const auto files = image_files(folders_or_patterns);
   std::map<std::pair<int, int>, BoardDetector> by_size;
   std::vector<SkippedImage> unreadable;

@@ -30,7 +30,7 @@ std::vector<float> read_depth(const fs::path& path, const GreyImage& color) {
 
 }  // namespace
 
-BoardObservations board_views_from_tum(const fs::path& folder, const Chessboard& board) {
+BoardObservations board_views_from_tum(const fs::path& folder, const CalibrationTarget& board) {
   const auto pairs = select_tum_pairs(read_tum_pairs(folder));
   BoardDetector detector(board);
   GreyImage first;

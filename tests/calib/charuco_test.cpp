@@ -14,14 +14,15 @@ namespace {
 
 using testing::board_pose, testing::BoardPrint, testing::corner_rms_px, testing::print_px_per_m;
 
-Chessboard charuco() {
-  Chessboard board{8, 5, 0.03};
+CalibrationTarget charuco() {
+  CalibrationTarget board{8, 5, 0.03};
   board.markers = {"5x5_100", 0.022};
+  board.kind = &charuco_kind;
   return board;
 }
 
 /// Board drawn by cv::aruco without a margin.
-BoardPrint draw_board(const Chessboard& board) {
+BoardPrint draw_board(const CalibrationTarget& board) {
   const int across = board.columns + 1, along = board.rows + 1;
   const auto charuco = cv::aruco::CharucoBoard::create(
       across, along, float(board.square_m), float(board.markers->side_m),
@@ -32,7 +33,7 @@ BoardPrint draw_board(const Chessboard& board) {
   return print;
 }
 
-GreyImage render(const Chessboard& board, const Eigen::Isometry3d& pose) {
+GreyImage render(const CalibrationTarget& board, const Eigen::Isometry3d& pose) {
   return testing::render(draw_board(board), pose);
 }
 
@@ -47,7 +48,7 @@ class PlacedBoard : public ::testing::TestWithParam<Placement> {};
 
 TEST_P(PlacedBoard, CornersAreAccurate) {
   const Placement& placed = GetParam();
-  const Chessboard board = charuco();
+  const CalibrationTarget board = charuco();
   const auto pose = board_pose(charuco(), placed.angle_axis, placed.centre_m);
   const auto [corners, ids] = find_charuco_corners(render(board, pose), board);
   EXPECT_GE(corners.size(), placed.min_corners);
@@ -86,7 +87,7 @@ TEST(Charuco, CalibratesFromPartialViews) {
 TEST(Charuco, FindsNothingWithoutABoard) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
   EXPECT_TRUE(find_charuco_corners(plain, charuco()).first.empty());
-  Chessboard other = charuco();
+  CalibrationTarget other = charuco();
   other.markers->dictionary = "7x7_50";
   const auto pose = board_pose(charuco(), {0.1, 0.1, 0.0}, {0.0, 0.0, 0.5});
   EXPECT_TRUE(find_charuco_corners(render(charuco(), pose), other).first.empty());
@@ -94,7 +95,7 @@ TEST(Charuco, FindsNothingWithoutABoard) {
 
 TEST(Charuco, RejectsImpossibleBoards) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
-  Chessboard board = charuco();
+  CalibrationTarget board = charuco();
   board.markers->dictionary = "5x5_99";
   EXPECT_THROW(find_charuco_corners(plain, board), Error);
   board.markers = {"5x5_100", 0.03};

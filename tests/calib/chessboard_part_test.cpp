@@ -13,12 +13,12 @@ namespace {
 
 using testing::board_pose, testing::corner_rms_px;
 
-const Chessboard board_9x6{9, 6, 0.03}, board_8x6{8, 6, 0.03}, board_7x7{7, 7, 0.03};
+const CalibrationTarget board_9x6{9, 6, 0.03}, board_8x6{8, 6, 0.03}, board_7x7{7, 7, 0.03};
 const Eigen::Vector3d tilt(0.3, -0.2, 0.1);
 
 /// Board with a white margin of one square. OpenCV begins with a light square if the board has one
 /// at a corner.
-GreyImage render(const Chessboard& board, const Eigen::Isometry3d& pose) {
+GreyImage render(const CalibrationTarget& board, const Eigen::Isometry3d& pose) {
   const int square_px = int(std::lround(board.square_m * testing::print_px_per_m));
   cv::Mat drawing((board.rows + 3) * square_px, (board.columns + 3) * square_px, CV_8U,
                   cv::Scalar(255));
@@ -29,7 +29,7 @@ GreyImage render(const Chessboard& board, const Eigen::Isometry3d& pose) {
 }
 
 /// Detects the board in a full view and in one with this pose.
-BoardObservations detect(const Chessboard& board, const Eigen::Isometry3d& pose) {
+BoardObservations detect(const CalibrationTarget& board, const Eigen::Isometry3d& pose) {
   BoardDetector detector(board);
   detector.add({"full", {}, {}}, render(board, board_pose(board, tilt, {0.0, 0.0, 0.7})));
   detector.add({"part", {}, {}}, render(board, pose));
@@ -38,7 +38,7 @@ BoardObservations detect(const Chessboard& board, const Eigen::Isometry3d& pose)
 
 struct PartialView {
   const char* name;
-  Chessboard board;
+  CalibrationTarget board;
   Eigen::Vector3d angle_axis, centre_m;
 };
 
@@ -97,7 +97,7 @@ TEST(ChessboardPart, FitsInPlacesThatAgreeWithEndsAndColours) {
   ChessboardPart part;
   for (int i = 0; i < 9; ++i) part.cells.push_back({i % 3, i / 3});
   part.corners_px.resize(9);
-  const Chessboard board{5, 4, 0.03};
+  const CalibrationTarget board{5, 4, 0.03};
   EXPECT_EQ(possible_places(part, board, {}).size(), 4u * 3u * 2u);
   EXPECT_EQ(possible_places(part, board, true).size(), 4u * 3u);
   part.ends = {{0, {-1, 0}}, {3, {-1, 0}}, {0, {0, -1}}, {1, {0, -1}}};

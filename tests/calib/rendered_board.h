@@ -19,7 +19,8 @@ struct BoardPrint {
 };
 
 /// camera_from_board with the board's centre at `centre_m`.
-inline Eigen::Isometry3d board_pose(const Chessboard& board, const Eigen::Vector3d& angle_axis,
+inline Eigen::Isometry3d board_pose(const CalibrationTarget& board,
+                                    const Eigen::Vector3d& angle_axis,
                                     const Eigen::Vector3d& centre_m) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::AngleAxisd(angle_axis.norm(), angle_axis.normalized()).toRotationMatrix();
@@ -53,7 +54,8 @@ inline GreyImage render(const BoardPrint& print, const Eigen::Isometry3d& camera
 }
 
 /// RMS distance [px] of detected corners from the truth.
-inline double corner_rms_px(const Chessboard& board, const Eigen::Isometry3d& camera_from_board,
+inline double corner_rms_px(const CalibrationTarget& board,
+                            const Eigen::Isometry3d& camera_from_board,
                             const std::vector<Eigen::Vector2d>& corners_px,
                             const std::vector<int>& ids) {
   double squares = 0.0;

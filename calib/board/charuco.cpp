@@ -15,7 +15,6 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t min_corners = 8;
 constexpr int min_radius_px = 2, max_radius_px = 10;
 /// interpolateCornersCharuco puts (0, 0) at the corner of a pixel.
 const cv::Point2f pixel_centre(0.5f, 0.5f);
@@ -44,7 +43,7 @@ cv::Ptr<cv::aruco::Dictionary> find_dictionary(const std::string& name) {
   return cv::aruco::getPredefinedDictionary(row->id);
 }
 
-cv::Ptr<cv::aruco::CharucoBoard> make_charuco_board(const Chessboard& board) {
+cv::Ptr<cv::aruco::CharucoBoard> make_charuco_board(const CalibrationTarget& board) {
   const auto dictionary = find_dictionary(board.markers->dictionary);
   const int squares_x = board.columns + 1, squares_y = board.rows + 1;
   if (squares_x * squares_y / 2 > dictionary->bytesList.rows)
@@ -60,54 +59,30 @@ cv::Ptr<cv::aruco::CharucoBoard> make_charuco_board(const Chessboard& board) {
                                          static_cast<float>(board.markers->side_m), dictionary);
 }
 
-struct CharucoCorners {
-  std::vector<Eigen::Vector2d> corners_px;
-  std::vector<int> ids;
-};
-
 /// OpenCV's detection, accurate to some tenths of a pixel.
-CharucoCorners detect_corners(const GreyImage& image, const Chessboard& board) {
+TargetCorners detect_corners(const GreyImage& image, const CalibrationTarget& board) {
   const auto charuco = make_charuco_board(board);
   const UpscaledImage enlarged(image, default_upscale_factor(image));
   std::vector<std::vector<cv::Point2f>> markers;
   std::vector<cv::Point2f> corners;
   std::vector<int> ids;
-  CharucoCorners found;
+  TargetCorners found;
   try {
     cv::aruco::detectMarkers(enlarged.pixels, charuco->dictionary, markers, ids);
     if (!ids.empty())
       cv::aruco::interpolateCornersCharuco(markers, ids, enlarged.pixels, charuco, corners,
-                                           found.ids);
+                                           found.second);
   } catch (const cv::Exception&) {
     return {};  // thrown for some images without a board
   }
   for (const auto& corner : corners)
-    found.corners_px.push_back(enlarged.to_original(corner - pixel_centre));
+    found.first.push_back(enlarged.to_original(corner - pixel_centre));
   return found;
 }
 
-/// True for 8 corners or more in at least two rows and two columns.
-bool can_place_board(const CharucoCorners& found, const Chessboard& board) {
-  if (found.ids.size() < min_corners) return false;
-  const auto differ = [&](auto coordinate) {
-    const auto [min, max] = std::ranges::minmax(found.ids, {}, coordinate);
-    return coordinate(min) != coordinate(max);
-  };
-  return differ([&](int i) { return i / board.columns; }) &&
-         differ([&](int i) { return i % board.columns; });
-}
-
 /// Radius around a corner that holds no marker, in the direction of the strongest foreshortening.
-int marker_free_radius_px(const CharucoCorners& found, const Chessboard& board) {
-  const auto n = static_cast<Eigen::Index>(found.ids.size());
-  Eigen::Matrix2Xd on_board_m(2, n), in_image_px(2, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    on_board_m.col(i) = board.corner_m(found.ids[static_cast<std::size_t>(i)]).head<2>();
-    in_image_px.col(i) = found.corners_px[static_cast<std::size_t>(i)];
-  }
-  on_board_m.colwise() -= on_board_m.rowwise().mean().eval();
-  const Eigen::Matrix2d px_per_m =
-      in_image_px * on_board_m.transpose() * (on_board_m * on_board_m.transpose()).inverse();
+int marker_free_radius_px(const TargetCorners& found, const CalibrationTarget& board) {
+  const Eigen::Matrix2d px_per_m = image_scale_px_per_m(found, board);
   const double gap_px = 0.5 * (board.square_m - board.markers->side_m) *
                         Eigen::JacobiSVD<Eigen::Matrix2d>(px_per_m).singularValues()[1];
   return std::clamp(static_cast<int>(gap_px), min_radius_px, max_radius_px);
@@ -121,19 +96,21 @@ std::vector<std::string> marker_dictionaries() {
   return names;
 }
 
-std::pair<std::vector<Eigen::Vector2d>, std::vector<int>> find_charuco_corners(
-    const GreyImage& image, const Chessboard& board) {
-  const CharucoCorners rough = detect_corners(image, board);
-  if (!can_place_board(rough, board)) return {};
+TargetCorners find_charuco_corners(const GreyImage& image, const CalibrationTarget& board) {
+  const TargetCorners rough = detect_corners(image, board);
+  const auto& [rough_px, ids] = rough;
+  if (!determine_pose(ids, board)) return {};
   const int radius_px = marker_free_radius_px(rough, board);
-  CharucoCorners found;
-  for (std::size_t i = 0; i < rough.ids.size(); ++i)
-    if (const auto corner = refine_saddle_point(image, rough.corners_px[i], radius_px)) {
-      found.corners_px.push_back(*corner);
-      found.ids.push_back(rough.ids[i]);
+  TargetCorners found;
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    if (const auto corner = refine_saddle_point(image, rough_px[i], radius_px)) {
+      found.first.push_back(*corner);
+      found.second.push_back(ids[i]);
     }
-  if (!can_place_board(found, board)) return {};
-  return {found.corners_px, found.ids};
+  return determine_pose(found.second, board) ? found : TargetCorners{};
 }
+
+const TargetKind charuco_kind{"charuco", square_lattice_m,
+                              [](const CalibrationTarget&) { return false; }, find_charuco_corners};
 
 }  // namespace touchtrace

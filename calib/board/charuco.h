@@ -1,6 +1,6 @@
 #pragma once
 
-#include "calib/board/chessboard.h"
+#include "calib/board/board_view.h"
 
 namespace touchtrace {
 
@@ -16,7 +16,6 @@ std::vector<std::string> marker_dictionaries();
 ///
 /// Throws usage_error for an unknown dictionary, one with fewer markers than the board needs, or a
 /// marker that is not smaller than a square.
-std::pair<std::vector<Eigen::Vector2d>, std::vector<int>> find_charuco_corners(
-    const GreyImage& image, const Chessboard& board);
+TargetCorners find_charuco_corners(const GreyImage& image, const CalibrationTarget& board);
 
 }  // namespace touchtrace

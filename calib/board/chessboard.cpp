@@ -5,7 +5,6 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "calib/board/charuco.h"
 #include "calib/board/saddle.h"
 #include "calib/board/upscaled_image.h"
 
@@ -18,8 +17,8 @@ constexpr int min_corners_per_side = 3;
 constexpr int exhaustive =
     cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY;
 
-std::vector<Eigen::Vector2d> find_in_upscaled(const UpscaledImage& image, const Chessboard& board,
-                                              int flags) {
+std::vector<Eigen::Vector2d> find_in_upscaled(const UpscaledImage& image,
+                                              const CalibrationTarget& board, int flags) {
   std::vector<cv::Point2f> points;
   if (!cv::findChessboardCornersSB(image.pixels, {board.columns, board.rows}, points, flags))
     return {};
@@ -43,7 +42,7 @@ int reduction_to(const GreyImage& image, int size_px) {
 }
 
 /// Smallest distance between neighbouring corners of a row.
-double min_spacing_px(const std::vector<Eigen::Vector2d>& corners, const Chessboard& board) {
+double min_spacing_px(const std::vector<Eigen::Vector2d>& corners, const CalibrationTarget& board) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < corners.size(); ++i)
     if (static_cast<int>(i) % board.columns != 0)
@@ -59,7 +58,8 @@ bool are_saddles(const GreyImage& image, const std::vector<Eigen::Vector2d>& cor
 }
 
 /// Detects on a reduced image and refines each corner in the large one; {} if one has no saddle.
-std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image, const Chessboard& board) {
+std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image,
+                                                 const CalibrationTarget& board) {
   const int factor = reduction_to(image, detection_size_px);
   auto corners = find_chessboard(reduced(image, factor), board);
   if (corners.empty()) return {};
@@ -76,7 +76,8 @@ std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image, const C
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image, const Chessboard& board) {
+std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image,
+                                             const CalibrationTarget& board) {
   if (std::max(image.width, image.height) > large_image_px)
     return find_in_large_image(image, board);
   const int scale = default_upscale_factor(image);
@@ -89,7 +90,15 @@ std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image, const Chess
   return {};
 }
 
-std::optional<Chessboard> find_other_size(const GreyImage& image, const Chessboard& board) {
+const TargetKind chessboard_kind{
+    "chessboard", square_lattice_m,
+    [](const CalibrationTarget& board) { return (board.columns + board.rows) % 2 == 0; },
+    [](const GreyImage& image, const CalibrationTarget& board) {
+      return TargetCorners{find_chessboard(image, board), {}};
+    }};
+
+std::optional<CalibrationTarget> find_other_size(const GreyImage& image,
+                                                 const CalibrationTarget& board) {
   const GreyImage small = reduced(image, reduction_to(image, probing_size_px));
   const int c = board.columns, r = board.rows;
   const std::pair<int, int> sizes[] = {
@@ -97,7 +106,7 @@ std::optional<Chessboard> find_other_size(const GreyImage& image, const Chessboa
       {c, r + 1},     {c + 1, r - 1}, {c - 1, r + 1}, {r, c},     {r - 1, c - 1}};
   for (const auto& [columns, rows] : sizes) {
     if (columns < min_corners_per_side || rows < min_corners_per_side) continue;
-    const Chessboard other{columns, rows, board.square_m};
+    const CalibrationTarget other{columns, rows, board.square_m};
     const auto corners = find_in_upscaled({small, 1}, other, 0);
     if (!corners.empty() && are_saddles(small, corners)) return other;
   }
@@ -113,23 +122,6 @@ void align_symmetric_views(BoardObservations& observations) {
   for (BoardView& view : observations.views)
     if (view.corner_ids.empty() && diagonal(view).dot(first) < 0.0)
       std::ranges::reverse(view.corners_px);
-}
-
-bool add_view(BoardObservations& observations, std::string name, const GreyImage& image,
-              std::vector<float> depth_m) {
-  const Chessboard& board = observations.board;
-  BoardView view;
-  if (board.markers)
-    std::tie(view.corners_px, view.corner_ids) = find_charuco_corners(image, board);
-  else
-    view.corners_px = find_chessboard(image, board);
-  if (view.corners_px.empty()) {
-    observations.views_without_board.push_back(std::move(name));
-    return false;
-  }
-  view.name = std::move(name), view.depth_m = std::move(depth_m);
-  observations.views.push_back(std::move(view));
-  return true;
 }
 
 }  // namespace touchtrace

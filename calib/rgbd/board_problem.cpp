@@ -26,7 +26,7 @@ ceres::CostFunction* prior_of(const std::array<double, N>& mean,
 template <class L>
 void add_corners(const BoardProblem& problem, std::size_t view, ceres::LossFunction* loss,
                  RgbdParameters& p, CeresProblem& ceres_problem) {
-  const Chessboard& board = problem.observations.board;
+  const CalibrationTarget& board = problem.observations.board;
   const BoardView& seen = problem.observations.views[view];
   for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
     const int corner = seen.corner_id(i);
@@ -149,7 +149,8 @@ std::unique_ptr<CeresProblem> make_problem(const BoardProblem& problem, RgbdPara
   return result;
 }
 
-Eigen::Vector3d deformed_corner_m(const Chessboard& board, int corner, const RgbdParameters& p) {
+Eigen::Vector3d deformed_corner_m(const CalibrationTarget& board, int corner,
+                                  const RgbdParameters& p) {
   Eigen::Vector3d corner_m = board.corner_m(corner);
   corner_m.z() += board.warp_basis(corner_m.head<2>())
                       .dot(Eigen::Map<const Eigen::Vector2d>(p.board_warp_m.data()));

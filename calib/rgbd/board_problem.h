@@ -12,11 +12,11 @@
 namespace touchtrace {
 
 /// All unknowns of the joint problem. a_from_b maps coordinates in frame b to frame a; poses are
-/// angle-axis [rad], then translation [m]. Frames: Camera, Chessboard.
+/// angle-axis [rad], then translation [m]. Frames: Camera, CalibrationTarget.
 struct RgbdParameters {
   Lens lens = Radtan4{};
   std::array<double, max_intrinsics> color{};  ///< fx fy cx cy [px], coefficient_names(lens), zeros
-  std::array<double, 2> board_warp_m{};        ///< coefficients of Chessboard::warp_basis
+  std::array<double, 2> board_warp_m{};        ///< coefficients of CalibrationTarget::warp_basis
   /// Per-corner deformation: offset from the warped board, in the board frame. Empty: none.
   std::vector<Eigen::Vector3d> corner_offsets_m;
   std::array<double, 6> depth_from_color{};
@@ -30,7 +30,7 @@ struct RgbdParameters {
 Eigen::Isometry3d pose_of(const std::array<double, 6>& pose);
 
 /// Position [m] of a corner in the board frame, with warp and offset.
-Eigen::Vector3d deformed_corner_m(const Chessboard& board, int corner,
+Eigen::Vector3d deformed_corner_m(const CalibrationTarget& board, int corner,
                                   const RgbdParameters& parameters);
 
 /// Velocity of the board in the colour camera's frame while a view is taken.
@@ -45,7 +45,8 @@ struct DepthSample {
   std::size_t view;
   Eigen::Vector2d pixel;  ///< mean position in the depth image
   double measured_m, sigma_m;
-  Eigen::Vector2d warp_basis = Eigen::Vector2d::Zero();  ///< Chessboard::warp_basis at the sample
+  Eigen::Vector2d warp_basis =
+      Eigen::Vector2d::Zero();  ///< CalibrationTarget::warp_basis at the sample
   BoardMotion motion = {};
 };
 

@@ -39,7 +39,7 @@ void require_views(const BoardObservations& o, std::ptrdiff_t views, const char*
 
 /// True if the corners have the orientation of a board seen from behind or in a mirror: no pose
 /// fits them.
-bool is_mirrored(const BoardView& view, const Chessboard& board) {
+bool is_mirrored(const BoardView& view, const CalibrationTarget& board) {
   Eigen::Matrix2Xd on_board(2, view.corners_px.size()), in_image = on_board;
   for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
     on_board.col(static_cast<Eigen::Index>(i)) = board.corner_m(view.corner_id(i)).head<2>();

@@ -25,7 +25,7 @@ struct RgbdCalibration {
   Eigen::Isometry3d depth_from_color = Eigen::Isometry3d::Identity();
   double depth_scale = 1.0, depth_offset_m = 0.0;
   double depth_delay_s = 0.0;            ///< exposure of a depth image minus its time stamp
-  std::array<double, 2> board_warp_m{};  ///< coefficients of Chessboard::warp_basis
+  std::array<double, 2> board_warp_m{};  ///< coefficients of CalibrationTarget::warp_basis
 
   double rms_px = 0.0;                  ///< RMS length of the corner residuals
   double depth_rms_m = 0.0;             ///< RMS of the depth residuals

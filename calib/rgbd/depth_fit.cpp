@@ -41,17 +41,15 @@ BoardPlane board_plane(std::size_t view, const RgbdParameters& p) {
   return {depth_from_board.inverse(), p.depth};
 }
 
-bool is_on_board(const Chessboard& board, const Eigen::Vector3d& hit, double extent) {
-  const double width = board.square_m * (board.columns - 1),
-               height = board.square_m * (board.rows - 1);
+bool is_on_board(const CalibrationTarget& board, const Eigen::Vector3d& hit, double extent) {
+  const double width = board.size_m().x(), height = board.size_m().y();
   return hit.z() > 0.0 && std::abs(hit.x() - 0.5 * width) <= 0.5 * extent * width &&
          std::abs(hit.y() - 0.5 * height) <= 0.5 * extent * height;
 }
 
 /// Area [px] of the inner corners' rectangle seen frontally at the depth of its centre.
-double board_area_px(const Chessboard& board, const BoardPlane& plane) {
-  const Eigen::Vector3d centre(0.5 * board.square_m * (board.columns - 1),
-                               0.5 * board.square_m * (board.rows - 1), 0.0);
+double board_area_px(const CalibrationTarget& board, const BoardPlane& plane) {
+  const Eigen::Vector3d centre = 0.5 * board.corner_m(board.num_corners() - 1);
   const double depth = (plane.board_from_depth.inverse() * centre).z();
   return 4.0 * centre.x() * centre.y() * plane.camera[0] * plane.camera[1] / (depth * depth);
 }

@@ -17,7 +17,7 @@ constexpr double fisheye_focal_lengths[] = {0.2, 0.25, 0.32, 0.4, 0.5, 0.65, 0.8
 constexpr std::size_t max_views_for_focal_length = 7;
 constexpr double max_ray_tangent = 6.0;  ///< 80 degrees; wider rays hardly constrain a pose
 
-std::vector<cv::Point3f> board_points(const BoardView& view, const Chessboard& board) {
+std::vector<cv::Point3f> board_points(const BoardView& view, const CalibrationTarget& board) {
   std::vector<cv::Point3f> points;
   for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
     const Eigen::Vector3f corner = board.corner_m(view.corner_id(i)).cast<float>();
@@ -54,7 +54,7 @@ double focal_length_from_homographies(const BoardObservations& observations) {
 
 }  // namespace
 
-std::array<double, 6> initial_pose(const BoardView& view, const Chessboard& board,
+std::array<double, 6> initial_pose(const BoardView& view, const CalibrationTarget& board,
                                    const Camera& camera) {
   std::vector<cv::Point3f> on_board;
   std::vector<cv::Point2f> rays;

@@ -12,7 +12,7 @@ RgbdParameters initial_guess(const BoardObservations& observations, const Lens& 
 
 /// camera_from_board of a view, from its corners within 80 degrees of the optical axis. If these
 /// are degenerate: 1 m in front of the camera.
-std::array<double, 6> initial_pose(const BoardView& view, const Chessboard& board,
+std::array<double, 6> initial_pose(const BoardView& view, const CalibrationTarget& board,
                                    const Camera& camera);
 
 }  // namespace touchtrace

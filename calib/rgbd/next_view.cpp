@@ -24,14 +24,10 @@ constexpr double tilt = std::numbers::pi * 2 / 9;  ///< 40 degrees
 constexpr std::array<std::array<double, 2>, 5> tilts{
     {{0.0, 0.0}, {tilt, 0.0}, {-tilt, 0.0}, {0.0, tilt}, {0.0, -tilt}}};
 
-Eigen::Vector3d centre_m(const Chessboard& board) {
-  return 0.5 * board.corner_m(board.num_corners() - 1);
-}
-
 /// What a view tells about the calibration.
 class ViewInformation {
  public:
-  ViewInformation(const RgbdCalibration& calibration, const Chessboard& board)
+  ViewInformation(const RgbdCalibration& calibration, const CalibrationTarget& board)
       : calibration_(calibration),
         observations_(),
         problem_{observations_, {true}, {}, without_prior(), color_parameter_indices(calibration)} {
@@ -49,7 +45,7 @@ class ViewInformation {
   /// the pose is NaN.
   MatrixXd of(const Eigen::Isometry3d& camera_from_board) {
     BoardView view;
-    const Chessboard& board = observations_.board;
+    const CalibrationTarget& board = observations_.board;
     for (int corner = 0; corner < board.num_corners(); ++corner) {
       const auto pixel = calibration_.color.project(camera_from_board * board.corner_m(corner));
       if (!is_inside(pixel)) return {};
@@ -87,9 +83,9 @@ class ViewInformation {
 };
 
 /// All candidates; the last member is not set.
-std::vector<NextView> candidates(const RgbdCalibration& c, const Chessboard& board,
+std::vector<NextView> candidates(const RgbdCalibration& c, const CalibrationTarget& board,
                                  double sigma_px) {
-  const double board_width_m = board.square_m * (board.columns - 1);
+  const double board_width_m = board.size_m().x();
   std::vector<NextView> views;
   for (const double width : widths)
     for (const double row : places)
@@ -103,19 +99,20 @@ std::vector<NextView> candidates(const RgbdCalibration& c, const Chessboard& boa
 }  // namespace
 
 Eigen::Isometry3d camera_from_board(const NextView& view, const Camera& camera,
-                                    const Chessboard& board) {
+                                    const CalibrationTarget& board) {
   const Eigen::Vector3d ray =
       camera.unproject({view.column * camera.width, view.row * camera.height});
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray) *
                   Eigen::AngleAxisd(view.tilt_x_rad, Eigen::Vector3d::UnitX()) *
                   Eigen::AngleAxisd(view.tilt_y_rad, Eigen::Vector3d::UnitY()).matrix();
-  pose.translation() = view.distance_m * ray.normalized() - pose.linear() * centre_m(board);
+  pose.translation() = view.distance_m * ray.normalized() -
+                       0.5 * pose.linear() * board.corner_m(board.num_corners() - 1);
   return pose;
 }
 
 std::optional<NextView> find_next_view(const RgbdCalibration& calibration,
-                                       const Chessboard& board) {
+                                       const CalibrationTarget& board) {
   ViewInformation view_information(calibration, board);
   RgbdCalibration then = calibration;
   const Index size = static_cast<Index>(color_parameter_indices(calibration).size()) + 2;

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "calib/board/chessboard.h"
+#include "calib/board/board_view.h"
 #include "calib/rgbd/calibration.h"
 
 namespace touchtrace {
@@ -21,11 +21,12 @@ struct NextView {
 /// Compares 90 views: nine places, two distances, five tilts. A view adds the information of its
 /// corners about the parameters, with their noise times the inflation by views (ViewCovariance).
 /// nullopt if the whole board fits into the image in none of them, or the covariance is singular.
-std::optional<NextView> find_next_view(const RgbdCalibration& calibration, const Chessboard& board);
+std::optional<NextView> find_next_view(const RgbdCalibration& calibration,
+                                       const CalibrationTarget& board);
 
 /// Pose of the board in such a view.
 Eigen::Isometry3d camera_from_board(const NextView& view, const Camera& camera,
-                                    const Chessboard& board);
+                                    const CalibrationTarget& board);
 
 /// "in the upper left of the image, 0.45 m away, its right side turned 40 degrees away"
 std::string describe(const NextView& view);

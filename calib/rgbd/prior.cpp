@@ -17,7 +17,7 @@ constexpr double delay_sigma_s = 0.1;
 
 }  // namespace
 
-double warp_sigma_m(const Chessboard& board) {
+double warp_sigma_m(const CalibrationTarget& board) {
   if (board.is_flat) return flat_warp_sigma_m;
   return relative_warp_sigma * (board.corner_m(board.num_corners() - 1) - board.corner_m(0)).norm();
 }

@@ -19,6 +19,6 @@ void add_depth_prior(const BoardObservations& observations, const RgbdParameters
                      Prior& prior);
 
 /// Standard deviation [m] of the warp coefficients: 0.5 % of the board's diagonal.
-double warp_sigma_m(const Chessboard& board);
+double warp_sigma_m(const CalibrationTarget& board);
 
 }  // namespace touchtrace

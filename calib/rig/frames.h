@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/board/chessboard.h"
+#include "calib/board/board_view.h"
 
 namespace touchtrace {
 

@@ -21,7 +21,7 @@ struct RigCamera {
 /// All unknowns of a rig. The rig's frame is that of its first camera.
 struct RigParameters {
   std::vector<RigCamera> cameras;
-  std::array<double, 2> board_warp_m{};           ///< coefficients of Chessboard::warp_basis
+  std::array<double, 2> board_warp_m{};           ///< coefficients of CalibrationTarget::warp_basis
   std::vector<Eigen::Vector3d> corner_offsets_m;  ///< [corners of the board]; 0 if not estimated
   std::vector<std::array<double, 6>> rig_from_board;  ///< [frames]
 };

@@ -85,7 +85,7 @@ PosedCamera pose_views(const RgbdCalibration& calibration, const BoardObservatio
 }
 
 /// Turns the board by 180 degrees about its centre: corner i becomes corner n - 1 - i.
-Isometry3d half_turn(const Chessboard& board) {
+Isometry3d half_turn(const CalibrationTarget& board) {
   Isometry3d turn = Isometry3d::Identity();
   turn.linear() = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   turn.translation() = board.corner_m(board.num_corners() - 1);
@@ -107,7 +107,7 @@ struct Transfer {
 
 Transfer transfer(const PosedCamera& first, std::size_t first_view, const PosedCamera& second,
                   std::size_t second_view, const Isometry3d& second_from_first) {
-  const Chessboard& board = first.observations->board;
+  const CalibrationTarget& board = first.observations->board;
   const Isometry3d pose = second_from_first * first.pose(first_view);
   const double same_px = rms_at(second, second_view, pose);
   if (!board.is_symmetric()) return {same_px, false};

@@ -17,14 +17,14 @@ BoardObservations board_views_from_recording(const std::filesystem::path& record
 /// Files that are no image, and images of another size than most, are listed as skipped. Throws
 /// data_error if there is no image.
 BoardObservations board_views_from_images(const std::vector<std::string>& folders_or_patterns,
-                                          const Chessboard& board);
+                                          const CalibrationTarget& board);
 
 /// Reads corners that were detected before: calibration.json, or a text file of mrcal with the
 /// lines `filename x y level`, the corners of an image along the board's rows, `-` where one was
 /// not seen. The size of the images is in calibration.json; else the first image is read, relative
 /// to the file. Throws data_error for an invalid file or corners that the board does not have.
 BoardObservations board_views_from_corners(const std::filesystem::path& file,
-                                           const Chessboard& board);
+                                           const CalibrationTarget& board);
 
 /// True for a folder in the format of the TUM RGB-D benchmark: with rgb.txt and depth.txt.
 bool is_tum_folder(const std::filesystem::path& folder);
@@ -32,13 +32,13 @@ bool is_tum_folder(const std::filesystem::path& folder);
 /// Detects the board in a TUM RGB-D folder. Depth images are 16-bit PNG, 5000 counts per metre. See
 /// select_tum_pairs for long videos. Throws data_error.
 BoardObservations board_views_from_tum(const std::filesystem::path& folder,
-                                       const Chessboard& board);
+                                       const CalibrationTarget& board);
 
 /// Reads an image as grey values. Throws data_error if that fails.
 GreyImage read_grey(const std::filesystem::path& path);
 
-/// Throws data_error unless the image has the size of the previous ones.
-void require_same_size(const BoardObservations& observations, const GreyImage& image,
+/// Throws data_error unless the image has the size of the first one.
+void require_same_size(const GreyImage& first, const GreyImage& image,
                        const std::filesystem::path& path);
 
 /// Images in a folder, by their extension, sorted; may be empty.

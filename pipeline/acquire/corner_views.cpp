@@ -23,7 +23,8 @@ Error invalid(const fs::path& file, const std::string& problem) {
 }
 
 /// Throws data_error unless each corner is one of the board's, and seen once.
-void require_board_corners(const fs::path& file, const BoardView& view, const Chessboard& board) {
+void require_board_corners(const fs::path& file, const BoardView& view,
+                           const CalibrationTarget& board) {
   const auto count = static_cast<std::size_t>(board.num_corners());
   if (view.corner_ids.empty() && view.corners_px.size() != count)
     throw invalid(file, fmt::format("{} has {} corners, the board of {}x{} has {}", view.name,
@@ -95,7 +96,7 @@ void read_lines(const fs::path& file, const std::string& text, BoardObservations
 
 }  // namespace
 
-BoardObservations board_views_from_corners(const fs::path& file, const Chessboard& board) {
+BoardObservations board_views_from_corners(const fs::path& file, const CalibrationTarget& board) {
   BoardObservations observations;
   observations.board = board;
   const std::string text = read_file(file, max_bytes);

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 
+#include "calib/board/board_detector.h"
 #include "calib/rgbd/calibrate.h"
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -46,8 +47,10 @@ GreyImage grey_image(const cv::Mat& pixels) {
 }
 
 /// The image size with most views of the board; images of other sizes are skipped.
-BoardObservations largest_group(std::map<std::pair<int, int>, BoardObservations> by_size,
+BoardObservations largest_group(std::map<std::pair<int, int>, BoardDetector> detectors,
                                 std::vector<SkippedImage> skipped) {
+  std::map<std::pair<int, int>, BoardObservations> by_size;
+  for (auto& [size, detector] : detectors) by_size[size] = std::move(detector).finish();
   const auto largest = std::ranges::max_element(by_size, {}, [](const auto& group) {
     return std::pair(group.second.views.size(), group.second.views_without_board.size());
   });
@@ -58,20 +61,21 @@ BoardObservations largest_group(std::map<std::pair<int, int>, BoardObservations>
                                  result.width, result.height);
     for (const BoardView& view : group.views) skipped.push_back({view.name, why});
     for (const std::string& name : group.views_without_board) skipped.push_back({name, why});
+    for (const SkippedImage& image : group.skipped) skipped.push_back({image.name, why});
   }
-  result.skipped = std::move(skipped);
+  std::ranges::move(skipped, std::back_inserter(result.skipped));
   return result;
 }
 
 /// Notices early that the images show a board of another size than was asked for.
 class BoardSizeCheck {
  public:
-  explicit BoardSizeCheck(const Chessboard& asked) : asked_(asked) {}
+  explicit BoardSizeCheck(const CalibrationTarget& asked) : asked_(asked) {}
 
   /// Throws data_error if hardly an image so far shows the board, and one shows another.
   void add(const GreyImage& image, bool is_found, const fs::path& path) {
     ++(is_found ? found_ : missed_);
-    if (!is_found && !asked_.markers && !seen_ && missed_ <= num_probed_images) {
+    if (!is_found && asked_.kind == &chessboard_kind && !seen_ && missed_ <= num_probed_images) {
       seen_ = find_other_size(image, asked_);
       image_ = path.string();
     }
@@ -92,8 +96,8 @@ class BoardSizeCheck {
   }
 
   static constexpr int num_probed_images = 3;
-  Chessboard asked_;
-  std::optional<Chessboard> seen_;
+  CalibrationTarget asked_;
+  std::optional<CalibrationTarget> seen_;
   std::string image_;
   int found_ = 0, missed_ = 0;
 };
@@ -108,12 +112,11 @@ GreyImage read_grey(const fs::path& path) {
   return grey_image(pixels);
 }
 
-void require_same_size(const BoardObservations& observations, const GreyImage& image,
-                       const fs::path& path) {
-  if (image.width != observations.width || image.height != observations.height)
+void require_same_size(const GreyImage& first, const GreyImage& image, const fs::path& path) {
+  if (image.width != first.width || image.height != first.height)
     throw data_error(
         fmt::format("{} has {}x{} pixels, the previous images have {}x{}", path.string(),
-                    image.width, image.height, observations.width, observations.height),
+                    image.width, image.height, first.width, first.height),
         "give images of one camera and one size");
 }
 
@@ -139,9 +142,9 @@ std::vector<fs::path> image_files(const std::vector<std::string>& folders_or_pat
 }
 
 BoardObservations board_views_from_images(const std::vector<std::string>& folders_or_patterns,
-                                          const Chessboard& board) {
+                                          const CalibrationTarget& board) {
   const auto files = image_files(folders_or_patterns);
-  std::map<std::pair<int, int>, BoardObservations> by_size;
+  std::map<std::pair<int, int>, BoardDetector> by_size;
   std::vector<SkippedImage> unreadable;
   BoardSizeCheck size_check(board);
   Progress progress("detecting the board", files.size());
@@ -152,11 +155,9 @@ BoardObservations board_views_from_images(const std::vector<std::string>& folder
       unreadable.push_back({path.filename().string(), "not a readable image"});
       continue;
     }
-    auto& observations = by_size[{pixels.cols, pixels.rows}];
-    observations.board = board;
-    observations.width = pixels.cols, observations.height = pixels.rows;
+    BoardDetector& detector = by_size.try_emplace({pixels.cols, pixels.rows}, board).first->second;
     const GreyImage image = grey_image(pixels);
-    size_check.add(image, add_view(observations, path.filename().string(), image), path);
+    size_check.add(image, detector.add({path.filename().string(), {}, {}}, image), path);
   }
   size_check.finish();
   if (by_size.empty()) throw data_error("none of the images can be read", "give photographs");

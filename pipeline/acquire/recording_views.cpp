@@ -2,6 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "calib/board/board_detector.h"
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
@@ -35,17 +36,16 @@ BoardObservations board_views_from_recording(const std::filesystem::path& path) 
   if (reader.board_views() == 0)
     throw data_error(fmt::format("{} has no chessboard views", path.string()),
                      "record some, or calibrate from --images");
-  BoardObservations observations;
-  observations.board = {info.columns, info.rows, info.square_m};
-  observations.width = camera.width, observations.height = camera.height;
-  observations.depth_intrinsics = camera.depth_intrinsics;
+  BoardDetector detector({info.columns, info.rows, info.square_m});
   Progress progress("detecting the board", reader.board_views());
   for (std::size_t index = 0; index < reader.board_views(); ++index) {
     const RgbdFrame frame = reader.read_board_view(index);
-    add_view(observations, fmt::format("view {}", index), grey_of(frame, camera),
-             metres_of(frame, camera));
+    detector.add({fmt::format("view {}", index), {}, metres_of(frame, camera)},
+                 grey_of(frame, camera));
     progress.advance();
   }
+  BoardObservations observations = std::move(detector).finish();
+  observations.depth_intrinsics = camera.depth_intrinsics;
   return observations;
 }
 

@@ -2,6 +2,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "calib/board/board_detector.h"
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
@@ -29,25 +30,26 @@ std::vector<float> read_depth(const fs::path& path, const GreyImage& color) {
 
 }  // namespace
 
-BoardObservations board_views_from_tum(const fs::path& folder, const Chessboard& board) {
+BoardObservations board_views_from_tum(const fs::path& folder, const CalibrationTarget& board) {
   const auto pairs = select_tum_pairs(read_tum_pairs(folder));
-  BoardObservations observations;
-  observations.board = board;
+  BoardDetector detector(board);
+  GreyImage first;
   Progress progress("detecting the board", pairs.size());
   for (const TumPair& pair : pairs) {
     const GreyImage image = read_grey(pair.color);
-    if (observations.width == 0)
-      observations.width = image.width, observations.height = image.height;
-    require_same_size(observations, image, pair.color);
-    const std::size_t before = observations.views.size();
-    add_view(observations, pair.color.filename().string(), image, read_depth(pair.depth, image));
-    if (observations.views.size() > before) {
-      observations.views.back().color_time_s = pair.color_time_s - pairs.front().color_time_s;
-      observations.views.back().depth_time_s = pair.depth_time_s - pairs.front().color_time_s;
-    }
+    if (first.width == 0) first = image;
+    require_same_size(first, image, pair.color);
+    const double start_s = pairs.front().color_time_s;
+    detector.add({pair.color.filename().string(),
+                  {},
+                  read_depth(pair.depth, image),
+                  {},
+                  pair.color_time_s - start_s,
+                  pair.depth_time_s - start_s},
+                 image);
     progress.advance();
   }
-  return observations;
+  return std::move(detector).finish();
 }
 
 }  // namespace touchtrace

@@ -21,10 +21,16 @@ struct CalibrateOptions {
   std::string recording, corners, output = "camera";
   std::vector<std::string> images, cameras, compare;
   int columns = 9, rows = 6;
-  double square_mm = 25.0, marker_mm = 18.0;
-  std::string markers = "none", lens = "auto";
+  double square_mm = 25.0, marker_mm = 18.0, tag_spacing = 0.3;
+  std::string target = "chessboard", markers = "none", lens = "auto";
   bool watch = false, no_warp = false, no_target_deformation = false;
 };
+
+std::vector<std::string> target_choices() {
+  std::vector<std::string> names;
+  for (const TargetKind* kind : target_kinds()) names.emplace_back(kind->name);
+  return names;
+}
 
 std::vector<std::string> marker_choices() {
   std::vector<std::string> kinds = marker_dictionaries();
@@ -63,14 +69,40 @@ void describe(OptionSet& set, CalibrateOptions& o) {
   set.text("corners", o.corners,
            "detected corners: calibration.json, or text of mrcal ('filename x y level')")
       .value("FILE");
-  set.integer("columns", o.columns, "inner corners per row of the board", 3, 100);
-  set.integer("rows", o.rows, "inner corners per column of the board", 3, 100);
-  set.number("square-mm", o.square_mm, "side of a square [mm]", 0.1, 1000.0).value("MM");
+  set.choice("target", o.target, "kind of calibration target", target_choices());
+  set.integer("columns", o.columns, "inner corners, circles or tags per row", 2, 100);
+  set.integer("rows", o.rows, "inner corners, circles or tags per column", 2, 100);
+  set.number("square-mm", o.square_mm,
+             "side of a square, distance of circles, or of rows of asymmetric circles [mm]", 0.1,
+             1000.0)
+      .value("MM");
   set.choice("markers", o.markers,
-             "ArUco dictionary of a ChArUco board, e.g. 5x5_100; none: chessboard",
+             "ArUco dictionary of a ChArUco board, e.g. 5x5_100; none: no ChArUco board",
              marker_choices())
       .value("DICTIONARY");
-  set.number("marker-mm", o.marker_mm, "side of a marker [mm]", 0.1, 1000.0).value("MM");
+  set.number("marker-mm", o.marker_mm, "side of a marker or tag [mm]", 0.1, 1000.0).value("MM");
+  set.number("tag-spacing", o.tag_spacing, "space between AprilGrid tags over their side", 0.01,
+             1.0);
+}
+
+CalibrationTarget target_of(const CalibrateOptions& o) {
+  CalibrationTarget target{o.columns, o.rows, 1e-3 * o.square_mm};
+  target.kind = *std::ranges::find(target_kinds(), o.target, &TargetKind::name);
+  if (target.kind == &chessboard_kind && o.markers != "none") target.kind = &charuco_kind;
+  if (target.kind == &charuco_kind) {
+    if (o.markers == "none")
+      throw usage_error("a ChArUco board needs an ArUco dictionary", "add e.g. --markers 5x5_100");
+    target.markers = {o.markers, 1e-3 * o.marker_mm};
+  }
+  if (target.kind == &aprilgrid_kind) {
+    target.columns *= 2, target.rows *= 2;
+    target.markers = {"apriltag_36h11", 1e-3 * o.marker_mm};
+    target.square_m = target.markers->side_m * (1.0 + o.tag_spacing);
+  } else if (std::min(o.columns, o.rows) < 3) {
+    throw usage_error(fmt::format("a {} of {}x{} is too small", o.target, o.columns, o.rows),
+                      "--columns and --rows are 3 or more");
+  }
+  return target;
 }
 
 void require_one_input(const CalibrateOptions& o) {
@@ -83,15 +115,9 @@ void require_one_input(const CalibrateOptions& o) {
                       "touchtrace calibrate --help describes them");
 }
 
-Chessboard board_of(const CalibrateOptions& o) {
-  Chessboard board{o.columns, o.rows, 1e-3 * o.square_mm};
-  if (o.markers != "none") board.markers = {o.markers, 1e-3 * o.marker_mm};
-  return board;
-}
-
 BoardObservations observe(const CalibrateOptions& o) {
   if (!o.recording.empty()) return board_views_from_recording(o.recording);
-  const Chessboard board = board_of(o);
+  const CalibrationTarget board = target_of(o);
   if (!o.corners.empty()) return board_views_from_corners(o.corners, board);
   return is_tum_folder(o.images.front()) ? board_views_from_tum(o.images.front(), board)
                                          : board_views_from_images(o.images, board);
@@ -262,12 +288,12 @@ BoardObservations watch(const CalibrateOptions& options, const CalibrationOption
     throw usage_error("--watch takes one folder", "touchtrace calibrate --images FOLDER --watch");
   CalibrationOptions quick = settings;
   quick.cross_validate = false;
-  return watch_folder({options.images.front(), options.output, board_of(options), quick},
+  return watch_folder({options.images.front(), options.output, target_of(options), quick},
                       invocation);
 }
 
 /// Says which further view would help most, unless all is well.
-void add_next_view(RgbdCalibration& calibration, const Chessboard& board) {
+void add_next_view(RgbdCalibration& calibration, const CalibrationTarget& board) {
   if (calibration.details["verdict"] == "GOOD") return;
   if (const auto next = find_next_view(calibration, board))
     calibration.details["next_view"] =
@@ -283,7 +309,7 @@ ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
                               .cross_validate = true};
   if (options.lens != "auto") settings.lenses = {options.lens};
   if (!options.cameras.empty())
-    return calibrate_rig({options.cameras, board_of(options), settings, options.output},
+    return calibrate_rig({options.cameras, target_of(options), settings, options.output},
                          invocation);
   const Stopwatch stopwatch;
   const OutputFile refuses_existing(std::filesystem::path(options.output) / "calibration.json",
@@ -311,6 +337,9 @@ Command calibrate_command() {
        "touchtrace calibrate --images 'photos/left*.jpg' --columns 9 --rows 6 --square-mm 25 "
        "--output camera",
        "touchtrace calibrate --camera left=photos/left right=photos/right --output stereo",
+       "touchtrace calibrate --images photos --target aprilgrid --columns 6 --rows 6 --marker-mm "
+       "88 "
+       "--output camera",
        "touchtrace calibrate --compare camera camera_of_last_month"},
       run, {.overwrite = true, .quiet = true});
 }

@@ -60,7 +60,8 @@ std::vector<CameraSource> parse_sources(const std::vector<std::string>& texts) {
   return sources;
 }
 
-std::vector<RigInput> observe(const std::vector<CameraSource>& sources, const Chessboard& board) {
+std::vector<RigInput> observe(const std::vector<CameraSource>& sources,
+                              const CalibrationTarget& board) {
   std::vector<RigInput> inputs;
   for (const auto& source : sources)
     inputs.push_back({source.name, source.is_corner_file()

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/board/chessboard.h"
+#include "calib/board/board_view.h"
 #include "calib/rgbd/calibrate.h"
 #include "pipeline/cli/command.h"
 
@@ -12,7 +12,7 @@ namespace touchtrace::cli {
 /// `touchtrace calibrate --camera NAME=PATH...`
 struct RigOptions {
   std::vector<std::string> cameras;  ///< NAME=PATH, or PATH with the name of its last folder
-  Chessboard board;
+  CalibrationTarget board;
   CalibrationOptions calibration;
   std::string output;
 };

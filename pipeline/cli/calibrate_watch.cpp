@@ -8,6 +8,7 @@
 #include <map>
 #include <thread>
 
+#include "calib/board/board_detector.h"
 #include "calib/rgbd/next_view.h"
 #include "calib/rgbd/projection_map.h"
 #include "calib/rgbd/verdict.h"
@@ -54,19 +55,17 @@ class FolderWatch {
 class RunningCalibration {
  public:
   RunningCalibration(const WatchOptions& options, const Invocation& invocation)
-      : options_(options), overwrite_(invocation.overwrite) {
-    observations_.board = options.board;
-  }
+      : options_(options), overwrite_(invocation.overwrite), detector_(options.board) {}
 
   void add(const fs::path& path) {
     const GreyImage image = read_grey(path);
-    if (!observations_.views.empty()) require_same_size(observations_, image, path);
-    observations_.width = image.width, observations_.height = image.height;
-    const bool found = add_view(observations_, path.filename().string(), image);
-    Progress::report(fmt::format("{}: {}", path.filename().string(),
-                                 found ? fmt::format("view {}", observations_.views.size())
-                                       : "shows no board, or only a part of it"));
-    if (found) update();
+    if (first_.pixels.empty()) first_ = image;
+    require_same_size(first_, image, path);
+    const std::string name = path.filename().string();
+    if (!detector_.add({name, {}, {}}, image)) return Progress::report(name + ": no board");
+    observations_ = BoardDetector(detector_).finish();
+    Progress::report(fmt::format("{}: view {}", name, observations_.views.size()));
+    update();
   }
   bool is_good() const { return is_good_; }
   const BoardObservations& observations() const { return observations_; }
@@ -97,6 +96,8 @@ class RunningCalibration {
 
   const WatchOptions& options_;
   bool overwrite_, is_good_ = false;
+  BoardDetector detector_;
+  GreyImage first_;
   BoardObservations observations_;
 };
 

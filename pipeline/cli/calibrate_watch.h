@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "calib/board/chessboard.h"
+#include "calib/board/board_view.h"
 #include "calib/rgbd/calibrate.h"
 #include "pipeline/cli/command.h"
 
@@ -11,7 +11,7 @@ namespace touchtrace::cli {
 /// `touchtrace calibrate --images FOLDER --watch`
 struct WatchOptions {
   std::string folder, output;
-  Chessboard board;
+  CalibrationTarget board;
   CalibrationOptions calibration;
 };
 

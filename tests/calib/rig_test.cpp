@@ -89,7 +89,7 @@ TEST(Rig, CamerasAreChained) {
 TEST(Rig, ViewsOfASymmetricBoardAreTurned) {
   SimulatedRig rig = simulated_rig(12);
   for (auto& boards : rig.cameras) {
-    boards.clean.board = Chessboard{9, 5, 0.025};
+    boards.clean.board = CalibrationTarget{9, 5, 0.025};
     for (auto& view : boards.clean.views) view.corners_px.resize(45);
   }
   auto inputs = observed(rig);

@@ -26,7 +26,7 @@ SimulatedBoards deformed_boards(int views, double corner_sigma_px, bool with_dep
 
 std::string chosen(const RgbdCalibration& c) { return c.details["target_deformation"]["chosen"]; }
 
-Eigen::Matrix3Xd corners_of(const Chessboard& board, const RgbdParameters& p) {
+Eigen::Matrix3Xd corners_of(const CalibrationTarget& board, const RgbdParameters& p) {
   Eigen::Matrix3Xd corners(3, board.num_corners());
   for (int i = 0; i < board.num_corners(); ++i) corners.col(i) = deformed_corner_m(board, i, p);
   return corners;
@@ -34,7 +34,7 @@ Eigen::Matrix3Xd corners_of(const Chessboard& board, const RgbdParameters& p) {
 
 /// RMS [m] over the corners in each direction, after aligning pose and scale, which are not
 /// observable.
-Eigen::Vector3d shape_error(const Chessboard& board, const RgbdParameters& estimate,
+Eigen::Vector3d shape_error(const CalibrationTarget& board, const RgbdParameters& estimate,
                             const RgbdParameters& truth) {
   const Eigen::Matrix3Xd from = corners_of(board, estimate), to = corners_of(board, truth);
   const Eigen::Matrix4d similarity = Eigen::umeyama(from, to);

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
 #include "calib/rgbd/calibration.h"
@@ -60,6 +61,22 @@ TEST(CalibrateCommand, RefusesMarkersThatCannotBe) {
   EXPECT_EQ(with("5x5_99", "18"), 2);
   EXPECT_EQ(with("5x5_100", "25"), 2);
   EXPECT_EQ(with("5x5_100", "18"), 3);  // there is no board
+}
+
+TEST(CalibrateCommand, RefusesTargetsThatCannotBe) {
+  const TemporaryFolder folder;
+  write_grey(folder / "grey.pgm", 320, 240);
+  const auto with = [&](const char* target, const char* columns) {
+    return run({"--images", (folder / "*.pgm").string(), "--target", target, "--columns", columns,
+                "-o", (folder / "out").string()});
+  };
+  EXPECT_EQ(with("charuco", "9"), 2);  // without --markers
+  EXPECT_EQ(with("circles", "2"), 2);
+  EXPECT_EQ(with("aprilgrid", "100"), 2);  // more tags than there are
+  for (const TargetKind* kind : target_kinds())
+    if (kind != &charuco_kind) {
+      EXPECT_EQ(with(kind->name, "5"), 3) << kind->name;  // not visible
+    }
 }
 
 TEST(CalibrateCommand, NeverOverwritesSilently) {
@@ -192,9 +209,9 @@ TEST(CalibrateCommand, FindsTheBoardInALargeImage) {
                          const_cast<std::uint8_t*>(small.pixels.data()));
   cv::Mat enlarged;
   cv::resize(original, enlarged, {}, 4.0, 4.0, cv::INTER_CUBIC);
-  const auto expected = find_chessboard(small, Chessboard{});
+  const auto expected = find_chessboard(small, CalibrationTarget{});
   const auto found = find_chessboard(
-      {enlarged.cols, enlarged.rows, {enlarged.datastart, enlarged.dataend}}, Chessboard{});
+      {enlarged.cols, enlarged.rows, {enlarged.datastart, enlarged.dataend}}, CalibrationTarget{});
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Eigen::Vector2d in_original = (found[i].array() + 0.5) / 4.0 - 0.5;
@@ -202,7 +219,7 @@ TEST(CalibrateCommand, FindsTheBoardInALargeImage) {
   }
   cv::Mat without(enlarged.size(), CV_8U, cv::Scalar(128));
   EXPECT_TRUE(find_chessboard({without.cols, without.rows, {without.datastart, without.dataend}},
-                              Chessboard{})
+                              CalibrationTarget{})
                   .empty());
 }
 
@@ -246,6 +263,48 @@ TEST(CalibrateCommand, ReadsCornersFromAFile) {
   EXPECT_EQ(run({"--corners", out("corners.vnl"), "-o", out("broken")}), 3);
   put(folder / "corners.json", "{\"color\": 3}");
   EXPECT_EQ(run({"--corners", out("corners.json"), "-o", out("broken")}), 3);
+}
+
+/// Eight views of 6x4 tags, circles or corners, 640x480 pixels, each without its first corner.
+std::string projected_corners(const CalibrationTarget& target) {
+  std::string lines;
+  for (int view = 0; view < 8; ++view) {
+    const Eigen::Vector3d turn(0.5 * (view % 3 - 1) + 0.1, view % 2 ? 0.5 : -0.4, 0.2 * view);
+    const Eigen::Matrix3d rotation =
+        Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+    const Eigen::Vector3d centre_m = 0.5 * target.corner_m(target.num_corners() - 1);
+    for (int id = 0; id < target.num_corners(); ++id) {
+      const Eigen::Vector3d at_m = rotation * (target.corner_m(id) - centre_m) +
+                                   Eigen::Vector3d(0.02 * (view % 3 - 1), 0.0, 0.6);
+      lines += id == 0 ? fmt::format("{}.pgm - - -\n", view)
+                       : fmt::format("{}.pgm {:.9g} {:.9g} 0\n", view,
+                                     600.0 * at_m.x() / at_m.z() + 320.0,
+                                     600.0 * at_m.y() / at_m.z() + 240.0);
+    }
+  }
+  return lines;
+}
+
+TEST(CalibrateCommand, ReadsCornersOfEveryKindOfTarget) {
+  const TemporaryFolder folder;
+  for (int view = 0; view < 8; ++view)
+    write_grey(folder / (std::to_string(view) + ".pgm"), 640, 480);
+  for (const TargetKind* kind : target_kinds()) {
+    CalibrationTarget target{6, 4, 0.03, CalibrationTarget::Markers{"5x5_100", 0.02}, kind};
+    if (kind == &aprilgrid_kind) target.columns *= 2, target.rows *= 2;
+    put(folder / "corners.vnl", projected_corners(target));
+    const auto out = folder / kind->name;
+    ASSERT_EQ(
+        run({"--corners", (folder / "corners.vnl").string(), "--target", kind->name, "--columns",
+             "6", "--rows", "4", "--square-mm", "30", "--marker-mm", "20", "--tag-spacing", "0.5",
+             "--markers", kind == &charuco_kind ? "5x5_100" : "none", "-o", out.string()}),
+        0)
+        << kind->name;
+    const RgbdCalibration found = read_calibration(out);
+    EXPECT_NEAR(found.color.fx, 600.0, 0.01) << kind->name;
+    EXPECT_NEAR(found.color.cx, 320.0, 0.01) << kind->name;
+    EXPECT_EQ(found.details["views"][0]["corner_ids"][0], 1) << kind->name;
+  }
 }
 
 }  // namespace

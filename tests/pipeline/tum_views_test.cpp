@@ -18,7 +18,7 @@ using testing::TemporaryFolder;
 
 constexpr int tum_width = 320, tum_height = 240;
 constexpr double tum_depth_m = 0.6;
-const Chessboard tum_board{5, 4, 0.03};
+const CalibrationTarget tum_board{5, 4, 0.03};
 
 /// Board parallel to the image plane, first corner at (x, y).
 cv::Mat drawn_board(int x, int y) {

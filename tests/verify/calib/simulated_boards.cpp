@@ -36,7 +36,7 @@ RgbdParameters true_fisheye() {
   return truth;
 }
 
-std::array<double, 6> pose_with_centre(const Chessboard& board, const Eigen::Matrix3d& rotation,
+std::array<double, 6> pose_with_centre(const CalibrationTarget& board, const Eigen::Matrix3d& rotation,
                                        const Eigen::Vector3d& centre_m) {
   const Eigen::AngleAxisd angle_axis(rotation);
   const Eigen::Vector3d r = angle_axis.angle() * angle_axis.axis();
@@ -51,14 +51,14 @@ Eigen::Matrix3d random_rotation(RandomStream& random) {
 }
 
 /// Random pose in the field of view of a perspective camera.
-std::array<double, 6> perspective_pose(const Chessboard& board, RandomStream& random) {
+std::array<double, 6> perspective_pose(const CalibrationTarget& board, RandomStream& random) {
   const double z = random.uniform(min_distance_m, max_distance_m), x = random.uniform(-0.35, 0.35);
   const Eigen::Vector3d centre(z * x, z * random.uniform(-0.25, 0.25), z);
   return pose_with_centre(board, random_rotation(random), centre);
 }
 
 /// Random pose up to 60 degrees off the optical axis; the board faces the camera, then is tilted.
-std::array<double, 6> fisheye_pose(const Chessboard& board, RandomStream& random) {
+std::array<double, 6> fisheye_pose(const CalibrationTarget& board, RandomStream& random) {
   const double across = random.uniform(-1.0, 1.0), down = random.uniform(-0.7, 0.7);
   const Eigen::Matrix3d aim = rotation_matrix({-down, across, 0.0});
   const Eigen::Vector3d centre = aim.col(2) * random.uniform(0.2, 0.5);
@@ -87,7 +87,7 @@ bool is_in_image(const BoardObservations& o, const std::vector<Eigen::Vector2d>&
 }
 
 /// True if a perspective lens can project the board, too.
-bool is_before_camera(const Chessboard& board, const Eigen::Isometry3d& camera_from_board) {
+bool is_before_camera(const CalibrationTarget& board, const Eigen::Isometry3d& camera_from_board) {
   for (int i = 0; i < board.num_corners(); ++i) {
     const Eigen::Vector3d corner = camera_from_board * board.corner_m(i);
     if (!(corner.z() > min_axis_cosine * corner.norm())) return false;

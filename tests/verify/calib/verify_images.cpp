@@ -28,7 +28,7 @@ struct Photographs {
 };
 
 Photographs calibrate_photographs(const std::string& side) {
-  const auto views = board_views_from_images({photographs + ("/" + side) + "0?.jpg"}, Chessboard{});
+  const auto views = board_views_from_images({photographs + ("/" + side) + "0?.jpg"}, CalibrationTarget{});
   return {"opencv-doc " + side + "01..09, ", calibrate(views, {.cross_validate = true}),
           calibrate_with_ideal_board(views, {})};
 }
@@ -44,7 +44,7 @@ void emit_errors(const Photographs& p, const std::function<void(Figure)>& emit) 
 
 /// Offsets of the corners from the ideal board after removing pose and scale: [3, corners].
 Eigen::Matrix3Xd target_shape(const RgbdCalibration& calibration) {
-  const Chessboard board;
+  const CalibrationTarget board;
   const RgbdParameters found = board_parameters(calibration);
   Eigen::Matrix3Xd ideal(3, board.num_corners()), corners = ideal;
   for (int i = 0; i < board.num_corners(); ++i) {

@@ -1,0 +1,44 @@
+#include "calib/board/calibration_target.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+namespace touchtrace {
+namespace {
+
+constexpr std::size_t min_corners = 8;
+
+constexpr const TargetKind* kinds[] = {&chessboard_kind, &charuco_kind, &aprilgrid_kind,
+                                       &circles_kind, &asymmetric_circles_kind};
+
+}  // namespace
+
+std::span<const TargetKind* const> target_kinds() { return kinds; }
+
+Eigen::Vector2d square_lattice_m(const CalibrationTarget& target, int column, int row) {
+  return target.square_m * Eigen::Vector2d(column, row);
+}
+
+bool determine_pose(const std::vector<int>& ids, const CalibrationTarget& target) {
+  if (ids.size() < min_corners) return false;
+  const auto differ = [&](auto coordinate) {
+    const auto [min, max] = std::ranges::minmax(ids, {}, coordinate);
+    return coordinate(min) != coordinate(max);
+  };
+  return differ([&](int i) { return i / target.columns; }) &&
+         differ([&](int i) { return i % target.columns; });
+}
+
+Eigen::Matrix2d image_scale_px_per_m(const TargetCorners& corners,
+                                     const CalibrationTarget& target) {
+  const auto n = static_cast<Eigen::Index>(corners.second.size());
+  Eigen::Matrix2Xd on_board_m(2, n), in_image_px(2, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    on_board_m.col(i) = target.corner_m(corners.second[static_cast<std::size_t>(i)]).head<2>();
+    in_image_px.col(i) = corners.first[static_cast<std::size_t>(i)];
+  }
+  on_board_m.colwise() -= on_board_m.rowwise().mean().eval();
+  return in_image_px * on_board_m.transpose() * (on_board_m * on_board_m.transpose()).inverse();
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace touchtrace {
+
+struct CalibrationTarget;
+struct GreyImage;
+
+/// Corners of a target that an image shows [px], and their indices; no indices: all, in order.
+using TargetCorners = std::pair<std::vector<Eigen::Vector2d>, std::vector<int>>;
+
+/// A kind of calibration target. Each is defined beside its detector.
+struct TargetKind {
+  const char* name;
+  /// Place of a corner in the target's frame.
+  Eigen::Vector2d (*place_m)(const CalibrationTarget& target, int column, int row);
+  /// Whether the target looks the same after half a turn, so that a view does not tell its order.
+  bool (*is_symmetric)(const CalibrationTarget& target);
+  TargetCorners (*find_corners)(const GreyImage& image, const CalibrationTarget& target);
+};
+
+extern const TargetKind chessboard_kind, charuco_kind, aprilgrid_kind, circles_kind,
+    asymmetric_circles_kind;
+
+/// All kinds. A new one is added here.
+std::span<const TargetKind* const> target_kinds();
+
+/// Flat calibration target by its corners: inner corners of a chessboard, four of each tag of an
+/// AprilGrid, or centres of circles. Corners are numbered along the rows. Frame: origin at corner 0
+/// (asymmetric circles, too), x along a row, y along a column, z = 0, metres.
+struct CalibrationTarget {
+  struct Markers {
+    std::string dictionary;  ///< ChArUco: one of marker_dictionaries()
+    double side_m;
+  };
+
+  int columns = 9, rows = 6;  ///< corners in each row and column; AprilGrid: twice the tags
+  /// Side of a square. AprilGrid: distance from tag to tag. Circles: distance of their centres.
+  /// Asymmetric circles: distance of rows, half the distance in a row.
+  double square_m = 0.025;
+  std::optional<Markers> markers = std::nullopt;  ///< ChArUco, AprilGrid
+  const TargetKind* kind = &chessboard_kind;
+  bool is_flat = false;  ///< its warp is not estimated
+
+  bool is_symmetric() const { return kind->is_symmetric(*this); }
+  int num_corners() const { return columns * rows; }
+  Eigen::Vector3d corner_m(int index) const {
+    Eigen::Vector3d corner = Eigen::Vector3d::Zero();
+    corner.head<2>() = kind->place_m(*this, index % columns, index / columns);
+    return corner;
+  }
+  /// Width and height of the rectangle from corner 0 to the last one.
+  Eigen::Vector2d size_m() const { return corner_m(num_corners() - 1).head<2>(); }
+  /// Basis of the board's warp, as in mrcal: a parabola in x and one in y, each 1 at the centre and
+  /// 0 at the outer corners. A board with the coefficients `warp_m` has z = warp_basis . warp_m.
+  Eigen::Vector2d warp_basis(const Eigen::Vector2d& on_board_m) const {
+    const Eigen::Array2d place = 2.0 * on_board_m.array() / size_m().array() - 1.0;
+    return 1.0 - place.square();
+  }
+};
+
+/// Place of a corner of a square lattice.
+Eigen::Vector2d square_lattice_m(const CalibrationTarget& target, int column, int row);
+
+/// True for 8 corners or more in at least two rows and two columns, which determine a pose.
+bool determine_pose(const std::vector<int>& ids, const CalibrationTarget& target);
+
+/// Best affine map [px/m] from the target to its image.
+Eigen::Matrix2d image_scale_px_per_m(const TargetCorners& corners, const CalibrationTarget& target);
+
+}  // namespace touchtrace

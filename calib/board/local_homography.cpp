@@ -1,0 +1,60 @@
+#include "calib/board/local_homography.h"
+
+#include <opencv2/calib3d.hpp>
+
+namespace touchtrace {
+namespace {
+
+constexpr double reach = 3.2;  ///< [square_m] a little more than three rows
+constexpr std::size_t min_corners = 6;
+
+bool are_collinear(const std::vector<cv::Point2d>& points) {
+  for (const cv::Point2d& a : points)
+    for (const cv::Point2d& b : points)
+      if (std::abs((a - points[0]).cross(b - points[0])) > 1e-9) return false;
+  return true;
+}
+
+}  // namespace
+
+std::optional<LocalHomography> LocalHomography::fit(const TargetCorners& corners,
+                                                    const CalibrationTarget& target,
+                                                    const Eigen::Vector2d& place_m) {
+  std::vector<cv::Point2d> on_target, in_image;
+  for (std::size_t i = 0; i < corners.second.size(); ++i) {
+    const Eigen::Vector2d corner_m = target.corner_m(corners.second[i]).head<2>();
+    if (!((corner_m - place_m).norm() <= reach * target.square_m)) continue;
+    on_target.emplace_back(corner_m.x() / target.square_m, corner_m.y() / target.square_m);
+    in_image.emplace_back(corners.first[i].x(), corners.first[i].y());
+  }
+  if (on_target.size() < min_corners || are_collinear(on_target)) return {};
+  const cv::Mat h = cv::findHomography(on_target, in_image, 0);
+  if (h.empty()) return {};
+  return LocalHomography(cv::Matx33d(h) *
+                         cv::Matx33d::diag({1.0 / target.square_m, 1.0 / target.square_m, 1.0}));
+}
+
+Eigen::Vector2d LocalHomography::image_of(const Eigen::Vector2d& place_m) const {
+  const cv::Vec3d p = h_ * cv::Vec3d(place_m.x(), place_m.y(), 1.0);
+  return {p[0] / p[2], p[1] / p[2]};
+}
+
+Eigen::Vector2d LocalHomography::ellipse_centre(const Eigen::Vector2d& centre_m,
+                                                double radius_m) const {
+  // The polar line of a conic's centre is the line at infinity: the last column of the dual conic.
+  const double x = centre_m.x(), y = centre_m.y(), r2 = radius_m * radius_m;
+  const cv::Matx33d circle(x * x - r2, x * y, x, x * y, y * y - r2, y, x, y, 1.0);
+  const cv::Matx33d ellipse = h_ * circle * h_.t();
+  return {ellipse(0, 2) / ellipse(2, 2), ellipse(1, 2) / ellipse(2, 2)};
+}
+
+Eigen::Matrix2d LocalHomography::derivative(const Eigen::Vector2d& place_m) const {
+  const cv::Vec3d p = h_ * cv::Vec3d(place_m.x(), place_m.y(), 1.0);
+  Eigen::Matrix2d d;
+  for (int row = 0; row < 2; ++row)
+    for (int column = 0; column < 2; ++column)
+      d(row, column) = (h_(row, column) - p[row] / p[2] * h_(2, column)) / p[2];
+  return d;
+}
+
+}  // namespace touchtrace

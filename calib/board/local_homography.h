@@ -1,0 +1,31 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <optional>
+
+#include "calib/board/calibration_target.h"
+
+namespace touchtrace {
+
+/// Homography from the target [m] to the image [px] near a place. Lens distortion hardly bends it
+/// there.
+class LocalHomography {
+ public:
+  /// Least-squares fit to the corners within three rows or columns of `place_m`; nullopt unless
+  /// six or more are known there, in two rows and two columns.
+  static std::optional<LocalHomography> fit(const TargetCorners& corners,
+                                            const CalibrationTarget& target,
+                                            const Eigen::Vector2d& place_m);
+
+  Eigen::Vector2d image_of(const Eigen::Vector2d& place_m) const;
+  /// Centre of the ellipse that is the image of a circle. It is not image_of() its centre.
+  Eigen::Vector2d ellipse_centre(const Eigen::Vector2d& centre_m, double radius_m) const;
+  /// Derivative of image_of() [px/m].
+  Eigen::Matrix2d derivative(const Eigen::Vector2d& place_m) const;
+
+ private:
+  explicit LocalHomography(const cv::Matx33d& h) : h_(h) {}
+  cv::Matx33d h_;
+};
+
+}  // namespace touchtrace

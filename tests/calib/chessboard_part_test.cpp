@@ -1,0 +1,133 @@
+#include "calib/board/chessboard_part.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "calib/board/board_detector.h"
+#include "calib/rgbd/calibrate.h"
+#include "tests/calib/rendered_board.h"
+
+namespace touchtrace {
+namespace {
+
+using testing::board_pose, testing::corner_rms_px;
+
+const CalibrationTarget board_9x6{9, 6, 0.03}, board_8x6{8, 6, 0.03}, board_7x7{7, 7, 0.03};
+const Eigen::Vector3d tilt(0.3, -0.2, 0.1);
+
+/// Board with a white margin of one square. OpenCV begins with a light square if the board has one
+/// at a corner.
+GreyImage render(const CalibrationTarget& board, const Eigen::Isometry3d& pose) {
+  const int square_px = int(std::lround(board.square_m * testing::print_px_per_m));
+  cv::Mat drawing((board.rows + 3) * square_px, (board.columns + 3) * square_px, CV_8U,
+                  cv::Scalar(255));
+  for (int y = 0; y <= board.rows; ++y)
+    for (int x = (y + board.columns + board.rows) % 2; x <= board.columns; x += 2)
+      drawing(cv::Rect((x + 1) * square_px, (y + 1) * square_px, square_px, square_px)) = 0;
+  return testing::render({drawing, Eigen::Vector2d::Constant(2.0 * board.square_m)}, pose);
+}
+
+/// Detects the board in a full view and in one with this pose.
+BoardObservations detect(const CalibrationTarget& board, const Eigen::Isometry3d& pose) {
+  BoardDetector detector(board);
+  detector.add({"full", {}, {}}, render(board, board_pose(board, tilt, {0.0, 0.0, 0.7})));
+  detector.add({"part", {}, {}}, render(board, pose));
+  return std::move(detector).finish();
+}
+
+struct PartialView {
+  const char* name;
+  CalibrationTarget board;
+  Eigen::Vector3d angle_axis, centre_m;
+};
+
+class ChessboardParts : public ::testing::TestWithParam<PartialView> {};
+
+/// The index of each corner is right: a wrong one is off by a square, 26 px or more.
+TEST_P(ChessboardParts, CornersAreAccurateAndNumberedAsOnTheBoard) {
+  const auto& [name, board, angle_axis, centre_m] = GetParam();
+  const auto pose = board_pose(board, angle_axis, centre_m);
+  const BoardObservations found = detect(board, pose);
+  ASSERT_EQ(found.views.size(), 2u);
+  const BoardView& part = found.views[1];
+  EXPECT_GE(part.corners_px.size(), 12u);
+  EXPECT_LT(int(part.corners_px.size()), board.num_corners());
+  ASSERT_EQ(part.corner_ids.size(), part.corners_px.size());
+  EXPECT_LT(corner_rms_px(board, pose, part.corners_px, part.corner_ids), 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Chessboard, ChessboardParts,
+    ::testing::Values(PartialView{"TwoEnds", board_9x6, tilt, {0.2, 0.1, 0.5}},
+                      PartialView{"QuarterTurn", board_9x6, {0.1, 0.2, 1.5}, {0.0, 0.16, 0.5}},
+                      PartialView{"Symmetric", board_8x6, tilt, {0.18, 0.1, 0.5}},
+                      PartialView{"Square", board_7x7, tilt, {0.16, 0.1, 0.5}},
+                      PartialView{"OneEndAndAllColumns", board_8x6, tilt, {0.0, 0.16, 0.5}}),
+    [](const auto& view) { return view.param.name; });
+
+TEST(ChessboardPart, IsSkippedWhereItFitsInSeveralPlaces) {
+  const auto found = detect(board_9x6, board_pose(board_9x6, tilt, {0.0, 0.0, 0.17}));
+  EXPECT_EQ(found.views.size(), 1u);
+  ASSERT_EQ(found.skipped.size(), 1u);
+  EXPECT_EQ(found.skipped[0].name, "part");
+}
+
+TEST(ChessboardPart, IsNotOfASmallerBoard) {
+  const auto part =
+      find_chessboard_part(render(board_9x6, board_pose(board_9x6, tilt, {0.0, 0.0, 0.6})));
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->corners_px.size(), 54u);
+  EXPECT_EQ(possible_places(*part, board_9x6, {}).size(), 2u);  // half a turn apart
+  EXPECT_TRUE(possible_places(*part, {8, 6, 0.03}, {}).empty());
+  EXPECT_TRUE(possible_places(*part, {10, 6, 0.03}, {}).empty());  // the board ends after nine
+}
+
+TEST(ChessboardPart, IsNotInAnImageWithoutABoard) {
+  EXPECT_FALSE(find_chessboard_part({64, 48, std::vector<std::uint8_t>(64 * 48, 128)}));
+  EXPECT_FALSE(find_chessboard_part({1, 1, {0}}));
+  RandomStream random(1, "noise");
+  GreyImage noise{160, 120, {}};
+  for (int i = 0; i < 160 * 120; ++i)
+    noise.pixels.push_back(static_cast<std::uint8_t>(random.uniform(0.0, 255.0)));
+  EXPECT_FALSE(find_chessboard_part(noise));
+}
+
+TEST(ChessboardPart, FitsInPlacesThatAgreeWithEndsAndColours) {
+  ChessboardPart part;
+  for (int i = 0; i < 9; ++i) part.cells.push_back({i % 3, i / 3});
+  part.corners_px.resize(9);
+  const CalibrationTarget board{5, 4, 0.03};
+  EXPECT_EQ(possible_places(part, board, {}).size(), 4u * 3u * 2u);
+  EXPECT_EQ(possible_places(part, board, true).size(), 4u * 3u);
+  part.ends = {{0, {-1, 0}}, {3, {-1, 0}}, {0, {0, -1}}, {1, {0, -1}}};
+  EXPECT_EQ(possible_places(part, board, {}).size(), 4u);
+  part.is_main_dark = true;
+  const auto places = possible_places(part, board, true);
+  ASSERT_EQ(places.size(), 2u);
+  EXPECT_EQ(places[0], (std::vector<int>{0, 1, 2, 5, 6, 7, 10, 11, 12}));
+}
+
+TEST(ChessboardPart, CalibratesFromPartialViews) {
+  BoardDetector detector(board_9x6);
+  const double sides[] = {-0.16, 0.0, 0.16};
+  for (int i = 0; i < 9; ++i) {
+    const Eigen::Vector3d turn(0.5 * ((i % 3) - 1) + 0.1, 0.5 * ((i / 3) % 2 ? 1 : -1), 0.02 * i);
+    const Eigen::Vector3d place(sides[i % 3], sides[i / 3] * 0.7, 0.45 + 0.02 * i);
+    detector.add({"view " + std::to_string(i), {}, {}},
+                 render(board_9x6, board_pose(board_9x6, turn, place)));
+  }
+  const BoardObservations observed = std::move(detector).finish();
+  EXPECT_GE(std::ranges::count_if(observed.views,
+                                  [](const auto& view) { return view.corners_px.size() < 54; }),
+            3);
+  const RgbdCalibration found = calibrate(observed);
+  EXPECT_LT(found.rms_px, 0.05);
+  EXPECT_NEAR(found.color.fx, 600.0, 0.5);
+  EXPECT_NEAR(found.color.fy, 602.0, 0.5);
+  EXPECT_NEAR(found.color.cx, 322.0, 0.5);
+  EXPECT_NEAR(found.color.cy, 238.0, 0.5);
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <opencv2/imgproc.hpp>
+
+#include "calib/board/chessboard.h"
+#include "engine/base/random.h"
+
+namespace touchtrace::testing {
+
+inline constexpr int rendered_width = 640, rendered_height = 480, print_px_per_m = 4000;
+inline const Eigen::Matrix3d rendered_camera =
+    (Eigen::Matrix3d() << 600.0, 0.0, 322.0, 0.0, 602.0, 238.0, 0.0, 0.0, 1.0).finished();
+
+/// Drawing of a board, print_px_per_m.
+struct BoardPrint {
+  cv::Mat pixels;
+  Eigen::Vector2d origin_m;  ///< of the board frame, from the upper left corner of the drawing
+};
+
+/// camera_from_board with the board's centre at `centre_m`.
+inline Eigen::Isometry3d board_pose(const CalibrationTarget& board,
+                                    const Eigen::Vector3d& angle_axis,
+                                    const Eigen::Vector3d& centre_m) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::AngleAxisd(angle_axis.norm(), angle_axis.normalized()).toRotationMatrix();
+  pose.translation() = centre_m - 0.5 * pose.linear() * board.corner_m(board.num_corners() - 1);
+  return pose;
+}
+
+/// Image of the board before grey, with antialiasing and noise of 1 grey level.
+inline GreyImage render(const BoardPrint& print, const Eigen::Isometry3d& camera_from_board) {
+  constexpr int finer = 4;
+  Eigen::Matrix3d plane, board_from_print, finer_from_image = Eigen::Matrix3d::Identity();
+  plane << camera_from_board.linear().leftCols<2>(), camera_from_board.translation();
+  board_from_print = Eigen::Vector3d(1.0 / print_px_per_m, 1.0 / print_px_per_m, 1.0).asDiagonal();
+  board_from_print.col(2).head<2>() =
+      Eigen::Vector2d::Constant(0.5 / print_px_per_m) - print.origin_m;
+  finer_from_image.topLeftCorner<2, 2>() *= finer;
+  finer_from_image.col(2).head<2>().setConstant(0.5 * (finer - 1));
+  const Eigen::Matrix3d h = finer_from_image * rendered_camera * plane * board_from_print;
+  const cv::Matx33d finer_from_print(h(0, 0), h(0, 1), h(0, 2), h(1, 0), h(1, 1), h(1, 2), h(2, 0),
+                                     h(2, 1), h(2, 2));
+  cv::Mat fine, image;
+  cv::warpPerspective(print.pixels, fine, finer_from_print,
+                      {finer * rendered_width, finer * rendered_height}, cv::INTER_LINEAR,
+                      cv::BORDER_CONSTANT, 170);
+  cv::resize(fine, image, {rendered_width, rendered_height}, 0, 0, cv::INTER_AREA);
+  RandomStream random(1, "photograph");
+  GreyImage grey{rendered_width, rendered_height, {}};
+  for (int i = 0; i < rendered_width * rendered_height; ++i)
+    grey.pixels.push_back(cv::saturate_cast<std::uint8_t>(image.data[i] + random.normal()));
+  return grey;
+}
+
+/// RMS distance [px] of detected corners from the truth.
+inline double corner_rms_px(const CalibrationTarget& board,
+                            const Eigen::Isometry3d& camera_from_board,
+                            const std::vector<Eigen::Vector2d>& corners_px,
+                            const std::vector<int>& ids) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < corners_px.size(); ++i) {
+    const Eigen::Vector3d corner_m = camera_from_board * board.corner_m(ids[i]);
+    squares += (corners_px[i] - (rendered_camera * corner_m).hnormalized()).squaredNorm();
+  }
+  return std::sqrt(squares / static_cast<double>(corners_px.size()));
+}
+
+}  // namespace touchtrace::testing

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "calib/board/chessboard.h"
+
 namespace touchtrace {
 namespace {
 
@@ -27,6 +29,8 @@ bool BoardDetector::add(BoardView view, const GreyImage& image) {
   observations_.width = image.width, observations_.height = image.height;
   std::tie(view.corners_px, view.corner_ids) = board.kind->find_corners(image, board);
   if (view.corners_px.empty()) return add_part(std::move(view), image);
+  if (board.kind == &chessboard_kind)
+    view.relative_edge_width = relative_edge_width(image, view.corners_px, board);
   if (board.kind == &chessboard_kind && !is_main_dark_)
     is_main_dark_ = is_corner_0_main_dark(image, board, view.corners_px);
   observations_.views.push_back(std::move(view));

@@ -50,6 +50,15 @@ double min_spacing_px(const std::vector<Eigen::Vector2d>& corners, const Calibra
   return least;
 }
 
+/// Mean distance between neighbouring corners of a row.
+double mean_spacing_px(const std::vector<Eigen::Vector2d>& corners,
+                       const CalibrationTarget& board) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < corners.size(); ++i)
+    if (static_cast<int>(i) % board.columns != 0) sum += (corners[i] - corners[i - 1]).norm();
+  return sum / (board.rows * (board.columns - 1));
+}
+
 /// False where OpenCV takes the outer border of the board for a row of inner corners.
 bool are_saddles(const GreyImage& image, const std::vector<Eigen::Vector2d>& corners) {
   return std::ranges::all_of(corners, [&](const Eigen::Vector2d& corner) {
@@ -75,6 +84,23 @@ std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image,
 }
 
 }  // namespace
+
+double relative_edge_width(const GreyImage& image, const std::vector<Eigen::Vector2d>& corners,
+                           const CalibrationTarget& board) {
+  const cv::Mat pixels(image.height, image.width, CV_8U,
+                       const_cast<std::uint8_t*>(image.pixels.data()));
+  std::vector<cv::Point2f> points;
+  for (const auto& corner : corners) points.emplace_back(cv::Point2d(corner.x(), corner.y()));
+  try {
+    double width_px = 0.0;
+    for (const bool vertical : {false, true})
+      width_px += 0.5 * cv::estimateChessboardSharpness(pixels, {board.columns, board.rows}, points,
+                                                        0.8f, vertical)[0];
+    return width_px / mean_spacing_px(corners, board);
+  } catch (const cv::Exception&) {
+    return std::numeric_limits<double>::quiet_NaN();  // an edge near the border of the image
+  }
+}
 
 std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image,
                                              const CalibrationTarget& board) {

@@ -4,6 +4,12 @@
 
 namespace touchtrace {
 
+/// Width over which the edges of the squares rise from 10 to 90 %, over the distance of
+/// neighbouring corners; mean over the board (cv::estimateChessboardSharpness). `corners`: all of
+/// the board. NaN if it cannot be measured.
+double relative_edge_width(const GreyImage& image, const std::vector<Eigen::Vector2d>& corners,
+                           const CalibrationTarget& board);
+
 /// Returns the inner corners in the board's order, or {} if the image does not show all of them.
 ///
 /// findChessboardCornersSB (Duda and Frese, BMVC 2018) on an image upscaled to about 1280 pixels:

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
+#include "calib/rgbd/ceres_problem.h"
 #include "calib/rgbd/projection_map.h"
 #include "calib/rgbd/verdict.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {
@@ -41,11 +44,13 @@ json view_details(const DetailsInput& r) {
   const auto& observations = r.problem.observations;
   for (std::size_t view = 0; view < observations.views.size(); ++view) {
     const auto residuals = corner_residuals(observations, view, r.parameters);
-    json entry{{"name", observations.views[view].name},
-               {"used", bool(r.problem.used[view])},
-               {"rms_px", rms(residuals)},
-               {"corners_px", points(observations.views[view].corners_px)},
-               {"residuals_px", points(residuals)}};
+    json entry{
+        {"name", observations.views[view].name},
+        {"used", bool(r.problem.used[view])},
+        {"rms_px", rms(residuals)},
+        {"corners_px", points(observations.views[view].corners_px)},
+        {"residuals_px", points(residuals)},
+        {"relative_edge_width", number_or_null(observations.views[view].relative_edge_width)}};
     if (!observations.views[view].corner_ids.empty())
       entry["corner_ids"] = observations.views[view].corner_ids;
     add_depth_residuals(r, view, entry);
@@ -60,6 +65,16 @@ double coverage_of_used_views(const DetailsInput& r) {
     if (r.problem.used[view])
       std::ranges::copy(r.problem.observations.views[view].corners_px, std::back_inserter(corners));
   return image_coverage(r.calibration.color, corners);
+}
+
+/// NaN if no used view has one.
+double median_edge_width(const BoardProblem& problem) {
+  std::vector<double> widths;
+  for (std::size_t view : used_views(problem))
+    if (const double width = problem.observations.views[view].relative_edge_width;
+        std::isfinite(width))
+      widths.push_back(width);
+  return widths.empty() ? std::numeric_limits<double>::quiet_NaN() : median(std::move(widths));
 }
 
 json outlier_views(const DetailsInput& r) {
@@ -159,7 +174,8 @@ json skipped_images(const BoardObservations& observations) {
 
 json calibration_details(const DetailsInput& r) {
   const auto used = static_cast<int>(std::ranges::count(r.problem.used, true));
-  const Verdict verdict = assess_calibration(r.calibration, used, r.covariance.inflation);
+  const Verdict verdict = assess_calibration(
+      r.calibration, {used, r.covariance.inflation, median_edge_width(r.problem)});
   return {{"verdict", grade_name(verdict.grade)},
           {"advice", verdict.advice},
           {"lens", r.color.chosen},

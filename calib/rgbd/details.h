@@ -38,7 +38,8 @@ struct DetailsInput {
 ///     coverage             fraction of the image covered by corners, 0..1
 ///     not_identifiable     [{parameter, sigma, prior_sigma}..]: sigma above 70 % of the prior's
 ///     views                [{name, used, rms_px, corners_px [[u, v]..], residuals_px [[u, v]..],
-///                          depth_rms_m, depth_bias_m (mean of model minus measured)}..]
+///                          relative_edge_width (BoardView), depth_rms_m, depth_bias_m (mean of
+///                          model minus measured)}..]
 ///     outlier_views, duplicate_views, views_without_board  [name..]
 ///     skipped_images       [{name, why}..]
 ///     depth                {samples, sigma_at_1m, exponent, inflation (DepthNoise), delay

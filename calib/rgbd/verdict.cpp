@@ -55,6 +55,16 @@ void assess_aspect(Verdict& verdict, const RgbdCalibration& c) {
                            1e2 * difference, std::abs(difference) / sigma));
 }
 
+/// Corners of neighbouring edges disturb each other where edges are wide.
+void assess_sharpness(Verdict& verdict, double relative_edge_width) {
+  if (std::isnan(relative_edge_width)) return;
+  apply_limits(
+      verdict, relative_edge_width, 0.25, std::numeric_limits<double>::infinity(),
+      fmt::format("the images are blurred: edges are as wide as {:.0f} % of a square. Focus "
+                  "on the board, hold it still, use more light",
+                  1e2 * relative_edge_width));
+}
+
 /// Views that contradict each other: details.views tells which.
 void assess_agreement(Verdict& verdict, double view_inflation) {
   apply_limits(verdict, view_inflation, 4.0, std::numeric_limits<double>::infinity(),
@@ -115,12 +125,12 @@ double depth_bias_sigma_m(const RgbdCalibration& c, double depth_m) {
                    depth_m * depth_m * c.covariance(scale, scale));
 }
 
-Verdict assess_calibration(const RgbdCalibration& calibration, int used_views,
-                           double view_inflation) {
+Verdict assess_calibration(const RgbdCalibration& calibration, const ViewQuality& views) {
   Verdict verdict;
-  assess_color(verdict, calibration, used_views);
+  assess_color(verdict, calibration, views.used);
   assess_aspect(verdict, calibration);
-  assess_agreement(verdict, view_inflation);
+  assess_sharpness(verdict, views.relative_edge_width);
+  assess_agreement(verdict, views.inflation);
   assess_image(verdict, calibration);
   if (calibration.depth) assess_depth(verdict, calibration);
   return verdict;

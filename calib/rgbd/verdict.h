@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,19 +21,26 @@ struct Verdict {
   std::vector<std::string> advice;  ///< one entry per criterion that is not good
 };
 
+/// What a verdict depends on besides the calibration.
+struct ViewQuality {
+  int used = 0;            ///< number of views
+  double inflation = 1.0;  ///< ViewCovariance::inflation
+  double relative_edge_width = std::numeric_limits<double>::quiet_NaN();  ///< median; NaN: unknown
+};
+
 const char* grade_name(Grade grade);  ///< GOOD, WEAK, BAD
 
 /// Grades a calibration by its worst criterion; a value that is not finite is BAD. The limits of
 /// GOOD and WEAK:
 ///  - colour reprojection RMS 0.5, 1.5 px; at least 8, 4 views
 ///  - standard deviation of fx, fy: 0.5, 2 % of fx; of cx, cy: 0.5, 2 % of the image width
+///  - median BoardView::relative_edge_width: 0.25, none
 ///  - ViewCovariance::inflation, which the standard deviations include: 4, none
 ///  - |fy / fx - 1|, where it exceeds 4 standard deviations: 1, 10 %
 ///  - projection_sigma_px() over the best four fifths of the image: 0.25, 2 % of its width
 ///  - standard deviation of corrected depth at 1 m: 5, 20 mm; of the depth camera's position: 5,
 ///    25 mm
-Verdict assess_calibration(const RgbdCalibration& calibration, int used_views,
-                           double view_inflation);
+Verdict assess_calibration(const RgbdCalibration& calibration, const ViewQuality& views);
 
 /// Lowers the grade to WEAK if `value` > `good`, to BAD if `value` > `weak` or NaN.
 void apply_limits(Verdict& verdict, double value, double good, double weak,

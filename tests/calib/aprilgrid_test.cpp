@@ -51,6 +51,8 @@ struct Placement {
   Eigen::Vector3d angle_axis, centre_m;
   int border_bits;
   std::size_t min_corners, max_corners;
+
+  friend void PrintTo(const Placement& value, std::ostream* stream) { *stream << value.name; }
 };
 
 class PlacedAprilGrid : public ::testing::TestWithParam<Placement> {};

@@ -38,6 +38,17 @@ TEST(CalibrateFaults, ABoardWhoseSquaresAreNotSquareIsNotGood) {
   EXPECT_NE(advice_of(c).find("fy differs from fx by +3."), std::string::npos) << advice_of(c);
 }
 
+TEST(CalibrateFaults, BlurredImagesAreNotGood) {
+  RandomStream random(20, "noise");
+  BoardObservations observed = observe(simulated_boards(15, false, 640), random);
+  for (auto& view : observed.views) view.relative_edge_width = 0.2;
+  EXPECT_EQ(calibrate(observed).details["verdict"], "GOOD");
+  for (auto& view : observed.views) view.relative_edge_width = 0.4;
+  const RgbdCalibration c = calibrate(observed);
+  EXPECT_EQ(c.details["verdict"], "WEAK");
+  EXPECT_NE(advice_of(c).find("edges are as wide as 40 % of a square"), std::string::npos);
+}
+
 /// A board of 9x5 corners looks the same after half a turn; the detector begins at either end.
 TEST(CalibrateFaults, TurnsViewsOfASymmetricBoardTheSameWay) {
   RandomStream random(19, "noise");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 
 #include "calib/board/board_detector.h"
 #include "calib/rgbd/calibrate.h"
@@ -40,6 +41,8 @@ struct PartialView {
   const char* name;
   CalibrationTarget board;
   Eigen::Vector3d angle_axis, centre_m;
+
+  friend void PrintTo(const PartialView& value, std::ostream* stream) { *stream << value.name; }
 };
 
 class ChessboardParts : public ::testing::TestWithParam<PartialView> {};
@@ -127,6 +130,20 @@ TEST(ChessboardPart, CalibratesFromPartialViews) {
   EXPECT_NEAR(found.color.fy, 602.0, 0.5);
   EXPECT_NEAR(found.color.cx, 322.0, 0.5);
   EXPECT_NEAR(found.color.cy, 238.0, 0.5);
+}
+
+/// An edge blurred by a Gaussian of deviation s rises from 10 to 90 % over 2.56 s.
+TEST(Chessboard, WidthOfEdgesIsThatOfTheBlur) {
+  const Eigen::Vector3d facing(0.0, 0.0, 0.05);
+  const GreyImage sharp = render(board_9x6, board_pose(board_9x6, facing, {0.0, 0.0, 0.5}));
+  const auto corners = find_chessboard(sharp, board_9x6);
+  ASSERT_EQ(corners.size(), 54u);
+  const double spacing_px = 600.0 * 0.03 / 0.5;
+  EXPECT_LT(relative_edge_width(sharp, corners, board_9x6) * spacing_px, 2.0);
+  GreyImage blurred = sharp;
+  cv::Mat pixels(sharp.height, sharp.width, CV_8U, blurred.pixels.data());
+  cv::GaussianBlur(pixels, pixels, {}, 4.0);
+  EXPECT_NEAR(relative_edge_width(blurred, corners, board_9x6) * spacing_px, 2.56 * 4.0, 1.5);
 }
 
 }  // namespace

@@ -52,6 +52,8 @@ struct Placement {
   const char* name;
   const CalibrationTarget& target;
   Eigen::Vector3d angle_axis, centre_m;
+
+  friend void PrintTo(const Placement& value, std::ostream* stream) { *stream << value.name; }
 };
 
 class PlacedCircles : public ::testing::TestWithParam<Placement> {};

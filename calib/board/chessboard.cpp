@@ -1,12 +1,14 @@
 #include "calib/board/chessboard.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "calib/board/saddle.h"
 #include "calib/board/upscaled_image.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {
@@ -14,6 +16,8 @@ namespace {
 constexpr int large_image_px = 2000, detection_size_px = 1280, probing_size_px = 800;
 constexpr int min_refinement_px = 3, max_refinement_px = 20;
 constexpr int min_corners_per_side = 3;
+constexpr int num_profile_steps = 64;
+constexpr double min_contrast = 20.0;  ///< [grey levels] of an edge whose width can be measured
 constexpr int exhaustive =
     cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY;
 
@@ -50,13 +54,45 @@ double min_spacing_px(const std::vector<Eigen::Vector2d>& corners, const Calibra
   return least;
 }
 
-/// Mean distance between neighbouring corners of a row.
-double mean_spacing_px(const std::vector<Eigen::Vector2d>& corners,
-                       const CalibrationTarget& board) {
-  double sum = 0.0;
-  for (std::size_t i = 1; i < corners.size(); ++i)
-    if (static_cast<int>(i) % board.columns != 0) sum += (corners[i] - corners[i - 1]).norm();
-  return sum / (board.rows * (board.columns - 1));
+/// Grey value between pixels; NaN outside of the image.
+double interpolated(const GreyImage& image, const Eigen::Vector2d& pixel) {
+  const int x = static_cast<int>(std::floor(pixel.x())),
+            y = static_cast<int>(std::floor(pixel.y()));
+  if (x < 0 || y < 0 || x + 1 >= image.width || y + 1 >= image.height)
+    return std::numeric_limits<double>::quiet_NaN();
+  const double right = pixel.x() - x, below = pixel.y() - y;
+  const auto grey = [&](int column, int row) -> double {
+    return image.pixels[static_cast<std::size_t>(row * image.width + column)];
+  };
+  return (1.0 - below) * ((1.0 - right) * grey(x, y) + right * grey(x + 1, y)) +
+         below * ((1.0 - right) * grey(x, y + 1) + right * grey(x + 1, y + 1));
+}
+
+/// Grey values from the centre of one square, across the middle of an edge, to that of the next.
+/// `across`: side of a square, perpendicular to the edge.
+std::vector<double> edge_profile(const GreyImage& image, const Eigen::Vector2d& middle,
+                                 const Eigen::Vector2d& across) {
+  std::vector<double> profile;
+  for (int i = 0; i <= num_profile_steps; ++i)
+    profile.push_back(interpolated(image, middle + (double(i) / num_profile_steps - 0.5) * across));
+  return profile;
+}
+
+/// Fraction of the profile over which it rises, or falls, from 10 to 90 %. NaN if it has no
+/// contrast.
+double rise_width(std::vector<double> profile) {
+  if (profile.front() > profile.back()) std::ranges::reverse(profile);
+  const double low = profile.front(), contrast = profile.back() - low;
+  if (!(contrast >= min_contrast)) return std::numeric_limits<double>::quiet_NaN();
+  const auto crossing = [&](double level) {
+    const auto above =
+        std::ranges::find_if(profile, [&](double grey) { return grey >= low + level * contrast; });
+    if (above == profile.begin()) return 0.0;
+    const double before = *(above - 1);
+    return double(above - profile.begin()) - 1.0 +
+           (low + level * contrast - before) / (*above - before);
+  };
+  return (crossing(0.9) - crossing(0.1)) / num_profile_steps;
 }
 
 /// False where OpenCV takes the outer border of the board for a row of inner corners.
@@ -87,19 +123,17 @@ std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image,
 
 double relative_edge_width(const GreyImage& image, const std::vector<Eigen::Vector2d>& corners,
                            const CalibrationTarget& board) {
-  const cv::Mat pixels(image.height, image.width, CV_8U,
-                       const_cast<std::uint8_t*>(image.pixels.data()));
-  std::vector<cv::Point2f> points;
-  for (const auto& corner : corners) points.emplace_back(cv::Point2d(corner.x(), corner.y()));
-  try {
-    double width_px = 0.0;
-    for (const bool vertical : {false, true})
-      width_px += 0.5 * cv::estimateChessboardSharpness(pixels, {board.columns, board.rows}, points,
-                                                        0.8f, vertical)[0];
-    return width_px / mean_spacing_px(corners, board);
-  } catch (const cv::Exception&) {
-    return std::numeric_limits<double>::quiet_NaN();  // an edge near the border of the image
-  }
+  std::vector<double> widths;
+  for (int row = 0; row + 1 < board.rows; ++row)
+    for (int column = 0; column + 1 < board.columns; ++column) {
+      const auto corner = static_cast<std::size_t>(row * board.columns + column);
+      const Eigen::Vector2d &here = corners[corner], &right = corners[corner + 1],
+                            &below = corners[corner + static_cast<std::size_t>(board.columns)];
+      widths.push_back(rise_width(edge_profile(image, 0.5 * (here + right), below - here)));
+      widths.push_back(rise_width(edge_profile(image, 0.5 * (here + below), right - here)));
+    }
+  std::erase_if(widths, [](double width) { return std::isnan(width); });
+  return widths.empty() ? std::numeric_limits<double>::quiet_NaN() : median(std::move(widths));
 }
 
 std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image,

@@ -4,9 +4,8 @@
 
 namespace touchtrace {
 
-/// Width over which the edges of the squares rise from 10 to 90 %, over the distance of
-/// neighbouring corners; mean over the board (cv::estimateChessboardSharpness). `corners`: all of
-/// the board. NaN if it cannot be measured.
+/// Width over which the edges of the squares rise from 10 to 90 %, over the side of a square;
+/// median over the board. `corners`: all of the board. NaN if the edges have no contrast.
 double relative_edge_width(const GreyImage& image, const std::vector<Eigen::Vector2d>& corners,
                            const CalibrationTarget& board);
 

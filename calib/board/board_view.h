@@ -19,9 +19,9 @@ struct BoardView {
   std::vector<Eigen::Vector2d> corners_px;  ///< [detected corners]
   std::vector<float> depth_m;        ///< [height, width] as measured; 0: invalid; may be empty
   std::vector<int> corner_ids = {};  ///< [detected corners] board indices; empty: 0, 1, 2, ...
+  double color_time_s = 0.0, depth_time_s = 0.0;  ///< time stamps; both 0: unknown
   /// Width of the edges between black and white over the side of a square; NaN: unknown.
   double relative_edge_width = std::numeric_limits<double>::quiet_NaN();
-  double color_time_s = 0.0, depth_time_s = 0.0;  ///< time stamps; both 0: unknown
 
   int corner_id(std::size_t detected) const {
     return corner_ids.empty() ? static_cast<int>(detected) : corner_ids[detected];

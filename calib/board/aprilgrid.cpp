@@ -121,7 +121,8 @@ class CornerSearch {
     return refine_saddle_point(
         image_, start_px, std::clamp(static_cast<int>(radius_px), min_radius_px, max_radius_px));
   }
-  /// Of the tag's border and the black square that touch in a corner, to the white around.
+  /// Contrast of the tag's border and the black square, which touch in a corner, to the white
+  /// around.
   std::optional<double> contrast(const Eigen::Vector2d& corner_px, const LocalHomography& local,
                                  int id) const {
     const Eigen::Matrix2d sides_px =

@@ -5,34 +5,18 @@
 #include <algorithm>
 
 #include "calib/board/chessboard.h"
+#include "calib/board/view_order.h"
 
 namespace touchtrace {
-namespace {
-
-/// Direction in the image of the diagonal from corner 0 to the last corner.
-Eigen::Vector2d diagonal_px(const CalibrationTarget& board, const BoardView& view) {
-  std::size_t first = 0, last = 0;
-  const auto place = [&](std::size_t i) {
-    return view.corner_id(i) % board.columns + view.corner_id(i) / board.columns;
-  };
-  for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
-    if (place(i) < place(first)) first = i;
-    if (place(i) > place(last)) last = i;
-  }
-  return view.corners_px[last] - view.corners_px[first];
-}
-
-}  // namespace
-
 bool BoardDetector::add(BoardView view, const GreyImage& image) {
   const CalibrationTarget& board = observations_.board;
   observations_.width = image.width, observations_.height = image.height;
   std::tie(view.corners_px, view.corner_ids) = board.kind->find_corners(image, board);
   if (view.corners_px.empty()) return add_part(std::move(view), image);
-  if (board.kind == &chessboard_kind)
+  if (board.kind == &chessboard_kind) {
     view.relative_edge_width = relative_edge_width(image, view.corners_px, board);
-  if (board.kind == &chessboard_kind && !is_main_dark_)
-    is_main_dark_ = is_corner_0_main_dark(image, board, view.corners_px);
+    if (!is_main_dark_) is_main_dark_ = is_corner_0_main_dark(image, board, view.corners_px);
+  }
   observations_.views.push_back(std::move(view));
   return true;
 }
@@ -53,10 +37,10 @@ void BoardDetector::place(BoardView view, const ChessboardPart& part) {
   view.corners_px = part.corners_px;
   auto places = possible_places(part, board, is_main_dark_);
   if (board.is_symmetric() && !observations_.views.empty()) {
-    const Eigen::Vector2d first_px = diagonal_px(board, observations_.views.front());
+    const Eigen::Vector2d first_px = diagonal_px(observations_.views.front(), board);
     std::erase_if(places, [&](const std::vector<int>& ids) {
       view.corner_ids = ids;
-      return diagonal_px(board, view).dot(first_px) < 0.0;
+      return diagonal_px(view, board).dot(first_px) < 0.0;
     });
   }
   if (places.size() != 1) {

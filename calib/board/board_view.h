@@ -15,9 +15,9 @@ struct GreyImage {
 
 /// Detected corners of one colour image, and its depth image. Pixel convention: Camera.
 struct BoardView {
-  std::string name;                         ///< file name, or "view 3"
-  std::vector<Eigen::Vector2d> corners_px;  ///< [detected corners]
-  std::vector<float> depth_m;        ///< [height, width] as measured; 0: invalid; may be empty
+  std::string name;                              ///< file name, or "view 3"
+  std::vector<Eigen::Vector2d> corners_px = {};  ///< [detected corners]
+  std::vector<float> depth_m = {};   ///< [height, width] as measured; 0: invalid; may be empty
   std::vector<int> corner_ids = {};  ///< [detected corners] board indices; empty: 0, 1, 2, ...
   double color_time_s = 0.0, depth_time_s = 0.0;  ///< time stamps; both 0: unknown
   /// Width of the edges between black and white over the side of a square; NaN: unknown.

@@ -31,11 +31,13 @@ bool determine_pose(const std::vector<int>& ids, const CalibrationTarget& target
 
 Eigen::Matrix2d image_scale_px_per_m(const TargetCorners& corners,
                                      const CalibrationTarget& target) {
-  const auto n = static_cast<Eigen::Index>(corners.second.size());
+  const auto& [in_px, ids] = corners;
+  const auto n = static_cast<Eigen::Index>(in_px.size());
   Eigen::Matrix2Xd on_board_m(2, n), in_image_px(2, n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    on_board_m.col(i) = target.corner_m(corners.second[static_cast<std::size_t>(i)]).head<2>();
-    in_image_px.col(i) = corners.first[static_cast<std::size_t>(i)];
+    const auto at = static_cast<std::size_t>(i);
+    on_board_m.col(i) = target.corner_m(ids.empty() ? int(i) : ids[at]).head<2>();
+    in_image_px.col(i) = in_px[at];
   }
   on_board_m.colwise() -= on_board_m.rowwise().mean().eval();
   return in_image_px * on_board_m.transpose() * (on_board_m * on_board_m.transpose()).inverse();

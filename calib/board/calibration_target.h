@@ -15,7 +15,7 @@ struct GreyImage;
 /// Corners of a target that an image shows [px], and their indices; no indices: all, in order.
 using TargetCorners = std::pair<std::vector<Eigen::Vector2d>, std::vector<int>>;
 
-/// A kind of calibration target. Each is defined beside its detector.
+/// A kind of calibration target. Each is defined with its detector.
 struct TargetKind {
   const char* name;
   /// Place of a corner in the target's frame.

@@ -173,15 +173,4 @@ std::optional<CalibrationTarget> find_other_size(const GreyImage& image,
   return {};
 }
 
-void align_symmetric_views(BoardObservations& observations) {
-  if (!observations.board.is_symmetric() || observations.views.empty()) return;
-  const auto diagonal = [](const BoardView& view) -> Eigen::Vector2d {
-    return view.corners_px.back() - view.corners_px.front();
-  };
-  const Eigen::Vector2d first = diagonal(observations.views.front());
-  for (BoardView& view : observations.views)
-    if (view.corner_ids.empty() && diagonal(view).dot(first) < 0.0)
-      std::ranges::reverse(view.corners_px);
-}
-
 }  // namespace touchtrace

@@ -18,10 +18,6 @@ double relative_edge_width(const GreyImage& image, const std::vector<Eigen::Vect
 std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image,
                                              const CalibrationTarget& board);
 
-/// Reverses the corners of views of a symmetric board that are turned by more than 90 degrees from
-/// the first view, so that a corner of the board has one index in all views.
-void align_symmetric_views(BoardObservations& observations);
-
 /// Board of a size near `board`'s that the image shows, for an error message; quick and not
 /// thorough.
 std::optional<CalibrationTarget> find_other_size(const GreyImage& image,

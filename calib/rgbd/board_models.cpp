@@ -29,7 +29,12 @@ nlohmann::json list(const Eigen::Vector4d& values) {
 }  // namespace
 
 BoardModels fit_board(BoardProblem& problem, RgbdParameters& parameters, bool target_deformation) {
-  BoardModels models{mean_given_no_warp(problem, parameters), core_intrinsics(parameters), {}};
+  BoardModels models;
+  models.flat = models.warped = core_intrinsics(parameters);
+  if (problem.observations.board.is_flat)
+    models.warped.setConstant(BoardModels::unknown);
+  else
+    models.flat = mean_given_no_warp(problem, parameters);
   if (!target_deformation) return models;
   models.deformation_bic_gain = fit_target_deformation(problem, parameters);
   if (has_free_deformation(problem)) models.free_corners = core_intrinsics(parameters);

@@ -14,8 +14,8 @@ struct BoardModels {
 
   /// To first order: the mean given a warp of 0. NaN if the covariance is singular.
   Eigen::Vector4d flat = Eigen::Vector4d::Constant(unknown);
-  Eigen::Vector4d warped = flat;
-  std::optional<Eigen::Vector4d> free_corners;  ///< nullopt: not chosen
+  Eigen::Vector4d warped = Eigen::Vector4d::Constant(unknown);  ///< NaN: the board is flat
+  std::optional<Eigen::Vector4d> free_corners;                  ///< nullopt: not chosen
   /// TargetDeformation::bic_gain; NaN if it was not tried.
   double deformation_bic_gain = unknown;
 };

@@ -2,11 +2,13 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 
+#include "calib/board/view_order.h"
 #include "calib/rgbd/board_models.h"
 #include "calib/rgbd/board_motion.h"
 #include "calib/rgbd/color_fit.h"
@@ -40,14 +42,7 @@ void require_views(const BoardObservations& o, std::ptrdiff_t views, const char*
 /// True if the corners have the orientation of a board seen from behind or in a mirror: no pose
 /// fits them.
 bool is_mirrored(const BoardView& view, const CalibrationTarget& board) {
-  Eigen::Matrix2Xd on_board(2, view.corners_px.size()), in_image = on_board;
-  for (std::size_t i = 0; i < view.corners_px.size(); ++i) {
-    on_board.col(static_cast<Eigen::Index>(i)) = board.corner_m(view.corner_id(i)).head<2>();
-    in_image.col(static_cast<Eigen::Index>(i)) = view.corners_px[i];
-  }
-  on_board.colwise() -= on_board.rowwise().mean().eval();
-  // Has the sign of the determinant of the best affine map.
-  return (in_image * on_board.transpose()).determinant() < 0.0;
+  return image_scale_px_per_m({view.corners_px, view.corner_ids}, board).determinant() < 0.0;
 }
 
 void require_valid_views(const BoardObservations& o) {
@@ -147,7 +142,6 @@ RgbdCalibration calibrate(BoardObservations observations, const CalibrationOptio
   require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "detected");
   require_valid_views(observations);
   align_symmetric_views(observations);
-  observations.board.is_flat = !options.warp;
   const auto different = different_views(observations);
   require_views(observations, std::ranges::count(different, true), "different");
   const ColorFit color = fit_color(observations, different, options.lenses);

@@ -9,7 +9,6 @@ inline constexpr int min_views = 3;
 
 struct CalibrationOptions {
   std::vector<std::string> lenses = {};  ///< lens_name() of the candidates; empty: all
-  bool warp = true;                      ///< estimate the board's warp
   bool target_deformation = true;        ///< estimate offsets of its corners, if BIC favours it
   bool cross_validate = false;           ///< adds the held-out error of ten folds to `details`
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "calib/board/view_order.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/prior.h"
 #include "calib/rgbd/projection_map.h"

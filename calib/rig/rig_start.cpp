@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "calib/board/view_order.h"
 #include "calib/rgbd/calibrate.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/initial_guess.h"
@@ -140,7 +141,7 @@ Isometry3d relative_pose(const PosedCamera& first, const PosedCamera& second, co
   return best;
 }
 
-/// Poses of the board from the first view of each frame; reverses the corners of the other views
+/// Poses of the board from the first view of each frame; turns the board by half in the other views
 /// where that fits better.
 void place_boards(const std::vector<PosedCamera>& cameras, const std::vector<RigFrame>& frames,
                   RigParameters& p, std::vector<BoardObservations>& observations) {
@@ -159,7 +160,7 @@ void place_boards(const std::vector<PosedCamera>& cameras, const std::vector<Rig
                                            pose_of(p.cameras[*first].camera_from_rig).inverse();
       if (transfer(cameras[*first], *frame.views[*first], cameras[camera], view, camera_from_first)
               .is_half_turn)
-        std::ranges::reverse(observations[camera].views[view].corners_px);
+        turn_by_half(observations[camera].views[view], observations[camera].board);
     }
   }
 }

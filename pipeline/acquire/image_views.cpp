@@ -121,10 +121,8 @@ void require_same_size(const GreyImage& first, const GreyImage& image, const fs:
 }
 
 std::vector<fs::path> images_in_folder(const fs::path& folder) {
-  std::vector<fs::path> images;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (is_image(entry.path())) images.push_back(entry.path());
-  std::ranges::sort(images);
+  auto images = matches((folder / "*").string());
+  std::erase_if(images, [](const fs::path& path) { return !is_image(path); });
   return images;
 }
 
@@ -157,7 +155,7 @@ BoardObservations board_views_from_images(const std::vector<std::string>& folder
     }
     BoardDetector& detector = by_size.try_emplace({pixels.cols, pixels.rows}, board).first->second;
     const GreyImage image = grey_image(pixels);
-    size_check.add(image, detector.add({path.filename().string(), {}, {}}, image), path);
+    size_check.add(image, detector.add({.name = path.filename().string()}, image), path);
   }
   size_check.finish();
   if (by_size.empty()) throw data_error("none of the images can be read", "give photographs");

@@ -40,7 +40,7 @@ BoardObservations board_views_from_recording(const std::filesystem::path& path) 
   Progress progress("detecting the board", reader.board_views());
   for (std::size_t index = 0; index < reader.board_views(); ++index) {
     const RgbdFrame frame = reader.read_board_view(index);
-    detector.add({fmt::format("view {}", index), {}, metres_of(frame, camera)},
+    detector.add({.name = fmt::format("view {}", index), .depth_m = metres_of(frame, camera)},
                  grey_of(frame, camera));
     progress.advance();
   }

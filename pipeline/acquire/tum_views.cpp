@@ -40,12 +40,10 @@ BoardObservations board_views_from_tum(const fs::path& folder, const Calibration
     if (first.width == 0) first = image;
     require_same_size(first, image, pair.color);
     const double start_s = pairs.front().color_time_s;
-    detector.add({pair.color.filename().string(),
-                  {},
-                  read_depth(pair.depth, image),
-                  {},
-                  pair.color_time_s - start_s,
-                  pair.depth_time_s - start_s},
+    detector.add({.name = pair.color.filename().string(),
+                  .depth_m = read_depth(pair.depth, image),
+                  .color_time_s = pair.color_time_s - start_s,
+                  .depth_time_s = pair.depth_time_s - start_s},
                  image);
     progress.advance();
   }

@@ -102,6 +102,7 @@ CalibrationTarget target_of(const CalibrateOptions& o) {
     throw usage_error(fmt::format("a {} of {}x{} is too small", o.target, o.columns, o.rows),
                       "--columns and --rows are 3 or more");
   }
+  target.is_flat = o.no_warp;
   return target;
 }
 
@@ -113,10 +114,16 @@ void require_one_input(const CalibrateOptions& o) {
                           ? "missing RECORDING, --images PATH, --corners FILE or --camera NAME=PATH"
                           : "RECORDING, --images, --corners and --camera cannot be combined",
                       "touchtrace calibrate --help describes them");
+  if (o.watch && o.images.size() != 1)
+    throw usage_error("--watch takes one folder", "touchtrace calibrate --images FOLDER --watch");
 }
 
 BoardObservations observe(const CalibrateOptions& o) {
-  if (!o.recording.empty()) return board_views_from_recording(o.recording);
+  if (!o.recording.empty()) {
+    BoardObservations observations = board_views_from_recording(o.recording);
+    observations.board.is_flat = o.no_warp;
+    return observations;
+  }
   const CalibrationTarget board = target_of(o);
   if (!o.corners.empty()) return board_views_from_corners(o.corners, board);
   return is_tum_folder(o.images.front()) ? board_views_from_tum(o.images.front(), board)
@@ -177,8 +184,11 @@ void print_board_models(const nlohmann::json& models) {
 }
 
 void print_board(const RgbdCalibration& c) {
-  fmt::print("board     warped by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
-             1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
+  if (c.details["board_models"]["warped"].is_null())
+    fmt::print("board     taken as flat\n");
+  else
+    fmt::print("board     warped by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
+               1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
   const auto& deformation = c.details["target_deformation"];
   if (deformation["chosen"] == "free")
     fmt::print(
@@ -284,8 +294,6 @@ ExitCode run_comparison(const std::vector<std::string>& files, bool as_json) {
 
 BoardObservations watch(const CalibrateOptions& options, const CalibrationOptions& settings,
                         const Invocation& invocation) {
-  if (options.images.size() != 1)
-    throw usage_error("--watch takes one folder", "touchtrace calibrate --images FOLDER --watch");
   CalibrationOptions quick = settings;
   quick.cross_validate = false;
   return watch_folder({options.images.front(), options.output, target_of(options), quick},
@@ -304,8 +312,7 @@ void add_next_view(RgbdCalibration& calibration, const CalibrationTarget& board)
 ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
   if (!options.compare.empty()) return run_comparison(options.compare, invocation.json);
   require_one_input(options);
-  CalibrationOptions settings{.warp = !options.no_warp,
-                              .target_deformation = !options.no_target_deformation,
+  CalibrationOptions settings{.target_deformation = !options.no_target_deformation,
                               .cross_validate = true};
   if (options.lens != "auto") settings.lenses = {options.lens};
   if (!options.cameras.empty())
@@ -337,9 +344,8 @@ Command calibrate_command() {
        "touchtrace calibrate --images 'photos/left*.jpg' --columns 9 --rows 6 --square-mm 25 "
        "--output camera",
        "touchtrace calibrate --camera left=photos/left right=photos/right --output stereo",
-       "touchtrace calibrate --images photos --target aprilgrid --columns 6 --rows 6 --marker-mm "
-       "88 "
-       "--output camera",
+       "touchtrace calibrate --images photos --target aprilgrid --columns 6 --rows 6 "
+       "--marker-mm 88",
        "touchtrace calibrate --compare camera camera_of_last_month"},
       run, {.overwrite = true, .quiet = true});
 }

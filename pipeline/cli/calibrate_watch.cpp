@@ -29,13 +29,14 @@ class FolderWatch {
  public:
   explicit FolderWatch(fs::path folder) : folder_(std::move(folder)) {}
 
-  /// Images that did not change between the last two calls, and were not returned before.
+  /// Images that did not change between the last two calls, and were not returned as they are.
   std::vector<fs::path> new_images() {
     std::vector<fs::path> complete;
     for (const auto& path : images_in_folder(folder_)) {
       std::error_code vanished;
       const State state{fs::file_size(path, vanished), fs::last_write_time(path, vanished)};
       auto& [last, is_returned] = files_[path];
+      if (state != last) is_returned = false;
       if (!vanished && !is_returned && state == last) {
         complete.push_back(path);
         is_returned = true;
@@ -62,7 +63,7 @@ class RunningCalibration {
     if (first_.pixels.empty()) first_ = image;
     require_same_size(first_, image, path);
     const std::string name = path.filename().string();
-    if (!detector_.add({name, {}, {}}, image)) return Progress::report(name + ": no board");
+    if (!detector_.add({.name = name}, image)) return Progress::report(name + ": no board");
     observations_ = BoardDetector(detector_).finish();
     Progress::report(fmt::format("{}: view {}", name, observations_.views.size()));
     update();
@@ -108,7 +109,9 @@ BoardObservations watch_folder(const WatchOptions& options, const Invocation& in
     throw data_error(fmt::format("{} is no folder", options.folder),
                      "--watch waits for images in the folder that --images names");
   RunningCalibration calibration(options, invocation);
-  Progress::report(fmt::format("waiting for images in {}; Ctrl-C ends", options.folder));
+  Progress::report(
+      fmt::format("waiting for images in {}; Ctrl-C ends and leaves the last calibration in {}",
+                  options.folder, options.output));
   FolderWatch folder(options.folder);
   while (!calibration.is_good()) {
     throw_if_interrupted();

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
 #include "calib/board/chessboard.h"
+#include "calib/camera/camera.h"
 #include "engine/base/random.h"
 
 namespace touchtrace::testing {
@@ -64,6 +67,23 @@ inline double corner_rms_px(const CalibrationTarget& board,
     squares += (corners_px[i] - (rendered_camera * corner_m).hnormalized()).squaredNorm();
   }
   return std::sqrt(squares / static_cast<double>(corners_px.size()));
+}
+
+/// Expects `rendered_camera`, to 0.5 px.
+inline void expect_rendered_camera(const Camera& camera) {
+  EXPECT_NEAR(camera.fx, rendered_camera(0, 0), 0.5);
+  EXPECT_NEAR(camera.fy, rendered_camera(1, 1), 0.5);
+  EXPECT_NEAR(camera.cx, rendered_camera(0, 2), 0.5);
+  EXPECT_NEAR(camera.cy, rendered_camera(1, 2), 0.5);
+}
+
+/// Tilts and places of view `i` of a calibration: to the left, in the middle and to the right by
+/// `side_m`, in turn.
+inline Eigen::Isometry3d calibration_pose(const CalibrationTarget& board, int i, double side_m,
+                                          double distance_m) {
+  const double sides_m[] = {-side_m, 0.0, side_m};
+  const Eigen::Vector3d turn(0.5 * ((i % 3) - 1) + 0.1, 0.5 * ((i / 3) % 2 ? 1 : -1), 0.1 * i);
+  return board_pose(board, turn, {sides_m[i % 3], sides_m[(i / 4) % 3] * 0.7, distance_m});
 }
 
 }  // namespace touchtrace::testing

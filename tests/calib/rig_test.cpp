@@ -46,6 +46,14 @@ TEST(Rig, IntrinsicsOfEachCameraAreThoseOfTheJointFit) {
   }
 }
 
+TEST(Rig, WarpOfAFlatBoardIsNotEstimated) {
+  auto inputs = observed(simulated_rig(12));
+  for (RigInput& input : inputs) input.observations.board.is_flat = true;
+  const RigCalibration c = calibrate_rig(inputs, one_lens);
+  EXPECT_LT(std::abs(c.cameras[0].board_warp_m[0]), 1e-6);
+  EXPECT_LT(std::abs(c.cameras[1].board_warp_m[1]), 1e-6);
+}
+
 TEST(Rig, FrameWithAMovedBoardIsExcluded) {
   const SimulatedRig rig = simulated_rig(12);
   auto inputs = observed(rig);

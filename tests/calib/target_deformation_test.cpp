@@ -155,13 +155,16 @@ TEST(BoardModels, FlatBoardAndIdealCornersCanBeDemanded) {
       with_warp(simulated_boards(15, false, 640), {1e-3, 0.5e-3}), 2e-4, random);
   const BoardObservations observed = observe(warped, random);
   const RgbdCalibration all = calibrate(observed, {.lenses = {"radtan4"}});
+  BoardObservations of_flat_board = observed;
+  of_flat_board.board.is_flat = true;
   const RgbdCalibration flat =
-      calibrate(observed, {.lenses = {"radtan4"}, .warp = false, .target_deformation = false});
+      calibrate(of_flat_board, {.lenses = {"radtan4"}, .target_deformation = false});
   EXPECT_EQ(all.details["target_deformation"]["chosen"], "free");
   EXPECT_EQ(flat.details["target_deformation"]["chosen"], "ideal");
   EXPECT_LT(std::abs(flat.board_warp_m[0]), 1e-6);
   EXPECT_EQ(flat.details["not_identifiable"].dump().find("board."), std::string::npos);
-  // The prediction is linear; fx changes by several pixels.
+  EXPECT_TRUE(flat.details["board_models"]["warped"].is_null());
+  // The prediction is linear: within a fifth of the change.
   const double predicted_px = all.details["board_models"]["flat"][0];
   const double change_px =
       std::abs(flat.color.fx - all.details["board_models"]["warped"][0].get<double>());

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <chrono>
 #include <opencv2/imgproc.hpp>
+#include <thread>
 
 #include "calib/rgbd/calibration.h"
 #include "calib/rig/rig.h"
@@ -149,6 +151,35 @@ TEST(CalibrateCommand, SkipsAndListsWhatIsNoViewOfTheBoard) {
 }
 
 /// cv::stereoCalibrate on the same corners: 83.16 mm, or 83.18 mm without the frame 08.
+/// Ends by itself; a file that is not readable yet is looked at again when it has changed.
+TEST(CalibrateCommand, WatchesAFolderUntilTheCalibrationIsGood) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "photos");
+  write_file(folder / "photos/left01.jpg", "not written yet", false);
+  std::thread photographer([&] {
+    for (int i = 2; i <= 8; ++i) {  // GOOD takes eight views
+      const std::string name = "left0" + std::to_string(i) + ".jpg";
+      fs::copy_file(photographs / name, folder / "photos" / name);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    fs::copy_file(photographs / "left01.jpg", folder / "photos/left01.jpg",
+                  fs::copy_options::overwrite_existing);
+  });
+  EXPECT_EQ(run({"--images", (folder / "photos").string(), "--watch", "--output",
+                 (folder / "camera").string()}),
+            0);
+  photographer.join();
+  EXPECT_EQ(read_calibration(folder / "camera").details["verdict"], "GOOD");
+}
+
+TEST(CalibrateCommand, WatchTakesOneFolder) {
+  const TemporaryFolder folder;
+  const std::string photos = folder / "photos";
+  EXPECT_EQ(run({"--watch", "--corners", photos}), 2);
+  EXPECT_EQ(run({"--watch", "--camera", "a=" + photos, "b=" + photos}), 2);
+  EXPECT_EQ(run({"--watch", "--images", photos, "--output", folder / "camera"}), 3);
+}
+
 TEST(CalibrateCommand, CalibratesTheStereoPairOfOpenCv) {
   const TemporaryFolder folder;
   const auto calibrate_pair = [&](const std::string& output) {

@@ -7,6 +7,7 @@
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/recording/recording_file.h"
+#include "pipeline/recording/recording_schema.h"
 
 namespace touchtrace {
 namespace {
@@ -45,7 +46,7 @@ BoardObservations board_views_from_recording(const std::filesystem::path& path) 
     progress.advance();
   }
   BoardObservations observations = std::move(detector).finish();
-  observations.depth_intrinsics = camera.depth_intrinsics;
+  observations.depth_intrinsics = depth_intrinsics(camera);
   return observations;
 }
 

@@ -23,8 +23,9 @@ namespace {
 
 constexpr double min_found_fraction = 0.5;  // of all frames; less: the set-up is wrong
 
+/// Gravity by the camera's accelerometer, or along the image's vertical axis.
 Eigen::Vector3d gravity(const CameraInfo& camera) {
-  return {camera.gravity[0], camera.gravity[1], camera.gravity[2]};
+  return camera.gravity_m_per_s2.value_or(Eigen::Vector3d(0.0, 9.81, 0.0));
 }
 
 void require_background(const FrameSource& frames) {

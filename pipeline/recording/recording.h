@@ -1,11 +1,13 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "calib/camera/camera.h"
 #include "engine/base/provenance.h"
 
 namespace touchtrace {
@@ -52,23 +54,39 @@ struct GloveStream {
   std::size_t frames() const { return sequence.size(); }
 };
 
+/// RGB-D camera as its driver describes it.
 struct CameraInfo {
-  int width = 0, height = 0;    ///< of colour and depth images
+  int width = 0, height = 0;    ///< of colour images
   double rate_hz = 20.0;        ///< nominal
   double depth_unit_m = 0.001;  ///< depth = count * depth_unit_m; count 0: no measurement
-  /// fx, fy, cx, cy [px] of the depth camera as its driver reports them; 0: unknown.
-  std::array<double, 4> depth_intrinsics{};
-  /// Gravity [m/s^2] in the colour camera's frame, from the camera's accelerometer.
-  std::array<double, 3> gravity{0.0, 9.81, 0.0};
+  int depth_width = 0, depth_height = 0;  ///< of depth images; 0: as colour images
+  bool is_registered = false;  ///< depth images lie on the colour camera's pixels
+  /// Intrinsics and lens of each camera; nullopt: unknown. A registered depth image has the colour
+  /// camera's.
+  std::optional<Camera> color_camera = std::nullopt, depth_camera = std::nullopt;
+  std::optional<Eigen::Isometry3d> depth_from_color = std::nullopt;  ///< [m]; nullopt: unknown
+  /// Gravity [m/s^2] in the colour camera's frame, from the camera's accelerometer; nullopt:
+  /// unknown.
+  std::optional<Eigen::Vector3d> gravity_m_per_s2 = std::nullopt;
+
+  int depth_image_width() const { return depth_width > 0 ? depth_width : width; }
+  int depth_image_height() const { return depth_height > 0 ? depth_height : height; }
 };
 
-/// Colour image and depth image, not registered: each as its own camera sees it.
+/// Values of RgbdFrame::mask.
+enum MaskValue : std::uint8_t { mask_other = 0, mask_hand = 1, mask_object = 2 };
+
+/// Colour image and depth image. Unless CameraInfo::is_registered, each is as its own camera sees
+/// it.
 struct RgbdFrame {
   std::vector<std::uint8_t> color;   ///< [height, width, 3], RGB
-  std::vector<std::uint16_t> depth;  ///< [height, width], in CameraInfo::depth_unit_m
+  std::vector<std::uint16_t> depth;  ///< [depth_height, depth_width], in CameraInfo::depth_unit_m
+  /// [height, width] MaskValue of each colour pixel; empty: the frame has no mask.
+  std::vector<std::uint8_t> mask = {};
 };
 
-/// Time stamps of the camera's frames.
+/// Time stamps of the camera's frames: pairs of a depth image and the colour image nearest in time.
+/// Stamps are the depth image's.
 struct CameraTimes {
   std::vector<std::uint64_t> sequence;  ///< the camera's frame counter
   std::vector<double> device_time_s;    ///< the camera's clock, which drifts
@@ -89,7 +107,9 @@ struct Clip {
   double start_s = 0.0, end_s = 0.0;
   std::string object;
   bool object_fell = false;       ///< the clip is excluded from training and evaluation
-  PixelBox hand_box, object_box;  ///< drawn by a user in the clip's first camera frame, or empty
+  PixelBox hand_box, object_box;  ///< drawn by a user in camera frame `box_frame`, or empty
+  /// Index of a camera frame; nullopt: the clip's first.
+  std::optional<std::size_t> box_frame = std::nullopt;
 };
 
 /// Chessboard, described by its inner corners.

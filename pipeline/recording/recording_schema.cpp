@@ -35,6 +35,25 @@ EventColumns to_columns(const std::vector<Truth::Event>& events) {
   return columns;
 }
 
+std::array<double, 3> gravity_values(const CameraInfo& camera) {
+  const Eigen::Vector3d g = camera.gravity_m_per_s2.value_or(Eigen::Vector3d::Zero());
+  return {g.x(), g.y(), g.z()};
+}
+
+std::array<double, 4> depth_intrinsics(const CameraInfo& camera) {
+  if (!camera.depth_camera) return {};
+  return {camera.depth_camera->fx, camera.depth_camera->fy, camera.depth_camera->cx,
+          camera.depth_camera->cy};
+}
+
+void set_driver_values(CameraInfo& camera, const std::array<double, 3>& gravity,
+                       const std::array<double, 4>& intrinsics) {
+  const Eigen::Vector3d g(gravity.data());
+  if (!g.isZero()) camera.gravity_m_per_s2 = g;
+  const auto& [fx, fy, cx, cy] = intrinsics;
+  if (fx > 0.0) camera.depth_camera = Camera{camera.width, camera.height, fx, fy, cx, cy};
+}
+
 std::vector<Clip> read_clips(const h5::Loader& root) {
   ClipColumns columns;
   const h5::Loader group = root.group("clips");

@@ -114,17 +114,26 @@ void serialize_glove(Archive& group, Stream& stream) {
   serialize_inertial(inertial, *stream.inertial);
 }
 
+/// Gravity; zeros if unknown.
+std::array<double, 3> gravity_values(const CameraInfo& camera);
+/// fx, fy, cx, cy of the depth camera; zeros if unknown.
+std::array<double, 4> depth_intrinsics(const CameraInfo& camera);
+void set_driver_values(CameraInfo& camera, const std::array<double, 3>& gravity,
+                       const std::array<double, 4>& intrinsics);
+
 template <class Archive, class Camera>
 void serialize_camera_info(Archive& group, Camera& camera) {
   group.attribute("width", camera.width);
   group.attribute("height", camera.height);
   group.attribute("rate_hz", camera.rate_hz);
   group.attribute("depth_unit_m", camera.depth_unit_m);
-  serialize_numbers(group, "gravity", camera.gravity, group.axis("xyz", 3),
+  auto gravity = gravity_values(camera);
+  serialize_numbers(group, "gravity", gravity, group.axis("xyz", 3),
                     {"m s-2", "gravity, colour camera's frame"});
-  serialize_numbers(group, "depth_intrinsics", camera.depth_intrinsics,
-                    group.axis("fx_fy_cx_cy", 4),
+  auto intrinsics = depth_intrinsics(camera);
+  serialize_numbers(group, "depth_intrinsics", intrinsics, group.axis("fx_fy_cx_cy", 4),
                     {"1", "intrinsics of the depth camera from its driver, pixels; 0: unknown"});
+  if constexpr (!std::is_const_v<Camera>) set_driver_values(camera, gravity, intrinsics);
 }
 
 /// Returns the frame axis.

@@ -85,7 +85,7 @@ void validate_activity(const std::string& activity, FileFaults& faults) {
 void validate_clips(const std::vector<Clip>& clips, FileFaults& faults) {
   double last_end_s = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < clips.size(); ++i) {
-    const auto& [start_s, end_s, object, fell, hand_box, object_box] = clips[i];
+    const auto& [start_s, end_s, object, fell, hand_box, object_box, box_frame] = clips[i];
     const std::string path = fmt::format("/clips, clip {}", i);
     faults.require(std::isfinite(start_s) && std::isfinite(end_s) && start_s < end_s, path,
                    fmt::format("expected start_s < end_s, found {} and {}", start_s, end_s));
@@ -142,8 +142,8 @@ void validate_camera(const Recording& recording, const Validator& group) {
   group.require_range("height", camera.height, 0, max_image_size);
   group.require_rate(camera.rate_hz);
   group.require_positive("depth_unit_m", camera.depth_unit_m, 1.0);
-  group.require_finite("gravity", camera.gravity);
-  group.require_finite("depth_intrinsics", camera.depth_intrinsics);
+  group.require_finite("gravity", gravity_values(camera));
+  group.require_finite("depth_intrinsics", depth_intrinsics(camera));
   group.require_increasing("sequence", recording.camera_times.sequence);
   group.require_times("device_time_s", recording.camera_times.device_time_s);
   group.require_times("host_time_s", recording.camera_times.host_time_s);

@@ -70,8 +70,9 @@ TEST(RecordingFile, RoundTripsEveryBit) {
   EXPECT_EQ(back.epoch_unix_s, sample.recording.epoch_unix_s);
   EXPECT_EQ(back.provenance.options, sample.recording.provenance.options);
   EXPECT_EQ(back.board.square_m, sample.recording.board.square_m);
-  EXPECT_EQ(back.camera.gravity, sample.recording.camera.gravity);
-  EXPECT_EQ(back.camera.depth_intrinsics, sample.recording.camera.depth_intrinsics);
+  EXPECT_EQ(back.camera.gravity_m_per_s2, sample.recording.camera.gravity_m_per_s2);
+  EXPECT_EQ(back.camera.depth_camera->parameters(),
+            sample.recording.camera.depth_camera->parameters());
   EXPECT_EQ(back.camera.depth_unit_m, sample.recording.camera.depth_unit_m);
   expect_same(back.clips, sample.recording.clips);
   ASSERT_EQ(back.gloves.size(), 2u);

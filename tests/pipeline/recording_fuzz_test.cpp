@@ -58,7 +58,7 @@ Content content_of_recording(const std::filesystem::path& path) {
   }
   content << r.camera.rate_hz << r.camera.depth_unit_m << r.board.square_m
           << r.camera_times.sequence << r.camera_times.device_time_s << r.camera_times.host_time_s;
-  for (double g : r.camera.gravity) content << g;
+  for (double g : r.camera.gravity_m_per_s2.value()) content << g;
   for (std::size_t i = 0; i < r.camera_times.frames(); ++i) content << reader.read_camera_frame(i);
   for (std::size_t i = 0; i < reader.background_frames(); ++i) content << reader.read_background(i);
   for (std::size_t i = 0; i < reader.board_views(); ++i) content << reader.read_board_view(i);

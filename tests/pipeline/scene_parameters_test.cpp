@@ -5,6 +5,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "pipeline/recording/recording_schema.h"
 #include "pipeline/scene/base/parameter_registry.h"
 #include "pipeline/scene/base/scene.h"
 #include "pipeline/scene/camera/camera_clock.h"
@@ -126,7 +127,7 @@ nlohmann::json describe_camera(const SceneParameters& parameters) {
   const DepthSensor& depth = camera.sensor;
   return {calibration_truth(camera),
           clock_truth(make_camera_clock(options)),
-          camera_info(camera, options).gravity,
+          gravity_values(camera_info(camera, options)),
           {camera.exposure_s, camera.color_noise_counts},
           {depth.baseline_m, depth.shift_sigma_px, depth.min_depth_m, depth.max_depth_m}};
 }

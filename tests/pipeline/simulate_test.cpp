@@ -49,8 +49,7 @@ TEST(Simulate, AccelerometerMeasuresGravity) {
     SceneOptions options = short_scene();
     options.seed = seed;
     const RgbdCamera camera = make_camera(options);
-    const auto g = camera_info(camera, options).gravity;
-    const Eigen::Vector3d measured(g[0], g[1], g[2]);
+    const Eigen::Vector3d measured = camera_info(camera, options).gravity_m_per_s2.value();
     const Eigen::Vector3d truth =
         camera.color_from_world.linear() * Eigen::Vector3d(0.0, 0.0, -gravity_m_per_s2);
     EXPECT_NEAR(measured.norm(), gravity_m_per_s2, 1e-5);  // stored as float

@@ -28,11 +28,14 @@ Eigen::Quaterniond small_rotation(RandomStream& random, double sigma_rad) {
 }
 
 /// Intrinsics that the depth camera's driver reports, with the errors of a factory calibration.
-std::array<double, 4> factory_intrinsics(RandomStream random, const Camera& camera) {
+Camera factory_camera(RandomStream random, const Camera& camera) {
   constexpr double error = 1e-3;
-  return {camera.fx * random.normal(1.0, error), camera.fy * random.normal(1.0, error),
-          camera.cx + camera.width * random.normal(0.0, error),
-          camera.cy + camera.width * random.normal(0.0, error)};
+  Camera factory{camera.width, camera.height};
+  factory.fx = camera.fx * random.normal(1.0, error);
+  factory.fy = camera.fy * random.normal(1.0, error);
+  factory.cx = camera.cx + camera.width * random.normal(0.0, error);
+  factory.cy = camera.cy + camera.width * random.normal(0.0, error);
+  return factory;
 }
 
 /// Pose camera_from_world of a camera that looks along +y of the world, `pitch_rad` downwards.
@@ -119,9 +122,9 @@ CameraInfo camera_info(const RgbdCamera& camera, const SceneOptions& options) {
   CameraInfo info;
   info.width = camera.color.width, info.height = camera.color.height;
   info.depth_unit_m = camera.depth_unit_m;
-  info.depth_intrinsics =
-      factory_intrinsics(RandomStream(options.seed, "factory calibration"), camera.depth);
-  info.gravity = {gravity.x(), gravity.y(), gravity.z()};
+  info.depth_camera =
+      factory_camera(RandomStream(options.seed, "factory calibration"), camera.depth);
+  info.gravity_m_per_s2 = gravity;
   return info;
 }
 

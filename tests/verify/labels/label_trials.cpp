@@ -69,7 +69,7 @@ std::vector<Cover> cover_middles(const Recording& recording) {
 
 LabelError error_of_tracks(const std::vector<label::ClipTrack>& tracks, const Recording& recording,
                            const label::Timeline& timeline, const Truth& truth) {
-  const Eigen::Vector3d gravity(recording.camera.gravity.data());
+  const Eigen::Vector3d gravity = recording.camera.gravity_m_per_s2.value();
   const bool bounces = label::free_fall_fraction(tracks, gravity) > label::min_bounce_fraction;
   Labels labels;
   labels.clips = recording.clips;

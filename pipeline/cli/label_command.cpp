@@ -14,9 +14,11 @@ struct LabelCommandOptions {
 };
 
 void describe(OptionSet& set, LabelCommandOptions& o) {
-  set.input("recording", o.recording, "HDF5 with glove, RGB-D, background and boxes");
-  set.path("calibration", o.calibration,
-           "folder from `calibrate`, or camera_info, OpenCV or kalibr YAML");
+  set.input("recording", o.recording, "HDF5 with RGB-D images and boxes or masks");
+  set.text("calibration", o.calibration,
+           "folder from `calibrate`, or camera_info, OpenCV or kalibr YAML; default: the camera's "
+           "intrinsics in the recording")
+      .value("PATH");
   set.path("output", o.output, "labels (.h5)").value("FILE");
   set.text("trajectories", o.trajectories, "also write TUM files hand.txt, object.txt")
       .value("DIR");
@@ -30,9 +32,10 @@ void print_summary(const Labels& labels, const std::string& output) {
              100.0 * s["hand_lost_share"].get<double>(),
              100.0 * s["object_lost_share"].get<double>(),
              100.0 * s["object_follows_share"].get<double>());
-  fmt::print("clocks: camera drift {:.1f} ppm, glove drift {:.1f} ppm; flights: {}\n",
-             s["clocks"]["camera"]["drift_ppm"].get<double>(),
-             s["clocks"]["glove"]["drift_ppm"].get<double>(), s["flights"].size());
+  for (const auto& problem : s["problems"])
+    fmt::print("clip {} not labelled: {}\n", problem["clip"].get<int>(),
+               problem["problem"].get<std::string>());
+  fmt::print("flights: {}\n", s["flights"].size());
 }
 
 /// Fails before the work if an output exists.
@@ -50,8 +53,9 @@ ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
   provenance.options = invocation.options;
   provenance.add_input(options.recording);
   const RecordingReader reader(options.recording);
-  auto labels =
-      label::label_recording(reader, read_calibration(options.calibration), options.label);
+  std::optional<RgbdCalibration> calibration;
+  if (!options.calibration.empty()) calibration = read_calibration(options.calibration);
+  auto labels = label::label_recording(reader, calibration, options.label);
   stopwatch.stop(provenance);
   labels.provenance = std::move(provenance);
   write_labels(options.output, labels, invocation.overwrite);

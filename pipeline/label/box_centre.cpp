@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/statistics.h"
-#include "pipeline/label/box_planes.h"
+#include "pipeline/label/estimate/box_planes.h"
 
 namespace touchtrace::label {
 namespace {
@@ -26,12 +26,12 @@ double box_centre_sigma_m(const Camera& color, const std::string& object,
   std::vector<double> sigmas_m;
   for (std::size_t i = 0; i < clips.size(); ++i) {
     if (clips[i].object != object || tracks[i].object.empty()) continue;
-    const auto& first = tracks[i].object.front();
-    if (!first.found || first.follows_hand) continue;
+    const auto& boxed = tracks[i].object[clips[i].box_frame - clips[i].first];
+    if (!boxed.found || boxed.follows_hand) continue;
     if (touches_border(clips[i].object_box, color)) continue;
-    const double offset = offset_rad(color, clips[i].object_box, first.position_m),
+    const double offset = offset_rad(color, clips[i].object_box, boxed.position_m),
                  square = offset * offset - box_sigma_rad * box_sigma_rad;
-    sigmas_m.push_back(first.position_m.z() * std::sqrt(0.5 * std::max(0.0, square)));
+    sigmas_m.push_back(boxed.position_m.z() * std::sqrt(0.5 * std::max(0.0, square)));
   }
   return sigmas_m.empty() ? 0.0 : median(std::move(sigmas_m));
 }

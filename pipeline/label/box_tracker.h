@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/label/surface.h"
+#include "pipeline/label/observe/surface.h"
 
 namespace cv {
 class Tracker;

@@ -10,8 +10,8 @@
 #include "engine/base/statistics.h"
 #include "pipeline/label/box_tracker.h"
 #include "pipeline/label/lift.h"
-#include "pipeline/label/pose_tracker.h"
-#include "pipeline/label/sphere_fit.h"
+#include "pipeline/label/estimate/pose_tracker.h"
+#include "pipeline/label/estimate/sphere_fit.h"
 #include "pipeline/label/target_filter.h"
 
 namespace touchtrace::label {
@@ -111,9 +111,9 @@ class ClipTracker {
       hand_.predict(seconds, false, gravity_);
       object_.predict(seconds, is_away_, gravity_);
       const auto [hand_box, object_box] = update_trackers(image);
-      hand = hand_.find(surface, image, hand_box, scene_.segmenter, std::nullopt);
+      hand = hand_.find(surface, image, hand_box, *scene_.segmenter, std::nullopt);
       if (hand && hand_.is_lost() && object_.is_lost()) assume_in_hand(*hand);
-      object = object_.find(surface, image, object_box, scene_.segmenter, position_in_hand(hand));
+      object = object_.find(surface, image, object_box, *scene_.segmenter, position_in_hand(hand));
     }
     frame_ = track.hand.size();
     track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
@@ -135,7 +135,7 @@ class ClipTracker {
  private:
   /// Boxes of the image trackers on hand and object.
   std::array<std::optional<PixelBox>, 2> update_trackers(const MaskedImage& image) {
-    const auto& camera = scene_.segmenter.color_camera();
+    const auto& camera = scene_.segmenter->color_camera();
     std::array<std::optional<PixelBox>, 2> boxes;
     frames_.run_in_parallel([&] { boxes[0] = hand_.update_tracker(image, camera); },
                             [&] { boxes[1] = object_.update_tracker(image, camera); });
@@ -166,7 +166,7 @@ class ClipTracker {
   void set_position(Observation& object, const Eigen::Vector3d& centre_m,
                     const Eigen::Matrix3d& information, std::size_t points) const {
     const double visible =
-        static_cast<double>(points) / scene_.segmenter.disc_pixels(shape_.radius_m, centre_m.z());
+        static_cast<double>(points) / scene_.segmenter->disc_pixels(shape_.radius_m, centre_m.z());
     object.position_m = centre_m;
     object.sigma_m =
         position_sigma(information, visible, pose_ ? point_sigma_m : sphere_point_sigma_m);
@@ -216,7 +216,7 @@ class ClipTracker {
   /// Places an invisible object in the hand, if something occludes it there and it was not about to
   /// leave the image.
   void follow_hand(const Observation& hand, const RgbdFrame& frame, Observation& object) {
-    if (!scene_.segmenter.is_in_image(object_.predicted_m())) return;
+    if (!scene_.segmenter->is_in_image(object_.predicted_m())) return;
     // from the grip's offset towards the hand: the first position that is occluded
     for (const double part : {1.0, 0.67, 0.33, 0.0}) {
       const Eigen::Vector3d position = hand.position_m + part * grip_.object_from_hand_m();
@@ -241,7 +241,7 @@ class ClipTracker {
 
   void start_hidden(const Observation& hand, Observation& object) {
     const auto& box = clip_.object_box;
-    const Eigen::Vector3d ray = scene_.segmenter.color_camera().unproject(
+    const Eigen::Vector3d ray = scene_.segmenter->color_camera().unproject(
         {box.x + 0.5 * box.width, box.y + 0.5 * box.height});
     object = hidden_object_at((hand.position_m.z() + shape_.radius_m) * ray);
     object_.start(object.position_m, first_box_sigma_m, {}, {});
@@ -269,21 +269,35 @@ class ClipTracker {
 
 }  // namespace
 
-ClipTrack track_clip(const SceneModel& scene, FramePrefetcher::Reader& frames,
-                     const ClipFrames& clip, const std::vector<double>& frame_time_s,
+ClipTrack track_pass(const SceneModel& scene, FramePrefetcher::Reader& frames,
+                     const TrackingPass& pass, const std::vector<double>& frame_time_s,
                      const Eigen::Vector3d& gravity_m_per_s2, const TrackerKind& kind) {
-  ClipTracker tracker(scene, frames, clip, gravity_m_per_s2, kind);
+  ClipTracker tracker(scene, frames, *pass.clip, gravity_m_per_s2, kind);
   ClipTrack track;
-  for (std::size_t i = clip.first; i < clip.first + clip.count; ++i) {
+  for (std::size_t i = 0; i < pass.count(); ++i) {
     throw_if_interrupted();
-    const double seconds = i > clip.first ? frame_time_s[i] - frame_time_s[i - 1] : 0.0;
+    track.time_s.push_back(frame_time_s[pass.frame(i)]);
+    // free fall is the same in both directions of time
+    const double seconds = i > 0 ? std::abs(track.time_s[i] - track.time_s[i - 1]) : 0.0;
     tracker.step(frames.next(), seconds, track);
-    track.time_s.push_back(frame_time_s[i]);
   }
   tracker.smooth_poses(track);
-  track.object_centre_sigma_m = scene.object_shape.at(clip.object).centre_sigma_m;
+  track.object_centre_sigma_m = scene.object_shape.at(pass.clip->object).centre_sigma_m;
   track.tracker_starts = tracker.tracker_starts();
   return track;
+}
+
+ClipTrack join(ClipTrack backward, const ClipTrack& forward) {
+  const auto prepend = [](auto& reversed, const auto& rest) {
+    std::ranges::reverse(reversed);
+    reversed.pop_back();  // the box frame, also in `forward`
+    reversed.insert(reversed.end(), rest.begin(), rest.end());
+  };
+  prepend(backward.time_s, forward.time_s);
+  prepend(backward.hand, forward.hand);
+  prepend(backward.object, forward.object);
+  backward.tracker_starts += forward.tracker_starts;
+  return backward;
 }
 
 }  // namespace touchtrace::label

@@ -25,12 +25,15 @@ struct ClipTrack {
   int tracker_starts = 0;                 ///< of both image trackers
 };
 
-/// Tracks hand and object through a clip. Per body: a Kalman filter predicts (with gravity while
-/// the object is away from the hand); the image tracker and a search by colour and depth inside the
+/// Tracks hand and object through one pass. Per body: a Kalman filter predicts (with gravity while
+/// the object is away from the hand); the image tracker and a search by class and depth inside the
 /// filter's gate find the surface patch; a shape fit gives the centre. Poses of objects that are no
 /// spheres are chosen by all frames together.
-ClipTrack track_clip(const SceneModel& scene, FramePrefetcher::Reader& frames,
-                     const ClipFrames& clip, const std::vector<double>& frame_time_s,
+ClipTrack track_pass(const SceneModel& scene, FramePrefetcher::Reader& frames,
+                     const TrackingPass& pass, const std::vector<double>& frame_time_s,
                      const Eigen::Vector3d& gravity_m_per_s2, const TrackerKind& tracker);
+
+/// Track of a clip, in order of time, from its two passes.
+ClipTrack join(ClipTrack backward, const ClipTrack& forward);
 
 }  // namespace touchtrace::label

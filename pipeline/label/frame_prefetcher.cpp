@@ -7,7 +7,7 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr std::size_t max_prefetched = 4;  // per clip; bounds memory
+constexpr std::size_t max_prefetched = 4;  // per pass; bounds memory
 
 bool is_first_ready(const std::deque<std::future<SegmentedFrame>>& ahead) {
   return !ahead.empty() &&
@@ -16,19 +16,19 @@ bool is_first_ready(const std::deque<std::future<SegmentedFrame>>& ahead) {
 
 }  // namespace
 
-FramePrefetcher::FramePrefetcher(const std::vector<ClipFrames>& clips, Segment segment)
-    : segment_(std::move(segment)), open_clips_(clips.size()) {
-  for (const auto& clip : clips) clips_.push_back({&clip, clip.first, clip.first + clip.count, {}});
+FramePrefetcher::FramePrefetcher(const std::vector<TrackingPass>& passes, Segment segment)
+    : segment_(std::move(segment)), open_passes_(passes.size()) {
+  for (const auto& pass : passes) passes_.push_back({pass, 0, pass.count(), {}});
 }
 
 /// While another thread still segments the first frame, segments later ones instead of waiting.
 SegmentedFrame FramePrefetcher::next(std::size_t index) {
   std::unique_lock lock(mutex_);
-  Clip& clip = clips_[index];
-  while (!is_first_ready(clip.ahead) && clip.next < clip.end && clip.ahead.size() < max_prefetched)
-    segment_next(clip, lock);
-  auto frame = std::move(clip.ahead.front());
-  clip.ahead.pop_front();
+  Pass& pass = passes_[index];
+  while (!is_first_ready(pass.ahead) && pass.next < pass.end && pass.ahead.size() < max_prefetched)
+    segment_next(pass, lock);
+  auto frame = std::move(pass.ahead.front());
+  pass.ahead.pop_front();
   changed_.notify_all();
   lock.unlock();
   return frame.get();
@@ -36,24 +36,26 @@ SegmentedFrame FramePrefetcher::next(std::size_t index) {
 
 void FramePrefetcher::close(std::size_t index) {
   const std::lock_guard lock(mutex_);
-  clips_[index].next = clips_[index].end;
-  clips_[index].ahead.clear();
-  --open_clips_;
+  passes_[index].next = passes_[index].end;
+  passes_[index].ahead.clear();
+  --open_passes_;
   changed_.notify_all();
 }
 
-FramePrefetcher::Clip* FramePrefetcher::neediest() {
-  Clip* result = nullptr;
-  for (auto& clip : clips_)
-    if (clip.next < clip.end && (!result || clip.ahead.size() < result->ahead.size()))
-      result = &clip;
+FramePrefetcher::Pass* FramePrefetcher::neediest() {
+  Pass* result = nullptr;
+  for (auto& pass : passes_)
+    if (pass.next < pass.end && (!result || pass.ahead.size() < result->ahead.size()))
+      result = &pass;
   return result;
 }
 
-void FramePrefetcher::segment_next(Clip& clip, std::unique_lock<std::mutex>& lock) {
+void FramePrefetcher::segment_next(Pass& pass, std::unique_lock<std::mutex>& lock) {
   std::packaged_task<SegmentedFrame()> task(
-      [this, &clip, frame = clip.next++] { return segment_(*clip.frames, frame); });
-  clip.ahead.push_back(task.get_future());
+      [this, frames = pass.frames, i = pass.next++] {
+    return segment_(*frames.clip, frames.frame(i));
+  });
+  pass.ahead.push_back(task.get_future());
   lock.unlock();
   task();
   lock.lock();
@@ -88,12 +90,12 @@ void FramePrefetcher::run_offered(std::unique_lock<std::mutex>& lock) {
 
 void FramePrefetcher::run_worker() {
   std::unique_lock lock(mutex_);
-  while (open_clips_ > 0) {
-    Clip* clip = neediest();
+  while (open_passes_ > 0) {
+    Pass* pass = neediest();
     if (!offered_.empty())
       run_offered(lock);
-    else if (clip && clip->ahead.size() < max_prefetched)
-      segment_next(*clip, lock);
+    else if (pass && pass->ahead.size() < max_prefetched)
+      segment_next(*pass, lock);
     else
       changed_.wait(lock);
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "calib/board/opencv_threads.h"
 #include "engine/base/error.h"
@@ -11,110 +12,177 @@
 #include "engine/base/progress.h"
 #include "pipeline/label/box_centre.h"
 #include "pipeline/label/box_tracker.h"
+#include "pipeline/label/camera_calibration.h"
 #include "pipeline/label/clip_tracker.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/label/learn_scene.h"
+#include "pipeline/label/observe/color_gains.h"
+#include "pipeline/label/observe/mask_observer.h"
 #include "pipeline/label/states.h"
+#include "pipeline/label/summary.h"
 #include "pipeline/label/timeline.h"
 #include "pipeline/recording/check.h"
 
 namespace touchtrace::label {
 namespace {
 
-constexpr double min_found_fraction = 0.5;  // of all frames; less: the set-up is wrong
+constexpr double min_found_fraction = 0.5;  // of a clip's frames; less: the clip is not labelled
+constexpr std::size_t max_mask_search = 100;  // frames of a clip searched for masks
 
-/// Gravity by the camera's accelerometer, or along the image's vertical axis.
-Eigen::Vector3d gravity(const CameraInfo& camera) {
-  return camera.gravity_m_per_s2.value_or(Eigen::Vector3d(0.0, 9.81, 0.0));
+std::optional<Eigen::Vector3d> parse_vector(const std::string& text) {
+  Eigen::Vector3d v;
+  char comma1 = 0, comma2 = 0;
+  std::istringstream stream(text);
+  if (!(stream >> v.x() >> comma1 >> v.y() >> comma2 >> v.z()) || comma1 != ',' || comma2 != ',' ||
+      !v.allFinite() || v.isZero())
+    return std::nullopt;
+  return v;
 }
 
-void require_background(const FrameSource& frames) {
-  if (frames.background_frames == 0)
-    throw data_error("recording has no background frames",
-                     "record a few frames of the empty scene before the first clip");
+/// Gravity given, from the camera's accelerometer, or along the image's vertical axis.
+Eigen::Vector3d gravity(const CameraInfo& camera, const LabelOptions& options) {
+  if (options.gravity.empty())
+    return camera.gravity_m_per_s2.value_or(Eigen::Vector3d(0.0, 9.81, 0.0));
+  const auto given = parse_vector(options.gravity);
+  if (!given)
+    throw usage_error(fmt::format("gravity '{}' is not a direction", options.gravity),
+                      "give it as X,Y,Z in the colour camera's frame, e.g. 0,9.81,0");
+  return 9.81 * given->normalized();
 }
 
-std::vector<ClipFrames> usable_clips(const Recording& recording, const Timeline& timeline) {
+/// Sets boxes and box frame from the first frame whose mask shows both bodies.
+void set_mask_boxes(const FrameSource& frames, int width, ClipFrames& clip) {
+  for (std::size_t i = 0; i < std::min(clip.count, max_mask_search); ++i) {
+    const std::size_t index = clip.first + i * clip.count / std::min(clip.count, max_mask_search);
+    const auto frame = frames.camera_frame(index);
+    const auto hand = mask_box(frame, mask_hand, width), object = mask_box(frame, mask_object, width);
+    if (hand.empty() || object.empty()) continue;
+    clip.hand_box = hand, clip.object_box = object, clip.box_frame = index;
+    return;
+  }
+}
+
+bool has_masks(const FrameSource& frames, const std::vector<ClipFrames>& clips) {
+  return std::ranges::any_of(clips, [&](const ClipFrames& clip) {
+    return clip.count > 0 && !frames.camera_frame(clip.box_frame).mask.empty();
+  });
+}
+
+bool choose_masks(const FrameSource& frames, const std::vector<ClipFrames>& clips,
+                  const LabelOptions& options) {
+  return options.observer == "masks" || (options.observer == "auto" && has_masks(frames, clips));
+}
+
+std::vector<ClipFrames> boxed_clips(const Recording& recording, const FrameSource& frames,
+                                    const Timeline& timeline, const LabelOptions& options) {
   auto clips = clip_frames(recording, timeline);
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    if (recording.clips[i].object_fell) clips[i].count = 0;
-    if (clips[i].count > 0 && (clips[i].hand_box.empty() || clips[i].object_box.empty()))
-      throw data_error(fmt::format("clip {} has no boxes on hand and object", i),
-                       "draw both in the clip's first camera frame (hand_box and object_box)");
+  const bool use_masks = choose_masks(frames, clips, options);
+  for (auto& clip : clips) {
+    if (clip.count > 0 && use_masks && !clip.has_boxes())
+      set_mask_boxes(frames, recording.camera.width, clip);
+    if (clip.count > 0 && !clip.has_boxes())
+      clip.problem = use_masks ? "no mask shows hand and object" : "no boxes on hand and object";
   }
   return clips;
+}
+
+/// Throws the first clip's problem if no clip is usable.
+void require_usable_clip(const std::vector<ClipFrames>& clips) {
+  if (std::ranges::any_of(clips, &ClipFrames::is_usable)) return;
+  const auto faulty =
+      std::ranges::find_if(clips, [](const ClipFrames& c) { return !c.problem.empty(); });
+  throw data_error(faulty == clips.end()
+                       ? std::string("no clip has camera frames")
+                       : fmt::format("no clip can be labelled; clip {}: {}", faulty - clips.begin(),
+                                     faulty->problem),
+                   "run: touchtrace check RECORDING; draw boxes by: touchtrace mark RECORDING");
+}
+
+/// Frames with colours like those of the first usable clip's box frame.
+FrameSource normalized(const FrameSource& frames, const std::vector<ClipFrames>& clips) {
+  const auto first = std::ranges::find_if(clips, &ClipFrames::is_usable);
+  const auto reference = std::make_shared<RgbdFrame>(frames.camera_frame(first->box_frame));
+  auto result = frames;
+  result.camera_frame = [read = frames.camera_frame, reference](std::size_t i) {
+    auto frame = read(i);
+    normalize_colors(color_gains(*reference, frame), frame);
+    return frame;
+  };
+  return result;
 }
 
 SegmentedFrame segment(const SceneModel& scene, const FrameSource& frames, const TrackerKind& kind,
                        const ClipFrames& clip, std::size_t index) {
   SegmentedFrame result{frames.camera_frame(index), {}, {}};
-  result.surface = scene.segment(result.frame, clip.object);
-  const auto& camera = scene.segmenter.color_camera();
+  result.surface = scene.observer->observe(result.frame, clip.object);
+  const auto& camera = scene.segmenter->color_camera();
   if (kind.create)
     result.image = masked_image(result.frame, result.surface, camera.width, camera.height);
   return result;
 }
 
-/// Tracks clips in parallel. Threads without a clip segment frames for the others.
+std::vector<TrackingPass> passes_of(const std::vector<ClipFrames>& clips) {
+  std::vector<TrackingPass> passes;
+  for (const auto& clip : clips) {
+    if (!clip.is_usable()) continue;
+    passes.push_back({&clip, false});
+    if (clip.box_frame > clip.first) passes.push_back({&clip, true});
+  }
+  return passes;
+}
+
+/// Tracks clips in parallel. Threads without a pass segment frames for the others.
 std::vector<ClipTrack> track_clips(const SceneModel& scene, const FrameSource& frames,
                                    const std::vector<ClipFrames>& clips, const Timeline& timeline,
-                                   const Recording& recording, const LabelOptions& options) {
+                                   const Eigen::Vector3d& gravity_m_per_s2,
+                                   const LabelOptions& options) {
   const auto& kind = find_tracker(options.tracker);
+  const auto passes = passes_of(clips);
   std::size_t total = 0;
-  for (const auto& clip : clips) total += clip.count;
+  for (const auto& pass : passes) total += pass.count();
   Progress progress("tracking hand and object", total);
-  std::vector<ClipTrack> tracks(clips.size());
-  FramePrefetcher prefetcher(clips, [&](const ClipFrames& clip, std::size_t index) {
+  FramePrefetcher prefetcher(passes, [&](const ClipFrames& clip, std::size_t index) {
     progress.advance();
     return segment(scene, frames, kind, clip, index);
   });
-  const OpenCvThreads single_threaded(1);  // clips are the parallel work
+  std::vector<ClipTrack> tracked(passes.size()), tracks(clips.size());
+  const OpenCvThreads single_threaded(1);  // passes are the parallel work
   const std::size_t workers = thread_count(options.num_threads);
-  parallel_for(clips.size() + workers, options.num_threads, [&](std::size_t i) {
-    if (i >= clips.size()) return prefetcher.run_worker();
+  parallel_for(passes.size() + workers, options.num_threads, [&](std::size_t i) {
+    if (i >= passes.size()) return prefetcher.run_worker();
     FramePrefetcher::Reader reader(prefetcher, i);
-    if (clips[i].count > 0)
-      tracks[i] = track_clip(scene, reader, clips[i], timeline.camera_time_s,
-                             gravity(recording.camera), kind);
+    tracked[i] =
+        track_pass(scene, reader, passes[i], timeline.camera_time_s, gravity_m_per_s2, kind);
   });
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    auto& track = tracks[static_cast<std::size_t>(passes[i].clip - clips.data())];
+    track = passes[i].is_backward ? join(std::move(tracked[i]), track) : std::move(tracked[i]);
+  }
   return tracks;
 }
 
 /// Adds the uncertainty of the objects' centres according to the clips' boxes.
 void add_box_uncertainty(const SceneModel& scene, const std::vector<ClipFrames>& clips,
                          std::vector<ClipTrack>& tracks) {
-  const Camera& color = scene.segmenter.color_camera();
+  const Camera& color = scene.segmenter->color_camera();
   for (std::size_t i = 0; i < clips.size(); ++i)
     tracks[i].object_centre_sigma_m = std::hypot(
         tracks[i].object_centre_sigma_m, box_centre_sigma_m(color, clips[i].object, clips, tracks));
 }
 
-struct FrameStatistics {
-  double hand_lost = 0.0, object_lost = 0.0, object_follows = 0.0;  ///< fractions of the frames
-  int tracker_starts = 0;
-};
-
-FrameStatistics frame_statistics(const std::vector<ClipTrack>& tracks) {
-  FrameStatistics statistics;
-  double frames = 0.0;
-  for (const auto& track : tracks) {
-    frames += static_cast<double>(track.time_s.size());
-    statistics.tracker_starts += track.tracker_starts;
-    for (const auto& o : track.hand) statistics.hand_lost += !o.found;
-    for (const auto& o : track.object)
-      statistics.object_lost += !o.found, statistics.object_follows += o.follows_hand;
+/// Drops the tracks of clips in which hand or object were mostly lost.
+void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tracks) {
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (!clips[i].is_usable()) continue;
+    const auto statistics = frame_statistics(tracks[i]);
+    for (const auto& [body, lost] :
+         {std::pair{"hand", statistics.hand_lost}, {"object", statistics.object_lost}})
+      if (lost > 1.0 - min_found_fraction)
+        clips[i].problem = fmt::format("{} lost in {:.0f} % of the camera frames; check boxes, "
+                                       "calibration and that background frames show no person",
+                                       body, 100.0 * lost);
+    if (!clips[i].problem.empty()) tracks[i] = {};
   }
-  for (double* count : {&statistics.hand_lost, &statistics.object_lost, &statistics.object_follows})
-    *count /= std::max(1.0, frames);
-  return statistics;
-}
-
-void require_found(const FrameStatistics& statistics) {
-  for (const auto& [body, lost] :
-       {std::pair{"hand", statistics.hand_lost}, {"object", statistics.object_lost}})
-    if (lost > 1.0 - min_found_fraction)
-      throw data_error(fmt::format("{} lost in {:.0f} % of all camera frames", body, 100.0 * lost),
-                       "check boxes and calibration, and that background frames show no person");
 }
 
 std::vector<std::string> tracker_names() {
@@ -123,103 +191,62 @@ std::vector<std::string> tracker_names() {
   return names;
 }
 
-nlohmann::json clock_summary(const ClockFit& clock) {
-  return {{"offset_s", clock.offset_s},
-          {"drift_ppm", clock.drift_ppm()},
-          {"drift_sigma_ppm", 1e6 * clock.rate_sigma},
-          {"mean_delay_s", clock.mean_delay_s}};
-}
-
-nlohmann::json noise_summary(const SmoothedTracks& smoothed) {
-  return {{"jerk_density_m2_per_s5", smoothed.noise.jerk_density},
-          {"measurement_scale", smoothed.noise.measurement_scale},
-          {"bandwidth_rad_per_s", smoothed.noise.bandwidth_rad_per_s}};
-}
-
-nlohmann::json flights_summary(const SmoothedTracks& smoothed) {
-  auto flights = nlohmann::json::array();
-  for (std::size_t clip = 0; clip < smoothed.tracks.size(); ++clip)
-    for (const auto& flight : smoothed.tracks[clip].flights)
-      flights.push_back(
-          {{"clip", clip}, {"release_s", flight.release_s}, {"landing_s", flight.landing_s}});
-  return flights;
-}
-
-nlohmann::json shapes_summary(const SceneModel& scene) {
-  nlohmann::json shapes;
-  for (const auto& [object, shape] : scene.object_shape) {
-    shapes[object] = {{"unevenness_m", shape.unevenness_m},
-                      {"centre_sigma_m", shape.centre_sigma_m}};
-    if (shape.body) {
-      const Eigen::Vector3d half = shape.body->half_extents_m();
-      shapes[object]["half_extents_m"] = {half.x(), half.y(), half.z()};
-      shapes[object]["edge_radius_m"] = shape.body->radius_m;
-      shapes[object]["core"] = shape.body->core == Core::box ? "box" : "cylinder";
-    } else {
-      shapes[object]["radius_m"] = shape.radius_m;
-    }
-  }
-  return shapes;
-}
-
-nlohmann::json summarize(const LabelOptions& options, const SceneModel& scene,
-                         const Timeline& timeline, const FrameStatistics& statistics,
-                         const SmoothedBodies& bodies) {
-  return {
-      {"tracker", options.tracker},
-      {"hand_lost_share", statistics.hand_lost},
-      {"object_lost_share", statistics.object_lost},
-      {"object_follows_share", statistics.object_follows},
-      {"tracker_restarts", statistics.tracker_starts},
-      {"band_m", scene.band_m},
-      {"object_shape", shapes_summary(scene)},
-      {"clocks",
-       {{"camera", clock_summary(timeline.camera)},
-        {"glove", clock_summary(timeline.glove)},
-        {"label_time", "mid-scan time of the glove frame"},
-        {"unobservable", "minimum latency of glove and camera, part of their offsets"}}},
-      {"noise", {{"hand", noise_summary(bodies.hand)}, {"object", noise_summary(bodies.object)}}},
-      {"flights", flights_summary(bodies.object)}};
+FlightSearch flight_search(const std::vector<ClipTrack>& tracks,
+                           const Eigen::Vector3d& gravity_m_per_s2, const LabelOptions& options) {
+  if (options.no_flights) return FlightSearch::none;
+  return free_fall_fraction(tracks, gravity_m_per_s2) > min_bounce_fraction ? FlightSearch::bounces
+                                                                            : FlightSearch::throws;
 }
 
 }  // namespace
 
 void describe(OptionSet& set, LabelOptions& o) {
   set.choice("tracker", o.tracker, "component: fastest", tracker_names());
+  set.choice("observer", o.observer, "what shows hand and object; auto: masks where recorded",
+             {"auto", "depth-color", "masks"});
+  set.flag("no-flights", o.no_flights, "the object never leaves the hand");
+  set.text("gravity", o.gravity,
+           "direction in the colour camera's frame; default: recorded, else image down")
+      .value("X,Y,Z");
   set.integer("threads", o.num_threads, "clips in parallel; 0: one per core", 0, 1024);
 }
 
-Labels label_recording(const Recording& recording, const FrameSource& frames,
-                       const RgbdCalibration& calibration, const LabelOptions& options) {
+Labels label_recording(const Recording& recording, const FrameSource& recorded,
+                       const std::optional<RgbdCalibration>& given, const LabelOptions& options) {
+  const auto calibration = camera_calibration(given, recording.camera);
+  const Eigen::Vector3d down = gravity(recording.camera, options);
   auto timeline = align(recording);
   // positions come from depth images
   for (double& time_s : timeline.camera_time_s) time_s += calibration.depth_delay_s;
-  require_background(frames);
-  const auto clips = usable_clips(recording, timeline);
+  auto clips = boxed_clips(recording, recorded, timeline, options);
+  require_usable_clip(clips);
+  const bool use_masks = choose_masks(recorded, clips, options);
+  const auto frames = normalized(recorded, clips);
   const Stopwatch learning;
-  const auto scene = learn_scene(calibration, recording.camera, frames, clips, options.num_threads);
+  const auto scene =
+      learn_scene(calibration, recording.camera, frames, clips, use_masks, options.num_threads);
+  require_usable_clip(clips);
   const double learning_s = learning.wall_seconds();
   const Stopwatch tracking;
-  auto tracks = track_clips(scene, frames, clips, timeline, recording, options);
+  auto tracks = track_clips(scene, frames, clips, timeline, down, options);
+  drop_lost_clips(clips, tracks);
+  require_usable_clip(clips);
   add_box_uncertainty(scene, clips, tracks);
   const double tracking_s = tracking.wall_seconds(), tracking_cpu_s = tracking.cpu_seconds();
-  const auto statistics = frame_statistics(tracks);
-  require_found(statistics);
   const Stopwatch smoothing;
-  const double falling = free_fall_fraction(tracks, gravity(recording.camera));
-  const bool bounces = falling > min_bounce_fraction;
-  const auto bodies =
-      smooth_bodies(tracks, gravity(recording.camera), bounces, options.num_threads);
+  const auto search = flight_search(tracks, down, options);
+  const auto bodies = smooth_bodies(tracks, down, search, options.num_threads);
 
   Labels labels;
   labels.activity = recording.activity;
   labels.clips = recording.clips;
-  resample(glove_frames(recording, timeline), tracks, bodies, 1.0 / recording.camera.rate_hz,
-           CalibrationError(calibration), labels);
+  resample(label_times(recording, timeline), tracks, bodies, CalibrationError(calibration), labels);
   labels.raw = raw_track(tracks);
-  labels.summary = summarize(options, scene, timeline, statistics, bodies);
-  labels.summary["object_free_fall_fraction"] = falling;
-  labels.summary["object_bounces"] = bounces;
+  labels.summary = summarize(scene, timeline, clips, tracks, bodies);
+  labels.summary["tracker"] = options.tracker;
+  labels.summary["observer"] = use_masks ? "masks" : "depth-color";
+  labels.summary["object_bounces"] = search == FlightSearch::bounces;
+  labels.summary["gravity_m_per_s2"] = {down.x(), down.y(), down.z()};
   labels.summary["seconds"] = {{"learn_scene", learning_s},
                                {"track", tracking_s},
                                {"track_cpu", tracking_cpu_s},
@@ -227,7 +254,8 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   return labels;
 }
 
-Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
+Labels label_recording(const RecordingReader& reader,
+                       const std::optional<RgbdCalibration>& calibration,
                        const LabelOptions& options) {
   require_usable(missing_for_labelling(reader), "the recording");
   return label_recording(reader.recording(), frame_source(reader), calibration, options);

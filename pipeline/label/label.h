@@ -12,24 +12,33 @@ struct LabelOptions {
   /// "csrt": OpenCV's defaults; "csrt-fast": smaller template, fewer scales; "kcf"; "component":
   /// colour and depth only, fastest.
   std::string tracker = "csrt-fast";
+  /// "auto": masks if the recording has them, else depth-color.
+  std::string observer = "auto";
+  bool no_flights = false;  ///< the object never leaves the hand
+  /// Gravity's direction "X,Y,Z" in the colour camera's frame; empty: from the camera's
+  /// accelerometer, else along the image's vertical axis.
+  std::string gravity;
   int num_threads = 0;  ///< 0: one per core; does not change the result
 };
 
 void describe(OptionSet& set, LabelOptions& options);
 
-/// Labels hand and object of a recording at every frame of its first glove: segmentation, tracking,
-/// shape fits, time alignment, smoothing. Does not read a recording's truth.
+/// Labels hand and object of a recording at every frame of its first glove, or of the camera if it
+/// has none: segmentation, tracking, shape fits, time alignment, smoothing. Does not read a
+/// recording's truth.
 ///
 /// A label's time is the mid-scan time of its glove frame on the host's clock, up to the minimum
 /// latency of both streams, which time stamps cannot show. Labels::summary has clocks, noise,
-/// fractions of lost frames and times. Throws data_error for a recording without glove frames,
-/// camera frames, clips, boxes or background frames, for boxes without hand or object, and if hand
-/// or object are lost in half of the frames.
+/// fractions of lost frames, times, and why clips were not labelled. `calibration`: nullopt or
+/// incomplete: see camera_calibration(). Throws data_error for a recording without camera frames,
+/// for a calibration of other images, and if no clip can be labelled.
 Labels label_recording(const Recording& recording, const FrameSource& frames,
-                       const RgbdCalibration& calibration, const LabelOptions& options);
+                       const std::optional<RgbdCalibration>& calibration,
+                       const LabelOptions& options);
 
 /// Labels a recording file.
-Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
+Labels label_recording(const RecordingReader& reader,
+                       const std::optional<RgbdCalibration>& calibration,
                        const LabelOptions& options);
 
 /// Images of a recording file, read on demand. The reader must outlive the result.

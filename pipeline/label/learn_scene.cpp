@@ -1,102 +1,169 @@
 #include "pipeline/label/learn_scene.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <fmt/core.h>
 
+#include <algorithm>
+
+#include "engine/base/error.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/parallel.h"
-#include "engine/base/statistics.h"
+#include "pipeline/label/learn_colors.h"
 #include "pipeline/label/learn_object.h"
+#include "pipeline/label/observe/background.h"
+#include "pipeline/label/observe/depth_color_observer.h"
+#include "pipeline/label/observe/mask_observer.h"
 
 namespace touchtrace::label {
 namespace {
 
-constexpr float bin_m = 0.02f, max_depth_m = 5.0f;
-constexpr double min_torso_fraction = 0.04;  // of the image
-constexpr std::size_t max_background_frames = 15, frames_per_clip = 8;
+constexpr std::size_t max_background_frames = 15, min_frames_per_clip = 8, min_frames = 32,
+                      min_box_points = 12;
 
-std::vector<std::vector<std::uint16_t>> background_depths(const FrameSource& frames,
-                                                          int num_threads) {
-  std::vector<std::vector<std::uint16_t>> depths(
-      std::min(max_background_frames, frames.background_frames));
-  parallel_for(depths.size(), num_threads,
-               [&](std::size_t i) { depths[i] = frames.background(i).depth; });
+using ObjectSamples = std::map<std::string, SampledFrames>;  ///< of usable clips, by object
+
+DepthImages read_depths(std::size_t count, int num_threads,
+                        const std::function<RgbdFrame(std::size_t)>& read) {
+  DepthImages depths(count);
+  parallel_for(count, num_threads, [&](std::size_t i) { depths[i] = read(i).depth; });
   return depths;
 }
 
-/// Frames spread evenly over a clip, starting with its first.
-std::vector<std::size_t> sampled_frames(const ClipFrames& clip) {
+/// At most `max_count` frames of a clip, evenly spread, and its box frame.
+std::vector<std::size_t> sampled_frames(const ClipFrames& clip, std::size_t max_count) {
   std::vector<std::size_t> result;
-  for (std::size_t i = 0; i < std::min(frames_per_clip, clip.count); ++i)
-    result.push_back(clip.first + i * clip.count / std::min(frames_per_clip, clip.count));
+  for (std::size_t i = 0; i < std::min(max_count, clip.count); ++i)
+    result.push_back(clip.first + i * clip.count / std::min(max_count, clip.count));
+  if (clip.count > 0 && std::ranges::find(result, clip.box_frame) == result.end())
+    result.push_back(clip.box_frame);
   return result;
 }
 
-/// Front of the torso [m]: from the largest peak of the depth histogram towards the camera down to
-/// 10 % of it. max_depth_m if the peak is smaller than a torso.
-float band_limit(const std::vector<double>& histogram, double pixels) {
-  const auto peak = std::max_element(histogram.begin(), histogram.end());
-  const auto low = std::max(histogram.begin(), peak - 5),
-             high = std::min(histogram.end(), peak + 6);
-  if (std::accumulate(low, high, 0.0) < min_torso_fraction * pixels) return max_depth_m;
-  auto edge = peak;
-  while (edge != histogram.begin() && *edge > 0.1 * *peak) --edge;
-  return bin_m * static_cast<float>(edge - histogram.begin() + 1);
-}
-
-std::vector<double> depth_counts(const Surface& surface) {
-  std::vector<double> counts(static_cast<std::size_t>(max_depth_m / bin_m) + 1);
-  for (const auto& point : surface)
-    counts[static_cast<std::size_t>(std::min(point.position_m.z(), max_depth_m) / bin_m)] += 1.0;
-  return counts;
-}
-
-/// Per-bin median over frames, robust against people who walk through the image.
-std::vector<double> median_counts(const std::vector<std::vector<double>>& frames) {
-  std::vector<double> result;
-  for (std::size_t bin = 0; !frames.empty() && bin < frames.front().size(); ++bin) {
-    std::vector<double> counts;
-    for (const auto& frame : frames) counts.push_back(frame[bin]);
-    result.push_back(median(std::move(counts)));
+/// Unsets the background of pixels on which the boxes show a body and no image shows more distant
+/// points.
+void unset_occupied(const Segmenter& segmenter, const RgbdFrame& frame, const ClipFrames& clip,
+                    std::vector<std::uint16_t>& background) {
+  constexpr std::size_t near_part = 5;  // a fifth of a box at least shows the body
+  for (const PixelBox& box : {clip.hand_box, clip.object_box}) {
+    auto pixels = segmenter.depth_pixels_in(frame, box);
+    if (pixels.empty()) continue;
+    std::ranges::sort(pixels, {}, [&](std::size_t i) { return frame.depth[i]; });
+    const double near = frame.depth[pixels[pixels.size() / near_part]];
+    for (const auto i : pixels)
+      if (frame.depth[i] < near + 2.0 * segmenter.background_gap(near) &&
+          background[i] < frame.depth[i] + segmenter.background_gap(near))
+        background[i] = 0;
   }
-  return result;
 }
 
-std::vector<SampledFrame> sample(const SceneModel& model, const FrameSource& frames,
-                                 const std::vector<ClipFrames>& clips, int num_threads) {
-  std::vector<SampledFrame> samples;
+/// Background behind the moving bodies, for a recording without images of the empty scene.
+std::vector<std::uint16_t> background_behind(const Segmenter& segmenter, const FrameSource& frames,
+                                             const std::vector<ClipFrames>& clips,
+                                             const DepthImages& depths) {
+  auto background = farthest_depth(depths, 0.5 * segmenter.background_gap(0.0));
   for (const auto& clip : clips)
-    for (const auto index : sampled_frames(clip)) samples.push_back({&clip, index, {}});
+    if (clip.is_usable())
+      unset_occupied(segmenter, frames.camera_frame(clip.box_frame), clip, background);
+  return background;
+}
+
+/// Depth images of the empty scene or, if there are none, of frames spread over the clips.
+DepthImages scene_depths(const FrameSource& frames, const std::vector<ClipFrames>& clips,
+                         int num_threads) {
+  if (frames.background_frames > 0)
+    return read_depths(std::min(max_background_frames, frames.background_frames), num_threads,
+                       frames.background);
+  std::vector<std::size_t> all;
+  for (const auto& clip : clips)
+    for (std::size_t i = 0; clip.is_usable() && i < clip.count; ++i) all.push_back(clip.first + i);
+  const std::size_t count = std::min(min_frames, all.size());
+  return read_depths(count, num_threads, [&](std::size_t i) {
+    return frames.camera_frame(all[i * all.size() / count]);
+  });
+}
+
+/// Why a clip's boxes cannot be used, given the points of its box frame; empty: they can.
+std::string box_problem(const ClipFrames& clip, const Surface& surface) {
+  for (const auto& [box, body] : {std::pair{clip.hand_box, "hand"}, {clip.object_box, "object"}})
+    if (points_in(surface, box).size() < min_box_points)
+      return fmt::format("the {}'s box (x {}, y {}, width {}, height {}) in camera frame {} contains "
+                         "only background or no depth",
+                         body, box.x, box.y, box.width, box.height, clip.box_frame);
+  return {};
+}
+
+SampledFrames sample(const Segmenter& segmenter, const FrameSource& frames,
+                     const std::vector<ClipFrames>& clips, int num_threads) {
+  const std::size_t frames_per_clip =
+      std::max(min_frames_per_clip, min_frames / std::max<std::size_t>(1, clips.size()));
+  SampledFrames samples;
+  for (const auto& clip : clips)
+    if (clip.is_usable())
+      for (const auto index : sampled_frames(clip, frames_per_clip))
+        samples.push_back({&clip, index, {}});
   parallel_for(samples.size(), num_threads, [&](std::size_t i) {
     throw_if_interrupted();
-    samples[i].surface = model.segmenter.foreground_surface(frames.camera_frame(samples[i].index));
+    samples[i].surface = segmenter.foreground_surface(frames.camera_frame(samples[i].index));
   });
   return samples;
+}
+
+/// Samples of the clips whose boxes can be used; sets the problem of the others.
+ObjectSamples usable_samples(std::vector<ClipFrames>& clips, SampledFrames samples) {
+  for (const auto& sample : samples)
+    if (sample.has_boxes())
+      clips[static_cast<std::size_t>(sample.clip - clips.data())].problem =
+          box_problem(*sample.clip, sample.surface);
+  ObjectSamples by_object;
+  for (auto& sample : samples)
+    if (sample.clip->is_usable()) by_object[sample.clip->object].push_back(std::move(sample));
+  return by_object;
+}
+
+/// Calls `learn` for every object. Where it throws, all clips of the object have a problem.
+template <class Learn>
+void learn_objects(std::vector<ClipFrames>& clips, ObjectSamples& samples, Learn&& learn) {
+  for (auto& [object, of_object] : samples) try {
+      learn(object, of_object);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::data) throw;
+      for (auto& clip : clips)
+        if (clip.object == object && clip.is_usable()) clip.problem = error.what();
+    }
+}
+
+void learn_masks(const Observer& masks, const FrameSource& frames, const std::string& object,
+                 SampledFrames& samples) {
+  for (auto& sample : samples)
+    masks.classify(frames.camera_frame(sample.index), object, sample.surface);
+  find_hands(samples);
 }
 
 }  // namespace
 
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
-                       const FrameSource& frames, const std::vector<ClipFrames>& clips,
+                       const FrameSource& frames, std::vector<ClipFrames>& clips, bool use_masks,
                        int num_threads) {
-  const auto background = background_depths(frames, num_threads);
-  SceneModel model{Segmenter(calibration, camera, median_depth(background)),
-                   depth_noise_at_1m(background, camera.depth_unit_m),
-                   0.0f,
-                   {},
-                   {},
-                   {}};
-  auto samples = sample(model, frames, clips, num_threads);
-  std::vector<std::vector<double>> depths;
-  std::map<std::string, std::vector<SampledFrame>> by_object;
-  for (auto& frame : samples) {
-    depths.push_back(depth_counts(frame.surface));
-    by_object[frame.clip->object].push_back(std::move(frame));
-  }
-  model.band_m = band_limit(median_counts(depths), camera.width * camera.height);
-  for (auto& [object, sampled] : by_object)
-    learn_object(model, frames, object, sampled, num_threads);
+  const auto segmenter = std::make_shared<Segmenter>(calibration, camera);
+  const auto depths = scene_depths(frames, clips, num_threads);
+  if (!use_masks)
+    segmenter->set_background(frames.background_frames > 0
+                                  ? median_depth(depths)
+                                  : background_behind(*segmenter, frames, clips, depths));
+  SceneModel model{segmenter, nullptr, depth_noise_at_1m(depths, camera.depth_unit_m)};
+  auto samples = usable_samples(clips, sample(*segmenter, frames, clips, num_threads));
+  const auto masks = std::make_shared<MaskObserver>(segmenter);
+  const auto colors = std::make_shared<DepthColorObserver>(segmenter);
+  model.observer = use_masks ? std::shared_ptr<const Observer>(masks) : colors;
+  learn_objects(clips, samples, [&](const std::string& object, SampledFrames& of_object) {
+    if (use_masks) {
+      learn_masks(*masks, frames, object, of_object);
+    } else {
+      auto learnt = learn_colors(*segmenter, object, of_object);
+      if (!learnt.separates_object) model.objects_with_hand_color.insert(object);
+      colors->set_colors(object, std::move(learnt.classes));
+    }
+    learn_object(model, frames, object, of_object, num_threads);
+  });
   return model;
 }
 

@@ -4,10 +4,11 @@
 
 namespace touchtrace::label {
 
-/// Learns the background from its frames, the depth band in front of the torso from frames of all
-/// clips, and every object by learn_object. `num_threads` 0: one per core.
+/// Learns background, colours and object shapes from frames spread over the usable clips, which
+/// have boxes. `use_masks`: hand and object come from the frames' masks instead of background and
+/// colours. Sets ClipFrames::problem of clips whose boxes show no hand or object.
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
-                       const FrameSource& frames, const std::vector<ClipFrames>& clips,
-                       int num_threads);
+                       const FrameSource& frames, std::vector<ClipFrames>& clips,
+                       bool use_masks, int num_threads);
 
 }  // namespace touchtrace::label

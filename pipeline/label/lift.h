@@ -1,9 +1,10 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
-#include "pipeline/label/surface.h"
+#include "pipeline/label/observe/surface.h"
 
 namespace touchtrace::label {
 
@@ -21,6 +22,15 @@ inline constexpr double hand_patch_radius_m = 0.12, object_patch_radius_factor =
 /// nullopt if it has fewer than `min_points`.
 std::optional<Patch> find_patch(const Surface& surface, Body body, const Eigen::Vector3d& start_m,
                                 double radius_m, std::size_t min_points);
+
+/// Reach of a hand from where it was last seen.
+inline constexpr double arm_reach_m = 0.7;
+
+/// Rank of a patch among others of its class: by its number of points and its distance from where
+/// it is expected, over the distance scale.
+inline double patch_score(double num_points, double relative_distance) {
+  return std::log(num_points) - 8.0 * relative_distance * relative_distance;
+}
 
 /// Per-axis median of the points of `body` within `gate_m` of `centre_m`, or nullopt: a start for
 /// find_patch.

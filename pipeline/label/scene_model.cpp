@@ -3,39 +3,28 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/label/split.h"
+#include "pipeline/label/observe/split.h"
 
 namespace touchtrace::label {
 namespace {
 
-constexpr float behind_band_m = 0.40f;
 constexpr float finger_m = 0.015f;            // least thickness of a gloved finger
 constexpr double min_visible_fraction = 0.5;  // of the disc of an object apart from the hand
 
 }  // namespace
 
-Surface SceneModel::segment(const RgbdFrame& frame, const std::string& object) const {
-  const auto& classes = colors.at(object);
-  return segmenter.foreground_surface(frame, [&](Surface& points) {
-    classes.assign(points);
-    std::erase_if(points, [&](const SurfacePoint& point) {
-      return point.position_m.z() > band_m + (point.body == Body::rest ? 0.0f : behind_band_m);
-    });
-  });
-}
-
 void SceneModel::split_object(Surface& surface, const std::string& object,
                               const Eigen::Vector3d& hand_m) const {
   const double radius_m = object_shape.at(object).radius_m;
-  const double disc = segmenter.disc_pixels(radius_m, hand_m.z());
+  const double disc = segmenter->disc_pixels(radius_m, hand_m.z());
   split_from_hand(surface, hand_m, radius_m, static_cast<std::size_t>(min_visible_fraction * disc));
 }
 
 BodyView SceneModel::view_object(const RgbdFrame& frame, const std::string& object,
                                  const Patch& patch, double reach_m, bool whole_object) const {
-  auto around = segmenter.surface_around(frame, patch.centroid_m, reach_m);
-  colors.at(object).assign(around);
-  BodyView view{segmenter.depth_origin_m(), patch.points_m, {}};
+  auto around = segmenter->surface_around(frame, patch.centroid_m, reach_m);
+  observer->classify(frame, object, around);
+  BodyView view{segmenter->depth_origin_m(), patch.points_m, {}};
   const double depth_sigma_m = depth_noise_at_1m * std::pow(patch.centroid_m.z(), 2);
   view.noise_ratio = std::max(1.0, depth_sigma_m / reference_depth_sigma_m);
   const Body own = objects_with_hand_color.contains(object) ? Body::hand : Body::object;
@@ -55,7 +44,7 @@ BodyView SceneModel::view_object(const RgbdFrame& frame, const std::string& obje
 
 double SceneModel::occluded_fraction(const RgbdFrame& frame, const Eigen::Vector3d& centre_m,
                                      double radius_m) const {
-  const auto around = segmenter.surface_around(frame, centre_m, 0.7 * radius_m);
+  const auto around = segmenter->surface_around(frame, centre_m, 0.7 * radius_m);
   const auto behind = std::ranges::count_if(around, [&](const SurfacePoint& point) {
     return point.position_m.z() > centre_m.z() + radius_m;
   });

@@ -2,15 +2,15 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "pipeline/label/body_view.h"
-#include "pipeline/label/color_classes.h"
-#include "pipeline/label/learn_shape.h"
+#include "pipeline/label/estimate/body_view.h"
+#include "pipeline/label/estimate/learn_shape.h"
 #include "pipeline/label/lift.h"
-#include "pipeline/label/surface.h"
+#include "pipeline/label/observe/observer.h"
 
 namespace touchtrace::label {
 
@@ -20,37 +20,53 @@ struct FrameSource {
   std::size_t background_frames = 0;
 };
 
-/// Camera frames [first, first + count) of a clip, and the boxes drawn in its first frame.
+/// Camera frames [first, first + count) of a clip, and the boxes drawn in one of them.
 struct ClipFrames {
   std::size_t first = 0, count = 0;
   PixelBox hand_box, object_box;
   std::string object;
+  std::size_t box_frame = 0;
+  std::string problem = {};  ///< why the clip cannot be labelled; empty: it can
+
+  bool has_boxes() const { return !hand_box.empty() && !object_box.empty(); }
+  bool is_usable() const { return count > 0 && problem.empty(); }
+};
+
+/// Frames of a clip in the order of tracking: from the box frame to the clip's end or, backward, to
+/// its beginning.
+struct TrackingPass {
+  const ClipFrames* clip;
+  bool is_backward;
+
+  std::size_t count() const {
+    return is_backward ? clip->box_frame - clip->first + 1
+                       : clip->first + clip->count - clip->box_frame;
+  }
+  std::size_t frame(std::size_t i) const {
+    return is_backward ? clip->box_frame - i : clip->box_frame + i;
+  }
 };
 
 /// What is learnt of a scene before tracking. Const methods are thread-safe; those that take an
 /// object's name throw std::out_of_range for an object that no clip names.
 struct SceneModel {
-  Segmenter segmenter;
+  std::shared_ptr<const Segmenter> segmenter;
+  std::shared_ptr<const Observer> observer;
   double depth_noise_at_1m = 0.0;  ///< [m]; see depth_noise_at_1m()
-  float band_m = 0.0f;             ///< depth band of hand, forearm and object: [0, band]
-  std::map<std::string, ColorClasses> colors;  ///< by object
-  std::map<std::string, ObjectShape> object_shape;
-  std::set<std::string> objects_with_hand_color;  ///< not separable from the hand by colour
+  std::map<std::string, ObjectShape> object_shape = {};
+  std::set<std::string> objects_with_hand_color = {};  ///< not separable from the hand by colour
 
-  /// Foreground points of a frame inside the depth band, with their colour classes. Hand- and
-  /// object-coloured points may lie up to 0.4 m behind the band.
-  Surface segment(const RgbdFrame& frame, const std::string& object) const;
   /// For an object of the hand's colour: reclassifies the parts that are apart from the hand near
   /// `hand_m` as object (split_from_hand).
   void split_object(Surface& surface, const std::string& object,
                     const Eigen::Vector3d& hand_m) const;
   /// Depth points [m, colour camera's frame] around a patch, for shape and pose fitting.
-  /// surface_points: the patch; if `whole_object`, all object-coloured points within `reach_m` of
+  /// surface_points: the patch; if `whole_object`, all of the object's points within `reach_m` of
   ///   its centroid, since a long object shows on both sides of the hand (not for
   ///   objects_with_hand_color).
-  /// free_space_endpoints: points farther away or of other colours; rays to them do not enter the
-  ///   object. Hand- and object-coloured ones are moved 15 mm, a finger, along the ray. Those of
-  ///   neither colour are not moved: they may be the object's rim.
+  /// free_space_endpoints: points farther away or of other classes; rays to them do not enter the
+  ///   object. Hand's and object's are moved 15 mm, a finger, along the ray. Those of the class
+  ///   `rest` are not moved: they may be the object's rim.
   BodyView view_object(const RgbdFrame& frame, const std::string& object, const Patch& patch,
                        double reach_m, bool whole_object) const;
   /// Fraction of the depth pixels around a sphere's centre that measure nothing behind it; 1 if

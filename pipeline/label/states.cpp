@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/base/parallel.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/flights.h"
 
 namespace touchtrace::label {
@@ -96,13 +97,13 @@ void append_lost(LabelledBody& body) {
   body.quality.push_back(quality_lost | quality_gap);
 }
 
-void append_label(const GloveFrame& frame, const SmoothedTrack& smoothed, const ClipTrack& track,
+void append_label(const LabelTime& at, const SmoothedTrack& smoothed, const ClipTrack& track,
                   const Observations& observations, double camera_period_s,
                   const Variances& systematic, const CalibrationError& calibration,
                   LabelledBody& body) {
   if (smoothed.status != SmoothStatus::converged) return append_lost(body);
-  append_state(smoothed, frame.time_s, systematic, calibration, body);
-  body.quality.push_back(quality(frame.time_s, track.time_s, observations, camera_period_s));
+  append_state(smoothed, at.time_s, systematic, calibration, body);
+  body.quality.push_back(quality(at.time_s, track.time_s, observations, camera_period_s));
 }
 
 void append_observation(const Observation& observation, std::vector<double>& position,
@@ -112,18 +113,32 @@ void append_observation(const Observation& observation, std::vector<double>& pos
   append(observation.found ? observation.sigma_m : nan, sigma);
 }
 
+std::vector<Flight> initial_flights(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2,
+                                    FlightSearch search) {
+  if (search == FlightSearch::none) return {};
+  return search == FlightSearch::bounces ? guess_bounces(track, gravity_m_per_s2)
+                                         : guess_flights(track, gravity_m_per_s2);
+}
+
+/// Median interval of a clip's camera frames.
+double frame_period_s(const std::vector<double>& time_s) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < time_s.size(); ++i) intervals.push_back(time_s[i] - time_s[i - 1]);
+  return intervals.empty() ? 0.0 : median(std::move(intervals));
+}
+
 }  // namespace
 
 SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
-                             const Eigen::Vector3d& gravity_m_per_s2, bool bounces,
+                             const Eigen::Vector3d& gravity_m_per_s2, FlightSearch search,
                              int num_threads) {
+  const bool bounces = search == FlightSearch::bounces;
   std::vector<Track> hand, object;
   std::vector<std::vector<Flight>> flights;
   for (const auto& track : tracks) {
     hand.push_back(track_of(track.time_s, track.hand));
     object.push_back(track_of(track.time_s, track.object));
-    flights.push_back(bounces ? guess_bounces(track, gravity_m_per_s2)
-                              : guess_flights(track, gravity_m_per_s2));
+    flights.push_back(initial_flights(track, gravity_m_per_s2, search));
   }
   SmoothOptions hand_options;
   hand_options.gravity_m_per_s2 = gravity_m_per_s2;
@@ -143,21 +158,22 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
   return bodies;
 }
 
-void resample(const std::vector<GloveFrame>& frames, const std::vector<ClipTrack>& tracks,
-              const SmoothedBodies& bodies, double camera_period_s,
-              const CalibrationError& calibration, Labels& labels) {
+void resample(const std::vector<LabelTime>& times, const std::vector<ClipTrack>& tracks,
+              const SmoothedBodies& bodies, const CalibrationError& calibration, Labels& labels) {
   Variances hand_systematic = Variances::Zero();
   hand_systematic.head<3>().setConstant(hand_systematic_m * hand_systematic_m);
-  for (const auto& frame : frames) {
-    const auto clip = static_cast<std::size_t>(frame.clip);
-    labels.time_s.push_back(frame.time_s);
-    labels.clip.push_back(frame.clip);
-    labels.glove_frame.push_back(frame.index);
+  std::vector<double> periods_s;
+  for (const auto& track : tracks) periods_s.push_back(frame_period_s(track.time_s));
+  for (const auto& at : times) {
+    const auto clip = static_cast<std::size_t>(at.clip);
+    labels.time_s.push_back(at.time_s);
+    labels.clip.push_back(at.clip);
+    labels.glove_frame.push_back(at.glove_frame);
     const auto& track = tracks[clip];
-    append_label(frame, bodies.hand.tracks[clip], track, track.hand, camera_period_s,
+    append_label(at, bodies.hand.tracks[clip], track, track.hand, periods_s[clip],
                  hand_systematic, calibration, labels.hand);
-    append_label(frame, bodies.object.tracks[clip], track, track.object, camera_period_s,
-                 object_systematic(frame.time_s, track, bodies.object.noise), calibration,
+    append_label(at, bodies.object.tracks[clip], track, track.object, periods_s[clip],
+                 object_systematic(at.time_s, track, bodies.object.noise), calibration,
                  labels.object);
   }
 }

@@ -13,7 +13,7 @@ constexpr std::size_t max_spread_starts = 16;
 // Up to this distance from its expected position any part of a body is accepted. Farther away it is
 // not held, so at least this fraction of its disc must be visible.
 constexpr double expected_distance_m = 0.04, hinted_distance_m = 0.15, min_disc_fraction = 0.5;
-constexpr double unlimited_m = 10.0, arm_reach_m = 0.7;
+constexpr double unlimited_m = 10.0;
 constexpr double max_disc_fill = 0.8;  // of the search disc; a body fills less than half of it
 
 bool matches(const PixelBox& tracked, const PixelBox& found) {
@@ -104,7 +104,7 @@ std::optional<Patch> Target::best_patch(const Surface& own, const Segmenter& seg
         (distance_m > any_part_distance_m(hint_m.has_value()) + patch_radius_m_ &&
          points < min_disc_fraction * disc))
       continue;
-    const double score = std::log(points) - 8.0 * std::pow(distance_m / distance_scale_m(), 2);
+    const double score = patch_score(points, distance_m / distance_scale_m());
     if (score > highest) highest = score, best = std::move(patch);
   }
   return best;

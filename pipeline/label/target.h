@@ -35,7 +35,7 @@ class Target {
   ///  - d > gate_m() + patch_radius_m (10 m if hidden or lost);
   ///  - d > patch_radius_m + 0.04 m (0.15 m if lost, with hint) and under half the disc visible;
   ///  - over 80 % of a disc of patch_radius_m covered: part of a larger surface.
-  /// Maximises log(num_points) - 8 (d / gate)^2; gate 0.7 m if lost. Failure stops the image
+  /// Maximises patch_score() at d over the gate, or over arm_reach_m if lost. Failure stops the image
   /// tracker; a patch that does not match `tracked_box` restarts it.
   std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
                             const std::optional<PixelBox>& tracked_box, const Segmenter& segmenter,

@@ -42,7 +42,7 @@ void require_rate(const ClockFit& clock, const char* stream) {
 }  // namespace
 
 double Timeline::glove_time_s(std::uint64_t sequence) const {
-  return glove.host_time_s(static_cast<double>(sequence) / glove_rate_hz) - 0.5 * glove_scan_s;
+  return glove->host_time_s(static_cast<double>(sequence) / glove_rate_hz) - 0.5 * glove_scan_s;
 }
 
 Timeline align_glove(const Recording& recording) {
@@ -52,16 +52,16 @@ Timeline align_glove(const Recording& recording) {
   std::vector<double> device_s;
   for (auto sequence : stream.sequence) device_s.push_back(device_time_s(stream, sequence));
   timeline.glove = fit_clock(device_s, stream.host_time_s);
-  require_rate(timeline.glove, "glove");
+  require_rate(*timeline.glove, "glove");
   timeline.glove_scan_s = stream.info.scan_s;
   timeline.glove_rate_hz = stream.info.rate_hz;
-  timeline.glove.offset_s -=
-      timeline.glove.rate * static_cast<double>(stream.sequence.front()) / stream.info.rate_hz;
+  timeline.glove->offset_s -=
+      timeline.glove->rate * static_cast<double>(stream.sequence.front()) / stream.info.rate_hz;
   return timeline;
 }
 
 Timeline align(const Recording& recording) {
-  Timeline timeline = align_glove(recording);
+  Timeline timeline = recording.gloves.empty() ? Timeline{} : align_glove(recording);
   require_camera(recording);
   timeline.camera =
       fit_clock(recording.camera_times.device_time_s, recording.camera_times.host_time_s);
@@ -71,25 +71,38 @@ Timeline align(const Recording& recording) {
   return timeline;
 }
 
-std::vector<GloveFrame> glove_frames(const Recording& recording, const Timeline& timeline) {
-  const auto& sequence = recording.gloves.front().sequence;
-  std::vector<GloveFrame> result;
-  for (std::size_t clip = 0; clip < recording.clips.size(); ++clip) {
-    const auto& window = recording.clips[clip];
-    if (window.object_fell) continue;
-    const auto within = [&](std::uint64_t s) {
-      const double t = timeline.glove_time_s(s);
-      return t >= window.start_s && t <= window.end_s;
-    };
-    const auto first = std::ranges::find_if(sequence, within);
-    if (first == sequence.end()) continue;
-    auto next = first;
-    for (auto s = *first; next != sequence.end() && within(*next); ++s) {
-      const bool arrived = *next == s;
-      result.push_back({timeline.glove_time_s(s), static_cast<std::int32_t>(clip),
-                        arrived ? next - sequence.begin() : -1});
-      if (arrived) ++next;
-    }
+namespace {
+
+/// Every counter value of the glove inside a clip.
+void append_glove_frames(const GloveStream& glove, const Timeline& timeline, const Clip& clip,
+                         std::int32_t index, std::vector<LabelTime>& to) {
+  const auto within = [&](std::uint64_t s) {
+    const double t = timeline.glove_time_s(s);
+    return t >= clip.start_s && t <= clip.end_s;
+  };
+  const auto& sequence = glove.sequence;
+  auto next = std::ranges::find_if(sequence, within);
+  if (next == sequence.end()) return;
+  for (auto s = *next; next != sequence.end() && within(*next); ++s) {
+    const bool arrived = *next == s;
+    to.push_back({timeline.glove_time_s(s), index, arrived ? next - sequence.begin() : -1});
+    if (arrived) ++next;
+  }
+}
+
+}  // namespace
+
+std::vector<LabelTime> label_times(const Recording& recording, const Timeline& timeline) {
+  std::vector<LabelTime> result;
+  for (std::size_t i = 0; i < recording.clips.size(); ++i) {
+    const auto& clip = recording.clips[i];
+    const auto index = static_cast<std::int32_t>(i);
+    if (clip.object_fell) continue;
+    if (timeline.glove)
+      append_glove_frames(recording.gloves.front(), timeline, clip, index, result);
+    else
+      for (const double time_s : timeline.camera_time_s)
+        if (time_s >= clip.start_s && time_s <= clip.end_s) result.push_back({time_s, index, -1});
   }
   return result;
 }
@@ -100,9 +113,14 @@ std::vector<ClipFrames> clip_frames(const Recording& recording, const Timeline& 
   for (const auto& clip : recording.clips) {
     const auto first = std::ranges::lower_bound(times, clip.start_s),
                last = std::ranges::upper_bound(times, clip.end_s);
-    result.push_back({static_cast<std::size_t>(first - times.begin()),
+    ClipFrames frames{static_cast<std::size_t>(first - times.begin()),
                       static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, last - first)),
-                      clip.hand_box, clip.object_box, clip.object});
+                      clip.hand_box, clip.object_box, clip.object};
+    if (clip.object_fell) frames.count = 0;
+    frames.box_frame = clip.box_frame.value_or(frames.first);
+    if (frames.box_frame < frames.first || frames.box_frame >= frames.first + frames.count)
+      frames.box_frame = frames.first;
+    result.push_back(std::move(frames));
   }
   return result;
 }

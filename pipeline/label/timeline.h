@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "calib/smooth/clock.h"
@@ -10,8 +11,9 @@ namespace touchtrace::label {
 
 /// Camera and glove on the host's clock, each up to its minimum latency.
 struct Timeline {
-  ClockFit camera, glove;             ///< glove: device time is sequence / nominal rate
+  ClockFit camera;
   std::vector<double> camera_time_s;  ///< [camera frames] when the image was taken
+  std::optional<ClockFit> glove;      ///< device time is sequence / nominal rate; nullopt: no glove
   double glove_scan_s = 0.0, glove_rate_hz = 15.0;
 
   /// Mid-scan time of a glove frame.
@@ -21,21 +23,22 @@ struct Timeline {
 /// Fits the glove's clock alone. Throws data_error for a recording without glove frames or clips,
 /// or with a counter that is off its nominal rate by more than 5 %.
 Timeline align_glove(const Recording& recording);
-/// Fits both clocks. Throws data_error as align_glove, and for a recording without camera frames.
+/// Fits the clocks of the camera and, if there is one, of the glove. Throws data_error as
+/// align_glove, and for a recording without camera frames.
 Timeline align(const Recording& recording);
 
-/// A glove frame to be labelled.
-struct GloveFrame {
+/// Time to be labelled.
+struct LabelTime {
   double time_s;
   std::int32_t clip;
-  std::int64_t index;  ///< in the stream; -1: lost in transmission
+  std::int64_t glove_frame;  ///< index in the stream; -1: lost in transmission, or no glove
 };
 
-/// Every counter value of the first glove inside a clip, lost frames included, clip after clip.
-/// Clips in which the object fell are left out.
-std::vector<GloveFrame> glove_frames(const Recording& recording, const Timeline& timeline);
+/// Every counter value of the first glove inside a clip, lost frames included, clip after clip. In
+/// a recording without glove, every camera frame. Clips in which the object fell are left out.
+std::vector<LabelTime> label_times(const Recording& recording, const Timeline& timeline);
 
-/// Camera frames and boxes of each clip.
+/// Camera frames and boxes of each clip. No frames where the object fell.
 std::vector<ClipFrames> clip_frames(const Recording& recording, const Timeline& timeline);
 
 }  // namespace touchtrace::label

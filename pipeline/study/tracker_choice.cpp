@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "pipeline/label/color_classes.h"
+#include "pipeline/label/observe/color_classes.h"
 #include "pipeline/label/timeline.h"
 
 namespace touchtrace::study {

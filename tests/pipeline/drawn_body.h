@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "engine/base/random.h"
-#include "pipeline/label/body_view.h"
-#include "pipeline/label/rounded_body.h"
+#include "pipeline/label/estimate/body_view.h"
+#include "pipeline/label/estimate/rounded_body.h"
 
 namespace touchtrace::label {
 

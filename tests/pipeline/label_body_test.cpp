@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/label/learn_shape.h"
-#include "pipeline/label/pose_tracker.h"
-#include "pipeline/label/sphere_fit.h"
+#include "pipeline/label/estimate/learn_shape.h"
+#include "pipeline/label/estimate/pose_tracker.h"
+#include "pipeline/label/estimate/sphere_fit.h"
 #include "tests/pipeline/drawn_body.h"
 
 namespace touchtrace::label {

@@ -60,7 +60,7 @@ TEST(GuessBounces, SplitsAtTheLowestPositions) {
 
 TEST(SmoothBodies, FindsHitsOfABouncingBallToMilliseconds) {
   const std::vector<ClipTrack> tracks{bounced()};
-  const SmoothedBodies bounces = smooth_bodies(tracks, gravity, true);
+  const SmoothedBodies bounces = smooth_bodies(tracks, gravity, FlightSearch::bounces);
   ASSERT_EQ(bounces.object.tracks[0].status, SmoothStatus::converged);
   for (const Flight& flight : bounces.object.tracks[0].flights) {
     const double hits = flight.landing_s / flight_s;
@@ -69,7 +69,7 @@ TEST(SmoothBodies, FindsHitsOfABouncingBallToMilliseconds) {
     }
   }
   EXPECT_LT(error_m(bounces), 1.5 * sigma_m);
-  EXPECT_GT(error_m(smooth_bodies(tracks, gravity, false)), 3.0 * error_m(bounces));
+  EXPECT_GT(error_m(smooth_bodies(tracks, gravity, FlightSearch::throws)), 3.0 * error_m(bounces));
 }
 
 TEST(GuessBounces, FindsAHitWithOneFrameBeyondIt) {
@@ -83,7 +83,7 @@ TEST(GuessBounces, FindsAHitWithOneFrameBeyondIt) {
   EXPECT_NEAR(flights.front().landing_s, first_hit_s, 0.5 * frame_interval_s);
   EXPECT_NEAR(flights.back().release_s, last_hit_s, 0.5 * frame_interval_s);
 
-  const auto bodies = smooth_bodies({track}, gravity, true);
+  const auto bodies = smooth_bodies({track}, gravity, FlightSearch::bounces);
   const auto& smoothed = bodies.object.tracks[0];
   for (const double hit_s : {first_hit_s, last_hit_s})
     for (const double t : {hit_s - 0.01, hit_s + 0.01}) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/label/body_fit.h"
-#include "pipeline/label/box_planes.h"
-#include "pipeline/label/learn_shape.h"
+#include "pipeline/label/estimate/body_fit.h"
+#include "pipeline/label/estimate/box_planes.h"
+#include "pipeline/label/estimate/learn_shape.h"
 #include "tests/pipeline/drawn_body.h"
 
 namespace touchtrace::label {

@@ -12,7 +12,9 @@ namespace {
 
 constexpr std::size_t first = 3, count = 20;
 
-std::vector<ClipFrames> one_clip() { return {{first, count, {}, {}, "ball"}}; }
+const ClipFrames clip{first, count, {}, {}, "ball", first};
+
+std::vector<TrackingPass> one_clip() { return {{&clip, false}}; }
 
 /// Frame whose depth is its index.
 SegmentedFrame numbered(const ClipFrames&, std::size_t index) {

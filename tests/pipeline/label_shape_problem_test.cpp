@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "pipeline/label/shape_problem.h"
+#include "pipeline/label/estimate/shape_problem.h"
 
 namespace touchtrace::label {
 namespace {

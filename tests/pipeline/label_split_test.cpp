@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pipeline/label/split.h"
+#include "pipeline/label/observe/split.h"
 
 namespace touchtrace::label {
 namespace {

@@ -19,7 +19,7 @@ Segmenter segmenter() {
   calibration.depth = camera;
   CameraInfo info;
   info.width = 320, info.height = 240;
-  return Segmenter(calibration, info, std::vector<std::uint16_t>(320 * 240));
+  return Segmenter(calibration, info);
 }
 
 /// Points of a disc of the object's colour, of which the fraction `part` is visible.

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/random.h"
+#include "pipeline/label/observe/background.h"
+#include "pipeline/label/observe/depth_color_observer.h"
 #include "pipeline/label/scene_model.h"
 
 namespace touchtrace::label {
@@ -42,16 +44,19 @@ SceneModel model() {
   calibration.color = calibration.depth.emplace(camera);
   CameraInfo info;
   info.width = width, info.height = height, info.depth_unit_m = unit_m;
-  SceneModel result{Segmenter(calibration, info, wall()), 0.002, 3.0f, {}, {}, {}};
-  auto& colors = result.colors["ball"];
-  colors.learn(result.segmenter.foreground_surface(frame()), hand_box, object_box);
+  const auto segmenter = std::make_shared<Segmenter>(calibration, info);
+  segmenter->set_background(wall());
+  ColorClasses colors;
+  colors.learn(segmenter->foreground_surface(frame()), hand_box, object_box);
   colors.build_table();
-  return result;
+  const auto observer = std::make_shared<DepthColorObserver>(segmenter);
+  observer->set_colors("ball", std::move(colors));
+  return {segmenter, observer, 0.002};
 }
 
 TEST(ViewObject, ExcludesAWallOfTheObjectsColor) {
   const SceneModel scene = model();
-  const auto seen = scene.segment(frame(), "ball");
+  const auto seen = scene.observer->observe(frame(), "ball");
   const auto patch = find_patch(seen, Body::object, {0.17, -0.03, 1.0}, 0.15, 12);
   ASSERT_TRUE(patch);
   for (const bool whole : {false, true}) {
@@ -70,7 +75,7 @@ TEST(ViewObject, DoesNotExtendRaysToPointsOfNeitherColor) {
     for (std::size_t channel = 0; channel < 3; ++channel)
       rimmed.color[3 * static_cast<std::size_t>(v * width + object_box.x) + channel] = 90;
   const auto patch =
-      find_patch(scene.segment(rimmed, "ball"), Body::object, {0.17, -0.03, 1.0}, 0.15, 12);
+      find_patch(scene.observer->observe(rimmed, "ball"), Body::object, {0.17, -0.03, 1.0}, 0.15, 12);
   ASSERT_TRUE(patch);
   int rim = 0, hand = 0;
   for (const auto& point :

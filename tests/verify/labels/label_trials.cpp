@@ -70,11 +70,13 @@ std::vector<Cover> cover_middles(const Recording& recording) {
 LabelError error_of_tracks(const std::vector<label::ClipTrack>& tracks, const Recording& recording,
                            const label::Timeline& timeline, const Truth& truth) {
   const Eigen::Vector3d gravity = recording.camera.gravity_m_per_s2.value();
-  const bool bounces = label::free_fall_fraction(tracks, gravity) > label::min_bounce_fraction;
+  const auto search = label::free_fall_fraction(tracks, gravity) > label::min_bounce_fraction
+                          ? label::FlightSearch::bounces
+                          : label::FlightSearch::throws;
   Labels labels;
   labels.clips = recording.clips;
-  label::resample(label::glove_frames(recording, timeline), tracks,
-                  label::smooth_bodies(tracks, gravity, bounces), 1.0 / recording.camera.rate_hz,
+  label::resample(label::label_times(recording, timeline), tracks,
+                  label::smooth_bodies(tracks, gravity, search),
                   label::CalibrationError({}), labels);
   return compare_labels_with_truth(labels, truth);
 }

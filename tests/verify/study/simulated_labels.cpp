@@ -66,10 +66,10 @@ Labels zero_labels(const Recording& recording) {
   Labels labels;
   labels.activity = recording.activity;
   labels.clips = recording.clips;
-  for (const auto& frame : label::glove_frames(recording, label::align_glove(recording))) {
+  for (const auto& frame : label::label_times(recording, label::align_glove(recording))) {
     labels.time_s.push_back(frame.time_s);
     labels.clip.push_back(frame.clip);
-    labels.glove_frame.push_back(frame.index);
+    labels.glove_frame.push_back(frame.glove_frame);
   }
   labels.hand = labels.object = without_states(labels.time_s.size());
   labels.summary = nlohmann::json::object();

@@ -1,0 +1,66 @@
+#include "pipeline/label/estimate/rounded_body.h"
+
+#include <cmath>
+
+namespace touchtrace::label {
+namespace {
+
+constexpr int bisections = 9;  // of the segment inside the bounding sphere: to about 0.1 mm
+
+/// Range of a segment's parameter (0 to 1) inside a sphere about the origin. If the segment misses
+/// the sphere, both ends are the nearest point.
+std::pair<double, double> within_sphere(const Eigen::Vector3d& from, const Eigen::Vector3d& along,
+                                        double radius) {
+  const double square = along.squaredNorm();
+  const double nearest = -from.dot(along) / square;
+  const double off2 = (from + nearest * along).squaredNorm();
+  const double half = std::sqrt(std::max(0.0, (radius * radius - off2) / square));
+  return {std::clamp(nearest - half, 0.0, 1.0), std::clamp(nearest + half, 0.0, 1.0)};
+}
+
+SurfaceDistance distance_from_box(const RoundedBody& body, const Eigen::Vector3d& point_m) {
+  const Eigen::Vector3d beyond = point_m.cwiseAbs() - body.inner_m;
+  const Eigen::Vector3d sign = point_m.unaryExpr([](double v) { return v < 0.0 ? -1.0 : 1.0; });
+  Eigen::Index axis;
+  if (const double largest = beyond.maxCoeff(&axis); largest <= 0.0)
+    return {largest - body.radius_m, sign[axis] * Eigen::Vector3d::Unit(axis)};
+  const Eigen::Vector3d outside = beyond.cwiseMax(0.0);
+  const double norm = outside.norm();
+  return {norm - body.radius_m, outside.cwiseProduct(sign) / norm};
+}
+
+}  // namespace
+
+SurfaceDistance surface_distance(const RoundedBody& body, const Eigen::Vector3d& point_m) {
+  if (body.core == Core::box) return distance_from_box(body, point_m);
+  const Eigen::Vector3d section = to_section(body.core, point_m);
+  auto surface = distance_from_box(body, section);
+  const Eigen::Vector2d radial(point_m.x() + axis_offset_m, point_m.y());
+  surface.outward.head<2>() = surface.outward.x() / section.x() * radial;
+  return surface;
+}
+
+double symmetric_rotation_distance(Core core, const Eigen::Quaterniond& from,
+                                   const Eigen::Quaterniond& to) {
+  const Eigen::Array4d part = (from.conjugate() * to).coeffs().array().abs();  // x y z w
+  const double same = core == Core::box
+                          ? part.maxCoeff()
+                          : std::max(std::hypot(part[2], part[3]), std::hypot(part[0], part[1]));
+  return 2.0 * std::acos(std::min(1.0, same));
+}
+
+std::optional<Eigen::Vector3d> deepest_point(const RoundedBody& body, const Eigen::Vector3d& from_m,
+                                             const Eigen::Vector3d& to_m) {
+  const Eigen::Vector3d along = to_m - from_m;
+  const double length = along.norm();
+  auto [near, far] = within_sphere(from_m, along, body.circumradius_m());
+  for (int i = 0; i < bisections; ++i) {
+    const double half_way = 0.5 * (near + far);
+    const auto surface = surface_distance(body, from_m + half_way * along);
+    if (surface.distance_m > (far - half_way) * length) return std::nullopt;
+    (surface.outward.dot(along) > 0.0 ? far : near) = half_way;
+  }
+  return from_m + 0.5 * (near + far) * along;
+}
+
+}  // namespace touchtrace::label

@@ -1,0 +1,64 @@
+#include "pipeline/label/learn_colors.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "engine/base/error.h"
+
+namespace touchtrace::label {
+namespace {
+
+constexpr double min_visible_frames = 0.1;  // an object is rarely hidden in more of the frames
+// Visible fraction of the object's disc below which colours learnt near the hand are not trusted.
+constexpr double min_learnt_color_fraction = 0.4;
+
+void learn_boxes(const SampledFrame& sample, const std::string& object, ColorClasses& colors) {
+  const auto& [hand_box, object_box] = std::tie(sample.clip->hand_box, sample.clip->object_box);
+  if (std::ranges::none_of(sample.surface, [&](const auto& p) { return contains(object_box, p); }))
+    throw data_error(fmt::format("object box of '{}' in camera frame {} contains only background",
+                                 object, sample.index),
+                     "draw the box on the object; run: touchtrace mark RECORDING");
+  colors.learn(sample.surface, hand_box, object_box);
+}
+
+void classify(ColorClasses& colors, SampledFrames& samples) {
+  colors.build_table();
+  for (auto& sample : samples) colors.assign(sample.surface);
+  find_hands(samples);
+}
+
+Surface all_near_hand(const SampledFrames& samples, const BoxedObject& boxed) {
+  Surface all;
+  for (const auto& sample : samples)
+    std::ranges::copy(near_hand(sample, boxed), std::back_inserter(all));
+  return all;
+}
+
+}  // namespace
+
+LearntColors learn_colors(const Segmenter& segmenter, const std::string& object,
+                          SampledFrames& samples) {
+  LearntColors learnt;
+  auto& colors = learnt.classes;
+  for (const auto& sample : samples)
+    if (sample.has_boxes()) learn_boxes(sample, object, colors);
+  classify(colors, samples);
+  const auto boxed = boxed_object(segmenter.color_camera(), object, samples);
+  const auto is_visible = [&](double min_fraction) {
+    const auto sightings = sightings_of(samples, boxed);
+    return static_cast<double>(sightings.size()) >=
+               min_visible_frames * static_cast<double>(samples.size()) &&
+           visible_disc_fraction(segmenter, sightings, boxed.radius_m) >= min_fraction;
+  };
+  if (is_visible(0.0)) return learnt;
+  colors.learn_object_from(all_near_hand(samples, boxed));
+  classify(colors, samples);
+  if (is_visible(min_learnt_color_fraction)) return learnt;
+  colors.learn_object_from({});
+  classify(colors, samples);
+  learnt.separates_object = false;
+  return learnt;
+}
+
+}  // namespace touchtrace::label

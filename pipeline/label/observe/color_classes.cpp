@@ -1,0 +1,99 @@
+#include "pipeline/label/observe/color_classes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace touchtrace::label {
+namespace {
+
+constexpr double object_ratio = 3.0;  // of the densities of object and others
+constexpr double min_density = 1e-4;  // colours rarer than this belong to the rest
+
+/// Smooths `counts` along one dimension of the grid by (1 4 1) / 6, for shades not seen yet.
+std::vector<double> smoothed(const std::vector<double>& counts, std::size_t stride,
+                             std::size_t levels) {
+  std::vector<double> result(counts.size());
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const std::size_t level = i / stride % levels;
+    const double below = level > 0 ? counts[i - stride] : counts[i];
+    const double above = level + 1 < levels ? counts[i + stride] : counts[i];
+    result[i] = (below + 4.0 * counts[i] + above) / 6.0;
+  }
+  return result;
+}
+
+std::uint8_t level_of(double value, double low, double high, std::size_t levels) {
+  const double part = (value - low) / (high - low) * static_cast<double>(levels);
+  return static_cast<std::uint8_t>(std::clamp(part, 0.0, static_cast<double>(levels) - 0.5));
+}
+
+}  // namespace
+
+/// Levels of all colours, indexed by the sum of the channels so that similar colours share cache
+/// lines.
+struct ColorClasses::Levels {
+  static constexpr std::size_t values = 256, sums = 3 * (values - 1) + 1;
+
+  Levels() {
+    constexpr double dark = 8.0;  // keeps the chromaticity of nearly black pixels from jumping
+    for (std::size_t i = 0; i < sums; ++i) {
+      const double sum = static_cast<double>(i) + 3.0 * dark;
+      bright[i] = level_of(std::log(sum), std::log(24.0), std::log(789.0), brightness_levels);
+      for (std::size_t value = 0; value < values; ++value)
+        chroma[i][value] =
+            level_of((static_cast<double>(value) + dark) / sum, 0.05, 0.85, chroma_levels);
+    }
+  }
+
+  std::array<std::array<std::uint8_t, values>, sums> chroma;
+  std::array<std::uint8_t, sums> bright;
+};
+
+std::size_t ColorClasses::bin(const std::array<std::uint8_t, 3>& rgb) {
+  static const Levels levels;
+  const auto sum = static_cast<std::size_t>(rgb[0] + rgb[1] + rgb[2]);
+  const auto& chroma = levels.chroma[sum];
+  return (levels.bright[sum] * chroma_levels + chroma[rgb[1]]) * chroma_levels + chroma[rgb[0]];
+}
+
+std::vector<double> ColorClasses::density(const std::vector<double>& counts) {
+  auto result = smoothed(counts, 1, chroma_levels);
+  result = smoothed(result, chroma_levels, chroma_levels);
+  result = smoothed(result, chroma_levels * chroma_levels, brightness_levels);
+  const double total = std::max(1.0, std::accumulate(result.begin(), result.end(), 0.0));
+  for (auto& value : result) value /= total;
+  return result;
+}
+
+void ColorClasses::learn(const Surface& surface, const PixelBox& hand_box,
+                         const PixelBox& object_box) {
+  for (const auto& point : surface) {
+    const Body body = contains(object_box, point) ? Body::object
+                      : contains(hand_box, point) ? Body::hand
+                                                  : Body::rest;
+    counts_[static_cast<std::size_t>(body)][bin(point.rgb)] += 1.0;
+  }
+}
+
+void ColorClasses::learn_object_from(const Surface& near_hand) {
+  auto& object = counts_[static_cast<std::size_t>(Body::object)];
+  std::ranges::fill(object, 0.0);
+  for (const auto& point : near_hand) object[bin(point.rgb)] += 1.0;
+}
+
+void ColorClasses::build_table() {
+  const auto rest = density(counts_[0]), hand = density(counts_[1]), object = density(counts_[2]);
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    const double others = std::max({rest[i], hand[i], min_density});
+    table_[i] = object[i] > object_ratio * others          ? Body::object
+                : hand[i] > std::max(rest[i], min_density) ? Body::hand
+                                                           : Body::rest;
+  }
+}
+
+void ColorClasses::assign(Surface& surface) const {
+  for (auto& point : surface) point.body = classify(point.rgb);
+}
+
+}  // namespace touchtrace::label

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pipeline/label/observe/surface.h"
+
+namespace touchtrace::label {
+
+/// Classifies colours as hand, object or rest (arm, torso) by histograms of chromaticity and, in
+/// coarse bins, brightness, so that the shades of one material share bins. Learnt from frames with
+/// boxes. The object's box usually contains fingers, so a colour is the object's only if it is
+/// three times as frequent in the object's box as anywhere else.
+class ColorClasses {
+ public:
+  /// Adds one frame's colours to the histograms.
+  void learn(const Surface& surface, const PixelBox& hand_box, const PixelBox& object_box);
+  /// Replaces the object's histogram by points near the hand at other times, for an object that its
+  /// boxes do not show. Colours of hand and arm are more frequent elsewhere, so what remains is the
+  /// object's.
+  void learn_object_from(const Surface& near_hand);
+  /// Builds the lookup table. Call after learning and before classifying.
+  void build_table();
+
+  Body classify(const std::array<std::uint8_t, 3>& rgb) const { return table_[bin(rgb)]; }
+  /// Sets the class of every point.
+  void assign(Surface& surface) const;
+
+ private:
+  static constexpr std::size_t chroma_levels = 32, brightness_levels = 4;
+  static constexpr std::size_t bins = chroma_levels * chroma_levels * brightness_levels;
+
+  struct Levels;
+
+  static std::size_t bin(const std::array<std::uint8_t, 3>& rgb);
+  /// Smoothed histogram with sum 1.
+  static std::vector<double> density(const std::vector<double>& counts);
+
+  std::array<std::vector<double>, 3> counts_{std::vector<double>(bins), std::vector<double>(bins),
+                                             std::vector<double>(bins)};  ///< by Body
+  std::vector<Body> table_ = std::vector<Body>(bins, Body::rest);
+};
+
+}  // namespace touchtrace::label

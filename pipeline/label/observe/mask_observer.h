@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+
+#include "pipeline/label/observe/observer.h"
+
+namespace touchtrace::label {
+
+/// Classes from the recording's instance masks. A frame without a mask shows neither hand nor
+/// object.
+class MaskObserver : public Observer {
+ public:
+  explicit MaskObserver(std::shared_ptr<const Segmenter> segmenter)
+      : segmenter_(std::move(segmenter)) {}
+
+  Surface observe(const RgbdFrame& frame, const std::string& object) const override;
+  void classify(const RgbdFrame& frame, const std::string& object, Surface& points) const override;
+
+ private:
+  std::shared_ptr<const Segmenter> segmenter_;
+};
+
+/// Smallest box around the pixels of `value`; empty if there are none.
+PixelBox mask_box(const RgbdFrame& frame, MaskValue value, int width);
+
+}  // namespace touchtrace::label

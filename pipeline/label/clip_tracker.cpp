@@ -9,9 +9,9 @@
 #include "engine/base/interrupt.h"
 #include "engine/base/statistics.h"
 #include "pipeline/label/box_tracker.h"
-#include "pipeline/label/lift.h"
 #include "pipeline/label/estimate/pose_tracker.h"
 #include "pipeline/label/estimate/sphere_fit.h"
+#include "pipeline/label/lift.h"
 #include "pipeline/label/target_filter.h"
 
 namespace touchtrace::label {

@@ -51,8 +51,7 @@ FramePrefetcher::Pass* FramePrefetcher::neediest() {
 }
 
 void FramePrefetcher::segment_next(Pass& pass, std::unique_lock<std::mutex>& lock) {
-  std::packaged_task<SegmentedFrame()> task(
-      [this, frames = pass.frames, i = pass.next++] {
+  std::packaged_task<SegmentedFrame()> task([this, frames = pass.frames, i = pass.next++] {
     return segment_(*frames.clip, frames.frame(i));
   });
   pass.ahead.push_back(task.get_future());

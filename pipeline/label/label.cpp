@@ -26,7 +26,7 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr double min_found_fraction = 0.5;  // of a clip's frames; less: the clip is not labelled
+constexpr double min_found_fraction = 0.5;    // of a clip's frames; less: the clip is not labelled
 constexpr std::size_t max_mask_search = 100;  // frames of a clip searched for masks
 
 std::optional<Eigen::Vector3d> parse_vector(const std::string& text) {
@@ -55,7 +55,8 @@ void set_mask_boxes(const FrameSource& frames, int width, ClipFrames& clip) {
   for (std::size_t i = 0; i < std::min(clip.count, max_mask_search); ++i) {
     const std::size_t index = clip.first + i * clip.count / std::min(clip.count, max_mask_search);
     const auto frame = frames.camera_frame(index);
-    const auto hand = mask_box(frame, mask_hand, width), object = mask_box(frame, mask_object, width);
+    const auto hand = mask_box(frame, mask_hand, width),
+               object = mask_box(frame, mask_object, width);
     if (hand.empty() || object.empty()) continue;
     clip.hand_box = hand, clip.object_box = object, clip.box_frame = index;
     return;
@@ -91,10 +92,9 @@ void require_usable_clip(const std::vector<ClipFrames>& clips) {
   if (std::ranges::any_of(clips, &ClipFrames::is_usable)) return;
   const auto faulty =
       std::ranges::find_if(clips, [](const ClipFrames& c) { return !c.problem.empty(); });
-  throw data_error(faulty == clips.end()
-                       ? std::string("no clip has camera frames")
-                       : fmt::format("no clip can be labelled; clip {}: {}", faulty - clips.begin(),
-                                     faulty->problem),
+  throw data_error(faulty == clips.end() ? std::string("no clip has camera frames")
+                                         : fmt::format("no clip can be labelled; clip {}: {}",
+                                                       faulty - clips.begin(), faulty->problem),
                    "run: touchtrace check RECORDING; draw boxes by: touchtrace mark RECORDING");
 }
 
@@ -178,9 +178,10 @@ void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tra
     for (const auto& [body, lost] :
          {std::pair{"hand", statistics.hand_lost}, {"object", statistics.object_lost}})
       if (lost > 1.0 - min_found_fraction)
-        clips[i].problem = fmt::format("{} lost in {:.0f} % of the camera frames; check boxes, "
-                                       "calibration and that background frames show no person",
-                                       body, 100.0 * lost);
+        clips[i].problem = fmt::format(
+            "{} lost in {:.0f} % of the camera frames; check boxes, "
+            "calibration and that background frames show no person",
+            body, 100.0 * lost);
     if (!clips[i].problem.empty()) tracks[i] = {};
   }
 }
@@ -240,11 +241,14 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   Labels labels;
   labels.activity = recording.activity;
   labels.clips = recording.clips;
-  resample(label_times(recording, timeline), tracks, bodies, CalibrationError(calibration), labels);
-  labels.raw = raw_track(tracks);
+  const ErrorModel errors(calibration, timeline.latency_sigma_s);
+  resample(label_times(recording, timeline), tracks, bodies, errors, labels);
+  labels.raw = raw_track(tracks, bodies, errors);
   labels.summary = summarize(scene, timeline, clips, tracks, bodies);
   labels.summary["tracker"] = options.tracker;
   labels.summary["observer"] = use_masks ? "masks" : "depth-color";
+  labels.summary["error_sources"] = error_source_names;
+  labels.summary["latency_sigma_s"] = timeline.latency_sigma_s;
   labels.summary["object_bounces"] = search == FlightSearch::bounces;
   labels.summary["gravity_m_per_s2"] = {down.x(), down.y(), down.z()};
   labels.summary["seconds"] = {{"learn_scene", learning_s},

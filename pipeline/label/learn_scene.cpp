@@ -85,9 +85,10 @@ DepthImages scene_depths(const FrameSource& frames, const std::vector<ClipFrames
 std::string box_problem(const ClipFrames& clip, const Surface& surface) {
   for (const auto& [box, body] : {std::pair{clip.hand_box, "hand"}, {clip.object_box, "object"}})
     if (points_in(surface, box).size() < min_box_points)
-      return fmt::format("the {}'s box (x {}, y {}, width {}, height {}) in camera frame {} contains "
-                         "only background or no depth",
-                         body, box.x, box.y, box.width, box.height, clip.box_frame);
+      return fmt::format(
+          "the {}'s box (x {}, y {}, width {}, height {}) in camera frame {} contains "
+          "only background or no depth",
+          body, box.x, box.y, box.width, box.height, clip.box_frame);
   return {};
 }
 

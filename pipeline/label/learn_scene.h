@@ -8,7 +8,7 @@ namespace touchtrace::label {
 /// have boxes. `use_masks`: hand and object come from the frames' masks instead of background and
 /// colours. Sets ClipFrames::problem of clips whose boxes show no hand or object.
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
-                       const FrameSource& frames, std::vector<ClipFrames>& clips,
-                       bool use_masks, int num_threads);
+                       const FrameSource& frames, std::vector<ClipFrames>& clips, bool use_masks,
+                       int num_threads);
 
 }  // namespace touchtrace::label

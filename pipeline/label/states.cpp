@@ -13,14 +13,7 @@ namespace {
 
 /// Time in which fingers let go of an object.
 constexpr double hand_opens_s = 0.02;
-/// Systematic error of the hand's centre: its visible part changes slowly.
-constexpr double hand_systematic_m = 0.005;
-/// Systematic error of a hidden object's position, and the time in which it changes as the hand
-/// turns.
-constexpr double hidden_systematic_m = 0.02, hidden_systematic_s = 0.4;
-
 using Observations = std::vector<Observation>;
-using Variances = Eigen::Matrix<double, 6, 1>;  // position, velocity
 
 Track track_of(const std::vector<double>& time_s, const Observations& observations) {
   Track track;
@@ -44,47 +37,20 @@ std::uint8_t quality(double time_s, const std::vector<double>& frame_time_s,
   return bits;
 }
 
-/// Variances of errors that neighbouring measurements share, which a smoother cannot reduce: the
-/// unexplained part of the nearest measurement's variance (an object's visible part changes
-/// slowly), the shape model's centre, and the position of an object that the hand hides.
-Variances object_systematic(double time_s, const ClipTrack& track, const MotionNoise& noise) {
-  const Observation* nearest = nullptr;
-  double nearest_s = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < track.time_s.size(); ++i) {
-    const double distance_s = std::abs(track.time_s[i] - time_s);
-    if (!track.object[i].found || distance_s >= nearest_s) continue;
-    nearest_s = distance_s;
-    nearest = &track.object[i];
-  }
-  Variances variances = Variances::Zero();
-  variances.head<3>().setConstant(track.object_centre_sigma_m * track.object_centre_sigma_m);
-  if (!nearest) return variances;
-  // the smoother's covariance has the rest
-  const double fraction =
-      noise.unexplained_variance_fraction() - noise.correlated_variance_fraction();
-  variances.head<3>() += fraction * nearest->sigma_m.cwiseAbs2();
-  if (nearest->follows_hand) {
-    variances.head<3>().array() += std::pow(hidden_systematic_m, 2);
-    variances.tail<3>().array() += std::pow(hidden_systematic_m / hidden_systematic_s, 2);
-  }
-  return variances;
-}
-
 void append(const Eigen::Vector3d& value, std::vector<double>& to) {
   to.insert(to.end(), value.data(), value.data() + 3);
 }
 
-void append_state(const SmoothedTrack& track, double time_s, const Variances& systematic,
-                  const CalibrationError& calibration, LabelledBody& body) {
-  const auto state = track.smoothed(time_s), causal = track.causal(time_s);
+void append_state(const MotionState& state, const MotionState& causal, const ErrorBudget& budget,
+                  LabelledBody& body) {
   append(state.position_m, body.position_m);
   append(state.velocity_m_per_s, body.velocity_m_per_s);
   append(causal.position_m, body.causal_position_m);
   append(causal.velocity_m_per_s, body.causal_velocity_m_per_s);
-  Eigen::Matrix<double, 6, 6> covariance = state.covariance.topLeftCorner<6, 6>();
-  covariance.diagonal() += systematic;
-  covariance += calibration.covariance(state.position_m, state.velocity_m_per_s);
+  const StateCovariance covariance = budget.total();
   body.covariance.insert(body.covariance.end(), covariance.data(), covariance.data() + 36);
+  for (std::size_t source = 0; source < num_error_sources; ++source)
+    body.error_budget_m.push_back(budget.position_sigma_m(source));
 }
 
 /// Appends NaN for a clip without a usable track.
@@ -94,23 +60,33 @@ void append_lost(LabelledBody& body) {
                        &body.causal_velocity_m_per_s})
     values->insert(values->end(), 3, nan);
   body.covariance.insert(body.covariance.end(), 36, nan);
+  body.error_budget_m.insert(body.error_budget_m.end(), num_error_sources, nan);
   body.quality.push_back(quality_lost | quality_gap);
 }
 
-void append_label(const LabelTime& at, const SmoothedTrack& smoothed, const ClipTrack& track,
-                  const Observations& observations, double camera_period_s,
-                  const Variances& systematic, const CalibrationError& calibration,
+/// `budget_of`: error budget of a smoothed state.
+template <class BudgetOf>
+void append_label(double time_s, const SmoothedTrack& smoothed, const ClipTrack& track,
+                  const Observations& observations, double camera_period_s, BudgetOf&& budget_of,
                   LabelledBody& body) {
   if (smoothed.status != SmoothStatus::converged) return append_lost(body);
-  append_state(smoothed, at.time_s, systematic, calibration, body);
-  body.quality.push_back(quality(at.time_s, track.time_s, observations, camera_period_s));
+  const auto state = smoothed.smoothed(time_s);
+  append_state(state, smoothed.causal(time_s), budget_of(state), body);
+  body.quality.push_back(quality(time_s, track.time_s, observations, camera_period_s));
 }
 
-void append_observation(const Observation& observation, std::vector<double>& position,
-                        std::vector<double>& sigma) {
+/// Appends NaN if the body was not found. `sigma_of`: standard deviations given a smoothed state;
+/// without one the observation's own.
+template <class SigmaOf>
+void append_observation(const Observation& observation, double time_s,
+                        const SmoothedTrack& smoothed, SigmaOf&& sigma_of,
+                        std::vector<double>& position, std::vector<double>& sigma) {
   const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   append(observation.found ? observation.position_m : nan, position);
-  append(observation.found ? observation.sigma_m : nan, sigma);
+  if (!observation.found) return append(nan, sigma);
+  append(smoothed.status == SmoothStatus::converged ? sigma_of(smoothed.smoothed(time_s))
+                                                    : observation.sigma_m,
+         sigma);
 }
 
 std::vector<Flight> initial_flights(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2,
@@ -159,33 +135,48 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
 }
 
 void resample(const std::vector<LabelTime>& times, const std::vector<ClipTrack>& tracks,
-              const SmoothedBodies& bodies, const CalibrationError& calibration, Labels& labels) {
-  Variances hand_systematic = Variances::Zero();
-  hand_systematic.head<3>().setConstant(hand_systematic_m * hand_systematic_m);
+              const SmoothedBodies& bodies, const ErrorModel& errors, Labels& labels) {
   std::vector<double> periods_s;
   for (const auto& track : tracks) periods_s.push_back(frame_period_s(track.time_s));
   for (const auto& at : times) {
     const auto clip = static_cast<std::size_t>(at.clip);
+    const auto& track = tracks[clip];
     labels.time_s.push_back(at.time_s);
     labels.clip.push_back(at.clip);
     labels.glove_frame.push_back(at.glove_frame);
-    const auto& track = tracks[clip];
-    append_label(at, bodies.hand.tracks[clip], track, track.hand, periods_s[clip],
-                 hand_systematic, calibration, labels.hand);
-    append_label(at, bodies.object.tracks[clip], track, track.object, periods_s[clip],
-                 object_systematic(at.time_s, track, bodies.object.noise), calibration,
-                 labels.object);
+    append_label(
+        at.time_s, bodies.hand.tracks[clip], track, track.hand, periods_s[clip],
+        [&](const MotionState& state) { return errors.hand(state); }, labels.hand);
+    append_label(
+        at.time_s, bodies.object.tracks[clip], track, track.object, periods_s[clip],
+        [&](const MotionState& state) {
+          return errors.object(state, at.time_s, track, bodies.object.noise);
+        },
+        labels.object);
   }
 }
 
-RawTrack raw_track(const std::vector<ClipTrack>& tracks) {
+RawTrack raw_track(const std::vector<ClipTrack>& tracks, const SmoothedBodies& bodies,
+                   const ErrorModel& errors) {
   RawTrack raw;
   for (std::size_t clip = 0; clip < tracks.size(); ++clip)
     for (std::size_t i = 0; i < tracks[clip].time_s.size(); ++i) {
-      raw.time_s.push_back(tracks[clip].time_s[i]);
+      const auto& track = tracks[clip];
+      const auto &hand = track.hand[i], &object = track.object[i];
+      raw.time_s.push_back(track.time_s[i]);
       raw.clip.push_back(static_cast<std::int32_t>(clip));
-      append_observation(tracks[clip].hand[i], raw.hand_m, raw.hand_sigma_m);
-      append_observation(tracks[clip].object[i], raw.object_m, raw.object_sigma_m);
+      append_observation(
+          hand, track.time_s[i], bodies.hand.tracks[clip],
+          [&](const MotionState& state) {
+            return errors.measured_hand_sigma_m(hand, state, bodies.hand.noise);
+          },
+          raw.hand_m, raw.hand_sigma_m);
+      append_observation(
+          object, track.time_s[i], bodies.object.tracks[clip],
+          [&](const MotionState& state) {
+            return errors.measured_object_sigma_m(object, state, track, bodies.object.noise);
+          },
+          raw.object_m, raw.object_sigma_m);
     }
   return raw;
 }

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "calib/smooth/smooth.h"
-#include "pipeline/label/calibration_error.h"
 #include "pipeline/label/clip_tracker.h"
+#include "pipeline/label/error_budget.h"
 #include "pipeline/label/timeline.h"
 #include "pipeline/recording/labels.h"
 
@@ -23,13 +23,13 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
                              const Eigen::Vector3d& gravity_m_per_s2, FlightSearch search,
                              int num_threads = 1);
 
-/// Appends states, covariances and quality flags of both bodies at every glove frame to `labels`.
-/// Covariance: the smoother's, plus systematic errors that neighbouring measurements share, plus
-/// the calibration's.
+/// Appends states, covariances, error budgets and quality flags of both bodies at every label time
+/// to `labels`.
 void resample(const std::vector<LabelTime>& times, const std::vector<ClipTrack>& tracks,
-              const SmoothedBodies& bodies, const CalibrationError& calibration, Labels& labels);
+              const SmoothedBodies& bodies, const ErrorModel& errors, Labels& labels);
 
-/// Measured positions of all clips, before smoothing.
-RawTrack raw_track(const std::vector<ClipTrack>& tracks);
+/// Measured positions of all clips, before smoothing, with standard deviations of all sources.
+RawTrack raw_track(const std::vector<ClipTrack>& tracks, const SmoothedBodies& bodies,
+                   const ErrorModel& errors);
 
 }  // namespace touchtrace::label

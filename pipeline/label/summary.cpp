@@ -56,8 +56,7 @@ nlohmann::json shapes_summary(const SceneModel& scene) {
 nlohmann::json problems_summary(const std::vector<ClipFrames>& clips) {
   auto problems = nlohmann::json::array();
   for (std::size_t i = 0; i < clips.size(); ++i)
-    if (!clips[i].problem.empty())
-      problems.push_back({{"clip", i}, {"problem", clips[i].problem}});
+    if (!clips[i].problem.empty()) problems.push_back({{"clip", i}, {"problem", clips[i].problem}});
   return problems;
 }
 
@@ -83,15 +82,16 @@ nlohmann::json summarize(const SceneModel& scene, const Timeline& timeline,
     all.tracker_starts += track.tracker_starts;
   }
   const auto statistics = frame_statistics(all);
-  return {{"hand_lost_share", statistics.hand_lost},
-          {"object_lost_share", statistics.object_lost},
-          {"object_follows_share", statistics.object_follows},
-          {"tracker_restarts", all.tracker_starts},
-          {"problems", problems_summary(clips)},
-          {"object_shape", shapes_summary(scene)},
-          {"clocks", clocks_summary(timeline)},
-          {"noise", {{"hand", noise_summary(bodies.hand)}, {"object", noise_summary(bodies.object)}}},
-          {"flights", flights_summary(bodies.object)}};
+  return {
+      {"hand_lost_share", statistics.hand_lost},
+      {"object_lost_share", statistics.object_lost},
+      {"object_follows_share", statistics.object_follows},
+      {"tracker_restarts", all.tracker_starts},
+      {"problems", problems_summary(clips)},
+      {"object_shape", shapes_summary(scene)},
+      {"clocks", clocks_summary(timeline)},
+      {"noise", {{"hand", noise_summary(bodies.hand)}, {"object", noise_summary(bodies.object)}}},
+      {"flights", flights_summary(bodies.object)}};
 }
 
 }  // namespace touchtrace::label

@@ -35,8 +35,8 @@ class Target {
   ///  - d > gate_m() + patch_radius_m (10 m if hidden or lost);
   ///  - d > patch_radius_m + 0.04 m (0.15 m if lost, with hint) and under half the disc visible;
   ///  - over 80 % of a disc of patch_radius_m covered: part of a larger surface.
-  /// Maximises patch_score() at d over the gate, or over arm_reach_m if lost. Failure stops the image
-  /// tracker; a patch that does not match `tracked_box` restarts it.
+  /// Maximises patch_score() at d over the gate, or over arm_reach_m if lost. Failure stops the
+  /// image tracker; a patch that does not match `tracked_box` restarts it.
   std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
                             const std::optional<PixelBox>& tracked_box, const Segmenter& segmenter,
                             const std::optional<Eigen::Vector3d>& hint_m);

@@ -39,6 +39,12 @@ void require_rate(const ClockFit& clock, const char* stream) {
         "check the stream's nominal rate and counter; run: touchtrace check RECORDING");
 }
 
+/// Mean and standard deviation of a latency between zero and one frame period.
+void subtract_camera_latency(double period_s, Timeline& timeline) {
+  for (double& time_s : timeline.camera_time_s) time_s -= 0.5 * period_s;
+  timeline.latency_sigma_s = period_s / std::sqrt(12.0);
+}
+
 }  // namespace
 
 double Timeline::glove_time_s(std::uint64_t sequence) const {
@@ -68,6 +74,7 @@ Timeline align(const Recording& recording) {
   require_rate(timeline.camera, "camera");
   for (double device_s : recording.camera_times.device_time_s)
     timeline.camera_time_s.push_back(timeline.camera.host_time_s(device_s));
+  if (timeline.glove) subtract_camera_latency(1.0 / recording.camera.rate_hz, timeline);
   return timeline;
 }
 

@@ -15,6 +15,8 @@ struct Timeline {
   std::vector<double> camera_time_s;  ///< [camera frames] when the image was taken
   std::optional<ClockFit> glove;      ///< device time is sequence / nominal rate; nullopt: no glove
   double glove_scan_s = 0.0, glove_rate_hz = 15.0;
+  /// Standard deviation of the delay between the images' and the labels' times.
+  double latency_sigma_s = 0.0;
 
   /// Mid-scan time of a glove frame.
   double glove_time_s(std::uint64_t sequence) const;
@@ -23,8 +25,10 @@ struct Timeline {
 /// Fits the glove's clock alone. Throws data_error for a recording without glove frames or clips,
 /// or with a counter that is off its nominal rate by more than 5 %.
 Timeline align_glove(const Recording& recording);
-/// Fits the clocks of the camera and, if there is one, of the glove. Throws data_error as
-/// align_glove, and for a recording without camera frames.
+/// Fits the clocks of the camera and, if there is one, of the glove. A clock's offset includes the
+/// stream's minimum latency. The glove's is taken as zero, and that of the camera as uniformly
+/// distributed between zero and one frame period: an image arrives before the next one is complete.
+/// Throws data_error as align_glove, and for a recording without camera frames.
 Timeline align(const Recording& recording);
 
 /// Time to be labelled.

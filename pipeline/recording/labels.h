@@ -19,6 +19,9 @@ struct LabelledBody {
   std::vector<double> causal_position_m;        ///< [n, 3], filtered
   std::vector<double> causal_velocity_m_per_s;  ///< [n, 3], filtered
   std::vector<std::uint8_t> quality;            ///< [n], LabelQuality
+  /// [n, sources] RMS over the axes of the position's standard deviation by source of error, in the
+  /// order of summary["error_sources"]; empty: unknown.
+  std::vector<double> error_budget_m;
 };
 
 /// Bit mask of the reasons why a label is not good.

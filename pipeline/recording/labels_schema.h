@@ -21,6 +21,14 @@ void serialize_labelled_body(Archive& group, Body& body, const h5::Axis& label) 
               {"m s-1", "filtered velocity, uses no later measurements"});
   group.array("quality", body.quality, {label},
               {"1", "0: good; bits: 1 lost, 2 follows the hand, 4 outside the measured time"});
+  if constexpr (std::is_const_v<Body>) {
+    if (body.error_budget_m.empty()) return;
+  } else if (!group.has("error_budget_m")) {
+    return;
+  }
+  group.array(
+      "error_budget_m", body.error_budget_m, {label, group.axis("source", 5)},
+      {"m", "standard deviation of the position by source, see `error_sources` in summary"});
 }
 
 template <class Archive, class Raw>

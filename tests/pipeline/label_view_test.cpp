@@ -74,8 +74,8 @@ TEST(ViewObject, DoesNotExtendRaysToPointsOfNeitherColor) {
   for (int v = object_box.y; v < object_box.y + object_box.height; ++v)
     for (std::size_t channel = 0; channel < 3; ++channel)
       rimmed.color[3 * static_cast<std::size_t>(v * width + object_box.x) + channel] = 90;
-  const auto patch =
-      find_patch(scene.observer->observe(rimmed, "ball"), Body::object, {0.17, -0.03, 1.0}, 0.15, 12);
+  const auto patch = find_patch(scene.observer->observe(rimmed, "ball"), Body::object,
+                                {0.17, -0.03, 1.0}, 0.15, 12);
   ASSERT_TRUE(patch);
   int rim = 0, hand = 0;
   for (const auto& point :

@@ -14,8 +14,8 @@ Body body_of(std::uint8_t value) {
 
 void MaskObserver::classify(const RgbdFrame& frame, const std::string&, Surface& points) const {
   for (auto& point : points)
-    point.body = frame.mask.empty() ? Body::rest
-                                    : body_of(frame.mask[segmenter_->color_pixel(point)]);
+    point.body =
+        frame.mask.empty() ? Body::rest : body_of(frame.mask[segmenter_->color_pixel(point)]);
 }
 
 Surface MaskObserver::observe(const RgbdFrame& frame, const std::string& object) const {

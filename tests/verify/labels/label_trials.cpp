@@ -76,8 +76,8 @@ LabelError error_of_tracks(const std::vector<label::ClipTrack>& tracks, const Re
   Labels labels;
   labels.clips = recording.clips;
   label::resample(label::label_times(recording, timeline), tracks,
-                  label::smooth_bodies(tracks, gravity, search),
-                  label::CalibrationError({}), labels);
+                  label::smooth_bodies(tracks, gravity, search), label::ErrorModel({}, 0.0),
+                  labels);
   return compare_labels_with_truth(labels, truth);
 }
 

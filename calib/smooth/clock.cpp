@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "engine/base/error.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {
@@ -25,8 +27,8 @@ void check(Times device_s, Times host_s) {
     if (!std::isfinite(device_s[i]) || !std::isfinite(host_s[i]))
       throw data_error(fmt::format("time stamp {} is not finite", i),
                        "run: touchtrace check RECORDING");
-    if (i > 0 && !(device_s[i] > device_s[i - 1]))
-      throw data_error(fmt::format("device time does not increase at stamp {}: {} s after {} s", i,
+    if (i > 0 && device_s[i] < device_s[i - 1])
+      throw data_error(fmt::format("device time decreases at stamp {}: {} s after {} s", i,
                                    device_s[i], device_s[i - 1]),
                        "run: touchtrace check RECORDING");
   }
@@ -73,12 +75,72 @@ ClockFit fit_lower_line(Times device_s, Times host_s) {
   return fit;
 }
 
+/// Stamps in order of device time, each device time once.
+struct Stamps {
+  std::vector<double> device_s, host_s;
+
+  void erase(std::size_t i) {
+    device_s.erase(device_s.begin() + static_cast<std::ptrdiff_t>(i));
+    host_s.erase(host_s.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+};
+
+/// Of repeated device times the earliest arrival.
+Stamps unique_stamps(Times device_s, Times host_s) {
+  Stamps stamps;
+  for (std::size_t i = 0; i < device_s.size(); ++i)
+    if (i > 0 && device_s[i] == stamps.device_s.back())
+      stamps.host_s.back() = std::min(stamps.host_s.back(), host_s[i]);
+    else
+      stamps.device_s.push_back(device_s[i]), stamps.host_s.push_back(host_s[i]);
+  return stamps;
+}
+
+/// Host minus device time, without the drift between the medians of the first and the last third.
+std::vector<double> delays_without_drift(const Stamps& stamps) {
+  const auto& device_s = stamps.device_s;
+  const std::size_t count = device_s.size(), third = count / 3;
+  std::vector<double> delays_s;
+  for (std::size_t i = 0; i < count; ++i) delays_s.push_back(stamps.host_s[i] - device_s[i]);
+  const auto first = delays_s.begin(), last = delays_s.end() - static_cast<std::ptrdiff_t>(third);
+  const double drift =
+      (median({last, delays_s.end()}) - median({first, first + static_cast<std::ptrdiff_t>(third)})) /
+      (device_s[count - 1 - third / 2] - device_s[third / 2]);
+  for (std::size_t i = 0; i < count; ++i) delays_s[i] -= drift * device_s[i];
+  return delays_s;
+}
+
+/// Index of the earliest stamp, if it is early by comparison with the others.
+std::optional<std::size_t> early_stamp(const Stamps& stamps) {
+  constexpr double min_early_s = 0.002;
+  auto delays_s = delays_without_drift(stamps);
+  const auto earliest = std::ranges::min_element(delays_s);
+  const auto index = static_cast<std::size_t>(earliest - delays_s.begin());
+  const double first_s = *earliest;
+  delays_s.erase(earliest);
+  const double second_s = std::ranges::min(delays_s), gap_s = second_s - first_s;
+  if (gap_s < min_early_s || gap_s < median(std::move(delays_s)) - second_s) return std::nullopt;
+  return index;
+}
+
+Stamps without_early(Stamps stamps) {
+  constexpr std::size_t stamps_per_early = 100;
+  for (std::size_t i = 0; i < stamps.device_s.size() / stamps_per_early + 1; ++i) {
+    if (stamps.device_s.size() < min_stamps_for_rate) break;
+    const auto early = early_stamp(stamps);
+    if (!early) break;
+    stamps.erase(*early);
+  }
+  return stamps;
+}
+
 }  // namespace
 
 ClockFit fit_clock(const std::vector<double>& device_time_s,
                    const std::vector<double>& host_time_s) {
   check(device_time_s, host_time_s);
-  const Times device(device_time_s), host(host_time_s);
+  const auto stamps = without_early(unique_stamps(device_time_s, host_time_s));
+  const Times device(stamps.device_s), host(stamps.host_s);
   auto fit = fit_lower_line(device, host);
   const auto half = device.size() / 2;
   if (half < min_stamps_for_rate) return fit;

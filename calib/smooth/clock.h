@@ -18,8 +18,10 @@ struct ClockFit {
 
 /// Fits the line below all (device, host) stamps with the smallest mean distance: an edge of their
 /// lower convex hull, exact, O(n). With fewer than 8 stamps only the offset is fitted, at rate 1.
+/// Ignores up to 1 % of stamps that are early: farther below the others than the median is above
+/// them, and by more than 2 ms. Repeated stamps are allowed.
 /// Throws data_error if there are no stamps, if the lengths differ, if a stamp is not finite or if
-/// `device_time_s` does not increase strictly.
+/// `device_time_s` decreases.
 ClockFit fit_clock(const std::vector<double>& device_time_s,
                    const std::vector<double>& host_time_s);
 

@@ -111,7 +111,7 @@ class ClipTracker {
       hand_.predict(seconds, false, gravity_);
       object_.predict(seconds, is_away_, gravity_);
       const auto [hand_box, object_box] = update_trackers(image);
-      hand = hand_.find(surface, image, hand_box, *scene_.segmenter, std::nullopt);
+      hand = hand_.find(surface, image, hand_box, *scene_.segmenter, std::nullopt, hand_reach());
       if (hand && hand_.is_lost() && object_.is_lost()) assume_in_hand(*hand);
       object = object_.find(surface, image, object_box, *scene_.segmenter, position_in_hand(hand));
     }
@@ -176,6 +176,14 @@ class ClipTracker {
   std::optional<Eigen::Vector3d> position_in_hand(const std::optional<Patch>& hand) const {
     if (!hand || is_away_) return std::nullopt;
     return hand->centroid_m + grip_.object_from_hand_m();
+  }
+
+  /// Where the hand is that holds a visible object. Bare, it has the colour of its arm, and its
+  /// patch would slide along the arm.
+  std::optional<Ball> hand_reach() const {
+    if (is_away_ || unseen_s_ > 0.0) return std::nullopt;
+    return Ball{object_.predicted_m(),
+                grip_.initial_distance_m() + released_m + hand_patch_radius_m};
   }
 
   /// After both were lost, the object is assumed to be in the hand again.

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double min_away_m =
     0.05;  // beyond the grip's distance; farther: the object left the hand
+constexpr double min_parting_m = 0.02;  // change of the distance to the hand in a flight
 constexpr double max_bridge_s = 0.2;  // of frames inside a flight that do not look like one
 constexpr double max_occlusion_s = 0.5, max_toss_s = 1.0;
 constexpr double gravity_tolerance_m_per_s2 = 3.0;  // drag, tilt, noise of a second difference
@@ -102,6 +103,19 @@ std::vector<Flight> stretches(const ClipTrack& track, const std::vector<bool>& i
   return result;
 }
 
+/// Whether hand and object were seen throughout a stretch, at distances that vary by less than an
+/// object's that leaves the hand.
+bool stays_in_hand(const ClipTrack& track, const Flight& flight) {
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  const auto distance = distances(track);
+  for (std::size_t i = 0; i < track.time_s.size(); ++i) {
+    if (track.time_s[i] < flight.release_s || track.time_s[i] > flight.landing_s) continue;
+    if (std::isnan(distance[i])) return false;
+    least = std::min(least, distance[i]), most = std::max(most, distance[i]);
+  }
+  return most - least < min_parting_m;
+}
+
 bool overlap(const Flight& a, const Flight& b) {
   return a.release_s < b.landing_s && b.release_s < a.landing_s;
 }
@@ -168,6 +182,7 @@ void add_hits_at_ends(const std::vector<Height>& heights, double gravity,
 
 std::vector<Flight> guess_flights(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2) {
   auto flights = stretches(track, is_falling(track, gravity_m_per_s2), 0.05, 0.05);
+  std::erase_if(flights, [&](const Flight& flight) { return stays_in_hand(track, flight); });
   for (const Flight& away : stretches(track, is_away(track), 0.05, 0.03)) add_away(away, flights);
   std::ranges::sort(flights, {}, &Flight::release_s);
   return flights;

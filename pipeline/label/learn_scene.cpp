@@ -38,8 +38,8 @@ std::vector<std::size_t> sampled_frames(const ClipFrames& clip, std::size_t max_
   return result;
 }
 
-/// Unsets the background of pixels on which the boxes show a body and no image shows more distant
-/// points.
+/// Unsets the background of pixels on which the boxes show a body that hardly moves: no image shows
+/// more distant points.
 void unset_occupied(const Segmenter& segmenter, const RgbdFrame& frame, const ClipFrames& clip,
                     std::vector<std::uint16_t>& background) {
   constexpr std::size_t near_part = 5;  // a fifth of a box at least shows the body
@@ -47,11 +47,17 @@ void unset_occupied(const Segmenter& segmenter, const RgbdFrame& frame, const Cl
     auto pixels = segmenter.depth_pixels_in(frame, box);
     if (pixels.empty()) continue;
     std::ranges::sort(pixels, {}, [&](std::size_t i) { return frame.depth[i]; });
-    const double near = frame.depth[pixels[pixels.size() / near_part]];
+    const double near = frame.depth[pixels[pixels.size() / near_part]],
+                 gap = segmenter.background_gap(near);
+    std::erase_if(pixels, [&](std::size_t i) { return frame.depth[i] > near + 2.0 * gap; });
+    const auto is_static = [&](std::size_t i) {
+      return background[i] > 0 && background[i] < frame.depth[i] + gap;
+    };
+    // where most of the body moves away, what stays is not the body
+    if (2 * static_cast<std::size_t>(std::ranges::count_if(pixels, is_static)) < pixels.size())
+      continue;
     for (const auto i : pixels)
-      if (frame.depth[i] < near + 2.0 * segmenter.background_gap(near) &&
-          background[i] < frame.depth[i] + segmenter.background_gap(near))
-        background[i] = 0;
+      if (is_static(i)) background[i] = 0;
   }
 }
 

@@ -34,9 +34,11 @@ Patch gather(const Surface& surface, Body body, const Eigen::Vector3d& centre, d
     if (point.body != body || (point.position_m.cast<double>() - centre).norm() > radius_m)
       continue;
     patch.points_m.push_back(point.position_m);
+    patch.likeness += point.likeness;
     left = std::min<int>(left, point.u), right = std::max<int>(right, point.u);
     top = std::min<int>(top, point.v), bottom = std::max<int>(bottom, point.v);
   }
+  patch.likeness /= std::max(1.0, static_cast<double>(patch.points_m.size()));
   patch.box = {left, top, right - left + 1, bottom - top + 1};
   return patch;
 }

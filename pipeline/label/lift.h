@@ -12,7 +12,8 @@ namespace touchtrace::label {
 struct Patch {
   Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3f> points_m;
-  PixelBox box;  ///< bounding box of the points' pixels
+  PixelBox box;           ///< bounding box of the points' pixels
+  double likeness = 0.0;  ///< mean over the points
 };
 
 /// Radius of the ball that contains a hand's patch, and that of an object over its own radius.

@@ -14,6 +14,8 @@ constexpr std::size_t max_spread_starts = 16;
 // not held, so at least this fraction of its disc must be visible.
 constexpr double expected_distance_m = 0.04, hinted_distance_m = 0.15, min_disc_fraction = 0.5;
 constexpr double unlimited_m = 10.0;
+// Mean likeness of a patch: colours seven times rarer in the class than usual are another body's.
+constexpr double min_likeness = -2.0;
 constexpr double max_disc_fill = 0.8;  // of the search disc; a body fills less than half of it
 
 bool matches(const PixelBox& tracked, const PixelBox& found) {
@@ -74,8 +76,13 @@ std::vector<Eigen::Vector3d> Target::starts(const Surface& own,
 std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& image,
                                   const std::optional<PixelBox>& tracked_box,
                                   const Segmenter& segmenter,
-                                  const std::optional<Eigen::Vector3d>& hint_m) {
-  const Surface own = points_of(surface, body_);
+                                  const std::optional<Eigen::Vector3d>& hint_m,
+                                  const std::optional<Ball>& within) {
+  Surface own = points_of(surface, body_);
+  if (within)
+    std::erase_if(own, [&](const SurfacePoint& point) {
+      return (point.position_m.cast<double>() - within->centre_m).norm() > within->radius_m;
+    });
   const auto patch = best_patch(own, segmenter, starts(own, tracked_box, hint_m), hint_m);
   if (!patch) {
     tracker_.stop();
@@ -99,7 +106,8 @@ std::optional<Patch> Target::best_patch(const Surface& own, const Segmenter& seg
     const auto points = static_cast<double>(patch->points_m.size());
     const double depth_m = patch->centroid_m.z();
     const double disc = segmenter.disc_pixels(disc_radius_m_, depth_m);
-    if (points > max_disc_fill * segmenter.disc_pixels(patch_radius_m_, depth_m)) continue;
+    if (patch->likeness < min_likeness ||
+        points > max_disc_fill * segmenter.disc_pixels(patch_radius_m_, depth_m)) continue;
     if (distance_m > max_distance_m() ||
         (distance_m > any_part_distance_m(hint_m.has_value()) + patch_radius_m_ &&
          points < min_disc_fraction * disc))

@@ -8,6 +8,11 @@
 
 namespace touchtrace::label {
 
+struct Ball {
+  Eigen::Vector3d centre_m;
+  double radius_m;
+};
+
 /// Hand or object in one clip: motion filter, image tracker and search for the surface patch.
 class Target {
  public:
@@ -34,12 +39,14 @@ class Target {
   /// d: distance to the prediction (if lost, the last position) or the hint, the smaller. Rejects
   ///  - d > gate_m() + patch_radius_m (10 m if hidden or lost);
   ///  - d > patch_radius_m + 0.04 m (0.15 m if lost, with hint) and under half the disc visible;
+  ///  - likeness below -2: colours that are rare in the class;
   ///  - over 80 % of a disc of patch_radius_m covered: part of a larger surface.
-  /// Maximises patch_score() at d over the gate, or over arm_reach_m if lost. Failure stops the
+  /// Ignores points outside `within`. Maximises patch_score() at d over the gate, or over arm_reach_m if lost. Failure stops the
   /// image tracker; a patch that does not match `tracked_box` restarts it.
   std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
                             const std::optional<PixelBox>& tracked_box, const Segmenter& segmenter,
-                            const std::optional<Eigen::Vector3d>& hint_m);
+                            const std::optional<Eigen::Vector3d>& hint_m,
+                            const std::optional<Ball>& within = std::nullopt);
 
   /// Starts the filter and, unless `box` is empty, the image tracker.
   void start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,

@@ -90,10 +90,25 @@ void ColorClasses::build_table() {
                 : hand[i] > std::max(rest[i], min_density) ? Body::hand
                                                            : Body::rest;
   }
+  set_likeness(Body::hand, hand);
+  set_likeness(Body::object, object);
+}
+
+void ColorClasses::set_likeness(Body body, const std::vector<double>& density) {
+  double entropy = 0.0, total = 0.0;
+  for (std::size_t i = 0; i < table_.size(); ++i)
+    if (table_[i] == body) entropy -= density[i] * std::log(density[i]), total += density[i];
+  for (std::size_t i = 0; i < table_.size(); ++i)
+    if (table_[i] == body)
+      likeness_[i] = static_cast<float>(std::log(density[i]) + entropy / total);
 }
 
 void ColorClasses::assign(Surface& surface) const {
-  for (auto& point : surface) point.body = classify(point.rgb);
+  for (auto& point : surface) {
+    const std::size_t i = bin(point.rgb);
+    point.body = table_[i];
+    point.likeness = likeness_[i];
+  }
 }
 
 }  // namespace touchtrace::label

@@ -23,7 +23,7 @@ class ColorClasses {
   void build_table();
 
   Body classify(const std::array<std::uint8_t, 3>& rgb) const { return table_[bin(rgb)]; }
-  /// Sets the class of every point.
+  /// Sets class and likeness of every point.
   void assign(Surface& surface) const;
 
  private:
@@ -32,6 +32,8 @@ class ColorClasses {
 
   struct Levels;
 
+  /// Sets the likeness of a class's colours, with mean 0 over the class.
+  void set_likeness(Body body, const std::vector<double>& density);
   static std::size_t bin(const std::array<std::uint8_t, 3>& rgb);
   /// Smoothed histogram with sum 1.
   static std::vector<double> density(const std::vector<double>& counts);
@@ -39,6 +41,7 @@ class ColorClasses {
   std::array<std::vector<double>, 3> counts_{std::vector<double>(bins), std::vector<double>(bins),
                                              std::vector<double>(bins)};  ///< by Body
   std::vector<Body> table_ = std::vector<Body>(bins, Body::rest);
+  std::vector<float> likeness_ = std::vector<float>(bins);
 };
 
 }  // namespace touchtrace::label

@@ -8,8 +8,8 @@
 namespace touchtrace::label {
 
 /// Foreground mask of a depth image, computed row by row. A pixel is foreground if its depth count
-/// is below the background limit and at least four of its eight neighbours are, too (removes
-/// speckles).
+/// is below the background limit and so are, of the nine pixels around and including it, at least
+/// three and most of those that have a measurement (removes speckles, also between holes).
 class Foreground {
  public:
   /// `limit`: smallest background count per pixel; 0: no limit. Both images [height, width] must
@@ -27,8 +27,9 @@ class Foreground {
 
   const std::vector<std::uint16_t>&depth_, &limit_;
   std::size_t width_;
-  std::array<std::vector<std::uint8_t>, 3> before_;  ///< [width] of the last three rows
-  std::vector<std::uint8_t> columns_;                ///< [width] sums over three rows
+  /// [width] of the last three rows: 1 before the background, plus 16 with a measurement.
+  std::array<std::vector<std::uint8_t>, 3> marks_;
+  std::vector<std::uint8_t> columns_;  ///< [width] sums over three rows
   std::vector<std::uint8_t> clean_;                  ///< [width, rounded up to blocks]
   std::vector<std::size_t> pixels_;
 };

@@ -22,6 +22,8 @@ struct SurfacePoint {
   std::int16_t u, v;           ///< nearest pixel of the colour image
   std::array<std::uint8_t, 3> rgb;
   Body body = Body::rest;
+  /// Logarithm of the colour's frequency in its class over a usual one's; 0: not known.
+  float likeness = 0.0f;
 };
 
 using Surface = std::vector<SurfacePoint>;

@@ -6,8 +6,8 @@
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
+#include "pipeline/recording/camera_schema.h"
 #include "pipeline/recording/recording_file.h"
-#include "pipeline/recording/recording_schema.h"
 
 namespace touchtrace {
 namespace {

@@ -111,7 +111,7 @@ std::vector<std::string> object_names(const SimulateOptions& options) {
 
 Provenance make_provenance(const scene::SceneOptions& scene, const Invocation& invocation,
                            const std::string& device) {
-  Provenance provenance = start_provenance("touchtrace/recording/1", "simulate");
+  Provenance provenance = start_provenance("touchtrace/recording/2", "simulate");
   provenance.options = invocation.options;
   provenance.options["activity"] = scene.activity;
   provenance.options["object"] = scene.object.name;

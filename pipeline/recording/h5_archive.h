@@ -50,6 +50,15 @@ class Saver {
   void attribute(const std::string& name, std::int64_t value);
   void attribute(const std::string& name, int value) { attribute(name, std::int64_t{value}); }
   void attribute(const std::string& name, const nlohmann::json& value);
+  void attribute(const std::string& name, const std::vector<double>& values);
+  /// Writes nothing if the value is empty.
+  template <class T>
+  void optional_attribute(const std::string& name, const T& value) {
+    if constexpr (std::is_arithmetic_v<T>)
+      attribute(name, value);
+    else if (!value.empty())
+      attribute(name, value);
+  }
 
   /// Axis whose scale is the index 0 .. length - 1.
   Axis axis(const std::string& name, std::size_t length);
@@ -64,8 +73,18 @@ class Saver {
              const DatasetInfo& info) {
     write(name, element_type<T>(), bytes_of(values), axes, info);
   }
+  /// Writes nothing if there are no values.
+  template <class T>
+  void optional_array(const std::string& name, const std::vector<T>& values,
+                      const std::vector<Axis>& axes, const DatasetInfo& info) {
+    if (!values.empty()) array(name, values, axes, info);
+  }
   void texts(const std::string& name, const std::vector<std::string>& values, const Axis& axis,
              const DatasetInfo& info);
+  void optional_texts(const std::string& name, const std::vector<std::string>& values,
+                      const Axis& axis, const DatasetInfo& info) {
+    texts(name, values, axis, info);
+  }
   /// Attaches units, long_name and dimension scales to a dataset of this group.
   static void describe(hid_t dataset, const std::vector<Axis>& axes, const DatasetInfo& info);
   /// Attaches the packing of the CF conventions: value = scale_factor * count; count 0: missing.
@@ -81,9 +100,11 @@ class Saver {
   std::vector<Handle> scales_;
 };
 
-/// Reads and checks a group of an untrusted file. Faults of groups, datasets and attributes are
-/// recorded, not thrown, and reading continues, so that all faults of a file are found at once.
-/// Whoever opened the file calls FileFaults::throw_if_any before the values are used.
+/// Reads and checks a group of an untrusted file. Types are converted where that loses nothing,
+/// text may have fixed or variable length, and units and dimension scales may be missing. Faults of
+/// groups, datasets and attributes are recorded, not thrown, and reading continues, so that all
+/// faults of a file are found at once. Whoever opened the file calls FileFaults::throw_if_any
+/// before the values are used.
 class Loader {
  public:
   /// `path`: of the group within the file, empty for the root. `faults` must outlive the Loader.
@@ -91,7 +112,13 @@ class Loader {
 
   /// A missing group is a fault; all reads from it are then skipped.
   Loader group(const std::string& name) const;
+  /// Like group(), but a missing group is not a fault.
+  Loader optional_group(const std::string& name) const;
   bool has(const std::string& name) const;
+  bool has_attribute(const std::string& name) const;
+  /// Shape of a dataset; empty if it is missing or not an array.
+  std::vector<hsize_t> shape(const std::string& name) const;
+  bool is_float(const std::string& dataset) const;
   const std::string& path() const { return path_; }
   std::string path(const std::string& name) const { return path_ + "/" + name; }
   FileFaults& faults() const { return *faults_; }
@@ -99,12 +126,18 @@ class Loader {
   /// A faulty attribute leaves `value` as it is; a faulty int becomes -1.
   void attribute(const std::string& name, std::string& value) const;
   void attribute(const std::string& name, double& value) const;
-  void attribute(const std::string& name, std::int64_t& value) const;
   void attribute(const std::string& name, int& value) const;
   void attribute(const std::string& name, nlohmann::json& value) const;
+  /// Numbers, of any shape.
+  void attribute(const std::string& name, std::vector<double>& values) const;
+  /// Leaves `value` as it is if the attribute is missing.
+  template <class T>
+  void optional_attribute(const std::string& name, T& value) const {
+    if (has_attribute(name)) attribute(name, value);
+  }
 
   /// Axis of this length; a length of -1 (a faulty attribute) is not checked.
-  Axis axis(const std::string& name, std::size_t length) const;
+  Axis axis(const std::string& name, std::size_t length) const { return {name, length}; }
   template <class T>
   Axis axis(const std::string& name, std::vector<T>& values, const DatasetInfo& info) const {
     array(name, values, {{name, unknown_length}}, info);
@@ -116,10 +149,20 @@ class Loader {
              const DatasetInfo& info) const {
     if (const auto reader = open(name, element_type<T>(), axes, info)) read(name, *reader, values);
   }
+  /// Leaves `values` as they are if the array is missing.
+  template <class T>
+  void optional_array(const std::string& name, std::vector<T>& values,
+                      const std::vector<Axis>& axes, const DatasetInfo& info) const {
+    if (has(name)) array(name, values, axes, info);
+  }
   void texts(const std::string& name, std::vector<std::string>& values, const Axis& axis,
              const DatasetInfo& info) const;
-  /// Opens a dataset after checking that it is one, stored in this file, with this type, shape and
-  /// unit. nullopt if it has a fault.
+  void optional_texts(const std::string& name, std::vector<std::string>& values, const Axis& axis,
+                      const DatasetInfo& info) const {
+    if (has(name)) texts(name, values, axis, info);
+  }
+  /// Opens a dataset after checking that it is one, stored in this file, of this shape and unit,
+  /// with elements that convert to this type. nullopt if it has a fault.
   std::optional<ArrayReader> open(const std::string& name, const ElementType& type,
                                   const std::vector<Axis>& axes, const DatasetInfo& info) const;
 
@@ -135,6 +178,7 @@ class Loader {
   template <class Action>
   bool record_fault(const std::string& path, Action action) const;
   void check_link(const std::string& name, H5O_type_t type) const;
+  ElementType text_type_of(const std::string& name) const;
 
   Handle group_;  ///< invalid if the group has a fault
   hsize_t file_bytes_;

@@ -6,14 +6,17 @@
 #include <vector>
 
 #include "pipeline/recording/chunk_codec.h"
+#include "pipeline/recording/h5_convert.h"
 #include "pipeline/recording/h5_handle.h"
 
 namespace touchtrace::h5 {
 
-/// Element type of a dataset; little-endian, also in memory.
+/// Element type of a dataset as written and in memory; little-endian.
 struct ElementType {
   Handle type;
   std::size_t bytes;
+  /// Conversion from other types when reading; nullptr: text, which is not converted.
+  Conversion (*find_conversion)(hid_t found) = nullptr;
 };
 
 template <class T>
@@ -36,8 +39,9 @@ ElementType element_type<std::uint64_t>();
 ElementType text_type(std::size_t bytes);
 /// Name of a type for messages, such as "uint16" or "big-endian float64".
 std::string type_name(hid_t type);
-/// Throws H5Error unless `found` is `expected`, byte order included.
-void require_type(hid_t found, const ElementType& expected);
+
+/// Extents of a dataset's axes. Throws H5Error unless it has 1 to 8.
+std::vector<hsize_t> extents_of(hid_t space);
 
 /// Writes one dataset row by row along its first axis: chunked, shuffled, deflated, with fletcher32
 /// checksums. Throws H5Error, also if the disk is full.
@@ -65,32 +69,45 @@ class ArrayWriter {
   Handle dataset_;
 };
 
-/// Reads one dataset of an untrusted file. The constructor throws H5Error unless the dataset has
-/// this type, is chunked along its first axis only, has checksums and no filters other than
-/// shuffle, deflate and fletcher32, and its chunks are in the file.
+/// Reads one dataset of an untrusted file as elements of `type`. The dataset may be contiguous, or
+/// chunked with the filters shuffle, deflate and fletcher32. The constructor throws H5Error for
+/// other storage, an element type that cannot be converted, and chunks that are not in the file.
 class ArrayReader {
  public:
   ArrayReader(hid_t group, const std::string& name, const ElementType& type, hsize_t file_bytes);
 
   const std::vector<hsize_t>& shape() const { return shape_; }
   hsize_t rows() const { return shape_.front(); }
-  std::size_t row_bytes() const { return row_bytes_; }
+  std::size_t row_bytes() const { return row_elements_ * element_bytes_; }
   hid_t dataset() const { return dataset_; }
-  /// Reads rows from `first` on until `out` is full. Throws H5Error for a damaged chunk.
-  /// Thread-safe.
+  /// Reads rows from `first` on until `out` is full. Throws H5Error for a damaged chunk or a value
+  /// that `type` cannot hold. Thread-safe.
   void read(hsize_t first, std::span<std::uint8_t> out) const;
 
  private:
-  void check_layout();
+  using Extents = std::vector<hsize_t>;
+
+  void set_type(const ElementType& type);
+  void check_layout(hsize_t file_bytes);
+  void check_contiguous() const;
   void check_filters(hid_t creation);
   void check_chunks(hsize_t file_bytes) const;
+  /// Moves `offset` to the next chunk of the same rows; false after the last one.
+  bool next_chunk(Extents& offset) const;
+  void read_stored(hsize_t first, std::span<std::uint8_t> out) const;
+  void read_contiguous(hsize_t first, std::span<std::uint8_t> out) const;
+  void read_chunk(const Extents& offset, hsize_t first, std::span<std::uint8_t> out) const;
+  /// Copies the part of a chunk within rows [first, last) into an array that begins at `first`.
+  void copy(const Extents& offset, hsize_t first, hsize_t last, std::size_t axis,
+            const std::uint8_t* chunk, std::uint8_t* array) const;
   /// Valid until the thread's next call.
-  std::span<const std::uint8_t> stored_chunk(hsize_t chunk, std::uint32_t& skipped_filters) const;
-  void decode(hsize_t chunk, std::span<std::uint8_t> raw) const;
+  std::span<const std::uint8_t> stored_chunk(const Extents& offset,
+                                             std::uint32_t& skipped_filters) const;
+  void decode(const Extents& offset, std::span<std::uint8_t> raw) const;
 
-  std::vector<hsize_t> shape_;
-  std::size_t element_bytes_, row_bytes_ = 0;
-  hsize_t chunk_rows_ = 1;
+  Extents shape_, chunk_;  ///< chunk_ is empty if the dataset is contiguous
+  std::size_t element_bytes_, stored_bytes_ = 0, row_elements_ = 0, chunk_bytes_ = 0;
+  Conversion convert_ = nullptr;  ///< nullptr: the stored type is that in memory
   std::vector<H5Z_filter_t> pipeline_;
   Handle dataset_;
 };

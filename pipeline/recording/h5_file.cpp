@@ -1,5 +1,8 @@
 #include "pipeline/recording/h5_file.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <array>
 #include <fstream>
 
@@ -43,11 +46,13 @@ void close_file(Handle& file) {
   file.close("cannot close the file");
 }
 
-Loader open_root(const fs::path& path, const std::string& schema, FileFaults& faults) {
+Loader open_root(const fs::path& path, const std::vector<std::string>& schemas,
+                 FileFaults& faults) {
   Loader root = root_of(path, faults);
   const std::string found = schema_attribute(root);
-  if (faults.empty() && found != schema)
-    throw H5Error(fmt::format("expected schema '{}', found '{}'", schema, found));
+  if (faults.empty() && std::ranges::find(schemas, found) == schemas.end())
+    throw H5Error(
+        fmt::format("expected schema '{}', found '{}'", fmt::join(schemas, "' or '"), found));
   return root;
 }
 

@@ -18,9 +18,10 @@ Handle create_file(const std::filesystem::path& path);
 /// Flushes and closes. H5Fclose alone reports no error on a full disk.
 void close_file(Handle& file);
 
-/// Opens the root group. Throws H5Error unless the attribute `schema` is `schema`, such as
-/// "touchtrace/recording/1".
-Loader open_root(const std::filesystem::path& path, const std::string& schema, FileFaults& faults);
+/// Opens the root group. Throws H5Error unless the attribute `schema` is one of `schemas`, such as
+/// "touchtrace/recording/2".
+Loader open_root(const std::filesystem::path& path, const std::vector<std::string>& schemas,
+                 FileFaults& faults);
 
 /// Returns the attribute `schema` of an untrusted file. Throws data_error.
 std::string schema_of(const std::filesystem::path& path);

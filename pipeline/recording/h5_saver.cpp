@@ -10,8 +10,11 @@
 namespace touchtrace::h5 {
 namespace {
 
-void write_attribute(hid_t object, const std::string& name, hid_t type, const void* value) {
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, name);
+/// `length`: 0 for a single value.
+void write_attribute(hid_t object, const std::string& name, hid_t type, const void* value,
+                     hsize_t length = 0) {
+  const Handle space(length > 0 ? H5Screate_simple(1, &length, nullptr) : H5Screate(H5S_SCALAR),
+                     H5Sclose, name);
   Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
                    H5Aclose, name);
   check(H5Awrite(attribute, type, value), name);
@@ -54,6 +57,10 @@ void Saver::attribute(const std::string& name, std::int64_t value) {
 
 void Saver::attribute(const std::string& name, const nlohmann::json& value) {
   write_text(group_, name, value.dump());
+}
+
+void Saver::attribute(const std::string& name, const std::vector<double>& values) {
+  write_attribute(group_, name, H5T_IEEE_F64LE, values.data(), values.size());
 }
 
 Axis Saver::axis(const std::string& name, std::size_t length) {

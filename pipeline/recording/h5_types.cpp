@@ -13,35 +13,42 @@ ElementType copy_of(hid_t type, std::size_t bytes) {
   return {Handle(H5Tcopy(type), H5Tclose, "data type"), bytes};
 }
 
+template <class T>
+ElementType number_type(hid_t type) {
+  ElementType result = copy_of(type, sizeof(T));
+  result.find_conversion = find_conversion<T>;
+  return result;
+}
+
 }  // namespace
 
 template <>
 ElementType element_type<double>() {
-  return copy_of(H5T_IEEE_F64LE, 8);
+  return number_type<double>(H5T_IEEE_F64LE);
 }
 template <>
 ElementType element_type<float>() {
-  return copy_of(H5T_IEEE_F32LE, 4);
+  return number_type<float>(H5T_IEEE_F32LE);
 }
 template <>
 ElementType element_type<std::uint8_t>() {
-  return copy_of(H5T_STD_U8LE, 1);
+  return number_type<std::uint8_t>(H5T_STD_U8LE);
 }
 template <>
 ElementType element_type<std::uint16_t>() {
-  return copy_of(H5T_STD_U16LE, 2);
+  return number_type<std::uint16_t>(H5T_STD_U16LE);
 }
 template <>
 ElementType element_type<std::int32_t>() {
-  return copy_of(H5T_STD_I32LE, 4);
+  return number_type<std::int32_t>(H5T_STD_I32LE);
 }
 template <>
 ElementType element_type<std::int64_t>() {
-  return copy_of(H5T_STD_I64LE, 8);
+  return number_type<std::int64_t>(H5T_STD_I64LE);
 }
 template <>
 ElementType element_type<std::uint64_t>() {
-  return copy_of(H5T_STD_U64LE, 8);
+  return number_type<std::uint64_t>(H5T_STD_U64LE);
 }
 
 ElementType text_type(std::size_t bytes) {
@@ -65,12 +72,6 @@ std::string type_name(hid_t type) {
     default:
       return "another type";
   }
-}
-
-void require_type(hid_t found, const ElementType& expected) {
-  if (H5Tequal(found, expected.type) <= 0)
-    throw H5Error(
-        fmt::format("expected type {}, found {}", type_name(expected.type), type_name(found)));
 }
 
 }  // namespace touchtrace::h5

@@ -10,9 +10,10 @@ void save(h5::Saver root, const Labels& labels) {
   root.attribute("Conventions", std::string("CF-1.10"));
   root.attribute("schema", std::string(labels_schema));
   root.attribute("provenance", nlohmann::json(labels.provenance));
-  const ClipColumns clips = to_columns(labels.clips);
+  ClipColumns clips = to_columns(labels.clips);
+  clips.box_frame.clear();  // an index into the recording
   h5::Saver group = root.group("clips");
-  serialize_clips(group, clips);
+  serialize_clips(group, std::as_const(clips));
   serialize_labels(root, labels);
 }
 
@@ -35,10 +36,10 @@ void write_labels(const std::filesystem::path& path, const Labels& labels, bool 
 
 Labels read_labels(const std::filesystem::path& path) {
   return h5::read_untrusted(path, [&](FileFaults& faults) {
-    const h5::Loader root = h5::open_root(path, labels_schema, faults);
+    const h5::Loader root = h5::open_root(path, {labels_schema}, faults);
     Labels labels;
     labels.provenance = read_provenance(root);
-    labels.clips = read_clips(root);
+    labels.clips = read_clips(root, std::nullopt);
     serialize_labels(root, labels);
     validate(labels, faults);
     return labels;

@@ -56,11 +56,11 @@ struct GloveStream {
 
 /// RGB-D camera as its driver describes it.
 struct CameraInfo {
-  int width = 0, height = 0;    ///< of colour images
-  double rate_hz = 20.0;        ///< nominal
-  double depth_unit_m = 0.001;  ///< depth = count * depth_unit_m; count 0: no measurement
+  int width = 0, height = 0;              ///< of colour images
+  double rate_hz = 20.0;                  ///< nominal
+  double depth_unit_m = 0.001;            ///< depth = count * depth_unit_m; count 0: no measurement
   int depth_width = 0, depth_height = 0;  ///< of depth images; 0: as colour images
-  bool is_registered = false;  ///< depth images lie on the colour camera's pixels
+  bool is_registered = false;             ///< depth images lie on the colour camera's pixels
   /// Intrinsics and lens of each camera; nullopt: unknown. A registered depth image has the colour
   /// camera's.
   std::optional<Camera> color_camera = std::nullopt, depth_camera = std::nullopt;
@@ -108,7 +108,7 @@ struct Clip {
   std::string object;
   bool object_fell = false;       ///< the clip is excluded from training and evaluation
   PixelBox hand_box, object_box;  ///< drawn by a user in camera frame `box_frame`, or empty
-  /// Index of a camera frame; nullopt: the clip's first.
+  /// Index of a camera frame (for RecordingWriter: of a colour image); nullopt: the clip's first.
   std::optional<std::size_t> box_frame = std::nullopt;
 };
 
@@ -129,6 +129,9 @@ struct Recording {
   CameraTimes camera_times;
   BoardInfo board;
   Provenance provenance;
+  /// Stamps of colour images for RecordingWriter; empty: as camera_times. RecordingReader, which
+  /// pairs the images, leaves it empty.
+  CameraTimes color_times = {};
 };
 
 /// Ground truth of a simulated recording, for evaluation only. Arrays are row-major; positions and

@@ -8,7 +8,8 @@
 
 namespace touchtrace {
 
-inline constexpr const char* recording_schema = "touchtrace/recording/1";
+inline constexpr const char* recording_schema = "touchtrace/recording/2";
+inline constexpr const char* recording_schema_1 = "touchtrace/recording/1";  ///< still read
 inline constexpr const char* labels_schema = "touchtrace/labels/1";
 inline constexpr std::size_t max_gloves = 2;
 
@@ -20,9 +21,13 @@ struct ClipColumns {
   std::vector<std::string> object;
   std::vector<std::uint8_t> object_fell;
   std::vector<std::int32_t> hand_box, object_box;  ///< [n, 4]: x, y, width, height
+  std::vector<std::int64_t> box_frame;  ///< colour image of the boxes; -1: the clip's first
 };
 
 ClipColumns to_columns(const std::vector<Clip>& clips);
+h5::Axis clip_axis(h5::Saver& group, const ClipColumns& columns);
+/// Number of clips by the first column that exists.
+h5::Axis clip_axis(const h5::Loader& group, ClipColumns& columns);
 
 /// Truth events in the layout of the file.
 struct EventColumns {
@@ -32,36 +37,47 @@ struct EventColumns {
 
 EventColumns to_columns(const std::vector<Truth::Event>& events);
 
-/// Parts that recordings and labels share. Empty if they have a fault.
-std::vector<Clip> read_clips(const h5::Loader& root);
+/// Parts that recordings and labels share. Empty if they have a fault. `whole`: the only clip if
+/// the file has none, and default of members that are missing.
+std::vector<Clip> read_clips(const h5::Loader& root, const std::optional<Clip>& whole);
 Provenance read_provenance(const h5::Loader& root);
+GloveStream read_glove(const h5::Loader& group);
 Truth read_truth_group(const h5::Loader& root);
 
 // Layout of the file. Each template is used with an h5::Saver and a const value to write, and with
 // an h5::Loader to read and check. pipeline/recording/README.md documents the layout for users.
 
+/// Returns the clip axis.
 template <class Archive, class Columns>
-void serialize_clips(Archive& group, Columns& c) {
-  const h5::Axis clip = group.axis("start_s", c.start_s, {"s", "start of the clip, host clock"});
+h5::Axis serialize_clips(Archive& group, Columns& c) {
+  const h5::Axis clip = clip_axis(group, c);
   const h5::Axis corner = group.axis("corner", 4);
-  group.array("end_s", c.end_s, {clip}, {"s", "end of the clip, host clock"});
-  group.texts("object", c.object, clip, {"1", "object name"});
-  group.array("dropped", c.object_fell, {clip}, {"1", "1: the object fell"});
-  group.array("hand_box", c.hand_box, {clip, corner},
-              {"1", "x, y, width, height in the colour image, pixels"});
-  group.array("object_box", c.object_box, {clip, corner},
-              {"1", "x, y, width, height in the colour image, pixels"});
+  group.optional_array("end_s", c.end_s, {clip}, {"s", "end of the clip, host clock"});
+  group.optional_texts("object", c.object, clip, {"1", "object name"});
+  group.optional_array("dropped", c.object_fell, {clip}, {"1", "1: the object fell"});
+  group.optional_array("hand_box", c.hand_box, {clip, corner},
+                       {"1", "x, y, width, height in the colour image, pixels"});
+  group.optional_array("object_box", c.object_box, {clip, corner},
+                       {"1", "x, y, width, height in the colour image, pixels"});
+  group.optional_array("box_frame", c.box_frame, {clip},
+                       {"1", "index of the colour image of the boxes, -1: first of the clip"});
+  return clip;
 }
 
 template <class Archive, class Info>
 void serialize_glove_info(Archive& group, Info& info) {
-  group.attribute("name", info.name);
-  group.attribute("rows", info.rows);
-  group.attribute("cols", info.cols);
-  group.attribute("rate_hz", info.rate_hz);
-  group.attribute("scan_s", info.scan_s);
-  group.attribute("bits", info.bits);
-  group.attribute("polarity", info.polarity);
+  group.optional_attribute("name", info.name);
+  group.optional_attribute("rows", info.rows);
+  group.optional_attribute("cols", info.cols);
+  group.optional_attribute("rate_hz", info.rate_hz);
+  group.optional_attribute("scan_s", info.scan_s);
+  group.optional_attribute("bits", info.bits);
+  group.optional_attribute("polarity", info.polarity);
+}
+
+/// Length of an axis; unknown for a faulty attribute.
+inline std::size_t axis_length(int length) {
+  return length > 0 ? static_cast<std::size_t>(length) : h5::unknown_length;
 }
 
 /// A std::array of doubles.
@@ -95,54 +111,24 @@ void serialize_inertial(Archive& group, Stream& stream) {
 template <class Archive, class Stream>
 void serialize_glove(Archive& group, Stream& stream) {
   serialize_glove_info(group, stream.info);
-  const h5::Axis row = group.axis("row", static_cast<std::size_t>(stream.info.rows));
-  const h5::Axis col = group.axis("col", static_cast<std::size_t>(stream.info.cols));
+  const h5::Axis row = group.axis("row", axis_length(stream.info.rows));
+  const h5::Axis col = group.axis("col", axis_length(stream.info.cols));
   const h5::Axis xyz = group.axis("xyz", 3);
   const h5::Axis frame =
       group.axis("host_time_s", stream.host_time_s, {"s", "arrival, host clock"});
-  group.array("sequence", stream.sequence, {frame}, {"1", "frame counter of the glove"});
+  group.optional_array("sequence", stream.sequence, {frame}, {"1", "frame counter of the glove"});
   group.array("counts", stream.counts, {frame, row, col},
               {"1", "counts of the analog-to-digital converter"});
-  group.array("baseline", stream.info.baseline_counts, {row, col}, {"1", "counts without contact"});
-  group.array("mask", stream.info.mask, {row, col}, {"1", "1: taxel exists"});
-  group.array("taxel_position", stream.info.taxel_position_m, {row, col, xyz},
-              {"m", "position of the taxel, hand's frame; NaN: unknown"});
+  group.optional_array("baseline", stream.info.baseline_counts, {row, col},
+                       {"1", "counts without contact"});
+  group.optional_array("mask", stream.info.mask, {row, col}, {"1", "1: taxel exists"});
+  group.optional_array("taxel_position", stream.info.taxel_position_m, {row, col, xyz},
+                       {"m", "position of the taxel, hand's frame; NaN: unknown"});
   if constexpr (!std::is_const_v<Stream>)
     if (group.has("inertial")) stream.inertial.emplace();
   if (!stream.inertial) return;
   auto inertial = group.group("inertial");
   serialize_inertial(inertial, *stream.inertial);
-}
-
-/// Gravity; zeros if unknown.
-std::array<double, 3> gravity_values(const CameraInfo& camera);
-/// fx, fy, cx, cy of the depth camera; zeros if unknown.
-std::array<double, 4> depth_intrinsics(const CameraInfo& camera);
-void set_driver_values(CameraInfo& camera, const std::array<double, 3>& gravity,
-                       const std::array<double, 4>& intrinsics);
-
-template <class Archive, class Camera>
-void serialize_camera_info(Archive& group, Camera& camera) {
-  group.attribute("width", camera.width);
-  group.attribute("height", camera.height);
-  group.attribute("rate_hz", camera.rate_hz);
-  group.attribute("depth_unit_m", camera.depth_unit_m);
-  auto gravity = gravity_values(camera);
-  serialize_numbers(group, "gravity", gravity, group.axis("xyz", 3),
-                    {"m s-2", "gravity, colour camera's frame"});
-  auto intrinsics = depth_intrinsics(camera);
-  serialize_numbers(group, "depth_intrinsics", intrinsics, group.axis("fx_fy_cx_cy", 4),
-                    {"1", "intrinsics of the depth camera from its driver, pixels; 0: unknown"});
-  if constexpr (!std::is_const_v<Camera>) set_driver_values(camera, gravity, intrinsics);
-}
-
-/// Returns the frame axis.
-template <class Archive, class Times>
-h5::Axis serialize_camera_times(Archive& group, Times& times) {
-  const h5::Axis frame = group.axis("host_time_s", times.host_time_s, {"s", "arrival, host clock"});
-  group.array("device_time_s", times.device_time_s, {frame}, {"s", "camera's clock"});
-  group.array("sequence", times.sequence, {frame}, {"1", "frame counter of the camera"});
-  return frame;
 }
 
 template <class Archive, class Board>

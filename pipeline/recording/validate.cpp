@@ -15,6 +15,8 @@ namespace {
 constexpr int max_rows = 4096;  // of taxels; also columns
 constexpr int max_image_size = 16384;
 constexpr double max_rate_hz = 1e5;
+constexpr std::uint64_t max_counted_frames = 100'000'000;
+constexpr double max_clip_time_s = 1e6;
 
 /// Faults of the group at `path`.
 class Validator {
@@ -60,7 +62,18 @@ class Validator {
   }
   void require_times(const std::string& dataset, const std::vector<double>& times_s) const {
     require_finite(dataset, times_s);
-    require_increasing(dataset, times_s);
+    const auto bad = std::ranges::is_sorted_until(times_s);
+    if (bad != times_s.end())
+      require(false, dataset,
+              fmt::format("expected times that do not run backward, found {} after {} at index {}",
+                          *bad, *(bad - 1), bad - times_s.begin()));
+  }
+  void require_counter(const std::string& dataset, const std::vector<std::uint64_t>& values) const {
+    require_increasing(dataset, values);
+    require(values.empty() || values.back() - values.front() <= max_counted_frames, dataset,
+            fmt::format("expected at most {} frames with the lost ones, found {} to {}",
+                        max_counted_frames, values.empty() ? 0 : values.front(),
+                        values.empty() ? 0 : values.back()));
   }
   void require_clip_indices(const std::vector<std::int32_t>& clip, std::size_t num_clips) const {
     require(std::is_sorted(clip.begin(), clip.end()), "clip",
@@ -78,10 +91,6 @@ class Validator {
   std::string path_;
 };
 
-void validate_activity(const std::string& activity, FileFaults& faults) {
-  faults.require(!activity.empty(), attribute_path("", "activity"), "expected a name, found none");
-}
-
 void validate_clips(const std::vector<Clip>& clips, FileFaults& faults) {
   double last_end_s = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < clips.size(); ++i) {
@@ -89,6 +98,10 @@ void validate_clips(const std::vector<Clip>& clips, FileFaults& faults) {
     const std::string path = fmt::format("/clips, clip {}", i);
     faults.require(std::isfinite(start_s) && std::isfinite(end_s) && start_s < end_s, path,
                    fmt::format("expected start_s < end_s, found {} and {}", start_s, end_s));
+    faults.require(!(std::abs(start_s) > max_clip_time_s || std::abs(end_s) > max_clip_time_s),
+                   path,
+                   fmt::format("expected times of the streams' clock, within {} s, found {} to {}",
+                               max_clip_time_s, start_s, end_s));
     faults.require(
         !(start_s < last_end_s), path,
         fmt::format("starts at {} s, before the previous clip ends at {} s", start_s, last_end_s));
@@ -102,7 +115,7 @@ void validate_inertial(const InertialStream& unit, const Validator& group) {
   group.require_finite("specific_force", unit.specific_force_m_per_s2);
   group.require_finite("angular_velocity", unit.angular_velocity_rad_per_s);
   group.require_finite("orientation_wxyz", unit.orientation_wxyz);
-  group.require_increasing("sequence", unit.sequence);
+  group.require_counter("sequence", unit.sequence);
   group.require_times("host_time_s", unit.host_time_s);
 }
 
@@ -131,22 +144,18 @@ void validate_glove(const GloveStream& glove, const Validator& group) {
         found <= max_count, "counts",
         fmt::format("expected at most {} ({} bits), found {}", max_count, glove.info.bits, found));
   }
-  group.require_increasing("sequence", glove.sequence);
+  group.require_counter("sequence", glove.sequence);
   group.require_times("host_time_s", glove.host_time_s);
   if (glove.inertial) validate_inertial(*glove.inertial, group.group("inertial"));
 }
 
-void validate_camera(const Recording& recording, const Validator& group) {
-  const CameraInfo& camera = recording.camera;
-  group.require_range("width", camera.width, 0, max_image_size);
-  group.require_range("height", camera.height, 0, max_image_size);
-  group.require_rate(camera.rate_hz);
-  group.require_positive("depth_unit_m", camera.depth_unit_m, 1.0);
-  group.require_finite("gravity", gravity_values(camera));
-  group.require_finite("depth_intrinsics", depth_intrinsics(camera));
-  group.require_increasing("sequence", recording.camera_times.sequence);
-  group.require_times("device_time_s", recording.camera_times.device_time_s);
-  group.require_times("host_time_s", recording.camera_times.host_time_s);
+void validate_camera(const CameraInfo& camera, const Validator& color, const Validator& depth) {
+  color.require_range("width", camera.width, 0, max_image_size);
+  color.require_range("height", camera.height, 0, max_image_size);
+  depth.require_range("width", camera.depth_image_width(), 0, max_image_size);
+  depth.require_range("height", camera.depth_image_height(), 0, max_image_size);
+  depth.require_rate(camera.rate_hz);
+  depth.require_positive("depth_unit_m", camera.depth_unit_m, 1.0);
 }
 
 void validate_board(const BoardInfo& board, const Validator& group) {
@@ -188,10 +197,17 @@ void validate_labelled_body(const LabelledBody& body, const Validator& group) {
 
 }  // namespace
 
-void validate(const Recording& recording, FileFaults& faults) {
-  validate_activity(recording.activity, faults);
+void validate(const CameraTimes& times, const std::string& path, FileFaults& faults) {
+  const Validator group(faults, path);
+  group.require_counter("sequence", times.sequence);
+  group.require_times("device_time_s", times.device_time_s);
+  group.require_times("host_time_s", times.host_time_s);
+}
+
+void validate(const Recording& recording, const std::string& color, const std::string& depth,
+              FileFaults& faults) {
   validate_clips(recording.clips, faults);
-  validate_camera(recording, {faults, "/camera"});
+  validate_camera(recording.camera, {faults, color}, {faults, depth});
   validate_board(recording.board, {faults, "/board"});
   for (std::size_t i = 0; i < recording.gloves.size(); ++i)
     validate_glove(recording.gloves[i], {faults, "/" + glove_group(i)});
@@ -207,7 +223,6 @@ void validate(const Truth& truth, FileFaults& faults) {
 }
 
 void validate(const Labels& labels, FileFaults& faults) {
-  validate_activity(labels.activity, faults);
   validate_clips(labels.clips, faults);
   const Validator label(faults, "/label"), raw(faults, "/raw");
   label.require_times("time_s", labels.time_s);

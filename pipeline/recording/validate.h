@@ -6,10 +6,13 @@
 
 namespace touchtrace {
 
-/// Record faults of values: times that are not finite or do not increase strictly, attributes out
-/// of range, clips out of order. Types and shapes are checked by h5::Loader. Paths of faults are
-/// those of the file.
-void validate(const Recording& recording, FileFaults& faults);
+/// Record faults of values: times that are not finite or run backward, counters that do not
+/// increase strictly, attributes out of range, clips out of order. Types and shapes are checked by
+/// h5::Loader. Paths of faults are those of the file. `color`, `depth`: paths of the camera's
+/// groups.
+void validate(const Recording& recording, const std::string& color, const std::string& depth,
+              FileFaults& faults);
+void validate(const CameraTimes& times, const std::string& group, FileFaults& faults);
 void validate(const Truth& truth, FileFaults& faults);
 void validate(const Labels& labels, FileFaults& faults);
 

@@ -117,7 +117,7 @@ inline SampleRecording sample_recording(int frames_per_clip = 20) {
   recording.camera.width = 8, recording.camera.height = 6;
   recording.camera.depth_camera = Camera{8, 6, 7.5, 7.25, 4.0, 3.0};
   recording.camera.gravity_m_per_s2 = {0.0, 9.81, 0.0};
-  recording.provenance = start_provenance("touchtrace/recording/1", "simulate");
+  recording.provenance = start_provenance("touchtrace/recording/2", "simulate");
   recording.provenance.options = {{"activity", "wave"}};
   for (const auto& clip : recording.clips)
     for (double t = clip.start_s; t < clip.end_s; t += 1.0 / recording.camera.rate_hz) {

@@ -5,7 +5,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
-#include "pipeline/recording/recording_schema.h"
+#include "pipeline/recording/camera_schema.h"
 #include "pipeline/scene/base/parameter_registry.h"
 #include "pipeline/scene/base/scene.h"
 #include "pipeline/scene/camera/camera_clock.h"

@@ -24,7 +24,7 @@ SceneOptions short_scene() {
   return options;
 }
 
-Provenance provenance() { return start_provenance("touchtrace/recording/1", "simulate"); }
+Provenance provenance() { return start_provenance("touchtrace/recording/2", "simulate"); }
 
 TEST(Simulate, SummaryMatchesTheRecording) {
   const SceneOptions options = short_scene();

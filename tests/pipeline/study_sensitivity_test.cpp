@@ -93,7 +93,7 @@ TEST(StudySensitivity, RenderedLabelsHaveMeasurementErrors) {
   scene::SceneOptions scene;
   scene.minutes = 0.2;
   simulate_recording(scene, &runtime, folder / "wave.h5", false,
-                     start_provenance("touchtrace/recording/1", "test"));
+                     start_provenance("touchtrace/recording/2", "test"));
   const Dataset data = load_with_rendered_labels(folder / "wave.h5", 8);
   double square_m2 = 0.0, trusted = 0.0;
   for (int i = 0; i < data.frames(); ++i)
@@ -113,7 +113,7 @@ TEST(StudySensitivity, ModelledLabelsHaveTheModelledErrors) {
   scene::SceneOptions scene;
   scene.minutes = 5.0;
   simulate_recording(scene, nullptr, folder / "wave.h5", false,
-                     start_provenance("touchtrace/recording/1", "test"));
+                     start_provenance("touchtrace/recording/2", "test"));
   const LabelErrorModel model{
       {{0.004, 0.002, 0.006}, 0.05, 0.10}, {{0.005, 0.005, 0.005}, 0.03, 0.03}, 0.0, 0.2};
   const Dataset data = load_with_modelled_labels(folder / "wave.h5", model, 8, 1);

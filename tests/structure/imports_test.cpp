@@ -40,7 +40,7 @@ const std::map<std::string, std::set<std::string>>& allowed() {
       {"calib/rgbd", {"engine/base", "calib/camera", "calib/board"}},
       {"calib/rig", {"engine/base", "calib/camera", "calib/board", "calib/rgbd"}},
       {"calib/smooth", {"engine/base"}},
-      {"pipeline/recording", {"engine/base"}},
+      {"pipeline/recording", {"engine/base", "calib/camera"}},
       {"pipeline/dataset", {"engine/base", "pipeline/recording"}},
       {"pipeline/scene/objects", {"engine/base"}},
       {"pipeline/scene/base", scene({"objects"})},

@@ -8,8 +8,7 @@ namespace touchtrace {
 /// [flights] Cramer-Rao bounds of the landing times' standard deviations [s] for a motion with the
 /// given noise and all other event times known.
 std::vector<double> landing_sigma_bounds_s(const SyntheticMotion& motion, const Track& track,
-                                           const MotionNoise& noise,
-                                           const SmoothOptions& options);
+                                           const MotionNoise& noise, const SmoothOptions& options);
 
 /// Lower bound of the velocity RMS at camera frames [m/s]; `known_rms`: the RMS if impact times
 /// were known. A frame near an impact, whose time is normally distributed with standard deviation

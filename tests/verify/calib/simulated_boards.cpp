@@ -36,7 +36,8 @@ RgbdParameters true_fisheye() {
   return truth;
 }
 
-std::array<double, 6> pose_with_centre(const CalibrationTarget& board, const Eigen::Matrix3d& rotation,
+std::array<double, 6> pose_with_centre(const CalibrationTarget& board,
+                                       const Eigen::Matrix3d& rotation,
                                        const Eigen::Vector3d& centre_m) {
   const Eigen::AngleAxisd angle_axis(rotation);
   const Eigen::Vector3d r = angle_axis.angle() * angle_axis.axis();

@@ -28,7 +28,8 @@ struct Photographs {
 };
 
 Photographs calibrate_photographs(const std::string& side) {
-  const auto views = board_views_from_images({photographs + ("/" + side) + "0?.jpg"}, CalibrationTarget{});
+  const auto views =
+      board_views_from_images({photographs + ("/" + side) + "0?.jpg"}, CalibrationTarget{});
   return {"opencv-doc " + side + "01..09, ", calibrate(views, {.cross_validate = true}),
           calibrate_with_ideal_board(views, {})};
 }

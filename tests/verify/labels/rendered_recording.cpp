@@ -24,7 +24,7 @@ void simulate(const RenderedScene& scene, const std::filesystem::path& output) {
   options.minutes = half_a_minute;
   options.image_width = scene.width, options.image_height = scene.height;
   scene::simulate_recording(options, &runtime, output, true,
-                            start_provenance("touchtrace/recording/1", "verify"));
+                            start_provenance("touchtrace/recording/2", "verify"));
 }
 
 void cover(RgbdFrame& frame, double depth_unit_m) {

@@ -49,7 +49,7 @@ Recording make_recording(const CameraInfo& camera, int frames) {
   Recording recording;
   recording.activity = "wave";
   recording.camera = camera;
-  recording.provenance = start_provenance("touchtrace/recording/1", "verify");
+  recording.provenance = start_provenance("touchtrace/recording/2", "verify");
   for (int i = 0; i < frames; ++i) {
     recording.camera_times.sequence.push_back(static_cast<std::uint64_t>(i));
     recording.camera_times.device_time_s.push_back(i / camera.rate_hz);

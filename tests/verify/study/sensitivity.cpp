@@ -119,7 +119,7 @@ class Study {
     const fs::path file = folder.path() / "recording.h5";
     const auto summary =
         scene::simulate_recording(scene, options_.images ? &runtime_ : nullptr, file, false,
-                                  start_provenance("touchtrace/recording/1", "sensitivity"));
+                                  start_provenance("touchtrace/recording/2", "sensitivity"));
     row["dropped_clips"] = summary.dropped_clips;
     return {"simulated",
             options_.images

@@ -93,12 +93,12 @@ bool is_camera_info_message(const json& y) { return y.contains("K") || y.contain
 /// `rostopic echo` prints them, k and d as `ros2 topic echo` does.
 json with_file_keys(const json& message) {
   const bool is_ros1 = message.contains("K");
-  return {{"image_width", message.at("width")},
-          {"image_height", message.at("height")},
-          {"distortion_model", message.value("distortion_model", "")},
-          {"camera_matrix", {{"data", message.at(is_ros1 ? "K" : "k")}}},
-          {"distortion_coefficients",
-           {{"data", message.value(is_ros1 ? "D" : "d", json::array())}}}};
+  return {
+      {"image_width", message.at("width")},
+      {"image_height", message.at("height")},
+      {"distortion_model", message.value("distortion_model", "")},
+      {"camera_matrix", {{"data", message.at(is_ros1 ? "K" : "k")}}},
+      {"distortion_coefficients", {{"data", message.value(is_ros1 ? "D" : "d", json::array())}}}};
 }
 
 /// Camera of a camera_info, which names the lens, or a cv::FileStorage, which has at most
@@ -115,8 +115,8 @@ json camera_from_matrices(const json& y) {
   const json& k = y.at("camera_matrix").at("data");
   require_foreign(k.is_array() && k.size() == 9 && k[1] == 0.0,
                   "camera_matrix is not a 3x3 matrix without skew");
-  return camera(y.at("image_width"), y.at("image_height"), {k[0], k[4], k[2], k[5]},
-                coefficients, [&](const Lens& lens) {
+  return camera(y.at("image_width"), y.at("image_height"), {k[0], k[4], k[2], k[5]}, coefficients,
+                [&](const Lens& lens) {
                   return model.empty() ? is_perspective(lens) != fisheye
                                        : model == lens_interop(lens).ros;
                 });
@@ -226,10 +226,10 @@ auto read_yaml(const std::filesystem::path& file, Read&& read) {
   try {
     return read(parse_yaml(text));
   } catch (const std::exception& error) {
-    throw data_error(
-        fmt::format("cannot read calibration {}: {}", file.string(), error.what()),
-        "use a folder of `touchtrace calibrate`, a camera_info (file or output of `rostopic echo`), "
-        "a cv::FileStorage or a camchain");
+    throw data_error(fmt::format("cannot read calibration {}: {}", file.string(), error.what()),
+                     "use a folder of `touchtrace calibrate`, a camera_info (file or output of "
+                     "`rostopic echo`), "
+                     "a cv::FileStorage or a camchain");
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
 
 namespace touchtrace {
@@ -42,6 +43,9 @@ std::vector<StampedFile> read_tum_list(const fs::path& folder, const char* list)
     file.path = folder / path;
     files.push_back(std::move(file));
   }
+  if (!std::ranges::is_sorted(files, {}, &StampedFile::time_s))
+    Progress::report(fmt::format("warning: the times in {} do not increase; images are sorted",
+                                 (folder / list).string()));
   std::ranges::stable_sort(files, {}, &StampedFile::time_s);
   return files;
 }

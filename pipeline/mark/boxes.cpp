@@ -1,6 +1,7 @@
 #include "pipeline/mark/boxes.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -8,35 +9,9 @@
 
 #include "engine/base/error.h"
 #include "engine/base/text.h"
+#include "pipeline/recording/check.h"
 
 namespace touchtrace {
-namespace {
-
-std::string text_of(const PixelBox& box) {
-  return fmt::format("{},{},{},{}", box.x, box.y, box.width, box.height);
-}
-
-void require_inside(const PixelBox& box, const char* name, const CameraInfo& camera) {
-  if (box.empty())
-    throw data_error(fmt::format("the box {} of the {} is empty", text_of(box), name),
-                     "width and height are positive: x,y,width,height");
-  const bool is_inside = box.x >= 0 && box.y >= 0 && box.x < camera.width &&
-                         box.y < camera.height && box.width <= camera.width - box.x &&
-                         box.height <= camera.height - box.y;
-  if (is_inside) return;
-  const bool are_corners = box.x < box.width && box.y < box.height && box.x >= 0 && box.y >= 0 &&
-                           box.width <= camera.width && box.height <= camera.height;
-  throw data_error(
-      fmt::format("the box {} of the {} leaves the image of {}x{} pixels", text_of(box), name,
-                  camera.width, camera.height),
-      are_corners ? fmt::format("a box is x,y,width,height: for the corners ({}, {}) and ({}, {}) "
-                                "write {}",
-                                box.x, box.y, box.width, box.height,
-                                text_of({box.x, box.y, box.width - box.x, box.height - box.y}))
-                  : "a box is x,y,width,height in pixels of the colour image");
-}
-
-}  // namespace
 
 PixelBox parse_box(const std::string& text) {
   const auto parts = split_text(text, ',');
@@ -68,16 +43,13 @@ void require_plausible(const ClipBoxes& boxes, const Recording& recording) {
     throw data_error(fmt::format("clip {} does not exist: there are {}, counted from 0", boxes.clip,
                                  recording.clips.size()),
                      "`touchtrace check` lists what a recording holds");
-  const auto& times_s = recording.camera_times.host_time_s;
-  const Clip& clip = recording.clips[boxes.clip];
-  if (boxes.frame >= times_s.size() || times_s[boxes.frame] < clip.start_s ||
-      times_s[boxes.frame] > clip.end_s)
-    throw data_error(fmt::format("frame {} is not in clip {}", boxes.frame, boxes.clip),
-                     fmt::format("its first frame is {}", first_frame(recording, clip)));
-  require_inside(boxes.hand, "hand", recording.camera);
-  require_inside(boxes.object, "object", recording.camera);
-  if (text_of(boxes.hand) == text_of(boxes.object))
-    throw data_error("hand and object have the same box", "draw each box around one of them");
+  Clip clip = recording.clips[boxes.clip];
+  clip.hand_box = boxes.hand, clip.object_box = boxes.object, clip.box_frame = boxes.frame;
+  auto faults = box_faults(clip, recording);
+  if (boxes.hand.empty() || boxes.object.empty()) faults.emplace_back("a box is empty");
+  if (!faults.empty())
+    throw data_error(fmt::format("clip {}: {}", boxes.clip, fmt::join(faults, "; ")),
+                     "a box is x,y,width,height in pixels of the colour image");
 }
 
 }  // namespace touchtrace

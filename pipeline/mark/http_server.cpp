@@ -11,9 +11,9 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <optional>
 #include <chrono>
 #include <cstring>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -25,7 +25,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t max_request_bytes = 1u << 20, max_connections = 32;
+constexpr std::size_t max_request_bytes = 1u << 20;
+constexpr std::size_t max_connections = 32;
 constexpr auto patience = std::chrono::seconds(10);
 constexpr int poll_ms = 100;
 

@@ -24,8 +24,7 @@ nlohmann::json box_json(const PixelBox& box) {
 /// Last camera frame before the clip's end.
 std::size_t last_frame(const Recording& recording, const Clip& clip) {
   const auto& times_s = recording.camera_times.host_time_s;
-  return static_cast<std::size_t>(std::ranges::lower_bound(times_s, clip.end_s) -
-                                  times_s.begin()) -
+  return static_cast<std::size_t>(std::ranges::lower_bound(times_s, clip.end_s) - times_s.begin()) -
          1;
 }
 
@@ -72,8 +71,7 @@ std::string MarkSession::jpeg(std::size_t frame) const {
     throw data_error(fmt::format("frame {} does not exist", frame), "frames are counted from 0");
   auto color = reader_.read_camera_frame(frame).color;
   cv::Mat bgr;
-  cv::cvtColor(cv::Mat(camera.height, camera.width, CV_8UC3, color.data()), bgr,
-               cv::COLOR_RGB2BGR);
+  cv::cvtColor(cv::Mat(camera.height, camera.width, CV_8UC3, color.data()), bgr, cv::COLOR_RGB2BGR);
   std::vector<std::uint8_t> bytes;
   cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
   return {bytes.begin(), bytes.end()};

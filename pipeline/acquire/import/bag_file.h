@@ -13,8 +13,8 @@ namespace touchtrace {
 
 /// Message of a bag, not read yet.
 struct BagMessage {
-  double record_time_s = 0.0;  ///< Unix time at which it was recorded
-  std::size_t chunk = 0;       ///< index
+  double record_time_s = 0.0;        ///< Unix time at which it was recorded
+  std::size_t chunk = 0;             ///< index
   std::size_t offset = 0, size = 0;  ///< in the chunk
 };
 

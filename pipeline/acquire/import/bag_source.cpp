@@ -66,8 +66,10 @@ const ImageTopic& choose_topic(const std::vector<ImageTopic>& topics, const std:
     for (const ImageTopic& topic : topics)
       names.push_back(fmt::format("{} ({})", topic.name, topic.first.encoding));
     throw data_error(
-        fmt::format("the bag has no {} topic {}", kind, wanted),
-        fmt::format("--{}-topic chooses one of: {}", kind, comma_separated(names)));
+        wanted.empty() ? fmt::format("the bag has no {} images", kind)
+                       : fmt::format("the bag has no {} images of topic {}", kind, wanted),
+        names.empty() ? "none of its topics is a sensor_msgs/Image or CompressedImage"
+                      : fmt::format("--{}-topic chooses one of: {}", kind, comma_separated(names)));
   }
   Progress::report(fmt::format("{} topic: {}", kind, found->name));
   return *found;

@@ -54,7 +54,7 @@ std::vector<Clip> read_clips(const std::filesystem::path& file, const RecordedTi
   };
   std::vector<Clip> clips;
   for_each_row(table, max_clips, hint, [&] {
-    Clip clip{seconds(columns.start), seconds(columns.end), object};
+    Clip clip{seconds(columns.start), seconds(columns.end), object, false, {}, {}};
     if (columns.object < table.num_columns()) clip.object = table.fields()[columns.object];
     require_valid(clip, clips, time);
     clips.push_back(std::move(clip));

@@ -23,8 +23,9 @@ struct DepthScale {
 /// `values_per_m`: as the user states it; 0: the source's, or metres of floating-point numbers.
 DepthScale depth_scale(const ImportSource& source, int type, double values_per_m);
 
-/// Throws data_error, with another scale, if the median depth of some images is implausible for a
-/// camera.
+/// Throws data_error, with other scales, if the median depth of some images is implausible for a
+/// camera, or if images in the TUM format may be in millimetres. `is_given`: the user stated the
+/// scale.
 void require_plausible(const DepthScale& scale, const SourceStream& depth, bool is_given);
 
 }  // namespace touchtrace

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array color_names{"rgb", "color", "colour", "images"};
-constexpr std::array depth_names{"depth"};
+constexpr std::array depth_names{"depth", "depths"};
 
 std::optional<fs::path> find_folder(const fs::path& folder, std::span<const char* const> names) {
   for (const char* name : names)
@@ -59,8 +59,8 @@ ImportSource open_image_folder(const fs::path& folder, const SourceOptions& opti
   if (const auto depths = find_folder(folder, depth_names))
     source.depth = open_depth(*depths, options.rate_hz);
   else
-    Progress::report(fmt::format("warning: {} has no folder 'depth'; only colour is imported",
-                                 folder.string()));
+    Progress::report(
+        fmt::format("warning: {} has no folder 'depth'; only colour is imported", folder.string()));
   return source;
 }
 

@@ -15,7 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t min_stamp_digits = 13, max_images = 10'000'000;
+constexpr std::size_t min_stamp_digits = 13;
+constexpr std::size_t max_images = 10'000'000;
 
 /// Last number in the file's name; empty if there is none.
 std::string number_text(const fs::path& image) {
@@ -55,8 +56,7 @@ TableColumn time_column(const TextTable& table) {
           find_column(table, table.names(), {"time", "t", "timestamp", "stamp"}, time_units()))
     return *named;
   for (std::size_t i = 0; i < table.fields().size(); ++i)
-    if (parse_number<double>(table.fields()[i], table.has_decimal_comma()))
-      return {i, 1.0, "time"};
+    if (parse_number<double>(table.fields()[i], table.has_decimal_comma())) return {i, 1.0, "time"};
   throw LineFault{"no number"};
 }
 
@@ -77,8 +77,8 @@ std::vector<double> listed_times(const fs::path& list, std::size_t num_images,
                                  const fs::path& folder) {
   auto times_s = read_times(list);
   if (times_s.size() != num_images)
-    throw data_error(fmt::format("{} has {} times, {} has {} images", list.string(),
-                                 times_s.size(), folder.string(), num_images),
+    throw data_error(fmt::format("{} has {} times, {} has {} images", list.string(), times_s.size(),
+                                 folder.string(), num_images),
                      "give one time per image, or one list in each folder");
   return times_s;
 }

@@ -17,6 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double min_unix_s = 1e8;
+constexpr double default_rate_hz = 30.0;  // of a single image
+constexpr double max_rate_hz = 1000.0;
 
 void require_consistent(const ImportOptions& o) {
   if (o.camera.registered && o.camera.no_registered)
@@ -30,20 +32,49 @@ void require_consistent(const ImportOptions& o) {
                       "give --hand-id and --object-id");
 }
 
-/// Unix time of the first image; 0 if the source's clock is another one.
-double unix_epoch_s(const ImportSource& source) {
-  double first_s = source.color.images.front().host_time_s;
-  if (!source.depth.images.empty())
-    first_s = std::min(first_s, source.depth.images.front().host_time_s);
-  return first_s > min_unix_s ? first_s : 0.0;
+/// Interval of all images on the source's clock.
+RecordedTime recorded_time(const ImportSource& source, double rate_hz) {
+  RecordedTime time{source.color.images.front().host_time_s,
+                    source.color.images.back().host_time_s};
+  if (!source.depth.images.empty()) {
+    time.first_s = std::min(time.first_s, source.depth.images.front().host_time_s);
+    time.last_s = std::max(time.last_s, source.depth.images.back().host_time_s);
+  }
+  time.last_s += 1.0 / rate_hz;
+  return time;
+}
+
+double plausible_rate_hz(const ImportSource& source) {
+  const double rate_hz =
+      median_rate_hz(source.depth.images.empty() ? source.color : source.depth, default_rate_hz);
+  if (rate_hz > max_rate_hz)
+    throw data_error(fmt::format("the stamps say {:.3g} images per second", rate_hz),
+                     "stamps are times in seconds, not durations; check the file with the times");
+  return rate_hz;
+}
+
+/// Everything except the stamps. Unix times become seconds since the first image.
+Recording describe_recording(const ImportSource& source, const CameraInfo& camera,
+                             const ImportOptions& options, const Provenance& provenance) {
+  RecordedTime time = recorded_time(source, camera.rate_hz);
+  if (time.first_s > min_unix_s) {
+    time.epoch_s = time.first_s;
+    time.first_s -= time.epoch_s, time.last_s -= time.epoch_s;
+  }
+  Recording recording{.activity = options.activity, .epoch_unix_s = time.epoch_s};
+  recording.camera = camera;
+  recording.provenance = provenance;
+  recording.clips = {{time.first_s, time.last_s, options.object, false, {}, {}}};
+  if (!options.clips.empty()) recording.clips = read_clips(options.clips, time, options.object);
+  return recording;
 }
 
 /// Copies both streams in order of time, so that a bag is read once from its start to its end.
 void copy_streams(StreamCopy& color, StreamCopy& depth, std::size_t num_images) {
   Progress progress("importing images", num_images);
   while (!color.is_finished() || !depth.is_finished()) {
-    const bool is_color_next = depth.is_finished() || (!color.is_finished() &&
-                                                       color.next_time_s() <= depth.next_time_s());
+    const bool is_color_next =
+        depth.is_finished() || (!color.is_finished() && color.next_time_s() <= depth.next_time_s());
     (is_color_next ? color : depth).copy_next();
     progress.advance();
   }
@@ -67,15 +98,14 @@ std::optional<std::vector<std::uint8_t>> try_read_mask(const fs::path& file, con
   }
 }
 
-void append_masks(RecordingWriter& writer, const ImportOptions& options, const ImportSource& source,
-                  const std::map<std::size_t, std::size_t>& copied, cv::Size size) {
-  const auto files = mask_files(options.masks, source.color.images);
+void append_masks(RecordingWriter& writer, const std::map<std::size_t, fs::path>& files,
+                  const MaskIds& ids, const StreamCopy& color, cv::Size size) {
   Progress progress("importing masks", files.size());
   for (const auto& [image, file] : files) {
     progress.advance();
-    if (!copied.contains(image)) continue;
-    if (const auto mask = try_read_mask(file, options.mask_ids, size))
-      writer.append_mask(copied.at(image), *mask);
+    if (!color.copied().contains(image)) continue;
+    if (const auto mask = try_read_mask(file, ids, size))
+      writer.append_mask(color.copied().at(image), *mask);
   }
 }
 
@@ -91,14 +121,6 @@ void append_background(RecordingWriter& writer, const ImportOptions& options,
     throw data_error(fmt::format("{} has no depth images", options.background),
                      "background needs colour and depth");
   append_background(writer, background, camera, {0, background.depth.images.size() - 1});
-}
-
-std::vector<Clip> make_clips(const ImportOptions& options, const Recording& recording) {
-  const auto& times_s = recording.camera_times.host_time_s;
-  const RecordedTime time{times_s.front(), times_s.back() + 1.0 / recording.camera.rate_hz,
-                          recording.epoch_unix_s};
-  if (!options.clips.empty()) return read_clips(options.clips, time, options.object);
-  return {{time.first_s, time.last_s, options.object}};
 }
 
 nlohmann::json summarize(const Recording& recording, const StreamCopy& color,
@@ -124,8 +146,12 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
   require_consistent(options);
   const ImportSource source = open_source(path, options.source);
   SourceCamera camera = describe_camera(path, source, options.camera);
+  camera.info.rate_hz = plausible_rate_hz(source);
+  Recording recording = describe_recording(source, camera.info, options, provenance);
+  const auto masks = options.masks.empty() ? std::map<std::size_t, fs::path>{}
+                                           : mask_files(options.masks, source.color.images);
   RecordingWriter writer(output, camera.info, overwrite);
-  Recording recording{.activity = options.activity, .epoch_unix_s = unix_epoch_s(source)};
+  append_background(writer, options, source, camera);
   StreamCopy color(source.color, camera.color, recording.epoch_unix_s,
                    [&](const cv::Mat& image) { writer.append_color(rgb_values(image)); });
   StreamCopy depth(source.depth, camera.depth, recording.epoch_unix_s, [&](const cv::Mat& image) {
@@ -133,15 +159,9 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
   });
   copy_streams(color, depth, source.color.images.size() + source.depth.images.size());
   require_mostly_good(color, "colour"), require_mostly_good(depth, "depth");
-  if (!options.masks.empty())
-    append_masks(writer, options, source, color.copied(), camera.color.size);
-  append_background(writer, options, source, camera);
+  append_masks(writer, masks, options.mask_ids, color, camera.color.size);
   recording.color_times = color.times();
   recording.camera_times = depth.copied().empty() ? recording.color_times : depth.times();
-  camera.info.rate_hz = median_rate_hz(recording.camera_times.host_time_s, camera.info.rate_hz);
-  recording.camera = camera.info;
-  recording.clips = make_clips(options, recording);
-  recording.provenance = provenance;
   writer.finish(recording);
   return summarize(recording, color, depth);
 }

@@ -83,7 +83,8 @@ RgbdCalibration read(const fs::path& file, int width, int height) {
   }
 }
 
-std::optional<fs::path> find_file(const fs::path& folder, std::initializer_list<const char*> names) {
+std::optional<fs::path> find_file(const fs::path& folder,
+                                  std::initializer_list<const char*> names) {
   for (const std::string name : names)
     for (const char* extension : {".yaml", ".yml", ".json", ".txt"})
       if (fs::is_regular_file(folder / (name + extension))) return folder / (name + extension);

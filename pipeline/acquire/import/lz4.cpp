@@ -6,8 +6,10 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::uint32_t frame_magic = 0x184D2204, is_stored = 1u << 31;
-constexpr std::size_t min_match = 4, max_ratio = 255;
+constexpr std::uint32_t frame_magic = 0x184D2204;
+constexpr std::uint32_t is_stored = 1u << 31;
+constexpr std::size_t min_match = 4;
+constexpr std::size_t max_ratio = 255;
 
 /// Output of known size.
 class Output {

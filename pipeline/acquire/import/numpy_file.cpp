@@ -17,7 +17,8 @@ namespace touchtrace {
 namespace {
 
 constexpr std::uintmax_t max_file_bytes = std::uintmax_t{1} << 32;
-constexpr std::size_t max_header_bytes = 4096, max_image_size = 16384;
+constexpr std::size_t max_header_bytes = 4096;
+constexpr std::size_t max_image_size = 16384;
 
 template <class T>
 double element(const std::string& data, std::size_t index) {

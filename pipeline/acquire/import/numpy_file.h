@@ -22,8 +22,8 @@ struct NumpyArray {
 /// Whether the file's extension is .npy or .npz.
 bool is_numpy_file(const std::filesystem::path& file);
 
-/// Arrays of an .npz file by their name. Throws data_error for a file that is invalid or larger than
-/// 4 GiB, and for arrays of other types than little-endian numbers.
+/// Arrays of an .npz file by their name. Throws data_error for a file that is invalid or larger
+/// than 4 GiB, and for arrays of other types than little-endian numbers.
 std::map<std::string, NumpyArray> read_numpy_archive(const std::filesystem::path& file);
 
 /// Array of an .npy file, or the first one of an .npz file. Throws data_error.

@@ -19,12 +19,16 @@ struct Encoding {
   int to_bgr;  ///< cv::ColorConversionCodes, or `keep`
 };
 
-constexpr Encoding encodings[] = {
-    {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR},    {"bgr8", CV_8UC3, keep},
-    {"8UC3", CV_8UC3, keep},                 {"rgba8", CV_8UC4, cv::COLOR_RGBA2BGR},
-    {"bgra8", CV_8UC4, cv::COLOR_BGRA2BGR},  {"mono8", CV_8UC1, cv::COLOR_GRAY2BGR},
-    {"8UC1", CV_8UC1, cv::COLOR_GRAY2BGR},   {"16UC1", CV_16UC1, keep},
-    {"mono16", CV_16UC1, keep},              {"32FC1", CV_32FC1, keep}};
+constexpr Encoding encodings[] = {{"rgb8", CV_8UC3, cv::COLOR_RGB2BGR},
+                                  {"bgr8", CV_8UC3, keep},
+                                  {"8UC3", CV_8UC3, keep},
+                                  {"rgba8", CV_8UC4, cv::COLOR_RGBA2BGR},
+                                  {"bgra8", CV_8UC4, cv::COLOR_BGRA2BGR},
+                                  {"mono8", CV_8UC1, cv::COLOR_GRAY2BGR},
+                                  {"8UC1", CV_8UC1, cv::COLOR_GRAY2BGR},
+                                  {"16UC1", CV_16UC1, keep},
+                                  {"mono16", CV_16UC1, keep},
+                                  {"32FC1", CV_32FC1, keep}};
 
 const Encoding& find_encoding(const std::string& name) {
   const auto* found = std::ranges::find(encodings, name, &Encoding::name);

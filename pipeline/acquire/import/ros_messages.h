@@ -14,7 +14,7 @@ struct RosImage {
   double stamp_s = 0.0;  ///< of the header: the device's clock
   std::string frame_id;
   bool is_compressed = false;
-  std::string encoding;  ///< of a compressed image: its format
+  std::string encoding;                           ///< of a compressed image: its format
   std::uint32_t height = 0, width = 0, step = 0;  ///< 0 of a compressed image
   bool is_big_endian = false;
   ByteSpan data;  ///< in the message

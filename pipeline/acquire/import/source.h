@@ -29,7 +29,7 @@ struct SourceStream {
 /// Recording of another program.
 struct ImportSource {
   SourceStream color, depth;
-  double counts_per_m = 1000.0;                     ///< of 16-bit depth images
+  double counts_per_m = 1000.0;                      ///< of 16-bit depth images
   std::optional<bool> is_registered = std::nullopt;  ///< nullopt: the source does not say
 };
 

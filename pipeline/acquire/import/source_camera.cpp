@@ -59,10 +59,10 @@ bool decide_registered(const ImportSource& source, const CameraOptions& options,
   if (options.registered || options.no_registered) return options.registered;
   if (source.is_registered && is_same_size) return *source.is_registered;
   const bool is_registered = is_same_size && !has_depth_camera;
-  Progress::report(
-      is_registered ? "depth is taken as registered to colour: same size, one set of intrinsics "
-                      "(--no-registered: it is not)"
-                    : "depth is taken as not registered to colour (--registered: it is)");
+  Progress::report(is_registered
+                       ? "depth is taken as registered to colour: same size, one set of intrinsics "
+                         "(--no-registered: it is not)"
+                       : "depth is taken as not registered to colour (--registered: it is)");
   return is_registered;
 }
 
@@ -71,11 +71,13 @@ void set_cameras(CameraInfo& info, const Cameras& cameras) {
   info.depth_camera = info.is_registered ? cameras.color : cameras.depth;
   if (!info.is_registered) info.depth_from_color = cameras.depth_from_color;
   if (!info.color_camera)
-    Progress::report("warning: no intrinsics found (--camera-info FILE); label will need "
-                     "--calibration");
+    Progress::report(
+        "warning: no intrinsics found (--camera-info FILE); label will need "
+        "--calibration");
   else if (!info.is_registered && !info.depth_from_color)
-    Progress::report("warning: the pose of the depth camera is unknown (--camera-info with a "
-                     "camchain or a folder of calibrate); label will need --calibration");
+    Progress::report(
+        "warning: the pose of the depth camera is unknown (--camera-info with a "
+        "camchain or a folder of calibrate); label will need --calibration");
 }
 
 }  // namespace

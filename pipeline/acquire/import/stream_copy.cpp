@@ -14,8 +14,8 @@ constexpr double min_unix_s = 1e8;
 
 }  // namespace
 
-StreamCopy::StreamCopy(const SourceStream& stream, const ImageFormat& format,
-                       double clock_start_s, Append append)
+StreamCopy::StreamCopy(const SourceStream& stream, const ImageFormat& format, double clock_start_s,
+                       Append append)
     : stream_(stream), format_(format), clock_start_s_(clock_start_s), append_(std::move(append)) {}
 
 void StreamCopy::copy_next() {
@@ -57,10 +57,12 @@ CameraTimes StreamCopy::times() const {
   return times;
 }
 
-double median_rate_hz(const std::vector<double>& times_s, double fallback_hz) {
+double median_rate_hz(const SourceStream& stream, double fallback_hz) {
   std::vector<double> intervals;
-  for (std::size_t i = 1; i < times_s.size(); ++i)
-    if (times_s[i] > times_s[i - 1]) intervals.push_back(times_s[i] - times_s[i - 1]);
+  for (std::size_t i = 1; i < stream.images.size(); ++i) {
+    const double interval_s = stream.images[i].host_time_s - stream.images[i - 1].host_time_s;
+    if (interval_s > 0.0) intervals.push_back(interval_s);
+  }
   if (intervals.empty()) return fallback_hz;
   std::ranges::nth_element(intervals, intervals.begin() + std::ssize(intervals) / 2);
   return 1.0 / intervals[intervals.size() / 2];

@@ -45,7 +45,7 @@ class StreamCopy {
   std::map<std::size_t, std::size_t> copied_;
 };
 
-/// Rate of a stream: inverse of its median interval. `fallback_hz` with fewer than two frames.
-double median_rate_hz(const std::vector<double>& times_s, double fallback_hz);
+/// Rate of a stream: inverse of its median interval. `fallback_hz` with fewer than two images.
+double median_rate_hz(const SourceStream& stream, double fallback_hz);
 
 }  // namespace touchtrace

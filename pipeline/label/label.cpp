@@ -14,6 +14,7 @@
 #include "pipeline/label/clip_tracker.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/label/learn_scene.h"
+#include "pipeline/label/matching.h"
 #include "pipeline/label/states.h"
 #include "pipeline/label/timeline.h"
 #include "pipeline/recording/check.h"
@@ -229,7 +230,8 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
 
 Labels label_recording(const RecordingReader& reader, const RgbdCalibration& calibration,
                        const LabelOptions& options) {
-  require_usable(missing_for_labelling(reader), "the recording");
+  require_usable(missing_for_labelling(reader, true), reader.path());
+  require_matching(calibration, reader.recording().camera);
   return label_recording(reader.recording(), frame_source(reader), calibration, options);
 }
 

@@ -49,7 +49,7 @@ void require_size(const std::vector<double>& values, std::size_t size, const std
                   const h5::Loader& group) {
   group.faults().require(values.empty() || values.size() == size,
                          attribute_path(group.path(), name),
-                         fmt::format("expected {} numbers, found {}", size, values.size()));
+                         fmt::format("expected length {}, found {}", size, values.size()));
 }
 
 std::optional<Camera> camera_of(const CameraAttributes& a, const h5::Loader& group, int width,
@@ -58,9 +58,10 @@ std::optional<Camera> camera_of(const CameraAttributes& a, const h5::Loader& gro
   require_size(a.intrinsics, 4, "intrinsics", group);
   if (a.intrinsics.size() != 4) return std::nullopt;
   Camera camera{width, height, a.intrinsics[0], a.intrinsics[1], a.intrinsics[2], a.intrinsics[3]};
-  group.faults().require(
-      camera.fx > 0.0 && camera.fy > 0.0, attribute_path(group.path(), "intrinsics"),
-      fmt::format("expected fx, fy, cx, cy with fx, fy > 0, found {} and {}", camera.fx, camera.fy));
+  group.faults().require(camera.fx > 0.0 && camera.fy > 0.0,
+                         attribute_path(group.path(), "intrinsics"),
+                         fmt::format("expected fx, fy, cx, cy with fx, fy > 0, found {} and {}",
+                                     camera.fx, camera.fy));
   set_lens(a, group, camera);
   return camera;
 }
@@ -113,8 +114,8 @@ void set_depth_attributes(const CameraAttributes& a, const h5::Loader& group, Ca
   info.is_registered = a.registered != 0;
   info.depth_from_color = depth_from_color(a, group);
   group.faults().require(
-      !info.is_registered || (info.depth_image_width() == info.width &&
-                              info.depth_image_height() == info.height),
+      !info.is_registered ||
+          (info.depth_image_width() == info.width && info.depth_image_height() == info.height),
       attribute_path(group.path(), "registered"),
       fmt::format("expected depth images of the colour images' size {} x {}, found {} x {}",
                   info.width, info.height, info.depth_image_width(), info.depth_image_height()));

@@ -68,7 +68,8 @@ bool can_hold(From value) {
   } else if constexpr (std::is_integral_v<From>) {
     return std::in_range<To>(value);
   } else {  // 2^digits is the first number beyond To and exact in floating point
-    return value == std::trunc(value) && value >= static_cast<From>(std::numeric_limits<To>::min()) &&
+    return value == std::trunc(value) &&
+           value >= static_cast<From>(std::numeric_limits<To>::min()) &&
            value < std::ldexp(From(1), std::numeric_limits<To>::digits);
   }
 }
@@ -118,8 +119,8 @@ Conversion find_conversion(hid_t found) {
       match<T, std::int64_t>(found, conversion) || match<T, std::uint64_t>(found, conversion) ||
       match<T, float>(found, conversion) || match<T, double>(found, conversion);
   if (!is_known)
-    throw H5Error(fmt::format("expected integers or floats of 32 or 64 bits, found {}",
-                              type_name(found)));
+    throw H5Error(
+        fmt::format("expected integers or floats of 32 or 64 bits, found {}", type_name(found)));
   return conversion;
 }
 

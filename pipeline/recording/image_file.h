@@ -63,7 +63,7 @@ class ImageReader {
   void read_float_depth(std::size_t index, std::span<std::uint8_t> out) const;
 
   std::string path_;
-  std::size_t pixels_ = 0;  ///< values of an image
+  std::size_t pixels_ = 0;         ///< values of an image
   double counts_per_float_ = 0.0;  ///< 0: not stored as floats
   std::optional<h5::ArrayReader> images_;
 };

@@ -27,8 +27,7 @@ void MaskWriter::finish() {
   images_.finish(group_.axis("color_frame", color_image_, color_frame_info));
 }
 
-MaskReader::MaskReader(const h5::Loader& root, const CameraInfo& camera,
-                       std::size_t color_images) {
+MaskReader::MaskReader(const h5::Loader& root, const CameraInfo& camera, std::size_t color_images) {
   const h5::Loader group = root.optional_group("masks");
   if (!group.has("image")) return;
   images_.emplace(group, "image", ImageKind::mask, camera);
@@ -43,17 +42,16 @@ void MaskReader::read_frames(const h5::Loader& group, std::size_t color_images) 
   group.optional_array("color_frame", frames, {{"image", images_->frames()}}, color_frame_info);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto color = static_cast<std::size_t>(frames[i]);
-    group.faults().require(frames[i] >= 0 && color < color_images, group.path("color_frame"),
-                           fmt::format("expected indices of the {} colour images, found {}",
-                                       color_images, frames[i]));
-    group.faults().require(mask_of_color_.emplace(color, i).second, group.path("color_frame"),
-                           fmt::format("expected one mask per colour image, found two of image {}",
-                                       frames[i]));
+    group.faults().require(
+        frames[i] >= 0 && color < color_images, group.path("color_frame"),
+        fmt::format("expected indices of the {} colour images, found {}", color_images, frames[i]));
+    group.faults().require(
+        mask_of_color_.emplace(color, i).second, group.path("color_frame"),
+        fmt::format("expected one mask per colour image, found two of image {}", frames[i]));
   }
 }
 
-void MaskReader::read_instances(const h5::Loader& group, const std::string& name,
-                                MaskValue value) {
+void MaskReader::read_instances(const h5::Loader& group, const std::string& name, MaskValue value) {
   std::vector<double> ids{static_cast<double>(value)};
   group.optional_attribute(name, ids);
   for (double id : ids) {

@@ -48,8 +48,8 @@ RgbdCalibration calibration_from_json(const nlohmann::json& document);
 /// `overwrite`; then nothing is written.
 void write_calibration(const std::filesystem::path& folder, const RgbdCalibration& calibration,
                        bool overwrite);
-/// Reads a folder or calibration.json of write_calibration(), or a YAML file of another program
-/// (foreign_calibration.h). Throws data_error for an invalid file.
+/// Reads a folder or calibration.json of write_calibration(), or a YAML or JSON file of another
+/// program (foreign_calibration.h). Throws data_error for an invalid file.
 RgbdCalibration read_calibration(const std::filesystem::path& folder_or_file);
 
 }  // namespace touchtrace

@@ -56,6 +56,12 @@ json with_current_keys(json details) {
   return details;
 }
 
+/// Whether a JSON document is a camera_info or the like of another program.
+bool is_foreign_json(const std::string& text) {
+  const json document = json::parse(text, nullptr, false);
+  return document.is_object() && !document.contains("schema");
+}
+
 }  // namespace
 
 json matrix_json(const Eigen::MatrixXd& matrix) {
@@ -186,6 +192,7 @@ RgbdCalibration read_calibration(const std::filesystem::path& folder_or_file) {
     return read_foreign_calibration(folder_or_file);
   const auto path = is_file ? folder_or_file : folder_or_file / "calibration.json";
   const std::string text = read_file(path, max_bytes);
+  if (is_file && is_foreign_json(text)) return read_foreign_calibration(path);
   try {
     return calibration_from_json(json::parse(text));
   } catch (const std::exception& error) {

@@ -87,18 +87,36 @@ bool is_known_model(const std::string& name, const char* LensInterop::*program) 
   });
 }
 
+bool is_camera_info_message(const json& y) { return y.contains("K") || y.contains("k"); }
+
+/// The keys of a camera_info file for those of a sensor_msgs/CameraInfo message: K and D as
+/// `rostopic echo` prints them, k and d as `ros2 topic echo` does.
+json with_file_keys(const json& message) {
+  const bool is_ros1 = message.contains("K");
+  return {
+      {"image_width", message.at("width")},
+      {"image_height", message.at("height")},
+      {"distortion_model", message.value("distortion_model", "")},
+      {"camera_matrix", {{"data", message.at(is_ros1 ? "K" : "k")}}},
+      {"distortion_coefficients", {{"data", message.value(is_ros1 ? "D" : "d", json::array())}}}};
+}
+
 /// Camera of a camera_info, which names the lens, or a cv::FileStorage, which has at most
-/// fisheye_model.
+/// fisheye_model. A model of another name is accepted if all its coefficients are zero.
 json camera_from_matrices(const json& y) {
   const bool fisheye = y.value("fisheye_model", 0.0) != 0.0;
-  const std::string model = y.value("distortion_model", "");
+  std::string model = y.value("distortion_model", "");
+  const json& coefficients = y.at("distortion_coefficients").at("data");
+  if (!is_known_model(model, &LensInterop::ros) &&
+      std::ranges::all_of(coefficients, [](const json& value) { return value == 0.0; }))
+    model.clear();
   require_foreign(model.empty() || is_known_model(model, &LensInterop::ros),
                   fmt::format("unsupported distortion model '{}'", model));
   const json& k = y.at("camera_matrix").at("data");
   require_foreign(k.is_array() && k.size() == 9 && k[1] == 0.0,
                   "camera_matrix is not a 3x3 matrix without skew");
-  return camera(y.at("image_width"), y.at("image_height"), {k[0], k[4], k[2], k[5]},
-                y.at("distortion_coefficients").at("data"), [&](const Lens& lens) {
+  return camera(y.at("image_width"), y.at("image_height"), {k[0], k[4], k[2], k[5]}, coefficients,
+                [&](const Lens& lens) {
                   return model.empty() ? is_perspective(lens) != fisheye
                                        : model == lens_interop(lens).ros;
                 });
@@ -126,6 +144,7 @@ json identity() {
 /// Converts to the content of calibration.json.
 json to_calibration_json(const json& y) {
   require_foreign(y.is_object(), "not a YAML mapping");
+  if (is_camera_info_message(y)) return to_calibration_json(with_file_keys(y));
   const bool chain = y.contains("cam0"), pair = y.contains("cam1");
   require_foreign(chain || y.contains("camera_matrix"),
                   "not a camera_info, cv::FileStorage or camchain");
@@ -207,9 +226,10 @@ auto read_yaml(const std::filesystem::path& file, Read&& read) {
   try {
     return read(parse_yaml(text));
   } catch (const std::exception& error) {
-    throw data_error(
-        fmt::format("cannot read calibration {}: {}", file.string(), error.what()),
-        "use a folder of `touchtrace calibrate`, a camera_info, a cv::FileStorage or a camchain");
+    throw data_error(fmt::format("cannot read calibration {}: {}", file.string(), error.what()),
+                     "use a folder of `touchtrace calibrate`, a camera_info (file or output of "
+                     "`rostopic echo`), "
+                     "a cv::FileStorage or a camchain");
   }
 }
 
@@ -259,6 +279,10 @@ std::string file_storage_yaml(const Camera& c) {
   storage << "camera_matrix" << cv::Mat(camera_matrix) << "distortion_coefficients" << distortion;
   storage << "fisheye_model" << int(!is_perspective(c.lens));
   return storage.releaseAndGetString();
+}
+
+Camera camera_from_info(const nlohmann::json& message) {
+  return camera_from_json(camera_from_matrices(with_file_keys(message)));
 }
 
 RgbdCalibration read_foreign_calibration(const std::filesystem::path& file) {

@@ -26,8 +26,13 @@ std::vector<ChainCamera> read_camchain(const std::filesystem::path& file);
 /// cv::FileStorage with the keys of OpenCV's calibration sample.
 std::string file_storage_yaml(const Camera& camera);
 
-/// Reads a ROS camera_info, a cv::FileStorage or a kalibr camchain. The first two describe one
-/// camera with registered depth; cam1 of a camchain is the depth camera. The lens is the simplest
+/// Camera of a sensor_msgs/CameraInfo message, by its fields' names. Throws std::exception if it is
+/// invalid or has an unsupported lens.
+Camera camera_from_info(const nlohmann::json& message);
+
+/// Reads a ROS camera_info, as file or as `rostopic echo` and `ros2 topic echo` print it (the first
+/// document), a cv::FileStorage or a kalibr camchain. All but the last describe one camera with
+/// registered depth; cam1 of a camchain is the depth camera. The lens is the simplest
 /// one that has all nonzero coefficients. Depth is not corrected; the covariance is empty. Throws
 /// data_error for an invalid file or an unsupported lens, such as thin prism.
 RgbdCalibration read_foreign_calibration(const std::filesystem::path& file);

@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
 
 namespace touchtrace {
@@ -18,17 +19,14 @@ namespace fs = std::filesystem;
 constexpr double max_time_difference_s = 0.02;
 constexpr std::size_t max_pairs = 80;
 
-struct StampedFile {
-  double time_s;
-  fs::path path;
-};
-
 bool leaves_folder(const fs::path& path) {
   return path.is_absolute() || path.empty() ||
          std::ranges::find(path, fs::path("..")) != path.end();
 }
 
-std::vector<StampedFile> read_list(const fs::path& folder, const char* list) {
+}  // namespace
+
+std::vector<StampedFile> read_tum_list(const fs::path& folder, const char* list) {
   std::istringstream lines(read_file(folder / list));
   std::vector<StampedFile> files;
   int number = 0;
@@ -45,18 +43,19 @@ std::vector<StampedFile> read_list(const fs::path& folder, const char* list) {
     file.path = folder / path;
     files.push_back(std::move(file));
   }
+  if (!std::ranges::is_sorted(files, {}, &StampedFile::time_s))
+    Progress::report(fmt::format("warning: the times in {} do not increase; images are sorted",
+                                 (folder / list).string()));
   std::ranges::stable_sort(files, {}, &StampedFile::time_s);
   return files;
 }
-
-}  // namespace
 
 bool is_tum_folder(const fs::path& folder) {
   return fs::is_regular_file(folder / "rgb.txt") && fs::is_regular_file(folder / "depth.txt");
 }
 
 std::vector<TumPair> read_tum_pairs(const fs::path& folder) {
-  const auto colors = read_list(folder, "rgb.txt"), depths = read_list(folder, "depth.txt");
+  const auto colors = read_tum_list(folder, "rgb.txt"), depths = read_tum_list(folder, "depth.txt");
   std::vector<TumPair> pairs;
   auto next = depths.begin();
   for (const StampedFile& color : colors) {

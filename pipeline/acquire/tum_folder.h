@@ -5,6 +5,18 @@
 
 namespace touchtrace {
 
+/// Depth of 16-bit images in the format of the TUM RGB-D benchmark.
+inline constexpr double tum_counts_per_m = 5000.0;
+
+struct StampedFile {
+  double time_s;
+  std::filesystem::path path;
+};
+
+/// Files of `list`, rgb.txt or depth.txt, ordered by time. Throws data_error for a line that is not
+/// `timestamp path` and for a path outside the folder.
+std::vector<StampedFile> read_tum_list(const std::filesystem::path& folder, const char* list);
+
 /// Colour image and the depth image nearest in time.
 struct TumPair {
   double color_time_s, depth_time_s;

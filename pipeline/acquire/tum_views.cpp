@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr float counts_per_m = 5000.0f;
-
 /// Depth [m]; 0: no measurement.
 std::vector<float> read_depth(const fs::path& path, const GreyImage& color) {
   const cv::Mat counts = decode_image(path, cv::IMREAD_UNCHANGED);
@@ -24,7 +22,7 @@ std::vector<float> read_depth(const fs::path& path, const GreyImage& color) {
                                  color.width, color.height),
                      "give a folder in the format of the TUM RGB-D benchmark");
   cv::Mat metres;
-  counts.convertTo(metres, CV_32F, 1.0 / counts_per_m);
+  counts.convertTo(metres, CV_32F, 1.0 / tum_counts_per_m);
   return {metres.begin<float>(), metres.end<float>()};
 }
 

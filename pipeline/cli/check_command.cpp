@@ -2,14 +2,16 @@
 
 #include <cmath>
 
+#include "engine/base/error.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/label/camera_calibration.h"
 #include "pipeline/recording/check.h"
 
 namespace touchtrace::cli {
 namespace {
 
 struct CheckOptions {
-  std::string file, use = "anything";
+  std::string file, use = "anything", calibration;
   bool quick = false;
 };
 
@@ -17,6 +19,8 @@ void describe(OptionSet& set, CheckOptions& o) {
   set.input("file", o.file, "recording or label file");
   set.choice("for", o.use, "command that must be able to use the file",
              {"anything", "calibrate", "label", "train"});
+  set.text("calibration", o.calibration, "calibration for `label`: folder or YAML file")
+      .value("PATH");
   set.flag("quick", o.quick, "do not decompress the images to test their checksums");
 }
 
@@ -43,9 +47,10 @@ std::string glove_details(const nlohmann::json& glove) {
 
 std::string camera_details(const nlohmann::json& camera) {
   return fmt::format(
-      "; {} x {}, {}, {} background, {} board views", camera["width"].get<int>(),
+      "; {} x {}, {}, {} masks, {} background, {} board views", camera["width"].get<int>(),
       camera["height"].get<int>(), camera["depth"].get<bool>() ? "depth" : "no depth",
-      camera["background_frames"].get<std::size_t>(), camera["board_views"].get<std::size_t>());
+      camera["masks"].get<std::size_t>(), camera["background_frames"].get<std::size_t>(),
+      camera["board_views"].get<std::size_t>());
 }
 
 void print_body(const std::string& name, const nlohmann::json& body) {
@@ -79,14 +84,28 @@ void print_holds(const nlohmann::json& holds) {
 
 void print_verdict(const FileCheck& check) {
   for (const auto& fault : check.faults) fmt::print("fault      {}\n", fault);
+  for (const auto& warning : check.warnings) fmt::print("warning    {}\n", warning);
   for (const auto& [command, lacks] : check.missing) {
     if (lacks.empty()) fmt::print("{:<10} can use it\n", command);
     for (const auto& lack : lacks) fmt::print("{:<10} cannot use it: {}\n", command, lack);
   }
 }
 
+/// Adds a calibration that `label` cannot use to what it misses.
+void check_calibration(const CheckOptions& options, FileCheck& check) {
+  const auto label = check.missing.find("label");
+  if (options.calibration.empty() || label == check.missing.end()) return;
+  const RgbdCalibration calibration = read_calibration(options.calibration);
+  try {
+    label::camera_calibration(calibration, RecordingReader(options.file).recording().camera);
+  } catch (const Error& error) {
+    label->second.emplace_back(error.what());
+  }
+}
+
 ExitCode run(const CheckOptions& options, const Invocation& invocation) {
-  const FileCheck check = check_file(options.file, !options.quick);
+  FileCheck check = check_file(options.file, !options.quick, !options.calibration.empty());
+  check_calibration(options, check);
   if (invocation.json) {
     fmt::print("{}\n", to_json(check).dump(2));
   } else {
@@ -104,8 +123,9 @@ ExitCode run(const CheckOptions& options, const Invocation& invocation) {
 Command check_command() {
   return make_command<CheckOptions>(
       "check", "describe a recording or label file and test whether commands can use it",
-      {"touchtrace check wave.h5", "touchtrace check wave.h5 --for label --json"}, run,
-      {.quiet = true});
+      {"touchtrace check wave.h5",
+       "touchtrace check wave.h5 --for label --calibration camera --json"},
+      run, {.quiet = true});
 }
 
 }  // namespace touchtrace::cli

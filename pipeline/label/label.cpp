@@ -1,6 +1,7 @@
 #include "pipeline/label/label.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -78,10 +79,12 @@ std::vector<ClipFrames> boxed_clips(const Recording& recording, const FrameSourc
                                     const Timeline& timeline, const LabelOptions& options) {
   auto clips = clip_frames(recording, timeline);
   const bool use_masks = choose_masks(frames, clips, options);
-  for (auto& clip : clips) {
-    if (clip.count > 0 && use_masks && !clip.has_boxes())
-      set_mask_boxes(frames, recording.camera.width, clip);
-    if (clip.count > 0 && !clip.has_boxes())
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    auto& clip = clips[i];
+    if (clip.count == 0) continue;
+    clip.problem = fmt::format("{}", fmt::join(box_faults(recording.clips[i], recording), "; "));
+    if (use_masks && !clip.has_boxes()) set_mask_boxes(frames, recording.camera.width, clip);
+    if (clip.problem.empty() && !clip.has_boxes())
       clip.problem = use_masks ? "no mask shows hand and object" : "no boxes on hand and object";
   }
   return clips;
@@ -261,7 +264,7 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
 Labels label_recording(const RecordingReader& reader,
                        const std::optional<RgbdCalibration>& calibration,
                        const LabelOptions& options) {
-  require_usable(missing_for_labelling(reader), "the recording");
+  require_usable(missing_for_labelling(reader, calibration.has_value()), reader.path());
   return label_recording(reader.recording(), frame_source(reader), calibration, options);
 }
 

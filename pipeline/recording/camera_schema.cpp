@@ -49,7 +49,7 @@ void require_size(const std::vector<double>& values, std::size_t size, const std
                   const h5::Loader& group) {
   group.faults().require(values.empty() || values.size() == size,
                          attribute_path(group.path(), name),
-                         fmt::format("expected {} numbers, found {}", size, values.size()));
+                         fmt::format("expected length {}, found {}", size, values.size()));
 }
 
 std::optional<Camera> camera_of(const CameraAttributes& a, const h5::Loader& group, int width,

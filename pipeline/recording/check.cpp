@@ -14,33 +14,9 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t min_board_views = 3;
-
 std::size_t count_usable_clips(const std::vector<Clip>& clips) {
   return static_cast<std::size_t>(std::count_if(
       clips.begin(), clips.end(), [](const Clip& clip) { return !clip.object_fell; }));
-}
-
-std::size_t max_frames_per_clip(const std::vector<Clip>& clips, const std::vector<double>& time_s) {
-  std::ptrdiff_t most = 0;
-  for (const auto& clip : clips)
-    most = std::max(most, std::lower_bound(time_s.begin(), time_s.end(), clip.end_s) -
-                              std::lower_bound(time_s.begin(), time_s.end(), clip.start_s));
-  return static_cast<std::size_t>(most);
-}
-
-void check_clips(const Recording& recording, std::vector<std::string>& missing) {
-  if (recording.clips.empty())
-    missing.emplace_back("no clips");
-  else if (count_usable_clips(recording.clips) == 0)
-    missing.emplace_back("the object fell in every clip");
-}
-
-void check_glove(const Recording& recording, std::vector<std::string>& missing) {
-  if (recording.gloves.empty())
-    missing.emplace_back("no glove");
-  else if (max_frames_per_clip(recording.clips, recording.gloves[0].host_time_s) < 2)
-    missing.emplace_back("no clip with two glove frames");
 }
 
 nlohmann::json describe_clips(const std::vector<Clip>& clips) {
@@ -83,9 +59,20 @@ nlohmann::json describe_camera(const RecordingReader& reader) {
                {"height", recording.camera.height},
                {"nominal_hz", recording.camera.rate_hz},
                {"depth", reader.has_depth()},
+               {"color_images", reader.color_images()},
+               {"depth_images", reader.depth_images()},
+               {"masks", reader.masked_color_images().size()},
                {"background_frames", reader.background_frames()},
                {"board_views", reader.board_views()}});
   return json;
+}
+
+std::optional<std::string> unpaired_warning(const RecordingReader& reader) {
+  const std::size_t images = reader.depth_images(),
+                    pairs = reader.recording().camera_times.frames();
+  if (pairs >= images) return std::nullopt;
+  return fmt::format("{} of {} depth images have no colour image at their time and are left out",
+                     images - pairs, images);
 }
 
 /// Returns the faults of all images, one text per group.
@@ -131,36 +118,6 @@ nlohmann::json describe_quality(const LabelledBody& body) {
 
 }  // namespace
 
-std::vector<std::string> missing_for_calibration(const RecordingReader& reader) {
-  if (reader.board_views() >= min_board_views) return {};
-  return {
-      fmt::format("{} views of the chessboard, {} needed", reader.board_views(), min_board_views)};
-}
-
-std::vector<std::string> missing_for_labelling(const RecordingReader& reader) {
-  const Recording& recording = reader.recording();
-  std::vector<std::string> missing;
-  check_clips(recording, missing);
-  check_glove(recording, missing);
-  if (recording.camera_times.frames() == 0)
-    missing.emplace_back("no camera images");
-  else if (!reader.has_depth())
-    missing.emplace_back("no depth images");
-  else if (max_frames_per_clip(recording.clips, recording.camera_times.host_time_s) < 2)
-    missing.emplace_back("no clip with two camera images");
-  return missing;
-}
-
-std::vector<std::string> missing_for_training(const Recording& recording) {
-  std::vector<std::string> missing;
-  check_clips(recording, missing);
-  check_glove(recording, missing);
-  if (!recording.gloves.empty())
-    for (auto& fault : check_tactile(recording.gloves[0]).faults())
-      missing.push_back(std::move(fault));
-  return missing;
-}
-
 void require_usable(const std::vector<std::string>& missing, const std::string& name) {
   if (missing.empty()) return;
   throw data_error(fmt::format("{} cannot be used: {}", name, fmt::join(missing, "; ")),
@@ -172,24 +129,25 @@ bool FileCheck::is_usable() const {
                                        [](const auto& command) { return command.second.empty(); });
 }
 
-FileCheck check_recording(const RecordingReader& reader, bool images) {
+FileCheck check_recording(const RecordingReader& reader, bool images, bool has_calibration) {
   const Recording& recording = reader.recording();
   FileCheck check;
   if (images) check.faults = check_images(reader);
-  check.contents = {{"schema", recording_schema},
-                    {"activity", recording.activity},
-                    {"clips", describe_clips(recording.clips)},
-                    {"gloves", nlohmann::json::array()},
-                    {"camera", describe_camera(reader)},
-                    {"truth", reader.has_truth()},
+  check.contents = {{"schema", h5::schema_of(reader.path())},   {"activity", recording.activity},
+                    {"clips", describe_clips(recording.clips)}, {"gloves", nlohmann::json::array()},
+                    {"camera", describe_camera(reader)},        {"truth", reader.has_truth()},
                     {"provenance", recording.provenance}};
   for (const auto& glove : recording.gloves) {
     check.contents["gloves"].push_back(describe_glove(glove, recording.clips));
-    for (const auto& fault : check_tactile(glove).faults())
+    const TactileCheck tactile = check_tactile(glove);
+    for (const auto& fault : tactile.faults())
       check.faults.push_back(fmt::format("glove '{}': {}", glove.info.name, fault));
+    for (const auto& warning : tactile.warnings())
+      check.warnings.push_back(fmt::format("glove '{}': {}", glove.info.name, warning));
   }
+  if (const auto unpaired = unpaired_warning(reader)) check.warnings.push_back(*unpaired);
   check.missing = {{"calibrate", missing_for_calibration(reader)},
-                   {"label", missing_for_labelling(reader)},
+                   {"label", missing_for_labelling(reader, has_calibration)},
                    {"train", missing_for_training(recording)}};
   return check;
 }
@@ -213,15 +171,16 @@ FileCheck check_labels(const Labels& labels) {
   return check;
 }
 
-FileCheck check_file(const std::filesystem::path& path, bool images) {
+FileCheck check_file(const std::filesystem::path& path, bool images, bool has_calibration) {
   if (h5::schema_of(path) == labels_schema) return check_labels(read_labels(path));
   RecordingReader::validate(path);
-  return check_recording(RecordingReader(path), images);
+  return check_recording(RecordingReader(path), images, has_calibration);
 }
 
 nlohmann::json to_json(const FileCheck& check) {
   return {{"holds", check.contents},
           {"faults", check.faults},
+          {"warnings", check.warnings},
           {"lacks", check.missing},
           {"good", check.is_usable()}};
 }

@@ -50,6 +50,7 @@ class Saver {
   void attribute(const std::string& name, std::int64_t value);
   void attribute(const std::string& name, int value) { attribute(name, std::int64_t{value}); }
   void attribute(const std::string& name, const nlohmann::json& value);
+  /// One value is written as a scalar.
   void attribute(const std::string& name, const std::vector<double>& values);
   /// Writes nothing if the value is empty.
   template <class T>

@@ -58,34 +58,32 @@ std::string read_text(hid_t object, const std::string& name) {
   return until_zero(value.data(), value.size());
 }
 
-nlohmann::json parse(const std::string& text) {
-  auto json = nlohmann::json::parse(text, nullptr, false);
-  if (json.is_discarded()) throw H5Error(fmt::format("expected JSON, found '{:.40}'", text));
-  return json;
-}
-
+/// Numbers of a JSON array of any nesting.
 void append_numbers(const nlohmann::json& json, std::vector<double>& numbers) {
   if (json.is_array())
     for (const auto& item : json) append_numbers(item, numbers);
-  else if (json.is_number() || json.is_boolean())
-    numbers.push_back(json.is_boolean() ? json.get<bool>() : json.get<double>());
+  else if (json.is_number())
+    numbers.push_back(json.get<double>());
   else
     throw H5Error(fmt::format("expected numbers, found {:.40}", json.dump()));
+}
+
+std::vector<double> numbers_of_text(const std::string& text) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  std::vector<double> numbers;
+  append_numbers(json.is_discarded() ? nlohmann::json(text) : json, numbers);
+  return numbers;
 }
 
 std::vector<double> read_numbers(hid_t object, const std::string& name) {
   hssize_t count = 0;
   const Handle attribute = open_attribute(object, name, max_attribute_numbers, count);
   const Handle type(H5Aget_type(attribute), H5Tclose, "cannot read its type");
-  std::vector<double> numbers;
-  if (H5Tget_class(type) == H5T_STRING) {
-    append_numbers(parse(read_text(object, name)), numbers);
-    return numbers;
-  }
+  if (H5Tget_class(type) == H5T_STRING) return numbers_of_text(read_text(object, name));
   const Conversion convert = find_conversion<double>(type);
   std::vector<std::uint8_t> stored(static_cast<std::size_t>(count) * H5Tget_size(type));
   check(H5Aread(attribute, type, stored.data()), "cannot read it");
-  numbers.resize(static_cast<std::size_t>(count));
+  std::vector<double> numbers(static_cast<std::size_t>(count));
   convert(stored, bytes_of(numbers));
   return numbers;
 }
@@ -260,7 +258,10 @@ void Loader::attribute(const std::string& name, std::vector<double>& values) con
 }
 
 void Loader::attribute(const std::string& name, nlohmann::json& value) const {
-  record_fault(attribute_path(path_, name), [&] { value = parse(read_text(group_, name)); });
+  record_fault(attribute_path(path_, name), [&] {
+    value = nlohmann::json::parse(read_text(group_, name), nullptr, false);
+    if (value.is_discarded()) throw H5Error("expected JSON, found other text");
+  });
 }
 
 ElementType Loader::text_type_of(const std::string& name) const {

@@ -60,7 +60,8 @@ void Saver::attribute(const std::string& name, const nlohmann::json& value) {
 }
 
 void Saver::attribute(const std::string& name, const std::vector<double>& values) {
-  write_attribute(group_, name, H5T_IEEE_F64LE, values.data(), values.size());
+  write_attribute(group_, name, H5T_IEEE_F64LE, values.data(),
+                  values.size() > 1 ? values.size() : 0);
 }
 
 Axis Saver::axis(const std::string& name, std::size_t length) {

@@ -46,6 +46,7 @@ class RecordingReader {
   /// Validates a file like the constructor, and also its truth.
   static void validate(const std::filesystem::path& path);
 
+  const std::string& path() const;
   const Recording& recording() const;
   /// False if only colour was recorded; RgbdFrame::depth is then empty.
   bool has_depth() const;

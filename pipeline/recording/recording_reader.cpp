@@ -134,6 +134,8 @@ RecordingReader::RecordingReader(const std::filesystem::path& path)
 
 RecordingReader::~RecordingReader() = default;
 
+const std::string& RecordingReader::path() const { return file_->path; }
+
 const Recording& RecordingReader::recording() const { return file_->recording; }
 
 bool RecordingReader::has_depth() const { return file_->depth.frames() > 0; }

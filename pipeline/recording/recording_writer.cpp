@@ -10,41 +10,6 @@
 namespace touchtrace {
 namespace {
 
-/// Colour images and, if there are, depth images of one group.
-struct RgbdWriter {
-  RgbdWriter(h5::Saver saver, const CameraInfo& camera)
-      : group(std::move(saver)),
-        color(group, "color", ImageKind::color, camera),
-        depth(group, "depth", ImageKind::depth, camera) {}
-
-  void append(const RgbdFrame& frame) {
-    color.append(frame.color);
-    if (!frame.depth.empty()) depth.append(frame.depth);
-  }
-  void finish() {
-    if (color.frames() == 0) return;
-    const h5::Axis frame = group.axis("frame", color.frames());
-    color.finish(frame);
-    depth.finish(frame, "depth_");
-  }
-
-  h5::Saver group;
-  ImageWriter color, depth;
-};
-
-/// Images of one camera with their stamps.
-struct StreamWriter {
-  StreamWriter(h5::Saver saver, ImageKind kind, const CameraInfo& camera)
-      : group(std::move(saver)), images(group, "image", kind, camera) {}
-
-  void finish(const CameraTimes& times) {
-    if (images.frames() > 0) images.finish(serialize_camera_times(group, times));
-  }
-
-  h5::Saver group;
-  ImageWriter images;
-};
-
 void write_root(h5::Saver& root, const Recording& recording) {
   root.attribute("Conventions", std::string("CF-1.10"));
   root.attribute("schema", std::string(recording_schema));
@@ -61,6 +26,41 @@ const CameraTimes& color_times(const Recording& recording) {
 }  // namespace
 
 struct RecordingWriter::File {
+  /// Colour images and, if there are, depth images of one group.
+  struct RgbdGroup {
+    RgbdGroup(h5::Saver saver, const CameraInfo& camera)
+        : group(std::move(saver)),
+          color(group, "color", ImageKind::color, camera),
+          depth(group, "depth", ImageKind::depth, camera) {}
+
+    void append(const RgbdFrame& frame) {
+      color.append(frame.color);
+      if (!frame.depth.empty()) depth.append(frame.depth);
+    }
+    void finish() {
+      if (color.frames() == 0) return;
+      const h5::Axis frame = group.axis("frame", color.frames());
+      color.finish(frame);
+      depth.finish(frame, "depth_");
+    }
+
+    h5::Saver group;
+    ImageWriter color, depth;
+  };
+
+  /// Images of one camera with their stamps.
+  struct StreamGroup {
+    StreamGroup(h5::Saver saver, ImageKind kind, const CameraInfo& camera)
+        : group(std::move(saver)), images(group, "image", kind, camera) {}
+
+    void finish(const CameraTimes& times) {
+      if (images.frames() > 0) images.finish(serialize_camera_times(group, times));
+    }
+
+    h5::Saver group;
+    ImageWriter images;
+  };
+
   File(const std::filesystem::path& path, const CameraInfo& camera_info, bool overwrite)
       : output(path, overwrite), camera(camera_info) {}
 
@@ -86,8 +86,8 @@ struct RecordingWriter::File {
   CameraInfo camera;
   h5::Handle file;
   std::optional<h5::Saver> root;
-  std::optional<StreamWriter> color, depth;
-  std::optional<RgbdWriter> background, board;
+  std::optional<StreamGroup> color, depth;
+  std::optional<RgbdGroup> background, board;
   std::optional<MaskWriter> masks;
 };
 

@@ -1,7 +1,5 @@
 #include "pipeline/recording/stream_check.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,9 +7,6 @@
 
 namespace touchtrace {
 namespace {
-
-/// Fraction of faulty frames or taxels from which on a glove is useless.
-constexpr double useless_fraction = 0.9;
 
 /// Sums of the least-squares line host time = offset + period * sequence, one offset per clip.
 struct LineSums {
@@ -35,26 +30,6 @@ void add_clip(std::span<const std::uint64_t> sequence, std::span<const double> t
   }
   sums.frames += sequence.size();
   ++sums.lines;
-}
-
-bool is_saturated(const GloveInfo& info, std::span<const std::uint16_t> counts, int taxels) {
-  const int limit = info.polarity > 0 ? (1 << info.bits) - 1 : 0;
-  int saturated = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) saturated += info.mask[i] && counts[i] == limit;
-  return 2 * saturated > taxels;
-}
-
-int count_dead(const GloveStream& glove) {
-  const auto taxels = static_cast<std::size_t>(glove.info.taxels());
-  int dead = 0;
-  for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
-    if (!glove.info.mask[taxel]) continue;
-    bool changed = false;
-    for (std::size_t i = taxel; i < glove.counts.size() && !changed; i += taxels)
-      changed = glove.counts[i] != glove.counts[taxel];
-    dead += !changed;
-  }
-  return dead;
 }
 
 }  // namespace
@@ -87,45 +62,12 @@ StreamTiming measure_stream_timing(const std::vector<std::uint64_t>& sequence,
   return timing;
 }
 
-TactileCheck check_tactile(const GloveStream& glove) {
-  TactileCheck check;
-  check.taxels = static_cast<int>(std::count(glove.info.mask.begin(), glove.info.mask.end(), 1));
-  check.dead_taxels = count_dead(glove);
-  const auto taxels = static_cast<std::size_t>(glove.info.taxels());
-  for (std::size_t frame = 0; frame < glove.frames(); ++frame) {
-    const auto counts = std::span(glove.counts).subspan(frame * taxels, taxels);
-    const auto fraction = 1.0 / static_cast<double>(glove.frames());
-    if (std::ranges::all_of(counts, [](auto c) { return c == 0; })) check.zero_frames += fraction;
-    if (is_saturated(glove.info, counts, check.taxels)) check.saturated_frames += fraction;
-  }
-  return check;
-}
-
-std::vector<std::string> TactileCheck::faults() const {
-  std::vector<std::string> faults;
-  if (zero_frames >= useless_fraction)
-    faults.push_back(fmt::format("{:.0f} % of the tactile frames are all zero", 100 * zero_frames));
-  if (saturated_frames >= useless_fraction)
-    faults.push_back(
-        fmt::format("{:.0f} % of the tactile frames are saturated", 100 * saturated_frames));
-  if (faults.empty() && dead_taxels >= useless_fraction * taxels)
-    faults.push_back(fmt::format("{} of {} taxels have constant counts", dead_taxels, taxels));
-  return faults;
-}
-
 nlohmann::json to_json(const StreamTiming& timing) {
   return {{"frames", timing.frames},
           {"lost", timing.lost},
           {"lost_share", timing.lost_fraction()},
           {"rate_hz", timing.rate_hz},
           {"jitter_s", timing.jitter_s}};
-}
-
-nlohmann::json to_json(const TactileCheck& check) {
-  return {{"taxels", check.taxels},
-          {"dead_taxels", check.dead_taxels},
-          {"zero_frames", check.zero_frames},
-          {"saturated_frames", check.saturated_frames}};
 }
 
 }  // namespace touchtrace

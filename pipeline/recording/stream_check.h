@@ -25,15 +25,22 @@ StreamTiming measure_stream_timing(const std::vector<std::uint64_t>& sequence,
                                    const std::vector<double>& host_time_s,
                                    const std::vector<Clip>& clips);
 
-/// Plausibility of a glove's counts.
+/// Plausibility of a glove's counts. A taxel is saturated at its highest possible pressure.
 struct TactileCheck {
   int taxels = 0;                 ///< in the mask
   int dead_taxels = 0;            ///< with constant counts
   double zero_frames = 0.0;       ///< fraction of the frames: all counts 0
   double saturated_frames = 0.0;  ///< fraction of the frames: over half of the taxels saturated
+  double rest_level = 0.0;        ///< mean pressure in quiet frames, fraction of the range
+  double repeated_frames = 0.0;   ///< fraction of the frames that equal their predecessor
+  double frozen_s = 0.0;          ///< longest time without a change of any taxel
+  int stuck_rows = 0, stuck_cols = 0;  ///< saturated in nearly all frames
+  bool is_upsampled = false;           ///< every second frame is interpolated or a repetition
 
   /// Reasons why the glove is useless for training.
   std::vector<std::string> faults() const;
+  /// Values that hint at a wrong baseline, polarity or rate, or at a defect.
+  std::vector<std::string> warnings() const;
 };
 
 TactileCheck check_tactile(const GloveStream& glove);

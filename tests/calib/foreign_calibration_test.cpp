@@ -156,6 +156,29 @@ TEST_F(ForeignCalibration, FourCoefficientsApproximateFive) {
   EXPECT_LE(worst_px, std::stod(text.substr(at + 6)) + 1e-3) << text;
 }
 
+TEST_F(ForeignCalibration, ReadsCameraInfoMessagesAsRosPrintsThem) {
+  const std::string rest =
+      "height: 480\nwidth: 640\nheader:\n  stamp: {secs: 1, nsecs: 2}\n  frame_id: \"camera\"\n";
+  const auto ros1 = read(rest +
+                         "distortion_model: \"plumb_bob\"\nD: [-0.25, 0.0625, 0.0, 0.0, 0.0]\n"
+                         "K: [500.5, 0.0, 320.0, 0.0, 501.5, 240.0, 0.0, 0.0, 1.0]\n---\n" +
+                         rest + "K: [1.0]\n---\n");
+  EXPECT_EQ(lens_name(ros1.color.lens), "radtan4");
+  EXPECT_EQ(ros1.color.fx, 500.5);
+  EXPECT_EQ(ros1.color.cy, 240.0);
+  EXPECT_EQ(ros1.color.distortion[1], 0.0625);
+  const auto ros2 = read(rest +
+                         "distortion_model: Inverse Brown Conrady\nd: [0.0, 0.0]\nk:\n- 500.5\n"
+                         "- 0.0\n- 320.0\n- 0.0\n- 501.5\n- 240.0\n- 0.0\n- 0.0\n- 1.0\n");
+  EXPECT_EQ(lens_name(ros2.color.lens), "none");
+  EXPECT_EQ(ros2.color.parameters()[1], 501.5);
+  write_file(folder_ / "info.json",
+             R"({"width": 640, "height": 480, "K": [500, 0, 320, 0, 500, 240, 0, 0, 1]})", true);
+  EXPECT_EQ(read_calibration(folder_ / "info.json").color.width, 640);
+  expect_rejected(rest + "K: [500.5, 0.0]\n");
+  expect_rejected(rest + "distortion_model: fov\nD: [0.5]\nK: [5, 0, 3, 0, 5, 2, 0, 0, 1]\n");
+}
+
 TEST_F(ForeignCalibration, RejectsInvalidFiles) {
   write_calibration(folder_, rgbd_pair(), false);
   const std::string chain = read_file(folder_ / "camchain.yaml"),

@@ -1,5 +1,7 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <cstring>
 
 #include "engine/base/error.h"
@@ -25,11 +27,14 @@ class Content {
   }
   Content& operator<<(const std::string& text) { return bytes_ += text, *this; }
   Content& operator<<(double value) { return *this << std::vector<double>{value}; }
-  Content& operator<<(const RgbdFrame& frame) { return *this << frame.color << frame.depth; }
+  Content& operator<<(const RgbdFrame& frame) {
+    return *this << frame.color << frame.depth << frame.mask;
+  }
   Content& operator<<(const std::vector<Clip>& clips) {
     for (const auto& clip : clips)
       *this << clip.start_s << clip.end_s << clip.object << clip.object_fell << clip.hand_box.x
-            << clip.hand_box.height << clip.object_box.width;
+            << clip.hand_box.height << clip.object_box.width
+            << static_cast<double>(clip.box_frame.value_or(0));
     return *this;
   }
   Content& operator<<(const Truth::Body& body) {
@@ -113,6 +118,32 @@ TEST(RecordingFuzz, BitFlipsInLabelsAreDetectedOrHarmless) {
   const TemporaryFolder folder;
   write_labels(folder / "l.h5", sample_labels(sample_recording(8).recording), false);
   flip_bits(folder / "l.h5", 300, content_of_labels);
+}
+
+/// Flips bits of a file without checksums, which changes its contents, but must not crash.
+TEST(RecordingFuzz, BitFlipsInFilesOfH5pyDoNotCrash) {
+  const TemporaryFolder folder;
+  const auto path = folder / "a.h5";
+  ASSERT_EQ(std::system(fmt::format("/usr/bin/python3 {}/scripts/write_recording.py {}",
+                                    TOUCHTRACE_SOURCE_DIR, path.string())
+                            .c_str()),
+            0);
+  std::string bytes = read_file(path);
+  RandomStream random(4, "bit flips");
+  const auto metadata_bits = 8 * std::min<std::size_t>(bytes.size(), 1 << 15);
+  for (int i = 0; i < 200; ++i) {
+    const auto bit = random.below(i % 2 == 0 ? metadata_bits : 8 * bytes.size());
+    bytes[bit / 8] ^= static_cast<char>(1 << (bit % 8));
+    put(path, bytes);
+    bytes[bit / 8] ^= static_cast<char>(1 << (bit % 8));
+    try {
+      const RecordingReader reader(path);
+      for (std::size_t frame = 0; frame < reader.recording().camera_times.frames(); frame += 10)
+        reader.read_camera_frame(frame);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::data) << "bit " << bit << ": " << error.what();
+    }
+  }
 }
 
 }  // namespace

@@ -30,10 +30,10 @@ with h5py.File(sys.argv[1], "r") as file:
     assert file.attrs["schema"].startswith(b"touchtrace/")
     assert json.loads(file.attrs["provenance"])["version"]
     file.visititems(check)
-    if "camera" in file:
-        depth = file["camera/depth"]
+    if "depth" in file:
+        depth = file["depth/image"]
         assert [d.label for d in depth.dims] == ["host_time_s", "y", "x"]
-        assert depth.attrs["scale_factor"] == file["camera"].attrs["depth_unit_m"]
+        assert depth.attrs["scale_factor"] == file["depth"].attrs["depth_unit_m"]
         assert depth.chunks[0] == 1
         if "inertial" in file["glove0"]:
             unit = file["glove0/inertial"]

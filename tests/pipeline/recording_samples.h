@@ -102,7 +102,7 @@ inline SampleRecording sample_recording(int frames_per_clip = 20) {
   for (int i = 0; i < 2; ++i) {
     const double start_s = 10.0 + i * (clip_s + pause_s);
     recording.clips.push_back(
-        {start_s, start_s + clip_s, i == 0 ? "ball" : "box", false, {1, 2, 3, 4}, {}});
+        {start_s, start_s + clip_s, i == 0 ? "ball" : "box", false, {1, 2, 3, 4}, {4, 1, 3, 3}});
     const auto stream = sample_glove(frames_per_clip, start_s, random);
     if (i == 0) {
       recording.gloves = {stream};
@@ -126,6 +126,9 @@ inline SampleRecording sample_recording(int frames_per_clip = 20) {
       recording.camera_times.host_time_s.push_back(t);
       sample.frames.push_back(sample_image(recording.camera, random));
     }
+  recording.clips[1].box_frame = sample.frames.size() - 2;
+  sample.frames[2].mask.resize(48);
+  for (auto& value : sample.frames[2].mask) value = static_cast<std::uint8_t>(random.below(3));
   sample.background = {sample_image(recording.camera, random)};
   sample.board = {sample_image(recording.camera, random), sample_image(recording.camera, random)};
   sample.truth = sample_truth(recording.clips);

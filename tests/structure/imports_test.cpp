@@ -53,6 +53,8 @@ const std::map<std::string, std::set<std::string>>& allowed() {
        with(scene({"objects", "base", "glove", "person", "camera"}), {"engine/cl"})},
       {"pipeline/acquire",
        with(shared, {"calib/board", "calib/camera", "calib/rgbd", "calib/smooth"})},
+      {"pipeline/acquire/import", with(shared, {"calib/camera", "calib/rgbd", "pipeline/acquire"})},
+      {"pipeline/mark", shared},
       {"pipeline/label",
        with(shared, {"calib/board", "calib/camera", "calib/rgbd", "calib/smooth"})},
       {"pipeline/report", shared},

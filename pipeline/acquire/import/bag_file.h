@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pipeline/acquire/import/byte_reader.h"
+
+namespace touchtrace {
+
+/// Message of a bag, not read yet.
+struct BagMessage {
+  double record_time_s = 0.0;        ///< Unix time at which it was recorded
+  std::size_t chunk = 0;             ///< index
+  std::size_t offset = 0, size = 0;  ///< in the chunk
+};
+
+struct BagTopic {
+  std::string type;  ///< "sensor_msgs/Image"
+  std::vector<BagMessage> messages;
+};
+
+/// Bag of ROS 1, format 2.0 (wiki.ros.org/Bags/Format/2.0). The index is made by reading the whole
+/// file once, so that unindexed and truncated bags can be read, too. Memory: one chunk. Safe for
+/// untrusted files.
+class BagFile {
+ public:
+  /// Throws data_error if the file is not a bag or its chunks are compressed by bz2. Reports a bag
+  /// that ends early.
+  explicit BagFile(std::filesystem::path file);
+
+  /// By name, with messages in order of their record times.
+  const std::map<std::string, BagTopic>& topics() const { return topics_; }
+  /// Bytes of a message, valid until the next call. Throws data_error if the chunk is damaged.
+  ByteSpan read(const BagMessage& message);
+
+ private:
+  struct Chunk {
+    std::uint64_t offset = 0;  ///< of the stored bytes in the file
+    std::size_t stored_bytes = 0, bytes = 0;
+    bool is_lz4 = false;
+  };
+  using Fields = std::map<std::string, std::string>;
+
+  void read_index();
+  /// Returns the position of the next record.
+  std::uint64_t read_record(std::uint64_t position);
+  Fields read_header();
+  void add_chunk(const Fields& fields, std::size_t stored_bytes);
+  void add_connection(const Fields& fields, const std::string& data);
+  void index_chunk(std::size_t chunk);
+  const std::vector<std::uint8_t>& load(std::size_t chunk);
+  std::string read_bytes(std::uint64_t size);
+  std::string describe(const std::string& fault) const;
+
+  std::filesystem::path file_;
+  std::ifstream stream_;
+  std::uint64_t file_bytes_ = 0;
+  std::vector<Chunk> chunks_;
+  std::map<std::uint32_t, std::string> connections_;  ///< topic by the connection's number
+  std::map<std::string, BagTopic> topics_;
+  std::vector<std::uint8_t> loaded_;
+  std::size_t loaded_chunk_ = SIZE_MAX, num_messages_ = 0;
+};
+
+}  // namespace touchtrace

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "pipeline/acquire/import/source.h"
+
+namespace touchtrace {
+
+/// Conversion of a source's depth images to 16-bit counts.
+struct DepthScale {
+  double unit_m = 0.001;  ///< of the counts
+  double counts_per_value = 1.0;
+
+  /// Counts, row by row; 0 where the source has no positive finite depth, or one that exceeds 16
+  /// bits.
+  std::vector<std::uint16_t> counts(const cv::Mat& depth) const;
+};
+
+/// Scale of a stream of integer or floating-point images (`type`: CV_16UC1 or CV_32FC1). Integers
+/// are kept; floating-point depth gets counts of 0.25 mm.
+/// `values_per_m`: as the user states it; 0: the source's, or metres of floating-point numbers.
+DepthScale depth_scale(const ImportSource& source, int type, double values_per_m);
+
+/// Throws data_error, with other scales, if the median depth of some images is implausible for a
+/// camera, or if images in the TUM format may be in millimetres. `is_given`: the user stated the
+/// scale.
+void require_plausible(const DepthScale& scale, const SourceStream& depth, bool is_given);
+
+}  // namespace touchtrace

@@ -1,0 +1,121 @@
+#include "pipeline/acquire/import/image_times.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <optional>
+#include <regex>
+#include <string>
+
+#include "engine/base/error.h"
+#include "pipeline/acquire/table_columns.h"
+
+namespace touchtrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t min_stamp_digits = 13;
+constexpr std::size_t max_images = 10'000'000;
+
+/// Last number in the file's name; empty if there is none.
+std::string number_text(const fs::path& image) {
+  static const std::regex last_number("([0-9]+(\\.[0-9]+)?)[^0-9]*$");
+  const std::string stem = image.stem();
+  std::smatch match;
+  return std::regex_search(stem, match, last_number) ? match[1].str() : "";
+}
+
+double number_of(const fs::path& image) {
+  const std::string text = number_text(image);
+  return text.empty() ? 0.0 : std::stod(text);
+}
+
+bool is_stamp(const fs::path& image) {
+  const std::string text = number_text(image);
+  return text.find('.') != std::string::npos || text.size() >= min_stamp_digits;
+}
+
+/// Seconds of a stamp, whose unit follows from its size.
+double stamp_seconds(double stamp) {
+  for (const auto& [least, per_second] : {std::pair{1e17, 1e9}, {1e14, 1e6}, {1e11, 1e3}})
+    if (stamp >= least) return stamp / per_second;
+  return stamp;
+}
+
+std::optional<fs::path> find_list(const fs::path& folder) {
+  for (const fs::path& where : {folder, folder.parent_path()})
+    for (const char* name : {"times.txt", "timestamps.txt", "times.csv", "timestamps.csv"})
+      if (fs::is_regular_file(where / name)) return where / name;
+  return std::nullopt;
+}
+
+/// Column of times: by name, else the first one with a number.
+TableColumn time_column(const TextTable& table) {
+  if (const auto named =
+          find_column(table, table.names(), {"time", "t", "timestamp", "stamp"}, time_units()))
+    return *named;
+  for (std::size_t i = 0; i < table.fields().size(); ++i)
+    if (parse_number<double>(table.fields()[i], table.has_decimal_comma())) return {i, 1.0, "time"};
+  throw LineFault{"no number"};
+}
+
+std::vector<double> read_times(const fs::path& list) {
+  TextTable table(list);
+  std::optional<TableColumn> column;
+  std::vector<double> times_s;
+  for_each_row(table, max_images, "give one line per image, its time in seconds first", [&] {
+    if (!column) column = time_column(table);
+    const double time_s = value_of<double>(table, *column);
+    if (!(time_s >= 0.0)) throw LineFault{"the time is missing or negative"};
+    times_s.push_back(stamp_seconds(time_s));
+  });
+  return times_s;
+}
+
+std::vector<double> listed_times(const fs::path& list, std::size_t num_images,
+                                 const fs::path& folder) {
+  auto times_s = read_times(list);
+  if (times_s.size() != num_images)
+    throw data_error(fmt::format("{} has {} times, {} has {} images", list.string(), times_s.size(),
+                                 folder.string(), num_images),
+                     "give one time per image, or one list in each folder");
+  return times_s;
+}
+
+std::vector<double> image_times(const fs::path& folder, const std::vector<fs::path>& images,
+                                double rate_hz) {
+  std::vector<double> times_s;
+  if (std::ranges::all_of(images, is_stamp)) {
+    for (const fs::path& image : images) times_s.push_back(stamp_seconds(number_of(image)));
+  } else if (const auto list = find_list(folder)) {
+    times_s = listed_times(*list, images.size(), folder);
+  } else if (rate_hz > 0.0) {
+    for (const fs::path& image : images) times_s.push_back(number_of(image) / rate_hz);
+  } else {
+    throw data_error(fmt::format("the images in {} have no times", folder.string()),
+                     "give --rate HZ, a file times.txt with one time per image, or file names that "
+                     "are time stamps");
+  }
+  return times_s;
+}
+
+}  // namespace
+
+void sort_by_number(std::vector<fs::path>& images) {
+  std::ranges::sort(images, {}, [](const fs::path& image) {
+    return std::pair(number_of(image), image.filename().string());
+  });
+}
+
+std::vector<StampedFile> stamped_images(const fs::path& folder, std::vector<fs::path> images,
+                                        double rate_hz) {
+  sort_by_number(images);
+  const auto times_s = image_times(folder, images, rate_hz);
+  std::vector<StampedFile> files;
+  for (std::size_t i = 0; i < images.size(); ++i) files.push_back({times_s[i], images[i]});
+  std::ranges::stable_sort(files, {}, &StampedFile::time_s);
+  return files;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,169 @@
+#include "pipeline/acquire/import/import.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "engine/base/error.h"
+#include "engine/base/progress.h"
+#include "pipeline/acquire/import/background.h"
+#include "pipeline/acquire/import/clip_file.h"
+#include "pipeline/acquire/import/stream_copy.h"
+#include "pipeline/recording/recording_file.h"
+
+namespace touchtrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double min_unix_s = 1e8;
+constexpr double default_rate_hz = 30.0;  // of a single image
+constexpr double max_rate_hz = 1000.0;
+
+void require_consistent(const ImportOptions& o) {
+  if (o.camera.registered && o.camera.no_registered)
+    throw usage_error("--registered and --no-registered contradict each other",
+                      "leave out one of them");
+  if (!o.background.empty() && !o.background_frames.empty())
+    throw usage_error("--background and --background-frames cannot be combined",
+                      "leave out one of them");
+  if (o.mask_ids.hand == o.mask_ids.object)
+    throw usage_error(fmt::format("hand and object have the same mask id, {}", o.mask_ids.hand),
+                      "give --hand-id and --object-id");
+}
+
+/// Interval of all images on the source's clock.
+RecordedTime recorded_time(const ImportSource& source, double rate_hz) {
+  RecordedTime time{source.color.images.front().host_time_s,
+                    source.color.images.back().host_time_s};
+  if (!source.depth.images.empty()) {
+    time.first_s = std::min(time.first_s, source.depth.images.front().host_time_s);
+    time.last_s = std::max(time.last_s, source.depth.images.back().host_time_s);
+  }
+  time.last_s += 1.0 / rate_hz;
+  return time;
+}
+
+double plausible_rate_hz(const ImportSource& source) {
+  const double rate_hz =
+      median_rate_hz(source.depth.images.empty() ? source.color : source.depth, default_rate_hz);
+  if (rate_hz > max_rate_hz)
+    throw data_error(fmt::format("the stamps say {:.3g} images per second", rate_hz),
+                     "stamps are times in seconds, not durations; check the file with the times");
+  return rate_hz;
+}
+
+/// Everything except the stamps. Unix times become seconds since the first image.
+Recording describe_recording(const ImportSource& source, const CameraInfo& camera,
+                             const ImportOptions& options, const Provenance& provenance) {
+  RecordedTime time = recorded_time(source, camera.rate_hz);
+  if (time.first_s > min_unix_s) {
+    time.epoch_s = time.first_s;
+    time.first_s -= time.epoch_s, time.last_s -= time.epoch_s;
+  }
+  Recording recording{.activity = options.activity, .epoch_unix_s = time.epoch_s};
+  recording.camera = camera;
+  recording.provenance = provenance;
+  recording.clips = {{time.first_s, time.last_s, options.object, false, {}, {}}};
+  if (!options.clips.empty()) recording.clips = read_clips(options.clips, time, options.object);
+  return recording;
+}
+
+/// Copies both streams in order of time, so that a bag is read once from its start to its end.
+void copy_streams(StreamCopy& color, StreamCopy& depth, std::size_t num_images) {
+  Progress progress("importing images", num_images);
+  while (!color.is_finished() || !depth.is_finished()) {
+    const bool is_color_next =
+        depth.is_finished() || (!color.is_finished() && color.next_time_s() <= depth.next_time_s());
+    (is_color_next ? color : depth).copy_next();
+    progress.advance();
+  }
+}
+
+void require_mostly_good(const StreamCopy& copy, const char* kind) {
+  if (copy.num_left_out() > copy.copied().size())
+    throw data_error(fmt::format("{} of {} {} images cannot be used", copy.num_left_out(),
+                                 copy.num_left_out() + copy.copied().size(), kind),
+                     "see the warnings above");
+}
+
+/// Reports a damaged mask.
+std::optional<std::vector<std::uint8_t>> try_read_mask(const fs::path& file, const MaskIds& ids,
+                                                       cv::Size size) {
+  try {
+    return read_mask(file, ids, size);
+  } catch (const std::exception& error) {
+    Progress::report(fmt::format("warning: left out mask {}: {}", file.string(), error.what()));
+    return std::nullopt;
+  }
+}
+
+void append_masks(RecordingWriter& writer, const std::map<std::size_t, fs::path>& files,
+                  const MaskIds& ids, const StreamCopy& color, cv::Size size) {
+  Progress progress("importing masks", files.size());
+  for (const auto& [image, file] : files) {
+    progress.advance();
+    if (!color.copied().contains(image)) continue;
+    if (const auto mask = try_read_mask(file, ids, size))
+      writer.append_mask(color.copied().at(image), *mask);
+  }
+}
+
+void append_background(RecordingWriter& writer, const ImportOptions& options,
+                       const ImportSource& source, const SourceCamera& camera) {
+  if (!options.background_frames.empty())
+    append_background(writer, source, camera, parse_frame_range(options.background_frames));
+  if (options.background.empty()) return;
+  SourceOptions any_rate = options.source;
+  if (any_rate.rate_hz == 0.0) any_rate.rate_hz = 1.0;
+  const ImportSource background = open_source(options.background, any_rate);
+  if (background.depth.images.empty())
+    throw data_error(fmt::format("{} has no depth images", options.background),
+                     "background needs colour and depth");
+  append_background(writer, background, camera, {0, background.depth.images.size() - 1});
+}
+
+nlohmann::json summarize(const Recording& recording, const StreamCopy& color,
+                         const StreamCopy& depth) {
+  const CameraInfo& camera = recording.camera;
+  return {{"color_images", color.copied().size()},
+          {"depth_images", depth.copied().size()},
+          {"left_out", color.num_left_out() + depth.num_left_out()},
+          {"width", camera.width},
+          {"height", camera.height},
+          {"depth_unit_m", camera.depth_unit_m},
+          {"registered", camera.is_registered},
+          {"intrinsics", camera.color_camera.has_value()},
+          {"rate_hz", camera.rate_hz},
+          {"clips", recording.clips.size()}};
+}
+
+}  // namespace
+
+nlohmann::json import_recording(const fs::path& path, const fs::path& output,
+                                const ImportOptions& options, const Provenance& provenance,
+                                bool overwrite) {
+  require_consistent(options);
+  const ImportSource source = open_source(path, options.source);
+  SourceCamera camera = describe_camera(path, source, options.camera);
+  camera.info.rate_hz = plausible_rate_hz(source);
+  Recording recording = describe_recording(source, camera.info, options, provenance);
+  const auto masks = options.masks.empty() ? std::map<std::size_t, fs::path>{}
+                                           : mask_files(options.masks, source.color.images);
+  RecordingWriter writer(output, camera.info, overwrite);
+  append_background(writer, options, source, camera);
+  StreamCopy color(source.color, camera.color, recording.epoch_unix_s,
+                   [&](const cv::Mat& image) { writer.append_color(rgb_values(image)); });
+  StreamCopy depth(source.depth, camera.depth, recording.epoch_unix_s, [&](const cv::Mat& image) {
+    writer.append_depth(camera.depth_scale.counts(image));
+  });
+  copy_streams(color, depth, source.color.images.size() + source.depth.images.size());
+  require_mostly_good(color, "colour"), require_mostly_good(depth, "depth");
+  append_masks(writer, masks, options.mask_ids, color, camera.color.size);
+  recording.color_times = color.times();
+  recording.camera_times = depth.copied().empty() ? recording.color_times : depth.times();
+  writer.finish(recording);
+  return summarize(recording, color, depth);
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,140 @@
+#include "pipeline/acquire/import/numpy_file.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <regex>
+#include <stdexcept>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "pipeline/acquire/import/byte_reader.h"
+#include "pipeline/acquire/import/zip_file.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr std::uintmax_t max_file_bytes = std::uintmax_t{1} << 32;
+constexpr std::size_t max_header_bytes = 4096;
+constexpr std::size_t max_image_size = 16384;
+
+template <class T>
+double element(const std::string& data, std::size_t index) {
+  T value;
+  std::memcpy(&value, data.data() + index * sizeof(T), sizeof(T));
+  return static_cast<double>(value);
+}
+
+struct ElementType {
+  const char* name;
+  std::size_t bytes;
+  double (*read)(const std::string& data, std::size_t index);
+};
+
+constexpr ElementType element_types[] = {
+    {"u1", 1, element<std::uint8_t>},  {"u2", 2, element<std::uint16_t>},
+    {"u4", 4, element<std::uint32_t>}, {"u8", 8, element<std::uint64_t>},
+    {"i1", 1, element<std::int8_t>},   {"i2", 2, element<std::int16_t>},
+    {"i4", 4, element<std::int32_t>},  {"i8", 8, element<std::int64_t>},
+    {"f4", 4, element<float>},         {"f8", 8, element<double>}};
+
+const ElementType& element_type(const std::string& name) {
+  const auto* found = std::ranges::find(element_types, name, &ElementType::name);
+  if (found == std::end(element_types))
+    throw std::runtime_error(fmt::format("arrays of type '{}' are not supported", name));
+  return *found;
+}
+
+std::vector<std::size_t> parse_shape(const std::string& text) {
+  std::vector<std::size_t> shape;
+  std::size_t count = 1;
+  static const std::regex digits("[0-9]{1,10}");
+  for (std::sregex_iterator match(text.begin(), text.end(), digits), end; match != end; ++match) {
+    shape.push_back(std::stoull(match->str()));
+    const auto extent = std::max<std::size_t>(1, shape.back());
+    if (extent > max_file_bytes / count) throw std::runtime_error("the array is too large");
+    count *= extent;
+  }
+  return shape;
+}
+
+/// Parses an .npy file.
+NumpyArray parse_array(const std::string& bytes) {
+  ByteReader reader(bytes_of(bytes));
+  if (reader.text(6) != "\x93NUMPY") throw std::runtime_error("not a NumPy array");
+  const int version = reader.number<std::uint16_t>() & 0xff;
+  const std::size_t length =
+      version == 1 ? reader.number<std::uint16_t>() : reader.number<std::uint32_t>();
+  if (length > max_header_bytes) throw std::runtime_error("the array's header is too long");
+  const std::string header = reader.text(length);
+  static const std::regex descr("'descr': '[<|]([a-z][0-9])'"), shape("'shape': \\(([0-9, ]*)\\)");
+  std::smatch type, sizes;
+  if (!std::regex_search(header, type, descr) || !std::regex_search(header, sizes, shape) ||
+      header.find("'fortran_order': False") == std::string::npos)
+    throw std::runtime_error("not an array of little-endian numbers in C order: " + header);
+  NumpyArray array{parse_shape(sizes[1]), type[1], {}};
+  array.data = reader.text(array.size() * element_type(array.type).bytes);
+  return array;
+}
+
+/// Calls `read`; adds the file's name to errors.
+template <class Read>
+auto read_named(const std::filesystem::path& file, Read&& read) {
+  try {
+    return read();
+  } catch (const std::exception& error) {
+    throw data_error(fmt::format("cannot read {}: {}", file.string(), error.what()),
+                     "write arrays with numpy.save or numpy.savez");
+  }
+}
+
+}  // namespace
+
+std::size_t NumpyArray::size() const {
+  return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
+}
+
+double NumpyArray::at(std::size_t index) const { return element_type(type).read(data, index); }
+
+bool is_numpy_file(const std::filesystem::path& file) {
+  return file.extension() == ".npy" || file.extension() == ".npz";
+}
+
+std::map<std::string, NumpyArray> read_numpy_archive(const std::filesystem::path& file) {
+  const std::string bytes = read_file(file, max_file_bytes);
+  return read_named(file, [&] {
+    std::map<std::string, NumpyArray> arrays;
+    for (const ZipEntry& entry : zip_entries(bytes))
+      arrays[std::filesystem::path(entry.name).stem()] = parse_array(zip_content(bytes, entry));
+    return arrays;
+  });
+}
+
+NumpyArray read_numpy_array(const std::filesystem::path& file) {
+  const std::string bytes = read_file(file, max_file_bytes);
+  return read_named(file, [&] {
+    if (file.extension() != ".npz") return parse_array(bytes);
+    const auto entries = zip_entries(bytes);
+    if (entries.empty()) throw std::runtime_error("it has no arrays");
+    return parse_array(zip_content(bytes, entries[0]));
+  });
+}
+
+cv::Mat to_depth(const NumpyArray& array) {
+  const auto& shape = array.shape;
+  if (shape.size() != 2 || std::ranges::max(shape) > max_image_size || array.size() == 0)
+    throw std::runtime_error("not an array [height, width]");
+  const bool is_float = array.type[0] == 'f';
+  cv::Mat values(static_cast<int>(shape[0]), static_cast<int>(shape[1]), CV_64F), depth;
+  for (std::size_t i = 0; i < array.size(); ++i) values.ptr<double>()[i] = array.at(i);
+  double min = 0.0, max = 0.0;
+  cv::minMaxLoc(values, &min, &max);
+  if (!is_float && (min < 0.0 || max > 65535.0))
+    throw std::runtime_error(fmt::format("counts from {} to {} instead of 0 to 65535", min, max));
+  values.convertTo(depth, is_float ? CV_32F : CV_16U);
+  return depth;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace touchtrace {
+
+/// Array of numbers in row-major order.
+struct NumpyArray {
+  std::vector<std::size_t> shape;
+  std::string type;  ///< NumPy's letter and bytes: "u2", "f4", ...
+  std::string data;
+
+  std::size_t size() const;  ///< number of elements
+  double at(std::size_t index) const;
+};
+
+/// Whether the file's extension is .npy or .npz.
+bool is_numpy_file(const std::filesystem::path& file);
+
+/// Arrays of an .npz file by their name. Throws data_error for a file that is invalid or larger
+/// than 4 GiB, and for arrays of other types than little-endian numbers.
+std::map<std::string, NumpyArray> read_numpy_archive(const std::filesystem::path& file);
+
+/// Array of an .npy file, or the first one of an .npz file. Throws data_error.
+NumpyArray read_numpy_array(const std::filesystem::path& file);
+
+/// Depth image of a 2-D array: 16-bit counts of integers, metres of floating-point numbers. Throws
+/// std::runtime_error for another shape and for integers of more than 16 bits.
+cv::Mat to_depth(const NumpyArray& array);
+
+}  // namespace touchtrace

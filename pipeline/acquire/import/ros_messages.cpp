@@ -1,0 +1,149 @@
+#include "pipeline/acquire/import/ros_messages.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace touchtrace {
+namespace {
+
+constexpr std::uint32_t max_image_size = 16384;
+constexpr int keep = -1;
+
+struct Encoding {
+  const char* name;
+  int type;
+  int to_bgr;  ///< cv::ColorConversionCodes, or `keep`
+};
+
+constexpr Encoding encodings[] = {{"rgb8", CV_8UC3, cv::COLOR_RGB2BGR},
+                                  {"bgr8", CV_8UC3, keep},
+                                  {"8UC3", CV_8UC3, keep},
+                                  {"rgba8", CV_8UC4, cv::COLOR_RGBA2BGR},
+                                  {"bgra8", CV_8UC4, cv::COLOR_BGRA2BGR},
+                                  {"mono8", CV_8UC1, cv::COLOR_GRAY2BGR},
+                                  {"8UC1", CV_8UC1, cv::COLOR_GRAY2BGR},
+                                  {"16UC1", CV_16UC1, keep},
+                                  {"mono16", CV_16UC1, keep},
+                                  {"32FC1", CV_32FC1, keep}};
+
+const Encoding& find_encoding(const std::string& name) {
+  const auto* found = std::ranges::find(encodings, name, &Encoding::name);
+  if (found == std::end(encodings))
+    throw std::runtime_error(fmt::format("encoding '{}' is not supported", name));
+  return *found;
+}
+
+std::string read_text(ByteReader& reader) { return reader.text(reader.number<std::uint32_t>()); }
+
+template <class T>
+std::vector<T> read_numbers(ByteReader& reader, std::size_t count) {
+  const ByteSpan bytes = reader.take(count * sizeof(T));
+  std::vector<T> numbers(count);
+  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(numbers.data()));
+  return numbers;
+}
+
+/// Reads a std_msgs/Header.
+void read_header(ByteReader& reader, RosImage& image) {
+  reader.take(4);  // seq
+  const auto seconds = reader.number<std::uint32_t>(), nanoseconds = reader.number<std::uint32_t>();
+  image.stamp_s = seconds + 1e-9 * nanoseconds;
+  image.frame_id = read_text(reader);
+}
+
+cv::Mat decode_raw(const RosImage& image) {
+  const Encoding& encoding = find_encoding(image.encoding);
+  const std::size_t row_bytes = image.width * CV_ELEM_SIZE(encoding.type);
+  if (image.width == 0 || image.height == 0 || std::max(image.width, image.height) > max_image_size)
+    throw std::runtime_error(fmt::format("size of {}x{} pixels", image.width, image.height));
+  if (image.step < row_bytes || image.data.size() < std::size_t{image.step} * image.height)
+    throw std::runtime_error("fewer bytes than pixels");
+  if (image.is_big_endian && CV_ELEM_SIZE1(encoding.type) > 1)
+    throw std::runtime_error("big-endian pixels are not supported");
+  cv::Mat pixels(static_cast<int>(image.height), static_cast<int>(image.width), encoding.type);
+  for (int row = 0; row < pixels.rows; ++row)
+    std::memcpy(pixels.ptr(row), image.data.data() + std::size_t{image.step} * row, row_bytes);
+  if (encoding.to_bgr != keep) cv::cvtColor(pixels, pixels, encoding.to_bgr);
+  return pixels;
+}
+
+cv::Mat decode_file(ByteSpan data, int flags) {
+  if (data.empty()) throw std::runtime_error("no data");
+  const cv::Mat bytes(1, static_cast<int>(data.size()), CV_8U,
+                      const_cast<std::uint8_t*>(data.data()));
+  cv::Mat pixels = cv::imdecode(bytes, flags);
+  if (pixels.empty()) throw std::runtime_error("not a readable image");
+  return pixels;
+}
+
+/// Decodes an image of compressed_depth_image_transport: a header of 12 bytes and a PNG. Pixels of
+/// 32FC1 are inverse depths, a / (count - b).
+cv::Mat decode_compressed_depth(const RosImage& image) {
+  ByteReader reader(image.data);
+  reader.take(4);
+  const auto a = reader.number<float>(), b = reader.number<float>();
+  const cv::Mat counts = decode_file(image.data.subspan(12), cv::IMREAD_UNCHANGED);
+  if (!image.encoding.starts_with("32FC1")) return counts;
+  cv::Mat inverse, depth;
+  counts.convertTo(inverse, CV_32F, 1.0 / a, -b / a);
+  cv::divide(1.0, inverse, depth);
+  depth.setTo(0.0f, counts == 0);
+  return depth;
+}
+
+}  // namespace
+
+bool RosImage::is_depth() const {
+  return std::ranges::any_of(std::array{"16UC1", "mono16", "32FC1"},
+                             [&](const char* name) { return encoding.starts_with(name); }) ||
+         encoding.find("compressedDepth") != std::string::npos;
+}
+
+bool is_image_type(const std::string& type) {
+  return type == "sensor_msgs/Image" || type == "sensor_msgs/CompressedImage";
+}
+
+RosImage parse_image(ByteSpan message, const std::string& type) {
+  ByteReader reader(message);
+  RosImage image;
+  read_header(reader, image);
+  image.is_compressed = type == "sensor_msgs/CompressedImage";
+  if (!image.is_compressed)
+    image.height = reader.number<std::uint32_t>(), image.width = reader.number<std::uint32_t>();
+  image.encoding = read_text(reader);
+  if (!image.is_compressed) {
+    image.is_big_endian = reader.number<std::uint8_t>() != 0;
+    image.step = reader.number<std::uint32_t>();
+  }
+  image.data = reader.take(reader.number<std::uint32_t>());
+  return image;
+}
+
+nlohmann::json parse_camera_info(ByteSpan message) {
+  ByteReader reader(message);
+  RosImage header;
+  read_header(reader, header);
+  const auto height = reader.number<std::uint32_t>(), width = reader.number<std::uint32_t>();
+  const std::string model = read_text(reader);
+  const auto distortion = read_numbers<double>(reader, reader.number<std::uint32_t>());
+  return {{"height", height},
+          {"width", width},
+          {"distortion_model", model},
+          {"D", distortion},
+          {"K", read_numbers<double>(reader, 9)}};
+}
+
+float parse_float32(ByteSpan message) { return ByteReader(message).number<float>(); }
+
+cv::Mat decode(const RosImage& image) {
+  if (!image.is_compressed) return decode_raw(image);
+  if (image.encoding.find("compressedDepth") != std::string::npos)
+    return decode_compressed_depth(image);
+  return decode_file(image.data, image.is_depth() ? cv::IMREAD_UNCHANGED : cv::IMREAD_COLOR);
+}
+
+}  // namespace touchtrace

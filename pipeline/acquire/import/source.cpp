@@ -1,0 +1,47 @@
+#include "pipeline/acquire/import/source.h"
+
+#include <fmt/core.h>
+
+#include <array>
+
+#include "engine/base/error.h"
+#include "engine/base/text.h"
+#include "pipeline/acquire/board_views.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr std::array<SourceKind, 4> source_kinds{{
+    {"TUM RGB-D folder (rgb.txt, depth.txt)", is_tum_folder, open_tum_source},
+    {"ROS 1 bag", is_bag, open_bag_source},
+    {"NumPy archive (.npz with color, depth, time_s)", is_numpy_archive, open_numpy_source},
+    {"folder with the image folders rgb and depth", is_image_folder, open_image_folder},
+}};
+
+ImportSource open(const SourceKind& kind, const std::filesystem::path& path,
+                  const SourceOptions& options) {
+  try {
+    return kind.open(path, options);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw data_error(fmt::format("cannot read {}: {}", path.string(), error.what()),
+                     fmt::format("give a complete {}", kind.name));
+  }
+}
+
+}  // namespace
+
+ImportSource open_source(const std::filesystem::path& path, const SourceOptions& options) {
+  if (!std::filesystem::exists(path))
+    throw data_error(fmt::format("{} does not exist", path.string()), "check the path");
+  std::vector<std::string> names;
+  for (const SourceKind& kind : source_kinds) {
+    if (kind.is_kind(path)) return open(kind, path, options);
+    names.emplace_back(kind.name);
+  }
+  throw data_error(fmt::format("{} is not a source of colour and depth images", path.string()),
+                   "give one of: " + comma_separated(names));
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,108 @@
+#include "pipeline/acquire/import/source_camera.h"
+
+#include <fmt/core.h>
+
+#include "engine/base/error.h"
+#include "engine/base/progress.h"
+#include "pipeline/acquire/import/intrinsics.h"
+
+namespace touchtrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Cameras {
+  std::optional<Camera> color, depth;
+  std::optional<Eigen::Isometry3d> depth_from_color = std::nullopt;
+};
+
+/// Format of the first image that can be decoded. Throws data_error if there is none.
+ImageFormat first_format(const SourceStream& stream, const char* kind) {
+  std::string fault = "there are none";
+  for (std::size_t i = 0; i < stream.images.size(); ++i) try {
+      const cv::Mat image = stream.read(i);
+      return {image.size(), image.type()};
+    } catch (const std::exception& error) {
+      fault = fmt::format("{}: {}", stream.images[i].name, error.what());
+    }
+  throw data_error(fmt::format("no {} image can be read; {}", kind, fault),
+                   "depth is 16-bit PNG or arrays, colour is 8-bit PNG or JPEG");
+}
+
+/// Cameras of --camera-info, else of the source, else of files beside it.
+Cameras find_cameras(const fs::path& path, const ImportSource& source, const std::string& file,
+                     const cv::Size& color, const cv::Size& depth) {
+  Cameras cameras{source.color.camera, source.depth.camera};
+  const auto add = [&](const fs::path& intrinsics) {
+    const RgbdCalibration calibration = read_intrinsics(intrinsics, color.width, color.height);
+    cameras.color = calibration.color;
+    if (!calibration.depth) return;
+    cameras.depth = calibration.depth;
+    cameras.depth_from_color = calibration.depth_from_color;
+  };
+  const IntrinsicsFiles files =
+      find_intrinsics(fs::is_directory(path) ? path : fs::absolute(path).parent_path());
+  if (!file.empty()) add(file);
+  if (!cameras.color && files.color) add(*files.color);
+  if (!cameras.depth && files.depth)
+    cameras.depth = read_intrinsics(*files.depth, depth.width, depth.height).color;
+  return cameras;
+}
+
+/// Whether depth images are on the colour camera's pixels, as the user or the source states it;
+/// else whether they have the same size and no intrinsics of their own.
+bool decide_registered(const ImportSource& source, const CameraOptions& options, bool is_same_size,
+                       bool has_depth_camera) {
+  if (options.registered && !is_same_size)
+    throw data_error("registered depth images have the size of the colour images, these do not",
+                     "leave out --registered");
+  if (options.registered || options.no_registered) return options.registered;
+  if (source.is_registered && is_same_size) return *source.is_registered;
+  const bool is_registered = is_same_size && !has_depth_camera;
+  Progress::report(is_registered
+                       ? "depth is taken as registered to colour: same size, one set of intrinsics "
+                         "(--no-registered: it is not)"
+                       : "depth is taken as not registered to colour (--registered: it is)");
+  return is_registered;
+}
+
+void set_cameras(CameraInfo& info, const Cameras& cameras) {
+  info.color_camera = cameras.color;
+  info.depth_camera = info.is_registered ? cameras.color : cameras.depth;
+  if (!info.is_registered) info.depth_from_color = cameras.depth_from_color;
+  if (!info.color_camera)
+    Progress::report(
+        "warning: no intrinsics found (--camera-info FILE); label will need "
+        "--calibration");
+  else if (!info.is_registered && !info.depth_from_color)
+    Progress::report(
+        "warning: the pose of the depth camera is unknown (--camera-info with a "
+        "camchain or a folder of calibrate); label will need --calibration");
+}
+
+}  // namespace
+
+SourceCamera describe_camera(const fs::path& path, const ImportSource& source,
+                             const CameraOptions& options) {
+  SourceCamera camera{.info = {}, .color = first_format(source.color, "colour"), .depth = {}};
+  CameraInfo& info = camera.info;
+  info.width = camera.color.size.width, info.height = camera.color.size.height;
+  if (!source.depth.images.empty()) {
+    camera.depth = first_format(source.depth, "depth");
+    camera.depth_scale = depth_scale(source, camera.depth.type, options.depth_scale);
+    require_plausible(camera.depth_scale, source.depth, options.depth_scale > 0.0);
+    info.depth_unit_m = camera.depth_scale.unit_m;
+    info.depth_width = camera.depth.size.width, info.depth_height = camera.depth.size.height;
+  }
+  const cv::Size color = camera.color.size, depth = camera.depth.size;
+  const Cameras cameras = find_cameras(path, source, options.camera_info, color, depth);
+  if (!depth.empty())
+    info.is_registered =
+        decide_registered(source, options, depth == color, cameras.depth.has_value());
+  set_cameras(info, cameras);
+  if (!options.gravity_m_per_s2.empty())
+    info.gravity_m_per_s2 = Eigen::Vector3d(options.gravity_m_per_s2.data());
+  return camera;
+}
+
+}  // namespace touchtrace

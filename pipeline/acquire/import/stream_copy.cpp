@@ -1,0 +1,71 @@
+#include "pipeline/acquire/import/stream_copy.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "engine/base/progress.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr std::size_t max_reported = 5;
+constexpr double min_unix_s = 1e8;
+
+}  // namespace
+
+StreamCopy::StreamCopy(const SourceStream& stream, const ImageFormat& format, double clock_start_s,
+                       Append append)
+    : stream_(stream), format_(format), clock_start_s_(clock_start_s), append_(std::move(append)) {}
+
+void StreamCopy::copy_next() {
+  const std::size_t index = next_++;
+  cv::Mat image;
+  try {
+    image = stream_.read(index);
+  } catch (const std::exception& error) {
+    return leave_out(error.what());
+  }
+  if (image.size() != format_.size)
+    return leave_out(fmt::format("{}x{} pixels instead of {}x{}", image.cols, image.rows,
+                                 format_.size.width, format_.size.height));
+  if (image.type() != format_.type) return leave_out("another type of pixels");
+  append_(image);
+  copied_.emplace(index, copied_.size());
+}
+
+void StreamCopy::leave_out(const std::string& fault) {
+  if (num_left_out() <= max_reported)
+    Progress::report(
+        fmt::format("warning: left out {}: {}", stream_.images[next_ - 1].name, fault));
+  if (num_left_out() == max_reported + 1) Progress::report("warning: left out further images");
+}
+
+CameraTimes StreamCopy::times() const {
+  CameraTimes times;
+  for (const auto& [source, unused] : copied_) {
+    const SourceImage& image = stream_.images[source];
+    times.sequence.push_back(source);
+    times.host_time_s.push_back(image.host_time_s - clock_start_s_);
+    const bool is_unix = image.device_time_s > min_unix_s;
+    times.device_time_s.push_back(image.device_time_s - (is_unix ? clock_start_s_ : 0.0));
+  }
+  if (!std::ranges::is_sorted(times.device_time_s)) {
+    Progress::report("warning: the camera's stamps run backward; times of arrival replace them");
+    times.device_time_s = times.host_time_s;
+  }
+  return times;
+}
+
+double median_rate_hz(const SourceStream& stream, double fallback_hz) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < stream.images.size(); ++i) {
+    const double interval_s = stream.images[i].host_time_s - stream.images[i - 1].host_time_s;
+    if (interval_s > 0.0) intervals.push_back(interval_s);
+  }
+  if (intervals.empty()) return fallback_hz;
+  std::ranges::nth_element(intervals, intervals.begin() + std::ssize(intervals) / 2);
+  return 1.0 / intervals[intervals.size() / 2];
+}
+
+}  // namespace touchtrace

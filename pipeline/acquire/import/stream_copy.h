@@ -1,0 +1,51 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "pipeline/acquire/import/source.h"
+#include "pipeline/recording/recording.h"
+
+namespace touchtrace {
+
+struct ImageFormat {
+  cv::Size size;
+  int type = 0;  ///< of cv::Mat
+};
+
+/// Copies the images of one stream to a recording. Images that are damaged or of another format are
+/// reported and left out.
+class StreamCopy {
+ public:
+  using Append = std::function<void(const cv::Mat& image)>;
+
+  /// `clock_start_s`: time of the source that is 0 in the recording.
+  StreamCopy(const SourceStream& stream, const ImageFormat& format, double clock_start_s,
+             Append append);
+
+  bool is_finished() const { return next_ == stream_.images.size(); }
+  double next_time_s() const { return stream_.images[next_].host_time_s; }
+  void copy_next();
+
+  /// Stamps of the copied images. Device times that run backward are replaced by the host's.
+  CameraTimes times() const;
+  /// Index in the recording by index in the source.
+  const std::map<std::size_t, std::size_t>& copied() const { return copied_; }
+  std::size_t num_left_out() const { return next_ - copied_.size(); }
+
+ private:
+  void leave_out(const std::string& fault);
+
+  const SourceStream& stream_;
+  ImageFormat format_;
+  double clock_start_s_;
+  Append append_;
+  std::size_t next_ = 0;
+  std::map<std::size_t, std::size_t> copied_;
+};
+
+/// Rate of a stream: inverse of its median interval. `fallback_hz` with fewer than two images.
+double median_rate_hz(const SourceStream& stream, double fallback_hz);
+
+}  // namespace touchtrace

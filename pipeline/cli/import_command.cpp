@@ -1,0 +1,61 @@
+#include <fmt/core.h>
+
+#include "engine/base/files.h"
+#include "pipeline/acquire/import/import.h"
+#include "pipeline/cli/commands.h"
+
+namespace touchtrace::cli {
+namespace {
+
+struct ImportCommandOptions {
+  std::string source, output;
+  ImportOptions import;
+};
+
+void describe(OptionSet& set, ImportCommandOptions& o) {
+  set.input("source", o.source,
+            "TUM RGB-D folder, folder with the image folders rgb and depth, ROS 1 bag, or .npz "
+            "with color, depth, time_s");
+  set.path("output", o.output, "recording (.h5)").value("FILE");
+  describe(set, o.import);
+}
+
+void print_summary(const nlohmann::json& s, const std::string& output) {
+  fmt::print("{}: {} colour and {} depth images of {} x {} at {:.2f} Hz, {} left out\n", output,
+             s["color_images"].get<std::size_t>(), s["depth_images"].get<std::size_t>(),
+             s["width"].get<int>(), s["height"].get<int>(), s["rate_hz"].get<double>(),
+             s["left_out"].get<std::size_t>());
+  fmt::print("depth {}registered to colour, unit {:g} m; {} intrinsics; {} clips\n",
+             s["registered"].get<bool>() ? "" : "not ", s["depth_unit_m"].get<double>(),
+             s["intrinsics"].get<bool>() ? "with" : "no", s["clips"].get<std::size_t>());
+}
+
+ExitCode run(const ImportCommandOptions& options, const Invocation& invocation) {
+  const Stopwatch stopwatch;
+  { const OutputFile writable(options.output, invocation.overwrite); }
+  auto provenance = start_provenance("touchtrace/recording/2", "import");
+  provenance.options = invocation.options;
+  if (std::filesystem::is_regular_file(options.source)) provenance.add_input(options.source);
+  stopwatch.stop(provenance);
+  const auto summary = import_recording(options.source, options.output, options.import, provenance,
+                                        invocation.overwrite);
+  if (invocation.json)
+    fmt::print("{}\n", summary.dump(2));
+  else
+    print_summary(summary, options.output);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Command import_command() {
+  return make_command<ImportCommandOptions>(
+      "import", "convert colour, depth and intrinsics of another program to a recording",
+      {"touchtrace import rgbd_dataset_freiburg1_xyz --output my.h5",
+       "touchtrace import my_images --rate 30 --camera-info camera_info.yaml --output my.h5",
+       "touchtrace import camera.bag --depth-topic /camera/aligned_depth_to_color/image_raw "
+       "--output my.h5"},
+      run, {.overwrite = true, .quiet = true});
+}
+
+}  // namespace touchtrace::cli

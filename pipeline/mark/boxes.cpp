@@ -1,0 +1,55 @@
+#include "pipeline/mark/boxes.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "engine/base/error.h"
+#include "engine/base/text.h"
+#include "pipeline/recording/check.h"
+
+namespace touchtrace {
+
+PixelBox parse_box(const std::string& text) {
+  const auto parts = split_text(text, ',');
+  std::array<int, 4> values{};
+  bool is_good = parts.size() == 4;
+  for (std::size_t i = 0; is_good && i < 4; ++i) {
+    const char* const end = parts[i].data() + parts[i].size();
+    const auto [rest, fault] = std::from_chars(parts[i].data(), end, values[i]);
+    is_good = fault == std::errc{} && rest == end;
+  }
+  if (!is_good)
+    throw usage_error(fmt::format("'{}' is not a box", text),
+                      "write x,y,width,height in pixels, e.g. hand=120,80,60,50");
+  return {values[0], values[1], values[2], values[3]};
+}
+
+std::size_t first_frame(const Recording& recording, const Clip& clip) {
+  const auto& times_s = recording.camera_times.host_time_s;
+  const auto first = std::ranges::lower_bound(times_s, clip.start_s);
+  if (first == times_s.end() || *first >= clip.end_s)
+    throw data_error(
+        fmt::format("the clip from {} to {} s has no camera frame", clip.start_s, clip.end_s),
+        "mark another clip");
+  return static_cast<std::size_t>(first - times_s.begin());
+}
+
+void require_plausible(const ClipBoxes& boxes, const Recording& recording) {
+  if (boxes.clip >= recording.clips.size())
+    throw data_error(fmt::format("clip {} does not exist: there are {}, counted from 0", boxes.clip,
+                                 recording.clips.size()),
+                     "`touchtrace check` lists what a recording holds");
+  Clip clip = recording.clips[boxes.clip];
+  clip.hand_box = boxes.hand, clip.object_box = boxes.object, clip.box_frame = boxes.frame;
+  auto faults = box_faults(clip, recording);
+  if (boxes.hand.empty() || boxes.object.empty()) faults.emplace_back("a box is empty");
+  if (!faults.empty())
+    throw data_error(fmt::format("clip {}: {}", boxes.clip, fmt::join(faults, "; ")),
+                     "a box is x,y,width,height in pixels of the colour image");
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,185 @@
+#include "pipeline/mark/http_server.h"
+
+#include <arpa/inet.h>
+#include <fmt/core.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "engine/base/error.h"
+#include "engine/base/interrupt.h"
+
+namespace touchtrace {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t max_request_bytes = 1u << 20;
+constexpr std::size_t max_connections = 32;
+constexpr auto patience = std::chrono::seconds(10);
+constexpr int poll_ms = 100;
+
+std::string random_token() {
+  std::random_device random;
+  std::string token;
+  for (int i = 0; i < 4; ++i) token += fmt::format("{:08x}", random());
+  return token;
+}
+
+HttpResponse plain(int status, std::string text) { return {status, "text/plain", std::move(text)}; }
+
+/// Value of a header; empty: missing. `head` has lower-case names.
+std::string header(const std::string& head, const std::string& name) {
+  const auto start = head.find("\r\n" + name + ":");
+  if (start == std::string::npos) return {};
+  const auto value = head.find_first_not_of(' ', start + name.size() + 3);
+  return head.substr(value, head.find("\r\n", value) - value);
+}
+
+/// Bytes of the body; nullopt: not a number, or too many.
+std::optional<std::size_t> body_size(const std::string& head) {
+  const std::string text = header(head, "content-length");
+  std::size_t size = 0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), size);
+  if (text.empty()) return 0;
+  if (fault != std::errc{} || end != text.data() + text.size() || size > max_request_bytes)
+    return std::nullopt;
+  return size;
+}
+
+/// Request line as it is, names of headers in lower case.
+std::string lower_case_names(std::string head) {
+  bool is_name = false;
+  for (std::size_t i = head.find("\r\n"); i < head.size(); ++i) {
+    if (head[i] == '\n') is_name = true;
+    if (head[i] == ':') is_name = false;
+    if (is_name) head[i] = static_cast<char>(std::tolower(static_cast<unsigned char>(head[i])));
+  }
+  return head;
+}
+
+void send_all(int socket, const std::string& bytes) {
+  for (std::size_t sent = 0; sent < bytes.size();) {
+    const auto n = send(socket, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+    if (n <= 0) return;  // the client is gone or does not read
+    sent += static_cast<std::size_t>(n);
+  }
+}
+
+void send_response(int socket, const HttpResponse& response) {
+  send_all(socket, fmt::format("HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\n"
+                               "Connection: close\r\nCache-Control: no-store\r\n"
+                               "X-Content-Type-Options: nosniff\r\n"
+                               "Referrer-Policy: no-referrer\r\n\r\n",
+                               response.status, response.status == 200 ? "OK" : "Error",
+                               response.type, response.body.size()) +
+                       response.body);
+}
+
+}  // namespace
+
+struct HttpServer::Connection {
+  int socket;
+  Clock::time_point deadline = Clock::now() + patience;
+  std::string received = {};
+};
+
+HttpServer::HttpServer(int port) : token_(random_token()) {
+  socket_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof(address);
+  auto* const any = reinterpret_cast<sockaddr*>(&address);
+  if (socket_ < 0 || bind(socket_, any, size) != 0 || listen(socket_, 16) != 0 ||
+      getsockname(socket_, any, &size) != 0) {
+    const std::string fault = std::strerror(errno);
+    if (socket_ >= 0) close(socket_);
+    throw failure(fmt::format("cannot listen on port {} of 127.0.0.1: {}", port, fault),
+                  "choose another with --port");
+  }
+  port_ = ntohs(address.sin_port);
+}
+
+HttpServer::~HttpServer() { close(socket_); }
+
+std::string HttpServer::url() const {
+  return fmt::format("http://127.0.0.1:{}/{}/", port_, token_);
+}
+
+HttpResponse HttpServer::answer(const std::string& head, std::string body,
+                                const Handler& handle) const {
+  const std::string host = header(head, "host");
+  if (host != fmt::format("127.0.0.1:{}", port_) && host != fmt::format("localhost:{}", port_))
+    return plain(403, "wrong host");
+  const auto method_end = head.find(' '), target_end = head.find(' ', method_end + 1);
+  const std::string target = head.substr(method_end + 1, target_end - method_end - 1);
+  const std::string root = "/" + token_ + "/";
+  if (!target.starts_with(root)) return plain(404, "not found");
+  const auto question = target.find('?');
+  const std::string path = target.substr(root.size(), question - root.size());
+  return handle({head.substr(0, method_end), path,
+                 question == std::string::npos ? "" : target.substr(question + 1),
+                 std::move(body)});
+}
+
+bool HttpServer::serve(Connection& connection, const Handler& handle) const {
+  std::array<char, 1 << 16> buffer;
+  const auto n = recv(connection.socket, buffer.data(), buffer.size(), MSG_DONTWAIT);
+  if (n < 0) return errno == EAGAIN || errno == EINTR;
+  if (n == 0) return false;
+  std::string& received = connection.received;
+  received.append(buffer.data(), static_cast<std::size_t>(n));
+  const auto end = received.find("\r\n\r\n");
+  if (end == std::string::npos) return received.size() < max_request_bytes;
+  const std::string head = lower_case_names(received.substr(0, end + 2));
+  const auto size = body_size(head);
+  if (size && received.size() < end + 4 + *size) return true;
+  send_response(connection.socket, size ? answer(head, received.substr(end + 4, *size), handle)
+                                        : plain(400, "invalid length"));
+  return false;
+}
+
+void HttpServer::run(const Handler& handle, const std::function<bool()>& is_done) {
+  std::vector<Connection> connections;
+  struct Closing {
+    std::vector<Connection>& open;
+    ~Closing() {
+      for (const Connection& connection : open) close(connection.socket);
+    }
+  } closing{connections};
+  while (!is_done()) {
+    throw_if_interrupted();
+    std::vector<pollfd> polled{{socket_, POLLIN, 0}};
+    for (const Connection& connection : connections)
+      polled.push_back({connection.socket, POLLIN, 0});
+    if (poll(polled.data(), polled.size(), poll_ms) < 0) continue;
+    for (std::size_t i = connections.size(); i-- > 0;) {
+      const bool has_data = polled[i + 1].revents != 0;
+      const bool stays = has_data ? serve(connections[i], handle) : true;
+      if (stays && Clock::now() < connections[i].deadline) continue;
+      close(connections[i].socket);
+      connections.erase(connections.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    if (polled[0].revents == 0 || connections.size() >= max_connections) continue;
+    const int client = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC);
+    const timeval send_limit{5, 0};
+    if (client < 0) continue;
+    setsockopt(client, SOL_SOCKET, SO_SNDTIMEO, &send_limit, sizeof(send_limit));
+    connections.push_back({client});
+  }
+}
+
+}  // namespace touchtrace

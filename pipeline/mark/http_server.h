@@ -1,0 +1,49 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace touchtrace {
+
+struct HttpRequest {
+  std::string method, path;  ///< path: without the token, "clips"
+  std::string query;         ///< after the question mark
+  std::string body;
+};
+
+struct HttpResponse {
+  int status = 200;
+  std::string type, body;
+};
+
+/// HTTP/1.1 server for one page on this machine: it listens on 127.0.0.1, answers only requests
+/// whose path begins with a random token and whose Host is this server, and one after the other. A
+/// slow client does not block others. Requests are limited to 1 MiB.
+class HttpServer {
+ public:
+  using Handler = std::function<HttpResponse(const HttpRequest&)>;
+
+  /// `port` 0: any free port. Throws failure if the port cannot be used.
+  explicit HttpServer(int port);
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  /// Address of the page, with the token.
+  std::string url() const;
+  /// Answers requests until `is_done()`. Throws if interrupted.
+  void run(const Handler& handle, const std::function<bool()>& is_done);
+
+ private:
+  struct Connection;
+
+  /// Answer to a request with the headers `head`.
+  HttpResponse answer(const std::string& head, std::string body, const Handler& handle) const;
+  /// Reads what has arrived, answers a complete request. Returns whether the connection stays open.
+  bool serve(Connection& connection, const Handler& handle) const;
+
+  int socket_ = -1, port_ = 0;
+  std::string token_;
+};
+
+}  // namespace touchtrace

@@ -1,0 +1,28 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.h"
+#include "tests/support/scratch.h"
+
+namespace {
+
+using touchtrace::testing::run_program;
+
+TEST(WriteRecording, ExampleWritesAFileThatEachCommandButCalibrateCanUse) {
+  const auto folder = touchtrace::testing::scratch_folder();
+  std::filesystem::create_directories(folder);
+  const std::string file = (folder / "a.h5").string();
+  const std::string script = std::string(TOUCHTRACE_SOURCE_DIR) + "/scripts/write_recording.py ";
+  ASSERT_EQ(std::system(("/usr/bin/python3 " + script + file).c_str()), 0);
+  const auto checked = run_program("check --json --for label " + file);
+  ASSERT_EQ(checked.exit_code, 0) << checked.output;
+  const auto json = nlohmann::json::parse(checked.output);
+  EXPECT_TRUE(json["faults"].empty()) << checked.output;
+  EXPECT_TRUE(json["warnings"].empty()) << checked.output;
+  EXPECT_TRUE(json["lacks"]["train"].empty()) << checked.output;
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace

@@ -10,8 +10,9 @@ namespace {
 void require_size(const char* kind, const Camera& calibrated, int width, int height) {
   if (calibrated.width == width && calibrated.height == height) return;
   throw data_error(
-      fmt::format("calibration of the {} camera is for images of {} x {}, the recording has {} x {}",
-                  kind, calibrated.width, calibrated.height, width, height),
+      fmt::format(
+          "calibration of the {} camera is for images of {} x {}, the recording has {} x {}", kind,
+          calibrated.width, calibrated.height, width, height),
       "calibrate the camera that recorded, with images of this size");
 }
 

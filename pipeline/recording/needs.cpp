@@ -114,9 +114,10 @@ void check_boxes(const RecordingReader& reader, std::vector<std::string>& missin
     if (!has_boxes && !has_mask_of_both(clip, reader)) unmarked.push_back(i);
   }
   if (!unmarked.empty())
-    missing.push_back(fmt::format("neither boxes nor masks of hand and object in clip {} "
-                                  "(`touchtrace mark {}` draws boxes)",
-                                  fmt::join(unmarked, ", "), reader.path()));
+    missing.push_back(
+        fmt::format("neither boxes nor masks of hand and object in clip {} "
+                    "(`touchtrace mark {}` draws boxes)",
+                    fmt::join(unmarked, ", "), reader.path()));
 }
 
 }  // namespace

@@ -14,8 +14,11 @@ constexpr std::size_t max_spread_starts = 16;
 // not held, so at least this fraction of its disc must be visible.
 constexpr double expected_distance_m = 0.04, hinted_distance_m = 0.15, min_disc_fraction = 0.5;
 constexpr double unlimited_m = 10.0;
-// Mean likeness of a patch: colours seven times rarer in the class than usual are another body's.
-constexpr double min_likeness = -2.0;
+// Mean likeness of a patch, of a body that is lost or hidden and of one that is followed: colours
+// rarer in the class than usual by so much (2 and 7 times) are another body's. Shadows and exposure
+// pass in less than likeness_time_s; over it, colours are not rarer by more than the third.
+constexpr double min_found_likeness = -0.7, min_likeness = -2.0, min_mean_likeness = -0.9;
+constexpr double likeness_time_s = 0.5;
 constexpr double max_disc_fill = 0.8;  // of the search disc; a body fills less than half of it
 
 bool matches(const PixelBox& tracked, const PixelBox& found) {
@@ -84,13 +87,23 @@ std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& ima
       return (point.position_m.cast<double>() - within->centre_m).norm() > within->radius_m;
     });
   const auto patch = best_patch(own, segmenter, starts(own, tracked_box, hint_m), hint_m);
-  if (!patch) {
+  if (!patch || !is_usual(*patch)) {
     tracker_.stop();
     ++missed_frames_;
     return std::nullopt;
   }
   if (!(tracked_box && matches(*tracked_box, patch->box))) restart_tracker(image, patch->box);
   return patch;
+}
+
+bool Target::is_usual(const Patch& patch) {
+  const double weight = std::min(1.0, since_find_s_ / likeness_time_s);
+  mean_likeness_ += weight * (patch.likeness - mean_likeness_);
+  since_find_s_ = 0.0;
+  if (mean_likeness_ > min_mean_likeness) return true;
+  mean_likeness_ = 0.0;
+  missed_frames_ = std::max(missed_frames_, lost_after_frames);
+  return false;
 }
 
 std::optional<Patch> Target::best_patch(const Surface& own, const Segmenter& segmenter,
@@ -106,7 +119,7 @@ std::optional<Patch> Target::best_patch(const Surface& own, const Segmenter& seg
     const auto points = static_cast<double>(patch->points_m.size());
     const double depth_m = patch->centroid_m.z();
     const double disc = segmenter.disc_pixels(disc_radius_m_, depth_m);
-    if (patch->likeness < min_likeness ||
+    if (patch->likeness < (is_hidden_ || is_lost() ? min_found_likeness : min_likeness) ||
         points > max_disc_fill * segmenter.disc_pixels(patch_radius_m_, depth_m)) continue;
     if (distance_m > max_distance_m() ||
         (distance_m > any_part_distance_m(hint_m.has_value()) + patch_radius_m_ &&

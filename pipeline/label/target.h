@@ -39,7 +39,8 @@ class Target {
   /// d: distance to the prediction (if lost, the last position) or the hint, the smaller. Rejects
   ///  - d > gate_m() + patch_radius_m (10 m if hidden or lost);
   ///  - d > patch_radius_m + 0.04 m (0.15 m if lost, with hint) and under half the disc visible;
-  ///  - likeness below -2: colours that are rare in the class;
+  ///  - likeness below -2, if hidden or lost -0.7, or on average over half a second below -0.9:
+  ///    colours that are rare in the class;
   ///  - over 80 % of a disc of patch_radius_m covered: part of a larger surface.
   /// Ignores points outside `within`. Maximises patch_score() at d over the gate, or over arm_reach_m if lost. Failure stops the
   /// image tracker; a patch that does not match `tracked_box` restarts it.
@@ -52,6 +53,7 @@ class Target {
   void start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,
              const MaskedImage& image);
   void predict(double seconds, bool falling, const Eigen::Vector3d& gravity_m_per_s2) {
+    since_find_s_ += seconds;
     filter_.predict(seconds, falling, gravity_m_per_s2);
   }
   /// Updates the filter; restarts it if the position is outside the gate.
@@ -69,6 +71,9 @@ class Target {
   int tracker_starts() const { return tracker_.starts(); }
 
  private:
+  /// Updates the mean likeness. If the patch's colours have been unusual for a while, the target has
+  /// slipped to another body: it is lost.
+  bool is_usual(const Patch& patch);
   // Search limits; see find().
   double any_part_distance_m(bool has_hint) const;
   double max_distance_m() const;
@@ -90,6 +95,7 @@ class Target {
   std::size_t min_points_;
   BoxTracker tracker_;
   int missed_frames_ = 0;
+  double mean_likeness_ = 0.0, since_find_s_ = 0.0;
   bool is_hidden_ = false;
 };
 

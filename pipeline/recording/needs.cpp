@@ -124,9 +124,10 @@ void check_boxes(const RecordingReader& reader, std::vector<std::string>& missin
   }
   missing.insert(missing.end(), all_faults.begin(), all_faults.end());
   if (!unmarked.empty())
-    missing.push_back(fmt::format("neither boxes nor masks of hand and object in clip {} "
-                                  "(`touchtrace mark {}` draws boxes)",
-                                  fmt::join(unmarked, ", "), reader.path()));
+    missing.push_back(
+        fmt::format("neither boxes nor masks of hand and object in clip {} "
+                    "(`touchtrace mark {}` draws boxes)",
+                    fmt::join(unmarked, ", "), reader.path()));
 }
 
 }  // namespace

@@ -36,6 +36,7 @@ struct TactileCheck {
   double frozen_s = 0.0;          ///< longest time without a change of any taxel
   int stuck_rows = 0, stuck_cols = 0;  ///< saturated in nearly all frames
   bool is_upsampled = false;           ///< every second frame is interpolated or a repetition
+  double used_range = 0.0;             ///< largest count, fraction of the range
 
   /// Reasons why the glove is useless for training.
   std::vector<std::string> faults() const;

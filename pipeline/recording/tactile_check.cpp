@@ -16,6 +16,7 @@ constexpr double quiet_fraction = 0.1;  ///< of the frames: those of the lowest 
 /// Largest ratio of the changes in even and odd frames if one of them are interpolated.
 constexpr double upsampled_ratio = 0.1;
 constexpr std::size_t min_upsampled_frames = 20;
+constexpr double min_used_range = 0.125;  ///< 3 bits
 
 /// Counts of one glove, frame by frame.
 class Frames {
@@ -69,9 +70,8 @@ double rest_level(const Frames& frames, int taxels) {
   for (std::size_t i = 0; i < frames.size(); ++i)
     levels.push_back(mean_pressure(frames, i, taxels));
   if (levels.empty()) return 0.0;
-  const auto quiet =
-      levels.begin() +
-      static_cast<std::ptrdiff_t>(quiet_fraction * static_cast<double>(levels.size() - 1));
+  const auto quiet = levels.begin() + static_cast<std::ptrdiff_t>(
+                                          quiet_fraction * static_cast<double>(levels.size() - 1));
   std::nth_element(levels.begin(), quiet, levels.end());
   return *quiet;
 }
@@ -130,7 +130,7 @@ Changes sum_changes(const Frames& frames) {
 bool is_upsampled(const Frames& frames) {
   if (frames.size() < min_upsampled_frames) return false;
   const Changes changes = sum_changes(frames);
-  const auto differ = [](const double (&sums)[2]) {
+  const auto differ = [](const double(&sums)[2]) {
     return std::min(sums[0], sums[1]) < upsampled_ratio * std::max(sums[0], sums[1]);
   };
   return differ(changes.repetition) || differ(changes.interpolation);
@@ -162,6 +162,9 @@ TactileCheck check_tactile(const GloveStream& glove) {
   check.stuck_rows = count_stuck(frames, glove.info.rows, [&](std::size_t t) { return t / cols; });
   check.stuck_cols = count_stuck(frames, glove.info.cols, [&](std::size_t t) { return t % cols; });
   check.is_upsampled = is_upsampled(frames);
+  if (!glove.counts.empty())
+    check.used_range =
+        static_cast<double>(*std::ranges::max_element(glove.counts)) / frames.max_count();
   return check;
 }
 
@@ -180,33 +183,37 @@ std::vector<std::string> TactileCheck::faults() const {
 std::vector<std::string> TactileCheck::warnings() const {
   std::vector<std::string> warnings;
   if (std::abs(rest_level) > max_rest_level)
-    warnings.push_back(fmt::format("mean pressure at rest is {:.0f} % of the range: baseline or "
-                                   "polarity is wrong",
-                                   100 * rest_level));
+    warnings.push_back(
+        fmt::format("mean pressure at rest is {:.0f} % of the range: baseline or "
+                    "polarity is wrong",
+                    100 * rest_level));
   if (repeated_frames > max_repeated_frames || frozen_s > max_frozen_s)
-    warnings.push_back(fmt::format("{:.0f} % of the frames repeat the previous one, for up to "
-                                   "{:.1f} s",
-                                   100 * repeated_frames, frozen_s));
+    warnings.push_back(
+        fmt::format("{:.0f} % of the frames repeat the previous one, for up to "
+                    "{:.1f} s",
+                    100 * repeated_frames, frozen_s));
   if (stuck_rows > 0 || stuck_cols > 0)
     warnings.push_back(
         fmt::format("{} rows and {} columns are stuck at saturation", stuck_rows, stuck_cols));
   if (is_upsampled)
-    warnings.emplace_back("every second frame is interpolated or a repetition: give the native "
-                          "frames and rate");
+    warnings.emplace_back(
+        "every second frame is interpolated or a repetition: give the native "
+        "frames and rate");
+  if (used_range < min_used_range)
+    warnings.push_back(
+        fmt::format("the largest count is {:.1f} % of the range: attribute 'bits' is "
+                    "wrong, or the glove was never pressed",
+                    100 * used_range));
   return warnings;
 }
 
 nlohmann::json to_json(const TactileCheck& check) {
-  return {{"taxels", check.taxels},
-          {"dead_taxels", check.dead_taxels},
-          {"zero_frames", check.zero_frames},
-          {"saturated_frames", check.saturated_frames},
-          {"rest_level", check.rest_level},
-          {"repeated_frames", check.repeated_frames},
-          {"frozen_s", check.frozen_s},
-          {"stuck_rows", check.stuck_rows},
-          {"stuck_cols", check.stuck_cols},
-          {"upsampled", check.is_upsampled}};
+  return {{"taxels", check.taxels},           {"dead_taxels", check.dead_taxels},
+          {"zero_frames", check.zero_frames}, {"saturated_frames", check.saturated_frames},
+          {"rest_level", check.rest_level},   {"repeated_frames", check.repeated_frames},
+          {"frozen_s", check.frozen_s},       {"stuck_rows", check.stuck_rows},
+          {"stuck_cols", check.stuck_cols},   {"upsampled", check.is_upsampled},
+          {"used_range", check.used_range}};
 }
 
 }  // namespace touchtrace

@@ -7,6 +7,7 @@
 
 #include "calib/board/opencv_threads.h"
 #include "engine/base/error.h"
+#include "engine/base/random.h"
 #include "pipeline/study/label_error.h"
 #include "pipeline/study/tracker_choice.h"
 #include "tests/pipeline/label_stage.h"
@@ -165,6 +166,137 @@ TEST(Label, RethrowsTheErrorOfAnUnreadableImage) {
   }
 }
 
+/// What an import of a colour and a registered depth stream has: no glove, no calibration, no
+/// images of the empty scene; boxes in the clip's middle.
+Recording imported(const Stage& stage) {
+  auto recording = recording_of(stage);
+  recording.gloves.clear();
+  recording.camera.is_registered = true;
+  recording.camera.color_camera = camera();
+  auto& clip = recording.clips[0];
+  clip.box_frame = 60;
+  clip.hand_box = box_around(stage.hand(60 / camera_rate_hz), 0.055);
+  clip.object_box = box_around(stage.ball(60 / camera_rate_hz), 0.036);
+  return recording;
+}
+
+FrameSource without_background(const Stage& stage) {
+  auto frames = frame_source(stage);
+  frames.background_frames = 0;
+  return frames;
+}
+
+/// Labels and evaluates a recording without glove at all its camera frames.
+study::BodyError error_of_imported(const Stage& stage, const FrameSource& frames) {
+  LabelOptions options;
+  options.tracker = "component";
+  const auto labels = label_recording(imported(stage), frames, std::nullopt, options);
+  EXPECT_EQ(labels.time_s.size(), static_cast<std::size_t>(seconds * camera_rate_hz));
+  EXPECT_EQ(std::ranges::count(labels.glove_frame, -1),
+            static_cast<std::ptrdiff_t>(labels.time_s.size()));
+  return study::compare_labels_with_truth(labels, truth_of(stage)).object;
+}
+
+TEST(Label, NeedsNoGloveNoCalibrationAndNoBackground) {
+  for (const bool thrown : {false, true}) {
+    SCOPED_TRACE(thrown ? "thrown" : "waved");
+    const Stage stage(thrown);
+    const auto error = error_of_imported(stage, without_background(stage));
+    EXPECT_LE(error.wrong_share, 0.02);
+    EXPECT_LE(error.lost_share, 0.05);
+    EXPECT_LT(error.position_spread_m.maxCoeff(), 0.004);
+  }
+}
+
+TEST(Label, FollowsAutoExposureAndWhiteBalance) {
+  const Stage stage(false);
+  auto frames = without_background(stage);
+  frames.camera_frame = [&, read = frames.camera_frame](std::size_t i) {
+    auto frame = read(i);
+    const double part = static_cast<double>(i) / (seconds * camera_rate_hz);
+    const std::array gains{1.0 - 0.5 * part, 1.0, 0.6 + 0.6 * part};
+    for (std::size_t j = 0; j < frame.color.size(); ++j)
+      frame.color[j] = static_cast<std::uint8_t>(std::min(255.0, frame.color[j] * gains[j % 3]));
+    return frame;
+  };
+  const auto error = error_of_imported(stage, frames);
+  EXPECT_LE(error.lost_share + error.wrong_share, 0.05);
+}
+
+TEST(Label, UsesHalfOfTheDepthPixels) {
+  const Stage stage(false);
+  auto frames = without_background(stage);
+  frames.camera_frame = [read = frames.camera_frame](std::size_t i) {
+    auto frame = read(i);
+    const RandomStream random(i, "holes");
+    for (std::size_t j = 0; j < frame.depth.size(); ++j)
+      if (random.uniform_at(j) < 0.5) frame.depth[j] = 0;
+    return frame;
+  };
+  const auto error = error_of_imported(stage, frames);
+  EXPECT_LE(error.lost_share + error.wrong_share, 0.05);
+  EXPECT_LT(error.position_spread_m.maxCoeff(), 0.006);
+}
+
+/// Masks by colour, as a segmentation network gives them, in all frames but every tenth.
+TEST(Label, TakesHandAndObjectFromMasks) {
+  const Stage stage(false, Stage::Ball::red);
+  auto frames = without_background(stage);
+  frames.camera_frame = [read = frames.camera_frame](std::size_t i) {
+    auto frame = read(i);
+    if (i % 10 == 3) return frame;
+    for (std::size_t j = 0; j < frame.depth.size(); ++j)
+      frame.mask.push_back(frame.color[3 * j] == 200       ? mask_object
+                           : frame.color[3 * j + 2] == 160 ? mask_hand
+                                                           : mask_other);
+    std::ranges::fill(frame.color, std::uint8_t{90});
+    return frame;
+  };
+  auto recording = imported(stage);
+  recording.clips[0].hand_box = recording.clips[0].object_box = {};
+  LabelOptions options;
+  options.tracker = "component";
+  const auto labels = label_recording(recording, frames, std::nullopt, options);
+  EXPECT_EQ(labels.summary["observer"], "masks");
+  const auto error = study::compare_labels_with_truth(labels, truth_of(stage)).object;
+  EXPECT_NEAR(error.lost_share, 0.1, 0.02);
+  EXPECT_EQ(error.wrong_share, 0.0);
+  EXPECT_LT(error.position_spread_m.maxCoeff(), 0.004);
+}
+
+TEST(Label, KeepsTheOtherClipsIfOneCannotBeLabelled) {
+  const Stage stage(false);
+  auto recording = recording_of(stage);
+  recording.clips = {recording.clips[0], recording.clips[0]};
+  recording.clips[0].end_s = 3.0, recording.clips[1].start_s = 3.1;
+  recording.clips[1].hand_box = {1, 1, 9, 9};
+  LabelOptions options;
+  options.tracker = "component";
+  const auto labels = label_recording(recording, frame_source(stage), calibration(), options);
+  ASSERT_EQ(labels.summary["problems"].size(), 1u);
+  EXPECT_EQ(labels.summary["problems"][0]["clip"], 1);
+  for (std::size_t i = 0; i < labels.time_s.size(); ++i)
+    EXPECT_EQ(labels.object.quality[i] & quality_lost, labels.clip[i] == 1 ? quality_lost : 0);
+}
+
+/// Budgets add up to the covariance.
+TEST(Label, StoresTheErrorBudget) {
+  const Stage stage(false);
+  LabelOptions options;
+  options.tracker = "component";
+  const auto labels =
+      label_recording(recording_of(stage), frame_source(stage), calibration(), options);
+  const std::size_t sources = labels.summary["error_sources"].size();
+  ASSERT_EQ(labels.object.error_budget_m.size(), sources * labels.time_s.size());
+  for (std::size_t i = 0; i < labels.time_s.size(); ++i) {
+    double sum_m2 = 0.0, trace_m2 = 0.0;
+    for (std::size_t k = 0; k < sources; ++k)
+      sum_m2 += std::pow(labels.object.error_budget_m[sources * i + k], 2);
+    for (std::size_t k = 0; k < 3; ++k) trace_m2 += labels.object.covariance[36 * i + 7 * k];
+    EXPECT_NEAR(3.0 * sum_m2 / trace_m2, 1.0, 1e-9);
+  }
+}
+
 TEST(Label, RejectsIncompleteRecordings) {
   const Stage stage(false);
   const auto good = recording_of(stage);
@@ -180,23 +312,20 @@ TEST(Label, RejectsIncompleteRecordings) {
     }
   };
   auto recording = good;
-  recording.gloves.clear();
-  expect_rejected(recording, frames, "glove");
-  recording = good;
   recording.camera_times = {};
   expect_rejected(recording, frames, "camera");
   recording = good;
   recording.clips.clear();
-  expect_rejected(recording, frames, "clips");
+  expect_rejected(recording, frames, "clip");
   recording = good;
   recording.clips[0].object_box = {};
   expect_rejected(recording, frames, "boxes");
   recording = good;
   recording.clips[0].object_box = {1, 1, 5, 5};
   expect_rejected(recording, frames, "object");
-  auto source = frames;
-  source.background_frames = 0;
-  expect_rejected(good, source, "background");
+  recording = good;
+  recording.camera.width = recording.camera.height = 480;
+  expect_rejected(recording, frames, "480");
 }
 
 }  // namespace

@@ -106,7 +106,6 @@ TEST(Check, SingleFrameIsReadableButUnusable) {
   auto& times = sample.recording.camera_times;
   times.sequence.resize(1), times.host_time_s.resize(1), times.device_time_s.resize(1);
   sample.frames.resize(1);
-  sample.recording.clips[1].box_frame.reset();
   const FileCheck check = check_sample(sample);
   EXPECT_FALSE(check.is_usable());
   EXPECT_EQ(check.missing.at("label").size(), 1u);
@@ -277,7 +276,7 @@ TEST(Check, LabellingNeedsPlausibleBoxes) {
             "");
 }
 
-/// Glove with noise of 0 to 8 counts above its baseline, at 15 Hz.
+/// Glove with noise of 0 to 8 counts above its baseline, at 15 Hz, that is pressed once.
 GloveStream resting_glove(int frames) {
   RandomStream random(5, "resting glove");
   GloveStream glove;
@@ -290,6 +289,7 @@ GloveStream resting_glove(int frames) {
     for (int taxel = 0; taxel < 30; ++taxel)
       glove.counts.push_back(static_cast<std::uint16_t>(20 + random.below(9)));
   }
+  glove.counts[100] = 900;
   return glove;
 }
 
@@ -302,7 +302,7 @@ TEST(Check, WarnsOfImplausibleGloves) {
   };
   EXPECT_EQ(warnings_after([](auto&) {}), "");
   EXPECT_TRUE(mentions(warnings_after([](auto& g) {
-                         for (auto& count : g.counts) count += 540;
+                         for (auto& count : g.counts) count = std::min(1023, count + 540);
                        }),
                        "mean pressure at rest is 53 % of the range"));
   EXPECT_TRUE(mentions(warnings_after([](auto& g) {
@@ -321,6 +321,8 @@ TEST(Check, WarnsOfImplausibleGloves) {
                              g.counts[t] = (g.counts[t - 30] + g.counts[t + 30]) / 2;
                        }),
                        "every second frame is interpolated"));
+  EXPECT_TRUE(mentions(warnings_after([](auto& g) { g.info.bits = 16; }),
+                       "the largest count is 1.4 % of the range"));
 }
 
 TEST(Check, RejectsTruncatedFiles) {

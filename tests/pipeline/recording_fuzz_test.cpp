@@ -110,7 +110,9 @@ void flip_bits(const std::filesystem::path& original, int flips, ContentOf conte
 
 TEST(RecordingFuzz, BitFlipsAreDetectedOrHarmless) {
   const TemporaryFolder folder;
-  write(sample_recording(8), folder / "a.h5");
+  auto sample = sample_recording(8);
+  sample.recording.clips[1].box_frame = 15;
+  write(sample, folder / "a.h5");
   flip_bits(folder / "a.h5", 300, content_of_recording);
 }
 

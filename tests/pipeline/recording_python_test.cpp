@@ -119,6 +119,26 @@ file['depth'].attrs['depth_from_color'] = np.eye(4).tolist()
   EXPECT_TRUE(reader.read_camera_frame(7).mask.empty());
 }
 
+TEST(RecordingPython, RewritingKeepsTheFilesClockAndWhatTouchtraceDoesNotKnow) {
+  const TemporaryFolder folder;
+  const auto path = written_by(folder, std::string(minimal) + R"(
+file['color/host_time_s'][:] += 1.7e9
+file['notes'] = 'mine'
+)");
+  auto clips = RecordingReader(path).recording().clips;
+  clips[0].hand_box = {1, 1, 2, 2}, clips[0].end_s = 0.2;
+  rewrite_clips(path, path, clips, {{3, std::vector<std::uint8_t>(24, mask_hand)}}, true);
+  const RecordingReader reader(path);
+  EXPECT_EQ(reader.recording().epoch_unix_s, 1.7e9);
+  EXPECT_NEAR(reader.recording().clips[0].end_s, 0.2, 1e-6);
+  EXPECT_EQ(reader.recording().clips[0].hand_box.width, 2);
+  EXPECT_EQ(reader.read_camera_frame(3).mask.at(23), mask_hand);
+  const std::string test = "/usr/bin/python3 -c 'import h5py; f = h5py.File(\"" + path.string() +
+                           "\"); assert f[\"notes\"][()] == b\"mine\"; "
+                           "assert f[\"clips/start_s\"][0] == 1.7e9'";
+  EXPECT_EQ(std::system(test.c_str()), 0);
+}
+
 /// Moves today's groups to where schema 1 had them.
 constexpr const char* to_schema_1 = R"(
 file.attrs['schema'] = np.bytes_('touchtrace/recording/1')

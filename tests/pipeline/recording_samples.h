@@ -126,7 +126,6 @@ inline SampleRecording sample_recording(int frames_per_clip = 20) {
       recording.camera_times.host_time_s.push_back(t);
       sample.frames.push_back(sample_image(recording.camera, random));
     }
-  recording.clips[1].box_frame = sample.frames.size() - 2;
   sample.frames[2].mask.resize(48);
   for (auto& value : sample.frames[2].mask) value = static_cast<std::uint8_t>(random.below(3));
   sample.background = {sample_image(recording.camera, random)};

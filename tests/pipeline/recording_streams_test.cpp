@@ -101,7 +101,8 @@ TEST(RecordingStreams, RegisteredDepthHasTheColourImagesSize) {
 }
 
 TEST(RecordingStreams, PairsAreNearestWithinHalfOfTheSlowerInterval) {
-  const auto colors_of = [](const std::vector<double>& color_s, const std::vector<double>& depth_s) {
+  const auto colors_of = [](const std::vector<double>& color_s,
+                            const std::vector<double>& depth_s) {
     std::vector<std::size_t> colors;
     for (const auto& pair : pair_frames(color_s, depth_s)) colors.push_back(pair.color);
     return colors;

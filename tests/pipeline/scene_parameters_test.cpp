@@ -127,7 +127,7 @@ nlohmann::json describe_camera(const SceneParameters& parameters) {
   const DepthSensor& depth = camera.sensor;
   return {calibration_truth(camera),
           clock_truth(make_camera_clock(options)),
-          gravity_values(camera_info(camera, options)),
+          color_attributes(camera_info(camera, options)).gravity,
           {camera.exposure_s, camera.color_noise_counts},
           {depth.baseline_m, depth.shift_sigma_px, depth.min_depth_m, depth.max_depth_m}};
 }

@@ -153,20 +153,28 @@ void measure_delayed(const std::vector<Sample>& right, BodyError& error) {
   error.causal_velocity_rms_m_per_s = std::sqrt(mean(causal, known));
 }
 
-/// Errors without the delay. Coverage and NEES include the bias.
+/// Errors without the delay.
 void measure_aligned(const std::vector<Sample>& right, BodyError& error) {
-  double velocity = 0.0, positions_covered = 0.0, velocities_covered = 0.0, nees = 0.0;
+  double velocity = 0.0;
   const auto known = with_true_velocity(right);
-  for (const auto& sample : known) {
-    velocity += sample.error.tail<3>().squaredNorm() / 3.0;
-    positions_covered += covered(sample, 0);
-    velocities_covered += covered(sample, 3);
-    nees += sample.error.dot(sample.covariance.ldlt().solve(sample.error)) / 6.0;
-  }
+  for (const auto& sample : known) velocity += sample.error.tail<3>().squaredNorm() / 3.0;
   error.impact_share = 1.0 - mean(static_cast<double>(known.size()), right);
   error.bias_m = mean_offset(right);
   error.position_spread_m = rms_m(right, error.bias_m);
   error.aligned_velocity_rms_m_per_s = std::sqrt(mean(velocity, known));
+}
+
+/// Consistency of the covariances with all errors that are not flagged as lost: bias, delay and
+/// wrong positions included.
+void measure_covariance(const std::vector<Sample>& samples, BodyError& error) {
+  double positions_covered = 0.0, velocities_covered = 0.0, nees = 0.0;
+  auto known = with_true_velocity(samples);
+  std::erase_if(known, &Sample::is_lost);
+  for (const auto& sample : known) {
+    positions_covered += covered(sample, 0);
+    velocities_covered += covered(sample, 3);
+    nees += sample.error.dot(sample.covariance.ldlt().solve(sample.error)) / 6.0;
+  }
   error.position_coverage = mean(positions_covered, known);
   error.velocity_coverage = mean(velocities_covered, known);
   error.nees = mean(nees, known);
@@ -181,6 +189,7 @@ BodyError error_of(const Labels& labels, const LabelledBody& body, const Truth& 
   error.delay_s = estimate_delay(samples_at);
   measure_delayed(select_right(samples_at(0.0), delayed), error);
   measure_aligned(select_right(samples_at(error.delay_s), error), error);
+  measure_covariance(samples_at(0.0), error);
   return error;
 }
 

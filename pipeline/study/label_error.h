@@ -30,7 +30,8 @@ struct BodyError {
   double delay_s = 0.0;  ///< of the labels, minimising the distance to the truth: latency that
                          ///< stamps do not show
   double aligned_velocity_rms_m_per_s = 0.0;  ///< with that delay removed
-  double position_coverage = 0.0;             ///< fraction of axes inside the 80 % interval
+  // Of all labels not flagged as lost, without alignment: bias, delay and wrong positions included.
+  double position_coverage = 0.0;  ///< fraction of axes inside the 80 % interval
   double velocity_coverage = 0.0;
   double nees = 0.0;  ///< normalised estimation error squared per dimension; 1 if calibrated
 };

@@ -89,10 +89,10 @@ class Errors {
 /// Consistency of covariances.
 void emit_covariance(const std::string& name, const Errors& errors, const Emit& emit) {
   emit(within(name + ": object positions in their 80 % interval",
-              errors.mean(&BodyError::position_coverage), "", 0.78, 0.82));
+              errors.mean(&BodyError::position_coverage), "", 0.76, 0.84));
   emit(within(name + ": object velocities in their 80 % interval",
-              errors.mean(&BodyError::velocity_coverage), "", 0.78, 0.82));
-  emit(within(name + ": object NEES", errors.mean(&BodyError::nees), "", 0.8, 1.2));
+              errors.mean(&BodyError::velocity_coverage), "", 0.76, 0.84));
+  emit(within(name + ": object NEES", errors.mean(&BodyError::nees), "", 0.8, 1.25));
 }
 
 void emit_standard_errors(const std::string& name, const Errors& errors, const Emit& emit) {

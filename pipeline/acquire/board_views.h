@@ -9,7 +9,7 @@
 namespace touchtrace {
 
 /// Detects the board in the board views of a recording; with depth images. Throws data_error if the
-/// recording has no views.
+/// recording has too few views.
 BoardObservations board_views_from_recording(const std::filesystem::path& recording);
 
 /// Detects the board in images: files, folders and patterns such as `photos/left*.jpg`; no depth.

@@ -3,11 +3,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calib/board/board_detector.h"
-#include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/recording/camera_schema.h"
-#include "pipeline/recording/recording_file.h"
+#include "pipeline/recording/check.h"
 
 namespace touchtrace {
 namespace {
@@ -34,9 +33,7 @@ BoardObservations board_views_from_recording(const std::filesystem::path& path) 
   const RecordingReader reader(path);
   const CameraInfo& camera = reader.recording().camera;
   const BoardInfo& info = reader.recording().board;
-  if (reader.board_views() == 0)
-    throw data_error(fmt::format("{} has no chessboard views", path.string()),
-                     "record some, or calibrate from --images");
+  require_usable(missing_for_calibration(reader), path.string());
   BoardDetector detector({info.columns, info.rows, info.square_m});
   Progress progress("detecting the board", reader.board_views());
   for (std::size_t index = 0; index < reader.board_views(); ++index) {

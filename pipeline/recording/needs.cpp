@@ -133,9 +133,15 @@ void check_boxes(const RecordingReader& reader, std::vector<std::string>& missin
 }  // namespace
 
 std::vector<std::string> missing_for_calibration(const RecordingReader& reader) {
-  if (reader.board_views() >= min_board_views) return {};
+  if (reader.board_views() < min_board_views)
+    return {fmt::format("{} views of the chessboard, {} needed (or calibrate from --images)",
+                        reader.board_views(), min_board_views)};
+  const CameraInfo& camera = reader.recording().camera;
+  if (camera.depth_width == 0 || reader.read_board_view(0).depth.empty()) return {};
   return {
-      fmt::format("{} views of the chessboard, {} needed", reader.board_views(), min_board_views)};
+      fmt::format("depth images of the chessboard have {} x {}, colour images {} x {}, equal "
+                  "sizes needed",
+                  camera.depth_width, camera.depth_height, camera.width, camera.height)};
 }
 
 std::vector<std::string> missing_for_labelling(const RecordingReader& reader,

@@ -243,6 +243,19 @@ TEST(Check, RejectsMissingFilesAndOtherFormats) {
   }
 }
 
+TEST(Check, CalibrationNeedsDepthOfTheColourImagesSize) {
+  auto sample = sample_recording();
+  sample.board.push_back(sample.board[0]);
+  EXPECT_TRUE(check_sample(sample).missing.at("calibrate").empty());
+  sample.recording.camera.depth_width = 4, sample.recording.camera.depth_height = 3;
+  sample.recording.camera.depth_camera.reset();
+  for (auto* images : {&sample.frames, &sample.background, &sample.board})
+    for (auto& frame : *images) frame.depth.resize(12);
+  const FileCheck check = check_sample(sample);
+  EXPECT_TRUE(check.missing.at("label").empty());
+  EXPECT_TRUE(mentions(check.missing.at("calibrate").at(0), "have 4 x 3, colour images 8 x 6"));
+}
+
 TEST(Check, LabellingNeedsPlausibleBoxes) {
   const auto lacks = [](auto modify, bool has_calibration = true) {
     auto sample = sample_recording();

@@ -166,6 +166,17 @@ TEST(Label, RethrowsTheErrorOfAnUnreadableImage) {
   }
 }
 
+/// A frame in the middle of the clip in which the hand holds the object.
+std::size_t held_frame(const Stage& stage) {
+  std::size_t frame = 60;
+  const auto is_in_flight = [&](const auto& flight) {
+    const double time_s = static_cast<double>(frame) / camera_rate_hz;
+    return time_s > flight.release_s - 0.1 && time_s < flight.landing_s + 0.1;
+  };
+  while (std::ranges::any_of(stage.motion().flights, is_in_flight)) ++frame;
+  return frame;
+}
+
 /// What an import of a colour and a registered depth stream has: no glove, no calibration, no
 /// images of the empty scene; boxes in the clip's middle.
 Recording imported(const Stage& stage) {
@@ -174,9 +185,10 @@ Recording imported(const Stage& stage) {
   recording.camera.is_registered = true;
   recording.camera.color_camera = camera();
   auto& clip = recording.clips[0];
-  clip.box_frame = 60;
-  clip.hand_box = box_around(stage.hand(60 / camera_rate_hz), 0.055);
-  clip.object_box = box_around(stage.ball(60 / camera_rate_hz), 0.036);
+  clip.box_frame = held_frame(stage);
+  const double time_s = static_cast<double>(*clip.box_frame) / camera_rate_hz;
+  clip.hand_box = box_around(stage.hand(time_s), 0.055);
+  clip.object_box = box_around(stage.ball(time_s), 0.036);
   return recording;
 }
 

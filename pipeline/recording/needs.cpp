@@ -76,21 +76,6 @@ std::string box_fault(const char* name, const PixelBox& box, const CameraInfo& c
                       : "");
 }
 
-std::vector<std::string> box_faults(const Clip& clip, const Recording& recording) {
-  std::vector<std::string> faults;
-  for (const auto& [name, box] :
-       {std::pair{"hand_box", clip.hand_box}, {"object_box", clip.object_box}})
-    if (auto fault = box_fault(name, box, recording.camera); !fault.empty())
-      faults.push_back(std::move(fault));
-  if (!clip.hand_box.empty() && is_same(clip.hand_box, clip.object_box))
-    faults.emplace_back("hand_box and object_box are the same");
-  const auto [first, last] = frames_of(clip, recording.camera_times.host_time_s);
-  if (clip.box_frame && (*clip.box_frame < first || *clip.box_frame >= last))
-    faults.push_back(
-        fmt::format("box_frame is not one of its camera frames {} to {}", first, last));
-  return faults;
-}
-
 bool has_mask_of_both(const Clip& clip, const RecordingReader& reader) {
   const auto [first, last] = frames_of(clip, reader.recording().camera_times.host_time_s);
   for (std::size_t i = first; i < last; ++i) {
@@ -120,6 +105,21 @@ void check_boxes(const RecordingReader& reader, std::vector<std::string>& missin
 }
 
 }  // namespace
+
+std::vector<std::string> box_faults(const Clip& clip, const Recording& recording) {
+  std::vector<std::string> faults;
+  for (const auto& [name, box] :
+       {std::pair{"hand_box", clip.hand_box}, {"object_box", clip.object_box}})
+    if (auto fault = box_fault(name, box, recording.camera); !fault.empty())
+      faults.push_back(std::move(fault));
+  if (!clip.hand_box.empty() && is_same(clip.hand_box, clip.object_box))
+    faults.emplace_back("hand_box and object_box are the same");
+  const auto [first, last] = frames_of(clip, recording.camera_times.host_time_s);
+  if (clip.box_frame && (*clip.box_frame < first || *clip.box_frame >= last))
+    faults.push_back(
+        fmt::format("box_frame is not one of its camera frames {} to {}", first, last));
+  return faults;
+}
 
 std::vector<std::string> missing_for_calibration(const RecordingReader& reader) {
   if (reader.board_views() >= min_board_views) return {};

@@ -7,6 +7,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
 #include "pipeline/recording/recording_file.h"
 #include "tests/pipeline/recording_samples.h"
 #include "tests/support/bag_writer.h"
@@ -64,6 +65,7 @@ void write_import_tum(const fs::path& folder, int per_m = 5000) {
 
 class Import : public ::testing::Test {
  protected:
+  void SetUp() override { Progress::silence(); }
   RecordingReader import(const std::string& source, const ImportOptions& options = {}) {
     summary_ = import_recording(folder_ / source, folder_ / "out.h5", options,
                                 start_provenance("touchtrace/recording/2", "import"), true);

@@ -48,7 +48,7 @@ TEST(Mark, RefusesImplausibleBoxes) {
     }
   };
   const PixelBox good{1, 1, 2, 2};
-  expect_rejected({0, 0, {5, 1, 4, 2}, good}, "leaves the image of 8x6");
+  expect_rejected({0, 0, {5, 1, 4, 2}, good}, "leaves the image of 8 x 6");
   expect_rejected({0, 0, {3, 2, 8, 6}, good}, "did you write corners");
   expect_rejected({0, 0, {1, 1, 2147483647, 2}, good}, "leaves the image");
   expect_rejected({0, 0, good, {-1, 0, 3, 3}}, "leaves the image");

@@ -28,13 +28,10 @@ PixelBox parse_box(const std::string& text) {
   return {values[0], values[1], values[2], values[3]};
 }
 
-std::size_t first_frame(const Recording& recording, const Clip& clip) {
+std::optional<std::size_t> first_frame(const Recording& recording, const Clip& clip) {
   const auto& times_s = recording.camera_times.host_time_s;
   const auto first = std::ranges::lower_bound(times_s, clip.start_s);
-  if (first == times_s.end() || *first >= clip.end_s)
-    throw data_error(
-        fmt::format("the clip from {} to {} s has no camera frame", clip.start_s, clip.end_s),
-        "mark another clip");
+  if (first == times_s.end() || *first >= clip.end_s) return std::nullopt;
   return static_cast<std::size_t>(first - times_s.begin());
 }
 

@@ -15,6 +15,7 @@
 #include <cstring>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "engine/base/error.h"
@@ -90,13 +91,24 @@ void send_response(int socket, const HttpResponse& response) {
 }  // namespace
 
 struct HttpServer::Connection {
-  int socket;
+  explicit Connection(int client) : socket(client) {}
+  ~Connection() {
+    if (socket >= 0) close(socket);
+  }
+  Connection(Connection&& other) noexcept { *this = std::move(other); }
+  Connection& operator=(Connection&& other) noexcept {
+    std::swap(socket, other.socket), std::swap(received, other.received);
+    deadline = other.deadline;
+    return *this;
+  }
+
+  int socket = -1;
   Clock::time_point deadline = Clock::now() + patience;
-  std::string received = {};
+  std::string received;
 };
 
 HttpServer::HttpServer(int port) : token_(random_token()) {
-  socket_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  socket_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
@@ -152,33 +164,30 @@ bool HttpServer::serve(Connection& connection, const Handler& handle) const {
   return false;
 }
 
+void HttpServer::wait(const std::vector<Connection>& connections) const {
+  const bool is_full = connections.size() >= max_connections;
+  std::vector<pollfd> polled{{is_full ? -1 : socket_, POLLIN, 0}};
+  for (const Connection& connection : connections) polled.push_back({connection.socket, POLLIN, 0});
+  poll(polled.data(), polled.size(), poll_ms);
+}
+
+void HttpServer::accept_client(std::vector<Connection>& connections) const {
+  if (connections.size() >= max_connections) return;
+  const int client = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC);
+  if (client < 0) return;
+  const timeval send_limit{5, 0};
+  setsockopt(client, SOL_SOCKET, SO_SNDTIMEO, &send_limit, sizeof(send_limit));
+  connections.emplace_back(client);
+}
+
 void HttpServer::run(const Handler& handle, const std::function<bool()>& is_done) {
   std::vector<Connection> connections;
-  struct Closing {
-    std::vector<Connection>& open;
-    ~Closing() {
-      for (const Connection& connection : open) close(connection.socket);
-    }
-  } closing{connections};
   while (!is_done()) {
     throw_if_interrupted();
-    std::vector<pollfd> polled{{socket_, POLLIN, 0}};
-    for (const Connection& connection : connections)
-      polled.push_back({connection.socket, POLLIN, 0});
-    if (poll(polled.data(), polled.size(), poll_ms) < 0) continue;
-    for (std::size_t i = connections.size(); i-- > 0;) {
-      const bool has_data = polled[i + 1].revents != 0;
-      const bool stays = has_data ? serve(connections[i], handle) : true;
-      if (stays && Clock::now() < connections[i].deadline) continue;
-      close(connections[i].socket);
-      connections.erase(connections.begin() + static_cast<std::ptrdiff_t>(i));
-    }
-    if (polled[0].revents == 0 || connections.size() >= max_connections) continue;
-    const int client = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC);
-    const timeval send_limit{5, 0};
-    if (client < 0) continue;
-    setsockopt(client, SOL_SOCKET, SO_SNDTIMEO, &send_limit, sizeof(send_limit));
-    connections.push_back({client});
+    wait(connections);
+    accept_client(connections);
+    for (auto it = connections.begin(); it != connections.end();)
+      it = serve(*it, handle) && Clock::now() < it->deadline ? it + 1 : connections.erase(it);
   }
 }
 

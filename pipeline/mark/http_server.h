@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace touchtrace {
 
@@ -37,6 +38,9 @@ class HttpServer {
  private:
   struct Connection;
 
+  /// Waits until something arrives, at most 100 ms.
+  void wait(const std::vector<Connection>& connections) const;
+  void accept_client(std::vector<Connection>& connections) const;
   /// Answer to a request with the headers `head`.
   HttpResponse answer(const std::string& head, std::string body, const Handler& handle) const;
   /// Reads what has arrived, answers a complete request. Returns whether the connection stays open.

@@ -41,9 +41,9 @@ MarkSession::MarkSession(fs::path recording, fs::path output, bool overwrite)
                      "`touchtrace check` describes it");
   for (std::size_t i = 0; i < reader_.recording().clips.size(); ++i) {
     const Clip& clip = reader_.recording().clips[i];
-    if (!clip.hand_box.empty() || !clip.object_box.empty())
-      boxes_[i] = {i, clip.box_frame.value_or(first_frame(reader_.recording(), clip)),
-                   clip.hand_box, clip.object_box};
+    const auto first = first_frame(reader_.recording(), clip);
+    if (first && (!clip.hand_box.empty() || !clip.object_box.empty()))
+      boxes_[i] = {i, clip.box_frame.value_or(*first), clip.hand_box, clip.object_box};
   }
 }
 
@@ -52,11 +52,13 @@ nlohmann::json MarkSession::state() const {
   nlohmann::json clips = nlohmann::json::array();
   for (std::size_t i = 0; i < r.clips.size(); ++i) {
     const Clip& clip = r.clips[i];
-    const std::size_t first = first_frame(r, clip);
+    const auto first = first_frame(r, clip);
+    if (!first) continue;
     const auto found = boxes_.find(i);
-    const ClipBoxes boxes = found != boxes_.end() ? found->second : ClipBoxes{i, first, {}, {}};
-    clips.push_back({{"object_name", clip.object},
-                     {"first", first},
+    const ClipBoxes boxes = found != boxes_.end() ? found->second : ClipBoxes{i, *first, {}, {}};
+    clips.push_back({{"clip", i},
+                     {"object_name", clip.object},
+                     {"first", *first},
                      {"last", last_frame(r, clip)},
                      {"frame", boxes.frame},
                      {"hand", box_json(boxes.hand)},

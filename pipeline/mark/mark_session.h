@@ -19,7 +19,8 @@ class MarkSession {
   MarkSession(std::filesystem::path recording, std::filesystem::path output, bool overwrite);
 
   const Recording& recording() const { return reader_.recording(); }
-  /// Image size, and for each clip its object, its first and last frame, and its boxes, if any.
+  /// Image size, and for each clip with camera frames its index and object, its first and last
+  /// frame, and its boxes, if any.
   nlohmann::json state() const;
   /// Colour image of a camera frame as JPEG. Throws data_error if it does not exist.
   std::string jpeg(std::size_t frame) const;

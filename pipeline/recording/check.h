@@ -17,8 +17,8 @@ std::vector<std::string> missing_for_calibration(const RecordingReader& reader);
 std::vector<std::string> missing_for_labelling(const RecordingReader& reader, bool has_calibration);
 std::vector<std::string> missing_for_training(const Recording& recording);
 
-/// Faults of the boxes drawn in a clip: outside the image, the same box twice, drawn in a frame of
-/// another clip.
+/// Faults of a clip's boxes, where they are drawn: outside the image, negative sizes, the same box
+/// twice, a box_frame outside the clip.
 std::vector<std::string> box_faults(const Clip& clip, const Recording& recording);
 
 /// Throws data_error that lists `missing`, if not empty. `name`: of the recording.

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
 #include "pipeline/recording/recording_file.h"
 #include "tests/pipeline/recording_samples.h"
 #include "tests/support/bag_writer.h"
@@ -63,6 +65,7 @@ void write_import_tum(const fs::path& folder, int per_m = 5000) {
 
 class Import : public ::testing::Test {
  protected:
+  void SetUp() override { Progress::silence(); }
   RecordingReader import(const std::string& source, const ImportOptions& options = {}) {
     summary_ = import_recording(folder_ / source, folder_ / "out.h5", options,
                                 start_provenance("touchtrace/recording/2", "import"), true);
@@ -226,6 +229,53 @@ TEST_F(Import, ReadsDepthArrays) {
                true);
   }
   expect_samples(import("in"), 4000);
+}
+
+/// Archive of stored files.
+std::string zip(const std::vector<std::pair<std::string, std::string>>& files) {
+  using testing::bytes_of_number;
+  const std::string zeros(12, '\0');
+  std::string archive, directory;
+  for (const auto& [name, data] : files) {
+    const auto size = bytes_of_number(static_cast<std::uint32_t>(data.size())),
+               offset = bytes_of_number(static_cast<std::uint32_t>(archive.size())),
+               name_size = bytes_of_number(static_cast<std::uint16_t>(name.size()));
+    directory +=
+        "PK\1\2" + zeros + zeros.substr(0, 4) + size + size + name_size + zeros + offset + name;
+    archive += "PK\3\4" + zeros + zeros.substr(0, 2) + size + size + name_size +
+               zeros.substr(0, 2) + name + data;
+  }
+  const auto count = bytes_of_number(static_cast<std::uint16_t>(files.size()));
+  return archive + directory + "PK\5\6" + zeros.substr(0, 4) + count + count +
+         bytes_of_number(static_cast<std::uint32_t>(directory.size())) +
+         bytes_of_number(static_cast<std::uint32_t>(archive.size())) + zeros.substr(0, 2);
+}
+
+TEST_F(Import, ReadsNumpyArchives) {
+  std::string color, depth, time_s;
+  for (int i = 0; i < import_frames; ++i) {
+    cv::Mat rgb;
+    cv::cvtColor(import_color(i), rgb, cv::COLOR_BGR2RGB);
+    color += pixels(rgb), depth += pixels(import_depth(i, 1000));
+    time_s += testing::bytes_of_number(5.0 + i / 30.0);
+  }
+  const std::string good = zip({{"color.npy", npy("|u1", "(4, 6, 8, 3)", color)},
+                                {"depth.npy", npy("<u2", "(4, 6, 8)", depth)},
+                                {"time_s.npy", npy("<f8", "(4,)", time_s)}});
+  write_file(folder_ / "in.npz", good, true);
+  expect_samples(import("in.npz"), 1000);
+  RandomStream random(1, "damaged archives");
+  for (int i = 0; i < 200; ++i) {
+    std::string damaged = good.substr(0, i % 4 == 0 ? random.below(good.size()) : good.size());
+    for (int j = 0; j < 3 && !damaged.empty(); ++j)
+      damaged[random.below(damaged.size())] = static_cast<char>(random.below(256));
+    testing::put(folder_ / "in.npz", damaged);
+    try {
+      import("in.npz");
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::data) << error.what();
+    }
+  }
 }
 
 /// Bag with an unregistered and a registered depth topic.

@@ -20,7 +20,8 @@ TEST(Mark, WritesBoxesIntoTheRecording) {
   const TemporaryFolder folder;
   write(sample_recording(), folder / "a.h5");
   MarkSession session(folder / "a.h5", folder / "a.h5", false);
-  const std::size_t frame = first_frame(session.recording(), session.recording().clips[1]) + 2;
+  const std::size_t frame =
+      first_frame(session.recording(), session.recording().clips[1]).value() + 2;
   session.save({{1, frame, {0, 0, 4, 4}, {3, 2, 5, 4}}});
   session.save({{0, 1, {1, 1, 2, 2}, {4, 4, 2, 2}}});
   const RecordingReader reader(folder / "a.h5");
@@ -47,7 +48,7 @@ TEST(Mark, RefusesImplausibleBoxes) {
     }
   };
   const PixelBox good{1, 1, 2, 2};
-  expect_rejected({0, 0, {5, 1, 4, 2}, good}, "leaves the image of 8x6");
+  expect_rejected({0, 0, {5, 1, 4, 2}, good}, "leaves the image of 8 x 6");
   expect_rejected({0, 0, {3, 2, 8, 6}, good}, "did you write corners");
   expect_rejected({0, 0, {1, 1, 2147483647, 2}, good}, "leaves the image");
   expect_rejected({0, 0, good, {-1, 0, 3, 3}}, "leaves the image");

@@ -9,14 +9,14 @@ function smoothingCharts(clip, body) {
 
 const sourceStrokes = ["full", "without_touch", "without_embedding", "hand", "random"];
 
-// Shares of the variance by source, stacked below the total standard deviation.
+// Shares of the variance by source, stacked below the total standard deviation. Peaks, such as those of lost labels, are cut off.
 function budgetChart(clip, body) {
   const labels = clip.time_s.map((time, i) => ({ time, variances: clip[body + "_budget"][i].map((s) => (known(s) ? 1e6 * s * s : null)) })).filter(({ variances }) => variances.every(known));
   const sum = (values) => values.reduce((total, v) => total + v, 0);
   const edge = (count) => labels.map(({ variances }) => sum(variances.slice(0, count)) / Math.sqrt(sum(variances) || 1));
   const total = edge(clip.error_sources.length).sort((a, b) => a - b);
   return element("figure", {}, lineChart(clip.error_sources.map((_, i) => ({ x: labels.map(({ time }) => time), y: edge(i + 1), band: [edge(i), edge(i + 1)], opacity: 0.45, width: 0.8, stroke: sourceStrokes[i % sourceStrokes.length] })),
-    { width: 520, height: 190, title: `${body}, standard deviation, mm`, xLabel: "s", yRange: [0, 1.3 * (total[Math.floor(0.98 * total.length)] || 1)] }));
+    { width: 520, height: 190, title: `${body}, standard deviation, mm`, xLabel: "s", yRange: [0, 1.6 * (total[Math.floor(0.8 * total.length)] || 1)] }));
 }
 
 function errorBudget(clip) {

@@ -2,14 +2,16 @@
 
 #include "engine/base/files.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/label/camera_calibration.h"
 #include "pipeline/label/label.h"
+#include "pipeline/label/preview.h"
 #include "pipeline/recording/tum_trajectory.h"
 
 namespace touchtrace::cli {
 namespace {
 
 struct LabelCommandOptions {
-  std::string recording, calibration, output, trajectories;
+  std::string recording, calibration, output, trajectories, preview;
   label::LabelOptions label;
 };
 
@@ -22,6 +24,8 @@ void describe(OptionSet& set, LabelCommandOptions& o) {
   set.path("output", o.output, "labels (.h5)").value("FILE");
   set.text("trajectories", o.trajectories, "also write TUM files hand.txt, object.txt")
       .value("DIR");
+  set.text("preview", o.preview, "also write a video of the labels on the images, .mp4 or .avi")
+      .value("FILE");
   label::describe(set, o.label);
 }
 
@@ -41,6 +45,7 @@ void print_summary(const Labels& labels, const std::string& output) {
 /// Fails before the work if an output exists.
 void require_writable(const LabelCommandOptions& options, bool overwrite) {
   const OutputFile labels(options.output, overwrite);
+  if (!options.preview.empty()) label::require_preview_path(options.preview, overwrite);
   if (options.trajectories.empty()) return;
   for (const auto& path : tum_trajectory_files(options.trajectories))
     const OutputFile file(path, overwrite);
@@ -62,6 +67,10 @@ ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
   if (!options.trajectories.empty())
     write_tum_trajectories(options.trajectories, labels, reader.recording().epoch_unix_s,
                            invocation.overwrite);
+  if (!options.preview.empty())
+    label::write_preview(options.preview, reader.recording(), label::frame_source(reader),
+                         label::camera_calibration(calibration, reader.recording().camera), labels,
+                         invocation.overwrite);
   if (invocation.json)
     fmt::print("{}\n", labels.summary.dump(2));
   else
@@ -77,7 +86,8 @@ Command label_command() {
       {"touchtrace label wave.h5 --calibration camera --output labels.h5",
        "touchtrace label wave.h5 --calibration camera --output labels.h5 --tracker component "
        "--json",
-       "touchtrace label wave.h5 --calibration camera --output labels.h5 --trajectories tum"},
+       "touchtrace label wave.h5 --calibration camera --output labels.h5 --trajectories tum",
+       "touchtrace label wave.h5 --calibration camera --output labels.h5 --preview wave.mp4"},
       run, {.overwrite = true, .quiet = true});
 }
 

@@ -15,6 +15,7 @@
 #include "pipeline/label/box_tracker.h"
 #include "pipeline/label/camera_calibration.h"
 #include "pipeline/label/clip_tracker.h"
+#include "pipeline/label/contact_sheet.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/label/learn_scene.h"
 #include "pipeline/label/observe/color_gains.h"
@@ -258,6 +259,8 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
                                {"track", tracking_s},
                                {"track_cpu", tracking_cpu_s},
                                {"smooth", smoothing.wall_seconds()}};
+  const LabelOverlay overlay(recording, calibration, labels);
+  labels.contact_sheet_jpeg = contact_sheet_jpeg(overlay, recorded);
   return labels;
 }
 

@@ -52,6 +52,8 @@ struct Labels {
   RawTrack raw;
   nlohmann::json summary;  ///< estimated clocks, fraction of lost frames, process noise, events
   Provenance provenance;
+  /// JPEG image: some camera frames with the labels drawn into them; empty: none.
+  std::vector<std::uint8_t> contact_sheet_jpeg = {};
 };
 
 /// Writes a labels file. Throws data_error that lists the faults of invalid labels.

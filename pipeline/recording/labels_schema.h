@@ -44,6 +44,18 @@ void serialize_raw(Archive& group, Raw& raw) {
               {"m", "standard deviation of the measured position"});
 }
 
+template <class Archive, class Image>
+void serialize_contact_sheet(Archive& root, Image& jpeg) {
+  if constexpr (std::is_const_v<Image>) {
+    if (jpeg.empty()) return;
+  } else if (!root.has("contact_sheet_jpeg")) {
+    return;
+  }
+  const h5::Axis byte = root.axis("jpeg_byte", jpeg.empty() ? h5::unknown_length : jpeg.size());
+  root.array("contact_sheet_jpeg", jpeg, {byte},
+             {"1", "JPEG image: camera frames with the labels drawn into them"});
+}
+
 template <class Archive, class AnyLabels>
 void serialize_labels(Archive& root, AnyLabels& labels) {
   root.attribute("activity", labels.activity);
@@ -58,6 +70,7 @@ void serialize_labels(Archive& root, AnyLabels& labels) {
   serialize_labelled_body(hand, labels.hand, label);
   serialize_labelled_body(object, labels.object, label);
   serialize_raw(raw, labels.raw);
+  serialize_contact_sheet(root, labels.contact_sheet_jpeg);
 }
 
 }  // namespace touchtrace

@@ -236,6 +236,9 @@ void validate(const Labels& labels, FileFaults& faults) {
   validate_labelled_body(labels.object, {faults, "/object"});
   raw.require_times("time_s", labels.raw.time_s);
   raw.require_clip_indices(labels.raw.clip, labels.clips.size());
+  const auto& jpeg = labels.contact_sheet_jpeg;
+  faults.require(jpeg.empty() || (jpeg.size() > 1 && jpeg[0] == 0xff && jpeg[1] == 0xd8),
+                 "/contact_sheet_jpeg", "expected a JPEG image, which begins with bytes ff d8");
 }
 
 }  // namespace touchtrace

@@ -19,7 +19,9 @@ nlohmann::json calibration_data(const std::filesystem::path& path);
 nlohmann::json figures_data(const std::filesystem::path& path);
 
 /// Measured and smoothed positions of the first clip: {name, time_s, object, hand, raw_time_s,
-/// raw_object, raw_hand}; metres, and seconds since its first label. `labels` must not be empty.
+/// raw_object, raw_hand}; metres, and seconds since its first label. Also the labels' error_sources
+/// and standard deviations by source, {object,hand}_budget [labels][sources] in metres, and
+/// contact_sheet, a data URI; empty if the file lacks them. `labels` must not be empty.
 nlohmann::json smoothing_data(const Labels& labels, const std::string& name);
 
 }  // namespace touchtrace::report

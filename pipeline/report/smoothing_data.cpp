@@ -1,3 +1,4 @@
+#include "engine/base/base64.h"
 #include "pipeline/report/artefact_data.h"
 
 namespace touchtrace::report {
@@ -27,6 +28,28 @@ json times(const std::vector<double>& time_s, const std::vector<std::size_t>& in
   return values;
 }
 
+/// Rows of the error budget; empty if it or its names are unknown.
+json budget_rows(const LabelledBody& body, std::size_t num_sources,
+                 const std::vector<std::size_t>& indices) {
+  json rows = json::array();
+  if (num_sources == 0 || body.error_budget_m.size() != num_sources * body.quality.size())
+    return rows;
+  for (std::size_t i : indices) {
+    const auto row = body.error_budget_m.begin() + static_cast<std::ptrdiff_t>(i * num_sources);
+    rows.push_back(std::vector<double>(row, row + static_cast<std::ptrdiff_t>(num_sources)));
+  }
+  return rows;
+}
+
+json error_sources(const json& summary) {
+  const json names = summary.is_object() ? summary.value("error_sources", json()) : json();
+  return names.is_array() ? names : json::array();
+}
+
+std::string contact_sheet(const std::vector<std::uint8_t>& jpeg) {
+  return jpeg.empty() ? "" : "data:image/jpeg;base64," + base64(jpeg);
+}
+
 }  // namespace
 
 json smoothing_data(const Labels& labels, const std::string& name) {
@@ -34,7 +57,12 @@ json smoothing_data(const Labels& labels, const std::string& name) {
   const auto labelled = indices_in_clip(labels.clip, clip),
              raw = indices_in_clip(labels.raw.clip, clip);
   const double start_s = labels.time_s[labelled.front()];
+  const json sources = error_sources(labels.summary);
   return {{"name", name},
+          {"contact_sheet", contact_sheet(labels.contact_sheet_jpeg)},
+          {"error_sources", sources},
+          {"object_budget", budget_rows(labels.object, sources.size(), labelled)},
+          {"hand_budget", budget_rows(labels.hand, sources.size(), labelled)},
           {"time_s", times(labels.time_s, labelled, start_s)},
           {"object", points(labels.object.position_m, labelled)},
           {"hand", points(labels.hand.position_m, labelled)},

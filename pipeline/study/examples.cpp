@@ -1,20 +1,13 @@
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/base64.h"
 #include "pipeline/study/results.h"
 
 namespace touchtrace::study {
 namespace {
 
 using nlohmann::json;
-
-std::string base64(const std::vector<unsigned char>& bytes) {
-  std::vector<unsigned char> text(4 * (bytes.size() / 3 + 1) + 1);
-  const int length = EVP_EncodeBlock(text.data(), bytes.data(), static_cast<int>(bytes.size()));
-  return {text.begin(), text.begin() + length};
-}
 
 template <class Unscale>
 nlohmann::json rows_of(const float* scaled, int steps, Unscale unscale) {
@@ -34,10 +27,9 @@ json tactile_json(const Dataset& data, int first, int count, int first_step) {
   const auto pressure = std::span(data.tactile)
                             .subspan(static_cast<std::size_t>(first) * frame_size,
                                      static_cast<std::size_t>(count) * frame_size);
-  std::vector<unsigned char> bytes;
+  std::vector<std::uint8_t> bytes;
   for (float value : pressure)
-    bytes.push_back(
-        static_cast<unsigned char>(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f))));
+    bytes.push_back(static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f))));
   return {{"rows", data.rows},
           {"cols", data.cols},
           {"first_step", first_step},

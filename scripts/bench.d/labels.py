@@ -1,6 +1,7 @@
 # Velocity from the positions of a track: touchtrace's smoothing, Savitzky-Golay, Butterworth, a quintic spline and
 # Kalman smoothers on the same synthetic tracks, in turns, each peer tuned by an oracle: error against run time.
-# needs: numpy scipy simdkalman
+# With --real: labels of real clips against their references (real_labels).
+# needs: numpy scipy simdkalman h5py
 import argparse
 import json
 import os
@@ -12,6 +13,7 @@ import time
 import numpy as np
 
 import figures
+import real_labels
 from figures import at_most, row
 from smoothing_peers import PEERS
 
@@ -78,10 +80,16 @@ def main():
     parser = argparse.ArgumentParser(prog="scripts/bench labels", description="touchtrace's smoothing and its peers on the same tracks")
     parser.add_argument("--smoothing-tracks", default="build/release/tests/smoothing_tracks")
     parser.add_argument("--rounds", type=int, default=3, help="alternating runs of a timing")
+    parser.add_argument("--real", metavar="FOLDER", help="label the clips in this folder instead: layout in real_labels")
+    parser.add_argument("--touchtrace", default="build/release/touchtrace")
+    parser.add_argument("--tracker", default="component", help="of --real")
     parser.add_argument("--json", action="store_true", help="print all rows as one JSON object")
     options = parser.parse_args()
-    if not os.access(options.smoothing_tracks, os.X_OK):
-        parser.error(f"{options.smoothing_tracks} is missing: run cmake --preset release && cmake --build --preset release")
+    program = options.touchtrace if options.real else options.smoothing_tracks
+    if not os.access(program, os.X_OK):
+        parser.error(f"{program} is missing: run cmake --preset release && cmake --build --preset release")
+    if options.real:
+        return figures.emit(real_labels.figures(options), 78, options.json)
     all_figures = (figure for activity in GOALS for figure in figures_of(options, activity))
     return figures.emit(all_figures, 78, options.json)
 

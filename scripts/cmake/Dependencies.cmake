@@ -6,7 +6,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(Eigen3 REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(OpenCL REQUIRED)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d features2d aruco tracking video)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs calib3d features2d aruco tracking video videoio)
 find_package(tomlplusplus REQUIRED)
 find_package(yaml-cpp REQUIRED)
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <opencv2/calib3d.hpp>
 
+#include "calib/camera/projection_jacobian.h"
 #include "engine/base/random.h"
 #include "tests/support/compare.h"
 
@@ -148,6 +149,23 @@ TEST_P(EveryLens, DerivativesMatchCentralDifferences) {
           << "input " << k;
     }
   }
+}
+
+TEST_P(EveryLens, ProjectionJacobianMatchesCentralDifferences) {
+  RandomStream random(6, "points");
+  constexpr double step_m = 1e-5;
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector3d p = random_point(random);
+    const auto jacobian = projection_jacobian(camera_, p);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d step = step_m * Eigen::Vector3d::Unit(axis);
+      const Eigen::Vector2d expected =
+          (camera_.project(p + step) - camera_.project(p - step)) / (2.0 * step_m);
+      // Truncation: the third derivative, some 1e5 px/m^3 at 0.3 m, times step^2 / 6.
+      EXPECT_LT((jacobian.col(axis) - expected).norm(), 1e-4);
+    }
+  }
+  EXPECT_FALSE(projection_jacobian(camera_, {0.0, 0.0, -1.0}).allFinite());
 }
 
 INSTANTIATE_TEST_SUITE_P(Lenses, EveryLens, ::testing::ValuesIn(all_lenses()),

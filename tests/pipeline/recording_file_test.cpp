@@ -137,6 +137,8 @@ TEST(RecordingFile, RoundTripsLabels) {
   EXPECT_TRUE(same_bits(back.hand.causal_velocity_m_per_s, labels.hand.causal_velocity_m_per_s));
   EXPECT_TRUE(same_bits(back.hand.quality, labels.hand.quality));
   EXPECT_TRUE(same_bits(back.raw.object_m, labels.raw.object_m));
+  EXPECT_TRUE(same_bits(back.object.error_budget_m, labels.object.error_budget_m));
+  EXPECT_EQ(back.contact_sheet_jpeg, labels.contact_sheet_jpeg);
 }
 
 TEST(RecordingFile, AcceptsGloveOnlyAndBoardOnlyRecordings) {

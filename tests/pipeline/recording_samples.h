@@ -157,6 +157,7 @@ inline LabelledBody sample_labelled_body(std::size_t labels, RandomStream& rando
   body.causal_position_m = numbers(3 * labels);
   body.causal_velocity_m_per_s = numbers(3 * labels);
   body.quality.assign(labels, quality_good);
+  body.error_budget_m = numbers(5 * labels);
   return body;
 }
 
@@ -184,7 +185,10 @@ inline Labels sample_labels(const Recording& recording) {
   for (auto* column : {&labels.raw.hand_m, &labels.raw.object_m, &labels.raw.hand_sigma_m,
                        &labels.raw.object_sigma_m})
     column->assign(3 * labels.raw.time_s.size(), std::nan(""));
-  labels.summary = {{"lost", 0}};
+  labels.summary = {
+      {"lost", 0},
+      {"error_sources", {"smoothing", "correlated", "shape", "calibration", "latency"}}};
+  labels.contact_sheet_jpeg = {0xff, 0xd8, 0xff, 0xd9};
   labels.provenance = start_provenance("touchtrace/labels/1", "label");
   return labels;
 }

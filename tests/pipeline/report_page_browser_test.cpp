@@ -250,7 +250,8 @@ TEST_F(ReportInBrowser, DrawsAllSections) {
       section(page.dom, "label-errors"),
       {"wave.h5", ">1.0<", ">-3.0<", ">6.0<", ">0.075<", ">1.50<", ">0.25<", ">0.77<"}));
   const std::string smoothing = section(page.dom, "smoothing");
-  EXPECT_EQ(count(smoothing, "<svg"), 6u);
+  EXPECT_EQ(count(smoothing, "<svg"), 6u + 2u) << "positions and error budgets";
+  EXPECT_EQ(count(smoothing, "<img src=\"data:image/jpeg;base64,/9j/2Q==\""), 1u);
   EXPECT_GT(count(smoothing, "<circle"), 3u * 20u) << "measured positions";
   EXPECT_TRUE(
       contains_all(section(page.dom, "calibration"),

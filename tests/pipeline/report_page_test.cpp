@@ -180,6 +180,24 @@ TEST_F(ReportPage, IncludesUncertaintyOfCalibrations) {
   EXPECT_THROW(report::report_data(inputs), Error);
 }
 
+TEST_F(ReportPage, IncludesContactSheetAndErrorBudget) {
+  Labels labels = testing::sample_labels(testing::sample_recording().recording);
+  report::ReportInputs inputs;
+  inputs.labels = {folder_ / "wave.labels.h5"};
+  write_labels(inputs.labels[0], labels, false);
+  const json with = report::report_data(inputs).at("smoothing")[0];
+  EXPECT_EQ(with.at("contact_sheet"), "data:image/jpeg;base64,/9j/2Q==");
+  EXPECT_EQ(with.at("error_sources").size(), 5u);
+  EXPECT_EQ(with.at("hand_budget").size(), with.at("time_s").size());
+  EXPECT_NEAR(with.at("object_budget")[1][2], labels.object.error_budget_m[7], 1e-4);
+  labels.contact_sheet_jpeg.clear();
+  labels.summary = json::array();
+  write_labels(inputs.labels[0], labels, true);
+  const json without = report::report_data(inputs).at("smoothing")[0];
+  EXPECT_EQ(without.at("contact_sheet"), "");
+  EXPECT_TRUE(without.at("object_budget").empty());
+}
+
 TEST_F(ReportPage, OmitsMissingInputs) {
   const json data = report::report_data({});
   EXPECT_TRUE(data.at("metrics").is_null());

@@ -1,5 +1,5 @@
 // Line charts in SVG.
-// series: {x, y, stroke: name of a colour, dash, band: [low, high], dots: radius}; null: gap.
+// series: {x, y, stroke: name of a colour, dash, band: [low, high], opacity: of the band, dots: radius}; null: gap.
 
 function niceTicks(from, to, count) {
   const low = Math.min(from, to), high = Math.max(from, to);
@@ -55,7 +55,7 @@ function drawAxes(svg, box, xRange, yRange, sx, sy, options) {
 }
 
 function drawSeries(svg, series, sx, sy) {
-  if (series.band) svg.append(svgElement("path", { d: bandPath(series.x, series.band, sx, sy), style: `fill:var(--${series.stroke})`, "fill-opacity": 0.16 }));
+  if (series.band) svg.append(svgElement("path", { d: bandPath(series.x, series.band, sx, sy), style: `fill:var(--${series.stroke})`, "fill-opacity": series.opacity || 0.16 }));
   if (series.dots) {
     series.x.forEach((v, i) => known(v) && known(series.y[i]) &&
       svg.append(svgElement("circle", { cx: sx(v).toFixed(1), cy: sy(series.y[i]).toFixed(1), r: series.dots, style: `fill:var(--${series.stroke})`, "fill-opacity": 0.55 })));

@@ -103,9 +103,9 @@ std::vector<double> delays_without_drift(const Stamps& stamps) {
   std::vector<double> delays_s;
   for (std::size_t i = 0; i < count; ++i) delays_s.push_back(stamps.host_s[i] - device_s[i]);
   const auto first = delays_s.begin(), last = delays_s.end() - static_cast<std::ptrdiff_t>(third);
-  const double drift =
-      (median({last, delays_s.end()}) - median({first, first + static_cast<std::ptrdiff_t>(third)})) /
-      (device_s[count - 1 - third / 2] - device_s[third / 2]);
+  const double drift = (median({last, delays_s.end()}) -
+                        median({first, first + static_cast<std::ptrdiff_t>(third)})) /
+                       (device_s[count - 1 - third / 2] - device_s[third / 2]);
   for (std::size_t i = 0; i < count; ++i) delays_s[i] -= drift * device_s[i];
   return delays_s;
 }

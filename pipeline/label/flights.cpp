@@ -15,7 +15,7 @@ namespace {
 constexpr double min_away_m =
     0.05;  // beyond the grip's distance; farther: the object left the hand
 constexpr double min_parting_m = 0.02;  // change of the distance to the hand in a flight
-constexpr double max_bridge_s = 0.2;  // of frames inside a flight that do not look like one
+constexpr double max_bridge_s = 0.2;    // of frames inside a flight that do not look like one
 constexpr double max_occlusion_s = 0.5, max_toss_s = 1.0;
 constexpr double gravity_tolerance_m_per_s2 = 3.0;  // drag, tilt, noise of a second difference
 constexpr double min_fall_m = 0.03;                 // before a hit, and rise after it

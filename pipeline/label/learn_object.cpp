@@ -1,6 +1,7 @@
 #include "pipeline/label/learn_object.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/base/integer_math.h"
 #include "engine/base/parallel.h"
@@ -63,8 +64,12 @@ ObjectShape shape_from(const SceneModel& model, const FrameSource& frames,
   });
   const double fraction = quantile(std::move(fractions), unhidden_quantile);
   if (fraction < min_shape_fraction) return boxed.sphere();
-  const auto shape = learn_shape(views, silhouette_m, num_threads);
-  return fraction < min_sphere_fraction && !shape.body ? boxed.sphere() : shape;
+  auto shape = learn_shape(views, silhouette_m, num_threads);
+  if (shape.body) return shape;
+  if (fraction < min_sphere_fraction) return boxed.sphere();
+  // a cap that is visible shows a sphere's radius and the distance of its centre but poorly
+  shape.centre_sigma_m = std::hypot(shape.centre_sigma_m, shape.radius_m - boxed.radius_m);
+  return shape;
 }
 
 }  // namespace

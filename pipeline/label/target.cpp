@@ -120,7 +120,8 @@ std::optional<Patch> Target::best_patch(const Surface& own, const Segmenter& seg
     const double depth_m = patch->centroid_m.z();
     const double disc = segmenter.disc_pixels(disc_radius_m_, depth_m);
     if (patch->likeness < (is_hidden_ || is_lost() ? min_found_likeness : min_likeness) ||
-        points > max_disc_fill * segmenter.disc_pixels(patch_radius_m_, depth_m)) continue;
+        points > max_disc_fill * segmenter.disc_pixels(patch_radius_m_, depth_m))
+      continue;
     if (distance_m > max_distance_m() ||
         (distance_m > any_part_distance_m(hint_m.has_value()) + patch_radius_m_ &&
          points < min_disc_fraction * disc))

@@ -42,8 +42,9 @@ class Target {
   ///  - likeness below -2, if hidden or lost -0.7, or on average over half a second below -0.9:
   ///    colours that are rare in the class;
   ///  - over 80 % of a disc of patch_radius_m covered: part of a larger surface.
-  /// Ignores points outside `within`. Maximises patch_score() at d over the gate, or over arm_reach_m if lost. Failure stops the
-  /// image tracker; a patch that does not match `tracked_box` restarts it.
+  /// Ignores points outside `within`. Maximises patch_score() at d over the gate, or over
+  /// arm_reach_m if lost. Failure stops the image tracker; a patch that does not match
+  /// `tracked_box` restarts it.
   std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
                             const std::optional<PixelBox>& tracked_box, const Segmenter& segmenter,
                             const std::optional<Eigen::Vector3d>& hint_m,
@@ -71,8 +72,8 @@ class Target {
   int tracker_starts() const { return tracker_.starts(); }
 
  private:
-  /// Updates the mean likeness. If the patch's colours have been unusual for a while, the target has
-  /// slipped to another body: it is lost.
+  /// Updates the mean likeness. If the patch's colours have been unusual for a while, the target
+  /// has slipped to another body: it is lost.
   bool is_usual(const Patch& patch);
   // Search limits; see find().
   double any_part_distance_m(bool has_hint) const;

@@ -41,8 +41,9 @@ void require_rate(const ClockFit& clock, const char* stream) {
 
 /// Mean and standard deviation of a latency between zero and one frame period.
 void subtract_camera_latency(double period_s, Timeline& timeline) {
-  for (double& time_s : timeline.camera_time_s) time_s -= 0.5 * period_s;
+  timeline.latency_s = 0.5 * period_s;
   timeline.latency_sigma_s = period_s / std::sqrt(12.0);
+  for (double& time_s : timeline.camera_time_s) time_s -= timeline.latency_s;
 }
 
 }  // namespace
@@ -118,8 +119,9 @@ std::vector<ClipFrames> clip_frames(const Recording& recording, const Timeline& 
   const auto& times = timeline.camera_time_s;
   std::vector<ClipFrames> result;
   for (const auto& clip : recording.clips) {
-    const auto first = std::ranges::lower_bound(times, clip.start_s),
-               last = std::ranges::upper_bound(times, clip.end_s);
+    // a clip's frames, and with them the one that its boxes are drawn in, are known by arrival
+    const auto first = std::ranges::lower_bound(times, clip.start_s - timeline.latency_s),
+               last = std::ranges::upper_bound(times, clip.end_s - timeline.latency_s);
     ClipFrames frames{static_cast<std::size_t>(first - times.begin()),
                       static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, last - first)),
                       clip.hand_box, clip.object_box, clip.object};

@@ -15,8 +15,8 @@ struct Timeline {
   std::vector<double> camera_time_s;  ///< [camera frames] when the image was taken
   std::optional<ClockFit> glove;      ///< device time is sequence / nominal rate; nullopt: no glove
   double glove_scan_s = 0.0, glove_rate_hz = 15.0;
-  /// Standard deviation of the delay between the images' and the labels' times.
-  double latency_sigma_s = 0.0;
+  /// Mean of the camera's latency, subtracted from camera_time_s, and its standard deviation.
+  double latency_s = 0.0, latency_sigma_s = 0.0;
 
   /// Mid-scan time of a glove frame.
   double glove_time_s(std::uint64_t sequence) const;

@@ -1,8 +1,7 @@
-#include "pipeline/label/camera_calibration.h"
-
 #include <gtest/gtest.h>
 
 #include "engine/base/error.h"
+#include "pipeline/label/camera_calibration.h"
 
 namespace touchtrace::label {
 namespace {

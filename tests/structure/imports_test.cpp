@@ -55,8 +55,10 @@ const std::map<std::string, std::set<std::string>>& allowed() {
        with(shared, {"calib/board", "calib/camera", "calib/rgbd", "calib/smooth"})},
       {"pipeline/acquire/import", with(shared, {"calib/camera", "calib/rgbd", "pipeline/acquire"})},
       {"pipeline/mark", shared},
-      {"pipeline/label",
-       with(shared, {"calib/board", "calib/camera", "calib/rgbd", "calib/smooth"})},
+      {"pipeline/label/observe", with(shared, {"calib/camera", "calib/rgbd"})},
+      {"pipeline/label/estimate", with(shared, {"calib/camera"})},
+      {"pipeline/label", with(shared, {"calib/board", "calib/camera", "calib/rgbd", "calib/smooth",
+                                       "pipeline/label/observe", "pipeline/label/estimate"})},
       {"pipeline/report", shared},
   };
   return modules;

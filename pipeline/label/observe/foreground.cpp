@@ -19,8 +19,8 @@ std::uint16_t order(std::uint16_t count) { return static_cast<std::uint16_t>(cou
 void mark_row(const std::uint16_t* depth, const std::uint16_t* limit, std::size_t width,
               std::uint8_t* marks) {
   for (std::size_t u = 0; u < width; ++u)
-    marks[u] = static_cast<std::uint8_t>((order(depth[u]) < order(limit[u])) +
-                                         measured * (depth[u] != 0));
+    marks[u] =
+        static_cast<std::uint8_t>((order(depth[u]) < order(limit[u])) + measured * (depth[u] != 0));
 }
 
 void add_rows(const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c,

@@ -30,7 +30,7 @@ class Foreground {
   /// [width] of the last three rows: 1 before the background, plus 16 with a measurement.
   std::array<std::vector<std::uint8_t>, 3> marks_;
   std::vector<std::uint8_t> columns_;  ///< [width] sums over three rows
-  std::vector<std::uint8_t> clean_;                  ///< [width, rounded up to blocks]
+  std::vector<std::uint8_t> clean_;    ///< [width, rounded up to blocks]
   std::vector<std::size_t> pixels_;
 };
 

@@ -69,7 +69,8 @@ std::vector<Cover> cover_middles(const Recording& recording) {
 
 LabelError error_of_tracks(const std::vector<label::ClipTrack>& tracks, const Recording& recording,
                            const label::Timeline& timeline, const Truth& truth) {
-  const Eigen::Vector3d gravity = recording.camera.gravity_m_per_s2.value_or(Eigen::Vector3d(0.0, 9.81, 0.0));
+  const Eigen::Vector3d gravity =
+      recording.camera.gravity_m_per_s2.value_or(Eigen::Vector3d(0.0, 9.81, 0.0));
   const auto search = label::free_fall_fraction(tracks, gravity) > label::min_bounce_fraction
                           ? label::FlightSearch::bounces
                           : label::FlightSearch::throws;

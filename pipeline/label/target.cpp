@@ -14,6 +14,7 @@ constexpr std::size_t max_spread_starts = 16;
 // not held, so at least this fraction of its disc must be visible.
 constexpr double expected_distance_m = 0.04, hinted_distance_m = 0.15, min_disc_fraction = 0.5;
 constexpr double unlimited_m = 10.0;
+constexpr double refound_distance_m = 2.0 * arm_reach_m;  // of a body that was hidden or lost
 // Mean likeness of a patch, of a body that is lost or hidden and of one that is followed: colours
 // rarer in the class than usual by so much (2 and 7 times) are another body's. Shadows and exposure
 // pass in less than likeness_time_s; over it, colours are not rarer by more than the third.
@@ -44,7 +45,7 @@ double Target::any_part_distance_m(bool has_hint) const {
 }
 
 double Target::max_distance_m() const {
-  return is_hidden_ || is_lost() ? unlimited_m : filter_.gate_m() + patch_radius_m_;
+  return is_hidden_ || is_lost() ? refound_distance_m : filter_.gate_m() + patch_radius_m_;
 }
 
 std::optional<Patch> Target::find_in_box(const Surface& surface, const PixelBox& box) const {

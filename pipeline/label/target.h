@@ -37,7 +37,7 @@ class Target {
   /// body's points in `tracked_box` and in the gate; if hidden or lost, also at up to 16 points
   /// spread over all of them.
   /// d: distance to the prediction (if lost, the last position) or the hint, the smaller. Rejects
-  ///  - d > gate_m() + patch_radius_m (10 m if hidden or lost);
+  ///  - d > gate_m() + patch_radius_m (1.4 m if hidden or lost);
   ///  - d > patch_radius_m + 0.04 m (0.15 m if lost, with hint) and under half the disc visible;
   ///  - likeness below -2, if hidden or lost -0.7, or on average over half a second below -0.9:
   ///    colours that are rare in the class;

@@ -15,10 +15,13 @@ namespace {
 TEST(LabelError, OfExactPositionsComesFromTheFrameRateAlone) {
   const Stage stage(false);
   const auto error = study::error_of_exact_positions(recording_of(stage), truth_of(stage));
-  EXPECT_EQ(error.object.lost_share + error.object.wrong_share, 0.0);
+  EXPECT_EQ(error.object.wrong_share, 0.0);
+  EXPECT_LE(error.object.lost_share, 1.0 / 88.0);  // the last label, after the last image
   EXPECT_LT(error.object.position_spread_m.maxCoeff(), 0.001);
   EXPECT_LT(error.object.aligned_velocity_rms_m_per_s, 0.05);
 }
+
+constexpr double latency_s = 0.5 / camera_rate_hz;  // taken for the camera's, which has none
 
 /// Labels whose raw positions have white noise and an error with a period of 4 s, and whose time
 /// stamps are late.
@@ -30,7 +33,7 @@ Labels raw_labels(const Stage& stage, double white_m, double swing_m, double lat
   RandomStream random(1, "raw places");
   auto& raw = labels.raw;
   for (std::size_t i = 0; i < raw.time_s.size(); ++i)
-    if (const auto place = study::find_interval(truth, raw.clip[i], raw.time_s[i])) {
+    if (const auto place = study::find_interval(truth, raw.clip[i], raw.time_s[i] + latency_s)) {
       Eigen::Map<Eigen::Vector3d> seen(&raw.object_m[3 * i]);
       seen = study::interpolate(truth.object.position_m, *place);
       for (double& value : seen)
@@ -54,7 +57,7 @@ TEST(LabelError, SeparatesWhiteFromCorrelatedErrors) {
   EXPECT_NEAR(velocity_error(0.0, 0.0, 0.0), exact, 0.1 * exact);
   EXPECT_GT(white, 1.2 * exact);
   EXPECT_NEAR(velocity_error(0.002, 0.01, 0.0), white, 0.05 * white);
-  EXPECT_LT(velocity_error(0.0, 0.0, 0.03), 1.1 * exact);
+  EXPECT_LT(velocity_error(0.0, 0.0, 0.03), 1.2 * exact);
 }
 
 TEST(LabelError, IsMeasuredAfterRemovingTheDelay) {
@@ -65,8 +68,7 @@ TEST(LabelError, IsMeasuredAfterRemovingTheDelay) {
   options.tracker = "component";
   const auto labels = label_recording(recording, frame_source(stage), calibration(), options);
   const auto error = study::compare_labels_with_truth(labels, truth_of(stage)).object;
-  // half a frame period of 50 ms is taken for the camera's latency
-  EXPECT_NEAR(error.delay_s, 0.018 - 0.025, 0.001);
+  EXPECT_NEAR(error.delay_s, 0.018 - latency_s, 0.001);
   EXPECT_LT(error.aligned_velocity_rms_m_per_s, 0.5 * error.velocity_rms_m_per_s);
 }
 

@@ -57,11 +57,11 @@ std::size_t ColorClasses::bin(const std::array<std::uint8_t, 3>& rgb) {
   return (levels.bright[sum] * chroma_levels + chroma[rgb[1]]) * chroma_levels + chroma[rgb[0]];
 }
 
-std::vector<double> ColorClasses::density(const std::vector<double>& counts) {
+std::vector<double> ColorClasses::density(const std::vector<double>& counts, double min_total) {
   auto result = smoothed(counts, 1, chroma_levels);
   result = smoothed(result, chroma_levels, chroma_levels);
   result = smoothed(result, chroma_levels * chroma_levels, brightness_levels);
-  const double total = std::max(1.0, std::accumulate(result.begin(), result.end(), 0.0));
+  const double total = std::max(min_total, std::accumulate(result.begin(), result.end(), 0.0));
   for (auto& value : result) value /= total;
   return result;
 }
@@ -83,7 +83,10 @@ void ColorClasses::learn_object_from(const Surface& near_hand) {
 }
 
 void ColorClasses::build_table() {
-  const auto rest = density(counts_[0]), hand = density(counts_[1]), object = density(counts_[2]);
+  // without background the rest may be a few pixels of the object beside its box
+  const double object_points = std::accumulate(counts_[2].begin(), counts_[2].end(), 1.0);
+  const auto rest = density(counts_[0], object_points), hand = density(counts_[1], 1.0),
+             object = density(counts_[2], 1.0);
   for (std::size_t i = 0; i < table_.size(); ++i) {
     const double others = std::max({rest[i], hand[i], min_density});
     table_[i] = object[i] > object_ratio * others          ? Body::object

@@ -35,8 +35,8 @@ class ColorClasses {
   /// Sets the likeness of a class's colours, with mean 0 over the class.
   void set_likeness(Body body, const std::vector<double>& density);
   static std::size_t bin(const std::array<std::uint8_t, 3>& rgb);
-  /// Smoothed histogram with sum 1.
-  static std::vector<double> density(const std::vector<double>& counts);
+  /// Smoothed histogram, divided by the number of points or by `min_total`, if that is larger.
+  static std::vector<double> density(const std::vector<double>& counts, double min_total);
 
   std::array<std::vector<double>, 3> counts_{std::vector<double>(bins), std::vector<double>(bins),
                                              std::vector<double>(bins)};  ///< by Body

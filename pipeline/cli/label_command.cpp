@@ -82,7 +82,7 @@ ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
 
 Command label_command() {
   return make_command<LabelCommandOptions>(
-      "label", "label hand and object states, with covariance, at every glove frame",
+      "label", "label hand and object states, with covariance, at every glove or camera frame",
       {"touchtrace label wave.h5 --calibration camera --output labels.h5",
        "touchtrace label wave.h5 --calibration camera --output labels.h5 --tracker component "
        "--json",

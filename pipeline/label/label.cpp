@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "calib/board/opencv_threads.h"
 #include "engine/base/error.h"
@@ -31,25 +30,14 @@ namespace {
 constexpr double min_found_fraction = 0.5;    // of a clip's frames; less: the clip is not labelled
 constexpr std::size_t max_mask_search = 100;  // frames of a clip searched for masks
 
-std::optional<Eigen::Vector3d> parse_vector(const std::string& text) {
-  Eigen::Vector3d v;
-  char comma1 = 0, comma2 = 0;
-  std::istringstream stream(text);
-  if (!(stream >> v.x() >> comma1 >> v.y() >> comma2 >> v.z()) || comma1 != ',' || comma2 != ',' ||
-      !v.allFinite() || v.isZero())
-    return std::nullopt;
-  return v;
-}
-
 /// Gravity given, from the camera's accelerometer, or along the image's vertical axis.
 Eigen::Vector3d gravity(const CameraInfo& camera, const LabelOptions& options) {
-  if (options.gravity.empty())
+  if (options.gravity_m_per_s2.empty())
     return camera.gravity_m_per_s2.value_or(Eigen::Vector3d(0.0, 9.81, 0.0));
-  const auto given = parse_vector(options.gravity);
-  if (!given)
-    throw usage_error(fmt::format("gravity '{}' is not a direction", options.gravity),
-                      "give it as X,Y,Z in the colour camera's frame, e.g. 0,9.81,0");
-  return 9.81 * given->normalized();
+  const Eigen::Vector3d given(options.gravity_m_per_s2.data());
+  if (given.isZero())
+    throw usage_error("--gravity must not be 0 0 0", "without flights, pass --no-flights");
+  return given;
 }
 
 /// Sets boxes and box frame from the first frame whose mask shows both bodies.
@@ -210,9 +198,10 @@ void describe(OptionSet& set, LabelOptions& o) {
   set.choice("observer", o.observer, "what shows hand and object; auto: masks where recorded",
              {"auto", "depth-color", "masks"});
   set.flag("no-flights", o.no_flights, "the object never leaves the hand");
-  set.text("gravity", o.gravity,
-           "direction in the colour camera's frame; default: recorded, else image down")
-      .value("X,Y,Z");
+  set.numbers("gravity", o.gravity_m_per_s2,
+              "gravity in the colour camera's frame [m/s^2]; default: recorded, else 0 9.81 0", 3,
+              -100.0, 100.0)
+      .value("X Y Z");
   set.integer("threads", o.num_threads, "clips in parallel; 0: one per core", 0, 1024);
 }
 

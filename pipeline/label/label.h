@@ -15,9 +15,9 @@ struct LabelOptions {
   /// "auto": masks if the recording has them, else depth-color.
   std::string observer = "auto";
   bool no_flights = false;  ///< the object never leaves the hand
-  /// Gravity's direction "X,Y,Z" in the colour camera's frame; empty: from the camera's
-  /// accelerometer, else along the image's vertical axis.
-  std::string gravity;
+  /// [3] in the colour camera's frame; empty: from the camera's accelerometer, else 9.81 m/s^2
+  /// along the image's vertical axis.
+  std::vector<double> gravity_m_per_s2;
   int num_threads = 0;  ///< 0: one per core; does not change the result
 };
 

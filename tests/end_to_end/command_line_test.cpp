@@ -50,7 +50,7 @@ TEST(CommandLine, EveryCommandHasHelpWithUsageExamplesAndExitCodes) {
 TEST(CommandLine, HelpListsCommandsByGroup) {
   const auto help = run_program("--help");
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* part : {"\nSet up:\n  doctor", "\nSimulate:\n  simulate", "\nProcess:\n  check",
+  for (const char* part : {"\nSet up:\n  doctor", "\nSimulate:\n  simulate", "\nProcess:\n  import",
                            "\nStudy:\n  plan"})
     EXPECT_TRUE(contains(help.output, part)) << help.output;
   EXPECT_EQ(run_program("help").output, help.output);
@@ -65,7 +65,7 @@ TEST(CommandLine, NoCommandPrintsHelpAndFails) {
 
 TEST(CommandLine, HelpNamesValuesChoicesAndRequiredOptions) {
   const auto label = run_program("label --help").output;
-  for (const char* part : {"touchtrace label RECORDING --calibration PATH --output FILE",
+  for (const char* part : {"touchtrace label RECORDING --output FILE [OPTIONS]",
                            "--tracker {csrt,csrt-fast,kcf,component}", "-o,--output FILE",
                            "(required)", "--trajectories DIR", "[csrt-fast]"})
     EXPECT_TRUE(contains(label, part)) << part << "\n" << label;
@@ -105,10 +105,8 @@ TEST(CommandLine, UnknownNamesAreErrorsWithSuggestions) {
 }
 
 TEST(CommandLine, WrongUsageIsExplained) {
-  expect_failure("label", 2,
-                 "missing RECORDING; usage: touchtrace label RECORDING --calibration PATH "
-                 "--output FILE");
-  expect_failure("label a.h5 -o b.h5", 2, "missing --calibration PATH; usage: touchtrace label");
+  expect_failure("label", 2, "missing RECORDING; usage: touchtrace label RECORDING --output FILE");
+  expect_failure("label a.h5", 2, "missing --output FILE; usage: touchtrace label");
   expect_failure("simulate a.h5 b.h5", 2, "unexpected argument 'b.h5'");
   expect_failure("simulate a.h5 --seed", 2, "--seed needs a value");
   expect_failure("simulate a.h5 --seed --quiet", 2, "--seed needs a value");

@@ -25,9 +25,8 @@ class RealClip : public ::testing::Test {
     return result.output;
   }
   nlohmann::json label(const std::string& options) const {
-    return nlohmann::json::parse(run("label " + file("clip.h5") + " --output " +
-                                     file("labels.h5") + " --tracker component --json --quiet " +
-                                     options));
+    return nlohmann::json::parse(run("label " + file("clip.h5") + " --output " + file("labels.h5") +
+                                     " --tracker component --json --quiet " + options));
   }
 
  private:
@@ -36,8 +35,7 @@ class RealClip : public ::testing::Test {
 
 TEST_F(RealClip, BoxesGiveLabelsAndAVideo) {
   run("import " + clip + " --depth-scale 1000 --quiet --output " + file("clip.h5"));
-  run("mark " + file("clip.h5") +
-      " --box hand=227,103,36,50 --box object=226,81,52,44 --frame 0");
+  run("mark " + file("clip.h5") + " --box hand=227,103,36,50 --box object=226,81,52,44 --frame 0");
   const auto summary = label("--preview " + file("preview.mp4"));
   EXPECT_EQ(summary["observer"], "depth-color");
   EXPECT_LE(summary["hand_lost_share"], 0.4);

@@ -14,8 +14,9 @@ namespace {
 
 constexpr double min_away_m =
     0.05;  // beyond the grip's distance; farther: the object left the hand
-constexpr double min_parting_m = 0.02;  // change of the distance to the hand in a flight
-constexpr double max_bridge_s = 0.2;    // of frames inside a flight that do not look like one
+constexpr double min_parting_m = 0.02;   // change of the distance to the hand in a flight
+constexpr double max_doubtful_s = 0.25;  // of a flight at the hand's distance
+constexpr double max_bridge_s = 0.2;     // of frames inside a flight that do not look like one
 constexpr double max_occlusion_s = 0.5, max_toss_s = 1.0;
 constexpr double gravity_tolerance_m_per_s2 = 3.0;  // drag, tilt, noise of a second difference
 constexpr double min_fall_m = 0.03;                 // before a hit, and rise after it
@@ -103,9 +104,10 @@ std::vector<Flight> stretches(const ClipTrack& track, const std::vector<bool>& i
   return result;
 }
 
-/// Whether hand and object were seen throughout a stretch, at distances that vary by less than an
-/// object's that leaves the hand.
+/// Whether a stretch is short and shows hand and object at distances that vary by less than an
+/// object's that leaves the hand. Noise of positions in a hand looks like a short fall.
 bool stays_in_hand(const ClipTrack& track, const Flight& flight) {
+  if (flight.landing_s - flight.release_s > max_doubtful_s) return false;
   double least = std::numeric_limits<double>::infinity(), most = 0.0;
   const auto distance = distances(track);
   for (std::size_t i = 0; i < track.time_s.size(); ++i) {

@@ -146,6 +146,9 @@ FileCheck check_recording(const RecordingReader& reader, bool images, bool has_c
       check.warnings.push_back(fmt::format("glove '{}': {}", glove.info.name, warning));
   }
   if (const auto unpaired = unpaired_warning(reader)) check.warnings.push_back(*unpaired);
+  for (std::size_t i = 0; i < recording.clips.size(); ++i)
+    for (const auto& fault : box_faults(recording.clips[i], recording))
+      check.warnings.push_back(fmt::format("clip {} cannot be labelled: {}", i, fault));
   check.missing = {{"calibrate", missing_for_calibration(reader)},
                    {"label", missing_for_labelling(reader, has_calibration)},
                    {"train", missing_for_training(recording)}};

@@ -100,7 +100,7 @@ TEST_F(LabelPreview, ContactSheetShowsFlaggedFramesToo) {
         .rows;
   };
   const int good_height = height(flagged);
-  flagged.object.quality[7] = quality_lost;
+  flagged.object.quality[8] = quality_lost;
   EXPECT_EQ(height(flagged), good_height / 3 * 4);
 }
 

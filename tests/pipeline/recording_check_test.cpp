@@ -265,8 +265,15 @@ TEST(Check, LabellingNeedsPlausibleBoxes) {
     const auto missing = missing_for_labelling(RecordingReader(folder / "a.h5"), has_calibration);
     return missing.empty() ? std::string() : missing.at(0);
   };
+  const auto keep_only = [](auto& sample, std::size_t clip) {
+    for (std::size_t i = 0; i < sample.recording.clips.size(); ++i)
+      sample.recording.clips[i].object_fell = i != clip;
+  };
   const auto with_hand_box = [&](PixelBox box) {
-    return lacks([box](auto& sample) { sample.recording.clips[1].hand_box = box; });
+    return lacks([&](auto& sample) {
+      keep_only(sample, 1);
+      sample.recording.clips[1].hand_box = box;
+    });
   };
   EXPECT_EQ(with_hand_box({0, 0, 8, 6}), "");
   EXPECT_TRUE(mentions(with_hand_box({3, 2, 7, 6}), "did you write corners (x1, y1, x2, y2)?"));
@@ -275,8 +282,15 @@ TEST(Check, LabellingNeedsPlausibleBoxes) {
   EXPECT_TRUE(mentions(with_hand_box({1, 2, -3, 4}), "negative size"));
   EXPECT_TRUE(mentions(with_hand_box({4, 1, 3, 3}), "hand_box and object_box are the same"));
   EXPECT_TRUE(mentions(with_hand_box({}), "in clip 1 (`touchtrace mark "));
-  EXPECT_TRUE(mentions(lacks([](auto& s) { s.recording.clips[0].box_frame = 50; }),
-                       "clip 0: box_frame is not one of its camera frames 0 to 27"));
+  const auto with_box_frame = [&](bool has_other_clip) {
+    return lacks([&](auto& sample) {
+      if (!has_other_clip) keep_only(sample, 0);
+      sample.recording.clips[0].box_frame = 50;
+    });
+  };
+  EXPECT_TRUE(
+      mentions(with_box_frame(false), "clip 0: box_frame is not one of its camera frames 0 to 27"));
+  EXPECT_EQ(with_box_frame(true), "");  // the other clip can be labelled
   const auto unmarked = [](auto& sample) { sample.recording.clips[0].object_box = {}; };
   EXPECT_EQ(lacks(unmarked), "");  // the clip has a mask of both
   EXPECT_TRUE(mentions(lacks([](auto&) {}, false), "give --calibration"));

@@ -252,7 +252,7 @@ TEST(LearnShape, DoesNotDependOnThreads) {
 }
 
 TEST(LearnShape, IsFiniteForASinglePoint) {
-  const BodyView view{{}, {{0.0f, 0.0f, 1.0f}}, {}};
+  const BodyView view{Eigen::Vector3d::Zero(), {{0.0f, 0.0f, 1.0f}}, {}};
   EXPECT_TRUE(fit_body_globally(view, soap).centre_m().allFinite());
   EXPECT_TRUE(learn_shape({view}, 0.03, 1).radius_m > 0.0);
 }

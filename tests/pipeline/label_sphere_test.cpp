@@ -84,7 +84,8 @@ TEST(LearnShape, CentreSigmaOfAnEggMatchesItsErrors) {
 }
 
 TEST(FitSphere, IsFiniteForASinglePoint) {
-  EXPECT_TRUE(fit_sphere({{}, {{0.0f, 0.0f, 1.0f}}, {}}, radius_m).centre_m.allFinite());
+  EXPECT_TRUE(fit_sphere({Eigen::Vector3d::Zero(), {{0.0f, 0.0f, 1.0f}}, {}}, radius_m)
+                  .centre_m.allFinite());
 }
 
 }  // namespace

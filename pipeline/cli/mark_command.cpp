@@ -50,7 +50,7 @@ void save_boxes(MarkSession& session, const MarkOptions& options) {
   if (options.frame >= 0)
     drawn.frame = static_cast<std::size_t>(options.frame);
   else if (drawn.clip < clips.size())
-    drawn.frame = first_frame(session.recording(), clips[drawn.clip]).value_or(0);
+    drawn.frame = session.frames_of(clips[drawn.clip]).first;
   session.save({drawn});
 }
 

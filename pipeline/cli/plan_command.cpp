@@ -55,7 +55,7 @@ void read_recording(const std::string& path, study::PlanRequest& request) {
   request.activity = recording.activity;
   request.objects.assign(objects.begin(), objects.end());
   request.simulated = false;
-  if (!recording.gloves.empty() && missing_for_labelling(reader, true).empty())
+  if (missing_for_labelling(reader, true).empty())
     request.tracker = study::choose_tracker(recording, label::frame_source(reader));
   if (!recording.gloves.empty())
     request.live = live_cells(recording.gloves.front().info, request.rows, request.cols);

@@ -30,9 +30,12 @@ std::vector<Stretch> flagged_stretches(const LabelOverlay& overlay) {
 }
 
 std::set<std::size_t> chosen_frames(const LabelOverlay& overlay) {
+  std::vector<std::size_t> labelled;
+  for (std::size_t i = 0; i < overlay.num_frames(); ++i)
+    if (overlay.has_label(i)) labelled.push_back(i);
   std::set<std::size_t> chosen;
-  for (std::size_t i = 0; i < num_spread; ++i)
-    chosen.insert(i * (overlay.num_frames() - 1) / (num_spread - 1));
+  for (std::size_t i = 0; !labelled.empty() && i < num_spread; ++i)
+    chosen.insert(labelled[i * (labelled.size() - 1) / (num_spread - 1)]);
   for (const auto& stretch : flagged_stretches(overlay)) chosen.insert(stretch.first);
   return chosen;
 }
@@ -54,6 +57,7 @@ std::vector<std::uint8_t> contact_sheet_jpeg(const LabelOverlay& overlay,
   std::vector<cv::Mat> tiles;
   for (const std::size_t frame : chosen_frames(overlay))
     tiles.push_back(overlay.draw(frame, frames.camera_frame(frame), tile_px));
+  if (tiles.empty()) return {};
   const cv::Mat sheet = tiled(tiles);
   std::vector<std::uint8_t> jpeg;
   for (int quality = 90; quality > 0 && (jpeg.empty() || jpeg.size() > max_bytes); quality -= 10)

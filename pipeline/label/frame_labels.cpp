@@ -37,7 +37,7 @@ std::vector<FrameLabel> frame_labels(const Recording& recording, const Timeline&
                                      const Labels& labels) {
   std::vector<FrameLabel> result(timeline.camera_time_s.size());
   const double label_period_s = 1.0 / rate_of(labels.time_s, recording.camera.rate_hz);
-  const auto clips = clip_frames(recording, timeline);
+  const auto clips = clip_frames(recording);
   for (std::size_t clip = 0; clip < clips.size(); ++clip) {
     const auto [first, count] = std::pair(clips[clip].first, clips[clip].count);
     const Range of_clip = entries_of(labels.clip, clip), raw = entries_of(labels.raw.clip, clip);
@@ -47,7 +47,8 @@ std::vector<FrameLabel> frame_labels(const Recording& recording, const Timeline&
           nearest_label(labels.time_s, of_clip, timeline.camera_time_s[i], label_period_s);
       if (raw.last - raw.first == count) result[i].raw = raw.first + (i - first);
     }
-    if (count > 0 && clips[clip].has_boxes()) result[clips[clip].box_frame].has_boxes = true;
+    if (clips[clip].is_usable() && clips[clip].has_boxes())
+      result[clips[clip].box_frame].has_boxes = true;
   }
   return result;
 }

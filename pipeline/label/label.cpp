@@ -1,10 +1,10 @@
 #include "pipeline/label/label.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "calib/board/opencv_threads.h"
 #include "engine/base/error.h"
@@ -27,8 +27,7 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr double min_found_fraction = 0.5;    // of a clip's frames; less: the clip is not labelled
-constexpr std::size_t max_mask_search = 100;  // frames of a clip searched for masks
+constexpr double min_found_fraction = 0.5;  // of a clip's frames; less: the clip is not labelled
 
 /// Gravity given, from the camera's accelerometer, or along the image's vertical axis.
 Eigen::Vector3d gravity(const CameraInfo& camera, const LabelOptions& options) {
@@ -40,10 +39,16 @@ Eigen::Vector3d gravity(const CameraInfo& camera, const LabelOptions& options) {
   return given;
 }
 
-/// Sets boxes and box frame from the first frame whose mask shows both bodies.
+/// Masked frames of a clip.
+std::span<const std::size_t> masked_frames(const FrameSource& frames, const ClipFrames& clip) {
+  const auto& all = frames.masked_frames;
+  return {std::ranges::lower_bound(all, clip.first),
+          std::ranges::lower_bound(all, clip.first + clip.count)};
+}
+
+/// Sets boxes and box frame from the first mask that shows both bodies.
 void set_mask_boxes(const FrameSource& frames, int width, ClipFrames& clip) {
-  for (std::size_t i = 0; i < std::min(clip.count, max_mask_search); ++i) {
-    const std::size_t index = clip.first + i * clip.count / std::min(clip.count, max_mask_search);
+  for (const auto index : masked_frames(frames, clip)) {
     const auto frame = frames.camera_frame(index);
     const auto hand = mask_box(frame, mask_hand, width),
                object = mask_box(frame, mask_object, width);
@@ -53,30 +58,28 @@ void set_mask_boxes(const FrameSource& frames, int width, ClipFrames& clip) {
   }
 }
 
-bool has_masks(const FrameSource& frames, const std::vector<ClipFrames>& clips) {
-  return std::ranges::any_of(clips, [&](const ClipFrames& clip) {
-    return clip.count > 0 && !frames.camera_frame(clip.box_frame).mask.empty();
-  });
-}
-
-bool choose_masks(const FrameSource& frames, const std::vector<ClipFrames>& clips,
-                  const LabelOptions& options) {
-  return options.observer == "masks" || (options.observer == "auto" && has_masks(frames, clips));
-}
-
-std::vector<ClipFrames> boxed_clips(const Recording& recording, const FrameSource& frames,
-                                    const Timeline& timeline, const LabelOptions& options) {
-  auto clips = clip_frames(recording, timeline);
-  const bool use_masks = choose_masks(frames, clips, options);
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    auto& clip = clips[i];
-    if (clip.count == 0) continue;
-    clip.problem = fmt::format("{}", fmt::join(box_faults(recording.clips[i], recording), "; "));
-    if (use_masks && !clip.has_boxes()) set_mask_boxes(frames, recording.camera.width, clip);
-    if (clip.problem.empty() && !clip.has_boxes())
-      clip.problem = use_masks ? "no mask shows hand and object" : "no boxes on hand and object";
+/// Clips with boxes, drawn by a user or around a mask.
+std::vector<ClipFrames> boxed_clips(const Recording& recording, const FrameSource& frames) {
+  auto clips = clip_frames(recording);
+  for (auto& clip : clips) {
+    if (clip.is_usable() && !clip.has_boxes()) set_mask_boxes(frames, recording.camera.width, clip);
+    if (clip.is_usable() && !clip.has_boxes())
+      clip.problem = "neither boxes nor a mask of hand and object";
   }
   return clips;
+}
+
+/// Whether enough frames have masks to find the bodies by them alone.
+bool choose_masks(const FrameSource& frames, const std::vector<ClipFrames>& clips,
+                  const LabelOptions& options) {
+  if (options.observer != "auto") return options.observer == "masks";
+  double masked = 0.0, all = 0.0;
+  for (const auto& clip : clips) {
+    if (!clip.is_usable()) continue;
+    masked += static_cast<double>(masked_frames(frames, clip).size());
+    all += static_cast<double>(clip.count);
+  }
+  return masked > 0.0 && masked >= min_found_fraction * all;
 }
 
 /// Throws the first clip's problem if no clip is usable.
@@ -195,7 +198,8 @@ FlightSearch flight_search(const std::vector<ClipTrack>& tracks,
 
 void describe(OptionSet& set, LabelOptions& o) {
   set.choice("tracker", o.tracker, "component: fastest", tracker_names());
-  set.choice("observer", o.observer, "what shows hand and object; auto: masks where recorded",
+  set.choice("observer", o.observer,
+             "what shows hand and object; auto: masks if half of the frames have one",
              {"auto", "depth-color", "masks"});
   set.flag("no-flights", o.no_flights, "the object never leaves the hand");
   set.numbers("gravity", o.gravity_m_per_s2,
@@ -212,7 +216,7 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   auto timeline = align(recording);
   // positions come from depth images
   for (double& time_s : timeline.camera_time_s) time_s += calibration.depth_delay_s;
-  auto clips = boxed_clips(recording, recorded, timeline, options);
+  auto clips = boxed_clips(recording, recorded);
   require_usable_clip(clips);
   const bool use_masks = choose_masks(recorded, clips, options);
   const auto frames = normalized(recorded, clips);
@@ -263,7 +267,7 @@ Labels label_recording(const RecordingReader& reader,
 FrameSource frame_source(const RecordingReader& reader) {
   return {[&reader](std::size_t i) { return reader.read_camera_frame(i); },
           [&reader](std::size_t i) { return reader.read_background(i); },
-          reader.background_frames()};
+          reader.background_frames(), reader.masked_camera_frames()};
 }
 
 }  // namespace touchtrace::label

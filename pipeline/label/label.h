@@ -12,7 +12,7 @@ struct LabelOptions {
   /// "csrt": OpenCV's defaults; "csrt-fast": smaller template, fewer scales; "kcf"; "component":
   /// colour and depth only, fastest.
   std::string tracker = "csrt-fast";
-  /// "auto": masks if the recording has them, else depth-color.
+  /// "auto": masks if half of the frames have one, else depth-color.
   std::string observer = "auto";
   bool no_flights = false;  ///< the object never leaves the hand
   /// [3] in the colour camera's frame; empty: from the camera's accelerometer, else 9.81 m/s^2

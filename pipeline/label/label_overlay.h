@@ -19,6 +19,8 @@ class LabelOverlay {
 
   std::size_t num_frames() const { return frames_.size(); }
   double frame_rate_hz() const;  ///< inverse of the median interval
+  /// True if a label is near in time.
+  bool has_label(std::size_t frame) const { return frames_[frame].label.has_value(); }
   /// True if the label of hand or object has a flag.
   bool is_flagged(std::size_t frame) const;
   /// BGR image with caption. `size_px`: longer side of the camera frame in it.

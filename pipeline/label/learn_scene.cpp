@@ -98,7 +98,8 @@ std::string box_problem(const ClipFrames& clip, const Surface& surface) {
   return {};
 }
 
-SampledFrames sample(const Segmenter& segmenter, const FrameSource& frames,
+/// `masks`: classifies the points; null: without classes.
+SampledFrames sample(const Segmenter& segmenter, const Observer* masks, const FrameSource& frames,
                      const std::vector<ClipFrames>& clips, int num_threads) {
   const std::size_t frames_per_clip =
       std::max(min_frames_per_clip, min_frames / std::max<std::size_t>(1, clips.size()));
@@ -109,7 +110,9 @@ SampledFrames sample(const Segmenter& segmenter, const FrameSource& frames,
         samples.push_back({&clip, index, {}});
   parallel_for(samples.size(), num_threads, [&](std::size_t i) {
     throw_if_interrupted();
-    samples[i].surface = segmenter.foreground_surface(frames.camera_frame(samples[i].index));
+    const auto frame = frames.camera_frame(samples[i].index);
+    samples[i].surface = segmenter.foreground_surface(frame);
+    if (masks) masks->classify(frame, samples[i].clip->object, samples[i].surface);
   });
   return samples;
 }
@@ -138,13 +141,6 @@ void learn_objects(std::vector<ClipFrames>& clips, ObjectSamples& samples, Learn
     }
 }
 
-void learn_masks(const Observer& masks, const FrameSource& frames, const std::string& object,
-                 SampledFrames& samples) {
-  for (auto& sample : samples)
-    masks.classify(frames.camera_frame(sample.index), object, sample.surface);
-  find_hands(samples);
-}
-
 }  // namespace
 
 SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& camera,
@@ -157,13 +153,17 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
                                   ? median_depth(depths)
                                   : background_behind(*segmenter, frames, clips, depths));
   SceneModel model{segmenter, nullptr, depth_noise_at_1m(depths, camera.depth_unit_m)};
-  auto samples = usable_samples(clips, sample(*segmenter, frames, clips, num_threads));
-  const auto masks = std::make_shared<MaskObserver>(segmenter);
   const auto colors = std::make_shared<DepthColorObserver>(segmenter);
-  model.observer = use_masks ? std::shared_ptr<const Observer>(masks) : colors;
+  if (use_masks)
+    model.observer = std::make_shared<MaskObserver>(segmenter);
+  else
+    model.observer = colors;
+  auto samples = usable_samples(
+      clips,
+      sample(*segmenter, use_masks ? model.observer.get() : nullptr, frames, clips, num_threads));
   learn_objects(clips, samples, [&](const std::string& object, SampledFrames& of_object) {
     if (use_masks) {
-      learn_masks(*masks, frames, object, of_object);
+      find_hands(of_object);
     } else {
       auto learnt = learn_colors(*segmenter, object, of_object);
       if (!learnt.separates_object) model.objects_with_hand_color.insert(object);

@@ -18,6 +18,7 @@ namespace touchtrace::label {
 struct FrameSource {
   std::function<RgbdFrame(std::size_t)> camera_frame, background;
   std::size_t background_frames = 0;
+  std::vector<std::size_t> masked_frames = {};  ///< camera frames with a mask, in increasing order
 };
 
 /// Camera frames [first, first + count) of a clip, and the boxes drawn in one of them.

@@ -5,14 +5,16 @@
 #include <limits>
 
 #include "engine/base/parallel.h"
-#include "engine/base/statistics.h"
 #include "pipeline/label/flights.h"
+#include "pipeline/recording/frame_pairs.h"
 
 namespace touchtrace::label {
 namespace {
 
 /// Time in which fingers let go of an object.
 constexpr double hand_opens_s = 0.02;
+/// Rate of a single frame: no other time is near it.
+constexpr double single_frame_hz = std::numeric_limits<double>::infinity();
 using Observations = std::vector<Observation>;
 
 Track track_of(const std::vector<double>& time_s, const Observations& observations) {
@@ -96,13 +98,6 @@ std::vector<Flight> initial_flights(const ClipTrack& track, const Eigen::Vector3
                                          : guess_flights(track, gravity_m_per_s2);
 }
 
-/// Median interval of a clip's camera frames.
-double frame_period_s(const std::vector<double>& time_s) {
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < time_s.size(); ++i) intervals.push_back(time_s[i] - time_s[i - 1]);
-  return intervals.empty() ? 0.0 : median(std::move(intervals));
-}
-
 }  // namespace
 
 SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
@@ -137,7 +132,8 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
 void resample(const std::vector<LabelTime>& times, const std::vector<ClipTrack>& tracks,
               const SmoothedBodies& bodies, const ErrorModel& errors, Labels& labels) {
   std::vector<double> periods_s;
-  for (const auto& track : tracks) periods_s.push_back(frame_period_s(track.time_s));
+  for (const auto& track : tracks)
+    periods_s.push_back(1.0 / rate_of(track.time_s, single_frame_hz));
   for (const auto& at : times) {
     const auto clip = static_cast<std::size_t>(at.clip);
     const auto& track = tracks[clip];

@@ -1,11 +1,14 @@
 #include "pipeline/label/timeline.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "engine/base/error.h"
+#include "pipeline/recording/check.h"
+#include "pipeline/recording/clip_range.h"
 
 namespace touchtrace::label {
 namespace {
@@ -41,9 +44,8 @@ void require_rate(const ClockFit& clock, const char* stream) {
 
 /// Mean and standard deviation of a latency between zero and one frame period.
 void subtract_camera_latency(double period_s, Timeline& timeline) {
-  timeline.latency_s = 0.5 * period_s;
   timeline.latency_sigma_s = period_s / std::sqrt(12.0);
-  for (double& time_s : timeline.camera_time_s) time_s -= timeline.latency_s;
+  for (double& time_s : timeline.camera_time_s) time_s -= 0.5 * period_s;
 }
 
 }  // namespace
@@ -115,20 +117,14 @@ std::vector<LabelTime> label_times(const Recording& recording, const Timeline& t
   return result;
 }
 
-std::vector<ClipFrames> clip_frames(const Recording& recording, const Timeline& timeline) {
-  const auto& times = timeline.camera_time_s;
+std::vector<ClipFrames> clip_frames(const Recording& recording) {
   std::vector<ClipFrames> result;
   for (const auto& clip : recording.clips) {
-    // a clip's frames, and with them the one that its boxes are drawn in, are known by arrival
-    const auto first = std::ranges::lower_bound(times, clip.start_s - timeline.latency_s),
-               last = std::ranges::upper_bound(times, clip.end_s - timeline.latency_s);
-    ClipFrames frames{static_cast<std::size_t>(first - times.begin()),
-                      static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, last - first)),
-                      clip.hand_box, clip.object_box, clip.object};
-    if (clip.object_fell) frames.count = 0;
-    frames.box_frame = clip.box_frame.value_or(frames.first);
-    if (frames.box_frame < frames.first || frames.box_frame >= frames.first + frames.count)
-      frames.box_frame = frames.first;
+    const auto range = arrived_in(clip, recording.camera_times.host_time_s);
+    ClipFrames frames{range.first, clip.object_fell ? 0 : range.size(), clip.hand_box,
+                      clip.object_box, clip.object};
+    frames.box_frame = clip.box_frame.value_or(range.first);
+    frames.problem = fmt::format("{}", fmt::join(box_faults(clip, recording), "; "));
     result.push_back(std::move(frames));
   }
   return result;

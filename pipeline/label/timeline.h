@@ -15,8 +15,7 @@ struct Timeline {
   std::vector<double> camera_time_s;  ///< [camera frames] when the image was taken
   std::optional<ClockFit> glove;      ///< device time is sequence / nominal rate; nullopt: no glove
   double glove_scan_s = 0.0, glove_rate_hz = 15.0;
-  /// Mean of the camera's latency, subtracted from camera_time_s, and its standard deviation.
-  double latency_s = 0.0, latency_sigma_s = 0.0;
+  double latency_sigma_s = 0.0;  ///< of the camera's latency, whose mean camera_time_s excludes
 
   /// Mid-scan time of a glove frame.
   double glove_time_s(std::uint64_t sequence) const;
@@ -42,7 +41,8 @@ struct LabelTime {
 /// a recording without glove, every camera frame. Clips in which the object fell are left out.
 std::vector<LabelTime> label_times(const Recording& recording, const Timeline& timeline);
 
-/// Camera frames and boxes of each clip. No frames where the object fell.
-std::vector<ClipFrames> clip_frames(const Recording& recording, const Timeline& timeline);
+/// Camera frames that arrived in each clip, and its boxes. No frames where the object fell; a
+/// problem where the boxes have a fault.
+std::vector<ClipFrames> clip_frames(const Recording& recording);
 
 }  // namespace touchtrace::label

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 
@@ -26,13 +25,6 @@ PixelBox parse_box(const std::string& text) {
     throw usage_error(fmt::format("'{}' is not a box", text),
                       "write x,y,width,height in pixels, e.g. hand=120,80,60,50");
   return {values[0], values[1], values[2], values[3]};
-}
-
-std::optional<std::size_t> first_frame(const Recording& recording, const Clip& clip) {
-  const auto& times_s = recording.camera_times.host_time_s;
-  const auto first = std::ranges::lower_bound(times_s, clip.start_s);
-  if (first == times_s.end() || *first >= clip.end_s) return std::nullopt;
-  return static_cast<std::size_t>(first - times_s.begin());
 }
 
 void require_plausible(const ClipBoxes& boxes, const Recording& recording) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "pipeline/recording/recording.h"
@@ -15,9 +14,6 @@ struct ClipBoxes {
 
 /// Parses "x,y,width,height". Throws usage_error for another text.
 PixelBox parse_box(const std::string& text);
-
-/// First camera frame of a clip; nullopt: it has none.
-std::optional<std::size_t> first_frame(const Recording& recording, const Clip& clip);
 
 /// Throws data_error, with what to do, if the clip or the frame does not exist, the frame is not in
 /// the clip, a box is empty or leaves the image, or both boxes are the same.

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -21,13 +20,6 @@ nlohmann::json box_json(const PixelBox& box) {
   return {box.x, box.y, box.width, box.height};
 }
 
-/// Last camera frame before the clip's end.
-std::size_t last_frame(const Recording& recording, const Clip& clip) {
-  const auto& times_s = recording.camera_times.host_time_s;
-  return static_cast<std::size_t>(std::ranges::lower_bound(times_s, clip.end_s) - times_s.begin()) -
-         1;
-}
-
 }  // namespace
 
 MarkSession::MarkSession(fs::path recording, fs::path output, bool overwrite)
@@ -41,10 +33,14 @@ MarkSession::MarkSession(fs::path recording, fs::path output, bool overwrite)
                      "`touchtrace check` describes it");
   for (std::size_t i = 0; i < reader_.recording().clips.size(); ++i) {
     const Clip& clip = reader_.recording().clips[i];
-    const auto first = first_frame(reader_.recording(), clip);
-    if (first && (!clip.hand_box.empty() || !clip.object_box.empty()))
-      boxes_[i] = {i, clip.box_frame.value_or(*first), clip.hand_box, clip.object_box};
+    const auto frames = frames_of(clip);
+    if (frames.size() > 0 && (!clip.hand_box.empty() || !clip.object_box.empty()))
+      boxes_[i] = {i, clip.box_frame.value_or(frames.first), clip.hand_box, clip.object_box};
   }
+}
+
+IndexRange MarkSession::frames_of(const Clip& clip) const {
+  return arrived_in(clip, recording().camera_times.host_time_s);
 }
 
 nlohmann::json MarkSession::state() const {
@@ -52,14 +48,15 @@ nlohmann::json MarkSession::state() const {
   nlohmann::json clips = nlohmann::json::array();
   for (std::size_t i = 0; i < r.clips.size(); ++i) {
     const Clip& clip = r.clips[i];
-    const auto first = first_frame(r, clip);
-    if (!first) continue;
+    const auto frames = frames_of(clip);
+    if (frames.size() == 0) continue;
     const auto found = boxes_.find(i);
-    const ClipBoxes boxes = found != boxes_.end() ? found->second : ClipBoxes{i, *first, {}, {}};
+    const ClipBoxes boxes =
+        found != boxes_.end() ? found->second : ClipBoxes{i, frames.first, {}, {}};
     clips.push_back({{"clip", i},
                      {"object_name", clip.object},
-                     {"first", *first},
-                     {"last", last_frame(r, clip)},
+                     {"first", frames.first},
+                     {"last", frames.last - 1},
                      {"frame", boxes.frame},
                      {"hand", box_json(boxes.hand)},
                      {"object", box_json(boxes.object)}});

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pipeline/mark/boxes.h"
+#include "pipeline/recording/clip_range.h"
 #include "pipeline/recording/recording_file.h"
 
 namespace touchtrace {
@@ -19,6 +20,8 @@ class MarkSession {
   MarkSession(std::filesystem::path recording, std::filesystem::path output, bool overwrite);
 
   const Recording& recording() const { return reader_.recording(); }
+  /// Camera frames of a clip.
+  IndexRange frames_of(const Clip& clip) const;
   /// Image size, and for each clip with camera frames its index and object, its first and last
   /// frame, and its boxes, if any.
   nlohmann::json state() const;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "engine/base/statistics.h"
+
 namespace touchtrace {
 namespace {
 
@@ -12,9 +14,7 @@ double median_interval_s(const std::vector<double>& time_s) {
   if (time_s.size() < 2) return std::numeric_limits<double>::infinity();
   std::vector<double> intervals(time_s.size() - 1);
   for (std::size_t i = 0; i < intervals.size(); ++i) intervals[i] = time_s[i + 1] - time_s[i];
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+  return median(std::move(intervals));
 }
 
 std::size_t nearest(const std::vector<double>& sorted, double value) {

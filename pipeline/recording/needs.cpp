@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pipeline/recording/check.h"
+#include "pipeline/recording/clip_range.h"
 #include "pipeline/recording/stream_check.h"
 
 namespace touchtrace {
@@ -11,18 +12,9 @@ namespace {
 
 constexpr std::size_t min_board_views = 3;
 
-/// Indices of the elements of `time_s` in a clip.
-std::pair<std::size_t, std::size_t> frames_of(const Clip& clip, const std::vector<double>& time_s) {
-  const auto index = [&](auto at) { return static_cast<std::size_t>(at - time_s.begin()); };
-  return {index(std::ranges::lower_bound(time_s, clip.start_s)),
-          index(std::ranges::upper_bound(time_s, clip.end_s))};
-}
-
 bool has_two_frames(const std::vector<Clip>& clips, const std::vector<double>& time_s) {
-  return std::ranges::any_of(clips, [&](const Clip& clip) {
-    const auto [first, last] = frames_of(clip, time_s);
-    return last >= first + 2;
-  });
+  return std::ranges::any_of(
+      clips, [&](const Clip& clip) { return arrived_in(clip, time_s).size() >= 2; });
 }
 
 void check_clips(const Recording& recording, std::vector<std::string>& missing) {
@@ -86,18 +78,18 @@ std::vector<std::string> box_faults(const Clip& clip, const Recording& recording
       faults.push_back(std::move(fault));
   if (!clip.hand_box.empty() && is_same(clip.hand_box, clip.object_box))
     faults.emplace_back("hand_box and object_box are the same");
-  const auto [first, last] = frames_of(clip, recording.camera_times.host_time_s);
-  if (clip.box_frame && (*clip.box_frame < first || *clip.box_frame >= last))
-    faults.push_back(
-        fmt::format("box_frame is not one of its camera frames {} to {}", first, last));
+  const auto frames = arrived_in(clip, recording.camera_times.host_time_s);
+  if (clip.box_frame && !frames.contains(*clip.box_frame))
+    faults.push_back(fmt::format("box_frame is not one of its camera frames {} to {}", frames.first,
+                                 frames.last));
   return faults;
 }
 
 namespace {
 
 bool has_mask_of_both(const Clip& clip, const RecordingReader& reader) {
-  const auto [first, last] = frames_of(clip, reader.recording().camera_times.host_time_s);
-  for (std::size_t i = first; i < last; ++i) {
+  const auto frames = arrived_in(clip, reader.recording().camera_times.host_time_s);
+  for (std::size_t i = frames.first; i < frames.last; ++i) {
     const auto mask = reader.read_mask(reader.color_image_of(i));
     if (std::ranges::find(mask, mask_hand) != mask.end() &&
         std::ranges::find(mask, mask_object) != mask.end())

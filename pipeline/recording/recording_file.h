@@ -67,6 +67,8 @@ class RecordingReader {
   std::size_t color_image_of(std::size_t camera_frame) const;
   /// Colour images that have a mask, in increasing order.
   std::vector<std::size_t> masked_color_images() const;
+  /// Camera frames whose colour image has a mask, in increasing order.
+  std::vector<std::size_t> masked_camera_frames() const;
   /// MaskValue of each pixel; empty if the colour image has no mask.
   std::vector<std::uint8_t> read_mask(std::size_t color_image) const;
 

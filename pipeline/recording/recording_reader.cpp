@@ -180,6 +180,14 @@ std::vector<std::size_t> RecordingReader::masked_color_images() const {
   return file_->masks.color_images();
 }
 
+std::vector<std::size_t> RecordingReader::masked_camera_frames() const {
+  const auto masked = masked_color_images();
+  std::vector<std::size_t> frames;
+  for (std::size_t i = 0; i < file_->pairs.size(); ++i)
+    if (std::ranges::binary_search(masked, file_->pairs[i].color)) frames.push_back(i);
+  return frames;
+}
+
 std::vector<std::uint8_t> RecordingReader::read_mask(std::size_t color_image) const {
   return file_->masks.read(color_image, file_->path);
 }

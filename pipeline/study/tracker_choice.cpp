@@ -34,15 +34,14 @@ label::Surface pixels_of(const RgbdFrame& frame, const CameraInfo& camera) {
   return pixels;
 }
 
-/// First frames of clips that have boxes, by object.
+/// Box frames of clips that have boxes, by object.
 std::map<std::string, std::vector<Boxed>> boxed_frames(const Recording& recording,
                                                        const label::FrameSource& frames) {
   std::map<std::string, std::vector<Boxed>> result;
-  for (const auto& clip : label::clip_frames(recording, label::align(recording))) {
+  for (const auto& clip : label::clip_frames(recording)) {
     auto& of_object = result[clip.object];
-    if (clip.count > 0 && !clip.hand_box.empty() && !clip.object_box.empty() &&
-        of_object.size() < max_clips)
-      of_object.push_back({pixels_of(frames.camera_frame(clip.first), recording.camera), clip});
+    if (clip.is_usable() && clip.has_boxes() && of_object.size() < max_clips)
+      of_object.push_back({pixels_of(frames.camera_frame(clip.box_frame), recording.camera), clip});
   }
   return result;
 }

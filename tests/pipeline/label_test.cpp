@@ -250,30 +250,54 @@ TEST(Label, UsesHalfOfTheDepthPixels) {
   EXPECT_LT(error.position_spread_m.maxCoeff(), 0.006);
 }
 
-/// Masks by colour, as a segmentation network gives them, in all frames but every tenth.
-TEST(Label, TakesHandAndObjectFromMasks) {
-  const Stage stage(false, Stage::Ball::red);
-  auto frames = without_background(stage);
-  frames.camera_frame = [read = frames.camera_frame](std::size_t i) {
+/// Adds masks by colour, as a segmentation network gives them, to some frames.
+FrameSource masked(FrameSource frames, const std::function<bool(std::size_t)>& has_mask) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(seconds * camera_rate_hz); ++i)
+    if (has_mask(i)) frames.masked_frames.push_back(i);
+  frames.camera_frame = [read = frames.camera_frame, has_mask](std::size_t i) {
     auto frame = read(i);
-    if (i % 10 == 3) return frame;
-    for (std::size_t j = 0; j < frame.depth.size(); ++j)
+    for (std::size_t j = 0; has_mask(i) && j < frame.depth.size(); ++j)
       frame.mask.push_back(frame.color[3 * j] == 200       ? mask_object
                            : frame.color[3 * j + 2] == 160 ? mask_hand
                                                            : mask_other);
+    return frame;
+  };
+  return frames;
+}
+
+Labels label_without_boxes(const Stage& stage, const FrameSource& frames) {
+  auto recording = imported(stage);
+  recording.clips[0].hand_box = recording.clips[0].object_box = {};
+  recording.clips[0].box_frame.reset();
+  LabelOptions options;
+  options.tracker = "component";
+  return label_recording(recording, frames, std::nullopt, options);
+}
+
+TEST(Label, TakesHandAndObjectFromMasks) {
+  const Stage stage(false);
+  auto frames = masked(without_background(stage), [](std::size_t i) { return i % 10 != 3; });
+  frames.camera_frame = [read = frames.camera_frame](std::size_t i) {
+    auto frame = read(i);
     std::ranges::fill(frame.color, std::uint8_t{90});
     return frame;
   };
-  auto recording = imported(stage);
-  recording.clips[0].hand_box = recording.clips[0].object_box = {};
-  LabelOptions options;
-  options.tracker = "component";
-  const auto labels = label_recording(recording, frames, std::nullopt, options);
+  const auto labels = label_without_boxes(stage, frames);
   EXPECT_EQ(labels.summary["observer"], "masks");
   const auto error = study::compare_labels_with_truth(labels, truth_of(stage)).object;
   EXPECT_NEAR(error.lost_share, 0.1, 0.02);
   EXPECT_EQ(error.wrong_share, 0.0);
   EXPECT_LT(error.position_spread_m.maxCoeff(), 0.004);
+}
+
+TEST(Label, FewMasksReplaceTheBoxes) {
+  const Stage stage(false);
+  const auto frames = masked(without_background(stage), [](std::size_t i) { return i == 47; });
+  const auto labels = label_without_boxes(stage, frames);
+  EXPECT_EQ(labels.summary["observer"], "depth-color");
+  const auto error = study::compare_labels_with_truth(labels, truth_of(stage)).object;
+  EXPECT_LE(error.lost_share, 0.05);
+  EXPECT_LE(error.wrong_share, 0.02);
 }
 
 TEST(Label, KeepsTheOtherClipsIfOneCannotBeLabelled) {

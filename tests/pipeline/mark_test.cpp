@@ -20,8 +20,7 @@ TEST(Mark, WritesBoxesIntoTheRecording) {
   const TemporaryFolder folder;
   write(sample_recording(), folder / "a.h5");
   MarkSession session(folder / "a.h5", folder / "a.h5", false);
-  const std::size_t frame =
-      first_frame(session.recording(), session.recording().clips[1]).value() + 2;
+  const std::size_t frame = session.frames_of(session.recording().clips[1]).first + 2;
   session.save({{1, frame, {0, 0, 4, 4}, {3, 2, 5, 4}}});
   session.save({{0, 1, {1, 1, 2, 2}, {4, 4, 2, 2}}});
   const RecordingReader reader(folder / "a.h5");

@@ -303,55 +303,6 @@ TEST(Check, LabellingNeedsPlausibleBoxes) {
             "");
 }
 
-/// Glove with noise of 0 to 8 counts above its baseline, at 15 Hz, that is pressed once.
-GloveStream resting_glove(int frames) {
-  RandomStream random(5, "resting glove");
-  GloveStream glove;
-  glove.info.rows = 6, glove.info.cols = 5;
-  glove.info.baseline_counts.assign(30, 20.0f);
-  glove.info.mask.assign(30, 1);
-  for (int i = 0; i < frames; ++i) {
-    glove.sequence.push_back(static_cast<unsigned>(i));
-    glove.host_time_s.push_back(i / 15.0);
-    for (int taxel = 0; taxel < 30; ++taxel)
-      glove.counts.push_back(static_cast<std::uint16_t>(20 + random.below(9)));
-  }
-  glove.counts[100] = 900;
-  return glove;
-}
-
-TEST(Check, WarnsOfImplausibleGloves) {
-  const auto warnings_after = [](auto modify) {
-    GloveStream glove = resting_glove(200);
-    modify(glove);
-    const auto warnings = check_tactile(glove).warnings();
-    return warnings.empty() ? std::string() : warnings.at(0);
-  };
-  EXPECT_EQ(warnings_after([](auto&) {}), "");
-  EXPECT_TRUE(mentions(warnings_after([](auto& g) {
-                         for (auto& count : g.counts) count = std::min(1023, count + 540);
-                       }),
-                       "mean pressure at rest is 53 % of the range"));
-  EXPECT_TRUE(mentions(warnings_after([](auto& g) {
-                         for (int i = 61; i < 80; ++i)
-                           std::copy_n(g.counts.begin() + 30 * 60, 30, g.counts.begin() + 30 * i);
-                       }),
-                       "10 % of the frames repeat the previous one, for up to 1.3 s"));
-  EXPECT_TRUE(mentions(warnings_after([](auto& g) {
-                         for (std::size_t i = 5; i < g.counts.size(); i += 30)
-                           std::fill_n(g.counts.begin() + static_cast<std::ptrdiff_t>(i), 5, 1023);
-                       }),
-                       "1 rows and 0 columns are stuck"));
-  EXPECT_TRUE(mentions(warnings_after([](auto& g) {
-                         for (std::size_t i = 30; i + 30 < g.counts.size(); i += 60)
-                           for (std::size_t t = i; t < i + 30; ++t)
-                             g.counts[t] = (g.counts[t - 30] + g.counts[t + 30]) / 2;
-                       }),
-                       "every second frame is interpolated"));
-  EXPECT_TRUE(mentions(warnings_after([](auto& g) { g.info.bits = 16; }),
-                       "the largest count is 1.4 % of the range"));
-}
-
 TEST(Check, RejectsTruncatedFiles) {
   const TemporaryFolder folder;
   write(sample_recording(), folder / "a.h5");

@@ -6,7 +6,6 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
-#include "pipeline/acquire/import/lz4.h"
 
 namespace touchtrace {
 namespace {
@@ -123,11 +122,12 @@ void BagFile::add_connection(const Fields& fields, const std::string& data) {
 void BagFile::add_chunk(const Fields& fields, std::size_t stored_bytes) {
   const auto compression = fields.find("compression");
   const std::string name = compression == fields.end() ? "none" : compression->second;
-  if (name != "none" && name != "lz4")
+  const auto known = find_compression(name);
+  if (!known)
     throw data_error(describe(fmt::format("compression '{}' is not supported", name)),
                      "`rosbag decompress FILE` writes an uncompressed bag");
   const Chunk chunk{static_cast<std::uint64_t>(stream_.tellg()), stored_bytes,
-                    field_value<std::uint32_t>(fields, "size"), name == "lz4"};
+                    field_value<std::uint32_t>(fields, "size"), *known};
   if (std::max(chunk.bytes, chunk.stored_bytes) > max_chunk_bytes)
     throw std::runtime_error(fmt::format("a chunk of {} bytes is too large", chunk.bytes));
   chunks_.push_back(chunk);
@@ -159,11 +159,7 @@ const std::vector<std::uint8_t>& BagFile::load(std::size_t index) {
   const Chunk& chunk = chunks_[index];
   stream_.clear();
   stream_.seekg(static_cast<std::streamoff>(chunk.offset));
-  const std::string stored = read_bytes(chunk.stored_bytes);
-  if (chunk.is_lz4)
-    loaded_ = decode_lz4_frame(bytes_of(stored), chunk.bytes);
-  else
-    loaded_.assign(stored.begin(), stored.end());
+  loaded_ = decompress(chunk.compression, bytes_of(read_bytes(chunk.stored_bytes)), chunk.bytes);
   loaded_chunk_ = index;
   return loaded_;
 }

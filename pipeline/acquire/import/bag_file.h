@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/acquire/import/byte_reader.h"
+#include "pipeline/acquire/import/decompress.h"
 
 namespace touchtrace {
 
@@ -28,8 +28,8 @@ struct BagTopic {
 /// untrusted files.
 class BagFile {
  public:
-  /// Throws data_error if the file is not a bag or its chunks are compressed by bz2. Reports a bag
-  /// that ends early.
+  /// Throws data_error if the file is not a bag or its chunks have an unknown compression. Reports
+  /// a bag that ends early.
   explicit BagFile(std::filesystem::path file);
 
   /// By name, with messages in order of their record times.
@@ -41,7 +41,7 @@ class BagFile {
   struct Chunk {
     std::uint64_t offset = 0;  ///< of the stored bytes in the file
     std::size_t stored_bytes = 0, bytes = 0;
-    bool is_lz4 = false;
+    Compression compression = Compression::none;
   };
   using Fields = std::map<std::string, std::string>;
 

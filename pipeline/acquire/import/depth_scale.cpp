@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "engine/base/statistics.h"
 #include "pipeline/acquire/tum_folder.h"
 
 namespace touchtrace {
@@ -36,12 +37,6 @@ std::vector<std::uint16_t> sample_counts(const DepthScale& scale, const SourceSt
       continue;  // named when it is imported
     }
   return counts;
-}
-
-double median_of(std::vector<std::uint16_t> counts) {
-  const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
-  std::ranges::nth_element(counts, middle);
-  return *middle;
 }
 
 /// "1000 (median 0.72 m) or 5000 (median 0.14 m)": scales that make the median plausible.
@@ -84,13 +79,13 @@ DepthScale depth_scale(const ImportSource& source, int type, double values_per_m
 void require_plausible(const DepthScale& scale, const SourceStream& depth, bool is_given) {
   const auto counts = sample_counts(scale, depth);
   if (counts.empty()) return Progress::report("warning: the depth images have no measurement");
-  const double median = median_of(counts), per_m = 1.0 / scale.unit_m;
+  const double median_count = median({counts.begin(), counts.end()}), per_m = 1.0 / scale.unit_m;
   const auto hint =
-      fmt::format("--depth-scale gives the counts per metre: {}", proposed_scales(median));
-  if (!(is_given ? possible_m : usual_m).contains(median / per_m))
+      fmt::format("--depth-scale gives the counts per metre: {}", proposed_scales(median_count));
+  if (!(is_given ? possible_m : usual_m).contains(median_count / per_m))
     throw data_error(fmt::format("at {:g} counts per metre the median depth would be {:.3g} m, "
                                  "which is implausible",
-                                 per_m, median / per_m),
+                                 per_m, median_count / per_m),
                      hint);
   if (!is_given && std::lround(per_m) == std::lround(tum_counts_per_m) &&
       may_be_millimetres(counts))

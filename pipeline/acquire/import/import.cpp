@@ -9,6 +9,7 @@
 #include "pipeline/acquire/import/background.h"
 #include "pipeline/acquire/import/clip_file.h"
 #include "pipeline/acquire/import/stream_copy.h"
+#include "pipeline/recording/frame_pairs.h"
 #include "pipeline/recording/recording_file.h"
 
 namespace touchtrace {
@@ -16,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double min_unix_s = 1e8;
 constexpr double default_rate_hz = 30.0;  // of a single image
 constexpr double max_rate_hz = 1000.0;
 
@@ -45,8 +45,10 @@ RecordedTime recorded_time(const ImportSource& source, double rate_hz) {
 }
 
 double plausible_rate_hz(const ImportSource& source) {
-  const double rate_hz =
-      median_rate_hz(source.depth.images.empty() ? source.color : source.depth, default_rate_hz);
+  const auto& images = (source.depth.images.empty() ? source.color : source.depth).images;
+  std::vector<double> times_s;
+  for (const auto& image : images) times_s.push_back(image.host_time_s);
+  const double rate_hz = rate_of(times_s, default_rate_hz);
   if (rate_hz > max_rate_hz)
     throw data_error(fmt::format("the stamps say {:.3g} images per second", rate_hz),
                      "stamps are times in seconds, not durations; check the file with the times");
@@ -61,7 +63,9 @@ Recording describe_recording(const ImportSource& source, const CameraInfo& camer
     time.epoch_s = time.first_s;
     time.first_s -= time.epoch_s, time.last_s -= time.epoch_s;
   }
-  Recording recording{.activity = options.activity, .epoch_unix_s = time.epoch_s};
+  Recording recording;
+  recording.activity = options.activity;
+  recording.epoch_unix_s = time.epoch_s;
   recording.camera = camera;
   recording.provenance = provenance;
   recording.clips = {{time.first_s, time.last_s, options.object, false, {}, {}}};

@@ -9,7 +9,7 @@ void describe(OptionSet& set, ImportOptions& o) {
   set.group("Camera");
   set.text("camera-info", o.camera.camera_info,
            "intrinsics: camera_info, OpenCV or kalibr YAML, 3x3 matrix, folder from `calibrate`; "
-           "default: beside the images or in the bag")
+           "default: in the folder of the images, or in the bag")
       .value("FILE");
   set.flag("registered", o.camera.registered, "depth is on the colour camera's pixels");
   set.flag("no-registered", o.camera.no_registered, "depth is on its own camera's pixels");

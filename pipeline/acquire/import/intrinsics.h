@@ -15,7 +15,7 @@ namespace touchtrace {
 /// such a file may lack. Throws data_error for an invalid file and for another image size.
 RgbdCalibration read_intrinsics(const std::filesystem::path& file, int width, int height);
 
-/// Intrinsics beside the images; nullopt: none.
+/// Intrinsics in the folder of the images; nullopt: none.
 struct IntrinsicsFiles {
   std::optional<std::filesystem::path> color, depth;
 };

@@ -29,7 +29,7 @@ ImageFormat first_format(const SourceStream& stream, const char* kind) {
                    "depth is 16-bit PNG or arrays, colour is 8-bit PNG or JPEG");
 }
 
-/// Cameras of --camera-info, else of the source, else of files beside it.
+/// Cameras of --camera-info, else of the source, else of files in its folder.
 Cameras find_cameras(const fs::path& path, const ImportSource& source, const std::string& file,
                      const cv::Size& color, const cv::Size& depth) {
   Cameras cameras{source.color.camera, source.depth.camera};

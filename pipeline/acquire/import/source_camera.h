@@ -12,7 +12,7 @@ namespace touchtrace {
 
 /// What a user states about the camera.
 struct CameraOptions {
-  std::string camera_info;  ///< file or folder; empty: beside the images or in the source
+  std::string camera_info;  ///< file or folder; empty: in the source or its folder
   bool registered = false, no_registered = false;
   double depth_scale = 0.0;  ///< values per metre; 0: the source's
   std::vector<double> gravity_m_per_s2;

@@ -10,7 +10,6 @@ namespace touchtrace {
 namespace {
 
 constexpr std::size_t max_reported = 5;
-constexpr double min_unix_s = 1e8;
 
 }  // namespace
 
@@ -55,17 +54,6 @@ CameraTimes StreamCopy::times() const {
     times.device_time_s = times.host_time_s;
   }
   return times;
-}
-
-double median_rate_hz(const SourceStream& stream, double fallback_hz) {
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < stream.images.size(); ++i) {
-    const double interval_s = stream.images[i].host_time_s - stream.images[i - 1].host_time_s;
-    if (interval_s > 0.0) intervals.push_back(interval_s);
-  }
-  if (intervals.empty()) return fallback_hz;
-  std::ranges::nth_element(intervals, intervals.begin() + std::ssize(intervals) / 2);
-  return 1.0 / intervals[intervals.size() / 2];
 }
 
 }  // namespace touchtrace

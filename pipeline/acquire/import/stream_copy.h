@@ -9,6 +9,9 @@
 
 namespace touchtrace {
 
+/// Stamps from it on are Unix times.
+inline constexpr double min_unix_s = 1e8;
+
 struct ImageFormat {
   cv::Size size;
   int type = 0;  ///< of cv::Mat
@@ -44,8 +47,5 @@ class StreamCopy {
   std::size_t next_ = 0;
   std::map<std::size_t, std::size_t> copied_;
 };
-
-/// Rate of a stream: inverse of its median interval. `fallback_hz` with fewer than two images.
-double median_rate_hz(const SourceStream& stream, double fallback_hz);
 
 }  // namespace touchtrace

@@ -83,7 +83,7 @@ void ColorClasses::learn_object_from(const Surface& near_hand) {
 }
 
 void ColorClasses::build_table() {
-  // without background the rest may be a few pixels of the object beside its box
+  // without background the rest may be a few pixels of the object outside its box
   const double object_points = std::accumulate(counts_[2].begin(), counts_[2].end(), 1.0);
   const auto rest = density(counts_[0], object_points), hand = density(counts_[1], 1.0),
              object = density(counts_[2], 1.0);

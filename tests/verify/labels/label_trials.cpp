@@ -49,7 +49,7 @@ label::ClipTrack exact_track(const label::ClipFrames& frames, std::int32_t clip,
 std::vector<label::ClipTrack> exact_tracks(const Recording& recording,
                                            const label::Timeline& timeline, const Truth& truth) {
   std::vector<label::ClipTrack> tracks;
-  const auto clips = label::clip_frames(recording, timeline);
+  const auto clips = label::clip_frames(recording);
   for (std::size_t i = 0; i < clips.size(); ++i)
     tracks.push_back(
         recording.clips[i].object_fell

@@ -1,0 +1,63 @@
+#include "pipeline/acquire/import/decompress.h"
+
+#include <bzlib.h>
+#include <lz4frame.h>
+
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+namespace touchtrace {
+namespace {
+
+constexpr std::size_t max_ratio = 1000;  // of images; a larger size is not allocated
+
+/// Returns the number of bytes written to `to`.
+std::size_t decompress_lz4(ByteSpan stored, std::vector<std::uint8_t>& to) {
+  LZ4F_dctx* created = nullptr;
+  LZ4F_createDecompressionContext(&created, LZ4F_VERSION);
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(
+      created, LZ4F_freeDecompressionContext);
+  std::size_t read = 0, written = 0;
+  while (true) {
+    std::size_t in = stored.size() - read, out = to.size() - written;
+    const auto left = LZ4F_decompress(context.get(), to.data() + written, &out,
+                                      stored.data() + read, &in, nullptr);
+    if (LZ4F_isError(left)) throw std::runtime_error(LZ4F_getErrorName(left));
+    read += in, written += out;
+    if (left == 0) return written;
+    if (in == 0 && out == 0) throw std::runtime_error("LZ4 data end early or are too long");
+  }
+}
+
+std::size_t decompress_bz2(ByteSpan stored, std::vector<std::uint8_t>& to) {
+  // bzlib does not change the input
+  auto* const from = const_cast<char*>(reinterpret_cast<const char*>(stored.data()));
+  auto size = static_cast<unsigned>(to.size());
+  if (BZ2_bzBuffToBuffDecompress(reinterpret_cast<char*>(to.data()), &size, from,
+                                 static_cast<unsigned>(stored.size()), 0, 0) != BZ_OK)
+    throw std::runtime_error("bz2 data are damaged");
+  return size;
+}
+
+}  // namespace
+
+std::optional<Compression> find_compression(const std::string& name) {
+  static const std::map<std::string, Compression> all{
+      {"none", Compression::none}, {"lz4", Compression::lz4}, {"bz2", Compression::bz2}};
+  const auto found = all.find(name);
+  return found == all.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::vector<std::uint8_t> decompress(Compression compression, ByteSpan stored, std::size_t size) {
+  if (compression == Compression::none) return {stored.begin(), stored.end()};
+  if (size / max_ratio > stored.size())
+    throw std::runtime_error("compressed data state a wrong size");
+  std::vector<std::uint8_t> bytes(size);
+  const auto written = compression == Compression::lz4 ? decompress_lz4(stored, bytes)
+                                                       : decompress_bz2(stored, bytes);
+  if (written != size) throw std::runtime_error("compressed data state a wrong size");
+  return bytes;
+}
+
+}  // namespace touchtrace

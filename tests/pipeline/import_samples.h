@@ -1,0 +1,106 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "engine/base/progress.h"
+#include "pipeline/acquire/import/import.h"
+#include "pipeline/recording/recording_file.h"
+#include "tests/pipeline/recording_samples.h"
+
+namespace touchtrace {
+
+namespace fs = std::filesystem;
+using testing::TemporaryFolder;
+
+inline constexpr int import_width = 8, import_height = 6, import_frames = 4;
+inline constexpr double import_start_s = 1700000000.25;
+
+/// Colour image whose pixel (1, 0) tells its number.
+inline cv::Mat import_color(int i) {
+  cv::Mat image(import_height, import_width, CV_8UC3, cv::Scalar(10, 20, 30));
+  image.at<cv::Vec3b>(0, 1) = {1, 2, static_cast<std::uint8_t>(100 + i)};  // blue, green, red
+  return image;
+}
+
+inline cv::Mat import_depth(int i, int per_m) {
+  cv::Mat image(import_height, import_width, CV_16UC1, cv::Scalar(per_m));
+  image.at<std::uint16_t>(2, 3) = static_cast<std::uint16_t>(per_m + 5 * i);
+  return image;
+}
+
+inline std::string encoded(const cv::Mat& image) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", image, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+inline std::string pixels(const cv::Mat& image) {
+  return {reinterpret_cast<const char*>(image.data), image.total() * image.elemSize()};
+}
+
+inline const char* const import_info =
+    "height: 6\nwidth: 8\ndistortion_model: plumb_bob\nD: []\n"
+    "K: [7.0, 0.0, 4.0, 0.0, 7.0, 3.0, 0.0, 0.0, 1.0]\n---\n";
+
+/// TUM folder: 30 Hz, depth 4 ms after colour.
+inline void write_import_tum(const fs::path& folder, int per_m = 5000) {
+  std::string rgb = "# timestamp filename\n", depth = rgb;
+  for (int i = 0; i < import_frames; ++i) {
+    const std::string name = std::to_string(i) + ".png";
+    write_file(folder / "rgb" / name, encoded(import_color(i)), true);
+    write_file(folder / "depth" / name, encoded(import_depth(i, per_m)), true);
+    rgb += fmt::format("{:.6f} rgb/{}\n", import_start_s + i / 30.0, name);
+    depth += fmt::format("{:.6f} depth/{}\n", import_start_s + i / 30.0 + 0.004, name);
+  }
+  write_file(folder / "rgb.txt", rgb, true), write_file(folder / "depth.txt", depth, true);
+  write_file(folder / "camera_info.yaml", import_info, true);
+}
+
+/// Imports of small samples into a temporary folder.
+class Import : public ::testing::Test {
+ protected:
+  void SetUp() override { Progress::silence(); }
+  RecordingReader import(const std::string& source, const ImportOptions& options = {}) {
+    summary_ = import_recording(folder_ / source, folder_ / "out.h5", options,
+                                start_provenance("touchtrace/recording/2", "import"), true);
+    return RecordingReader(folder_ / "out.h5");
+  }
+  void expect_rejected(const std::string& source, const std::string& text,
+                       const ImportOptions& options = {}) {
+    try {
+      import(source, options);
+      ADD_FAILURE() << "accepted, instead of " << text;
+    } catch (const Error& error) {
+      EXPECT_NE((std::string(error.what()) + error.hint()).find(text), std::string::npos)
+          << error.what() << "; " << error.hint();
+    }
+    EXPECT_FALSE(fs::exists(folder_ / "out.h5"));
+  }
+  /// Expects all frames of the samples above, at 30 Hz.
+  void expect_samples(const RecordingReader& reader, int counts_at_1m) {
+    const Recording& r = reader.recording();
+    ASSERT_EQ(r.camera_times.frames(), std::size_t(import_frames));
+    EXPECT_NEAR(r.camera_times.host_time_s[3] - r.camera_times.host_time_s[0], 0.1, 1e-5);
+    EXPECT_NEAR(r.camera.depth_unit_m * counts_at_1m, 1.0, 1e-9);
+    for (int i = 0; i < import_frames; ++i) {
+      const RgbdFrame frame = reader.read_camera_frame(i);
+      EXPECT_EQ(frame.color[3], 100 + i) << "red comes first";
+      EXPECT_EQ(frame.color[5], 1);
+      EXPECT_EQ(frame.depth[0], counts_at_1m);
+      EXPECT_EQ(frame.depth[2 * import_width + 3], counts_at_1m + 5 * i);
+    }
+    ASSERT_EQ(r.clips.size(), 1u);
+    EXPECT_LE(r.clips[0].start_s, r.camera_times.host_time_s[0]);
+    EXPECT_GT(r.clips[0].end_s, r.camera_times.host_time_s[3]);
+  }
+
+  TemporaryFolder folder_;
+  nlohmann::json summary_;
+};
+
+}  // namespace touchtrace

@@ -19,30 +19,55 @@ std::string number(const json& value) {
              : "-";
 }
 
+constexpr const char* row_format =
+    "{:<10} {:<10} {:<7} {:<17} {:>5} {:>5} {:>7} {:>7} {:>9} {:>9} {:>9} {:>9}\n";
+
+std::string text(const json& row, const char* key) { return row.at(key).get<std::string>(); }
+
+std::string count(const json& value) {
+  return value == 0 ? "-" : fmt::format("{}", value.get<int>());
+}
+
+/// "-0.194 (-0.213 to -0.175)"
+std::string interval(const json& metric) {
+  return fmt::format("{} ({} to {})", number(metric.at("mean")), number(metric.at("low")),
+                     number(metric.at("high")));
+}
+
+void print_differences(const json& document) {
+  for (const auto& row : document.at("differences")) {
+    fmt::print("{} {}: {} - {}", text(row, "activity"), text(row, "object"), text(row, "model"),
+               text(row, "other"));
+    for (const auto& [metric, label] :
+         {std::pair("l1_at_50", "L1@50"), std::pair("object_error_m_at_50", "object m"),
+          std::pair("object_error_m_per_s_at_50", "object m/s")})
+      fmt::print(", {} {}", label, interval(row.at("metrics").at(metric)));
+    fmt::print("\n");
+  }
+}
+
 void print_table(const json& document) {
-  fmt::print("{:<10} {:<12} {:<7} {:<17} {:>8} {:>8} {:>10} {:>9}\n", "activity", "object", "split",
-             "model", "L1@20", "L1@50", "Hausdorff", "coverage");
+  fmt::print(row_format, "activity", "object", "split", "model", "seeds", "clips", "L1@20", "L1@50",
+             "Hausdorff", "coverage", "object m", "m/s");
   for (const auto& row : document.at("results"))
-    fmt::print("{:<10} {:<12} {:<7} {:<17} {:>8} {:>8} {:>10} {:>9}\n",
-               row.at("activity").get<std::string>(), row.at("object").get<std::string>(),
-               row.at("split").get<std::string>(), row.at("model").get<std::string>(),
+    fmt::print(row_format, text(row, "activity"), text(row, "object"), text(row, "split"),
+               text(row, "model"), count(row.at("runs")), count(row.at("clips")),
                number(row.at("l1_at_20")), number(row.at("l1_at_50")), number(row.at("hausdorff")),
-               number(row.at("coverage")));
+               number(row.at("coverage")), number(row.at("object_error_m_at_50")),
+               number(row.at("object_error_m_per_s_at_50")));
   fmt::print(
-      "evaluated against {}; L1 and Hausdorff in standard deviations of the training labels\n",
-      document.at("against") == "truth" ? "the truth" : "the labels");
-  for (const auto& row : document.at("differences"))
-    fmt::print("{} {}: full - {}, {}: {} ({} to {})\n", row.at("activity").get<std::string>(),
-               row.at("object").get<std::string>(), row.at("other").get<std::string>(),
-               row.at("metric").get<std::string>(), number(row.at("mean")), number(row.at("low")),
-               number(row.at("high")));
+      "evaluated against {}; L1 and Hausdorff in standard deviations of the training labels; "
+      "object m, m/s: mean error of its position and velocity over 50 steps\n",
+      document.at("against") == "truth" ? "the truth, shifted by the labels' mean offset"
+                                        : "the labels");
+  print_differences(document);
 }
 
 ExitCode run(const study::EvaluationOptions& options, const Invocation& invocation) {
   const Stopwatch watch;
   if (!options.output.empty()) OutputFile(options.output, invocation.overwrite);
   Runtime runtime(usable_device(invocation.device), accuracy_of(options.accuracy));
-  Provenance provenance = start_provenance("touchtrace/metrics/1", "evaluate");
+  Provenance provenance = start_provenance("touchtrace/metrics/2", "evaluate");
   provenance.options = invocation.options;
   provenance.seed = options.seed;
   provenance.device = runtime.device().name;
@@ -51,9 +76,11 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
     models.push_back(study::load_model(runtime, path));
     provenance.add_input(path);
   }
-  const auto sessions = study::load_sessions(study::pair_files(options.recordings, options.labels),
-                                             models, options.against);
-  json document = study::evaluate_models(sessions, models, options);
+  json document = study::evaluate_models(
+      study::load_sessions(study::pair_files(options.recordings, options.labels), options.against),
+      models, options);
+  for (const auto& note : document.at("notes"))
+    fmt::print(stderr, "note: {}\n", note.get<std::string>());
   for (const auto* paths : {&options.recordings, &options.labels})
     for (const auto& path : *paths) provenance.add_input(path);
   watch.stop(provenance);
@@ -62,7 +89,7 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
   if (!options.output.empty())
     write_file(options.output, document.dump(1) + "\n", invocation.overwrite);
   if (invocation.json)
-    fmt::print("{}\n", json{{"results", document["results"]}}.dump(2));
+    fmt::print("{}\n", json{{"results", document["results"]}, {"notes", document["notes"]}}.dump(2));
   else
     print_table(document);
   return ExitCode::done;
@@ -72,7 +99,7 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
 
 Command evaluate_command() {
   return make_command<study::EvaluationOptions>(
-      "evaluate", "evaluate models and the baseline Random on held-out clips",
+      "evaluate", "evaluate models and baselines on held-out clips",
       {"touchtrace evaluate --recording wave.h5 --labels wave.labels.h5 --model "
        "wave_full.safetensors "
        "wave_without_touch.safetensors --output metrics.json",

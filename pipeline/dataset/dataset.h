@@ -11,7 +11,9 @@ namespace touchtrace {
 inline constexpr int state_size = 12;
 using State = std::array<float, state_size>;
 
-enum class Split { train, validation, evaluation };
+/// Use of a clip: gradients (train), choice of the weights (validation), scale of the band
+/// (calibration), or results only (evaluation).
+enum class Split { train, validation, calibration, evaluation };
 
 /// Consecutive frames of one clip, at the glove's rate. A lost frame repeats the previous image.
 struct Sequence {
@@ -19,6 +21,7 @@ struct Sequence {
   std::string object;
   Split split = Split::train;
   int recording = 0, clip = 0;  ///< index of the recording, and of the clip within it
+  std::string fingerprint;      ///< hash of the clip's raw touch; tells whether a model has seen it
 };
 
 /// Training and evaluation data of one or more labelled recordings.
@@ -33,6 +36,7 @@ struct Dataset {
   std::vector<State> truth;           ///< [frames], filled by attach_truth, else empty
   std::vector<double> time_s;         ///< [frames], when the glove measured the frame, host clock
   std::vector<Sequence> sequences;
+  State truth_offset{};  ///< already added to `truth`
 
   int frames() const { return static_cast<int>(label.size()); }
 };

@@ -11,6 +11,7 @@
 #include "engine/base/provenance.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/recording/check.h"
+#include "pipeline/recording/clip_range.h"
 #include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording_file.h"
 
@@ -20,6 +21,7 @@ namespace {
 /// Largest difference between a label's time and the arrival of its frame. Clocks are aligned to
 /// milliseconds, so a larger one means labels of another recording.
 constexpr double max_alignment_s = 1.0;
+constexpr std::size_t fingerprint_digits = 16;
 
 [[noreturn]] void reject(const LabelledRecording& source, const std::string& fault) {
   throw data_error(fmt::format("{} does not match {}: {}", source.labels.string(),
@@ -75,6 +77,8 @@ class RecordingLoader {
   void check_labels() const;
   void check_compatible(int resolution);
   void add_clip(int clip, std::size_t first, std::size_t last);
+  Split split_of(int clip) const;
+  std::string fingerprint(int clip) const;
   void add_image(std::int64_t glove_frame);
   State label(std::size_t i) const {
     return state_of(labels_.object.position_m, labels_.object.velocity_m_per_s,
@@ -151,6 +155,28 @@ void RecordingLoader::add_image(std::int64_t glove_frame) {
   average_->apply(pressure, image);
 }
 
+Split RecordingLoader::split_of(int clip) const {
+  const auto end = labels_.clips.begin() + clip;
+  return split_of_clip(
+      static_cast<int>(std::count_if(labels_.clips.begin(), end, [&](const Clip& other) {
+        return other.object == end->object;
+      })));
+}
+
+/// Independent of file, boxes and labels, so that a copy of a recording is recognised.
+std::string RecordingLoader::fingerprint(int clip) const {
+  const auto range = arrived_in(reader_.recording().clips[static_cast<std::size_t>(clip)],
+                                glove().host_time_s);
+  const auto taxels = static_cast<std::size_t>(glove().info.taxels());
+  const auto counts = std::as_bytes(
+      std::span(glove().counts).subspan(range.first * taxels, range.size() * taxels));
+  const auto times =
+      std::as_bytes(std::span(glove().host_time_s).subspan(range.first, range.size()));
+  std::string bytes(reinterpret_cast<const char*>(counts.data()), counts.size());
+  bytes.append(reinterpret_cast<const char*>(times.data()), times.size());
+  return sha256_of(bytes).substr(0, fingerprint_digits);
+}
+
 void RecordingLoader::add_clip(int clip, std::size_t first, std::size_t last) {
   const Clip& info = labels_.clips[static_cast<std::size_t>(clip)];
   while (first < last && labels_.glove_frame[first] < 0) ++first;
@@ -158,7 +184,7 @@ void RecordingLoader::add_clip(int clip, std::size_t first, std::size_t last) {
   for (std::size_t i = first; i < last; ++i)
     if (!is_finite(label(i)) || !is_finite(causal_label(i))) return;
   dataset_.sequences.push_back({dataset_.frames(), static_cast<int>(last - first), info.object,
-                                split_of_clip(clip), number_, clip});
+                                split_of(clip), number_, clip, fingerprint(clip)});
   for (std::size_t i = first; i < last; ++i) {
     add_image(labels_.glove_frame[i]);
     dataset_.label.push_back(label(i));
@@ -171,9 +197,10 @@ void RecordingLoader::add_clip(int clip, std::size_t first, std::size_t last) {
 
 }  // namespace
 
-Split split_of_clip(int clip) {
-  if (clip % 5 == 1) return Split::evaluation;
-  return clip % 10 == 3 ? Split::validation : Split::train;
+Split split_of_clip(int clip_of_object) {
+  if (clip_of_object % 5 == 1) return Split::evaluation;
+  if (clip_of_object % 20 == 3) return Split::validation;
+  return clip_of_object % 20 == 8 ? Split::calibration : Split::train;
 }
 
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution) {

@@ -22,9 +22,9 @@ struct LabelledRecording {
 /// gloves differ, or no clip remains; usage_error if `resolution` exceeds the glove's.
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution = 0);
 
-/// Split by whole clips: 1, 6, 11, ... evaluation (20 %), 3, 13, 23, ... validation (10 %), others
-/// training. Depends only on the clip's index within its recording.
-Split split_of_clip(int clip);
+/// Split by whole clips, counted from 0 for each object of a recording: 1, 6, 11, ... evaluation
+/// (20 %), 3, 23, 43, ... validation (5 %), 8, 28, 48, ... calibration (5 %), others training.
+Split split_of_clip(int clip_of_object);
 
 /// Fills `dataset.truth`, for evaluation, from the truth of the recordings that `dataset` was
 /// loaded from, in the same order. Interpolation at the label times: cubic Hermite splines for

@@ -19,8 +19,8 @@ using nlohmann::json;
 constexpr std::uintmax_t max_json_bytes = 256u << 20;
 
 /// Arrays of a metrics file; those of several files are concatenated.
-constexpr const char* metrics_arrays[] = {"results",  "differences", "curves",
-                                          "examples", "models",      "label_errors"};
+constexpr const char* metrics_arrays[] = {"results", "runs",   "differences",  "curves",
+                                          "examples", "models", "label_errors", "notes"};
 
 /// Rounds to 5 significant digits, enough for any plot; NaN and infinity become null.
 void round_numbers(json& value) {
@@ -36,7 +36,7 @@ void round_numbers(json& value) {
 
 /// Checks the members that are read below.
 bool is_metrics(const json& document) {
-  if (document.value("schema", json()) != "touchtrace/metrics/1" ||
+  if (document.value("schema", json()) != "touchtrace/metrics/2" ||
       !document.value("provenance", json()).is_object())
     return false;
   for (const char* key : metrics_arrays)

@@ -6,6 +6,8 @@
 #include <map>
 
 #include "engine/base/error.h"
+#include "pipeline/dataset/tactile_image.h"
+#include "pipeline/study/baselines.h"
 
 namespace touchtrace::study {
 namespace {
@@ -25,36 +27,93 @@ void append(RolloutCases& pool, const RolloutCases& cases, int first_sequence) {
   for (int sequence : cases.sequence) pool.sequence.push_back(first_sequence + sequence);
 }
 
-RolloutGrid grid_of(int history, int stride) {
-  return {Split::evaluation, horizon_steps, stride, history};
+/// Cases of all sessions.
+RolloutCases pool_cases(const Comparison& comparison, Reference reference,
+                        const RolloutGrid& grid) {
+  RolloutCases pool;
+  int first_sequence = 0;
+  for (const Session* session : comparison.sessions) {
+    append(pool, make_cases(session->data, grid, comparison.scaling, reference), first_sequence);
+    first_sequence += static_cast<int>(session->data.sequences.size());
+  }
+  return pool;
 }
 
-void pool_cases(Comparison& comparison, int stride) {
-  int first_sequence = 0;
-  const RolloutGrid grid = grid_of(comparison.history, stride);
+RolloutGrid grid_of(const Comparison& comparison, Split split, int stride) {
+  return {split, horizon_steps, stride, comparison.history};
+}
+
+void add_targets(Comparison& comparison, Reference reference, int stride) {
+  const auto add = [&](const char* name, Reference source) {
+    comparison.targets.push_back(
+        {name, pool_cases(comparison, source, grid_of(comparison, Split::evaluation, stride))});
+  };
+  if (reference == Reference::truth) add("truth", reference);
+  add("labels", Reference::labels);
+  if (reference == Reference::truth) add("unshifted_truth", Reference::unshifted_truth);
   for (int s = 0; s < static_cast<int>(comparison.sessions.size()); ++s) {
     const Dataset& data = comparison.sessions[s]->data;
-    const RolloutCases cases = make_cases(data, grid, comparison.scaling, comparison.reference);
-    append(comparison.cases, cases, first_sequence);
-    append(comparison.label_cases, make_cases(data, grid, comparison.scaling, Reference::labels),
-           first_sequence);
-    comparison.session.insert(comparison.session.end(), static_cast<std::size_t>(cases.count()), s);
-    for (int sequence : cases.sequence)
-      comparison.object.push_back(data.sequences[sequence].object);
-    first_sequence += static_cast<int>(data.sequences.size());
+    for (const Start& start :
+         find_starts(data, grid_of(comparison, Split::evaluation, stride))) {
+      comparison.session.push_back(s);
+      comparison.object.push_back(data.sequences[start.sequence].object);
+    }
   }
+}
+
+/// Tactile images of a session at a model's resolution.
+std::vector<float> images_for(const LoadedModel& model, const Session& session) {
+  const ModelSpec& spec = model.card.spec;
+  const Dataset& data = session.data;
+  if (!spec.touch || (spec.rows == data.rows && spec.cols == data.cols)) return data.tactile;
+  if (spec.rows > data.rows || spec.cols > data.cols)
+    throw data_error(fmt::format("{} needs frames of {} x {}, {} has {} x {}", model.path,
+                                 spec.rows, spec.cols, session.name, data.rows, data.cols),
+                     "evaluate on recordings of a glove with at least as many taxels");
+  const AreaAverage average(data.rows, data.cols, spec.rows, spec.cols);
+  const std::size_t in = std::size_t(data.rows) * data.cols, out = std::size_t(spec.rows) * spec.cols;
+  std::vector<float> images(static_cast<std::size_t>(data.frames()) * out);
+  for (std::size_t frame = 0; frame < static_cast<std::size_t>(data.frames()); ++frame)
+    average.apply(std::span(data.tactile).subspan(frame * in, in),
+                  std::span(images).subspan(frame * out, out));
+  return images;
 }
 
 Rollout roll_out(const LoadedModel& model, const Comparison& comparison, int stride) {
   Rollout all;
   for (const Session* session : comparison.sessions) {
-    const auto cases = make_cases(session->data, grid_of(comparison.history, stride),
+    const auto cases = make_cases(session->data, grid_of(comparison, Split::evaluation, stride),
                                   model.card.scaling, Reference::labels);
-    const Rollout rollout = model.predictor->predict(cases.batch, session->data.tactile);
+    const Rollout rollout = model.predictor->predict(cases.batch, images_for(model, *session));
     join(all.state, rollout.state);
     join(all.spread, rollout.spread);
   }
   return rescaled(all, model.card.scaling, comparison.scaling);
+}
+
+/// Cases without the steps at which a path is unknown.
+RolloutCases masked(RolloutCases cases, const std::vector<float>& path_weight) {
+  for (std::size_t i = 0; i < path_weight.size(); ++i) cases.batch.weight[i] *= path_weight[i];
+  return cases;
+}
+
+Run scored(Run run, const Comparison& comparison, const std::vector<float>& path_weight = {}) {
+  for (const Target& target : comparison.targets)
+    run.scores.push_back(
+        score(run.rollout.state, masked(target.cases, path_weight), comparison.scaling));
+  return run;
+}
+
+void add_baselines(Comparison& comparison, int stride, std::uint64_t seed) {
+  const double step_s = 1.0 / comparison.sessions.front()->data.rate_hz;
+  const RolloutCases training =
+      pool_cases(comparison, Reference::labels, grid_of(comparison, Split::train, stride));
+  for (Baseline& baseline :
+       make_baselines(comparison.cases(), training, comparison.scaling, step_s, seed))
+    comparison.candidates.push_back(
+        {baseline.name,
+         baseline.name,
+         {scored({nullptr, {std::move(baseline.paths), {}}, {}}, comparison, baseline.weight)}});
 }
 
 /// Selects the rows `which` of [cases, row].
@@ -71,14 +130,14 @@ std::vector<float> rows_of(const std::vector<float>& values, const std::vector<i
 
 }  // namespace
 
-const Candidate* Comparison::find(const std::string& name) const {
-  const auto found = std::ranges::find(candidates, name, &Candidate::name);
+const Candidate* Comparison::find(const std::string& kind) const {
+  const auto found = std::ranges::find(candidates, kind, &Candidate::kind);
   return found == candidates.end() ? nullptr : &*found;
 }
 
 std::vector<std::pair<std::string, std::vector<int>>> Comparison::objects() const {
   std::map<std::string, std::vector<int>> found;
-  for (int i = 0; i < cases.count(); ++i) found[object[i]].push_back(i);
+  for (int i = 0; i < cases().count(); ++i) found[object[i]].push_back(i);
   return {found.begin(), found.end()};
 }
 
@@ -87,32 +146,29 @@ Comparison compare_models(const std::vector<const Session*>& sessions,
                           std::uint64_t seed) {
   Comparison comparison;
   comparison.sessions = sessions;
-  comparison.reference = reference;
   comparison.scaling = models.front()->card.scaling;
   for (const LoadedModel* model : models)
     comparison.history = std::max(comparison.history, required_history(model->card.spec));
-  pool_cases(comparison, stride);
-  if (comparison.cases.count() < 2)
+  add_targets(comparison, reference, stride);
+  if (comparison.cases().count() < 2)
     throw data_error(
         fmt::format("the evaluation clips of {} hold fewer than two roll-outs of {} steps",
                     models.front()->card.activity, horizon_steps),
         "record more or longer clips");
-  comparison.candidates.push_back(
-      {"random", nullptr, {random_paths(comparison.cases, seed), {}}, {}, {}});
-  for (const LoadedModel* model : models)
-    comparison.candidates.push_back(
-        {model->card.name(), model, roll_out(*model, comparison, stride), {}, {}});
-  for (Candidate& candidate : comparison.candidates) {
-    candidate.scores = score(candidate.rollout.state, comparison.cases, comparison.scaling);
-    candidate.label_scores =
-        score(candidate.rollout.state, comparison.label_cases, comparison.scaling);
+  add_baselines(comparison, stride, seed);
+  for (const ModelGroup& group : group_models(models)) {
+    Candidate candidate{group.name, group.kind, {}};
+    for (const LoadedModel* model : group.models)
+      candidate.runs.push_back(
+          scored({model, roll_out(*model, comparison, stride), {}}, comparison));
+    comparison.candidates.push_back(std::move(candidate));
   }
   return comparison;
 }
 
-std::vector<double> coverage_of(const Candidate& candidate, const RolloutCases& cases,
+std::vector<double> coverage_of(const Run& run, const RolloutCases& cases,
                                 const std::vector<int>& which, bool scaled) {
-  if (!candidate.model) return {};
+  if (!run.model) return {};
   const std::size_t size = cases.path_size(), steps = static_cast<std::size_t>(cases.batch.steps);
   const RolloutBatch batch{static_cast<int>(which.size()),
                            cases.batch.steps,
@@ -120,9 +176,9 @@ std::vector<double> coverage_of(const Candidate& candidate, const RolloutCases& 
                            {},
                            rows_of(cases.batch.target, which, size),
                            rows_of(cases.batch.weight, which, steps)};
-  const Rollout rollout{rows_of(candidate.rollout.state, which, size),
-                        rows_of(candidate.rollout.spread, which, size)};
-  return coverage_by_step(rollout, batch, scaled ? candidate.model->card.band_scale : BandScale{});
+  const Rollout rollout{rows_of(run.rollout.state, which, size),
+                        rows_of(run.rollout.spread, which, size)};
+  return coverage_by_step(rollout, batch, scaled ? run.model->card.band_scale : BandScale{});
 }
 
 }  // namespace touchtrace::study

@@ -1,17 +1,22 @@
 #include "pipeline/study/evaluation.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <set>
+#include <cmath>
+#include <map>
 
 #include "engine/base/error.h"
+#include "pipeline/study/evaluation_clips.h"
 #include "pipeline/study/results.h"
 
 namespace touchtrace::study {
 namespace {
 
 using nlohmann::json;
+
+constexpr double rate_tolerance = 0.01;
 
 bool all_have_truth(const std::vector<Session>& sessions) {
   return std::ranges::none_of(sessions,
@@ -27,26 +32,55 @@ Reference choose_reference(const std::vector<Session>& sessions, const std::stri
   return Reference::labels;
 }
 
-void require_fit(const LoadedModel& model, const Session& session) {
-  const ModelSpec& spec = model.card.spec;
-  const Dataset& data = session.data;
-  if (spec.touch && (spec.rows != data.rows || spec.cols != data.cols))
-    throw data_error(fmt::format("{} needs frames of {} x {}, {} has {} x {}", model.path,
-                                 spec.rows, spec.cols, session.name, data.rows, data.cols),
-                     "evaluate on recordings of the glove that it was trained on");
+void require_rate(const LoadedModel& model, const Session& session) {
+  if (std::abs(model.card.rate_hz - session.data.rate_hz) > rate_tolerance * model.card.rate_hz)
+    throw data_error(fmt::format("{} was trained at {:g} Hz, the glove of {} has {:g} Hz",
+                                 model.path, model.card.rate_hz, session.name,
+                                 session.data.rate_hz),
+                     "evaluate on recordings of a glove of the same rate");
 }
 
 std::vector<const Session*> sessions_of(const std::vector<Session>& sessions,
-                                        const LoadedModel& model) {
+                                        const std::vector<LoadedModel*>& models) {
+  const std::string& activity = models.front()->card.activity;
   std::vector<const Session*> found;
   for (const Session& session : sessions)
-    if (session.data.activity == model.card.activity) found.push_back(&session);
+    if (session.data.activity == activity) found.push_back(&session);
   if (found.empty())
     throw data_error(
-        fmt::format("no recording of activity '{}' for {}", model.card.activity, model.path),
+        fmt::format("no recording of activity '{}' for {}", activity, models.front()->path),
         "add one with --recording and --labels");
-  for (const Session* session : found) require_fit(model, *session);
+  for (const Session* session : found)
+    for (const LoadedModel* model : models) require_rate(*model, *session);
   return found;
+}
+
+/// Properties in which compared models should agree.
+void note_mismatches(const std::vector<LoadedModel*>& models, json& notes) {
+  const LoadedModel& first = *models.front();
+  for (const LoadedModel* model : models) {
+    if (model->card.objects != first.card.objects)
+      notes.push_back(fmt::format("{} was trained on other objects than {}: {} instead of {}",
+                                  model->path, first.path, fmt::join(model->card.objects, ", "),
+                                  fmt::join(first.card.objects, ", ")));
+    if (model->card.scaling.sigma != first.card.scaling.sigma)
+      notes.push_back(fmt::format("{} was trained on other labels than {}; errors of both are in "
+                                  "standard deviations of the latter's labels",
+                                  model->path, first.path));
+  }
+}
+
+void note_clips(const std::vector<std::string>& whole, json& notes) {
+  if (!whole.empty())
+    notes.push_back(
+        fmt::format("all clips are evaluated, as no model has seen any: {}", fmt::join(whole, ", ")));
+}
+
+void note_baselines(const Comparison& comparison, json& notes) {
+  if (!comparison.find("linear"))
+    notes.push_back(fmt::format("{}: the baselines damped, median and linear need a recording that "
+                                "the models were trained on",
+                                comparison.sessions.front()->data.activity));
 }
 
 json card_json(const LoadedModel& model) {
@@ -56,11 +90,23 @@ json card_json(const LoadedModel& model) {
   return card;
 }
 
+json label_error_json(const Session& session) {
+  const State& offset = session.data.truth_offset;
+  const auto metres = [&](Dimensions dimensions) {
+    return std::vector<float>(&offset[dimensions.first],
+                              &offset[dimensions.first] + dimensions.count);
+  };
+  return {{"recording", session.name},
+          {"error", session.label_error},
+          {"truth_offset_m",
+           {{"object", metres(object_position)}, {"hand", metres(hand_position)}}}};
+}
+
 }  // namespace
 
 void describe(OptionSet& set, EvaluationOptions& o) {
   set.group("Files");
-  set.paths("recording", o.recordings, "recordings; only their evaluation clips are used")
+  set.paths("recording", o.recordings, "recordings; of those that a model was trained on only the evaluation clips")
       .value("FILE");
   set.paths("labels", o.labels, "label files, in the same order").value("FILE");
   set.paths("model", o.models, "models; each is evaluated on the recordings of its activity")
@@ -81,32 +127,32 @@ LoadedModel load_model(Runtime& runtime, const std::string& path) {
   return {path, std::move(card), std::move(predictor)};
 }
 
-json evaluate_models(const std::vector<Session>& sessions, std::vector<LoadedModel>& models,
+json evaluate_models(std::vector<Session> sessions, std::vector<LoadedModel>& models,
                      const EvaluationOptions& options) {
   const Reference reference = choose_reference(sessions, options.against);
-  json document{{"schema", "touchtrace/metrics/1"},
+  json document{{"schema", "touchtrace/metrics/2"},
                 {"against", reference == Reference::truth ? "truth" : "labels"}};
-  for (const char* key : {"results", "differences", "curves", "examples", "models", "label_errors"})
+  for (const char* key : {"results", "runs", "differences", "curves", "examples", "models",
+                          "label_errors", "notes"})
     document[key] = json::array();
-  std::set<std::string> activities;
-  for (const LoadedModel& model : models) activities.insert(model.card.activity);
-  for (const std::string& activity : activities) {
-    std::vector<LoadedModel*> candidates;
-    for (LoadedModel& model : models)
-      if (model.card.activity == activity) candidates.push_back(&model);
-    const Comparison comparison =
-        compare_models(sessions_of(sessions, *candidates.front()), candidates, reference,
-                       options.stride, options.seed);
+  note_clips(choose_evaluation_clips(sessions, models), document["notes"]);
+  std::map<std::string, std::vector<LoadedModel*>> by_activity;
+  for (LoadedModel& model : models) by_activity[model.card.activity].push_back(&model);
+  for (const auto& [activity, candidates] : by_activity) {
+    note_mismatches(candidates, document["notes"]);
+    const Comparison comparison = compare_models(sessions_of(sessions, candidates), candidates,
+                                                 reference, options.stride, options.seed);
+    note_baselines(comparison, document["notes"]);
     append_results(document, comparison, options.seed);
     append_examples(document, comparison);
     document["scaling"][activity] = {{"mean", comparison.scaling.mean},
-                                     {"deviation", comparison.scaling.sigma}};
+                                     {"deviation", comparison.scaling.sigma},
+                                     {"model", candidates.front()->path}};
   }
   for (const LoadedModel& model : models) document["models"].push_back(card_json(model));
   for (const Session& session : sessions)
     if (!session.label_error.is_null())
-      document["label_errors"].push_back(
-          {{"recording", session.name}, {"error", session.label_error}});
+      document["label_errors"].push_back(label_error_json(session));
   return document;
 }
 

@@ -46,28 +46,29 @@ json spreads_json(const float* scaled, int steps, const Normalization& scaling) 
 }
 
 json model_json(const Comparison& comparison, const Candidate& candidate, std::size_t at) {
-  const int steps = comparison.cases.batch.steps;
-  const Rollout scaled =
-      with_scaled_band(candidate.rollout, steps, candidate.model->card.band_scale);
+  const int steps = comparison.cases().batch.steps;
+  const Run& run = candidate.runs.front();
+  const Rollout scaled = with_scaled_band(run.rollout, steps, run.model->card.band_scale);
   return {{"state", states_json(&scaled.state[at], steps, comparison.scaling)},
           {"spread", spreads_json(&scaled.spread[at], steps, comparison.scaling)}};
 }
 
 json example(const Comparison& comparison, const std::string& rank, int i, double l1_at_50) {
-  const RolloutBatch& batch = comparison.cases.batch;
+  const RolloutBatch& batch = comparison.cases().batch;
   const Dataset& data = comparison.sessions[comparison.session[i]]->data;
   const int start = batch.first_frame[i];
-  const std::size_t at = static_cast<std::size_t>(i) * comparison.cases.path_size();
-  json row{{"activity", comparison.card().activity},
+  const std::size_t at = static_cast<std::size_t>(i) * comparison.cases().path_size();
+  json row{{"activity", data.activity},
            {"object", comparison.object[i]},
-           {"clip", comparison.cases.sequence[i]},
+           {"clip", comparison.cases().sequence[i]},
            {"start_frame", start},
            {"rank", rank},
            {"l1_at_50", l1_at_50},
            {"rate_hz", data.rate_hz},
            {"target", states_json(&batch.target[at], batch.steps, comparison.scaling)}};
   for (const Candidate& candidate : comparison.candidates)
-    if (candidate.model) row["models"][candidate.name] = model_json(comparison, candidate, at);
+    if (!candidate.is_baseline() && comparison.find(candidate.kind) == &candidate)
+      row["models"][candidate.kind] = model_json(comparison, candidate, at);
   row["tactile"] = tactile_json(data, start - comparison.history + 1,
                                 comparison.history + batch.steps, 1 - comparison.history);
   return row;
@@ -93,7 +94,7 @@ void append_examples(json& document, const Comparison& comparison) {
   const Candidate* full = comparison.find("full");
   const Candidate& judge = full ? *full : comparison.candidates.back();
   std::vector<double> errors;
-  for (const CaseScore& one : judge.scores) errors.push_back(one.l1_at_50);
+  for (const CaseScore& one : judge.runs.front().scores.front()) errors.push_back(one.l1_at_50);
   const auto chosen = at_shares(errors, {0.5, 0.1, 0.9});
   for (std::size_t k = 0; k < chosen.size(); ++k)
     document["examples"].push_back(example(comparison, ranks[k], chosen[k], errors[chosen[k]]));

@@ -9,22 +9,22 @@ namespace {
 
 int steps_of(Path path) { return static_cast<int>(path.size()) / state_size; }
 
-double squared_distance(const float* a, const float* b, int dimensions) {
+double squared_distance(const float* a, const float* b, Dimensions dimensions) {
   double sum = 0.0;
-  for (int d = 0; d < dimensions; ++d) {
+  for (int d = dimensions.first; d < dimensions.first + dimensions.count; ++d) {
     const double difference = static_cast<double>(a[d]) - static_cast<double>(b[d]);
     sum += difference * difference;
   }
   return sum;
 }
 
-double directed_squared(Path from, Path to) {
+double directed_squared(Path from, Path to, Dimensions dimensions) {
   double farthest = 0.0;
   for (int i = 0; i < steps_of(from); ++i) {
     double nearest = std::numeric_limits<double>::infinity();
     for (int j = 0; j < steps_of(to); ++j)
       nearest = std::min(nearest,
-                         squared_distance(&from[i * state_size], &to[j * state_size], state_size));
+                         squared_distance(&from[i * state_size], &to[j * state_size], dimensions));
     farthest = std::max(farthest, nearest);
   }
   return farthest;
@@ -39,17 +39,26 @@ std::vector<double> l1_by_step(Path predicted, Path target) {
   return errors;
 }
 
-double hausdorff(Path a, Path b) {
-  return std::sqrt(std::max(directed_squared(a, b), directed_squared(b, a)));
+double hausdorff(Path a, Path b, Dimensions dimensions) {
+  if (a.empty() || b.empty()) return std::numeric_limits<double>::quiet_NaN();
+  return std::sqrt(std::max(directed_squared(a, b, dimensions), directed_squared(b, a, dimensions)));
 }
 
-std::vector<double> distance_by_step(Path predicted_m, Path target_m, int first) {
+std::vector<double> distance_by_step(Path predicted, Path target, Dimensions dimensions) {
   std::vector<double> distances;
-  for (int step = 0; step < steps_of(predicted_m); ++step) {
-    const int at = step * state_size + first;
-    distances.push_back(std::sqrt(squared_distance(&predicted_m[at], &target_m[at], 3)));
-  }
+  for (int step = 0; step < steps_of(predicted); ++step)
+    distances.push_back(std::sqrt(squared_distance(&predicted[step * state_size],
+                                                   &target[step * state_size], dimensions)));
   return distances;
+}
+
+std::vector<float> weighted_steps(Path path, std::span<const float> weight) {
+  std::vector<float> states;
+  for (std::size_t step = 0; step < weight.size(); ++step) {
+    const auto state = path.subspan(step * state_size, state_size);
+    if (weight[step] > 0.0f) states.insert(states.end(), state.begin(), state.end());
+  }
+  return states;
 }
 
 double mean_until(std::span<const double> by_step, std::span<const float> weight, int steps) {

@@ -25,6 +25,11 @@ double value_or_nan(const nlohmann::json& value) {
 
 }  // namespace
 
+const std::array<const char*, state_size> state_dimensions{
+    "object x [m]",   "object y [m]",   "object z [m]",   "object vx [m/s]",
+    "object vy [m/s]", "object vz [m/s]", "hand x [m]",     "hand y [m]",
+    "hand z [m]",     "hand vx [m/s]",  "hand vy [m/s]",  "hand vz [m/s]"};
+
 std::string ModelCard::name() const {
   if (!spec.touch) return "without_touch";
   return objects.size() > 1 && spec.object == ObjectEncoder::none ? "without_embedding" : "full";
@@ -61,6 +66,8 @@ void to_json(nlohmann::json& json, const ModelCard& card) {
           {"rate_hz", card.rate_hz},
           {"update", card.update},
           {"band_scale", card.band_scale},
+          {"seen_clips", card.seen_clips},
+          {"state", state_dimensions},
           {"log", card.log},
           {"provenance", card.provenance}};
 }
@@ -74,11 +81,18 @@ void from_json(const nlohmann::json& json, ModelCard& card) {
   card.rate_hz = json.at("rate_hz");
   card.update = json.at("update");
   card.band_scale = json.at("band_scale").get<BandScale>();
+  card.seen_clips = json.at("seen_clips").get<std::vector<std::string>>();
   card.log = json.at("log").get<std::vector<TrainingLogEntry>>();
   card.provenance = json.at("provenance");
 }
 
 ModelCard read_card(const nlohmann::json& metadata, const std::string& path) {
+  if (metadata.is_object() && !metadata.contains("seen_clips"))
+    throw data_error(fmt::format("{} does not name the clips that it was trained on", path),
+                     "train it again with this version of touchtrace");
+  if (metadata.is_object() && metadata.value("state", nlohmann::json()) != state_dimensions)
+    throw data_error(fmt::format("{} predicts another state than object and hand in m and m/s", path),
+                     "train it again with this version of touchtrace");
   try {
     ModelCard card = metadata;
     if (is_valid(card)) return card;

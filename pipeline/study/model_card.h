@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@ struct TrainingLogEntry {
   double validation_loss = 0.0, validation_l1_at_20 = 0.0, validation_l1_at_50 = 0.0;
 };
 
+/// Names and units of the 12 state dimensions; the frame is that of the colour camera.
+extern const std::array<const char*, state_size> state_dimensions;
+
 /// Metadata of a model file.
 struct ModelCard {
   ModelSpec spec;
@@ -27,7 +31,8 @@ struct ModelCard {
   std::vector<std::string> objects;  ///< seen in training
   double rate_hz = 15.0;             ///< of the tactile frames
   int update = 0;        ///< whose weights the file holds: best L1@50 on validation clips
-  BandScale band_scale;  ///< fitted on validation clips; empty without them
+  BandScale band_scale;  ///< fitted on calibration clips; empty without them
+  std::vector<std::string> seen_clips;  ///< sorted fingerprints of the clips of all these splits
   std::vector<TrainingLogEntry> log;
   Provenance provenance;
 

@@ -3,22 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/base/random.h"
-
 namespace touchtrace::study {
 namespace {
 
 double pinball(double tau, double error) { return std::max(tau * error, (tau - 1.0) * error); }
-
-/// Cases whose target may replace that of case `i`.
-std::vector<int> others(const RolloutCases& cases, int i) {
-  std::vector<int> other_clips, other_starts;
-  for (int j = 0; j < cases.count(); ++j) {
-    if (cases.sequence[j] != cases.sequence[i]) other_clips.push_back(j);
-    if (j != i) other_starts.push_back(j);
-  }
-  return other_clips.empty() ? other_starts : other_clips;
-}
 
 }  // namespace
 
@@ -42,11 +30,14 @@ std::vector<Start> find_starts(const Dataset& data, const RolloutGrid& grid) {
 void append_rollout(RolloutBatch& batch, const Dataset& data, const Normalization& scaling,
                     Reference reference, int start) {
   const auto& states = reference == Reference::labels ? data.label : data.truth;
+  const State offset = reference == Reference::unshifted_truth ? data.truth_offset : State{};
   const State initial = scaling.normalize(data.causal_label[start]);
   batch.first_frame.push_back(start);
   batch.initial_state.insert(batch.initial_state.end(), initial.begin(), initial.end());
   for (int frame = start + 1; frame <= start + batch.steps; ++frame) {
-    const State target = scaling.normalize(states[frame]);
+    State state = states[frame];
+    for (int d = 0; d < state_size; ++d) state[d] -= offset[d];
+    const State target = scaling.normalize(state);
     batch.target.insert(batch.target.end(), target.begin(), target.end());
     batch.weight.push_back(reference == Reference::labels && !data.trusted[frame] ? 0.0f : 1.0f);
   }
@@ -93,19 +84,6 @@ Rollout rescaled(const Rollout& rollout, const Normalization& from, const Normal
   for (std::size_t i = 0; i < result.spread.size(); ++i)
     result.spread[i] *= from.sigma[i % state_size] / to.sigma[i % state_size];
   return result;
-}
-
-std::vector<float> random_paths(const RolloutCases& cases, std::uint64_t seed) {
-  RandomStream random(seed, "random baseline");
-  std::vector<float> paths;
-  for (int i = 0; i < cases.count(); ++i) {
-    const auto candidates = others(cases, i);
-    const int j = candidates[random.below(candidates.size())];
-    const auto first =
-        cases.batch.target.begin() + static_cast<std::ptrdiff_t>(j * cases.path_size());
-    paths.insert(paths.end(), first, first + static_cast<std::ptrdiff_t>(cases.path_size()));
-  }
-  return paths;
 }
 
 }  // namespace touchtrace::study

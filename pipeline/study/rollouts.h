@@ -16,8 +16,9 @@ struct RolloutCases {
   std::size_t path_size() const { return static_cast<std::size_t>(batch.steps) * state_size; }
 };
 
-/// Source of targets: the vision pipeline's labels, or the simulation's truth.
-enum class Reference { labels, truth };
+/// Source of targets: the vision pipeline's labels, the simulation's truth shifted onto the labels
+/// (truth.h), or the truth as simulated.
+enum class Reference { labels, truth, unshifted_truth };
 
 /// Starts of roll-outs.
 struct RolloutGrid {
@@ -39,8 +40,8 @@ struct Start {
 /// and the label is trusted.
 std::vector<Start> find_starts(const Dataset& data, const RolloutGrid& grid);
 
-/// Appends the roll-out that begins at frame `start`. The initial state is the causal label, which
-/// is all that is known at test time. Weights: 1 for truth; for labels 1 if trusted, else 0.
+/// Appends the roll-out that begins at frame `start`. The initial state is the filtered label, which
+/// no later measurement enters. Weights: 1 for truth; for labels 1 if trusted, else 0.
 void append_rollout(RolloutBatch& batch, const Dataset& data, const Normalization& scaling,
                     Reference reference, int start);
 
@@ -56,9 +57,5 @@ double mean_loss(const Rollout& rollout, const RolloutBatch& batch, double band_
 std::vector<float> rescaled(const std::vector<float>& states, const Normalization& from,
                             const Normalization& to);
 Rollout rescaled(const Rollout& rollout, const Normalization& from, const Normalization& to);
-
-/// [cases, steps, 12] Baseline "Random" (section IV-B): for each case the target of a random other
-/// one, of another clip if possible. Needs two cases.
-std::vector<float> random_paths(const RolloutCases& cases, std::uint64_t seed);
 
 }  // namespace touchtrace::study

@@ -6,21 +6,14 @@
 #include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/study/label_error.h"
+#include "pipeline/study/truth.h"
 
 namespace touchtrace::study {
 namespace {
 
-/// Tactile rows that models of the activity need; 0, the glove's own, without such a model.
-int resolution_for(const std::string& activity, const std::vector<LoadedModel>& models) {
-  for (const LoadedModel& model : models)
-    if (model.card.spec.touch && model.card.activity == activity) return model.card.spec.rows;
-  return 0;
-}
-
 void add_truth(Session& session, const LabelledRecording& source) {
   attach_truth(session.data, {source});
-  session.offset = estimate_offset(session.data);
-  shift_truth(session.data, session.offset);
+  shift_truth(session.data, estimate_truth_offset(session.data));
   session.label_error =
       compare_labels_with_truth(read_labels(source.labels), read_truth(source.recording));
 }
@@ -39,14 +32,10 @@ std::vector<LabelledRecording> pair_files(const std::vector<std::string>& record
 }
 
 std::vector<Session> load_sessions(const std::vector<LabelledRecording>& sources,
-                                   const std::vector<LoadedModel>& models,
                                    const std::string& against) {
   std::vector<Session> sessions;
   for (const LabelledRecording& source : sources) {
-    const RecordingReader reader(source.recording);
-    Session session;
-    session.name = source.recording.filename().string();
-    session.data = load_dataset({source}, resolution_for(reader.recording().activity, models));
+    Session session{source.recording.filename().string(), load_dataset({source}), {}};
     if (against != "labels" && has_truth(source.recording)) add_truth(session, source);
     sessions.push_back(std::move(session));
   }

@@ -12,10 +12,9 @@ namespace touchtrace::study {
 std::vector<LabelledRecording> pair_files(const std::vector<std::string>& recordings,
                                           const std::vector<std::string>& labels);
 
-/// Loads recordings for evaluation, with the resolution that `models` of their activity need. The
-/// truth, if any, is shifted onto the labels (truth.h); `against` "labels" skips it.
+/// Loads recordings for evaluation, at their glove's resolution. The truth, if any, is shifted onto
+/// the labels (truth.h); `against` "labels" skips it.
 std::vector<Session> load_sessions(const std::vector<LabelledRecording>& sources,
-                                   const std::vector<LoadedModel>& models,
                                    const std::string& against);
 
 }  // namespace touchtrace::study

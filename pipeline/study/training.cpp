@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engine/base/error.h"
+#include "engine/base/file_lock.h"
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "engine/train/object_embedder.h"
@@ -78,6 +79,9 @@ ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provena
   card.spec.band_quantile = options.band_quantile;
   card.spec.activation = activation_of(options.activation);
   card.scaling = fit_normalization(data);
+  for (const Sequence& clip : data.sequences)
+    if (clip.split != Split::evaluation) card.seen_clips.push_back(clip.fingerprint);
+  std::ranges::sort(card.seen_clips);
   card.activity = data.activity;
   card.rate_hz = data.rate_hz;
   card.provenance = std::move(provenance);
@@ -90,6 +94,7 @@ class TrainingRun {
       : runtime_(runtime),
         data_(data),
         options_(options),
+        lock_(options.output),
         checkpoint_(options.output),
         tuning_(initial_tuning()),
         card_(std::move(card)),
@@ -214,6 +219,7 @@ class TrainingRun {
   Runtime& runtime_;
   const Dataset& data_;
   TrainingOptions options_;
+  FileLock lock_;
   Checkpoint checkpoint_;
   Tuning tuning_;
   ModelCard card_;

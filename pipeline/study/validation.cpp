@@ -11,19 +11,21 @@ constexpr int stride_frames = 10;
 }  // namespace
 
 Validation::Validation(Runtime& runtime, const Dataset& data, const ModelCard& card)
-    : runtime_(runtime),
-      data_(data),
-      cases_(make_cases(
-          data, {Split::validation, horizon_steps, stride_frames, required_history(card.spec)},
-          card.scaling, Reference::labels)),
-      band_quantile_(card.spec.band_quantile) {}
+    : runtime_(runtime), data_(data), band_quantile_(card.spec.band_quantile) {
+  const auto cases_of = [&](Split split) {
+    return make_cases(data, {split, horizon_steps, stride_frames, required_history(card.spec)},
+                      card.scaling, Reference::labels);
+  };
+  cases_ = cases_of(Split::validation);
+  calibration_ = cases_of(Split::calibration);
+}
 
-Rollout Validation::predict(const std::filesystem::path& weights) const {
-  return Predictor(runtime_, weights).predict(cases_.batch, data_.tactile);
+Rollout Validation::predict(const std::filesystem::path& weights, const RolloutCases& cases) const {
+  return Predictor(runtime_, weights).predict(cases.batch, data_.tactile);
 }
 
 void Validation::evaluate(const std::filesystem::path& weights, TrainingLogEntry& entry) const {
-  const Rollout rollout = predict(weights);
+  const Rollout rollout = predict(weights, cases_);
   std::vector<double> at_20, at_50;
   const auto size = cases_.path_size(), steps = static_cast<std::size_t>(cases_.batch.steps);
   for (std::size_t i = 0; i < static_cast<std::size_t>(cases_.count()); ++i) {
@@ -39,8 +41,9 @@ void Validation::evaluate(const std::filesystem::path& weights, TrainingLogEntry
 }
 
 BandScale Validation::band_scale(const std::filesystem::path& weights) const {
-  if (empty()) return {};
-  return fit_band_scale(predict(weights), cases_.batch, nominal_coverage(band_quantile_));
+  if (calibration_.count() == 0) return {};
+  return fit_band_scale(predict(weights, calibration_), calibration_.batch,
+                        nominal_coverage(band_quantile_));
 }
 
 }  // namespace touchtrace::study

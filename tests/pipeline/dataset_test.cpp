@@ -63,18 +63,16 @@ TEST(Pressure, UsesPolarityBaselineRangeAndMask) {
   EXPECT_EQ(pressure, (std::vector<float>{0.0f, 512.0f / 1023.0f, 0.0f, 0.0f}));
 }
 
-TEST(Splits, HaveSeventyTenTwentyPercentOfTheClips) {
-  std::array<int, 3> count{};
+TEST(Splits, HaveSeventyFiveFiveTwentyPercentOfTheClips) {
+  std::array<int, 4> count{};
   for (int clip = 0; clip < 100; ++clip) ++count[static_cast<std::size_t>(split_of_clip(clip))];
-  EXPECT_EQ(count, (std::array<int, 3>{70, 10, 20}));
+  EXPECT_EQ(count, (std::array<int, 4>{70, 5, 5, 20}));
 }
 
 TEST(Dataset, SequencesAreWholeClipsInOrder) {
   Files files;
   const Dataset data = load_dataset({files.write_files()});
   ASSERT_EQ(data.sequences.size(), 2u);
-  EXPECT_EQ(data.sequences[0].split, Split::train);
-  EXPECT_EQ(data.sequences[1].split, Split::evaluation);
   EXPECT_EQ(data.sequences[1].object, "box");
   int next = 0;
   for (const auto& sequence : data.sequences) {
@@ -89,6 +87,30 @@ TEST(Dataset, SequencesAreWholeClipsInOrder) {
   EXPECT_EQ(next, data.frames());
   EXPECT_EQ(data.frames(), 40);
   EXPECT_EQ(data.tactile.size(), 40u * 30u);
+}
+
+TEST(Dataset, SplitCountsTheClipsOfEachObject) {
+  Files files;
+  EXPECT_EQ(load_dataset({files.write_files()}).sequences[1].split, Split::train);
+  files.labels.clips[1].object = files.labels.clips[0].object;
+  EXPECT_EQ(load_dataset({files.write_files()}).sequences[1].split, Split::evaluation);
+}
+
+TEST(Dataset, FingerprintIsThatOfTheTouch) {
+  Files files;
+  const auto fingerprints = [&] {
+    const Dataset data = load_dataset({files.write_files()});
+    return std::pair(data.sequences[0].fingerprint, data.sequences[1].fingerprint);
+  };
+  const auto first = fingerprints();
+  EXPECT_NE(first.first, first.second);
+  files.labels.object.position_m[0] += 1.0;
+  files.sample.frames[0].color[0] ^= 1;
+  files.sample.recording.clips[0].hand_box = {};
+  EXPECT_EQ(fingerprints(), first) << "labels, images and boxes do not matter";
+  files.sample.recording.gloves[0].counts[3] ^= 1;
+  EXPECT_NE(fingerprints().first, first.first);
+  EXPECT_EQ(fingerprints().second, first.second);
 }
 
 TEST(Dataset, LostFrameRepeatsThePreviousImage) {
@@ -162,6 +184,7 @@ TEST(Dataset, RejectsZeroAndSaturatedGloves) {
 TEST(Dataset, NormalizationUsesTrustedTrainingLabels) {
   Files files;
   files.labels.object.quality[4] = quality_lost;
+  files.labels.clips[1].object = files.labels.clips[0].object;
   const Dataset data = load_dataset({files.write_files()});
   const Normalization scaling = fit_normalization(data);
   std::vector<double> values;

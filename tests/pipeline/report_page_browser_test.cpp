@@ -56,6 +56,9 @@ json result(const std::string& model, double l1_at_50, double coverage_raw, doub
            {"object", "<b>ball"},
            {"split", "seen"},
            {"model", model},
+           {"kind", model},
+           {"runs", model == "random" ? 0 : 3},
+           {"clips", 24},
            {"rollouts", 120},
            {"l1_at_20", 0.25},
            {"l1_at_50", l1_at_50},
@@ -66,7 +69,7 @@ json result(const std::string& model, double l1_at_50, double coverage_raw, doub
            {"coverage", nullptr}};
   if (model != "random") row["coverage_raw"] = coverage_raw, row["coverage"] = coverage;
   const json same = row;
-  row["against_labels"] = same;
+  row["against_labels"] = row["against_unshifted_truth"] = same;
   return row;
 }
 
@@ -97,32 +100,36 @@ json metrics_document() {
                       {"object", "<b>ball"},
                       {"split", "seen"},
                       {"model", name},
+                      {"kind", name},
                       {"l1_by_step", {0.1, 0.2, 0.3}},
                       {"nominal_coverage", 0.8},
                       {"coverage_by_step", {0.8, 0.79, 0.78}},
                       {"coverage_raw_by_step", {0.6, 0.59, 0.58}}});
-  return {{"schema", "touchtrace/metrics/1"},
+  return {{"schema", "touchtrace/metrics/2"},
           {"against", "truth"},
           {"results",
            {result("random", 0.875, 0, 0), result("without_touch", 0.625, 0.55, 0.75),
             result("full", 0.375, 0.61, 0.79)}},
+          {"runs",
+           {{{"activity", "wave"},
+             {"object", "<b>ball"},
+             {"split", "seen"},
+             {"model", "full"},
+             {"kind", "full"},
+             {"file", "full.1.safetensors"},
+             {"seed", 1},
+             {"l1_at_50", 0.3751}}}},
+          {"notes", {"all clips are <b>evaluated"}},
           {"differences",
            {{{"activity", "wave"},
              {"object", "<b>ball"},
              {"split", "seen"},
+             {"model", "full"},
+             {"kind", "full"},
              {"other", "without_touch"},
-             {"metric", "l1_at_50"},
-             {"mean", -0.25},
-             {"low", -0.375},
-             {"high", -0.125}},
-            {{"activity", "wave"},
-             {"object", "<b>ball"},
-             {"split", "seen"},
-             {"other", "without_touch"},
-             {"metric", "hausdorff"},
-             {"mean", 0.01},
-             {"low", -0.5},
-             {"high", 0.5}}}},
+             {"metrics",
+              {{"l1_at_50", {{"mean", -0.25}, {"low", -0.375}, {"high", -0.125}}},
+               {"hausdorff", {{"mean", 0.01}, {"low", -0.5}, {"high", 0.5}}}}}}}},
           {"curves", curves},
           {"examples", {example("median", 0.375), example("good", 0.1875)}},
           {"label_errors",
@@ -229,11 +236,13 @@ TEST_F(ReportInBrowser, DrawsAllSections) {
   const std::string results = section(page.dom, "results");
   EXPECT_TRUE(contains_all(results, {"&lt;b&gt;ball", "w/o Touch", ">0.875<", ">0.625<", ">0.375<",
                                      "coverage, as predicted", ">0.61<", "coverage, rescaled",
-                                     ">0.79<", "ideal 0.80", ">120<", "-0.375 … -0.125",
-                                     "Full is better", "not significant", "Simulated recordings"}));
-  EXPECT_EQ(count(results, "<table>"), 3u);
-  EXPECT_EQ(count(results, "<tr"), 4u + 3u + 4u);
-  EXPECT_EQ(count(results, "class=\"number best\">0.375<"), 2u);
+                                     ">0.79<", "ideal 0.80", ">120<", ">24<",
+                                     "best\">-0.250 (-0.375 … -0.125)<",
+                                     "number\">0.01 (-0.50 … 0.50)<", "full.1.safetensors",
+                                     "all clips are &lt;b&gt;evaluated", "Simulated recordings"}));
+  EXPECT_EQ(count(results, "<table>"), 5u);
+  EXPECT_EQ(count(results, "<tr"), 4u + 2u + 2u + 4u + 4u);
+  EXPECT_EQ(count(results, "class=\"number best\">0.375<"), 3u);
 
   const std::string rollouts = section(page.dom, "roll-outs");
   EXPECT_EQ(count(rollouts, "<canvas class=\"paths\""), 2u);

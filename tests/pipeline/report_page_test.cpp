@@ -30,14 +30,17 @@ class ReportPage : public ::testing::Test {
 };
 
 json metrics_document(const std::string& activity) {
-  return {{"schema", "touchtrace/metrics/1"},
+  return {{"schema", "touchtrace/metrics/2"},
           {"against", "truth"},
           {"results",
            {{{"activity", activity},
              {"object", "</script><b>ball"},
              {"split", "seen"},
              {"model", "full"},
+             {"kind", "full"},
              {"l1_at_20", 0.123456789}}}},
+          {"runs", json::array()},
+          {"notes", json::array()},
           {"differences", json::array()},
           {"curves", json::array()},
           {"examples", json::array()},

@@ -76,8 +76,8 @@ TEST(Metrics, DistanceIsThatOfOneBody) {
   auto predicted = random_path(3, 1), target = predicted;
   target[6] += 3.0f;
   target[7] += 4.0f;
-  const auto hand = distance_by_step(predicted, target, 6),
-             object = distance_by_step(predicted, target, 0);
+  const auto hand = distance_by_step(predicted, target, hand_position),
+             object = distance_by_step(predicted, target, object_position);
   EXPECT_NEAR(hand[0], 5.0, 1e-6);
   EXPECT_EQ(hand[1], 0.0);
   EXPECT_EQ(object[0], 0.0);
@@ -113,8 +113,8 @@ TEST(Score, MetresAreIndependentOfTheScaling) {
   for (std::size_t i = 0; i < predicted.size(); i += state_size) predicted[i] += 0.5f;
   const auto scores = score(predicted, cases_of(target, 1, 50), metres_times(0.1f));
   EXPECT_NEAR(scores[0].l1_at_50, 0.5 / 12, 1e-6);
-  EXPECT_NEAR(scores[0].object_m_at_20, 0.05, 1e-6);
-  EXPECT_NEAR(scores[0].hand_m_at_50, 0.0, 1e-6);
+  EXPECT_NEAR(scores[0].object.m_at_20, 0.05, 1e-6);
+  EXPECT_NEAR(scores[0].hand.m_at_50, 0.0, 1e-6);
 }
 
 TEST(Score, RejectsNonFiniteValues) {
@@ -123,58 +123,32 @@ TEST(Score, RejectsNonFiniteValues) {
   EXPECT_THROW(score(predicted, cases_of(target, 1, 50), metres_times(1.0f)), std::runtime_error);
 }
 
-TEST(RandomBaseline, IsAPathOfAnotherClipAndDependsOnItsSeed) {
-  const int count = 20, steps = 3;
-  const auto cases = cases_of(random_path(count * steps, 9), count, steps);
-  const auto paths = random_paths(cases, 4);
-  EXPECT_EQ(paths, random_paths(cases, 4));
-  EXPECT_NE(paths, random_paths(cases, 5));
-  const std::size_t size = cases.path_size();
-  for (int i = 0; i < count; ++i) {
-    const auto first = paths.begin() + static_cast<std::ptrdiff_t>(i * size);
-    const std::vector<float> path(first, first + static_cast<std::ptrdiff_t>(size));
-    for (int j = 0; j < count; ++j) {
-      const auto other = cases.batch.target.begin() + static_cast<std::ptrdiff_t>(j * size);
-      EXPECT_FALSE(cases.sequence[j] == cases.sequence[i] &&
-                   std::equal(path.begin(), path.end(), other));
-    }
+TEST(Score, PositionsAndVelocitiesOfBothBodiesApart) {
+  auto target = random_path(50, 5), predicted = target;
+  for (std::size_t i = 0; i < predicted.size(); i += state_size) {
+    predicted[i + 4] += 3.0f;
+    predicted[i + 11] -= 4.0f;
   }
+  const auto score_of = score(predicted, cases_of(target, 1, 50), metres_times(0.1f))[0];
+  EXPECT_NEAR(score_of.object.m_per_s_at_20, 0.3, 1e-6);
+  EXPECT_NEAR(score_of.hand.m_per_s_at_50, 0.4, 1e-6);
+  EXPECT_NEAR(score_of.object.m_at_50 + score_of.hand.m_at_50, 0.0, 1e-6);
+  EXPECT_NEAR(score_of.object.hausdorff_m, 0.0, 1e-6);
+  EXPECT_GT(score_of.hausdorff, 0.0);
 }
 
-TEST(Bootstrap, IntervalContainsTheMeanAndShrinksWithTheNumberOfClips) {
-  RandomStream random(3, "differences");
-  const auto width = [&](int clips) {
-    std::vector<double> a, b;
-    std::vector<int> clip;
-    for (int i = 0; i < clips * 5; ++i) {
-      a.push_back(random.normal(-0.1, 0.05));
-      b.push_back(0.0);
-      clip.push_back(i / 5);
-    }
-    const Difference found = bootstrap_difference(a, b, clip, 1);
-    EXPECT_LE(found.low, found.mean);
-    EXPECT_GE(found.high, found.mean);
-    EXPECT_LT(found.high, 0.0);
-    return found.high - found.low;
-  };
-  // Standard error 0.05 / sqrt(5 clips): 1.96 of it to either side, within a third.
-  EXPECT_NEAR(width(100), 2 * 1.96 * 0.05 / std::sqrt(500.0),
-              0.3 * 2 * 1.96 * 0.05 / std::sqrt(500.0));
-  EXPECT_GT(width(10), width(1000));
-}
-
-TEST(Bootstrap, SamplesWholeClips) {
-  // Roll-outs of a clip are copies of one number: the interval must be that of the clips, not of
-  // the copies.
-  RandomStream random(4, "clips");
-  std::vector<double> a, b;
-  std::vector<int> clip;
-  for (int c = 0; c < 50; ++c) {
-    const double value = random.normal();
-    for (int i = 0; i < 100; ++i) a.push_back(value), b.push_back(0.0), clip.push_back(c);
-  }
-  const Difference found = bootstrap_difference(a, b, clip, 1);
-  EXPECT_GT(found.high - found.low, 2 * 1.96 / std::sqrt(50.0) * 0.6);
+TEST(Score, NoMetricDependsOnStepsOfWeightZero) {
+  auto cases = cases_of(random_path(50, 5), 1, 50);
+  cases.batch.weight[7] = cases.batch.weight[31] = 0.0f;
+  const auto predicted = random_path(50, 6);
+  const auto before = score(predicted, cases, metres_times(0.1f))[0];
+  for (std::size_t step : {7u, 31u})
+    for (std::size_t d = 0; d < state_size; ++d) cases.batch.target[step * state_size + d] = 1e4f;
+  const auto after = score(predicted, cases, metres_times(0.1f))[0];
+  for (const Metric& metric : all_metrics())
+    EXPECT_EQ(metric.value(before), metric.value(after)) << metric.name;
+  EXPECT_TRUE(std::isnan(mean_curve({after}, {0})[7]));
+  EXPECT_EQ(mean_curve({before, after}, {0, 1})[8], before.l1_by_step[8]);
 }
 
 }  // namespace

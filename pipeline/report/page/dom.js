@@ -18,7 +18,7 @@ function svgElement(tag, attributes = {}, text = null) {
 const color = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 const known = (value) => typeof value === "number" && Number.isFinite(value);
 const fixed = (value, digits) => (known(value) ? value.toFixed(digits) : "–");
-const modelLabel = (name) => ({ random: "Random", without_touch: "w/o Touch", without_embedding: "w/o Embedding", full: "Full", truth: "truth", labels: "labels" })[name] || name;
+const modelLabel = (name) => ({ random: "Random", without_touch: "w/o Touch", without_embedding: "w/o Embedding", full: "Full", hold: "Hold", damped: "Damped", median: "Median", linear: "Linear", truth: "truth", labels: "labels" })[name] || name;
 
 // rows: arrays of cells; a cell is text or {text, kind: "number" | "best"}
 function table(head, rows) {

@@ -126,7 +126,6 @@ class Study {
                 ? load_with_rendered_labels(file, options_.resolution)
                 : load_with_modelled_labels(file, measured_label_error(options_.activity),
                                             options_.resolution, scene.seed),
-            {},
             {}};
   }
 
@@ -158,7 +157,7 @@ class Study {
         compare_models({&session}, {&model}, Reference::truth, rollout_stride, 1);
     const auto [object, which] = comparison.objects().front();
     for (const Candidate& candidate : comparison.candidates)
-      row[candidate.name] = summary(candidate.scores, which)["l1_at_50"];
+      row[candidate.name] = summary(candidate.runs.front().scores.front(), which)["l1_at_50"];
   }
 
   void measure(const Cell& cell, json& row) {

@@ -139,7 +139,7 @@ Dataset load_with_modelled_labels(const std::filesystem::path& recording,
   data.label = data.causal_label = data.truth;
   add_label_noise(data, model, seed);
   attach_truth(data, sources);
-  shift_truth(data, estimate_offset(data));
+  shift_truth(data, estimate_truth_offset(data));
   return data;
 }
 
@@ -154,7 +154,7 @@ Dataset load_with_rendered_labels(const std::filesystem::path& recording, int re
                false);
   Dataset data = load_dataset(sources, resolution);
   attach_truth(data, sources);
-  shift_truth(data, estimate_offset(data));
+  shift_truth(data, estimate_truth_offset(data));
   return data;
 }
 

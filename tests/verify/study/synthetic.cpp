@@ -49,7 +49,13 @@ void append_image(Dataset& data, const Vector& force, const Grip& grip, RandomSt
 void append_clip(Dataset& data, const SyntheticOptions& options, Split split, const Grip& grip,
                  RandomStream& random) {
   const double innovation = std::sqrt(1.0 - force_correlation * force_correlation) * force_sigma;
-  data.sequences.push_back({data.frames(), options.frames, grip.name(), split});
+  data.sequences.push_back(
+      {.first_frame = data.frames(),
+       .frames = options.frames,
+       .object = grip.name(),
+       .split = split,
+       .clip = static_cast<int>(data.sequences.size()),
+       .fingerprint = fmt::format("seed {}, clip {}", options.seed, data.sequences.size())});
   Vector position{}, velocity{}, force{};
   for (int frame = 0; frame < options.frames; ++frame) {
     for (double& component : force)
@@ -75,9 +81,10 @@ Dataset synthetic_dataset(const SyntheticOptions& options) {
   for (int clip = 0; clip < options.clips; ++clip) {
     const double fraction = (clip + 0.5) / options.clips;
     append_clip(data, options,
-                fraction < 0.6    ? Split::train
-                : fraction < 0.75 ? Split::validation
-                                  : Split::evaluation,
+                fraction < 0.6     ? Split::train
+                : fraction < 0.675 ? Split::validation
+                : fraction < 0.75  ? Split::calibration
+                                   : Split::evaluation,
                 {clip % options.objects, options.objects}, random);
   }
   data.causal_label = data.truth = data.label;

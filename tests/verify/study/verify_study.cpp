@@ -30,18 +30,19 @@ LoadedModel train(Runtime& runtime, const Dataset& data, const fs::path& output,
 
 double value(const Comparison& comparison, const char* model, const char* metric) {
   const auto [object, which] = comparison.objects().front();
-  return summary(comparison.find(model)->scores, which).at(metric);
+  return summary(comparison.find(model)->runs.front().scores.front(), which).at(metric);
 }
 
 double coverage(const Comparison& comparison, bool scaled) {
   const auto [object, which] = comparison.objects().front();
-  return nan_mean(coverage_of(*comparison.find("full"), comparison.cases, which, scaled));
+  return nan_mean(
+      coverage_of(comparison.find("full")->runs.front(), comparison.cases(), which, scaled));
 }
 
 void measure(const std::function<void(Figure)>& emit) {
   const ScratchFolder folder;
   Runtime runtime(choose_device(""));
-  const Session session{"synthetic", synthetic_dataset({40}), {}, {}};
+  const Session session{"synthetic", synthetic_dataset({40}), {}};
   LoadedModel full = train(runtime, session.data, folder.path() / "full", true);
   LoadedModel without = train(runtime, session.data, folder.path() / "without_touch", false);
   const Comparison comparison =

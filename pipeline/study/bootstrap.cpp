@@ -1,0 +1,97 @@
+#include "pipeline/study/bootstrap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "engine/base/random.h"
+
+namespace touchtrace::study {
+namespace {
+
+constexpr int samples = 2000;
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+/// Drawn indices.
+using Draw = std::vector<std::size_t>;
+
+Draw all_of(std::size_t count) {
+  Draw draw(count);
+  std::iota(draw.begin(), draw.end(), std::size_t{0});
+  return draw;
+}
+
+Draw resampled(std::size_t count, RandomStream& random) {
+  Draw draw(count);
+  for (auto& index : draw) index = random.below(count);
+  return draw;
+}
+
+bool is_defined(const RunValues& runs, std::size_t rollout) {
+  return std::ranges::none_of(
+      runs, [&](const std::vector<double>& values) { return std::isnan(values[rollout]); });
+}
+
+/// [clips] Roll-outs of each clip that are defined in all runs.
+std::vector<Draw> rollouts_by_clip(const RunValues& a, const RunValues& b,
+                                   const std::vector<int>& clip) {
+  std::map<int, Draw> rollouts;
+  for (std::size_t i = 0; i < clip.size(); ++i)
+    if (is_defined(a, i) && is_defined(b, i)) rollouts[clip[i]].push_back(i);
+  std::vector<Draw> clips;
+  for (auto& [number, indices] : rollouts) clips.push_back(std::move(indices));
+  return clips;
+}
+
+/// [runs][clips] Sums over roll-outs.
+RunValues sums_of(const RunValues& runs, const std::vector<Draw>& clips) {
+  RunValues sums;
+  for (const auto& values : runs) {
+    auto& row = sums.emplace_back();
+    for (const Draw& rollouts : clips)
+      row.push_back(std::accumulate(rollouts.begin(), rollouts.end(), 0.0,
+                                    [&](double sum, std::size_t i) { return sum + values[i]; }));
+  }
+  return sums;
+}
+
+double mean_of(const RunValues& sums, const Draw& runs, const std::vector<Draw>& clips,
+               const Draw& drawn_clips) {
+  double sum = 0.0, count = 0.0;
+  for (const std::size_t clip : drawn_clips) {
+    count += static_cast<double>(clips[clip].size());
+    for (const std::size_t run : runs) sum += sums[run][clip] / static_cast<double>(runs.size());
+  }
+  return sum / count;
+}
+
+}  // namespace
+
+Interval bootstrap_difference(const RunValues& a, const RunValues& b, const std::vector<int>& clip,
+                              std::uint64_t seed) {
+  const auto clips = rollouts_by_clip(a, b, clip);
+  if (clips.empty() || a.empty() || b.empty()) return {not_a_number, not_a_number, not_a_number};
+  const RunValues sums_a = sums_of(a, clips), sums_b = sums_of(b, clips);
+  const Draw all = all_of(clips.size());
+  const double mean = mean_of(sums_a, all_of(a.size()), clips, all) -
+                      mean_of(sums_b, all_of(b.size()), clips, all);
+  if (clips.size() < 2) return {mean, not_a_number, not_a_number};
+  RandomStream random(seed, "bootstrap");
+  std::vector<double> means(samples);
+  for (double& sample : means) {
+    const Draw drawn = resampled(clips.size(), random);
+    sample = mean_of(sums_a, resampled(a.size(), random), clips, drawn) -
+             mean_of(sums_b, resampled(b.size(), random), clips, drawn);
+  }
+  std::ranges::sort(means);
+  return {mean, means[samples / 40], means[samples - 1 - samples / 40]};
+}
+
+Interval bootstrap_mean(const RunValues& values, const std::vector<int>& clip,
+                        std::uint64_t seed) {
+  return bootstrap_difference(values, {std::vector<double>(clip.size(), 0.0)}, clip, seed);
+}
+
+}  // namespace touchtrace::study

@@ -1,0 +1,62 @@
+#include "pipeline/study/model_groups.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace touchtrace::study {
+namespace {
+
+using nlohmann::json;
+
+/// Options that do not change what a model is.
+constexpr const char* irrelevant_options[] = {"seed",       "output", "resume", "checkpoint_seconds",
+                                              "recording", "labels"};
+
+/// Training options and hashes of the training data.
+json recipe(const LoadedModel& model) {
+  const Provenance& provenance = model.card.provenance;
+  json options = provenance.options.is_object() ? provenance.options : json::object();
+  for (const char* option : irrelevant_options) options.erase(option);
+  std::vector<std::string> data;
+  for (const auto& input : provenance.inputs) data.push_back(input.sha256.substr(0, 8));
+  std::ranges::sort(data);
+  options["data"] = fmt::format("{}", fmt::join(data, "+"));
+  return options;
+}
+
+/// " key=value" for each entry of `own` that another group of the kind has not.
+std::string distinction(const json& own, const std::vector<json>& others) {
+  std::string text;
+  for (const auto& [key, value] : own.items())
+    if (std::ranges::any_of(others, [&](const json& other) {
+          return !other.contains(key) || other.at(key) != value;
+        }))
+      text += fmt::format(" {}={}", key, value.is_string() ? value.get<std::string>() : value.dump());
+  return text;
+}
+
+}  // namespace
+
+std::vector<ModelGroup> group_models(const std::vector<LoadedModel*>& models) {
+  std::vector<ModelGroup> groups;
+  std::vector<json> recipes;
+  for (LoadedModel* model : models) {
+    const std::string kind = model->card.name();
+    const json own = recipe(*model);
+    std::size_t i = 0;
+    while (i < groups.size() && !(groups[i].kind == kind && recipes[i] == own)) ++i;
+    if (i == groups.size()) groups.push_back({"", kind, {}}), recipes.push_back(own);
+    groups[i].models.push_back(model);
+  }
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    std::vector<json> others;
+    for (std::size_t j = 0; j < groups.size(); ++j)
+      if (j != i && groups[j].kind == groups[i].kind) others.push_back(recipes[j]);
+    groups[i].name = groups[i].kind + distinction(recipes[i], others);
+  }
+  return groups;
+}
+
+}  // namespace touchtrace::study

@@ -32,26 +32,45 @@ const Observation* nearest_found(double time_s, const ClipTrack& track) {
 
 }  // namespace
 
-ErrorBudget ErrorModel::common(const MotionState& state) const {
+/// Gauss-Hermite quadrature with three points, at -/+ sqrt(3) sigma with weight 1/6 each: exact for a
+/// constant velocity, and large where the velocity jumps.
+StateCovariance ErrorModel::latency_covariance(const SmoothedTrack& smoothed,
+                                               double time_s) const {
+  const auto state_at = [&](double delay_s) {
+    const MotionState state = smoothed.smoothed(time_s + delay_s);
+    Eigen::Matrix<double, 6, 1> vector;
+    vector << state.position_m, state.velocity_m_per_s;
+    return vector;
+  };
+  const double delay_s = std::sqrt(3.0) * latency_sigma_s_;
+  const auto centre = state_at(0.0);
+  StateCovariance covariance = StateCovariance::Zero();
+  for (const double shift_s : {-delay_s, delay_s}) {
+    const Eigen::Matrix<double, 6, 1> difference = state_at(shift_s) - centre;
+    covariance += difference * difference.transpose() / 6.0;
+  }
+  return covariance;
+}
+
+ErrorBudget ErrorModel::common(const SmoothedTrack& smoothed, double time_s) const {
+  const MotionState state = smoothed.smoothed(time_s);
   ErrorBudget budget;
   budget[ErrorSource::smoothing] = state.covariance.topLeftCorner<6, 6>();
   budget[ErrorSource::calibration] =
       calibration_.covariance(state.position_m, state.velocity_m_per_s);
-  Eigen::Matrix<double, 6, 1> motion;
-  motion << state.velocity_m_per_s, state.acceleration_m_per_s2;
-  budget[ErrorSource::latency] = square(latency_sigma_s_) * motion * motion.transpose();
+  budget[ErrorSource::latency] = latency_covariance(smoothed, time_s);
   return budget;
 }
 
-ErrorBudget ErrorModel::hand(const MotionState& state) const {
-  ErrorBudget budget = common(state);
+ErrorBudget ErrorModel::hand(const SmoothedTrack& smoothed, double time_s) const {
+  ErrorBudget budget = common(smoothed, time_s);
   budget[ErrorSource::shape].diagonal().head<3>().setConstant(square(hand_shape_m));
   return budget;
 }
 
-ErrorBudget ErrorModel::object(const MotionState& state, double time_s, const ClipTrack& track,
+ErrorBudget ErrorModel::object(const SmoothedTrack& smoothed, double time_s, const ClipTrack& track,
                                const MotionNoise& noise) const {
-  ErrorBudget budget = common(state);
+  ErrorBudget budget = common(smoothed, time_s);
   auto shape = budget[ErrorSource::shape].diagonal();
   shape.head<3>().setConstant(square(track.object_centre_sigma_m));
   const Observation* nearest = nearest_found(time_s, track);
@@ -68,9 +87,9 @@ ErrorBudget ErrorModel::object(const MotionState& state, double time_s, const Cl
 }
 
 Eigen::Vector3d ErrorModel::measured_sigma_m(const Observation& observation,
-                                             const MotionState& state, const MotionNoise& noise,
-                                             double shape_m2) const {
-  ErrorBudget budget = common(state);
+                                             const SmoothedTrack& smoothed, double time_s,
+                                             const MotionNoise& noise, double shape_m2) const {
+  ErrorBudget budget = common(smoothed, time_s);
   const Eigen::Vector3d variance =
       std::max(1.0, square(noise.measurement_scale)) * observation.sigma_m.cwiseAbs2() +
       budget[ErrorSource::calibration].diagonal().head<3>() +
@@ -79,17 +98,17 @@ Eigen::Vector3d ErrorModel::measured_sigma_m(const Observation& observation,
 }
 
 Eigen::Vector3d ErrorModel::measured_hand_sigma_m(const Observation& observation,
-                                                  const MotionState& state,
+                                                  const SmoothedTrack& smoothed, double time_s,
                                                   const MotionNoise& noise) const {
-  return measured_sigma_m(observation, state, noise, square(hand_shape_m));
+  return measured_sigma_m(observation, smoothed, time_s, noise, square(hand_shape_m));
 }
 
 Eigen::Vector3d ErrorModel::measured_object_sigma_m(const Observation& observation,
-                                                    const MotionState& state,
+                                                    const SmoothedTrack& smoothed, double time_s,
                                                     const ClipTrack& track,
                                                     const MotionNoise& noise) const {
   const double hidden_m2 = observation.follows_hand ? square(hidden_object_m) : 0.0;
-  return measured_sigma_m(observation, state, noise,
+  return measured_sigma_m(observation, smoothed, time_s, noise,
                           square(track.object_centre_sigma_m) + hidden_m2);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "calib/smooth/motion_noise.h"
+#include "calib/smooth/smoothed_track.h"
 #include "calib/smooth/track.h"
 #include "pipeline/label/calibration_error.h"
 #include "pipeline/label/clip_tracker.h"
@@ -17,7 +18,7 @@ enum class ErrorSource {
   correlated,   ///< errors that neighbouring frames share: the visible part changes slowly
   shape,        ///< centre of the shape model about the body's; a hidden object's place in the hand
   calibration,  ///< intrinsics, extrinsics and depth scale: the same in a whole recording
-  latency       ///< unknown delay between the streams: sigma_t^2 (v, a) (v, a)^T
+  latency       ///< unknown delay between the streams
 };
 inline constexpr std::size_t num_error_sources = 5;
 inline constexpr std::array<const char*, num_error_sources> error_source_names{
@@ -51,23 +52,27 @@ class ErrorModel {
   ErrorModel(const RgbdCalibration& calibration, double latency_sigma_s)
       : calibration_(calibration), latency_sigma_s_(latency_sigma_s) {}
 
-  /// Budget of a smoothed state. `noise`: of the body's smoother.
-  ErrorBudget hand(const MotionState& state) const;
-  ErrorBudget object(const MotionState& state, double time_s, const ClipTrack& track,
+  /// Budget of the smoothed state at a time. `noise`: of the body's smoother.
+  ErrorBudget hand(const SmoothedTrack& smoothed, double time_s) const;
+  ErrorBudget object(const SmoothedTrack& smoothed, double time_s, const ClipTrack& track,
                      const MotionNoise& noise) const;
 
-  /// Standard deviations [m] along the axes of a measured position, all sources included. `state`:
-  /// the smoothed one.
-  Eigen::Vector3d measured_hand_sigma_m(const Observation& observation, const MotionState& state,
+  /// Standard deviations [m] along the axes of the position measured at a time, all sources
+  /// included.
+  Eigen::Vector3d measured_hand_sigma_m(const Observation& observation,
+                                        const SmoothedTrack& smoothed, double time_s,
                                         const MotionNoise& noise) const;
-  Eigen::Vector3d measured_object_sigma_m(const Observation& observation, const MotionState& state,
+  Eigen::Vector3d measured_object_sigma_m(const Observation& observation,
+                                          const SmoothedTrack& smoothed, double time_s,
                                           const ClipTrack& track, const MotionNoise& noise) const;
 
  private:
   /// Smoothing, calibration and latency.
-  ErrorBudget common(const MotionState& state) const;
-  Eigen::Vector3d measured_sigma_m(const Observation& observation, const MotionState& state,
-                                   const MotionNoise& noise, double shape_m2) const;
+  ErrorBudget common(const SmoothedTrack& smoothed, double time_s) const;
+  /// Covariance of the state at a time of which the delay is unknown.
+  StateCovariance latency_covariance(const SmoothedTrack& smoothed, double time_s) const;
+  Eigen::Vector3d measured_sigma_m(const Observation& observation, const SmoothedTrack& smoothed,
+                                   double time_s, const MotionNoise& noise, double shape_m2) const;
 
   CalibrationError calibration_;
   double latency_sigma_s_;

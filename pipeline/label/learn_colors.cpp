@@ -12,6 +12,9 @@ namespace {
 constexpr double min_visible_frames = 0.1;  // an object is rarely hidden in more of the frames
 // Visible fraction of the object's disc below which colours learnt near the hand are not trusted.
 constexpr double min_learnt_color_fraction = 0.4;
+// Points of these colours, over the pixels of the object's disc, above which they are not the
+// object's alone: sleeve and torso also have them.
+constexpr double max_learnt_color_fraction = 2.0;
 
 void learn_boxes(const SampledFrame& sample, const std::string& object, ColorClasses& colors) {
   const auto& [hand_box, object_box] = std::tie(sample.clip->hand_box, sample.clip->object_box);
@@ -35,6 +38,19 @@ Surface all_near_hand(const SampledFrames& samples, const BoxedObject& boxed) {
   return all;
 }
 
+/// Unhidden quantile over the frames with a hand of the number of points of the object's class, over
+/// the pixels of the object's disc at the hand's distance.
+double class_disc_fraction(const Segmenter& segmenter, const SampledFrames& samples,
+                           double radius_m) {
+  std::vector<double> fractions{0.0};
+  for (const auto& sample : samples)
+    if (sample.hand_m)
+      fractions.push_back(
+          static_cast<double>(std::ranges::count(sample.surface, Body::object, &SurfacePoint::body)) /
+          segmenter.disc_pixels(radius_m, sample.hand_m->z()));
+  return quantile(std::move(fractions), unhidden_quantile);
+}
+
 }  // namespace
 
 LearntColors learn_colors(const Segmenter& segmenter, const std::string& object,
@@ -54,7 +70,9 @@ LearntColors learn_colors(const Segmenter& segmenter, const std::string& object,
   if (is_visible(0.0)) return learnt;
   colors.learn_object_from(all_near_hand(samples, boxed));
   classify(colors, samples);
-  if (is_visible(min_learnt_color_fraction)) return learnt;
+  if (is_visible(min_learnt_color_fraction) &&
+      class_disc_fraction(segmenter, samples, boxed.radius_m) <= max_learnt_color_fraction)
+    return learnt;
   colors.learn_object_from({});
   classify(colors, samples);
   learnt.separates_object = false;

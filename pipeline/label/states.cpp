@@ -66,28 +66,26 @@ void append_lost(LabelledBody& body) {
   body.quality.push_back(quality_lost | quality_gap);
 }
 
-/// `budget_of`: error budget of a smoothed state.
+/// `budget_of`: error budget of a smoothed track at the label's time.
 template <class BudgetOf>
 void append_label(double time_s, const SmoothedTrack& smoothed, const ClipTrack& track,
                   const Observations& observations, double camera_period_s, BudgetOf&& budget_of,
                   LabelledBody& body) {
   if (smoothed.status != SmoothStatus::converged) return append_lost(body);
-  const auto state = smoothed.smoothed(time_s);
-  append_state(state, smoothed.causal(time_s), budget_of(state), body);
+  append_state(smoothed.smoothed(time_s), smoothed.causal(time_s), budget_of(smoothed), body);
   body.quality.push_back(quality(time_s, track.time_s, observations, camera_period_s));
 }
 
-/// Appends NaN if the body was not found. `sigma_of`: standard deviations given a smoothed state;
+/// Appends NaN if the body was not found. `sigma_of`: standard deviations given a smoothed track;
 /// without one the observation's own.
 template <class SigmaOf>
-void append_observation(const Observation& observation, double time_s,
-                        const SmoothedTrack& smoothed, SigmaOf&& sigma_of,
+void append_observation(const Observation& observation, const SmoothedTrack& smoothed,
+                        SigmaOf&& sigma_of,
                         std::vector<double>& position, std::vector<double>& sigma) {
   const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   append(observation.found ? observation.position_m : nan, position);
   if (!observation.found) return append(nan, sigma);
-  append(smoothed.status == SmoothStatus::converged ? sigma_of(smoothed.smoothed(time_s))
-                                                    : observation.sigma_m,
+  append(smoothed.status == SmoothStatus::converged ? sigma_of(smoothed) : observation.sigma_m,
          sigma);
 }
 
@@ -142,11 +140,12 @@ void resample(const std::vector<LabelTime>& times, const std::vector<ClipTrack>&
     labels.glove_frame.push_back(at.glove_frame);
     append_label(
         at.time_s, bodies.hand.tracks[clip], track, track.hand, periods_s[clip],
-        [&](const MotionState& state) { return errors.hand(state); }, labels.hand);
+        [&](const SmoothedTrack& smoothed) { return errors.hand(smoothed, at.time_s); },
+        labels.hand);
     append_label(
         at.time_s, bodies.object.tracks[clip], track, track.object, periods_s[clip],
-        [&](const MotionState& state) {
-          return errors.object(state, at.time_s, track, bodies.object.noise);
+        [&](const SmoothedTrack& smoothed) {
+          return errors.object(smoothed, at.time_s, track, bodies.object.noise);
         },
         labels.object);
   }
@@ -162,15 +161,17 @@ RawTrack raw_track(const std::vector<ClipTrack>& tracks, const SmoothedBodies& b
       raw.time_s.push_back(track.time_s[i]);
       raw.clip.push_back(static_cast<std::int32_t>(clip));
       append_observation(
-          hand, track.time_s[i], bodies.hand.tracks[clip],
-          [&](const MotionState& state) {
-            return errors.measured_hand_sigma_m(hand, state, bodies.hand.noise);
+          hand, bodies.hand.tracks[clip],
+          [&](const SmoothedTrack& smoothed) {
+            return errors.measured_hand_sigma_m(hand, smoothed, track.time_s[i],
+                                                bodies.hand.noise);
           },
           raw.hand_m, raw.hand_sigma_m);
       append_observation(
-          object, track.time_s[i], bodies.object.tracks[clip],
-          [&](const MotionState& state) {
-            return errors.measured_object_sigma_m(object, state, track, bodies.object.noise);
+          object, bodies.object.tracks[clip],
+          [&](const SmoothedTrack& smoothed) {
+            return errors.measured_object_sigma_m(object, smoothed, track.time_s[i], track,
+                                                  bodies.object.noise);
           },
           raw.object_m, raw.object_sigma_m);
     }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
+#include "pipeline/label/error_budget.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/label/states.h"
 
@@ -70,6 +71,27 @@ TEST(SmoothBodies, FindsHitsOfABouncingBallToMilliseconds) {
   }
   EXPECT_LT(error_m(bounces), 1.5 * sigma_m);
   EXPECT_GT(error_m(smooth_bodies(tracks, gravity, FlightSearch::throws)), 3.0 * error_m(bounces));
+}
+
+/// A delay of up to sigma may put a label on the other side of a hit; far from hits its error is the
+/// delay times the velocity.
+TEST(ErrorBudget, LatencyCoversTheJumpOfVelocityAtAHit) {
+  const std::vector<ClipTrack> tracks{bounced()};
+  const SmoothedBodies bodies = smooth_bodies(tracks, gravity, FlightSearch::bounces);
+  const SmoothedTrack& smoothed = bodies.object.tracks[0];
+  constexpr double latency_s = 0.01, jump_m_per_s = 9.81 * flight_s;
+  const auto latency_sigma = [&](double time_s, Eigen::Index i) {
+    auto budget =
+        ErrorModel({}, latency_s).object(smoothed, time_s, tracks[0], bodies.object.noise);
+    return std::sqrt(budget[ErrorSource::latency](i, i));
+  };
+  const double hit_s = 9.0 * flight_s;
+  for (const double after_s : {-0.005, 0.005})
+    EXPECT_GT(latency_sigma(hit_s + after_s, 4), 0.3 * jump_m_per_s) << after_s;
+  const double middle_s = hit_s + 0.25 * flight_s;
+  EXPECT_NEAR(latency_sigma(middle_s, 1), latency_s * 0.25 * jump_m_per_s,
+              0.05 * latency_s * jump_m_per_s);
+  EXPECT_NEAR(latency_sigma(middle_s, 4), latency_s * 9.81, 0.1 * latency_s * 9.81);
 }
 
 TEST(GuessBounces, FindsAHitWithOneFrameBeyondIt) {

@@ -44,6 +44,8 @@ class Stage {
   const SyntheticMotion& motion() const { return motion_; }
   /// Gives the torso a lower half of the glove's colour, larger than the glove.
   void set_blue_trousers() { trousers_ = {20, 30, 160}; }
+  /// Lights the torso, which is never the object, in another colour than in the box frame.
+  void set_relit_torso() { relit_torso_ = {60, 110, 60}; }
 
   RgbdFrame render(double time_s, bool person) const {
     RgbdFrame frame{std::vector<std::uint8_t>(3 * width * height),
@@ -56,7 +58,7 @@ class Stage {
         double depth = 2.5;
         std::array<int, 3> color{120, 120, 110};
         if (person && std::abs(ray.x()) < 0.15)
-          depth = 1.5, color = ray.y() > 0.15 ? trousers_ : std::array<int, 3>{90, 60, 60};
+          depth = 1.5, color = ray.y() > 0.15 ? trousers_ : torso_color(time_s);
         if (person && (ray * hand_m.z() - hand_m).norm() < 0.05)
           depth = hand_m.z(), color = {20, 30, 160};
         const double b = ray.dot(ball_m), q = ray.squaredNorm();
@@ -72,6 +74,9 @@ class Stage {
   }
 
  private:
+  std::array<int, 3> torso_color(double time_s) const {
+    return time_s < hidden_s ? std::array<int, 3>{90, 60, 60} : relit_torso_;
+  }
   /// A ball that is wholly in the glove has the glove's colour.
   std::array<int, 3> ball_color(double time_s) const {
     const bool is_blue =
@@ -81,7 +86,7 @@ class Stage {
 
   SyntheticMotion motion_;
   Ball kind_;
-  std::array<int, 3> trousers_{90, 60, 60};
+  std::array<int, 3> trousers_{90, 60, 60}, relit_torso_{90, 60, 60};
 };
 
 inline PixelBox box_around(const Eigen::Vector3d& centre, double radius_m) {

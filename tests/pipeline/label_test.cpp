@@ -113,6 +113,15 @@ TEST(Label, TracksAnObjectOfTheHandsColorInFlightAndFlagsItElsewhere) {
   EXPECT_LE(held.lost_share + held.wrong_share, 0.05);
 }
 
+/// Colours that are new near the hand are the object's only if they cover no more than its disc.
+TEST(Label, DoesNotTakeTheTorsoForAnObjectOfTheHandsColor) {
+  Stage stage(false, Stage::Ball::hand_colored);
+  stage.set_relit_torso();
+  const auto held = error_with_component(stage);
+  EXPECT_LE(held.lost_share + held.wrong_share, 0.05);
+  EXPECT_EQ(held.wrong_unsaid_share, 0.0);
+}
+
 TEST(Label, DoesNotDependOnThreads) {
   const Stage stage(true);
   auto recording = recording_of(stage);

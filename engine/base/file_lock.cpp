@@ -16,7 +16,8 @@ namespace {
 
 /// Whether `path` still names the open file: the holder before may have removed it.
 bool is_current(int descriptor, const std::filesystem::path& path) {
-  struct stat open {}, named {};
+  struct stat open {
+  }, named{};
   return fstat(descriptor, &open) == 0 && stat(path.c_str(), &named) == 0 &&
          open.st_ino == named.st_ino && open.st_dev == named.st_dev;
 }

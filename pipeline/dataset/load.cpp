@@ -157,19 +157,17 @@ void RecordingLoader::add_image(std::int64_t glove_frame) {
 
 Split RecordingLoader::split_of(int clip) const {
   const auto end = labels_.clips.begin() + clip;
-  return split_of_clip(
-      static_cast<int>(std::count_if(labels_.clips.begin(), end, [&](const Clip& other) {
-        return other.object == end->object;
-      })));
+  return split_of_clip(static_cast<int>(std::count_if(
+      labels_.clips.begin(), end, [&](const Clip& other) { return other.object == end->object; })));
 }
 
 /// Independent of file, boxes and labels, so that a copy of a recording is recognised.
 std::string RecordingLoader::fingerprint(int clip) const {
-  const auto range = arrived_in(reader_.recording().clips[static_cast<std::size_t>(clip)],
-                                glove().host_time_s);
+  const auto range =
+      arrived_in(reader_.recording().clips[static_cast<std::size_t>(clip)], glove().host_time_s);
   const auto taxels = static_cast<std::size_t>(glove().info.taxels());
-  const auto counts = std::as_bytes(
-      std::span(glove().counts).subspan(range.first * taxels, range.size() * taxels));
+  const auto counts =
+      std::as_bytes(std::span(glove().counts).subspan(range.first * taxels, range.size() * taxels));
   const auto times =
       std::as_bytes(std::span(glove().host_time_s).subspan(range.first, range.size()));
   std::string bytes(reinterpret_cast<const char*>(counts.data()), counts.size());

@@ -32,10 +32,9 @@ const Observation* nearest_found(double time_s, const ClipTrack& track) {
 
 }  // namespace
 
-/// Gauss-Hermite quadrature with three points, at -/+ sqrt(3) sigma with weight 1/6 each: exact for a
-/// constant velocity, and large where the velocity jumps.
-StateCovariance ErrorModel::latency_covariance(const SmoothedTrack& smoothed,
-                                               double time_s) const {
+/// Gauss-Hermite quadrature with three points, at -/+ sqrt(3) sigma with weight 1/6 each: exact for
+/// a constant velocity, and large where the velocity jumps.
+StateCovariance ErrorModel::latency_covariance(const SmoothedTrack& smoothed, double time_s) const {
   const auto state_at = [&](double delay_s) {
     const MotionState state = smoothed.smoothed(time_s + delay_s);
     Eigen::Matrix<double, 6, 1> vector;

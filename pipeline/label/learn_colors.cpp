@@ -38,16 +38,16 @@ Surface all_near_hand(const SampledFrames& samples, const BoxedObject& boxed) {
   return all;
 }
 
-/// Unhidden quantile over the frames with a hand of the number of points of the object's class, over
-/// the pixels of the object's disc at the hand's distance.
+/// Unhidden quantile over the frames with a hand of the number of points of the object's class,
+/// over the pixels of the object's disc at the hand's distance.
 double class_disc_fraction(const Segmenter& segmenter, const SampledFrames& samples,
                            double radius_m) {
   std::vector<double> fractions{0.0};
   for (const auto& sample : samples)
     if (sample.hand_m)
-      fractions.push_back(
-          static_cast<double>(std::ranges::count(sample.surface, Body::object, &SurfacePoint::body)) /
-          segmenter.disc_pixels(radius_m, sample.hand_m->z()));
+      fractions.push_back(static_cast<double>(std::ranges::count(sample.surface, Body::object,
+                                                                 &SurfacePoint::body)) /
+                          segmenter.disc_pixels(radius_m, sample.hand_m->z()));
   return quantile(std::move(fractions), unhidden_quantile);
 }
 

@@ -80,8 +80,8 @@ void append_label(double time_s, const SmoothedTrack& smoothed, const ClipTrack&
 /// without one the observation's own.
 template <class SigmaOf>
 void append_observation(const Observation& observation, const SmoothedTrack& smoothed,
-                        SigmaOf&& sigma_of,
-                        std::vector<double>& position, std::vector<double>& sigma) {
+                        SigmaOf&& sigma_of, std::vector<double>& position,
+                        std::vector<double>& sigma) {
   const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   append(observation.found ? observation.position_m : nan, position);
   if (!observation.found) return append(nan, sigma);
@@ -163,8 +163,7 @@ RawTrack raw_track(const std::vector<ClipTrack>& tracks, const SmoothedBodies& b
       append_observation(
           hand, bodies.hand.tracks[clip],
           [&](const SmoothedTrack& smoothed) {
-            return errors.measured_hand_sigma_m(hand, smoothed, track.time_s[i],
-                                                bodies.hand.noise);
+            return errors.measured_hand_sigma_m(hand, smoothed, track.time_s[i], bodies.hand.noise);
           },
           raw.hand_m, raw.hand_sigma_m);
       append_observation(

@@ -19,7 +19,7 @@ using nlohmann::json;
 constexpr std::uintmax_t max_json_bytes = 256u << 20;
 
 /// Arrays of a metrics file; those of several files are concatenated.
-constexpr const char* metrics_arrays[] = {"results", "runs",   "differences",  "curves",
+constexpr const char* metrics_arrays[] = {"results",  "runs",   "differences",  "curves",
                                           "examples", "models", "label_errors", "notes"};
 
 /// Rounds to 5 significant digits, enough for any plot; NaN and infinity become null.

@@ -75,8 +75,8 @@ Interval bootstrap_difference(const RunValues& a, const RunValues& b, const std:
   if (clips.empty() || a.empty() || b.empty()) return {not_a_number, not_a_number, not_a_number};
   const RunValues sums_a = sums_of(a, clips), sums_b = sums_of(b, clips);
   const Draw all = all_of(clips.size());
-  const double mean = mean_of(sums_a, all_of(a.size()), clips, all) -
-                      mean_of(sums_b, all_of(b.size()), clips, all);
+  const double mean =
+      mean_of(sums_a, all_of(a.size()), clips, all) - mean_of(sums_b, all_of(b.size()), clips, all);
   if (clips.size() < 2) return {mean, not_a_number, not_a_number};
   RandomStream random(seed, "bootstrap");
   std::vector<double> means(samples);
@@ -89,8 +89,7 @@ Interval bootstrap_difference(const RunValues& a, const RunValues& b, const std:
   return {mean, means[samples / 40], means[samples - 1 - samples / 40]};
 }
 
-Interval bootstrap_mean(const RunValues& values, const std::vector<int>& clip,
-                        std::uint64_t seed) {
+Interval bootstrap_mean(const RunValues& values, const std::vector<int>& clip, std::uint64_t seed) {
   return bootstrap_difference(values, {std::vector<double>(clip.size(), 0.0)}, clip, seed);
 }
 

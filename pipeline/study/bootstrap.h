@@ -18,8 +18,8 @@ struct Interval {
 /// other seeds; with one clip there is none. `clip` [roll-outs].
 Interval bootstrap_mean(const RunValues& values, const std::vector<int>& clip, std::uint64_t seed);
 
-/// Mean of a - b over roll-outs that are defined in all runs of both. Samples share their clips; runs
-/// are drawn independently.
+/// Mean of a - b over roll-outs that are defined in all runs of both. Samples share their clips;
+/// runs are drawn independently.
 Interval bootstrap_difference(const RunValues& a, const RunValues& b, const std::vector<int>& clip,
                               std::uint64_t seed);
 

@@ -53,8 +53,7 @@ void add_targets(Comparison& comparison, Reference reference, int stride) {
   if (reference == Reference::truth) add("unshifted_truth", Reference::unshifted_truth);
   for (int s = 0; s < static_cast<int>(comparison.sessions.size()); ++s) {
     const Dataset& data = comparison.sessions[s]->data;
-    for (const Start& start :
-         find_starts(data, grid_of(comparison, Split::evaluation, stride))) {
+    for (const Start& start : find_starts(data, grid_of(comparison, Split::evaluation, stride))) {
       comparison.session.push_back(s);
       comparison.object.push_back(data.sequences[start.sequence].object);
     }
@@ -71,7 +70,8 @@ std::vector<float> images_for(const LoadedModel& model, const Session& session) 
                                  spec.rows, spec.cols, session.name, data.rows, data.cols),
                      "evaluate on recordings of a glove with at least as many taxels");
   const AreaAverage average(data.rows, data.cols, spec.rows, spec.cols);
-  const std::size_t in = std::size_t(data.rows) * data.cols, out = std::size_t(spec.rows) * spec.cols;
+  const std::size_t in = std::size_t(data.rows) * data.cols,
+                    out = std::size_t(spec.rows) * spec.cols;
   std::vector<float> images(static_cast<std::size_t>(data.frames()) * out);
   for (std::size_t frame = 0; frame < static_cast<std::size_t>(data.frames()); ++frame)
     average.apply(std::span(data.tactile).subspan(frame * in, in),

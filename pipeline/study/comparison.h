@@ -41,8 +41,8 @@ struct Candidate {
 /// Models of one activity and baselines on the same roll-outs of the evaluation clips.
 struct Comparison {
   std::vector<const Session*> sessions;
-  Normalization scaling;  ///< of the first model: mean and sigma of its training labels
-  int history = 1;        ///< frames of touch before a start, largest of all models
+  Normalization scaling;            ///< of the first model: mean and sigma of its training labels
+  int history = 1;                  ///< frames of touch before a start, largest of all models
   std::vector<Target> targets;      ///< same starts; the first is the reference of the results
   std::vector<int> session;         ///< [cases]
   std::vector<std::string> object;  ///< [cases]
@@ -56,9 +56,9 @@ struct Comparison {
 };
 
 /// Predicts and scores all roll-outs that start every `stride` frames, for models of one activity.
-/// `reference`: Reference::truth adds the targets "labels" and "unshifted_truth". `seed`: of Random.
-/// Throws data_error if the evaluation clips hold fewer than two roll-outs, or a glove has fewer
-/// taxels than a model.
+/// `reference`: Reference::truth adds the targets "labels" and "unshifted_truth". `seed`: of
+/// Random. Throws data_error if the evaluation clips hold fewer than two roll-outs, or a glove has
+/// fewer taxels than a model.
 Comparison compare_models(const std::vector<const Session*>& sessions,
                           const std::vector<LoadedModel*>& models, Reference reference, int stride,
                           std::uint64_t seed);

@@ -34,10 +34,10 @@ Reference choose_reference(const std::vector<Session>& sessions, const std::stri
 
 void require_rate(const LoadedModel& model, const Session& session) {
   if (std::abs(model.card.rate_hz - session.data.rate_hz) > rate_tolerance * model.card.rate_hz)
-    throw data_error(fmt::format("{} was trained at {:g} Hz, the glove of {} has {:g} Hz",
-                                 model.path, model.card.rate_hz, session.name,
-                                 session.data.rate_hz),
-                     "evaluate on recordings of a glove of the same rate");
+    throw data_error(
+        fmt::format("{} was trained at {:g} Hz, the glove of {} has {:g} Hz", model.path,
+                    model.card.rate_hz, session.name, session.data.rate_hz),
+        "evaluate on recordings of a glove of the same rate");
 }
 
 std::vector<const Session*> sessions_of(const std::vector<Session>& sessions,
@@ -64,23 +64,25 @@ void note_mismatches(const std::vector<LoadedModel*>& models, json& notes) {
                                   model->path, first.path, fmt::join(model->card.objects, ", "),
                                   fmt::join(first.card.objects, ", ")));
     if (model->card.scaling.sigma != first.card.scaling.sigma)
-      notes.push_back(fmt::format("{} was trained on other labels than {}; errors of both are in "
-                                  "standard deviations of the latter's labels",
-                                  model->path, first.path));
+      notes.push_back(
+          fmt::format("{} was trained on other labels than {}; errors of both are in "
+                      "standard deviations of the latter's labels",
+                      model->path, first.path));
   }
 }
 
 void note_clips(const std::vector<std::string>& whole, json& notes) {
   if (!whole.empty())
-    notes.push_back(
-        fmt::format("all clips are evaluated, as no model has seen any: {}", fmt::join(whole, ", ")));
+    notes.push_back(fmt::format("all clips are evaluated, as no model has seen any: {}",
+                                fmt::join(whole, ", ")));
 }
 
 void note_baselines(const Comparison& comparison, json& notes) {
   if (!comparison.find("linear"))
-    notes.push_back(fmt::format("{}: the baselines damped, median and linear need a recording that "
-                                "the models were trained on",
-                                comparison.sessions.front()->data.activity));
+    notes.push_back(
+        fmt::format("{}: the baselines damped, median and linear need a recording that "
+                    "the models were trained on",
+                    comparison.sessions.front()->data.activity));
 }
 
 json card_json(const LoadedModel& model) {
@@ -96,17 +98,18 @@ json label_error_json(const Session& session) {
     return std::vector<float>(&offset[dimensions.first],
                               &offset[dimensions.first] + dimensions.count);
   };
-  return {{"recording", session.name},
-          {"error", session.label_error},
-          {"truth_offset_m",
-           {{"object", metres(object_position)}, {"hand", metres(hand_position)}}}};
+  return {
+      {"recording", session.name},
+      {"error", session.label_error},
+      {"truth_offset_m", {{"object", metres(object_position)}, {"hand", metres(hand_position)}}}};
 }
 
 }  // namespace
 
 void describe(OptionSet& set, EvaluationOptions& o) {
   set.group("Files");
-  set.paths("recording", o.recordings, "recordings; of those that a model was trained on only the evaluation clips")
+  set.paths("recording", o.recordings,
+            "recordings; of those that a model was trained on only the evaluation clips")
       .value("FILE");
   set.paths("labels", o.labels, "label files, in the same order").value("FILE");
   set.paths("model", o.models, "models; each is evaluated on the recordings of its activity")
@@ -132,8 +135,8 @@ json evaluate_models(std::vector<Session> sessions, std::vector<LoadedModel>& mo
   const Reference reference = choose_reference(sessions, options.against);
   json document{{"schema", "touchtrace/metrics/2"},
                 {"against", reference == Reference::truth ? "truth" : "labels"}};
-  for (const char* key : {"results", "runs", "differences", "curves", "examples", "models",
-                          "label_errors", "notes"})
+  for (const char* key :
+       {"results", "runs", "differences", "curves", "examples", "models", "label_errors", "notes"})
     document[key] = json::array();
   note_clips(choose_evaluation_clips(sessions, models), document["notes"]);
   std::map<std::string, std::vector<LoadedModel*>> by_activity;

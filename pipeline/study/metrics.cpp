@@ -41,14 +41,15 @@ std::vector<double> l1_by_step(Path predicted, Path target) {
 
 double hausdorff(Path a, Path b, Dimensions dimensions) {
   if (a.empty() || b.empty()) return std::numeric_limits<double>::quiet_NaN();
-  return std::sqrt(std::max(directed_squared(a, b, dimensions), directed_squared(b, a, dimensions)));
+  return std::sqrt(
+      std::max(directed_squared(a, b, dimensions), directed_squared(b, a, dimensions)));
 }
 
 std::vector<double> distance_by_step(Path predicted, Path target, Dimensions dimensions) {
   std::vector<double> distances;
   for (int step = 0; step < steps_of(predicted); ++step)
-    distances.push_back(std::sqrt(squared_distance(&predicted[step * state_size],
-                                                   &target[step * state_size], dimensions)));
+    distances.push_back(std::sqrt(
+        squared_distance(&predicted[step * state_size], &target[step * state_size], dimensions)));
   return distances;
 }
 

@@ -26,9 +26,9 @@ double value_or_nan(const nlohmann::json& value) {
 }  // namespace
 
 const std::array<const char*, state_size> state_dimensions{
-    "object x [m]",   "object y [m]",   "object z [m]",   "object vx [m/s]",
-    "object vy [m/s]", "object vz [m/s]", "hand x [m]",     "hand y [m]",
-    "hand z [m]",     "hand vx [m/s]",  "hand vy [m/s]",  "hand vz [m/s]"};
+    "object x [m]",    "object y [m]",    "object z [m]",  "object vx [m/s]",
+    "object vy [m/s]", "object vz [m/s]", "hand x [m]",    "hand y [m]",
+    "hand z [m]",      "hand vx [m/s]",   "hand vy [m/s]", "hand vz [m/s]"};
 
 std::string ModelCard::name() const {
   if (!spec.touch) return "without_touch";
@@ -91,8 +91,9 @@ ModelCard read_card(const nlohmann::json& metadata, const std::string& path) {
     throw data_error(fmt::format("{} does not name the clips that it was trained on", path),
                      "train it again with this version of touchtrace");
   if (metadata.is_object() && metadata.value("state", nlohmann::json()) != state_dimensions)
-    throw data_error(fmt::format("{} predicts another state than object and hand in m and m/s", path),
-                     "train it again with this version of touchtrace");
+    throw data_error(
+        fmt::format("{} predicts another state than object and hand in m and m/s", path),
+        "train it again with this version of touchtrace");
   try {
     ModelCard card = metadata;
     if (is_valid(card)) return card;

@@ -11,7 +11,7 @@ namespace {
 using nlohmann::json;
 
 /// Options that do not change what a model is.
-constexpr const char* irrelevant_options[] = {"seed",       "output", "resume", "checkpoint_seconds",
+constexpr const char* irrelevant_options[] = {"seed",      "output", "resume", "checkpoint_seconds",
                                               "recording", "labels"};
 
 /// Training options and hashes of the training data.
@@ -33,7 +33,8 @@ std::string distinction(const json& own, const std::vector<json>& others) {
     if (std::ranges::any_of(others, [&](const json& other) {
           return !other.contains(key) || other.at(key) != value;
         }))
-      text += fmt::format(" {}={}", key, value.is_string() ? value.get<std::string>() : value.dump());
+      text +=
+          fmt::format(" {}={}", key, value.is_string() ? value.get<std::string>() : value.dump());
   return text;
 }
 

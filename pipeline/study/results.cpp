@@ -90,9 +90,8 @@ class Rows {
     if (candidate.is_baseline()) return row;
     const ModelCard& card = candidate.runs.front().model->card;
     row["nominal_coverage"] = nominal_coverage(card.spec.band_quantile);
-    row["coverage_raw_by_step"] = mean_over_runs([&](const Run& run) {
-      return coverage_of(run, comparison_.cases(), group_.which, false);
-    });
+    row["coverage_raw_by_step"] = mean_over_runs(
+        [&](const Run& run) { return coverage_of(run, comparison_.cases(), group_.which, false); });
     if (!card.band_scale.empty())
       row["coverage_by_step"] = mean_over_runs([&](const Run& run) {
         return coverage_of(run, comparison_.cases(), group_.which, true);
@@ -104,8 +103,8 @@ class Rows {
     json row = head(full);
     row["other"] = other.name;
     for (const Metric& metric : all_metrics()) {
-      const Interval found = bootstrap_difference(values(full, metric, 0), values(other, metric, 0),
-                                                  clip_, seed_);
+      const Interval found =
+          bootstrap_difference(values(full, metric, 0), values(other, metric, 0), clip_, seed_);
       row["metrics"][metric.name] = {
           {"mean", found.mean}, {"low", found.low}, {"high", found.high}};
     }

@@ -40,8 +40,8 @@ struct Start {
 /// and the label is trusted.
 std::vector<Start> find_starts(const Dataset& data, const RolloutGrid& grid);
 
-/// Appends the roll-out that begins at frame `start`. The initial state is the filtered label, which
-/// no later measurement enters. Weights: 1 for truth; for labels 1 if trusted, else 0.
+/// Appends the roll-out that begins at frame `start`. The initial state is the filtered label,
+/// which no later measurement enters. Weights: 1 for truth; for labels 1 if trusted, else 0.
 void append_rollout(RolloutBatch& batch, const Dataset& data, const Normalization& scaling,
                     Reference reference, int start);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -54,6 +55,24 @@ class WholeChain : public ::testing::TestWithParam<const char*> {
         at("full.safetensors") + " --model " + at("without_touch.safetensors") + " --output " +
         at("scene.metrics.json"));
     run("report --folder " + folder_.string() + " --output " + at("report.html"));
+  }
+
+  /// The example for Python users gets the same numbers from the files alone.
+  void expect_same_from_python(const std::string& model) {
+    run("evaluate --against labels --recording " + at("scene.h5") + " --labels " + at("labels.h5") +
+        " --model " + at(model + ".safetensors") + " --output " + at("python.json"));
+    const std::string command = fmt::format(
+        "/usr/bin/python3 {}/scripts/evaluate_model.py {} {} {} > {}", TOUCHTRACE_SOURCE_DIR,
+        at(model + ".safetensors"), at("scene.h5"), at("labels.h5"), at("python.out"));
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const auto python = nlohmann::json::parse(std::ifstream(at("python.out")));
+    for (const auto& row : nlohmann::json::parse(std::ifstream(at("python.json"))).at("results"))
+      for (const char* metric : {"l1_at_20", "l1_at_50", "hausdorff"})
+        if (row.at("model") == model) {
+          // float roll-outs against double ones
+          EXPECT_NEAR(python.at(metric) / row.at(metric).get<double>(), 1.0, 1e-5) << metric;
+        }
+    fs::remove(at("python.json"));
   }
 
   fs::path folder_;
@@ -114,6 +133,7 @@ TEST_P(WholeChain, EndsInMetricsAndAReport) {
     const auto shown = fmt::format("\"l1_at_20\":{:.5g}", row.at("l1_at_20").get<double>());
     EXPECT_NE(report.find(shown), std::string::npos) << shown << " is not in the report";
   }
+  for (const char* model : {"full", "without_touch"}) expect_same_from_python(model);
   // Even 40 updates learn more than a path of another time knows.
   ASSERT_EQ(l1_at_20.size(), 7u) << "five baselines and two models";
   EXPECT_LT(l1_at_20.at("full"), l1_at_20.at("random"));

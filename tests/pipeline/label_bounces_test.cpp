@@ -73,8 +73,8 @@ TEST(SmoothBodies, FindsHitsOfABouncingBallToMilliseconds) {
   EXPECT_GT(error_m(smooth_bodies(tracks, gravity, FlightSearch::throws)), 3.0 * error_m(bounces));
 }
 
-/// A delay of up to sigma may put a label on the other side of a hit; far from hits its error is the
-/// delay times the velocity.
+/// A delay of up to sigma may put a label on the other side of a hit; far from hits its error is
+/// the delay times the velocity.
 TEST(ErrorBudget, LatencyCoversTheJumpOfVelocityAtAHit) {
   const std::vector<ClipTrack> tracks{bounced()};
   const SmoothedBodies bodies = smooth_bodies(tracks, gravity, FlightSearch::bounces);

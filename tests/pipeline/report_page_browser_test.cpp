@@ -234,12 +234,12 @@ TEST_F(ReportInBrowser, DrawsAllSections) {
   EXPECT_EQ(count(page.dom, "NaN"), 0u) << "numbers of charts";
 
   const std::string results = section(page.dom, "results");
-  EXPECT_TRUE(contains_all(results, {"&lt;b&gt;ball", "w/o Touch", ">0.875<", ">0.625<", ">0.375<",
-                                     "coverage, as predicted", ">0.61<", "coverage, rescaled",
-                                     ">0.79<", "ideal 0.80", ">120<", ">24<",
-                                     "best\">-0.250 (-0.375 … -0.125)<",
-                                     "number\">0.01 (-0.50 … 0.50)<", "full.1.safetensors",
-                                     "all clips are &lt;b&gt;evaluated", "Simulated recordings"}));
+  EXPECT_TRUE(contains_all(
+      results,
+      {"&lt;b&gt;ball", "w/o Touch", ">0.875<", ">0.625<", ">0.375<", "coverage, as predicted",
+       ">0.61<", "coverage, rescaled", ">0.79<", "ideal 0.80", ">120<", ">24<",
+       "best\">-0.250 (-0.375 … -0.125)<", "number\">0.01 (-0.50 … 0.50)<", "full.1.safetensors",
+       "all clips are &lt;b&gt;evaluated", "Simulated recordings"}));
   EXPECT_EQ(count(results, "<table>"), 5u);
   EXPECT_EQ(count(results, "<tr"), 4u + 2u + 2u + 4u + 4u);
   EXPECT_EQ(count(results, "class=\"number best\">0.375<"), 3u);

@@ -85,13 +85,17 @@ TEST(Baselines, HoldKeepsThePositionAndStops) {
 
 TEST(Baselines, FittedOnesRecoverTheirModel) {
   const auto damped_training = cases_of(40, 5, 1, damped), damped_cases = cases_of(6, 5, 2, damped);
-  EXPECT_LT(largest_error(paths_of(make_baselines(damped_cases, damped_training, identity(), step_s,
-                                                  1), "damped"), damped_cases), 1e-5);
+  EXPECT_LT(
+      largest_error(
+          paths_of(make_baselines(damped_cases, damped_training, identity(), step_s, 1), "damped"),
+          damped_cases),
+      1e-5);
   const auto training = cases_of(400, 5, 1, rotated), cases = cases_of(6, 5, 2, rotated);
   // The ridge shrinks coefficients by its ratio to the variance of the states, 1e-3; states are up
   // to 4.
-  EXPECT_LT(largest_error(paths_of(make_baselines(cases, training, identity(), step_s, 1), "linear"),
-                          cases), 0.02);
+  EXPECT_LT(largest_error(
+                paths_of(make_baselines(cases, training, identity(), step_s, 1), "linear"), cases),
+            0.02);
 }
 
 TEST(Baselines, IgnoreUntrustedTrainingSteps) {

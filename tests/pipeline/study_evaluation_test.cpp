@@ -1,5 +1,5 @@
-// Evaluation cannot mislead: each model gets its own input, seeds are kept apart, no clip is seen by
-// a model, and what is compared is said.
+// Evaluation cannot mislead: each model gets its own input, seeds are kept apart, no clip is seen
+// by a model, and what is compared is said.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -69,8 +69,9 @@ Dataset coarser(Dataset data, int size) {
   std::vector<float> images;
   for (int frame = 0; frame < data.frames(); ++frame) {
     std::vector<float> image(static_cast<std::size_t>(size * size));
-    average.apply(std::span(data.tactile).subspan(static_cast<std::size_t>(frame * data.rows * data.cols),
-                                                  static_cast<std::size_t>(data.rows * data.cols)),
+    average.apply(std::span(data.tactile)
+                      .subspan(static_cast<std::size_t>(frame * data.rows * data.cols),
+                               static_cast<std::size_t>(data.rows * data.cols)),
                   image);
     images.insert(images.end(), image.begin(), image.end());
   }
@@ -104,7 +105,8 @@ TEST_F(Evaluation, SeedsOfOneModelAreOneRow) {
     }
   ASSERT_EQ(values.size(), 2u);
   EXPECT_NE(values[0], values[1]);
-  EXPECT_NEAR(row(document, "full").at("l1_at_50").get<double>(), (values[0] + values[1]) / 2, 1e-9);
+  EXPECT_NEAR(row(document, "full").at("l1_at_50").get<double>(), (values[0] + values[1]) / 2,
+              1e-9);
 }
 
 TEST_F(Evaluation, UntrustedLabelsReachNoMetric) {
@@ -124,7 +126,8 @@ TEST_F(Evaluation, UntrustedLabelsReachNoMetric) {
 TEST_F(Evaluation, UnseenRecordingIsUsedWhole) {
   const Dataset seen = synthetic_dataset(), unseen = synthetic_dataset({.seed = 2});
   const auto model = train(seen, "model");
-  const json known = evaluate({{"s", seen, {}}}, {model}), whole = evaluate({{"u", unseen, {}}}, {model});
+  const json known = evaluate({{"s", seen, {}}}, {model}),
+             whole = evaluate({{"u", unseen, {}}}, {model});
   EXPECT_EQ(row(known, "full").at("clips"), 5);
   EXPECT_EQ(row(whole, "full").at("clips"), 20);
   EXPECT_NE(whole.at("notes").dump().find("u"), std::string::npos);
@@ -155,7 +158,9 @@ TEST_F(Evaluation, ReportsMetresWithoutTheShiftOfTheTruth) {
   const auto model = train(data, "model");
   shift_truth(data, estimate_truth_offset(data));
   const json hold = row(evaluate({{"s", data, {}}}, {model}), "hold");
-  const auto error = [](const json& metrics) { return metrics.at("object_error_m_at_50").get<double>(); };
+  const auto error = [](const json& metrics) {
+    return metrics.at("object_error_m_at_50").get<double>();
+  };
   EXPECT_NEAR(error(hold), error(hold.at("against_labels")), 1e-6);
   EXPECT_GT(error(hold.at("against_unshifted_truth")), error(hold) + 1.0);
 }

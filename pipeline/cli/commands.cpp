@@ -13,7 +13,7 @@ const Program& touchtrace_program() {
        {"Simulate", {simulate_command(), objects_command(), parameters_command(), send_command()}},
        {"Process",
         {import_command(), check_command(), calibrate_command(), mark_command(), label_command(),
-         smooth_command(), train_command(), evaluate_command(), report_command()}},
+         smooth_command(), train_command(), evaluate_command(), predict_command(), report_command()}},
        {"Study", {plan_command()}}},
       {{"verify", "touchtrace-verify"}, {"sensitivity", "touchtrace-verify"}}};
   return program;

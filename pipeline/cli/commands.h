@@ -20,6 +20,7 @@ Command label_command();
 Command mark_command();
 Command objects_command();
 Command plan_command();
+Command predict_command();
 Command report_command();
 Command self_test_command();
 Command send_command();

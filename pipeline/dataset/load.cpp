@@ -12,7 +12,6 @@
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/recording/check.h"
 #include "pipeline/recording/clip_range.h"
-#include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording_file.h"
 
 namespace touchtrace {
@@ -51,12 +50,13 @@ bool is_finite(const State& state) {
 /// Adds one recording to a dataset.
 class RecordingLoader {
  public:
-  RecordingLoader(Dataset& dataset, const LabelledRecording& source, int number, int resolution)
+  RecordingLoader(Dataset& dataset, const LabelledRecording& source, Labels labels, int number,
+                  int resolution)
       : dataset_(dataset),
         source_(source),
         number_(number),
         reader_(source.recording),
-        labels_(read_labels(source.labels)) {
+        labels_(std::move(labels)) {
     check_labels();
     check_compatible(resolution);
   }
@@ -193,6 +193,12 @@ void RecordingLoader::add_clip(int clip, std::size_t first, std::size_t last) {
   }
 }
 
+void require_clips(const Dataset& dataset) {
+  if (dataset.sequences.empty())
+    throw data_error("the recordings have no usable labelled clip",
+                     "`touchtrace check` shows whether objects fell or tracks were lost");
+}
+
 }  // namespace
 
 Split split_of_clip(int clip_of_object) {
@@ -204,10 +210,17 @@ Split split_of_clip(int clip_of_object) {
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution) {
   Dataset dataset;
   for (std::size_t i = 0; i < sources.size(); ++i)
-    RecordingLoader(dataset, sources[i], static_cast<int>(i), resolution).add_clips();
-  if (dataset.sequences.empty())
-    throw data_error("the recordings have no usable labelled clip",
-                     "`touchtrace check` shows whether objects fell or tracks were lost");
+    RecordingLoader(dataset, sources[i], read_labels(sources[i].labels), static_cast<int>(i),
+                    resolution)
+        .add_clips();
+  require_clips(dataset);
+  return dataset;
+}
+
+Dataset load_dataset(const std::filesystem::path& recording, Labels labels, int resolution) {
+  Dataset dataset;
+  RecordingLoader(dataset, {recording, "labels"}, std::move(labels), 0, resolution).add_clips();
+  require_clips(dataset);
   return dataset;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/dataset/dataset.h"
+#include "pipeline/recording/labels.h"
 
 namespace touchtrace {
 
@@ -21,6 +22,8 @@ struct LabelledRecording {
 /// Throws data_error if a file is invalid, labels belong to another recording, activities, rates or
 /// gloves differ, or no clip remains; usage_error if `resolution` exceeds the glove's.
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution = 0);
+/// The same for one recording and labels in memory.
+Dataset load_dataset(const std::filesystem::path& recording, Labels labels, int resolution = 0);
 
 /// Split by whole clips, counted from 0 for each object of a recording: 1, 6, 11, ... evaluation
 /// (20 %), 3, 23, 43, ... validation (5 %), 8, 28, 48, ... calibration (5 %), others training.

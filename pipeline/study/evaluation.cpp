@@ -16,8 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double rate_tolerance = 0.01;
-
 bool all_have_truth(const std::vector<Session>& sessions) {
   return std::ranges::none_of(sessions,
                               [](const Session& session) { return session.data.truth.empty(); });

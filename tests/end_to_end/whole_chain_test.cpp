@@ -75,6 +75,35 @@ class WholeChain : public ::testing::TestWithParam<const char*> {
     fs::remove(at("python.json"));
   }
 
+  /// Predictions from labels and from a prior cover every clip; a prior has a wider band.
+  void expect_predictions() {
+    const std::string command =
+        "predict --recording " + at("scene.h5") + " --model " + at("full.safetensors");
+    const auto rows_of = [&](const std::string& options) {
+      run(command + options + " --output " + at("predicted.jsonl"));
+      std::vector<nlohmann::json> rows;
+      std::ifstream file(at("predicted.jsonl"));
+      for (std::string line; std::getline(file, line);) rows.push_back(nlohmann::json::parse(line));
+      fs::remove(at("predicted.jsonl"));
+      return rows;
+    };
+    const auto prior = rows_of(""), labelled = rows_of(" --labels " + at("labels.h5"));
+    ASSERT_FALSE(prior.empty());
+    ASSERT_EQ(prior.size(), labelled.size());
+    EXPECT_EQ(prior[0].at("start"), "prior");
+    EXPECT_EQ(labelled[0].at("start"), "label");
+    const auto width = [](const nlohmann::json& row) {
+      const auto& body = row.at("object");
+      return body.at("position_m_high")[0].get<double>() -
+             body.at("position_m_low")[0].get<double>();
+    };
+    EXPECT_GT(width(prior[0]), width(labelled[0]));
+    for (const auto& row : rows_of(" --labels " + at("labels.h5") + " --restart-steps 10")) {
+      EXPECT_EQ(row.at("start"), "label");
+      EXPECT_GT(width(row), 0.0);
+    }
+  }
+
   fs::path folder_;
 };
 
@@ -134,6 +163,7 @@ TEST_P(WholeChain, EndsInMetricsAndAReport) {
     EXPECT_NE(report.find(shown), std::string::npos) << shown << " is not in the report";
   }
   for (const char* model : {"full", "without_touch"}) expect_same_from_python(model);
+  expect_predictions();
   // Even 40 updates learn more than a path of another time knows.
   ASSERT_EQ(l1_at_20.size(), 7u) << "five baselines and two models";
   EXPECT_LT(l1_at_20.at("full"), l1_at_20.at("random"));

@@ -12,11 +12,11 @@
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/dataset/load.h"
 #include "pipeline/label/label.h"
-#include "pipeline/label/timeline.h"
 #include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/base/motion.h"
 #include "pipeline/study/truth.h"
+#include "pipeline/study/unlabelled.h"
 
 namespace touchtrace::study {
 namespace {
@@ -50,32 +50,6 @@ constexpr ActivityErrorModel measured_errors[] = {
       0.018,
       0.003}},
 };
-
-LabelledBody without_states(std::size_t labels) {
-  LabelledBody body;
-  for (auto* values : {&body.position_m, &body.velocity_m_per_s, &body.causal_position_m,
-                       &body.causal_velocity_m_per_s})
-    values->assign(3 * labels, 0.0);
-  body.covariance.assign(36 * labels, 0.0);
-  body.quality.assign(labels, quality_good);
-  return body;
-}
-
-/// Labels at the right times with zero states.
-Labels zero_labels(const Recording& recording) {
-  Labels labels;
-  labels.activity = recording.activity;
-  labels.clips = recording.clips;
-  for (const auto& frame : label::label_times(recording, label::align_glove(recording))) {
-    labels.time_s.push_back(frame.time_s);
-    labels.clip.push_back(frame.clip);
-    labels.glove_frame.push_back(frame.glove_frame);
-  }
-  labels.hand = labels.object = without_states(labels.time_s.size());
-  labels.summary = nlohmann::json::object();
-  labels.provenance = start_provenance("touchtrace/labels/1", "modelled");
-  return labels;
-}
 
 void attach_truth_at_delay(Dataset& data, const std::vector<LabelledRecording>& sources,
                            double delay_s) {
@@ -131,10 +105,9 @@ const LabelErrorModel& measured_label_error(const std::string& activity) {
 Dataset load_with_modelled_labels(const std::filesystem::path& recording,
                                   const LabelErrorModel& model, int resolution,
                                   std::uint64_t seed) {
-  const ScratchFolder folder;
-  const std::vector<LabelledRecording> sources{{recording, folder.path() / "labels.h5"}};
-  write_labels(sources[0].labels, zero_labels(RecordingReader(recording).recording()), false);
-  Dataset data = load_dataset(sources, resolution);
+  const std::vector<LabelledRecording> sources{{recording, {}}};
+  Dataset data =
+      load_dataset(recording, unlabelled(RecordingReader(recording).recording()), resolution);
   attach_truth_at_delay(data, sources, model.delay_s);
   data.label = data.causal_label = data.truth;
   add_label_noise(data, model, seed);

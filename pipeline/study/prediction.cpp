@@ -118,7 +118,7 @@ class Prediction {
                     const std::function<void(const json&)>& emit) {
     const Rollout rollout = roll_out(clip, segment);
     for (int step = 1; step <= segment.steps; ++step) {
-      State state, spread;
+      State state{}, spread{};
       for (int d = 0; d < state_size; ++d) {
         const std::size_t i = std::size_t(step - 1) * state_size + d;
         state[d] = rollout.state[i];

@@ -93,11 +93,11 @@ class Prediction {
  private:
   Dataset load(const PredictionOptions& options) const {
     const int resolution = card_.spec.touch ? card_.spec.rows : 0;
-    return options.labels.empty()
-               ? load_dataset(options.recording,
-                              unlabelled(RecordingReader(options.recording).recording()),
-                              resolution)
-               : load_dataset({{options.recording, options.labels}}, resolution);
+    if (!options.labels.empty())
+      return load_dataset(std::vector<LabelledRecording>{{options.recording, options.labels}},
+                          resolution);
+    return load_dataset(options.recording,
+                        unlabelled(RecordingReader(options.recording).recording()), resolution);
   }
 
   Rollout roll_out(const Sequence& clip, const Segment& segment) {

@@ -32,8 +32,7 @@ ExitCode run(const CollectOptions& options, const Invocation& invocation) {
 
 Command collect_command() {
   return make_command<CollectOptions>(
-      "collect",
-      "write a sweep's results: CSV, JSON, tables for a paper, curves for TensorBoard",
+      "collect", "write a sweep's results: CSV, JSON, tables for a paper, curves for TensorBoard",
       {"touchtrace collect out/quick",
        "touchtrace collect out/quick --metrics l1_at_20 l1_at_50 hausdorff"},
       run);

@@ -56,9 +56,8 @@ ExitCode run(const SweepOptions& options, const Invocation& invocation) {
   const auto commands = command_table();
   const auto cells = sweep::expand(sweep::read_study(options.study, options.changes, commands),
                                    commands, options.output);
-  const auto selected =
-      sweep::cells_of(options.shard.empty() ? sweep::Shard{} : sweep::parse_shard(options.shard),
-                      cells);
+  const auto selected = sweep::cells_of(
+      options.shard.empty() ? sweep::Shard{} : sweep::parse_shard(options.shard), cells);
   const auto jobs = static_cast<std::size_t>(options.jobs);
   if (options.dry_run) {
     const json rows = sweep::predict(cells, selected, options.output, jobs);
@@ -72,12 +71,14 @@ ExitCode run(const SweepOptions& options, const Invocation& invocation) {
   const auto summary = sweep::run_cells(cells, selected, jobs);
   json results = sweep::collect(options.output, {});
   if (invocation.json) {
-    results.update({{"done", summary.done}, {"reused", summary.reused},
-                    {"failed", summary.failed}, {"skipped", summary.skipped}});
+    results.update({{"done", summary.done},
+                    {"reused", summary.reused},
+                    {"failed", summary.failed},
+                    {"skipped", summary.skipped}});
     fmt::print("{}\n", results.dump(2));
   } else {
-    fmt::print("{}\n{} cells done, {} reused; results in {}\n",
-               results["table"].get<std::string>(), summary.done, summary.reused, options.output);
+    fmt::print("{}\n{} cells done, {} reused; results in {}\n", results["table"].get<std::string>(),
+               summary.done, summary.reused, options.output);
   }
   require_success(summary);
   return ExitCode::done;

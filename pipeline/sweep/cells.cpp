@@ -75,9 +75,9 @@ class Expansion {
 
   const std::string& require_known(const std::string& stage) const {
     if (std::ranges::find(known_, stage) == known_.end())
-      throw usage_error(fmt::format("'@{}' refers to no stage above this one", stage),
-                        known_.empty() ? "put the stage that it needs above it"
-                                       : suggestion(stage, known_));
+      throw usage_error(
+          fmt::format("'@{}' refers to no stage above this one", stage),
+          known_.empty() ? "put the stage that it needs above it" : suggestion(stage, known_));
     return stage;
   }
 
@@ -202,7 +202,8 @@ class Expansion {
 std::string Cell::name() const {
   std::string text = stage;
   for (const auto& [axis, value] : axes.items())
-    text += fmt::format(" {}={}", axis, value.is_string() ? value.get<std::string>() : value.dump());
+    text +=
+        fmt::format(" {}={}", axis, value.is_string() ? value.get<std::string>() : value.dump());
   return text;
 }
 

@@ -1,6 +1,5 @@
 #include "pipeline/sweep/claim.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -13,6 +12,7 @@
 #include <optional>
 
 #include "engine/base/error.h"
+#include "engine/base/files.h"
 
 namespace touchtrace::sweep {
 namespace {
@@ -50,19 +50,18 @@ fs::path claim_file(const fs::path& folder, int number) {
   return folder / fmt::format("{}{}", prefix, number);
 }
 
-/// Creates the file. Returns false if it exists.
+/// Creates the file with its content in one step. Returns false if it exists.
 bool create(const fs::path& file) {
-  const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (descriptor < 0 && errno == EEXIST) return false;
-  const auto text = fmt::format("{} {}\n", machine(), getpid());
-  const bool written = descriptor >= 0 && write(descriptor, text.data(), text.size()) ==
-                                              static_cast<ssize_t>(text.size());
-  const int error = errno;
-  if (descriptor >= 0) close(descriptor);
-  if (!written)
-    throw failure(fmt::format("cannot write {}: {}", file.string(), std::strerror(error)),
+  const auto owner = fmt::format("{} {}", machine(), getpid());
+  const auto unique = file.parent_path() / (".claim-" + sha256_of(owner).substr(0, 16) + ".tmp");
+  std::ofstream(unique) << owner << "\n";
+  const int error = link(unique.c_str(), file.c_str()) == 0 ? 0 : errno;
+  std::error_code ignored;
+  fs::remove(unique, ignored);
+  if (error != 0 && error != EEXIST)
+    throw failure(fmt::format("cannot create {}: {}", file.string(), std::strerror(error)),
                   "check that the disk is not full and the folder is writable");
-  return true;
+  return error == 0;
 }
 
 /// Whether the file names a process of this machine that has ended.

@@ -27,8 +27,8 @@ class Claim {
 /// Claims cells in a folder that processes of several machines share.
 ///
 /// A claim is abandoned if its process on this machine has ended, or if it has not been renewed for
-/// `abandoned_s`, measured by this machine's clock alone. Whoever creates "claim.N+1" first takes an
-/// abandoned "claim.N" over.
+/// `abandoned_s`, measured by this machine's clock alone. Whoever creates "claim.N+1" first takes
+/// an abandoned "claim.N" over.
 class Claims {
  public:
   explicit Claims(double abandoned_s = 60.0) : abandoned_s_(abandoned_s) {}

@@ -32,6 +32,12 @@ void write_curves(const fs::path& folder, const std::vector<FinishedCell>& cells
                  bytes, true);
 }
 
+/// Copies the report of a study that ends in one.
+void copy_page(const fs::path& root, const std::vector<FinishedCell>& cells) {
+  if (!cells.empty() && cells.back().output.extension() == ".html" && cells.back().axes.empty())
+    write_file(root / cells.back().output.filename(), read_file(cells.back().output), true);
+}
+
 std::vector<Row> cost_rows(const std::vector<FinishedCell>& cells) {
   std::vector<Row> rows;
   for (const FinishedCell& cell : cells)
@@ -75,6 +81,7 @@ json collect(const fs::path& root, const std::vector<std::string>& metrics) {
   write_file(root / "table.md", table, true);
   write_file(root / "table.tex", latex_of(summary), true);
   write_curves(root / "tensorboard", cells);
+  copy_page(root, cells);
   return {{"output", root.string()},
           {"rows", rows.size()},
           {"cells", cells.size()},

@@ -27,7 +27,8 @@ void require_type(const Option& option, const json& value) {
 }  // namespace
 
 const Option* find_option(const std::vector<Option>& options, const std::string& key) {
-  const auto option = std::ranges::find_if(options, [&](const Option& o) { return o.key() == key; });
+  const auto option =
+      std::ranges::find_if(options, [&](const Option& o) { return o.key() == key; });
   return option == options.end() ? nullptr : &*option;
 }
 
@@ -54,9 +55,9 @@ std::vector<std::string> arguments_of(const std::vector<Option>& options, const 
 
 std::string default_output(const std::string& command) {
   static const std::map<std::string, std::string> names{
-      {"simulate", "recording.h5"},    {"import", "recording.h5"},   {"calibrate", "camera"},
-      {"label", "labels.h5"},          {"train", "model.safetensors"},
-      {"evaluate", "metrics.json"},    {"report", "report.html"}};
+      {"simulate", "recording.h5"}, {"import", "recording.h5"},     {"calibrate", "camera"},
+      {"label", "labels.h5"},       {"train", "model.safetensors"}, {"evaluate", "metrics.json"},
+      {"report", "report.html"}};
   const auto name = names.find(command);
   return name == names.end() ? "output" : name->second;
 }

@@ -21,7 +21,8 @@ ordered_json parse(const fs::path& file) {
 }
 
 FinishedCell read_cell(const fs::path& folder, const ordered_json& entry) {
-  FinishedCell cell{entry.at("stage"), entry.at("axes"), parse(folder / "result.json")};
+  FinishedCell cell{entry.at("stage"), entry.at("axes"), parse(folder / "result.json"), 0.0,
+                    folder / entry.at("output").get<std::string>()};
   if (const auto file = folder / "seconds.json"; fs::exists(file))
     cell.wall_seconds = parse(file).value("wall_seconds", 0.0);
   return cell;
@@ -32,7 +33,10 @@ FinishedCell read_cell(const fs::path& folder, const ordered_json& entry) {
 void write_manifest(const fs::path& root, const std::vector<Cell>& cells) {
   json entries = json::array();
   for (const Cell& cell : cells)
-    entries.push_back({{"id", cell.id}, {"stage", cell.stage}, {"axes", cell.axes}});
+    entries.push_back({{"id", cell.id},
+                       {"stage", cell.stage},
+                       {"axes", cell.axes},
+                       {"output", cell.output.filename().string()}});
   write_file(root / "study.json", json{{"schema", schema}, {"cells", entries}}.dump(1) + "\n",
              true);
 }
@@ -40,9 +44,9 @@ void write_manifest(const fs::path& root, const std::vector<Cell>& cells) {
 FinishedCells read_finished_cells(const fs::path& root) {
   const auto file = root / "study.json";
   if (!fs::exists(file))
-    throw data_error(fmt::format("{} is not the folder of a sweep: it has no study.json",
-                                 root.string()),
-                     "give the --output of `touchtrace sweep`");
+    throw data_error(
+        fmt::format("{} is not the folder of a sweep: it has no study.json", root.string()),
+        "give the --output of `touchtrace sweep`");
   const auto document = parse(file);
   FinishedCells finished;
   try {

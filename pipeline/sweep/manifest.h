@@ -15,6 +15,7 @@ struct FinishedCell {
   std::string stage;
   nlohmann::ordered_json axes, result;
   double wall_seconds = 0.0;
+  std::filesystem::path output;
 };
 
 struct FinishedCells {
@@ -22,7 +23,8 @@ struct FinishedCells {
   std::size_t missing = 0;  ///< cells of the study that are not done
 };
 
-/// Reads the finished cells of `root`/study.json. Throws data_error for what is not a sweep's folder.
+/// Reads the finished cells of `root`/study.json. Throws data_error for what is not a sweep's
+/// folder.
 FinishedCells read_finished_cells(const std::filesystem::path& root);
 
 }  // namespace touchtrace::sweep

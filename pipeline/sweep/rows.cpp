@@ -1,17 +1,21 @@
 #include "pipeline/sweep/rows.h"
 
 #include <algorithm>
+#include <set>
 
 namespace touchtrace::sweep {
 namespace {
 
 using nlohmann::ordered_json;
 
+/// Differ from run to run.
+const std::set<std::string> costs{"wall_seconds", "cpu_seconds"};
+
 ordered_json scalars(const ordered_json& object) {
   auto fields = ordered_json::object();
   if (object.is_object())
     for (const auto& [name, value] : object.items())
-      if (value.is_primitive()) fields[name] = value;
+      if (value.is_primitive() && !costs.contains(name)) fields[name] = value;
   return fields;
 }
 
@@ -50,7 +54,7 @@ std::vector<Row> rows_of(const std::vector<FinishedCell>& cells) {
   std::vector<Row> rows;
   const bool listed = std::ranges::any_of(cells, has_results);
   for (const FinishedCell& cell : cells)
-    if (!listed)
+    if (!listed && cell.stage == cells.back().stage)
       rows.push_back(row_of(cell.axes, cell.result));
     else if (has_results(cell))
       for (const auto& result : cell.result["results"]) rows.push_back(row_of(cell.axes, result));
@@ -80,8 +84,8 @@ std::string csv_of(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     std::vector<std::string> texts;
     for (const auto& column : columns)
-      texts.push_back(
-          text_of(row.axes.contains(column) ? row.axes[column] : row.fields.value(column, ordered_json())));
+      texts.push_back(text_of(
+          row.axes.contains(column) ? row.axes[column] : row.fields.value(column, ordered_json())));
     text += line_of(texts);
   }
   return text;

@@ -62,8 +62,10 @@ class RunningCell {
   RunningCell(const Cell& cell, std::unique_ptr<Claim> claim)
       : cell_(cell), claim_(std::move(claim)) {
     fs::remove(failure_file(cell));
-    const json description{{"stage", cell.stage},     {"command", cell.command},
-                           {"axes", cell.axes},       {"options", cell.options},
+    const json description{{"stage", cell.stage},
+                           {"command", cell.command},
+                           {"axes", cell.axes},
+                           {"options", cell.options},
                            {"version", version}};
     write_file(cell.folder / "cell.json", description.dump(1) + "\n", true);
     process_.emplace(child_arguments(cell), stdout_file(), log_file());
@@ -71,7 +73,8 @@ class RunningCell {
 
   /// New state of the cell.
   State poll() {
-    if (Clock::now() >= next_renewal_) claim_->renew(), next_renewal_ = Clock::now() + renewal_period;
+    if (Clock::now() >= next_renewal_)
+      claim_->renew(), next_renewal_ = Clock::now() + renewal_period;
     const auto result = process_->poll();
     if (!result) return State::running;
     return result->succeeded() ? finish(*result) : fail(*result);
@@ -83,9 +86,10 @@ class RunningCell {
   fs::path log_file() const { return cell_.folder / "log.txt"; }
 
   State finish(const ChildResult& result) const {
-    write_file(cell_.folder / "seconds.json",
-               json{{"wall_seconds", result.wall_seconds}, {"cpu_seconds", result.cpu_seconds}}.dump(),
-               true);
+    write_file(
+        cell_.folder / "seconds.json",
+        json{{"wall_seconds", result.wall_seconds}, {"cpu_seconds", result.cpu_seconds}}.dump(),
+        true);
     write_file(cell_.result(), read_file(stdout_file()), true);
     fs::remove(stdout_file());
     return State::done;
@@ -149,7 +153,8 @@ class Run {
   State next_state(std::size_t i) {
     const auto& inputs = cells_[i].inputs;
     const auto any = [&](State state) {
-      return std::ranges::any_of(inputs, [&](std::size_t input) { return states_[input] == state; });
+      return std::ranges::any_of(inputs,
+                                 [&](std::size_t input) { return states_[input] == state; });
     };
     if (any(State::failed) || any(State::skipped)) return State::skipped;
     if (any(State::waiting) || any(State::running)) return State::waiting;

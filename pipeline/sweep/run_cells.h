@@ -23,9 +23,9 @@ struct SweepSummary {
   std::size_t skipped = 0;  ///< an input has failed
 };
 
-/// Runs the selected cells that are not done, in child processes of this program, at most `jobs` at a
-/// time. Prints the messages of those that fail, and runs the others to the end. Other processes may
-/// run cells of the same folder. An interrupt ends the children and is thrown.
+/// Runs the selected cells that are not done, in child processes of this program, at most `jobs` at
+/// a time. Prints the messages of those that fail, and runs the others to the end. Other processes
+/// may run cells of the same folder. An interrupt ends the children and is thrown.
 SweepSummary run_cells(const std::vector<Cell>& cells, const std::vector<bool>& selected,
                        std::size_t jobs);
 

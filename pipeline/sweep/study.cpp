@@ -16,7 +16,7 @@ using nlohmann::json;
 /// Keys of a stage that are not options of its command.
 const std::set<std::string> own_keys{"command", "gather", "output"};
 /// Options that the sweep sets itself.
-const std::set<std::string> reserved{"output", "json", "overwrite", "quiet",
+const std::set<std::string> reserved{"output", "json",   "overwrite", "quiet",
                                      "config", "resume", "help"};
 
 const Option& require_option(const std::vector<Option>& options, const std::string& key) {

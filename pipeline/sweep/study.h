@@ -34,8 +34,8 @@ struct Study {
   std::vector<Stage> stages;
 };
 
-/// Reads a study from a TOML file. `changes`: "STAGE.OPTION=VALUE[,VALUE...]", where FIRST:LAST is a
-/// range of whole numbers. Throws usage_error for what is not a study.
+/// Reads a study from a TOML file. `changes`: "STAGE.OPTION=VALUE[,VALUE...]", where FIRST:LAST is
+/// a range of whole numbers. Throws usage_error for what is not a study.
 Study read_study(const std::filesystem::path& file, const std::vector<std::string>& changes,
                  const CommandTable& commands);
 

@@ -96,9 +96,8 @@ std::vector<StageTable> read_stage_tables(const std::filesystem::path& file) {
   std::vector<std::pair<toml::source_index, StageTable>> found;
   for (const auto& [key, node] : document) {
     if (!node.is_table())
-      throw usage_error(
-          fmt::format("{}: key '{}' is outside any table", file.string(), key.str()),
-          "put it below a stage, e.g. [simulate]");
+      throw usage_error(fmt::format("{}: key '{}' is outside any table", file.string(), key.str()),
+                        "put it below a stage, e.g. [simulate]");
     found.push_back(
         {node.source().begin.line, {std::string(key.str()), json_of(*node.as_table())}});
   }

@@ -29,8 +29,8 @@ bool is_key(const std::vector<Row>& rows, const std::string& column) {
 
 bool is_metric(const std::vector<Row>& rows, const std::string& column) {
   return !is_key(rows, column) && std::ranges::any_of(rows, [&](const Row& row) {
-           return row.fields.value(column, ordered_json()).is_number();
-         });
+    return row.fields.value(column, ordered_json()).is_number();
+  });
 }
 
 Statistic statistic_of(const std::vector<double>& values) {
@@ -88,8 +88,7 @@ std::vector<std::string> header_of(const Summary& summary) {
 std::vector<std::string> latex_cells(const Summary::Group& group) {
   std::vector<std::string> cells;
   for (const auto& key : group.keys) cells.push_back(latex(key));
-  for (const auto& metric : group.metrics)
-    cells.push_back("$" + text_of(metric, "\\pm") + "$");
+  for (const auto& metric : group.metrics) cells.push_back("$" + text_of(metric, "\\pm") + "$");
   cells.push_back(std::to_string(group.rows));
   return cells;
 }
@@ -131,10 +130,10 @@ std::string markdown_of(const Summary& summary) {
 std::string latex_of(const Summary& summary) {
   std::vector<std::string> header;
   for (const auto& name : header_of(summary)) header.push_back(latex(name));
-  std::string text = fmt::format("\\begin{{tabular}}{{{}{}}}\n\\hline\n{} \\\\\n\\hline\n",
-                                 std::string(summary.keys.size(), 'l'),
-                                 std::string(summary.metrics.size() + 1, 'r'),
-                                 fmt::join(header, " & "));
+  std::string text =
+      fmt::format("\\begin{{tabular}}{{{}{}}}\n\\hline\n{} \\\\\n\\hline\n",
+                  std::string(summary.keys.size(), 'l'),
+                  std::string(summary.metrics.size() + 1, 'r'), fmt::join(header, " & "));
   for (const auto& group : summary.groups)
     text += fmt::format("{} \\\\\n", fmt::join(latex_cells(group), " & "));
   return text + "\\hline\n\\end{tabular}\n";

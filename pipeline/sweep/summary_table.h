@@ -23,8 +23,8 @@ struct Summary {
   std::vector<Group> groups;
 };
 
-/// Summary of the rows. `metrics`: fields to include; empty: all that are numbers. Texts with a slash
-/// are taken for paths and left out. Throws usage_error for an unknown metric.
+/// Summary of the rows. `metrics`: fields to include; empty: all that are numbers. Texts with a
+/// slash are taken for paths and left out. Throws usage_error for an unknown metric.
 Summary summarize(const std::vector<Row>& rows, const std::vector<std::string>& metrics);
 
 /// Table with "mean +- std" to three decimals and the number of rows.

@@ -30,6 +30,19 @@ std::vector<std::string> command_names(const Program& program) {
   return names;
 }
 
+void require_given(const std::vector<Option>& options, const std::string& usage,
+                   const std::string& help) {
+  for (const Option& option : options)
+    if (option.required && option.is_empty())
+      throw usage_error(fmt::format("missing {}; usage: {}",
+                                    option.positional ? option.label()
+                                                      : option.label() + " " + option.placeholder,
+                                    usage),
+                        help);
+}
+
+}  // namespace
+
 const Command& find_command(const Program& program, const std::string& name) {
   for (const auto& group : program.groups)
     for (const auto& command : group.commands)
@@ -43,20 +56,9 @@ const Command& find_command(const Program& program, const std::string& name) {
       program.name + " --help lists all commands");
 }
 
-void require_given(const std::vector<Option>& options, const std::string& usage,
-                   const std::string& help) {
-  for (const Option& option : options)
-    if (option.required && option.is_empty())
-      throw usage_error(fmt::format("missing {}; usage: {}",
-                                    option.positional ? option.label()
-                                                      : option.label() + " " + option.placeholder,
-                                    usage),
-                        help);
-}
-
-ExitCode run_command(const Program& program, const Command& command, const Arguments& arguments) {
-  CommonValues values;
-  const auto [own, options] = describe_options(command, values);
+OptionSet parse_options(const Program& program, const Command& command,
+                        const std::vector<std::string>& arguments, CommonValues& values) {
+  auto [own, options] = describe_options(command, values);
   const std::string help_hint = fmt::format("{} {} --help", program.name, command.name);
   const auto given = parse_arguments(arguments, options, help_hint + " lists the options");
   if (!values.configuration_file.empty())
@@ -65,8 +67,15 @@ ExitCode run_command(const Program& program, const Command& command, const Argum
   require_given(options, usage_line(program.name, command, options),
                 help_hint + " describes the options");
   own.validate();
+  return own;
+}
+
+namespace {
+
+ExitCode run_command(const Program& program, const Command& command, const Arguments& arguments) {
+  CommonValues values;
+  values.invocation.options = parse_options(program, command, arguments, values).values();
   if (values.quiet) Progress::silence();
-  values.invocation.options = own.values();
   return command.run(values.invocation);
 }
 

@@ -11,6 +11,7 @@ const Program& touchtrace_program();
 Command parameters_command();
 Command calibrate_command();
 Command check_command();
+Command collect_command();
 Command devices_command();
 Command doctor_command();
 Command evaluate_command();
@@ -26,6 +27,7 @@ Command self_test_command();
 Command send_command();
 Command simulate_command();
 Command smooth_command();
+Command sweep_command();
 Command train_command();
 Command tune_command();
 

@@ -25,6 +25,13 @@ struct CommandOptions {
 /// Resets and describes the options of a command. `values` must outlive them.
 CommandOptions describe_options(const Command& command, CommonValues& values);
 
+/// Command by its name or a former one. Throws usage_error.
+const Command& find_command(const Program& program, const std::string& name);
+
+/// Sets the options of a command from its arguments and checks them. Throws usage_error.
+OptionSet parse_options(const Program& program, const Command& command,
+                        const std::vector<std::string>& arguments, CommonValues& values);
+
 /// "-o,--output FILE" or "RECORDING", as the help lists it.
 std::string signature(const Option& option);
 

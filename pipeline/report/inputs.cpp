@@ -49,7 +49,11 @@ ReportInputs find_inputs(const fs::path& folder) {
   ReportInputs inputs;
   for (const auto& file : files_of(folder)) add_file(inputs, file);
   const auto combined = std::ranges::find(inputs.metrics, folder / "metrics.json");
-  if (combined != inputs.metrics.end()) inputs.metrics = {*combined};
+  if (combined == inputs.metrics.end()) return inputs;
+  if (fs::exists(folder / "study.json"))
+    inputs.metrics.erase(combined);  // a sweep's summary of the others
+  else
+    inputs.metrics = {*combined};
   return inputs;
 }
 

@@ -60,6 +60,7 @@ const std::map<std::string, std::set<std::string>>& allowed() {
       {"pipeline/label", with(shared, {"calib/board", "calib/camera", "calib/rgbd", "calib/smooth",
                                        "pipeline/label/observe", "pipeline/label/estimate"})},
       {"pipeline/report", shared},
+      {"pipeline/sweep", {"engine/base"}},
   };
   return modules;
 }

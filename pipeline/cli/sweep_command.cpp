@@ -1,0 +1,99 @@
+#include <fmt/core.h>
+
+#include "pipeline/cli/command_table.h"
+#include "pipeline/cli/commands.h"
+#include "pipeline/sweep/collect.h"
+#include "pipeline/sweep/manifest.h"
+#include "pipeline/sweep/prediction.h"
+#include "pipeline/sweep/run_cells.h"
+
+namespace touchtrace::cli {
+namespace {
+
+using nlohmann::json;
+
+struct SweepOptions {
+  std::string study, output, shard;
+  std::vector<std::string> changes;
+  int jobs = 1;
+  bool dry_run = false;
+};
+
+void describe(OptionSet& set, SweepOptions& o) {
+  set.input("study", o.study, "stages with their options (.toml), see pipeline/sweep/README.md");
+  set.path("output", o.output, "folder of the cells and results; several machines may share it")
+      .value("DIR");
+  set.texts("set", o.changes, "options in place of the study's, e.g. train.seed=1:5")
+      .value("STAGE.OPTION=VALUES");
+  set.flag("dry-run", o.dry_run, "check the study, print its cells and the predicted time");
+  set.integer("jobs", o.jobs, "cells that run at a time", 1, 1024);
+  set.text("shard", o.shard, "run part I of N of every stage's cells, with what they need")
+      .value("I/N");
+}
+
+std::string time_text(const json& seconds) {
+  if (seconds.is_null()) return "unknown";
+  const auto whole = static_cast<long>(seconds.get<double>() + 0.5);
+  return fmt::format("{}:{:02d}:{:02d}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+void print_prediction(const json& rows) {
+  fmt::print("{:<16} {:>7} {:>7} {:>12}\n", "stage", "cells", "done", "time left");
+  for (const json& row : rows)
+    fmt::print("{:<16} {:>7} {:>7} {:>12}\n", row["stage"].get<std::string>(),
+               row["cells"].get<int>(), row["done"].get<int>(),
+               time_text(row["predicted_seconds"]));
+}
+
+void require_success(const sweep::SweepSummary& summary) {
+  if (summary.failed == 0) return;
+  throw failure(fmt::format("{} cells failed, {} that need them were skipped", summary.failed,
+                            summary.skipped),
+                "correct the cause and run the same command again: finished cells are kept");
+}
+
+ExitCode run(const SweepOptions& options, const Invocation& invocation) {
+  const auto commands = command_table();
+  const auto cells = sweep::expand(sweep::read_study(options.study, options.changes, commands),
+                                   commands, options.output);
+  const auto selected = sweep::cells_of(
+      options.shard.empty() ? sweep::Shard{} : sweep::parse_shard(options.shard), cells);
+  const auto jobs = static_cast<std::size_t>(options.jobs);
+  if (options.dry_run) {
+    const json rows = sweep::predict(cells, selected, options.output, jobs);
+    if (invocation.json)
+      fmt::print("{}\n", json{{"stages", rows}}.dump(2));
+    else
+      print_prediction(rows);
+    return ExitCode::done;
+  }
+  sweep::write_manifest(options.output, cells);
+  const auto summary = sweep::run_cells(cells, selected, jobs);
+  json results = sweep::collect(options.output, {});
+  if (invocation.json) {
+    results.update({{"done", summary.done},
+                    {"reused", summary.reused},
+                    {"failed", summary.failed},
+                    {"skipped", summary.skipped}});
+    fmt::print("{}\n", results.dump(2));
+  } else {
+    fmt::print("{}\n{} cells done, {} reused; results in {}\n", results["table"].get<std::string>(),
+               summary.done, summary.reused, options.output);
+  }
+  require_success(summary);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Command sweep_command() {
+  return make_command<SweepOptions>(
+      "sweep", "run a study: commands over grids of options, resumable and shared by machines",
+      {"touchtrace sweep scripts/studies/quick.toml --output out/quick --dry-run",
+       "touchtrace sweep scripts/studies/quick.toml --output out/quick --jobs 2",
+       "touchtrace sweep study.toml --output out --set train.seed=1:5 train.resolution=32,16,8",
+       "touchtrace sweep study.toml --output shared/out --shard 1/4"},
+      run, {.quiet = true});
+}
+
+}  // namespace touchtrace::cli

@@ -1,0 +1,40 @@
+#include "pipeline/sweep/cell_identity.h"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <set>
+
+#include "engine/base/files.h"
+#include "engine/base/version.h"
+
+namespace touchtrace::sweep {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json outside_identity(const json& value) {
+  std::error_code error;  // a text that cannot be a path is no path
+  if (!value.is_string()) return value;
+  const fs::path path = value.get<std::string>();
+  if (fs::is_regular_file(path, error)) return "sha256:" + sha256_of_file(path);
+  if (!fs::is_directory(path, error)) return value;
+  std::set<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(path))
+    if (entry.is_regular_file()) files.insert(entry.path().string());
+  std::string text;
+  for (const auto& file : files)
+    text += fs::relative(file, path).string() + '\0' + sha256_of_file(file) + '\n';
+  return "sha256:" + sha256_of(text);
+}
+
+std::string cell_id(const std::string& command, const json& identity,
+                    const std::vector<Option>& options, const CommandTable& commands) {
+  json values = commands.values(command, arguments_of(options, identity));
+  for (const auto& [key, value] : identity.items())
+    if (!values.contains(key)) values[key] = value;
+  const json origin{{"command", command}, {"options", values}, {"version", version}};
+  return fmt::format("{}-{}", command, sha256_of(origin.dump()).substr(0, 16));
+}
+
+}  // namespace touchtrace::sweep

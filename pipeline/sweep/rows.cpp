@@ -1,0 +1,94 @@
+#include "pipeline/sweep/rows.h"
+
+#include <algorithm>
+#include <set>
+
+namespace touchtrace::sweep {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Differ from run to run.
+const std::set<std::string> costs{"wall_seconds", "cpu_seconds"};
+
+ordered_json scalars(const ordered_json& object) {
+  auto fields = ordered_json::object();
+  if (object.is_object())
+    for (const auto& [name, value] : object.items())
+      if (value.is_primitive() && !costs.contains(name)) fields[name] = value;
+  return fields;
+}
+
+Row row_of(const ordered_json& axes, const ordered_json& result) {
+  Row row{ordered_json::object(), scalars(result)};
+  for (const auto& [name, value] : axes.items()) {
+    const auto field = row.fields.find(name);
+    const bool differs = field != row.fields.end() && *field != value;
+    row.axes[differs ? "axis." + name : name] = value;
+    if (!differs && field != row.fields.end()) row.fields.erase(name);
+  }
+  return row;
+}
+
+bool has_results(const FinishedCell& cell) {
+  return cell.result.is_object() && cell.result.contains("results") &&
+         cell.result["results"].is_array();
+}
+
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
+  return result + "\"";
+}
+
+std::string line_of(const std::vector<std::string>& texts) {
+  std::string line;
+  for (const auto& text : texts) line += (&text == texts.data() ? "" : ",") + quoted(text);
+  return line + "\n";
+}
+
+}  // namespace
+
+std::vector<Row> rows_of(const std::vector<FinishedCell>& cells) {
+  std::vector<Row> rows;
+  const bool listed = std::ranges::any_of(cells, has_results);
+  for (const FinishedCell& cell : cells)
+    if (!listed && cell.stage == cells.back().stage)
+      rows.push_back(row_of(cell.axes, cell.result));
+    else if (has_results(cell))
+      for (const auto& result : cell.result["results"]) rows.push_back(row_of(cell.axes, result));
+  return rows;
+}
+
+bool is_seed(const std::string& axis) { return axis == "seed" || axis.ends_with(".seed"); }
+
+std::vector<std::string> columns_of(const std::vector<Row>& rows) {
+  std::vector<std::string> columns;
+  for (const auto part : {&Row::axes, &Row::fields})
+    for (const Row& row : rows)
+      for (const auto& entry : (row.*part).items())
+        if (std::ranges::find(columns, entry.key()) == columns.end())
+          columns.push_back(entry.key());
+  return columns;
+}
+
+std::string text_of(const ordered_json& value) {
+  if (value.is_null()) return "";
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+std::string csv_of(const std::vector<Row>& rows) {
+  const auto columns = columns_of(rows);
+  std::string text = line_of(columns);
+  for (const Row& row : rows) {
+    std::vector<std::string> texts;
+    for (const auto& column : columns)
+      texts.push_back(text_of(
+          row.axes.contains(column) ? row.axes[column] : row.fields.value(column, ordered_json())));
+    text += line_of(texts);
+  }
+  return text;
+}
+
+}  // namespace touchtrace::sweep

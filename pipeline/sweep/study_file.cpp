@@ -1,0 +1,127 @@
+#include "pipeline/sweep/study_file.h"
+
+#include <fmt/core.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <sstream>
+
+#include "engine/base/error.h"
+#include "engine/base/files.h"
+#include "engine/base/text.h"
+
+namespace touchtrace::sweep {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::int64_t max_range = 100'000;
+
+json json_of(const toml::table& table) {
+  std::ostringstream text;
+  text << toml::json_formatter(table);
+  return json::parse(text.str());
+}
+
+toml::table parse(const std::filesystem::path& file) {
+  try {
+    return toml::parse(read_file(file, 1 << 20), file.string());
+  } catch (const toml::parse_error& error) {
+    throw usage_error(
+        fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()),
+        "the file must be TOML 1.0");
+  }
+}
+
+bool parse_whole(std::string_view text, std::int64_t& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+/// Number, boolean or quoted text as TOML; anything else is a text.
+json value_of(const std::string& text) {
+  try {
+    const json value = json_of(toml::parse("value = " + text))["value"];
+    if (value.is_number() || value.is_boolean() || value.is_string()) return value;
+  } catch (const toml::parse_error&) {
+  }
+  return text;
+}
+
+json values_of(const std::string& text) {
+  json values = json::array();
+  for (const auto& part : split_text(text, ',')) {
+    const auto colon = part.find(':');
+    std::int64_t first = 0, last = 0;
+    if (colon == std::string::npos || !parse_whole(part.substr(0, colon), first) ||
+        !parse_whole(part.substr(colon + 1), last)) {
+      values.push_back(value_of(part));
+      continue;
+    }
+    if (last < first || last >= max_range || first <= -max_range)
+      throw usage_error(fmt::format("'{}' is not a range", part), "give FIRST:LAST, e.g. 1:5");
+    for (; first <= last; ++first) values.push_back(first);
+  }
+  return values;
+}
+
+/// Keeps the named cases only.
+json selected(const json& cases, const json& names) {
+  json kept = json::object();
+  std::vector<std::string> known;
+  for (const auto& [name, options] : cases.items()) known.push_back(name);
+  for (const json& name : names) {
+    const auto text = name.is_string() ? name.get<std::string>() : name.dump();
+    if (!cases.contains(text))
+      throw usage_error(fmt::format("unknown case '{}'", text), suggestion(text, known));
+    kept[text] = cases[text];
+  }
+  return kept;
+}
+
+json& find_table(std::vector<StageTable>& tables, const std::string& name) {
+  std::vector<std::string> names;
+  for (auto& [known, table] : tables) {
+    if (known == name) return table;
+    names.push_back(known);
+  }
+  throw usage_error(fmt::format("unknown stage '{}'", name), suggestion(name, names));
+}
+
+}  // namespace
+
+std::vector<StageTable> read_stage_tables(const std::filesystem::path& file) {
+  const toml::table document = parse(file);
+  std::vector<std::pair<toml::source_index, StageTable>> found;
+  for (const auto& [key, node] : document) {
+    if (!node.is_table())
+      throw usage_error(fmt::format("{}: key '{}' is outside any table", file.string(), key.str()),
+                        "put it below a stage, e.g. [simulate]");
+    found.push_back(
+        {node.source().begin.line, {std::string(key.str()), json_of(*node.as_table())}});
+  }
+  if (found.empty())
+    throw usage_error(fmt::format("{} has no stages", file.string()),
+                      "a stage is a table named after a command, e.g. [simulate]");
+  std::ranges::sort(found, {}, [](const auto& entry) { return entry.first; });
+  std::vector<StageTable> tables;
+  for (auto& [line, table] : found) tables.push_back(std::move(table));
+  return tables;
+}
+
+void apply_change(std::vector<StageTable>& tables, const std::string& change) {
+  const auto equals = change.find('='), dot = change.find('.');
+  if (equals == std::string::npos || dot > equals)
+    throw usage_error(fmt::format("cannot set '{}'", change),
+                      "give STAGE.OPTION=VALUES, e.g. train.seed=1:3");
+  json& table = find_table(tables, change.substr(0, dot));
+  const std::string key = change.substr(dot + 1, equals - dot - 1);
+  const json values = values_of(change.substr(equals + 1));
+  if (table.contains(key) && table[key].is_object())
+    table[key] = selected(table[key], values);
+  else
+    table[key] = values.size() == 1 ? values[0] : values;
+}
+
+}  // namespace touchtrace::sweep

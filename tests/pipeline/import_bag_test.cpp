@@ -70,8 +70,7 @@ TEST_F(ImportBag, ChoosesTopicsOfBags) {
 
 std::string lz4_frame(const std::string& bytes) {
   std::string frame(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
-  frame.resize(
-      LZ4F_compressFrame(frame.data(), frame.size(), bytes.data(), bytes.size(), nullptr));
+  frame.resize(LZ4F_compressFrame(frame.data(), frame.size(), bytes.data(), bytes.size(), nullptr));
   return frame;
 }
 

@@ -142,9 +142,8 @@ TEST_P(GloveParserTest, DetectsInsertedBytes) {
 TEST_P(GloveParserTest, DetectsBytesOfAnotherAlphabet) {
   if (protocol.name == "mit-rows" || protocol.name == "wiresens" || protocol.name == "jq20")
     GTEST_SKIP() << "any byte may be part of a count";
-  survive(protocol, glove, bytes, [](std::string& text, std::size_t at, RandomStream&) {
-    text[at] = '\xff';
-  });
+  survive(protocol, glove, bytes,
+          [](std::string& text, std::size_t at, RandomStream&) { text[at] = '\xff'; });
 }
 
 TEST_P(GloveParserTest, FindsTheStreamAgainAfterGarbage) {

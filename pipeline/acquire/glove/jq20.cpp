@@ -19,8 +19,8 @@ std::string header_of(std::uint8_t packet) {
 class Jq20Parser : public PacketParser {
  public:
   Jq20Parser(const GloveInfo& info, FrameSink sink)
-      : PacketParser(info, std::move(sink),
-                     first_bytes + header_bytes + half_taxels + imu_bytes, 1, marker_bytes),
+      : PacketParser(info, std::move(sink), first_bytes + header_bytes + half_taxels + imu_bytes, 1,
+                     marker_bytes),
         frame_(taxels()) {}
 
  private:

@@ -51,9 +51,9 @@ class PacketParser : public GloveParser {
   std::uint64_t modulus_;
   std::vector<std::uint8_t> buffer_;  ///< its bytes [begin_, end_) are not parsed yet
   std::size_t begin_ = 0, end_ = 0;
-  std::size_t needed_;         ///< bytes for the next decision
-  double head_time_s_ = 0.0;   ///< arrival of the last byte of the packet at begin_
-  std::size_t skipped_ = 0;    ///< bytes since the last packet
+  std::size_t needed_;        ///< bytes for the next decision
+  double head_time_s_ = 0.0;  ///< arrival of the last byte of the packet at begin_
+  std::size_t skipped_ = 0;   ///< bytes since the last packet
   std::optional<std::uint64_t> last_number_;
 };
 

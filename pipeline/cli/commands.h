@@ -20,6 +20,8 @@ Command label_command();
 Command mark_command();
 Command objects_command();
 Command plan_command();
+Command record_command();
+Command recover_command();
 Command report_command();
 Command self_test_command();
 Command send_command();

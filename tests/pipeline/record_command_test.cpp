@@ -7,15 +7,14 @@
 #include "pipeline/acquire/record/log.h"
 #include "pipeline/acquire/transport/transport.h"
 #include "pipeline/cli/commands.h"
+#include "tests/pipeline/import_samples.h"
 #include "tests/pipeline/recording_samples.h"
 #include "tests/support/pseudo_terminal.h"
 
 namespace touchtrace {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::PseudoTerminal;
-using testing::TemporaryFolder;
 
 int run(std::vector<std::string> arguments) {
   std::vector<const char*> argv{"touchtrace"};
@@ -140,6 +139,53 @@ TEST(RecordCommand, ContinuesWhenTheGloveIsPluggedInAgain) {
   EXPECT_GT(reader.recording().clips[1].start_s - reader.recording().clips[0].end_s, 0.3);
   // 0.75 s without frames at the nominal 50 Hz.
   EXPECT_NEAR(static_cast<double>(read.sequence[30] - read.sequence[29]), 40.0, 15.0);
+}
+
+/// Replays images while a device on a pseudo-terminal sends frames.
+TEST(RecordCommand, RecordsGloveAndCameraTogether) {
+  const TemporaryFolder folder;
+  const PseudoTerminal device;
+  const GloveStream glove = device_frames(40);
+  write_import_tum(folder / "images");
+  std::thread sender([&] {
+    wait_for(folder / "a.h5.log");
+    send(device, "mit-rows", glove, 0, 40);
+    std::raise(SIGINT);
+  });
+  auto all = arguments(device.path(), "mit-rows", folder / "a.h5");
+  all.insert(all.end(), {"--camera", (folder / "images").string()});
+  const auto summary = json_of(all);
+  sender.join();
+  EXPECT_EQ(summary["glove_frames"], 40u);
+  EXPECT_EQ(summary["color_images"], std::size_t{import_frames});
+  EXPECT_EQ(summary["depth_images"], std::size_t{import_frames});
+  const RecordingReader reader(folder / "a.h5");
+  const Recording& recording = reader.recording();
+  EXPECT_EQ(recording.gloves.at(0).counts, glove.counts);
+  ASSERT_EQ(recording.camera_times.frames(), std::size_t{import_frames});
+  EXPECT_NEAR(recording.camera_times.host_time_s[3] - recording.camera_times.host_time_s[0], 0.1,
+              1e-5);
+  EXPECT_LT(std::abs(recording.camera_times.host_time_s[0] - recording.gloves[0].host_time_s[0]),
+            1.0);
+  EXPECT_DOUBLE_EQ(recording.camera.depth_unit_m, 1.0 / 5000.0);
+  EXPECT_TRUE(recording.camera.is_registered);
+  ASSERT_TRUE(recording.camera.color_camera);
+  EXPECT_DOUBLE_EQ(recording.camera.color_camera->fx, 7.0);
+  for (int i = 0; i < import_frames; ++i) {
+    const RgbdFrame frame = reader.read_camera_frame(static_cast<std::size_t>(i));
+    EXPECT_EQ(frame.color[3], 100 + i) << "red comes first";
+    EXPECT_EQ(frame.depth[2 * import_width + 3], 5000 + 5 * i);
+  }
+}
+
+TEST(RecordCommand, RecordsACameraAlone) {
+  const TemporaryFolder folder;
+  write_import_tum(folder / "images");
+  const auto summary = json_of({"record", "--camera", (folder / "images").string(), "--output",
+                                (folder / "a.h5").string(), "--speed", "0"});
+  EXPECT_EQ(summary["color_images"], std::size_t{import_frames});
+  EXPECT_EQ(RecordingReader(folder / "a.h5").recording().clips.size(), 1u);
+  EXPECT_EQ(run({"record", "--camera", "/dev/null", "--output", (folder / "b.h5").string()}), 3);
 }
 
 TEST(RecordCommand, ReplaysAFile) {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "calib/rgbd/calibration.h"
 #include "engine/base/error.h"
 
 namespace touchtrace {
@@ -14,14 +15,33 @@ nlohmann::json describe_glove(const GloveInfo& glove) {
           {"rate_hz", glove.rate_hz}, {"bits", glove.bits}, {"polarity", glove.polarity}};
 }
 
+/// Cameras that a driver or file describes, as in calibration.json.
+nlohmann::json describe_lenses(const CameraInfo& camera) {
+  RgbdCalibration calibration;
+  calibration.color = *camera.color_camera;
+  calibration.depth = camera.depth_camera;
+  calibration.depth_from_color = camera.depth_from_color.value_or(Eigen::Isometry3d::Identity());
+  return {{"calibration", calibration_json(calibration)},
+          {"is_pose_known", camera.depth_from_color.has_value()}};
+}
+
+void parse_lenses(const nlohmann::json& json, CameraInfo& camera) {
+  const RgbdCalibration calibration = calibration_from_json(json.at("calibration"));
+  camera.color_camera = calibration.color;
+  camera.depth_camera = calibration.depth;
+  if (json.at("is_pose_known").get<bool>()) camera.depth_from_color = calibration.depth_from_color;
+}
+
 nlohmann::json describe_camera(const CameraInfo& camera) {
-  return {{"width", camera.width},
-          {"height", camera.height},
-          {"rate_hz", camera.rate_hz},
-          {"depth_unit_m", camera.depth_unit_m},
-          {"depth_width", camera.depth_width},
-          {"depth_height", camera.depth_height},
-          {"registered", camera.is_registered}};
+  nlohmann::json json{{"width", camera.width},
+                      {"height", camera.height},
+                      {"rate_hz", camera.rate_hz},
+                      {"depth_unit_m", camera.depth_unit_m},
+                      {"depth_width", camera.depth_width},
+                      {"depth_height", camera.depth_height},
+                      {"registered", camera.is_registered}};
+  if (camera.color_camera) json["lenses"] = describe_lenses(camera);
+  return json;
 }
 
 int number_between(const nlohmann::json& json, const char* key, int minimum, int maximum) {
@@ -60,6 +80,7 @@ CameraInfo parse_camera(const nlohmann::json& json) {
   camera.rate_hz = positive_number(json, "rate_hz");
   camera.depth_unit_m = positive_number(json, "depth_unit_m");
   camera.is_registered = json.at("registered").get<bool>();
+  if (json.contains("lenses")) parse_lenses(json["lenses"], camera);
   return camera;
 }
 
@@ -91,7 +112,9 @@ std::vector<std::uint8_t> to_bytes(const SessionInfo& session) {
 SessionInfo parse_session(std::span<const std::uint8_t> bytes) {
   try {
     return parse(nlohmann::json::parse(bytes.begin(), bytes.end()));
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
     throw data_error(fmt::format("the log's description is invalid: {}", error.what()),
                      "is the file a log of `touchtrace record`?");
   }

@@ -16,7 +16,7 @@ struct SessionInfo {
   double epoch_unix_s = 0.0;
   double rest_s = 0.0;  ///< at the start, during which nothing is touched; 0: no baseline is known
   std::optional<GloveInfo> glove;    ///< without baseline, mask and positions
-  std::optional<CameraInfo> camera;  ///< without intrinsics
+  std::optional<CameraInfo> camera;  ///< without gravity
   Provenance provenance;
 };
 

@@ -25,6 +25,8 @@ void catch_interrupts() {
 
 bool interrupted() noexcept { return interrupt_requested.load(std::memory_order_relaxed); }
 
+void clear_interrupt() noexcept { interrupt_requested = false; }
+
 void throw_if_interrupted() {
   if (interrupted())
     throw Error(ExitCode::interrupted, "interrupted", "run the same command again");

@@ -9,5 +9,7 @@ void catch_interrupts();
 bool interrupted() noexcept;
 /// Throws Error(ExitCode::interrupted) if the flag is set. To be called regularly in long loops.
 void throw_if_interrupted();
+/// Resets the flag, for a command that the first signal only tells to finish.
+void clear_interrupt() noexcept;
 
 }  // namespace touchtrace

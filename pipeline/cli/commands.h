@@ -22,6 +22,8 @@ Command mark_command();
 Command objects_command();
 Command plan_command();
 Command predict_command();
+Command record_command();
+Command recover_command();
 Command report_command();
 Command self_test_command();
 Command send_command();

@@ -9,7 +9,7 @@
 #include "engine/base/files.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/progress.h"
-#include "pipeline/acquire/glove_protocol.h"
+#include "pipeline/acquire/glove/protocol.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/recording/recording_file.h"
 

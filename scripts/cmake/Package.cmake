@@ -19,8 +19,8 @@ touch on any OpenCL device, and evaluates it. Contains a scene simulator.")
 # The libraries are static: a program that links them needs the development files of their dependencies.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtouchtrace-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-file(STRINGS scripts/packages development_packages REGEX "^[a-z0-9.+-]+-dev$|^opencl-headers$|^opencl-clhpp-headers$")
-list(FILTER development_packages EXCLUDE REGEX "libusb|libgtest")
+file(STRINGS scripts/packages development_packages REGEX "^[a-z0-9.+-]+-dev$|^pkg-config$|^opencl-headers$|^opencl-clhpp-headers$")
+list(FILTER development_packages EXCLUDE REGEX "libgtest")
 list(JOIN development_packages ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Static libraries, headers and CMake files of touchtrace: OpenCL training
 engine, camera calibration and smoothing, recordings, labels, simulator.")

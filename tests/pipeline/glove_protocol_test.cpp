@@ -1,5 +1,3 @@
-#include "pipeline/acquire/glove_protocol.h"
-
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -7,6 +5,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "pipeline/acquire/glove/protocol.h"
 #include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
 
@@ -77,6 +76,21 @@ TEST(GloveProtocol, StagSendsText) {
   EXPECT_EQ(encode_all(two_by_two(12, {1500, 0, 27, 4095}, 9), "stag"), "1500\t0\t27\t4095\n");
 }
 
+TEST(GloveProtocol, VitacEndsAFrameWithABlankLine) {
+  EXPECT_EQ(encode_all(two_by_two(8, {1, 0, 27, 255}, 9), "vitac"), "1 0\n27 255\n\n");
+}
+
+TEST(GloveProtocol, Jq20SendsTwoPackets) {
+  std::vector<std::uint16_t> counts(256, 3);
+  counts[128] = 0xfe;
+  GloveStream glove = two_by_two(8, std::move(counts), 0);
+  glove.info.rows = glove.info.cols = 16;
+  const std::string bytes = encode_all(glove, "jq20");
+  ASSERT_EQ(bytes.size(), 134u + 150u);
+  EXPECT_EQ(bytes.substr(0, 7), "\xaa\x55\x03\x99\1\1\3"s);
+  EXPECT_EQ(bytes.substr(134, 7), "\xaa\x55\x03\x99\2\1\xfe"s);
+}
+
 /// Decodes packets of 249 bytes: counts by their index since the device started.
 std::map<std::uint64_t, std::uint64_t> packets_read(const std::string& bytes,
                                                     std::uint64_t taxels) {
@@ -113,6 +127,9 @@ TEST(GloveProtocol, RejectsCountsWithTooManyBits) {
   EXPECT_THROW(require_supported(find_glove_protocol("actionsense"), info), Error);
   EXPECT_NO_THROW(require_supported(find_glove_protocol("wiresens"), info));
   EXPECT_THROW(find_glove_protocol("morse"), Error);
+  info.bits = 8;
+  EXPECT_THROW(require_supported(find_glove_protocol("jq20"), info), Error);  // 32 x 32 taxels
+  EXPECT_NO_THROW(require_supported(find_glove_protocol("vitac"), info));
 }
 
 int send(const std::vector<std::string>& more) {
@@ -127,7 +144,7 @@ TEST(SendCommand, WritesTheBytesOfTheDevice) {
   const auto recording = testing::sample_recording();
   testing::write(recording, folder / "a.h5");
   const std::string file = (folder / "a.h5").string(), output = (folder / "a.bin").string();
-  for (const std::string& protocol : glove_protocol_names()) {
+  for (const std::string protocol : {"actionsense", "mit-rows", "wiresens", "stag"}) {
     ASSERT_EQ(send({file, "--protocol", protocol, "--output", output, "--overwrite"}), 0);
     EXPECT_EQ(read_file(output), encode_all(recording.recording.gloves[0], protocol)) << protocol;
   }

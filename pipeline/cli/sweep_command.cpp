@@ -6,6 +6,7 @@
 #include "pipeline/sweep/manifest.h"
 #include "pipeline/sweep/prediction.h"
 #include "pipeline/sweep/run_cells.h"
+#include "pipeline/sweep/slurm.h"
 
 namespace touchtrace::cli {
 namespace {
@@ -17,6 +18,9 @@ struct SweepOptions {
   std::vector<std::string> changes;
   int jobs = 1;
   bool dry_run = false;
+  std::string launcher = "local";
+  int tasks = 1;
+  std::vector<std::string> sbatch;
 };
 
 void describe(OptionSet& set, SweepOptions& o) {
@@ -29,6 +33,10 @@ void describe(OptionSet& set, SweepOptions& o) {
   set.integer("jobs", o.jobs, "cells that run at a time", 1, 1024);
   set.text("shard", o.shard, "run part I of N of every stage's cells, with what they need")
       .value("I/N");
+  set.group("Slurm");
+  set.choice("launcher", o.launcher, "slurm: run the shards as a job array", {"local", "slurm"});
+  set.integer("tasks", o.tasks, "tasks of the array", 1, 10'000);
+  set.texts("sbatch", o.sbatch, "options of sbatch, e.g. --sbatch=--time=60 --sbatch=--mem=8G");
 }
 
 std::string time_text(const json& seconds) {
@@ -45,6 +53,20 @@ void print_prediction(const json& rows) {
                time_text(row["predicted_seconds"]));
 }
 
+std::vector<std::string> task_arguments(const SweepOptions& o) {
+  std::vector<std::string> arguments{"sweep",  o.study,  "--output",
+                                     o.output, "--jobs", std::to_string(o.jobs)};
+  for (const auto& change : o.changes) arguments.push_back("--set=" + change);
+  return arguments;
+}
+
+sweep::SweepSummary launch(const SweepOptions& o, const std::vector<sweep::Cell>& cells,
+                           const std::vector<bool>& selected) {
+  return o.launcher == "slurm"
+             ? sweep::run_on_slurm(cells, {o.output, task_arguments(o), o.tasks, o.sbatch})
+             : sweep::run_cells(cells, selected, static_cast<std::size_t>(o.jobs));
+}
+
 void require_success(const sweep::SweepSummary& summary) {
   if (summary.failed == 0) return;
   throw failure(fmt::format("{} cells failed, {} that need them were skipped", summary.failed,
@@ -53,14 +75,17 @@ void require_success(const sweep::SweepSummary& summary) {
 }
 
 ExitCode run(const SweepOptions& options, const Invocation& invocation) {
+  if (options.launcher == "slurm" && !options.shard.empty())
+    throw usage_error("--launcher slurm cannot be combined with --shard", "give --tasks N");
   const auto commands = command_table();
   const auto cells = sweep::expand(sweep::read_study(options.study, options.changes, commands),
                                    commands, options.output);
   const auto selected = sweep::cells_of(
       options.shard.empty() ? sweep::Shard{} : sweep::parse_shard(options.shard), cells);
-  const auto jobs = static_cast<std::size_t>(options.jobs);
   if (options.dry_run) {
-    const json rows = sweep::predict(cells, selected, options.output, jobs);
+    const json rows = sweep::predict(
+        cells, selected, options.output,
+        static_cast<std::size_t>(options.jobs) * static_cast<std::size_t>(options.tasks));
     if (invocation.json)
       fmt::print("{}\n", json{{"stages", rows}}.dump(2));
     else
@@ -68,7 +93,7 @@ ExitCode run(const SweepOptions& options, const Invocation& invocation) {
     return ExitCode::done;
   }
   sweep::write_manifest(options.output, cells);
-  const auto summary = sweep::run_cells(cells, selected, jobs);
+  const auto summary = launch(options, cells, selected);
   json results = sweep::collect(options.output, {});
   if (invocation.json) {
     results.update({{"done", summary.done},

@@ -22,6 +22,9 @@ struct Cell {
 
   std::filesystem::path result() const { return folder / "result.json"; }
   bool is_done() const { return std::filesystem::exists(result()); }
+  /// File with the message of the last run if that has failed.
+  std::filesystem::path failure() const { return folder / "failed.txt"; }
+  std::filesystem::path log() const { return folder / "log.txt"; }
   /// "train activity=throw seed=1"
   std::string name() const;
 };

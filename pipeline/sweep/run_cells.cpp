@@ -48,11 +48,9 @@ std::vector<std::string> child_arguments(const Cell& cell) {
   return arguments;
 }
 
-fs::path failure_file(const Cell& cell) { return cell.folder / "failed.txt"; }
-
 std::optional<fs::file_time_type> failure_time(const Cell& cell) {
   std::error_code missing;
-  const auto time = fs::last_write_time(failure_file(cell), missing);
+  const auto time = fs::last_write_time(cell.failure(), missing);
   return missing ? std::nullopt : std::optional(time);
 }
 
@@ -61,14 +59,14 @@ class RunningCell {
  public:
   RunningCell(const Cell& cell, std::unique_ptr<Claim> claim)
       : cell_(cell), claim_(std::move(claim)) {
-    fs::remove(failure_file(cell));
+    fs::remove(cell.failure());
     const json description{{"stage", cell.stage},
                            {"command", cell.command},
                            {"axes", cell.axes},
                            {"options", cell.options},
                            {"version", version}};
     write_file(cell.folder / "cell.json", description.dump(1) + "\n", true);
-    process_.emplace(child_arguments(cell), stdout_file(), log_file());
+    process_.emplace(child_arguments(cell), stdout_file(), cell_.log());
   }
 
   /// New state of the cell.
@@ -83,7 +81,6 @@ class RunningCell {
 
  private:
   fs::path stdout_file() const { return cell_.folder / "stdout.txt"; }
-  fs::path log_file() const { return cell_.folder / "log.txt"; }
 
   State finish(const ChildResult& result) const {
     write_file(
@@ -96,8 +93,8 @@ class RunningCell {
   }
 
   State fail(const ChildResult& result) const {
-    const auto message = message_of(log_file());
-    write_file(failure_file(cell_), message.empty() ? result.ending() : message, true);
+    const auto message = message_of(cell_.log());
+    write_file(cell_.failure(), message.empty() ? result.ending() : message, true);
     return State::failed;
   }
 
@@ -145,7 +142,7 @@ class Run {
     running_.erase(i);
     if (state == State::done) ++summary_.done;
     if (state == State::skipped) ++summary_.skipped;
-    if (state == State::failed) report_failure(i);
+    if (state == State::failed) ++summary_.failed, report_failed(cells_[i]);
     progress.advance(1, cells_[i].name());
     return true;
   }
@@ -170,13 +167,6 @@ class Run {
     if (cells_[i].is_done()) return State::done;  // by another process, just before the claim
     running_[i] = std::make_unique<RunningCell>(cells_[i], std::move(claim));
     return State::running;
-  }
-
-  void report_failure(std::size_t i) {
-    ++summary_.failed;
-    Progress::report(fmt::format("failed: {}\n{}\nlog: {}", cells_[i].name(),
-                                 read_file(failure_file(cells_[i])),
-                                 (cells_[i].folder / "log.txt").string()));
   }
 
   const std::vector<Cell>& cells_;
@@ -215,6 +205,11 @@ std::vector<bool> cells_of(const Shard& shard, const std::vector<Cell>& cells) {
     if (selected[i])
       for (const std::size_t input : cells[i].inputs) selected[input] = true;
   return selected;
+}
+
+void report_failed(const Cell& cell) {
+  Progress::report(fmt::format("failed: {}\n{}\nlog: {}", cell.name(), read_file(cell.failure()),
+                               cell.log().string()));
 }
 
 SweepSummary run_cells(const std::vector<Cell>& cells, const std::vector<bool>& selected,

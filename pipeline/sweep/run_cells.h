@@ -29,4 +29,7 @@ struct SweepSummary {
 SweepSummary run_cells(const std::vector<Cell>& cells, const std::vector<bool>& selected,
                        std::size_t jobs);
 
+/// Prints the message of a failed cell on stderr.
+void report_failed(const Cell& cell);
+
 }  // namespace touchtrace::sweep

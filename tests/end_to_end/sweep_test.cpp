@@ -114,6 +114,29 @@ TEST_F(Sweep, InterruptEndsTheChildren) {
   EXPECT_EQ(count("out", ".recording.h5"), 0) << "temporary file of the child";
 }
 
+TEST_F(Sweep, SlurmArraysAreSubmittedUntilAllCellsAreSettled) {
+  // The first array runs its first task only, as if a time limit had ended the second.
+  fs::create_directories(at("bin"));
+  std::ofstream(at("bin/sbatch")) << "#!/bin/sh\necho x >>" + at("submitted") +
+                                         "\nfor id in 1 $([ $(wc -l <" + at("submitted") +
+                                         ") -gt 1 ] && echo 2); do\n"
+                                         "  SLURM_ARRAY_TASK_ID=$id sh $2 >/dev/null 2>&1\n"
+                                         "done\necho '42;cluster'\n";
+  std::ofstream(at("bin/squeue")) << "#!/bin/sh\n[ \"$3\" = --jobs=42 ]\n";
+  for (const char* name : {"bin/sbatch", "bin/squeue"})
+    fs::permissions(at(name), fs::perms::owner_all);
+  const auto path = "PATH=" + at("bin") + ":$PATH ";
+  const auto result =
+      run_program(sweep("out") + " --launcher slurm --tasks 2 --set simulate.seed=1 --json", path);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_EQ(json::parse(result.output)["done"], 4);
+  EXPECT_EQ(fs::file_size(at("submitted")), 4u) << "two lines";
+  std::ofstream(at("bin/sbatch")) << "#!/bin/sh\necho no partition; exit 1\n";
+  const auto refused = run_program(sweep("other") + " --launcher slurm", path);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.output.find("no partition"), std::string::npos) << refused.output;
+}
+
 TEST_F(Sweep, DryRunPredictsTheTime) {
   const auto before = json::parse(run_program(sweep("out") + " --dry-run --json").output);
   EXPECT_EQ(before["stages"].back()["cells"], 8);

@@ -90,8 +90,11 @@ TEST_F(SweepCollect, RefusesWhatIsNotASweep) {
 }
 
 TEST(SweepRows, AnAxisKeepsItsNameUnlessAFieldDiffers) {
-  const auto rows = rows_of({{"s", {{"model", "a"}, {"size", 3}},
-                              {{"results", {{{"model", "b"}, {"size", 3}}}}}, 0.0, {}}});
+  const auto rows = rows_of({{"s",
+                              {{"model", "a"}, {"size", 3}},
+                              {{"results", {{{"model", "b"}, {"size", 3}}}}},
+                              0.0,
+                              {}}});
   EXPECT_EQ(columns_of(rows), (std::vector<std::string>{"axis.model", "size", "model"}));
 }
 

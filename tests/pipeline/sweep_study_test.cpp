@@ -99,15 +99,15 @@ TEST_F(SweepStudy, AxesMultiplyAndGoAlongWithReferences) {
   ASSERT_EQ(last.inputs.size(), 1u);
   EXPECT_EQ(last.options["file"], all[last.inputs[0]].output.string());
   EXPECT_EQ(all[last.inputs[0]].axes, json({{"kind", "large"}, {"size", 3}}));
-  EXPECT_EQ(all[6].arguments, (std::vector<std::string>{"--output=" + all[6].output.string(),
-                                                        "--size=7", "--fast",
-                                                        "--file=" + all[0].output.string()}));
+  EXPECT_EQ(all[6].arguments,
+            (std::vector<std::string>{"--output=" + all[6].output.string(), "--size=7", "--fast",
+                                      "--file=" + all[0].output.string()}));
 }
 
 TEST_F(SweepStudy, GatheredAxesGiveOneCellWithAllValues) {
-  const auto all =
-      cells("[make]\nsize = [1, 2, 3]\nkind = [\"small\", \"large\"]\n"
-            "[use]\ngather = [\"size\"]\nfiles = \"@make\"\n");
+  const auto all = cells(
+      "[make]\nsize = [1, 2, 3]\nkind = [\"small\", \"large\"]\n"
+      "[use]\ngather = [\"size\"]\nfiles = \"@make\"\n");
   ASSERT_EQ(all.size(), 6u + 2u);
   EXPECT_EQ(all[7].axes, json({{"kind", "large"}}));
   EXPECT_EQ(all[7].inputs, (std::vector<std::size_t>{3, 4, 5}));

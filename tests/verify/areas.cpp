@@ -12,6 +12,7 @@
 #include "tests/verify/engine/verify_engine.h"
 #include "tests/verify/engine/verify_processes.h"
 #include "tests/verify/labels/verify_labels.h"
+#include "tests/verify/record/verify_record.h"
 #include "tests/verify/recording/verify_recording.h"
 #include "tests/verify/scene/verify_scene.h"
 #include "tests/verify/study/sensitivity_command.h"
@@ -94,6 +95,7 @@ const cli::Program& verify_program() {
          area("first-step", "the first training step of a process", verify_first_step()),
          area("labels", "smoothing, clocks, labels of rendered scenes (17 min)",
               study::verify_labels()),
+         area("record", "crashes while recording, damaged logs, load (5 min)", verify_record()),
          area("recording", "crash safety and damaged files", verify_recording()),
          area("scene", "physics against closed forms and statistics", scene::verify_scene()),
          area("study", "training and evaluation on a synthetic data set", study::verify_study()),

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "tests/verify/support/figure.h"
+
+namespace touchtrace {
+
+/// Crashes while recording, damaged logs, random bytes for the parsers, and the load of recording.
+Verification verify_record();
+
+}  // namespace touchtrace

@@ -50,7 +50,7 @@ TEST(CommandLine, EveryCommandHasHelpWithUsageExamplesAndExitCodes) {
 TEST(CommandLine, HelpListsCommandsByGroup) {
   const auto help = run_program("--help");
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* part : {"\nSet up:\n  doctor", "\nSimulate:\n  simulate", "\nProcess:\n  import",
+  for (const char* part : {"\nSet up:\n  doctor", "\nSimulate:\n  simulate", "\nProcess:\n  record",
                            "\nStudy:\n  plan"})
     EXPECT_TRUE(contains(help.output, part)) << help.output;
   EXPECT_EQ(run_program("help").output, help.output);

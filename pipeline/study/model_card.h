@@ -23,7 +23,8 @@ struct TrainingLogEntry {
 /// Names and units of the 12 state dimensions; the frame is that of the colour camera.
 extern const std::array<const char*, state_size> state_dimensions;
 
-/// Relative difference of the glove's rate from that of the training above which a model is refused.
+/// Relative difference of the glove's rate from that of the training above which a model is
+/// refused.
 inline constexpr double rate_tolerance = 0.01;
 
 /// Metadata of a model file.

@@ -85,9 +85,9 @@ class Prediction {
       }
     }
     if (!any)
-      throw data_error(fmt::format("no clip has more than {} glove frames",
-                                   required_history(card_.spec)),
-                       "record longer clips");
+      throw data_error(
+          fmt::format("no clip has more than {} glove frames", required_history(card_.spec)),
+          "record longer clips");
   }
 
  private:
@@ -106,9 +106,8 @@ class Prediction {
     batch.steps = segment.steps;
     batch.first_frame = {segment.start};
     batch.segment_frame = {clip.first_frame};
-    const State start = segment.from_label
-                            ? card_.scaling.normalize(data_.causal_label[segment.start])
-                            : State{};
+    const State start =
+        segment.from_label ? card_.scaling.normalize(data_.causal_label[segment.start]) : State{};
     batch.initial_state.assign(start.begin(), start.end());
     return with_scaled_band(predictor_.predict(batch, data_.tactile), segment.steps,
                             card_.band_scale);

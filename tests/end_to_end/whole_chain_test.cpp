@@ -70,7 +70,8 @@ class WholeChain : public ::testing::TestWithParam<const char*> {
       for (const char* metric : {"l1_at_20", "l1_at_50", "hausdorff"})
         if (row.at("model") == model) {
           // float roll-outs against double ones
-          EXPECT_NEAR(python.at(metric).get<double>() / row.at(metric).get<double>(), 1.0, 1e-5) << metric;
+          EXPECT_NEAR(python.at(metric).get<double>() / row.at(metric).get<double>(), 1.0, 1e-5)
+              << metric;
         }
     fs::remove(at("python.json"));
   }

@@ -37,7 +37,8 @@ std::vector<std::unique_ptr<CameraSource>> open_cameras(const DeviceOptions& opt
 
 }  // namespace
 
-void describe(OptionSet& set, DeviceOptions& o) {
+void describe_glove(OptionSet& set, DeviceOptions& o) {
+  set.number("speed", o.speed, "of files, relative to the device; 0: no pauses", 0.0, 1e6);
   set.group("Glove");
   set.text("glove", o.glove, "serial port, usb:VENDOR:PRODUCT, or a file with the glove's bytes")
       .value("PORT");
@@ -50,6 +51,10 @@ void describe(OptionSet& set, DeviceOptions& o) {
              "1: counts increase with pressure, -1: they decrease; default: the protocol's",
              {"", "1", "-1"});
   set.number("rate-hz", o.rate_hz, "nominal frames per second; 0: the protocol's", 0.0, 1e4);
+}
+
+void describe(OptionSet& set, DeviceOptions& o) {
+  describe_glove(set, o);
   set.group("Camera");
   set.text("camera", o.camera,
            "V4L2 device with colour, such as /dev/video0, or images that `import` reads")
@@ -60,8 +65,6 @@ void describe(OptionSet& set, DeviceOptions& o) {
   set.number("camera-rate", o.images.rate_hz,
              "of a V4L2 device, or of images without stamps [Hz]; 0: as the driver is set", 0.0,
              1e3);
-  set.group("Replay");
-  set.number("speed", o.speed, "of files, relative to the device; 0: no pauses", 0.0, 1e6);
 }
 
 std::vector<RecordSource*> Devices::sources() const {

@@ -19,6 +19,9 @@ struct DeviceOptions {
   CameraSourceOptions images;
 };
 
+/// Options of the glove, and `--speed`.
+void describe_glove(OptionSet& set, DeviceOptions& options);
+/// Options of all devices.
 void describe(OptionSet& set, DeviceOptions& options);
 
 /// Devices of a recording; `glove` is nullptr if none is recorded.

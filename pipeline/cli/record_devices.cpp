@@ -16,7 +16,7 @@ GloveInfo glove_info(const DeviceOptions& options, const GloveProtocol& protocol
   if (options.cols > 0) info.cols = options.cols;
   if (options.bits > 0) info.bits = options.bits;
   if (options.rate_hz > 0.0) info.rate_hz = options.rate_hz;
-  if (!options.polarity.empty()) info.polarity = options.polarity == "-1" ? -1 : 1;
+  if (options.polarity != 0) info.polarity = options.polarity;
   require_supported(protocol, info);
   return info;
 }
@@ -47,9 +47,8 @@ void describe_glove(OptionSet& set, DeviceOptions& o) {
   set.integer("rows", o.rows, "rows of taxels; 0: the protocol's", 0, 255);
   set.integer("cols", o.cols, "columns of taxels; 0: the protocol's", 0, 255);
   set.integer("bits", o.bits, "of the converter; 0: the protocol's", 0, 16);
-  set.choice("polarity", o.polarity,
-             "1: counts increase with pressure, -1: they decrease; default: the protocol's",
-             {"", "1", "-1"});
+  set.integer("polarity", o.polarity,
+              "1: counts increase with pressure, -1: they decrease; 0: the protocol's", -1, 1);
   set.number("rate-hz", o.rate_hz, "nominal frames per second; 0: the protocol's", 0.0, 1e4);
 }
 

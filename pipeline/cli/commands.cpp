@@ -12,7 +12,7 @@ const Program& touchtrace_program() {
          generate_command()}},
        {"Simulate", {simulate_command(), objects_command(), parameters_command(), send_command()}},
        {"Process",
-        {record_command(), recover_command(), import_command(), check_command(),
+        {record_command(), recover_command(), glove_command(), import_command(), check_command(),
          calibrate_command(), mark_command(), label_command(), smooth_command(), train_command(),
          evaluate_command(), predict_command(), report_command()}},
        {"Study", {plan_command(), sweep_command(), collect_command()}}},

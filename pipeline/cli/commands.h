@@ -16,6 +16,7 @@ Command devices_command();
 Command doctor_command();
 Command evaluate_command();
 Command generate_command();
+Command glove_command();
 Command import_command();
 Command label_command();
 Command mark_command();

@@ -16,7 +16,7 @@ GloveInfo glove_info(const DeviceOptions& options, const GloveProtocol& protocol
   if (options.cols > 0) info.cols = options.cols;
   if (options.bits > 0) info.bits = options.bits;
   if (options.rate_hz > 0.0) info.rate_hz = options.rate_hz;
-  if (!options.polarity.empty()) info.polarity = options.polarity == "-1" ? -1 : 1;
+  if (options.polarity != 0) info.polarity = options.polarity;
   require_supported(protocol, info);
   return info;
 }
@@ -37,7 +37,8 @@ std::vector<std::unique_ptr<CameraSource>> open_cameras(const DeviceOptions& opt
 
 }  // namespace
 
-void describe(OptionSet& set, DeviceOptions& o) {
+void describe_glove(OptionSet& set, DeviceOptions& o) {
+  set.number("speed", o.speed, "of files, relative to the device; 0: no pauses", 0.0, 1e6);
   set.group("Glove");
   set.text("glove", o.glove, "serial port, usb:VENDOR:PRODUCT, or a file with the glove's bytes")
       .value("PORT");
@@ -46,10 +47,13 @@ void describe(OptionSet& set, DeviceOptions& o) {
   set.integer("rows", o.rows, "rows of taxels; 0: the protocol's", 0, 255);
   set.integer("cols", o.cols, "columns of taxels; 0: the protocol's", 0, 255);
   set.integer("bits", o.bits, "of the converter; 0: the protocol's", 0, 16);
-  set.choice("polarity", o.polarity,
-             "1: counts increase with pressure, -1: they decrease; default: the protocol's",
-             {"", "1", "-1"});
+  set.integer("polarity", o.polarity,
+              "1: counts increase with pressure, -1: they decrease; 0: the protocol's", -1, 1);
   set.number("rate-hz", o.rate_hz, "nominal frames per second; 0: the protocol's", 0.0, 1e4);
+}
+
+void describe(OptionSet& set, DeviceOptions& o) {
+  describe_glove(set, o);
   set.group("Camera");
   set.text("camera", o.camera,
            "V4L2 device with colour, such as /dev/video0, or images that `import` reads")
@@ -60,8 +64,6 @@ void describe(OptionSet& set, DeviceOptions& o) {
   set.number("camera-rate", o.images.rate_hz,
              "of a V4L2 device, or of images without stamps [Hz]; 0: as the driver is set", 0.0,
              1e3);
-  set.group("Replay");
-  set.number("speed", o.speed, "of files, relative to the device; 0: no pauses", 0.0, 1e6);
 }
 
 std::vector<RecordSource*> Devices::sources() const {

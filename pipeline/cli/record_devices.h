@@ -13,12 +13,15 @@ namespace touchtrace::cli {
 
 /// Options of `record` that name and describe devices.
 struct DeviceOptions {
-  std::string glove, protocol = "actionsense", polarity, camera, depth_camera;
-  int baud = 0, rows = 0, cols = 0, bits = 0;
+  std::string glove, protocol = "actionsense", camera, depth_camera;
+  int baud = 0, rows = 0, cols = 0, bits = 0, polarity = 0;
   double rate_hz = 0.0, speed = 1.0;
   CameraSourceOptions images;
 };
 
+/// Options of the glove, and `--speed`.
+void describe_glove(OptionSet& set, DeviceOptions& options);
+/// Options of all devices.
 void describe(OptionSet& set, DeviceOptions& options);
 
 /// Devices of a recording; `glove` is nullptr if none is recorded.

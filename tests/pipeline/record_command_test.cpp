@@ -141,6 +141,25 @@ TEST(RecordCommand, ContinuesWhenTheGloveIsPluggedInAgain) {
   EXPECT_NEAR(static_cast<double>(read.sequence[30] - read.sequence[29]), 40.0, 15.0);
 }
 
+TEST(RecordCommand, APauseOfAGloveWithoutFrameNumbersIsAGap) {
+  const TemporaryFolder folder;
+  const PseudoTerminal device;
+  const GloveStream glove = device_frames(40);
+  std::thread sender([&] {
+    wait_for(folder / "a.h5.log");
+    send(device, "mit-rows", glove, 0, 20);
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    send(device, "mit-rows", glove, 20, 40);
+    std::raise(SIGINT);
+  });
+  EXPECT_EQ(json_of(arguments(device.path(), "mit-rows", folder / "a.h5"))["glove_frames"], 40u);
+  sender.join();
+  const RecordingReader reader(folder / "a.h5");
+  const auto& sequence = reader.recording().gloves.at(0).sequence;
+  EXPECT_EQ(reader.recording().clips.size(), 2u);
+  EXPECT_NEAR(static_cast<double>(sequence[20] - sequence[19]), 0.7 * 50.0, 10.0);
+}
+
 /// Replays images while a device on a pseudo-terminal sends frames.
 TEST(RecordCommand, RecordsGloveAndCameraTogether) {
   const TemporaryFolder folder;

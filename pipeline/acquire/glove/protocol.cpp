@@ -22,11 +22,11 @@ GloveInfo square_glove(int size, int bits, int polarity, double rate_hz) {
 const std::vector<GloveProtocol>& glove_protocols() {
   static const std::vector<GloveProtocol> table{
       {"actionsense", "MIT ActionSense: one line per frame, on request", 1'000'000, 12,
-       encode_actionsense, parse_actionsense, square_glove(32, 12, 1, 15.0), 0, "a"},
+       encode_actionsense, parse_actionsense, square_glove(32, 12, 1, 15.0), 0, "a", false, true},
       {"mit-rows", "MIT gloves: one packet per row", 250'000, 16, encode_mit_rows, parse_mit_rows,
        square_glove(32, 12, 1, 10.0)},
       {"wiresens", "WiReSens Toolkit: packets of 120 counts", 250'000, 16, encode_wiresens,
-       parse_wiresens, square_glove(32, 12, -1, 10.0), 0, "", true},
+       parse_wiresens, square_glove(32, 12, -1, 10.0), 0, "", true, true},
       {"stag", "ETH replica of STAG: one line of text per frame", 921'600, 16, encode_stag,
        parse_stag, square_glove(32, 12, 1, 7.5)},
       {"vitac", "3D-ViTac: one line of text per row", 2'000'000, 8, encode_vitac, parse_vitac,

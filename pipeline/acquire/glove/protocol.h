@@ -23,6 +23,7 @@ struct GloveProtocol {
   int fixed_taxels = 0;      ///< 0: any number
   std::string request = {};  ///< bytes that ask the device for a frame; empty: it sends by itself
   bool holds_lines_low = false;  ///< DTR and RTS, which would reset the device
+  bool has_numbers = false;      ///< of frames or packets, which tell how many were lost
 };
 
 /// All protocols; a new one is a row in glove_protocol.cpp.

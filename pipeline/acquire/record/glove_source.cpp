@@ -12,6 +12,7 @@ namespace touchtrace {
 namespace {
 
 constexpr double read_timeout_s = 0.1, max_answer_s = 1.0;
+constexpr double min_pause_s = 0.5;  // of a glove whose frames have no numbers
 
 /// Bytes per frame of a glove in the middle of its range.
 double frame_bytes(const GloveProtocol& protocol, const GloveInfo& info) {
@@ -100,6 +101,9 @@ double GloveSource::request() {
 void GloveSource::pass_on(const GloveFrame& frame) {
   if (parser_->counts().restarts != restarts_) is_gap_ = true;
   restarts_ = parser_->counts().restarts;
+  if (!protocol_.has_numbers && is_started_ &&
+      frame.host_time_s - last_.host_time_s > std::max(min_pause_s, 5.0 / info_.rate_hz))
+    is_gap_ = true;
   if (is_gap_ || !is_started_) begin_segment(frame);
   last_ = {frame.sequence + offset_, frame.host_time_s, {}};
   const FrameStamp stamp{last_.sequence, frame.host_time_s - start_s_,
@@ -113,7 +117,7 @@ void GloveSource::pass_on(const GloveFrame& frame) {
                       (last_.host_time_s - first_.host_time_s);
 }
 
-/// Marks a reconnection; the sequence continues with as many frames as the gap is long.
+/// Marks a gap; the sequence continues with as many frames as the gap is long.
 void GloveSource::begin_segment(const GloveFrame& frame) {
   if (is_gap_) {
     const double missed = std::round((frame.host_time_s - last_.host_time_s) * info_.rate_hz);

@@ -12,7 +12,7 @@ namespace touchtrace {
 struct GloveStatus {
   ParserCounts counts;
   bool is_connected = true;
-  std::uint64_t reconnections = 0;  ///< with restarts of the device
+  std::uint64_t reconnections = 0;  ///< with restarts, and pauses of a glove without frame numbers
   int saturated_taxels = 0;         ///< in the last frame
   double rate_hz = 0.0;             ///< of the device's frames since the last reconnection
   double last_frame_s = 0.0;        ///< arrival, on the clock of monotonic_s(); 0: none

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace touchtrace {
@@ -19,6 +20,15 @@ double robust_sigma(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
   constexpr double median_of_abs_normal = 0.6744897501960817;
   return median(std::move(values)) / median_of_abs_normal;
+}
+
+double normal_quantile(double probability) {
+  double low = -40.0, high = 40.0;  // beyond, the probability is not a positive double
+  for (int i = 0; i < 100; ++i) {
+    const double middle = 0.5 * (low + high);
+    (0.5 * std::erfc(-middle / std::numbers::sqrt2) < probability ? low : high) = middle;
+  }
+  return low;
 }
 
 }  // namespace touchtrace

@@ -11,4 +11,7 @@ double median(std::vector<double> values);
 /// |value|. NaN if there are none.
 double robust_sigma(std::vector<double> values);
 
+/// Quantile of the standard normal distribution, 0 < probability < 1.
+double normal_quantile(double probability);
+
 }  // namespace touchtrace

@@ -26,13 +26,6 @@ constexpr bool is_vector = false;
 template <class T>
 constexpr bool is_vector<std::vector<T>> = true;
 
-template <class Number>
-bool parse(const std::string& text, Number& target) {
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, target);
-  return error == std::errc() && stop == end;
-}
-
 template <class Value>
 void assign_value(const Option& option, const std::string& text, Value& target) {
   if constexpr (std::is_same_v<Value, std::string>)
@@ -40,7 +33,7 @@ void assign_value(const Option& option, const std::string& text, Value& target) 
   else if constexpr (is_vector<Value>)
     assign_value(option, text, target.emplace_back());
   else if constexpr (!std::is_same_v<Value, bool>)
-    if (!parse(text, target))
+    if (!parse_whole(text, target))
       throw usage_error(
           fmt::format("{} must be {}, not '{}'", option.label(),
                       std::is_floating_point_v<Value> ? "a number" : "a whole number", text),

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr double degrees_per_rad = 180.0 / std::numbers::pi;
 
 /// Images, or a file of detected corners, of one camera.
-struct CameraSource {
+struct CameraImages {
   std::string name, path;
 
   bool is_corner_file() const { return fs::is_regular_file(path); }
@@ -35,9 +35,9 @@ bool is_camera_name(const std::string& name) {
   });
 }
 
-CameraSource parse_source(const std::string& text) {
+CameraImages parse_source(const std::string& text) {
   const auto equals = text.find('=');
-  CameraSource source;
+  CameraImages source;
   source.path = equals == std::string::npos ? text : text.substr(equals + 1);
   source.name = equals == std::string::npos
                     ? (fs::path(text) / "").parent_path().filename().string()
@@ -48,19 +48,19 @@ CameraSource parse_source(const std::string& text) {
   return source;
 }
 
-std::vector<CameraSource> parse_sources(const std::vector<std::string>& texts) {
-  std::vector<CameraSource> sources;
+std::vector<CameraImages> parse_sources(const std::vector<std::string>& texts) {
+  std::vector<CameraImages> sources;
   for (const auto& text : texts) {
     sources.push_back(parse_source(text));
     const auto& name = sources.back().name;
-    if (std::ranges::count(sources, name, &CameraSource::name) > 1)
+    if (std::ranges::count(sources, name, &CameraImages::name) > 1)
       throw usage_error(fmt::format("two cameras have the name '{}'", name),
                         "give each camera a name: --camera NAME=PATH");
   }
   return sources;
 }
 
-std::vector<RigInput> observe(const std::vector<CameraSource>& sources,
+std::vector<RigInput> observe(const std::vector<CameraImages>& sources,
                               const CalibrationTarget& board) {
   std::vector<RigInput> inputs;
   for (const auto& source : sources)
@@ -70,7 +70,7 @@ std::vector<RigInput> observe(const std::vector<CameraSource>& sources,
   return inputs;
 }
 
-Provenance provenance_of(const std::vector<CameraSource>& sources, const Invocation& invocation,
+Provenance provenance_of(const std::vector<CameraImages>& sources, const Invocation& invocation,
                          const Stopwatch& stopwatch) {
   auto provenance = start_provenance(rig_schema, "calibrate");
   provenance.options = invocation.options;

@@ -1,13 +1,12 @@
 #include "pipeline/cli/configuration.h"
 
 #include <fmt/core.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 
 #include "engine/base/error.h"
-#include "engine/base/files.h"
 #include "engine/base/text.h"
+#include "engine/base/toml_file.h"
 
 namespace touchtrace::cli {
 namespace {
@@ -39,16 +38,6 @@ bool assign(const toml::node& node, std::vector<T>& target) {
     if (!assign(*array->get(i), values[i])) return false;
   target = std::move(values);
   return true;
-}
-
-toml::table parse(const std::filesystem::path& file) {
-  try {
-    return toml::parse(read_file(file, 1 << 20), file.string());
-  } catch (const toml::parse_error& error) {
-    throw usage_error(
-        fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()),
-        "the file must be TOML 1.0");
-  }
 }
 
 /// Throws for keys outside any table and for tables that no command reads.
@@ -85,7 +74,7 @@ void apply_configuration(const std::filesystem::path& file,
                          const std::vector<std::string>& command_names, const std::string& command,
                          const std::vector<Option>& options,
                          const std::vector<std::string>& given) {
-  const toml::table document = parse(file);
+  const toml::table document = read_toml_file(file);
   require_known_tables(file.string(), document, command_names, command);
   const toml::table* table = document[command].as_table();
   if (!table) return;

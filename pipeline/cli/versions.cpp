@@ -42,9 +42,11 @@ std::string devices_or_reason() {
 
 }  // namespace
 
+std::string program_version() { return fmt::format("{} (commit {})", version, TOUCHTRACE_COMMIT); }
+
 std::string version_text(const std::string& program) {
-  return fmt::format("{} {} (commit {})\n{}{}", program, version, TOUCHTRACE_COMMIT,
-                     devices_or_reason(), library_versions());
+  return fmt::format("{} {}\n{}{}", program, program_version(), devices_or_reason(),
+                     library_versions());
 }
 
 std::string opencl_versions() {

@@ -34,18 +34,15 @@ const Observation* nearest_found(double time_s, const ClipTrack& track) {
 
 /// Gauss-Hermite quadrature with three points, at -/+ sqrt(3) sigma with weight 1/6 each: exact for
 /// a constant velocity, and large where the velocity jumps.
-StateCovariance ErrorModel::latency_covariance(const SmoothedTrack& smoothed, double time_s) const {
-  const auto state_at = [&](double delay_s) {
-    const MotionState state = smoothed.smoothed(time_s + delay_s);
-    Eigen::Matrix<double, 6, 1> vector;
-    vector << state.position_m, state.velocity_m_per_s;
-    return vector;
-  };
+StateCovariance ErrorModel::latency_covariance(const SmoothedTrack& smoothed, double time_s,
+                                               const MotionState& state) const {
   const double delay_s = std::sqrt(3.0) * latency_sigma_s_;
-  const auto centre = state_at(0.0);
   StateCovariance covariance = StateCovariance::Zero();
   for (const double shift_s : {-delay_s, delay_s}) {
-    const Eigen::Matrix<double, 6, 1> difference = state_at(shift_s) - centre;
+    const MotionState delayed = smoothed.smoothed(time_s + shift_s);
+    Eigen::Matrix<double, 6, 1> difference;
+    difference << delayed.position_m - state.position_m,
+        delayed.velocity_m_per_s - state.velocity_m_per_s;
     covariance += difference * difference.transpose() / 6.0;
   }
   return covariance;
@@ -57,7 +54,7 @@ ErrorBudget ErrorModel::common(const SmoothedTrack& smoothed, double time_s) con
   budget[ErrorSource::smoothing] = state.covariance.topLeftCorner<6, 6>();
   budget[ErrorSource::calibration] =
       calibration_.covariance(state.position_m, state.velocity_m_per_s);
-  budget[ErrorSource::latency] = latency_covariance(smoothed, time_s);
+  budget[ErrorSource::latency] = latency_covariance(smoothed, time_s, state);
   return budget;
 }
 

@@ -69,8 +69,9 @@ class ErrorModel {
  private:
   /// Smoothing, calibration and latency.
   ErrorBudget common(const SmoothedTrack& smoothed, double time_s) const;
-  /// Covariance of the state at a time of which the delay is unknown.
-  StateCovariance latency_covariance(const SmoothedTrack& smoothed, double time_s) const;
+  /// Covariance that an unknown delay gives to `state`, the smoothed one at `time_s`.
+  StateCovariance latency_covariance(const SmoothedTrack& smoothed, double time_s,
+                                     const MotionState& state) const;
   Eigen::Vector3d measured_sigma_m(const Observation& observation, const SmoothedTrack& smoothed,
                                    double time_s, const MotionNoise& noise, double shape_m2) const;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
+#include "engine/base/statistics.h"
 #include "pipeline/study/metrics.h"
 
 namespace touchtrace::study {
@@ -93,18 +94,15 @@ double fit_factor(const RolloutCases& training, const Normalization& scaling, do
 }
 
 State median_state(const RolloutCases& training) {
-  State median{};
+  State state{};
   for (std::size_t d = 0; d < state_size; ++d) {
-    std::vector<float> values;
+    std::vector<double> values;
     for (std::size_t i = 0; i < training.batch.weight.size(); ++i)
       if (training.batch.weight[i] > 0.0f)
         values.push_back(training.batch.target[i * state_size + d]);
-    if (values.empty()) continue;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    median[d] = *middle;
+    if (!values.empty()) state[d] = static_cast<float>(median(std::move(values)));
   }
-  return median;
+  return state;
 }
 
 std::vector<float> constant_paths(const State& state, const RolloutCases& cases) {

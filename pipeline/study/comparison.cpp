@@ -60,11 +60,14 @@ void add_targets(Comparison& comparison, Reference reference, int stride) {
   }
 }
 
-/// Tactile images of a session at a model's resolution.
-std::vector<float> images_for(const LoadedModel& model, const Session& session) {
+bool has_resolution_of(const Dataset& data, const ModelSpec& spec) {
+  return !spec.touch || (spec.rows == data.rows && spec.cols == data.cols);
+}
+
+/// Tactile images of a session, averaged to a model's resolution.
+std::vector<float> averaged_images(const LoadedModel& model, const Session& session) {
   const ModelSpec& spec = model.card.spec;
   const Dataset& data = session.data;
-  if (!spec.touch || (spec.rows == data.rows && spec.cols == data.cols)) return data.tactile;
   if (spec.rows > data.rows || spec.cols > data.cols)
     throw data_error(fmt::format("{} needs frames of {} x {}, {} has {} x {}", model.path,
                                  spec.rows, spec.cols, session.name, data.rows, data.cols),
@@ -79,12 +82,18 @@ std::vector<float> images_for(const LoadedModel& model, const Session& session) 
   return images;
 }
 
+Rollout predict(const LoadedModel& model, const RolloutBatch& batch, const Session& session) {
+  return has_resolution_of(session.data, model.card.spec)
+             ? model.predictor->predict(batch, session.data.tactile)
+             : model.predictor->predict(batch, averaged_images(model, session));
+}
+
 Rollout roll_out(const LoadedModel& model, const Comparison& comparison, int stride) {
   Rollout all;
   for (const Session* session : comparison.sessions) {
     const auto cases = make_cases(session->data, grid_of(comparison, Split::evaluation, stride),
                                   model.card.scaling, Reference::labels);
-    const Rollout rollout = model.predictor->predict(cases.batch, images_for(model, *session));
+    const Rollout rollout = predict(model, cases.batch, *session);
     join(all.state, rollout.state);
     join(all.spread, rollout.spread);
   }

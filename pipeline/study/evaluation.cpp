@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "engine/base/error.h"
@@ -30,14 +29,6 @@ Reference choose_reference(const std::vector<Session>& sessions, const std::stri
   return Reference::labels;
 }
 
-void require_rate(const LoadedModel& model, const Session& session) {
-  if (std::abs(model.card.rate_hz - session.data.rate_hz) > rate_tolerance * model.card.rate_hz)
-    throw data_error(
-        fmt::format("{} was trained at {:g} Hz, the glove of {} has {:g} Hz", model.path,
-                    model.card.rate_hz, session.name, session.data.rate_hz),
-        "evaluate on recordings of a glove of the same rate");
-}
-
 std::vector<const Session*> sessions_of(const std::vector<Session>& sessions,
                                         const std::vector<LoadedModel*>& models) {
   const std::string& activity = models.front()->card.activity;
@@ -49,7 +40,8 @@ std::vector<const Session*> sessions_of(const std::vector<Session>& sessions,
         fmt::format("no recording of activity '{}' for {}", activity, models.front()->path),
         "add one with --recording and --labels");
   for (const Session* session : found)
-    for (const LoadedModel* model : models) require_rate(*model, *session);
+    for (const LoadedModel* model : models)
+      require_rate(model->card, model->path, session->data.rate_hz, session->name);
   return found;
 }
 

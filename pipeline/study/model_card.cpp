@@ -10,6 +10,8 @@
 namespace touchtrace::study {
 namespace {
 
+constexpr double rate_tolerance = 0.01;
+
 bool is_valid(const ModelCard& card) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
   const auto finite = [](double value) { return std::isfinite(value); };
@@ -101,6 +103,14 @@ ModelCard read_card(const nlohmann::json& metadata, const std::string& path) {
   }
   throw data_error(fmt::format("{} has no valid description of its model", path),
                    "use a file that `touchtrace train` wrote");
+}
+
+void require_rate(const ModelCard& card, const std::string& model, double rate_hz,
+                  const std::string& recording) {
+  if (!(std::abs(rate_hz / card.rate_hz - 1.0) <= rate_tolerance))
+    throw data_error(fmt::format("{} was trained at {:g} Hz, the glove of {} has {:g} Hz", model,
+                                 card.rate_hz, recording, rate_hz),
+                     "use recordings of a glove of the same rate");
 }
 
 }  // namespace touchtrace::study

@@ -23,10 +23,6 @@ struct TrainingLogEntry {
 /// Names and units of the 12 state dimensions; the frame is that of the colour camera.
 extern const std::array<const char*, state_size> state_dimensions;
 
-/// Relative difference of the glove's rate from that of the training above which a model is
-/// refused.
-inline constexpr double rate_tolerance = 0.01;
-
 /// Metadata of a model file.
 struct ModelCard {
   ModelSpec spec;
@@ -51,6 +47,11 @@ void to_json(nlohmann::json& json, const TrainingLogEntry& entry);
 void from_json(const nlohmann::json& json, TrainingLogEntry& entry);
 void to_json(nlohmann::json& json, const ModelCard& card);
 void from_json(const nlohmann::json& json, ModelCard& card);
+
+/// Throws data_error unless a glove has the rate of the model's training within 1 %. `model`,
+/// `recording`: names for the message.
+void require_rate(const ModelCard& card, const std::string& model, double rate_hz,
+                  const std::string& recording);
 
 /// Reads the card of a model file. Throws data_error if `touchtrace train` did not write the file.
 ModelCard read_card(const nlohmann::json& metadata, const std::string& path);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/base/error.h"
+#include "engine/base/statistics.h"
 #include "engine/train/predictor.h"
 #include "pipeline/dataset/load.h"
 #include "pipeline/recording/recording_file.h"
@@ -18,9 +19,6 @@ namespace touchtrace::study {
 namespace {
 
 using nlohmann::json;
-
-/// Half of the 10-90 % interval of a standard normal distribution.
-constexpr double prior_spread = 1.2816;
 
 struct Body {
   const char* name;
@@ -68,11 +66,9 @@ class Prediction {
   Prediction(Runtime& runtime, const PredictionOptions& options)
       : predictor_(runtime, options.model),
         card_(read_card(predictor_.metadata(), options.model)),
+        prior_spread_(-normal_quantile(card_.spec.band_quantile)),
         data_(load(options)) {
-    if (std::abs(data_.rate_hz / card_.rate_hz - 1.0) > rate_tolerance)
-      throw data_error(fmt::format("{} was trained at {:g} Hz, the glove of {} has {:g} Hz",
-                                   options.model, card_.rate_hz, options.recording, data_.rate_hz),
-                       "use a recording of a glove of the same rate");
+    require_rate(card_, options.model, data_.rate_hz, options.recording);
   }
 
   void run(int restart_steps, const std::function<void(const json&)>& emit) {
@@ -122,7 +118,7 @@ class Prediction {
         const std::size_t i = std::size_t(step - 1) * state_size + d;
         state[d] = rollout.state[i];
         spread[d] = static_cast<float>(
-            std::hypot(rollout.spread[i], segment.from_label ? 0.0 : prior_spread) *
+            std::hypot(rollout.spread[i], segment.from_label ? 0.0 : prior_spread_) *
             card_.scaling.sigma[d]);
       }
       state = card_.scaling.denormalize(state);
@@ -140,6 +136,7 @@ class Prediction {
 
   Predictor predictor_;
   ModelCard card_;
+  double prior_spread_;  ///< half width of the band of a standard normal distribution
   Dataset data_;
 };
 

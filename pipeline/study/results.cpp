@@ -1,6 +1,7 @@
 #include "pipeline/study/results.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "pipeline/study/bootstrap.h"
@@ -143,6 +144,19 @@ class Rows {
     return row;
   }
 
+  /// Means over runs; null where no run has the coverage.
+  json mean_coverages(const Candidate& candidate, std::size_t target) const {
+    std::map<std::string, std::vector<double>> values{
+        {"coverage", {}}, {"coverage_at_20", {}}, {"coverage_raw", {}}, {"coverage_raw_at_20", {}}};
+    for (const Run& run : candidate.runs) {
+      const json found = coverages(run, target);
+      for (const auto& [name, value] : found.items()) values.at(name).push_back(value);
+    }
+    json row;
+    for (const auto& [name, of_runs] : values) row[name] = nan_mean(of_runs);
+    return row;
+  }
+
   json metrics(const Candidate& candidate, std::size_t target) const {
     json row;
     for (const Metric& metric : all_metrics()) {
@@ -150,14 +164,7 @@ class Rows {
       row[metric.name] = found.mean;
       row["intervals"][metric.name] = {found.low, found.high};
     }
-    for (const char* name : {"coverage", "coverage_at_20", "coverage_raw", "coverage_raw_at_20"}) {
-      std::vector<double> values;
-      for (const Run& run : candidate.runs) {
-        const json one = coverages(run, target);
-        if (one.contains(name)) values.push_back(one.at(name));
-      }
-      row[name] = nan_mean(values);
-    }
+    row.update(mean_coverages(candidate, target));
     return row;
   }
 

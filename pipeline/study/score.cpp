@@ -74,12 +74,6 @@ Normalization unscaled() {
 
 std::span<const Metric> all_metrics() { return metrics; }
 
-std::vector<double> values_of(const Metric& metric, const std::vector<CaseScore>& scores) {
-  std::vector<double> values;
-  for (const CaseScore& score : scores) values.push_back(metric.value(score));
-  return values;
-}
-
 std::vector<CaseScore> score(const std::vector<float>& paths, const RolloutCases& cases,
                              const Normalization& scaling) {
   require_finite(paths);

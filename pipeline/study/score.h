@@ -29,8 +29,6 @@ struct Metric {
   double (*value)(const CaseScore&);
 };
 std::span<const Metric> all_metrics();
-/// [cases] Values of a metric.
-std::vector<double> values_of(const Metric& metric, const std::vector<CaseScore>& scores);
 
 /// [cases] Scores of paths [cases, steps, 12], which are normalised by `scaling` like the cases.
 /// Throws failure if a value is not finite.

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "engine/base/files.h"
-#include "engine/base/version.h"
 
 namespace touchtrace::sweep {
 
@@ -33,7 +32,7 @@ std::string cell_id(const std::string& command, const json& identity,
   json values = commands.values(command, arguments_of(options, identity));
   for (const auto& [key, value] : identity.items())
     if (!values.contains(key)) values[key] = value;
-  const json origin{{"command", command}, {"options", values}, {"version", version}};
+  const json origin{{"command", command}, {"options", values}, {"version", commands.version}};
   return fmt::format("{}-{}", command, sha256_of(origin.dump()).substr(0, 16));
 }
 

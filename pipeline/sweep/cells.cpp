@@ -175,7 +175,8 @@ class Expansion {
   }
 
   Cell make_cell(const Stage& stage, const Draft& draft, const std::vector<Option>& options) const {
-    Cell cell{stage.name, stage.command, "", draft.axes, draft.options, {}, {}, {}, {}};
+    Cell cell{stage.name, stage.command,     "", draft.axes, draft.options,
+              {},         commands_.version, {}, {},         {}};
     json identity = json::object();
     resolve(cell, identity, options);
     if (!stage.output.empty()) identity["output"] = stage.output;

@@ -17,6 +17,7 @@ struct Cell {
   nlohmann::json axes = nlohmann::json::object();  ///< value of every axis by name
   nlohmann::json options;                          ///< as given, with paths for references
   std::vector<std::string> arguments;              ///< of the command
+  std::string version;                             ///< CommandTable::version
   std::vector<std::size_t> inputs;                 ///< indices of the cells that must be done first
   std::filesystem::path folder, output;            ///< output: what a reference "@stage" stands for
 

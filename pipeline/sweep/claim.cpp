@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -13,6 +12,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/text.h"
 
 namespace touchtrace::sweep {
 namespace {
@@ -31,10 +31,8 @@ std::string machine() {
 std::optional<int> number_of(const fs::path& file) {
   const auto name = file.filename().string();
   int number = 0;
-  if (!name.starts_with(prefix)) return {};
-  const char* end = name.data() + name.size();
-  const auto parsed = std::from_chars(name.data() + prefix.size(), end, number);
-  return parsed.ec == std::errc() && parsed.ptr == end ? std::optional(number) : std::nullopt;
+  if (!name.starts_with(prefix) || !parse_whole(name.substr(prefix.size()), number)) return {};
+  return number;
 }
 
 /// Number of the newest claim in a folder; -1 if there is none.

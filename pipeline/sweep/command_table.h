@@ -11,6 +11,7 @@ namespace touchtrace::sweep {
 
 /// The program's commands, as a study needs them.
 struct CommandTable {
+  std::string version;  ///< of the program, with its commit
   /// Options of a command, common ones included. Throws usage_error for an unknown command.
   std::function<std::vector<Option>(const std::string& command)> options;
   /// Values of a command's options by key, defaults included. Throws usage_error for arguments that

@@ -5,21 +5,13 @@
 #include <cstdint>
 #include <cstring>
 
+#include "engine/base/crc32c.h"
+
 // Records: tensorflow/core/lib/io/record_writer.cc; messages: tensorflow/core/util/event.proto.
 namespace touchtrace::sweep {
 namespace {
 
 using nlohmann::ordered_json;
-
-/// CRC-32C (Castagnoli), reflected.
-std::uint32_t crc32c(const std::string& bytes) {
-  std::uint32_t crc = ~0u;
-  for (const char byte : bytes) {
-    crc ^= static_cast<unsigned char>(byte);
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0x82F63B78u : 0u);
-  }
-  return ~crc;
-}
 
 template <class T>
 std::string little_endian(T value) {
@@ -30,7 +22,9 @@ std::string little_endian(T value) {
 }
 
 std::string masked_crc(const std::string& bytes) {
-  return little_endian(std::rotr(crc32c(bytes), 15) + 0xa282ead8u);
+  const std::uint32_t crc =
+      crc32c({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  return little_endian(std::rotr(crc, 15) + 0xa282ead8u);
 }
 
 std::string record(const std::string& data) {

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -16,7 +15,6 @@
 #include "engine/base/logged_process.h"
 #include "engine/base/progress.h"
 #include "engine/base/text.h"
-#include "engine/base/version.h"
 #include "pipeline/sweep/claim.h"
 
 namespace touchtrace::sweep {
@@ -64,7 +62,7 @@ class RunningCell {
                            {"command", cell.command},
                            {"axes", cell.axes},
                            {"options", cell.options},
-                           {"version", version}};
+                           {"version", cell.version}};
     write_file(cell.folder / "cell.json", description.dump(1) + "\n", true);
     process_.emplace(child_arguments(cell), stdout_file(), cell_.log());
   }
@@ -179,18 +177,13 @@ class Run {
   SweepSummary summary_;
 };
 
-bool parse_number(std::string_view text, std::size_t& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size();
-}
-
 }  // namespace
 
 Shard parse_shard(const std::string& text) {
   const auto parts = split_text(text, '/');
   Shard shard;
-  if (parts.size() != 2 || !parse_number(parts[0], shard.index) ||
-      !parse_number(parts[1], shard.count) || shard.index < 1 || shard.index > shard.count)
+  if (parts.size() != 2 || !parse_whole(parts[0], shard.index) ||
+      !parse_whole(parts[1], shard.count) || shard.index < 1 || shard.index > shard.count)
     throw usage_error(fmt::format("'{}' is not a shard", text), "give I/N, e.g. 1/4 to 4/4");
   --shard.index;
   return shard;

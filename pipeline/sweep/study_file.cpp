@@ -1,15 +1,13 @@
 #include "pipeline/sweep/study_file.h"
 
 #include <fmt/core.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
-#include <charconv>
 #include <sstream>
 
 #include "engine/base/error.h"
-#include "engine/base/files.h"
 #include "engine/base/text.h"
+#include "engine/base/toml_file.h"
 
 namespace touchtrace::sweep {
 namespace {
@@ -22,21 +20,6 @@ json json_of(const toml::table& table) {
   std::ostringstream text;
   text << toml::json_formatter(table);
   return json::parse(text.str());
-}
-
-toml::table parse(const std::filesystem::path& file) {
-  try {
-    return toml::parse(read_file(file, 1 << 20), file.string());
-  } catch (const toml::parse_error& error) {
-    throw usage_error(
-        fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()),
-        "the file must be TOML 1.0");
-  }
-}
-
-bool parse_whole(std::string_view text, std::int64_t& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size();
 }
 
 /// Number, boolean or quoted text as TOML; anything else is a text.
@@ -92,7 +75,7 @@ json& find_table(std::vector<StageTable>& tables, const std::string& name) {
 }  // namespace
 
 std::vector<StageTable> read_stage_tables(const std::filesystem::path& file) {
-  const toml::table document = parse(file);
+  const toml::table document = read_toml_file(file);
   std::vector<std::pair<toml::source_index, StageTable>> found;
   for (const auto& [key, node] : document) {
     if (!node.is_table())

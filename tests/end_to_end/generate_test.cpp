@@ -71,8 +71,9 @@ TEST_F(Generate, ZshCompletionDescribesEveryOption) {
   for (const char* part :
        {"'label:label hand", "'--tracker[", ":tracker:(csrt csrt-fast kcf component)'"})
     EXPECT_NE(text.find(part), std::string::npos) << part;
-  if (run_shell("command -v zsh").exit_code == 0)
+  if (run_shell("command -v zsh").exit_code == 0) {
     EXPECT_EQ(run_shell("zsh -n " + file_).output, "");
+  }
 }
 
 }  // namespace

@@ -18,6 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 using touchtrace::testing::run_program;
 
+nlohmann::json read_json(const std::string& path) {
+  return nlohmann::json::parse(std::ifstream(path));
+}
+
 class WholeChain : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -65,8 +69,9 @@ class WholeChain : public ::testing::TestWithParam<const char*> {
         "/usr/bin/python3 {}/scripts/evaluate_model.py {} {} {} > {}", TOUCHTRACE_SOURCE_DIR,
         at(model + ".safetensors"), at("scene.h5"), at("labels.h5"), at("python.out"));
     ASSERT_EQ(std::system(command.c_str()), 0);
-    const auto python = nlohmann::json::parse(std::ifstream(at("python.out")));
-    for (const auto& row : nlohmann::json::parse(std::ifstream(at("python.json"))).at("results"))
+    const auto python = read_json(at("python.out"));
+    const auto evaluated = read_json(at("python.json"));
+    for (const auto& row : evaluated.at("results"))
       for (const char* metric : {"l1_at_20", "l1_at_50", "hausdorff"})
         if (row.at("model") == model) {
           // float roll-outs against double ones
@@ -107,10 +112,6 @@ class WholeChain : public ::testing::TestWithParam<const char*> {
 
   fs::path folder_;
 };
-
-nlohmann::json read_json(const std::string& path) {
-  return nlohmann::json::parse(std::ifstream(path));
-}
 
 std::string text_of(const std::string& path) {
   std::ostringstream text;

@@ -87,6 +87,24 @@ TEST(Median, IsTheMiddleOrUpperMiddleValue) {
   EXPECT_TRUE(std::isnan(median({})));
 }
 
+/// Quantiles as tabulated.
+TEST(NormalQuantile, MatchesKnownValues) {
+  EXPECT_NEAR(normal_quantile(0.1), -1.2815515655446004, 1e-12);
+  EXPECT_NEAR(normal_quantile(0.5), 0.0, 1e-12);
+  EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-12);
+  EXPECT_NEAR(normal_quantile(0.001), -3.090232306167813, 1e-12);
+}
+
+TEST(Text, ParseWholeNeedsTheWholeText) {
+  int number = 7;
+  for (const char* text : {"", "1x", " 1", "1.5", "99999999999"}) {
+    EXPECT_FALSE(parse_whole(text, number)) << text;
+    EXPECT_EQ(number, 7) << text;
+  }
+  EXPECT_TRUE(parse_whole("-12", number));
+  EXPECT_EQ(number, -12);
+}
+
 TEST(Text, NearestNameIsFoundUnlessTooFar) {
   const std::vector<std::string> names{"wave", "throw", "pingpong"};
   EXPECT_EQ(nearest_name("wav", names), "wave");

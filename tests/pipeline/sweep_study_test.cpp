@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "engine/base/error.h"
 #include "pipeline/sweep/cells.h"
@@ -54,9 +55,10 @@ json values_of(const std::string& command, const std::vector<std::string>& argum
   return set.values();
 }
 
-CommandTable test_commands() {
+CommandTable test_commands(const std::string& version = "1") {
   static TestOptions options;
-  return {[](const std::string& command) { return describe_test(command, options).options(); },
+  return {version,
+          [](const std::string& command) { return describe_test(command, options).options(); },
           values_of};
 }
 
@@ -112,6 +114,18 @@ TEST_F(SweepStudy, GatheredAxesGiveOneCellWithAllValues) {
   EXPECT_EQ(all[7].axes, json({{"kind", "large"}}));
   EXPECT_EQ(all[7].inputs, (std::vector<std::size_t>{3, 4, 5}));
   EXPECT_EQ(all[7].options["files"].size(), 3u);
+}
+
+TEST_F(SweepStudy, AnotherCommitHasOtherCells) {
+  const auto file = folder_ / "study.toml";
+  std::ofstream(file) << two_stages;
+  std::set<std::string> ids;
+  for (const char* version : {"0.1.0 (commit a)", "0.1.0 (commit b)"}) {
+    const auto commands = test_commands(version);
+    for (const Cell& cell : expand(read_study(file, {}, commands), commands, "out"))
+      ids.insert(cell.id);
+  }
+  EXPECT_EQ(ids.size(), 2u * (6u + 12u));
 }
 
 TEST_F(SweepStudy, ValuesOfOtherStagesAndAxesOfOneName) {

@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "engine/base/statistics.h"
 #include "pipeline/acquire/record/session.h"
 #include "pipeline/recording/frame_pairs.h"
 #include "pipeline/recording/recording_file.h"
@@ -124,12 +125,10 @@ std::vector<float> baseline_of(const GloveStream& glove, std::size_t taxels, dou
   const double end_s = glove.host_time_s.front() + rest_s;
   const auto frames = static_cast<std::size_t>(std::ranges::lower_bound(glove.host_time_s, end_s) -
                                                glove.host_time_s.begin());
-  std::vector<std::uint16_t> values(frames);
   for (std::size_t taxel = 0; taxel < taxels && frames > 0; ++taxel) {
-    for (std::size_t i = 0; i < frames; ++i) values[i] = glove.counts[i * taxels + taxel];
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(frames / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    baseline[taxel] = *middle;
+    std::vector<double> values;
+    for (std::size_t i = 0; i < frames; ++i) values.push_back(glove.counts[i * taxels + taxel]);
+    baseline[taxel] = static_cast<float>(median(std::move(values)));
   }
   return baseline;
 }

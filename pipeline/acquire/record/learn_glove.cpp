@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "engine/base/error.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {
 
 constexpr std::size_t min_frames = 20;
-constexpr double std_per_mad = 1.4826;    // of a normal distribution
 constexpr double min_noise_counts = 0.5;  // of the converter's rounding
 constexpr double response_sigmas = 6.0;   // change that noise does not explain
 constexpr double min_polarity_ratio = 2.0, max_dead_fraction = 0.5;
@@ -30,16 +30,9 @@ double quantile(const std::vector<double>& sorted, double fraction) {
   return sorted[static_cast<std::size_t>(fraction * static_cast<double>(sorted.size() - 1))];
 }
 
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  return quantile(values, 0.5);
-}
-
-/// Standard deviation of the noise, from the median absolute difference to the median.
-double noise_of(const std::vector<double>& counts, double median) {
-  std::vector<double> differences;
-  for (const double count : counts) differences.push_back(std::abs(count - median));
-  return std::max(min_noise_counts, std_per_mad * median_of(std::move(differences)));
+double noise_of(std::vector<double> counts, double baseline) {
+  for (double& count : counts) count -= baseline;
+  return std::max(min_noise_counts, robust_sigma(std::move(counts)));
 }
 
 double repeated_fraction(const std::vector<std::uint16_t>& frames, std::size_t taxels) {
@@ -86,7 +79,7 @@ LearnedGlove learn_glove(const GloveInfo& info, const std::vector<std::uint16_t>
   for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
     const auto at_rest = sorted_counts(rest, taxels, taxel),
                pressed = sorted_counts(squeezed, taxels, taxel);
-    baselines.push_back(quantile(at_rest, 0.5));
+    baselines.push_back(median(at_rest));
     noises.push_back(noise_of(at_rest, baselines.back()));
     const Response response = response_of(pressed, baselines.back(), noises.back());
     up += response.up, down += response.down;
@@ -98,8 +91,8 @@ LearnedGlove learn_glove(const GloveInfo& info, const std::vector<std::uint16_t>
   glove.polarity = up >= down ? 1 : -1;
   glove.polarity_ratio = std::max(up, down) / std::max(1.0, std::min(up, down));
   glove.baseline_counts.assign(baselines.begin(), baselines.end());
-  glove.median_baseline = median_of(std::move(baselines));
-  glove.noise_counts = median_of(noises);
+  glove.median_baseline = median(std::move(baselines));
+  glove.noise_counts = median(std::move(noises));
   glove.repeated_frames =
       std::max(repeated_fraction(rest, taxels), repeated_fraction(squeezed, taxels));
   glove.is_noisy = glove.noise_counts > max_noise_fraction * max_count;

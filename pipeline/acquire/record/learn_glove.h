@@ -8,7 +8,7 @@
 
 namespace touchtrace {
 
-/// What the frames of a glove at rest and of the same glove, squeezed, tell about it.
+/// Properties of a glove, estimated from frames at rest and frames in which it is squeezed.
 struct LearnedGlove {
   int polarity = 1;
   double polarity_ratio = 1.0;         ///< of the changes in this direction to the others

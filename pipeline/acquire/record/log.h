@@ -44,7 +44,7 @@ struct LogRecord {
   std::span<const std::uint8_t> payload;  ///< valid until the next one is read
 };
 
-/// What a log lacks.
+/// Parts of a log that cannot be read.
 struct LogDamage {
   std::uint64_t lost_records = 0;   ///< damaged, or missing by the numbers of the others
   std::uint64_t damaged_bytes = 0;  ///< between valid records
@@ -65,7 +65,7 @@ class LogReader {
 
   /// Next valid record; nullopt at the end.
   std::optional<LogRecord> next();
-  /// Of the part that has been read.
+  /// Damage of the part that has been read.
   const LogDamage& damage() const { return damage_; }
   std::uint64_t size() const { return size_; }
   std::uint64_t position() const { return position_; }

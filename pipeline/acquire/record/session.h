@@ -10,7 +10,7 @@
 
 namespace touchtrace {
 
-/// What a log says about its recording before the first frame.
+/// Description of a recording, at the start of its log.
 struct SessionInfo {
   std::string activity = "record", object = "object", protocol;
   double epoch_unix_s = 0.0;

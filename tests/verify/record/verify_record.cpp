@@ -64,7 +64,7 @@ void measure_flips(const ScratchFolder& folder, const Emit& emit) {
   const auto expected = read_log(path, is_damaged);
   std::string bytes = read_file(path);
   int silent = 0;
-  std::size_t most_lost = 0;
+  std::size_t max_lost = 0;
   for (int i = 0; i < num_flips; ++i) {
     const auto bit = 8 * log_header_bytes + random.below(8 * (bytes.size() - log_header_bytes));
     bytes[bit / 8] ^= static_cast<char>(1 << (bit % 8));
@@ -72,10 +72,10 @@ void measure_flips(const ScratchFolder& folder, const Emit& emit) {
     bytes[bit / 8] ^= static_cast<char>(1 << (bit % 8));
     const auto found = read_log(path, is_damaged);
     silent += !is_damaged;
-    most_lost = std::max(most_lost, expected.size() - found.size());
+    max_lost = std::max(max_lost, expected.size() - found.size());
   }
   emit(at_most("record: flipped bits of a log without a warning, of 10000", silent, "flips", 0.0));
-  emit(at_most("record: records lost by one flipped bit", static_cast<double>(most_lost), "records",
+  emit(at_most("record: records lost by one flipped bit", static_cast<double>(max_lost), "records",
                1.0));
 }
 

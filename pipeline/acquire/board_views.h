@@ -1,16 +1,23 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "calib/board/chessboard.h"
+#include "pipeline/recording/recording.h"
 
 namespace touchtrace {
 
 /// Detects the board in the board views of a recording; with depth images. Throws data_error if the
 /// recording has too few views.
 BoardObservations board_views_from_recording(const std::filesystem::path& recording);
+
+/// Detects the board in `count` views of a camera, which `read` returns; with depth images.
+BoardObservations detect_board_views(const CameraInfo& camera, const BoardInfo& board,
+                                     std::size_t count,
+                                     const std::function<RgbdFrame(std::size_t)>& read);
 
 /// Detects the board in images: files, folders and patterns such as `photos/left*.jpg`; no depth.
 /// Pixels are used as stored, because a camera's sensor does not turn with the orientation in EXIF.

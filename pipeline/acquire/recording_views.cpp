@@ -29,15 +29,13 @@ std::vector<float> metres_of(const RgbdFrame& frame, const CameraInfo& camera) {
 
 }  // namespace
 
-BoardObservations board_views_from_recording(const std::filesystem::path& path) {
-  const RecordingReader reader(path);
-  const CameraInfo& camera = reader.recording().camera;
-  const BoardInfo& info = reader.recording().board;
-  require_usable(missing_for_calibration(reader), path.string());
-  BoardDetector detector({info.columns, info.rows, info.square_m});
-  Progress progress("detecting the board", reader.board_views());
-  for (std::size_t index = 0; index < reader.board_views(); ++index) {
-    const RgbdFrame frame = reader.read_board_view(index);
+BoardObservations detect_board_views(const CameraInfo& camera, const BoardInfo& board,
+                                     std::size_t count,
+                                     const std::function<RgbdFrame(std::size_t)>& read) {
+  BoardDetector detector({board.columns, board.rows, board.square_m});
+  Progress progress("detecting the board", count);
+  for (std::size_t index = 0; index < count; ++index) {
+    const RgbdFrame frame = read(index);
     detector.add({.name = fmt::format("view {}", index), .depth_m = metres_of(frame, camera)},
                  grey_of(frame, camera));
     progress.advance();
@@ -45,6 +43,14 @@ BoardObservations board_views_from_recording(const std::filesystem::path& path) 
   BoardObservations observations = std::move(detector).finish();
   observations.depth_intrinsics = depth_intrinsics(camera);
   return observations;
+}
+
+BoardObservations board_views_from_recording(const std::filesystem::path& path) {
+  const RecordingReader reader(path);
+  require_usable(missing_for_calibration(reader), path.string());
+  return detect_board_views(reader.recording().camera, reader.recording().board,
+                            reader.board_views(),
+                            [&](std::size_t index) { return reader.read_board_view(index); });
 }
 
 }  // namespace touchtrace

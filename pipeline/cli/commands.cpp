@@ -16,7 +16,7 @@ const Program& touchtrace_program() {
          calibrate_command(), mark_command(), label_command(), smooth_command(), train_command(),
          evaluate_command(), predict_command(), report_command()}},
        {"Study", {plan_command(), sweep_command(), collect_command()}}},
-      {{"verify", "touchtrace-verify"}, {"sensitivity", "touchtrace-verify"}}};
+      {{"verify", "touchtrace-verify"}}};
   return program;
 }
 

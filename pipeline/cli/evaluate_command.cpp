@@ -76,13 +76,13 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
     models.push_back(study::load_model(runtime, path));
     provenance.add_input(path);
   }
-  json document = study::evaluate_models(
-      study::load_sessions(study::pair_files(options.recordings, options.labels), options.against),
-      models, options);
+  const auto files = study::pair_files(options.recordings, options.labels);
+  json document =
+      study::evaluate_models(study::load_sessions(files, options.against), models, options);
   for (const auto& note : document.at("notes"))
     fmt::print(stderr, "note: {}\n", note.get<std::string>());
-  for (const auto* paths : {&options.recordings, &options.labels})
-    for (const auto& path : *paths) provenance.add_input(path);
+  for (const auto& pair : files)
+    for (const auto& path : {pair.recording, pair.labels}) provenance.add_input(path);
   watch.stop(provenance);
   document["device"] = runtime.device().name;
   document["provenance"] = provenance;
@@ -101,8 +101,7 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
 Command evaluate_command() {
   return make_command<study::EvaluationOptions>(
       "evaluate", "evaluate models and baselines on held-out clips",
-      {"touchtrace evaluate --recording wave.h5 --labels wave.labels.h5 --model "
-       "wave_full.safetensors "
+      {"touchtrace evaluate --recording wave.h5 --model wave_full.safetensors "
        "wave_without_touch.safetensors --output metrics.json",
        "touchtrace evaluate --recording wave.h5 --labels wave.labels.h5 --model "
        "wave_full.safetensors --json"},

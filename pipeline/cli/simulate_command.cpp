@@ -10,6 +10,7 @@
 #include "engine/base/progress.h"
 #include "engine/base/text.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/label_simulated.h"
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/base/parameter_registry.h"
@@ -17,6 +18,7 @@
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/data_sets.h"
 #include "pipeline/scene/simulate/simulate.h"
+#include "pipeline/study/sessions.h"
 
 namespace touchtrace::cli {
 namespace {
@@ -26,9 +28,10 @@ struct SimulateOptions {
   std::string output, object, dataset;
   std::vector<std::string> settings, former_settings;
   double share = 1.0;
-  bool no_images = false, images = false, resume = false;
+  label::LabelOptions labelling;
+  bool no_images = false, images = false, label = false, resume = false;
 
-  bool renders() const { return dataset.empty() ? !no_images : images; }
+  bool renders() const { return label || (dataset.empty() ? !no_images : images); }
 };
 
 void describe(OptionSet& set, SimulateOptions& o) {
@@ -62,10 +65,14 @@ void describe(OptionSet& set, SimulateOptions& o) {
   set.texts("assume", o.former_settings, "");  // former name of --set
   set.text("dataset", o.dataset,
            "paper: folder of recordings with the activities, objects and frame counts of the "
-           "paper's table, without images")
+           "paper's table, without images unless --images or --label")
       .value("NAME");
   set.number("share", o.share, "fraction of the data set's frames", 1e-4, 1.0);
   set.flag("images", o.images, "render the data set's images");
+  set.flag("label", o.label,
+           "calibrate and label from rendered images that are not stored: X.h5, X.calibration and "
+           "X.labels.h5");
+  label::describe_tracker(set, o.labelling).help = "tracker of --label; component: fastest";
   set.flag("no-images", o.no_images, "glove and truth only, no images");
   set.flag("resume", o.resume, "keep existing recordings made with the same options");
   set.seed("seed", s.seed, "seed of all random numbers");
@@ -182,7 +189,8 @@ nlohmann::json origin(const Provenance& provenance) {
 bool is_done(const Job& job, const SimulateOptions& options) {
   if (!options.resume || !std::filesystem::exists(job.output)) return false;
   const RecordingReader reader(job.output);
-  if (origin(reader.recording().provenance) == origin(job.provenance)) return true;
+  if (origin(reader.recording().provenance) == origin(job.provenance))
+    return !options.label || std::filesystem::exists(study::labels_of(job.output));
   throw usage_error(fmt::format("{} was made with other options", job.output.string()),
                     "give the same options, another folder, or --overwrite without --resume");
 }
@@ -200,6 +208,14 @@ std::uint64_t total_minutes(std::span<const Job> jobs) {
   return static_cast<std::uint64_t>(minutes);
 }
 
+scene::SimulationSummary run_job(const Job& job, const SimulateOptions& options, Runtime* runtime,
+                                 bool overwrite) {
+  return options.label
+             ? simulate_labelled(job.scene, *runtime, options.labelling, job.output, overwrite,
+                                 job.provenance)
+             : scene::simulate_recording(job.scene, runtime, job.output, overwrite, job.provenance);
+}
+
 ExitCode run(const SimulateOptions& given, const Invocation& invocation) {
   SimulateOptions options = given;
   options.settings.insert(options.settings.end(), given.former_settings.begin(),
@@ -213,10 +229,9 @@ ExitCode run(const SimulateOptions& given, const Invocation& invocation) {
     for (const Job& job : jobs) OutputFile(job.output, invocation.overwrite);
   nlohmann::json rows = nlohmann::json::array();
   Progress progress("simulated minutes", total_minutes(jobs));
-  for (Job& job : jobs) {
-    const auto summary =
-        scene::simulate_recording(job.scene, runtime ? &*runtime : nullptr, job.output,
-                                  invocation.overwrite, std::move(job.provenance));
+  for (const Job& job : jobs) {
+    const auto summary = run_job(job, options, runtime ? &*runtime : nullptr,
+                                 invocation.overwrite || options.resume);
     if (jobs.size() > 1) progress.advance(total_minutes({&job, 1}), job.output.string());
     rows.push_back(to_json(summary, job.output.string()));
     if (!invocation.json) print_summary(summary, job.output.string());
@@ -236,7 +251,7 @@ Command simulate_command() {
        "touchtrace simulate touch.h5 --minutes 10 --no-images --imu",
        "touchtrace simulate wave --object seen --minutes 5 --resume",
        "touchtrace simulate other_glove.h5 --glove 2 --set glove-gain=0.5 wave-period=0.5:1.5",
-       "touchtrace simulate paper --dataset paper --resume",
+       "touchtrace simulate paper --dataset paper --label --resume",
        "touchtrace simulate mixed --object bottle-half,my_mug.toml --config scene.toml"},
       run, {.device = true, .overwrite = true, .quiet = true});
 }

@@ -40,8 +40,7 @@ ExitCode run(const study::TrainingOptions& options, const Invocation& invocation
 Command train_command() {
   return make_command<study::TrainingOptions>(
       "train", "train a model of hand and object motion from touch",
-      {"touchtrace train --recording wave.h5 --labels wave.labels.h5 --output "
-       "wave_full.safetensors",
+      {"touchtrace train --recording wave.h5 --output wave_full.safetensors",
        "touchtrace train --recording wave.h5 --labels wave.labels.h5 --without-touch --output "
        "wave_without_touch.safetensors"},
       run, {.device = true, .overwrite = true, .quiet = true});

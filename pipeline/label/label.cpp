@@ -196,8 +196,12 @@ FlightSearch flight_search(const std::vector<ClipTrack>& tracks,
 
 }  // namespace
 
+Option& describe_tracker(OptionSet& set, LabelOptions& o) {
+  return set.choice("tracker", o.tracker, "component: fastest", tracker_names());
+}
+
 void describe(OptionSet& set, LabelOptions& o) {
-  set.choice("tracker", o.tracker, "component: fastest", tracker_names());
+  describe_tracker(set, o);
   set.choice("observer", o.observer,
              "what shows hand and object; auto: masks if half of the frames have one",
              {"auto", "depth-color", "masks"});

@@ -22,6 +22,8 @@ struct LabelOptions {
 };
 
 void describe(OptionSet& set, LabelOptions& options);
+/// Option --tracker alone.
+Option& describe_tracker(OptionSet& set, LabelOptions& options);
 
 /// Labels hand and object of a recording at every frame of its first glove, or of the camera if it
 /// has none: segmentation, tracking, shape fits, time alignment, smoothing. Does not read a

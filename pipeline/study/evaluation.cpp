@@ -99,9 +99,11 @@ json label_error_json(const Session& session) {
 void describe(OptionSet& set, EvaluationOptions& o) {
   set.group("Files");
   set.paths("recording", o.recordings,
-            "recordings; of those that a model was trained on only the evaluation clips")
+            "recordings, or folders of them; of those that a model was trained on only the "
+            "evaluation clips")
       .value("FILE");
-  set.paths("labels", o.labels, "label files, in the same order").value("FILE");
+  set.texts("labels", o.labels, "label files, in the same order; default: X.labels.h5 of X.h5")
+      .value("FILE");
   set.paths("model", o.models, "models; each is evaluated on the recordings of its activity")
       .value("FILE");
   set.text("output", o.output, "metrics (.json), for `report`").value("FILE");

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "engine/base/error.h"
 #include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording_file.h"
@@ -10,6 +12,32 @@
 
 namespace touchtrace::study {
 namespace {
+
+namespace fs = std::filesystem;
+
+/// Recordings in a folder, which are all .h5 files that are not labels.
+std::vector<fs::path> recordings_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (const auto name = entry.path().filename().string();
+        name.ends_with(".h5") && !name.ends_with("labels.h5"))
+      files.push_back(entry.path());
+  if (files.empty())
+    throw usage_error(fmt::format("folder {} has no recording (.h5)", folder.string()),
+                      "give recordings, or the folder in which they are");
+  std::ranges::sort(files);
+  return files;
+}
+
+std::vector<fs::path> recording_files(const std::vector<std::string>& files_or_folders) {
+  std::vector<fs::path> files;
+  for (const fs::path path : files_or_folders)
+    if (fs::is_directory(path))
+      std::ranges::copy(recordings_in(path), std::back_inserter(files));
+    else
+      files.push_back(path);
+  return files;
+}
 
 void add_truth(Session& session, const LabelledRecording& source) {
   attach_truth(session.data, {source});
@@ -20,14 +48,21 @@ void add_truth(Session& session, const LabelledRecording& source) {
 
 }  // namespace
 
+fs::path labels_of(const fs::path& recording) {
+  return fs::path(recording).replace_extension(".labels.h5");
+}
+
 std::vector<LabelledRecording> pair_files(const std::vector<std::string>& recordings,
                                           const std::vector<std::string>& labels) {
-  if (recordings.size() != labels.size())
+  const auto files = recording_files(recordings);
+  if (!labels.empty() && files.size() != labels.size())
     throw usage_error(
-        fmt::format("{} recordings but {} label files", recordings.size(), labels.size()),
-        "give one --labels file per --recording, in the same order");
+        fmt::format("{} recordings but {} label files", files.size(), labels.size()),
+        "give one --labels file per --recording, in the same order, or none if wave.labels.h5 is "
+        "beside wave.h5");
   std::vector<LabelledRecording> sources;
-  for (std::size_t i = 0; i < labels.size(); ++i) sources.push_back({recordings[i], labels[i]});
+  for (std::size_t i = 0; i < files.size(); ++i)
+    sources.push_back({files[i], labels.empty() ? labels_of(files[i]) : fs::path(labels[i])});
   return sources;
 }
 

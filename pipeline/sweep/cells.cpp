@@ -149,11 +149,13 @@ class Expansion {
       return;
     }
     const auto [stage, key] = parse_reference(item);
-    const auto matches = matching(cell.axes, stage);
+    auto matches = matching(cell.axes, stage);
+    if (!key.empty()) keep_different_values(matches, key);
     if (matches.size() != 1 && (!key.empty() || !option.is_list()))
-      throw usage_error(fmt::format("{}: '{}' stands for {} cells, not one", option.key(),
-                                    item.get<std::string>(), matches.size()),
-                        "refer to a stage with fewer axes, or gather less");
+      throw usage_error(
+          fmt::format("{}: '{}' stands for {} {}, not one", option.key(), item.get<std::string>(),
+                      matches.size(), key.empty() ? "cells" : "values"),
+          "refer to a stage with fewer axes, or gather less");
     for (const std::size_t i : matches) {
       paths.push_back(key.empty() ? json(cells_[i].output.string()) : value_of(cells_[i], key));
       ids.push_back(key.empty() ? json("@" + cells_[i].id) : paths.back());
@@ -166,6 +168,13 @@ class Expansion {
     for (std::size_t i = 0; i < cells_.size(); ++i)
       if (cells_[i].stage == stage && agree(axes, cells_[i].axes)) found.push_back(i);
     return found;
+  }
+
+  /// Keeps one cell for each value of an option.
+  void keep_different_values(std::vector<std::size_t>& cells, const std::string& key) const {
+    std::set<json> seen;
+    std::erase_if(cells,
+                  [&](std::size_t i) { return !seen.insert(value_of(cells_[i], key)).second; });
   }
 
   static const json& value_of(const Cell& cell, const std::string& key) {
@@ -188,6 +197,7 @@ class Expansion {
     for (const char* flag : {"json", "overwrite"})
       if (find_option(options, flag)) given[flag] = true;
     cell.arguments = arguments_of(options, given);
+    cell.can_resume = find_option(options, "resume") != nullptr;
     return cell;
   }
 

@@ -20,6 +20,7 @@ struct Cell {
   std::string version;                             ///< CommandTable::version
   std::vector<std::size_t> inputs;                 ///< indices of the cells that must be done first
   std::filesystem::path folder, output;            ///< output: what a reference "@stage" stands for
+  bool can_resume = false;                         ///< the command has --resume
 
   std::filesystem::path result() const { return folder / "result.json"; }
   bool is_done() const { return std::filesystem::exists(result()); }

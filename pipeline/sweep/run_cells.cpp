@@ -38,10 +38,12 @@ std::string message_of(const fs::path& log) {
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
-/// "--resume" if an earlier run of the cell left a checkpoint.
+/// "--resume" if an earlier run of the cell left a checkpoint or a folder of finished files.
 std::vector<std::string> child_arguments(const Cell& cell) {
   std::vector<std::string> arguments{cell.command};
-  if (fs::exists(cell.output.string() + ".checkpoint")) arguments.emplace_back("--resume");
+  if (cell.can_resume &&
+      (fs::exists(cell.output.string() + ".checkpoint") || fs::is_directory(cell.output)))
+    arguments.emplace_back("--resume");
   arguments.insert(arguments.end(), cell.arguments.begin(), cell.arguments.end());
   return arguments;
 }

@@ -120,7 +120,6 @@ TEST(CommandLine, WrongUsageIsExplained) {
 
 TEST(CommandLine, MovedCommandsNameTheirProgram) {
   expect_failure("verify engine", 2, "'verify' moved to touchtrace-verify");
-  expect_failure("sensitivity", 2, "'sensitivity' moved to touchtrace-verify");
 }
 
 TEST(CommandLine, ConfigurationFileIsChecked) {

@@ -62,6 +62,17 @@ class Sweep : public ::testing::Test {
   fs::path folder_ = touchtrace::testing::scratch_folder();
 };
 
+TEST_F(Sweep, StudiesOfTheProjectAreValid) {
+  int studies = 0;
+  for (const auto& file : fs::directory_iterator(TOUCHTRACE_SOURCE_DIR "/scripts/studies")) {
+    const auto result =
+        run_program("sweep " + file.path().string() + " --dry-run --output " + at("out"));
+    EXPECT_EQ(result.exit_code, 0) << file.path() << result.output;
+    ++studies;
+  }
+  EXPECT_GE(studies, 7);
+}
+
 TEST_F(Sweep, ResumesAfterKillsToTheSameBytes) {
   ASSERT_EQ(run_program(sweep("whole")).exit_code, 0);
   for (int cells = 1; cells < 6; cells += 2) {

@@ -85,6 +85,13 @@ TEST(SceneParameters, FormerNamesAreAccepted) {
   EXPECT_EQ(current_parameter_name("arm-mass"), "arm-mass");
 }
 
+TEST(SceneParameters, RelativeValuesScale) {
+  EXPECT_EQ(parse_parameters({"glove-noise=x2"}).glove.noise_counts, 3.0);
+  EXPECT_EQ(parse_parameters({"wave-amplitude=x0.5"}).wave.amplitude_m, (Interval{0.02, 0.08}));
+  for (const char* factor : {"x", "x0", "x-1", "xnan", "xinf", "x2:3"})
+    EXPECT_THROW(parse_parameters({std::string("glove-noise=") + factor}), Error) << factor;
+}
+
 TEST(SceneParameters, ScalingClampsToRangeAndKeepsBoxCentre) {
   SceneParameters p;
   scale_parameter(p, find_parameter("wave-amplitude"), 2.0);

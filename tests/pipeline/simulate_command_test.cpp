@@ -4,6 +4,7 @@
 
 #include "engine/base/files.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/recording/labels.h"
 #include "pipeline/scene/person/activity.h"
 #include "tests/pipeline/recording_samples.h"
 
@@ -12,12 +13,18 @@ namespace {
 
 using testing::TemporaryFolder;
 
-int simulate(const std::vector<std::string>& more) {
-  std::vector<const char*> argv{"touchtrace", "simulate", "--quiet",  "--no-images",
-                                "--minutes",  "0.05",     "--clip-s", "1.5"};
-  for (const auto& argument : more) argv.push_back(argument.c_str());
+int touchtrace(const std::vector<std::string>& arguments) {
+  std::vector<const char*> argv{"touchtrace"};
+  for (const auto& argument : arguments) argv.push_back(argument.c_str());
   return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
                                argv.data());
+}
+
+int simulate(const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"simulate", "--quiet",  "--no-images", "--minutes",
+                                     "0.05",     "--clip-s", "1.5"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return touchtrace(arguments);
 }
 
 std::string hash(const std::filesystem::path& path) { return sha256_of(read_file(path)); }
@@ -79,6 +86,46 @@ TEST(SimulateCommand, ResumeSimulatesOnlyMissingRecordings) {
   EXPECT_EQ(std::filesystem::last_write_time(folder / "out/cube.h5"), written);
   EXPECT_EQ(simulate({out, "--object", "ball,cube", "--resume", "--seed", "2"}), 2);
   EXPECT_EQ(simulate({out, "--object", "ball,cube"}), 2);  // they exist
+}
+
+TEST(SimulateCommand, LabelsWithoutStoredImagesEqualThoseOfStoredOnes) {
+  const TemporaryFolder folder;
+  const auto at = [&](const char* name) { return (folder / name).string(); };
+  const std::vector<std::string> scene{"--quiet",  "--activity", "throw",  "--minutes", "0.2",
+                                       "--clip-s", "4",          "--seed", "3"};
+  const auto with = [&](std::vector<std::string> command) {
+    command.insert(command.end(), scene.begin(), scene.end());
+    return touchtrace(command);
+  };
+  ASSERT_EQ(with({"simulate", at("stored.h5")}), 0);
+  ASSERT_EQ(touchtrace({"calibrate", "--quiet", at("stored.h5"), "--output", at("camera")}), 0);
+  ASSERT_EQ(touchtrace({"label", "--quiet", at("stored.h5"), "--calibration", at("camera"),
+                        "--tracker", "component", "--output", at("stored.labels.h5")}),
+            0);
+  ASSERT_EQ(with({"simulate", at("rendered.h5"), "--label", "--tracker", "component"}), 0);
+  EXPECT_EQ(RecordingReader(at("rendered.h5")).color_images(), 0u);
+  EXPECT_LT(std::filesystem::file_size(at("rendered.h5")), 1'000'000u);
+  const Labels stored = read_labels(at("stored.labels.h5")),
+               rendered = read_labels(at("rendered.labels.h5"));
+  ASSERT_GT(stored.time_s.size(), 100u);
+  EXPECT_EQ(rendered.time_s, stored.time_s);
+  EXPECT_EQ(rendered.object.position_m, stored.object.position_m);
+  EXPECT_EQ(rendered.hand.position_m, stored.hand.position_m);
+  EXPECT_EQ(rendered.object.covariance, stored.object.covariance);
+  EXPECT_EQ(rendered.provenance.inputs.front().sha256, hash(at("rendered.h5")));
+}
+
+TEST(SimulateCommand, ResumeLabelsARecordingWhoseLabelsAreMissing) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "ball.h5").string();
+  const std::vector<std::string> command{"simulate",  file,        "--quiet", "--minutes",
+                                         "0.1",       "--clip-s",  "3",       "--label",
+                                         "--tracker", "component", "--resume"};
+  ASSERT_EQ(touchtrace(command), 0);
+  const Labels first = read_labels(folder / "ball.labels.h5");
+  std::filesystem::remove(folder / "ball.labels.h5");
+  ASSERT_EQ(touchtrace(command), 0);
+  EXPECT_EQ(read_labels(folder / "ball.labels.h5").object.position_m, first.object.position_m);
 }
 
 TEST(SimulateCommand, FormerNamesOfCommandFlagAndKeyAreAccepted) {

@@ -137,6 +137,19 @@ TEST_F(SweepStudy, ValuesOfOtherStagesAndAxesOfOneName) {
   EXPECT_EQ(all[7].axes, json({{"size", 5}, {"other.size", 9}}));
 }
 
+TEST_F(SweepStudy, ValueReferencesStandForTheCommonValueOfGatheredCells) {
+  const auto all = cells(
+      "[make]\nkind = [\"small\", \"large\"]\nsize = [4, 5]\n"
+      "[other]\ncommand = \"make\"\ngather = [\"size\"]\nkind = \"@make.kind\"\n");
+  ASSERT_EQ(all.size(), 4u + 2u);
+  EXPECT_EQ(all[4].options["kind"], "small");
+  EXPECT_EQ(all[5].options["kind"], "large");
+  expect_refused(
+      "[make]\nsize = [4, 5]\n"
+      "[other]\ncommand = \"make\"\ngather = [\"size\"]\nsize = \"@make.size\"\n",
+      "'@make.size' stands for 2 values, not one");
+}
+
 TEST_F(SweepStudy, IdsDependOnWhatDeterminesTheResult) {
   const auto id = [&](const std::string& text) { return cells(text).back().id; };
   const std::string use = "\n[use]\nfile = \"@make\"\n";

@@ -15,7 +15,6 @@
 #include "tests/verify/record/verify_record.h"
 #include "tests/verify/recording/verify_recording.h"
 #include "tests/verify/scene/verify_scene.h"
-#include "tests/verify/study/sensitivity_command.h"
 #include "tests/verify/study/verify_study.h"
 #include "tests/verify/support/figures_page.h"
 
@@ -99,8 +98,7 @@ const cli::Program& verify_program() {
          area("recording", "crash safety and damaged files", verify_recording()),
          area("scene", "physics against closed forms and statistics", scene::verify_scene()),
          area("study", "training and evaluation on a synthetic data set", study::verify_study()),
-         area("weights", "hash of the weights after 200 updates", verify_weights())}},
-       {"Studies", {study::sensitivity_command()}}},
+         area("weights", "hash of the weights after 200 updates", verify_weights())}}},
       {}};
   return program;
 }

@@ -4,7 +4,7 @@
 
 namespace touchtrace::verify {
 
-/// Program touchtrace-verify: one command per area, and the sensitivity study.
+/// Program touchtrace-verify: one command per area.
 const cli::Program& verify_program();
 
 }  // namespace touchtrace::verify

@@ -22,6 +22,13 @@ double parse_number(const std::string& text) {
   return error == std::errc() && rest == end ? value : std::nan("");
 }
 
+/// Positive finite number.
+double parse_factor(const std::string& text) {
+  const double factor = parse_number(text);
+  if (factor > 0.0 && std::isfinite(factor)) return factor;
+  throw usage_error(fmt::format("'x{}' is not a factor", text), "give e.g. glove-noise=x2");
+}
+
 std::string expected_form(const Parameter& parameter) {
   static const std::map<std::size_t, std::string> forms{
       {1, "VALUE"}, {2, "FROM:TO"}, {6, "FROM:TO:FROM:TO:FROM:TO along x, y and z"}};
@@ -136,13 +143,14 @@ void set_parameter(SceneParameters& parameters, const std::string& setting) {
     throw usage_error(fmt::format("parameter setting '{}' is not NAME=VALUE", setting),
                       "`touchtrace parameters` lists the names");
   const Parameter& parameter = find_parameter(setting.substr(0, equals));
+  const std::string value = setting.substr(equals + 1);
+  if (value.starts_with('x'))
+    return scale_parameter(parameters, parameter, parse_factor(value.substr(1)));
   std::vector<double> values;
-  for (const std::string& text : split_text(setting.substr(equals + 1), ':'))
-    values.push_back(parse_number(text));
+  for (const std::string& text : split_text(value, ':')) values.push_back(parse_number(text));
   if (!is_allowed(parameter, values))
-    throw usage_error(
-        fmt::format("invalid value '{}' of {}", setting.substr(equals + 1), parameter.name),
-        expected_form(parameter));
+    throw usage_error(fmt::format("invalid value '{}' of {}", value, parameter.name),
+                      expected_form(parameter));
   std::ranges::copy(values, parameter.numbers(parameters).begin());
 }
 

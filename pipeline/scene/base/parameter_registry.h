@@ -30,8 +30,9 @@ const Parameter& find_parameter(const std::string& name);
 /// Returns the present name of a parameter that was renamed, otherwise `name`.
 std::string current_parameter_name(const std::string& name);
 
-/// Applies "NAME=VALUE" with VALUE in the parameter's unit; an interval is FROM:TO. Throws
-/// usage_error for an unknown name, a wrong number of values, or a value out of range.
+/// Applies "NAME=VALUE" with VALUE in the parameter's unit; an interval is FROM:TO. "NAME=xF" is
+/// scale_parameter() by F. Throws usage_error for an unknown name, a wrong number of values, or a
+/// value out of range.
 void set_parameter(SceneParameters& parameters, const std::string& setting);
 
 /// Returns the defaults with the settings applied. An element may hold several settings, separated

@@ -6,16 +6,12 @@
 #include "calib/rgbd/calibrate.h"
 #include "engine/cl/device.h"
 #include "pipeline/acquire/board_views.h"
-#include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/camera/camera_clock.h"
 #include "pipeline/scene/simulate/video.h"
-#include "tests/pipeline/recording_samples.h"
 #include "tests/verify/calib/simulated_boards.h"
 
 namespace touchtrace {
 namespace {
-
-using testing::TemporaryFolder;
 
 RgbdParameters parameters_of(const scene::RgbdCamera& camera) {
   RgbdParameters truth;
@@ -31,27 +27,19 @@ RgbdParameters parameters_of(const scene::RgbdCamera& camera) {
   return truth;
 }
 
-/// Board views rendered by the scene's camera, written to a recording and read from it.
-BoardObservations recorded_views(const scene::SceneOptions& options,
-                                 const scene::RgbdCamera& camera,
-                                 const std::filesystem::path& path) {
-  auto sample = testing::sample_recording();
+BoardObservations rendered_views(const scene::SceneOptions& options,
+                                 const scene::RgbdCamera& camera) {
   Runtime runtime(choose_device("cpu"));
-  const CameraInfo info = scene::camera_info(camera, options);
-  RecordingWriter writer(path, info, false);
-  scene::Video video(runtime, camera, scene::make_camera_clock(options), options, writer);
-  video.record_still_views(BoardInfo{});
-  sample.recording.camera = info;
-  sample.recording.camera_times = {};
-  writer.finish(sample.recording);
-  return board_views_from_recording(path);
+  const BoardInfo board;
+  scene::Video video(runtime, camera, scene::make_camera_clock(options), options, board);
+  return detect_board_views(scene::camera_info(camera, options), board, video.board_views(),
+                            [&](std::size_t i) { return video.board_view(i); });
 }
 
 TEST(CalibrateRendered, ErrorsAreWithinTheirOwnStandardDeviations) {
-  const TemporaryFolder folder;
   const scene::SceneOptions options{.image_width = 320, .image_height = 240, .board_views = 20};
   const auto camera = scene::make_camera(options);
-  const auto observations = recorded_views(options, camera, folder / "boards.h5");
+  const auto observations = rendered_views(options, camera);
   EXPECT_GE(observations.views.size(), 18u);
   const RgbdCalibration c = calibrate(observations);
   EXPECT_EQ(c.details["verdict"], "GOOD");

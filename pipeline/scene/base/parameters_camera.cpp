@@ -56,8 +56,8 @@ void add_camera_parameters(ParameterTable& table) {
   row("clock", &P::clock_ppm, "ppm", 0.0, 1e4, "standard deviation of the clock's rate",
       "data sheets of quartz: 20-100 ppm", "");
   row("latency", &P::latency_s, "s", 0.0, 0.5,
-      "shortest delay from the middle of the exposure to the arrival", "",
-      "half a frame to read out");
+      "shortest delay from the middle of the exposure to the arrival, drawn per session", "",
+      "cameras differ in read-out, processing and transfer");
   row("jitter", &P::jitter_s, "s", 0.0, 0.5, "mean of the exponential part of the delay", "",
       "a busy host");
   row("dropped", &P::dropped_fraction, "", 0.0, 0.9, "fraction of dropped frames", "",

@@ -75,9 +75,11 @@ void append_glove(std::vector<GloveStream>& gloves, const GloveStream& glove) {
   if (glove.inertial) append_inertial(*whole.inertial, *glove.inertial);
 }
 
+}  // namespace
+
 /// Clips, glove and truth of a recording.
-struct Streams {
-  explicit Streams(const SceneOptions& scene)
+struct SimulatedStreams {
+  explicit SimulatedStreams(const SceneOptions& scene)
       : options(scene),
         camera(make_camera(scene)),
         clock(make_camera_clock(scene)),
@@ -100,6 +102,8 @@ struct Streams {
   Recording recording;
   Truth truth;
 };
+
+namespace {
 
 Progress clip_progress(const SceneOptions& options, int clips) {
   return Progress("simulate " + options.activity + " " + options.object.name,
@@ -161,7 +165,7 @@ SimulationSummary simulate_recording(const SceneOptions& options, Runtime* runti
                                      const std::filesystem::path& output, bool overwrite,
                                      Provenance provenance) {
   const Stopwatch stopwatch;
-  Streams streams(options);
+  SimulatedStreams streams(options);
   Recording& recording = streams.recording;
   RecordingWriter writer(output, recording.camera, overwrite);
   ImageStore store(writer);
@@ -198,7 +202,7 @@ struct RenderedScene::State {
   }
 
   Stopwatch stopwatch;
-  Streams streams;
+  SimulatedStreams streams;
   std::vector<ClipMotion> motions;
   std::vector<std::size_t> frame_clip;  ///< [camera frames] index of the clip
   std::mutex rendering;

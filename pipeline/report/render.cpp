@@ -7,9 +7,9 @@ namespace touchtrace::report {
 namespace {
 
 /// In order of dependency.
-constexpr const char* scripts[] = {"dom.js",     "chart.js",    "paths.js",  "tactile.js",
-                                   "results.js", "rollouts.js", "labels.js", "calibration.js",
-                                   "figures.js", "main.js"};
+constexpr const char* scripts[] = {"dom.js",         "chart.js",   "paths.js",    "tactile.js",
+                                   "results.js",     "options.js", "rollouts.js", "labels.js",
+                                   "calibration.js", "figures.js", "main.js"};
 
 void fill(std::string& page, const std::string& placeholder, const std::string& text) {
   page.replace(page.find(placeholder), placeholder.size(), text);

@@ -166,7 +166,7 @@ Comparison compare_models(const std::vector<const Session*>& sessions,
         "record more or longer clips");
   add_baselines(comparison, stride, seed);
   for (const ModelGroup& group : group_models(models)) {
-    Candidate candidate{group.name, group.kind, {}};
+    Candidate candidate{group.name, group.kind, {}, group.options};
     for (const LoadedModel* model : group.models)
       candidate.runs.push_back(
           scored({model, roll_out(*model, comparison, stride), {}}, comparison));

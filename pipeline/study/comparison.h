@@ -34,6 +34,7 @@ struct Run {
 struct Candidate {
   std::string name, kind;
   std::vector<Run> runs;
+  nlohmann::json options = nlohmann::json::object();  ///< ModelGroup::options
 
   bool is_baseline() const { return !runs.front().model; }
 };

@@ -90,12 +90,12 @@ std::vector<int> at_shares(const std::vector<double>& values, const std::vector<
 }  // namespace
 
 void append_examples(json& document, const Comparison& comparison) {
-  static const std::vector<std::string> ranks{"median", "good", "bad"};
+  static const std::vector<std::string> ranks{"median", "best", "worst"};
   const Candidate* full = comparison.find("full");
   const Candidate& judge = full ? *full : comparison.candidates.back();
   std::vector<double> errors;
   for (const CaseScore& one : judge.runs.front().scores.front()) errors.push_back(one.l1_at_50);
-  const auto chosen = at_shares(errors, {0.5, 0.1, 0.9});
+  const auto chosen = at_shares(errors, {0.5, 0.0, 1.0});
   for (std::size_t k = 0; k < chosen.size(); ++k)
     document["examples"].push_back(example(comparison, ranks[k], chosen[k], errors[chosen[k]]));
 }

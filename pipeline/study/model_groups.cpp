@@ -26,15 +26,22 @@ json recipe(const LoadedModel& model) {
   return options;
 }
 
-/// " key=value" for each entry of `own` that another group of the kind has not.
-std::string distinction(const json& own, const std::vector<json>& others) {
-  std::string text;
+/// Entries of `own` that another recipe has not.
+json distinction(const json& own, const std::vector<json>& others) {
+  json different = json::object();
   for (const auto& [key, value] : own.items())
     if (std::ranges::any_of(others, [&](const json& other) {
           return !other.contains(key) || other.at(key) != value;
         }))
-      text +=
-          fmt::format(" {}={}", key, value.is_string() ? value.get<std::string>() : value.dump());
+      different[key] = value;
+  return different;
+}
+
+/// " key=value" for each option.
+std::string text_of(const json& options) {
+  std::string text;
+  for (const auto& [key, value] : options.items())
+    text += fmt::format(" {}={}", key, value.is_string() ? value.get<std::string>() : value.dump());
   return text;
 }
 
@@ -48,14 +55,15 @@ std::vector<ModelGroup> group_models(const std::vector<LoadedModel*>& models) {
     const json own = recipe(*model);
     std::size_t i = 0;
     while (i < groups.size() && !(groups[i].kind == kind && recipes[i] == own)) ++i;
-    if (i == groups.size()) groups.push_back({"", kind, {}}), recipes.push_back(own);
+    if (i == groups.size()) groups.push_back({"", kind, {}, {}}), recipes.push_back(own);
     groups[i].models.push_back(model);
   }
   for (std::size_t i = 0; i < groups.size(); ++i) {
     std::vector<json> others;
     for (std::size_t j = 0; j < groups.size(); ++j)
       if (j != i && groups[j].kind == groups[i].kind) others.push_back(recipes[j]);
-    groups[i].name = groups[i].kind + distinction(recipes[i], others);
+    groups[i].options = distinction(recipes[i], others);
+    groups[i].name = groups[i].kind + text_of(groups[i].options);
   }
   return groups;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -18,9 +19,12 @@ struct LoadedModel {
 
 /// Models that differ in their seed only.
 struct ModelGroup {
-  std::string name;  ///< kind, with the options that tell groups of one kind apart
+  std::string name;  ///< kind and `options`
   std::string kind;  ///< ModelCard::name()
   std::vector<LoadedModel*> models;
+  /// Training options that other groups of the kind have not, by key; "data": hashes of the
+  /// training data.
+  nlohmann::json options = nlohmann::json::object();
 };
 
 /// Groups models by kind, training options and training data, in the order of their first model.

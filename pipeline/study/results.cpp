@@ -118,7 +118,8 @@ class Rows {
             {"object", group_.object},
             {"split", group_.split},
             {"model", candidate.name},
-            {"kind", candidate.kind}};
+            {"kind", candidate.kind},
+            {"options", candidate.options}};
   }
 
   RunValues values(const Candidate& candidate, const Metric& metric, std::size_t target) const {

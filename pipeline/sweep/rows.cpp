@@ -19,14 +19,24 @@ ordered_json scalars(const ordered_json& object) {
   return fields;
 }
 
+/// Adds an axis; one whose name has another value already is called "`prefix`.NAME".
+void add_axis(Row& row, const std::string& prefix, const std::string& name,
+              const ordered_json& value) {
+  for (const ordered_json* known : {&row.axes, &row.fields})
+    if (const auto found = known->find(name); found != known->end() && *found != value) {
+      row.axes[prefix + "." + name] = value;
+      return;
+    }
+  row.axes[name] = value;
+  row.fields.erase(name);
+}
+
 Row row_of(const ordered_json& axes, const ordered_json& result) {
   Row row{ordered_json::object(), scalars(result)};
-  for (const auto& [name, value] : axes.items()) {
-    const auto field = row.fields.find(name);
-    const bool differs = field != row.fields.end() && *field != value;
-    row.axes[differs ? "axis." + name : name] = value;
-    if (!differs && field != row.fields.end()) row.fields.erase(name);
-  }
+  for (const auto& [name, value] : axes.items()) add_axis(row, "axis", name, value);
+  if (!result.is_object()) return row;
+  const auto options = scalars(result.value("options", ordered_json()));
+  for (const auto& [name, value] : options.items()) add_axis(row, "option", name, value);
   return row;
 }
 

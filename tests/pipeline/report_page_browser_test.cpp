@@ -131,7 +131,7 @@ json metrics_document() {
               {{"l1_at_50", {{"mean", -0.25}, {"low", -0.375}, {"high", -0.125}}},
                {"hausdorff", {{"mean", 0.01}, {"low", -0.5}, {"high", 0.5}}}}}}}},
           {"curves", curves},
-          {"examples", {example("median", 0.375), example("good", 0.1875)}},
+          {"examples", {example("median", 0.375), example("best", 0.1875)}},
           {"label_errors",
            {{{"recording", "wave.h5"}, {"error", {{"object", body_error}, {"hand", body_error}}}}}},
           {"models", {model("full"), model("without_touch")}},
@@ -268,6 +268,26 @@ TEST_F(ReportInBrowser, DrawsAllSections) {
   EXPECT_TRUE(contains_all(section(page.dom, "figures"), {"error of &lt;smoothing&gt;", ">0.1250<",
                                                           "PASS", "FAIL", "log10 of s", "<svg"}));
   EXPECT_TRUE(contains_all(section(page.dom, "provenance"), {"wave.labels.h5", "metrics.json"}));
+}
+
+TEST_F(ReportInBrowser, ChartsTheErrorOverAnOption) {
+  json metrics = metrics_document();
+  metrics["results"] = {result("without_touch", 0.625, 0, 0)};
+  for (const int resolution : {32, 8, 16}) {
+    json row = result("full", 8.0 / resolution, 0, 0);
+    row["options"] = {{"resolution", resolution}, {"data", "ab+cd"}};
+    row["intervals"] = {{"l1_at_50", {7.0 / resolution, 9.0 / resolution}}};
+    metrics["results"].push_back(row);
+  }
+  testing::put(folder_ / "metrics.json", metrics.dump());
+  const Loaded page =
+      load(folder_, report::render(report::report_data(report::find_inputs(folder_.path()))));
+  EXPECT_EQ(count(page.console, "CONSOLE"), 0u) << page.console;
+  const std::string options = section(page.dom, "options");
+  EXPECT_EQ(count(options, "<figure"), 1u);
+  EXPECT_TRUE(contains_all(options, {"L1@50, wave · &lt;b&gt;ball", ">resolution<", "w/o Touch"}));
+  EXPECT_EQ(count(options, "NaN"), 0u);
+  EXPECT_EQ(count(options, "fill-opacity"), 1u) << "band of the intervals";
 }
 
 TEST_F(ReportInBrowser, ReactsToChooserAndSliderAndPaintsCanvases) {

@@ -61,6 +61,20 @@ TEST_F(SweepCollect, WritesRowsAndTables) {
   EXPECT_EQ(metrics["summary"][0]["l1"]["mean"], 2.0);
 }
 
+TEST_F(SweepCollect, OptionsOfResultsAreAxes) {
+  json full = row("full size=8", 1.0), small = row("full size=4", 2.0);
+  full["options"] = {{"size", 8}}, small["options"] = {{"size", 4}};
+  add("evaluate", {{"seed", 3}}, {{"results", {full, small}}});
+  write_file(folder_ / "study.json", json{{"cells", cells_}}.dump(), true);
+  collect(folder_, {"l1"});
+  const auto csv = written("results.csv");
+  EXPECT_NE(csv.find("seed,size,l1,"), std::string::npos) << csv;
+  EXPECT_NE(csv.find("3,8,1.0,full size=8,"), std::string::npos) << csv;
+  EXPECT_NE(written("table.md").find("| 4 | full size=4 | a,\"b\" | 2.000 | 1 |"),
+            std::string::npos)
+      << written("table.md");
+}
+
 TEST_F(SweepCollect, WritesCurvesForTensorBoard) {
   collect(folder_, {});
   const auto bytes = written("tensorboard/train/2/events.out.tfevents.0.touchtrace");

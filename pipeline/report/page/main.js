@@ -21,7 +21,7 @@ function build() {
   window.addEventListener("error", (event) => draw(() => { throw new Error(event.message); }));
   const data = JSON.parse(document.getElementById("data").textContent), metrics = data.metrics;
   document.getElementById("subtitle").textContent = [data.title, `touchtrace ${data.version}`, data.created, metrics && metrics.device].filter(Boolean).join(" · ");
-  if (metrics) for (const addSection of [resultSection, exampleSection, horizonSection]) draw(addSection, metrics);
+  if (metrics) for (const addSection of [resultSection, optionSection, exampleSection, horizonSection]) draw(addSection, metrics);
   draw(runTimeSection, data);
   if (metrics) draw(labelErrorSection, metrics);
   draw(smoothingSection, data.smoothing);

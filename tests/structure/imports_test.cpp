@@ -66,6 +66,8 @@ const std::map<std::string, std::set<std::string>>& allowed() {
                                        "pipeline/label/observe", "pipeline/label/estimate"})},
       {"pipeline/report", shared},
       {"pipeline/sweep", {"engine/base"}},
+      {"pipeline/export", with(shared, {"calib/camera", "engine/model", "engine/train",
+                                        "pipeline/study"})},
   };
   return modules;
 }

@@ -24,17 +24,18 @@ void describe(OptionSet& set, ExportOptions& o) {
             "labels, recording, JSON lines of `predict`, or model; recognised by the content");
   set.path("format", o.format, format_help()).value("FORMAT");
   set.path("output", o.output, "file, or folder of several files").value("OUT");
-  set.text("recording", o.recording,
-           "recording of the labels or predictions: their Unix time; in mcap and rosbag2 also touch")
+  set.text(
+         "recording", o.recording,
+         "recording of the labels or predictions: their Unix time; in mcap and rosbag2 also touch")
       .value("FILE");
   set.flag("images", o.images, "mcap and rosbag2: with the camera's images");
 }
 
 ExitCode run(const ExportOptions& options, const Invocation& invocation) {
   const FileKind kind = recognize_file(options.input);
-  const auto files = export_file(options.format,
-                                 {kind, options.input, options.output, options.recording,
-                                  options.images, invocation.overwrite});
+  const auto files =
+      export_file(options.format, {kind, options.input, options.output, options.recording,
+                                   options.images, invocation.overwrite});
   nlohmann::json names;
   for (const auto& file : files) names.push_back(file.string());
   if (invocation.json)

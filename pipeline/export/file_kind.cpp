@@ -63,9 +63,9 @@ FileKind recognize_file(const std::filesystem::path& file) {
   if (start.starts_with("\x89HDF\r\n\x1a\n")) return kind_of_hdf5(file);
   if (start.starts_with("{\"")) return FileKind::predictions;
   if (is_safetensors(file, start)) return FileKind::model;
-  throw data_error(fmt::format("{} is not a file of touchtrace that can be exported",
-                               file.string()),
-                   kinds_hint);
+  throw data_error(
+      fmt::format("{} is not a file of touchtrace that can be exported", file.string()),
+      kinds_hint);
 }
 
 }  // namespace touchtrace

@@ -14,16 +14,36 @@ using enum FileKind;
 
 const std::array<ExportFormat, 6>& all_formats() {
   static const std::array<ExportFormat, 6> formats{{
-      {"csv", "tables with a header row", {labels, recording, predictions}, false, false,
+      {"csv",
+       "tables with a header row",
+       {labels, recording, predictions},
+       false,
+       false,
        write_csv},
       {"npz", "arrays for numpy.load", {labels, recording, predictions}, false, false, write_npz},
-      {"tum", "folder with trajectories hand.txt and object.txt, readable by evo",
-       {labels, predictions}, true, false, write_tum},
-      {"mcap", "file of ROS 2 messages for Foxglove and the mcap libraries", {labels, recording},
-       true, true, write_mcap},
-      {"rosbag2", "folder with the MCAP file and metadata.yaml, for ros2 bag and rosbags",
-       {labels, recording}, true, true, write_rosbag2},
-      {"onnx", "network for onnxruntime, normalisation included", {model}, false, false,
+      {"tum",
+       "folder with trajectories hand.txt and object.txt, readable by evo",
+       {labels, predictions},
+       true,
+       false,
+       write_tum},
+      {"mcap",
+       "file of ROS 2 messages for Foxglove and the mcap libraries",
+       {labels, recording},
+       true,
+       true,
+       write_mcap},
+      {"rosbag2",
+       "folder with the MCAP file and metadata.yaml, for ros2 bag and rosbags",
+       {labels, recording},
+       true,
+       true,
+       write_rosbag2},
+      {"onnx",
+       "network for onnxruntime, normalisation included",
+       {model},
+       false,
+       false,
        write_onnx},
   }};
   return formats;
@@ -40,8 +60,8 @@ const ExportFormat& find_format(const std::string& name, const ExportRequest& re
     throw usage_error(fmt::format("unknown format '{}'{}", name, did_you_mean(name, names)),
                       "formats of this file: " + comma_separated(names));
   if (!fits(*found, request.kind))
-    throw usage_error(fmt::format("{} is {}, which cannot be written as {}",
-                                  request.input.string(), describe(request.kind), name),
+    throw usage_error(fmt::format("{} is {}, which cannot be written as {}", request.input.string(),
+                                  describe(request.kind), name),
                       "formats of this file: " + comma_separated(names));
   return *found;
 }
@@ -49,9 +69,9 @@ const ExportFormat& find_format(const std::string& name, const ExportRequest& re
 void require_effect(const ExportFormat& format, const ExportRequest& request) {
   const bool is_recording = request.kind == recording;
   if (!request.recording.empty() && (!format.uses_recording || is_recording))
-    throw usage_error(fmt::format("--recording has no effect on {} of {}", format.name,
-                                  describe(request.kind)),
-                      "leave it out");
+    throw usage_error(
+        fmt::format("--recording has no effect on {} of {}", format.name, describe(request.kind)),
+        "leave it out");
   if (!request.images) return;
   if (!format.uses_images)
     throw usage_error(fmt::format("--images has no effect on {}", format.name),

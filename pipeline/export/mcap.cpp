@@ -50,8 +50,7 @@ std::vector<std::uint16_t> add_channels(McapWriter& mcap, const MessageStreams& 
   std::vector<std::uint16_t> channels;
   for (const MessageStream& stream : all.streams) {
     if (!schemas.contains(stream.type))
-      schemas[stream.type] =
-          mcap.add_schema(stream.type->name, "ros2msg", stream.type->definition);
+      schemas[stream.type] = mcap.add_schema(stream.type->name, "ros2msg", stream.type->definition);
     channels.push_back(mcap.add_channel(schemas.at(stream.type), stream.topic, "cdr"));
   }
   return channels;

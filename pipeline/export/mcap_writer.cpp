@@ -139,8 +139,8 @@ void McapWriter::write_chunk() {
 std::string McapWriter::statistics() const {
   std::string content, counts;
   append_numbers(content, messages_, num_schemas_, static_cast<std::uint32_t>(channels_.size()),
-                 std::uint32_t{0}, std::uint32_t{0}, static_cast<std::uint32_t>(chunks_),
-                 start_ns_, end_ns_);
+                 std::uint32_t{0}, std::uint32_t{0}, static_cast<std::uint32_t>(chunks_), start_ns_,
+                 end_ns_);
   for (std::size_t i = 0; i < channels_.size(); ++i)
     append_numbers(counts, static_cast<std::uint16_t>(i), channels_[i].messages);
   append_sized(content, counts);

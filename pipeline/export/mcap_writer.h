@@ -38,7 +38,8 @@ class McapWriter {
 
  private:
   /// Time and position in the chunk of each message, by channel.
-  using MessageIndex = std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>>;
+  using MessageIndex =
+      std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>>;
 
   void put(const std::string& bytes);
   void put_record(std::uint8_t opcode, const std::string& content);

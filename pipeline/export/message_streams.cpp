@@ -109,10 +109,9 @@ void append_camera(Streams& streams, const SharedReader& reader, const std::stri
                    const char* frame, const std::optional<Camera>& intrinsics,
                    std::string (*message)(const RosHeader&, const RecordingReader&, std::size_t)) {
   const auto& time_s = reader->recording().camera_times.host_time_s;
-  streams.push_back({"/camera/" + name + "/image_raw", &image_type(), frame, time_s,
-                     [=](const RosHeader& header, std::size_t i) {
-                       return message(header, *reader, i);
-                     }});
+  streams.push_back(
+      {"/camera/" + name + "/image_raw", &image_type(), frame, time_s,
+       [=](const RosHeader& header, std::size_t i) { return message(header, *reader, i); }});
   if (intrinsics)
     streams.push_back({"/camera/" + name + "/camera_info", &camera_info_type(), frame, time_s,
                        [camera = *intrinsics](const RosHeader& header, std::size_t) {
@@ -132,8 +131,7 @@ void append_recording(MessageStreams& all, const std::filesystem::path& file, bo
   const auto reader = std::make_shared<const RecordingReader>(file);
   all.epoch_unix_s = reader->recording().epoch_unix_s;
   append_gloves(all.streams, reader);
-  if (images && reader->recording().camera_times.frames() > 0)
-    append_cameras(all.streams, reader);
+  if (images && reader->recording().camera_times.frames() > 0) append_cameras(all.streams, reader);
 }
 
 }  // namespace
@@ -145,8 +143,7 @@ MessageStreams open_streams(const ExportRequest& request) {
     append_body(all.streams, "hand", labels, &Labels::hand);
     append_body(all.streams, "object", labels, &Labels::object);
   }
-  const auto& recording =
-      request.kind == FileKind::recording ? request.input : request.recording;
+  const auto& recording = request.kind == FileKind::recording ? request.input : request.recording;
   if (!recording.empty()) append_recording(all, recording, request.images);
   std::erase_if(all.streams, [](const MessageStream& s) { return s.time_s.empty(); });
   if (all.streams.empty())

@@ -36,8 +36,8 @@ std::string npy_file(const TableArray& array, std::size_t rows) {
       std::visit([](const auto& v) { return numpy_values(v); }, array.values);
   std::string shape = fmt::format("{},", rows);
   for (const AxisNames& axis : array.axes) shape += fmt::format(" {},", axis.size());
-  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}",
-                                   values.type, shape);
+  std::string header =
+      fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", values.type, shape);
   constexpr std::size_t prefix_bytes = 10;
   header.append(header_alignment - 1 - (prefix_bytes + header.size()) % header_alignment, ' ');
   header += '\n';

@@ -80,8 +80,7 @@ void OnnxGraph::add_output(const std::string& name, const std::vector<Extent>& s
   outputs_.add(graph_field::output, value_info(name, shape, description).bytes());
 }
 
-std::string OnnxGraph::add_constant(const std::string& name,
-                                    const std::vector<std::int64_t>& shape,
+std::string OnnxGraph::add_constant(const std::string& name, const std::vector<std::int64_t>& shape,
                                     std::span<const float> values) {
   const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
   constants_.add(graph_field::initializer, tensor(name, shape, float_type, bytes).bytes());

@@ -183,9 +183,9 @@ std::string add_scaled_state(NetworkGraph& network, const Normalization& scaling
 std::string step_onnx(const ModelFile& model, const Normalization& scaling) {
   const ModelSpec& spec = model.spec;
   if (spec.state != state_size)
-    throw data_error(fmt::format("the model has {} state dimensions instead of {}", spec.state,
-                                 state_size),
-                     "use a model that `touchtrace train` wrote");
+    throw data_error(
+        fmt::format("the model has {} state dimensions instead of {}", spec.state, state_size),
+        "use a model that `touchtrace train` wrote");
   NetworkGraph network("step", model);
   network.add_weights(step_parameters(spec));
   const auto state = add_scaled_state(network, scaling);
@@ -194,9 +194,10 @@ std::string step_onnx(const ModelFile& model, const Normalization& scaling) {
   if (spec.object != ObjectEncoder::none)
     inputs.push_back(network.graph().add_input("object", {batch_axis, spec.embedding},
                                                "output of the object encoder's file"));
-  const auto x = network.graph().add_node("Concat", inputs, "dynamics.input",
-                                          {{"axis", std::int64_t{1}}});
-  add_outputs(network, spec.dynamics == DynamicsKind::gru ? add_gru(network, x) : add_mlp(network, x),
+  const auto x =
+      network.graph().add_node("Concat", inputs, "dynamics.input", {{"axis", std::int64_t{1}}});
+  add_outputs(network,
+              spec.dynamics == DynamicsKind::gru ? add_gru(network, x) : add_mlp(network, x),
               state);
   return network.bytes(model.metadata);
 }

@@ -18,9 +18,8 @@ void append_vectors(const nlohmann::json& body, const std::string& name, Predict
     for (const char* limit : {"", "_low", "_high"}) {
       const auto values = body.at(std::string(quantity) + limit).get<std::vector<double>>();
       if (values.size() != 3)
-        throw std::runtime_error(
-            fmt::format("{} {}{} has {} values instead of 3", name, quantity, limit,
-                        values.size()));
+        throw std::runtime_error(fmt::format("{} {}{} has {} values instead of 3", name, quantity,
+                                             limit, values.size()));
       auto& all = predictions.bodies[fmt::format("{}_{}{}", name, quantity, limit)];
       all.insert(all.end(), values.begin(), values.end());
     }

@@ -9,8 +9,7 @@ namespace {
 constexpr const char *time_text = "int32 sec\nuint32 nanosec\n",
                      *header_text = "builtin_interfaces/Time stamp\nstring frame_id\n",
                      *vector3_text = "float64 x\nfloat64 y\nfloat64 z\n",
-                     *quaternion_text =
-                         "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n";
+                     *quaternion_text = "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n";
 
 /// Appends the definition of a type that the message contains.
 std::string part(const char* name, const char* text) {
@@ -46,10 +45,9 @@ std::array<double, 36> ros_covariance(const RosBodyState& state, std::size_t at)
 }  // namespace
 
 const RosType& point_stamped_type() {
-  static const RosType type{
-      "geometry_msgs/msg/PointStamped",
-      with_header("std_msgs/Header header\ngeometry_msgs/Point point\n" +
-                  part("geometry_msgs/Point", vector3_text))};
+  static const RosType type{"geometry_msgs/msg/PointStamped",
+                            with_header("std_msgs/Header header\ngeometry_msgs/Point point\n" +
+                                        part("geometry_msgs/Point", vector3_text))};
   return type;
 }
 
@@ -128,8 +126,7 @@ std::string camera_info(const RosHeader& header, const Camera& c) {
   CdrWriter cdr = start_message(header);
   cdr.add(static_cast<std::uint32_t>(c.height)), cdr.add(static_cast<std::uint32_t>(c.width));
   cdr.add(std::string(interop.ros));
-  cdr.add_sequence(
-      {c.distortion.data(), static_cast<std::size_t>(interop.num_ros_coefficients)});
+  cdr.add_sequence({c.distortion.data(), static_cast<std::size_t>(interop.num_ros_coefficients)});
   cdr.add_array(std::array<double, 9>{c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1});
   cdr.add_array(std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1});
   cdr.add_array(std::array<double, 12>{c.fx, 0, c.cx, 0, 0, c.fy, c.cy, 0, 0, 0, 1, 0});

@@ -9,7 +9,7 @@ namespace touchtrace {
 namespace {
 
 constexpr std::uint16_t version = 20, flags = 0, stored = 0, time_0 = 0;
-constexpr std::uint16_t date_1980 = 1 << 5 | 1;  // month and day; the year counts from 1980
+constexpr std::uint16_t date_1980 = 1 << 5 | 1;      // month and day; the year counts from 1980
 constexpr std::uint64_t max_zip_bytes = 0xfffffffe;  // beyond it the format has other records
 
 }  // namespace
@@ -29,8 +29,8 @@ void ZipWriter::add(const std::string& name, const std::string& content) {
   directory_ += "PK\1\2";
   append_number(directory_, version);
   directory_ += common;
-  append_numbers(directory_, std::uint16_t{0}, std::uint16_t{0}, std::uint16_t{0},
-                 std::uint32_t{0}, static_cast<std::uint32_t>(size_));
+  append_numbers(directory_, std::uint16_t{0}, std::uint16_t{0}, std::uint16_t{0}, std::uint32_t{0},
+                 static_cast<std::uint32_t>(size_));
   directory_ += name;
   stream_ << header << content;
   size_ += header.size() + content.size();

@@ -61,7 +61,8 @@ TEST(McapWriter, WritesRecordsIndicesAndChecksums) {
   const TemporaryFolder folder;
   McapWriter writer(folder / "a.mcap", "ros2");
   const auto schema = writer.add_schema("pkg/msg/T", "ros2msg", "uint8 x\n");
-  const auto a = writer.add_channel(schema, "/a", "cdr"), b = writer.add_channel(schema, "/b", "cdr");
+  const auto a = writer.add_channel(schema, "/a", "cdr"),
+             b = writer.add_channel(schema, "/b", "cdr");
   writer.write(a, 5, "one"), writer.write(b, 7, "two"), writer.write(a, 9, "three");
   writer.finish();
   const std::string bytes = read_file(folder / "a.mcap"), magic = "\x89MCAP0\r\n";
@@ -95,8 +96,9 @@ TEST(McapWriter, WritesRecordsIndicesAndChecksums) {
   EXPECT_EQ(number_at<std::uint32_t>(data_end.content, 0), crc32(bytes.substr(0, data_end.at)));
   EXPECT_EQ(number_at<std::uint64_t>(footer.content, 0), records[8].at) << "start of the summary";
   EXPECT_EQ(number_at<std::uint64_t>(footer.content, 8), records[13].at);
-  EXPECT_EQ(number_at<std::uint32_t>(footer.content, 16),
-            crc32(std::string_view(bytes).substr(records[8].at, footer.at + 9 + 16 - records[8].at)));
+  EXPECT_EQ(
+      number_at<std::uint32_t>(footer.content, 16),
+      crc32(std::string_view(bytes).substr(records[8].at, footer.at + 9 + 16 - records[8].at)));
   const std::string& chunk_index = records[12].content;
   EXPECT_EQ(number_at<std::uint64_t>(chunk_index, 16), records[4].at);
   EXPECT_EQ(number_at<std::uint64_t>(chunk_index, 24), records[5].at - records[4].at);
@@ -135,9 +137,8 @@ TEST(Mcap, OfficialReaderReadsLabelsTouchAndImages) {
   SKIP_WITHOUT_MODULES("mcap_ros2, h5py");
   const McapFiles files;
   export_file("mcap", files.request("a.mcap"));
-  const auto result =
-      run_script("read_mcap.py", fmt::format("{0}/a.mcap {0}/l.h5 {0}/r.h5",
-                                             files.folder.path().string()));
+  const auto result = run_script(
+      "read_mcap.py", fmt::format("{0}/a.mcap {0}/l.h5 {0}/r.h5", files.folder.path().string()));
   EXPECT_EQ(result.status, 0) << result.output;
 }
 

@@ -32,8 +32,8 @@ TEST(Protobuf, EncodesTheExamplesOfItsGuide) {
   number.add(2, 1.0f);
   EXPECT_EQ(number.bytes(), bytes_of_text({0x15, 0, 0, 0x80, 0x3f}));
   negative.add(1, std::int64_t{-2});
-  EXPECT_EQ(negative.bytes(), bytes_of_text({0x08, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff,
-                                             0xff, 0x01}));
+  EXPECT_EQ(negative.bytes(),
+            bytes_of_text({0x08, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01}));
 }
 
 /// Bytes that onnx 1.23.2 (PyPI) serializes for the same model: onnx.helper.make_model of a graph
@@ -121,7 +121,8 @@ class OnnxModel : public testing::TrainerTest {
   /// rounding them to float32 one by one gives a random error of 6e-8 sqrt(8 * 600) = 4e-6 of the
   /// values' size per step if nothing amplifies it.
   void expect_engine(const json& python) {
-    const auto rollout = Predictor(runtime_, folder_ / "model.safetensors").predict(batch_, stream_);
+    const auto rollout =
+        Predictor(runtime_, folder_ / "model.safetensors").predict(batch_, stream_);
     expect_close(python["state"], rollout.state, true);
     expect_close(python["half_width"], rollout.spread, false);
   }

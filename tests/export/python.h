@@ -31,8 +31,7 @@ inline PythonResult run_python(const std::string& arguments) {
 
 /// Runs tests/export/NAME with arguments.
 inline PythonResult run_script(const std::string& name, const std::string& arguments) {
-  return run_python(
-      fmt::format("{}/tests/export/{} {}", TOUCHTRACE_SOURCE_DIR, name, arguments));
+  return run_python(fmt::format("{}/tests/export/{} {}", TOUCHTRACE_SOURCE_DIR, name, arguments));
 }
 
 inline bool can_import(const std::string& modules) {
@@ -42,7 +41,7 @@ inline bool can_import(const std::string& modules) {
 }  // namespace touchtrace::testing
 
 /// Skips the test unless Python has these modules.
-#define SKIP_WITHOUT_MODULES(modules)                                                          \
-  if (!touchtrace::testing::can_import(modules))                                               \
-  GTEST_SKIP() << touchtrace::testing::python() << " has no " modules                          \
+#define SKIP_WITHOUT_MODULES(modules)                                 \
+  if (!touchtrace::testing::can_import(modules))                      \
+  GTEST_SKIP() << touchtrace::testing::python() << " has no " modules \
                << "; set TOUCHTRACE_PYTHON to one that has (pip install)"

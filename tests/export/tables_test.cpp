@@ -53,8 +53,8 @@ class Tables : public ::testing::Test {
   }
   /// Runs Python code with numpy as np, h5py and the folder as working directory.
   void expect_in_python(const std::string& code) {
-    put(folder_ / "check.py", "import os, h5py, numpy as np\nos.chdir('" +
-                                  folder_.path().string() + "')\n" + code);
+    put(folder_ / "check.py",
+        "import os, h5py, numpy as np\nos.chdir('" + folder_.path().string() + "')\n" + code);
     const auto result = run_python((folder_ / "check.py").string());
     EXPECT_EQ(result.status, 0) << result.output;
   }
@@ -137,7 +137,8 @@ assert o['time_s'].tolist() == [0.5, 0.75] and o['start'].tolist() == [b'label']
 assert o['object_position_m'].tolist() == [[0.125, 0.25, 0.375]] * 2
 assert o['hand_velocity_m_per_s_high'].tolist() == [[34 / 8, 35 / 8, 36 / 8]] * 2
 )");
-  EXPECT_TRUE(lines_of(folder_ / "o.csv")[0].starts_with("time_s,clip,step,start,hand_position_m_x"));
+  EXPECT_TRUE(
+      lines_of(folder_ / "o.csv")[0].starts_with("time_s,clip,step,start,hand_position_m_x"));
 }
 
 TEST_F(Tables, TumOfPredictions) {
@@ -174,10 +175,15 @@ TEST_F(Tables, FormatsFitTheKindOfTheFile) {
                "is a recording, which cannot be written as tum");
   expect_error([&] { run("npx", "l.h5", "o"); }, ExitCode::usage, "did you mean 'npz'");
   expect_error(
-      [&] { export_file("csv", {FileKind::labels, "l.h5", "o", "r.h5"}); }, ExitCode::usage,
-      "--recording has no effect on csv");
-  expect_error([&] { export_file("mcap", {FileKind::labels, "l.h5", "o", {}, true}); },
-               ExitCode::usage, "--images needs the recording");
+      [&] {
+        export_file("csv", {FileKind::labels, "l.h5", "o", "r.h5"});
+      },
+      ExitCode::usage, "--recording has no effect on csv");
+  expect_error(
+      [&] {
+        export_file("mcap", {FileKind::labels, "l.h5", "o", {}, true});
+      },
+      ExitCode::usage, "--images needs the recording");
 }
 
 TEST_F(Tables, OutputsAreNotReplacedUnasked) {

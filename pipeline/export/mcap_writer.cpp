@@ -162,7 +162,7 @@ std::string McapWriter::summary() {
   const std::uint64_t offsets_at = position_ + bytes.size();
   constexpr std::uint64_t footer_bytes = 20;
   bytes += offsets;
-  append_numbers(bytes, op_footer, footer_bytes, position_, offsets_at);
+  append_numbers(bytes, std::uint8_t{op_footer}, footer_bytes, position_, offsets_at);
   return bytes;
 }
 

@@ -97,8 +97,8 @@ std::string OnnxGraph::add_constant(const std::string& name,
   return name;
 }
 
-void OnnxGraph::add_node(const std::string& operation, const std::vector<std::string>& inputs,
-                         const std::vector<std::string>& outputs, const Attributes& attributes) {
+void OnnxGraph::write_node(const std::string& operation, const std::vector<std::string>& inputs,
+                           const std::vector<std::string>& outputs, const Attributes& attributes) {
   ProtobufWriter node;
   for (const auto& input : inputs) node.add(1, input);
   for (const auto& output : outputs) node.add(2, output);
@@ -111,8 +111,12 @@ void OnnxGraph::add_node(const std::string& operation, const std::vector<std::st
 std::string OnnxGraph::add_node(const std::string& operation,
                                 const std::vector<std::string>& inputs, const std::string& output,
                                 const Attributes& attributes) {
-  add_node(operation, inputs, std::vector{output}, attributes);
+  write_node(operation, inputs, {output}, attributes);
   return output;
+}
+
+void OnnxGraph::add_split(const std::string& input, const std::vector<std::string>& outputs) {
+  write_node("Split", {input}, outputs, {{"axis", std::int64_t{1}}});
 }
 
 std::string OnnxGraph::model(const std::map<std::string, std::string>& metadata) const {

@@ -31,9 +31,8 @@ class OnnxGraph {
   std::string add_constant(const std::string& name, const std::vector<std::int64_t>& integers);
   std::string add_node(const std::string& operation, const std::vector<std::string>& inputs,
                        const std::string& output, const Attributes& attributes = {});
-  /// Node with several outputs.
-  void add_node(const std::string& operation, const std::vector<std::string>& inputs,
-                const std::vector<std::string>& outputs, const Attributes& attributes = {});
+  /// Splits the columns of `input` [N, columns] into parts of equal size.
+  void add_split(const std::string& input, const std::vector<std::string>& outputs);
   /// Declares a value of the graph as an output.
   void add_output(const std::string& name, const std::vector<Extent>& shape,
                   const std::string& description);
@@ -42,6 +41,9 @@ class OnnxGraph {
   std::string model(const std::map<std::string, std::string>& metadata) const;
 
  private:
+  void write_node(const std::string& operation, const std::vector<std::string>& inputs,
+                  const std::vector<std::string>& outputs, const Attributes& attributes);
+
   std::string name_;
   ProtobufWriter nodes_, constants_, inputs_, outputs_;  ///< fields of GraphProto
 };

@@ -134,9 +134,8 @@ std::string add_gru(NetworkGraph& network, const std::string& x) {
   const std::string cell = "dynamics.cell.";
   const auto from_x = network.add_dense(x, cell + "weight_ih", cell + "bias_ih", "from_input"),
              from_h = network.add_dense(h, cell + "weight_hh", cell + "bias_hh", "from_hidden");
-  const OnnxGraph::Attributes columns{{"axis", std::int64_t{1}}};
-  graph.add_node("Split", {from_x}, {"x_reset", "x_update", "x_new"}, columns);
-  graph.add_node("Split", {from_h}, {"h_reset", "h_update", "h_new"}, columns);
+  graph.add_split(from_x, {"x_reset", "x_update", "x_new"});
+  graph.add_split(from_h, {"h_reset", "h_update", "h_new"});
   const auto gate = [&](const std::string& name) {
     const auto sum = graph.add_node("Add", {"x_" + name, "h_" + name}, name + ".sum");
     return graph.add_node("Sigmoid", {sum}, name);
@@ -156,7 +155,7 @@ std::string add_gru(NetworkGraph& network, const std::string& x) {
 void add_outputs(NetworkGraph& network, const std::string& last, const std::string& scaled_state) {
   OnnxGraph& graph = network.graph();
   const Extents shape{batch_axis, network.spec().state};
-  graph.add_node("Split", {last}, {"change_of_state", "band"}, {{"axis", std::int64_t{1}}});
+  graph.add_split(last, {"change_of_state", "band"});
   const auto next = graph.add_node("Add", {scaled_state, "change_of_state"}, "scaled_next_state");
   const auto spread = graph.add_node("Softplus", {"band"}, "scaled_half_width");
   const auto metres = graph.add_node("Mul", {next, "sigma"}, "centred_next_state");

@@ -8,7 +8,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::uint16_t version = 20, flags = 0, stored = 0, time_0 = 0;
+constexpr std::uint16_t zip_version = 20, no_flags = 0, stored_method = 0, midnight = 0;
 constexpr std::uint16_t date_1980 = 1 << 5 | 1;      // month and day; the year counts from 1980
 constexpr std::uint64_t max_zip_bytes = 0xfffffffe;  // beyond it the format has other records
 
@@ -23,11 +23,11 @@ void ZipWriter::add(const std::string& name, const std::string& content) {
                      "export csv, or a shorter recording");
   const auto bytes = static_cast<std::uint32_t>(content.size());
   std::string common;  // what the local header and the directory share
-  append_numbers(common, version, flags, stored, time_0, date_1980, crc32(content), bytes, bytes,
-                 static_cast<std::uint16_t>(name.size()), std::uint16_t{0});
+  append_numbers(common, zip_version, no_flags, stored_method, midnight, date_1980, crc32(content),
+                 bytes, bytes, static_cast<std::uint16_t>(name.size()), std::uint16_t{0});
   const std::string header = "PK\3\4" + common + name;
   directory_ += "PK\1\2";
-  append_number(directory_, version);
+  append_number(directory_, zip_version);
   directory_ += common;
   append_numbers(directory_, std::uint16_t{0}, std::uint16_t{0}, std::uint16_t{0}, std::uint32_t{0},
                  static_cast<std::uint32_t>(size_));

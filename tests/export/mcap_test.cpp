@@ -15,6 +15,7 @@
 namespace touchtrace {
 namespace {
 
+using testing::run_script;
 using testing::sample_labels;
 using testing::sample_recording;
 using testing::TemporaryFolder;
@@ -159,8 +160,8 @@ TEST(Rosbag2, MetadataNamesTheFileAndItsTopics) {
             std::string::npos)
       << text;
   EXPECT_NE(text.find("relative_file_paths:\n    - messages.mcap\n"), std::string::npos);
-  // 40 labels, one of them without a hand; 38 glove frames; 54 pairs of images.
-  EXPECT_NE(text.find("  message_count: 410\n  topics"), std::string::npos) << text;
+  // 2 (39 hands + 40 objects), 38 glove frames, 54 pairs of images with 2 camera_info each.
+  EXPECT_NE(text.find("  message_count: 412\n  topics"), std::string::npos) << text;
 }
 
 TEST(Mcap, LabelsAloneHaveNoNegativeStamps) {

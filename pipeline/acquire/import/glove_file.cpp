@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
+#include <climits>
 #include <cmath>
 
 #include "engine/base/error.h"
@@ -36,11 +38,10 @@ GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOpti
 }
 
 void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& options) {
-  const auto side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(values))));
-  glove.rows = options.rows > 0   ? options.rows
-               : options.cols > 0 ? static_cast<int>(values) / options.cols
-                                  : side;
-  glove.cols = options.cols > 0 ? options.cols : static_cast<int>(values) / glove.rows;
+  const auto count = static_cast<int>(std::min<std::size_t>(values, INT_MAX));
+  const auto side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(count))));
+  glove.rows = options.rows > 0 ? options.rows : options.cols > 0 ? count / options.cols : side;
+  glove.cols = options.cols > 0 ? options.cols : options.rows > 0 ? count / options.rows : side;
   if (values == 0 || glove.taxels() != values)
     throw data_error(fmt::format("{} values per frame do not fit {} rows and {} columns", values,
                                  glove.rows, glove.cols),

@@ -79,6 +79,10 @@ TEST_F(ImportGlove, WiresensFileHasItsLastFrame) {
   EXPECT_EQ(summary_["glove"]["frames"], 1500u);
 }
 
+TEST_F(ImportGlove, EarlyMitFileHasAnEmptyFirstRow) {
+  expect_counts(glove(with_glove("early.hdf5")), 1500);
+}
+
 TEST_F(ImportGlove, ActionsenseFileHasTwoGloves) {
   expect_glove_rejected(with_glove("actionsense.hdf5"),
                         "give --glove-stream: tactile-glove-left or tactile-glove-right");

@@ -2,6 +2,7 @@
 """Writes files of tactile gloves as the programs of other projects do, with known counts. usage: write_glove_files.py FOLDER
 
 wiresens.hdf5   append_data() of Sensor.py, WiReSens toolkit: blocks of 1024 rows, `frame_count` is the last index
+early.hdf5      the same of earlier scripts, which count before they write: row 0 stays empty
 actionsense.hdf5   DataLogger.py of ActionNet: growing datasets, trimmed when the file is closed
 """
 
@@ -25,7 +26,7 @@ def time_s(frame):
     return START_S + frame / RATE_HZ + (10 if frame >= 1200 else 0)
 
 
-def write_wiresens(path):
+def write_wiresens(path, first_row=0):
     block = 1024
     with h5py.File(path, "w") as f:
         f.create_dataset("frame_count", (1,), maxshape=(None,), dtype=np.uint32)
@@ -33,13 +34,14 @@ def write_wiresens(path):
         f.create_dataset("predCount", (block,), maxshape=(None,), dtype=np.float64, chunks=True)
         f.create_dataset("pressure", (block, ROWS, COLS), maxshape=(None, ROWS, COLS), dtype=np.int32, chunks=True)
         for i in range(FRAMES):
-            if len(f["ts"]) == i:
+            row = i + first_row
+            if len(f["ts"]) == row:
                 for name in "ts", "pressure", "predCount":
-                    f[name].resize(i + block, axis=0)
-            f["frame_count"][0] = i
-            f["ts"][i] = time_s(i)
-            f["predCount"][i] = 0
-            f["pressure"][i] = counts(i).reshape(1, ROWS, COLS)
+                    f[name].resize(row + block, axis=0)
+            f["frame_count"][0] = row
+            f["ts"][row] = time_s(i)
+            f["predCount"][row] = 0
+            f["pressure"][row] = counts(i).reshape(1, ROWS, COLS)
 
 
 def write_actionsense(path):
@@ -61,6 +63,7 @@ def write_actionsense(path):
 
 def main(folder):
     write_wiresens(os.path.join(folder, "wiresens.hdf5"))
+    write_wiresens(os.path.join(folder, "early.hdf5"), first_row=1)
     write_actionsense(os.path.join(folder, "actionsense.hdf5"))
     frames = np.array([counts(i) for i in range(300)])
     stamps = np.array([time_s(i) for i in range(300)])

@@ -28,13 +28,20 @@ void read_frames(const h5::Loader& group, const std::string& times, const std::s
   group.first_rows(values, glove.values, {any_length, any_length, any_length}, no_unit, max_frames);
 }
 
-/// Drops the frames from the first one without a time or values on.
-void trim(GloveFile& glove) {
-  const auto unwritten = std::ranges::find_if(glove.time_s, [](double t) { return !(t > 0.0); });
-  const auto frames = std::min(static_cast<std::size_t>(unwritten - glove.time_s.begin()),
-                               glove.values.size() / std::max<std::size_t>(1, glove.taxels()));
+/// Drops rows that were never written: they have no time. Early writers of MIT's gloves begin with
+/// row 1.
+void drop_unwritten(GloveFile& glove) {
+  const std::size_t taxels = glove.taxels(),
+                    rows = std::min(glove.time_s.size(), glove.values.size() / taxels);
+  std::size_t frames = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    if (!(glove.time_s[row] > 0.0)) continue;
+    glove.time_s[frames] = glove.time_s[row];
+    std::copy_n(&glove.values[row * taxels], taxels, &glove.values[frames * taxels]);
+    ++frames;
+  }
   glove.time_s.resize(frames);
-  glove.values.resize(frames * glove.taxels());
+  glove.values.resize(frames * taxels);
 }
 
 /// WiReSens toolkit (Sensor.py of WiReSensPy): `frame_count` is the index of the last frame, not
@@ -77,7 +84,7 @@ GloveFile read_glove(const h5::Loader& root, const GloveFileOptions& options) {
   else
     throw h5::H5Error(
         "expected /pressure and /ts (WiReSens), or /tactile-glove-left/tactile_data (ActionSense)");
-  trim(glove);
+  if (glove.taxels() > 0) drop_unwritten(glove);
   return glove;
 }
 

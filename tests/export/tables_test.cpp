@@ -4,6 +4,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "pipeline/acquire/import/glove_import.h"
 #include "pipeline/export/export.h"
 #include "tests/export/python.h"
 #include "tests/pipeline/recording_samples.h"
@@ -126,6 +127,22 @@ with h5py.File('r.h5') as r:
     assert (table['pressure_5_3'].astype('f4') == o['pressure'][:, 5, 3]).all()
     assert (o['taxels_exists'].reshape(6, 5) == glove['mask'][:]).all()
 )");
+}
+
+TEST_F(Tables, TouchIsImportedAgain) {
+  const GloveStream& glove = sample_.recording.gloves[0];
+  for (const char* format : {"npz", "csv"}) {
+    const std::string table = std::string("o.") + format;
+    run(format, "r.h5", table.c_str());
+    GloveOptions options;
+    options.file = folder_ / table;
+    options.polarity = 1, options.bits = 10;
+    const GloveStream read = import_glove(options);
+    EXPECT_EQ(read.info.rows, 6);
+    EXPECT_EQ(read.info.cols, 5);
+    EXPECT_EQ(read.counts, glove.counts);
+    EXPECT_EQ(read.host_time_s, glove.host_time_s);
+  }
 }
 
 TEST_F(Tables, PredictionsHaveTheirBands) {

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "engine/base/error.h"
 #include "pipeline/acquire/import/glove_file.h"
@@ -48,6 +49,16 @@ TaxelColumns columns_of_glove(const TextTable& table) {
   return columns;
 }
 
+/// Options with the layout of columns counts_ROW_COL, the last of which has the largest indices.
+GloveFileOptions with_named_layout(GloveFileOptions options, const TaxelColumns& columns) {
+  int row = 0, col = 0;
+  if (options.rows > 0 || options.cols > 0 || columns.taxels.empty() ||
+      std::sscanf(columns.taxels.back().label.c_str(), "counts_%4d_%4d", &row, &col) != 2)
+    return options;
+  options.rows = row + 1, options.cols = col + 1;
+  return options;
+}
+
 void append_row(const TextTable& table, const TaxelColumns& columns, GloveFile& glove) {
   const double time_s = value_of<double>(table, columns.time);
   if (!(time_s >= 0.0)) throw LineFault{"the time is missing or negative"};
@@ -66,7 +77,7 @@ GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOpt
   TextTable table(file);
   const TaxelColumns columns = columns_of_glove(table);
   GloveFile glove;
-  set_layout(glove, columns.taxels.size(), options);
+  set_layout(glove, columns.taxels.size(), with_named_layout(options, columns));
   for_each_row(table, max_frames, hint, [&] { append_row(table, columns, glove); });
   return glove;
 }

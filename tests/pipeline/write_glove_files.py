@@ -33,15 +33,13 @@ def write_wiresens(path, first_row=0):
         f.create_dataset("ts", (block,), maxshape=(None,), dtype=np.float64, chunks=True)
         f.create_dataset("predCount", (block,), maxshape=(None,), dtype=np.float64, chunks=True)
         f.create_dataset("pressure", (block, ROWS, COLS), maxshape=(None, ROWS, COLS), dtype=np.int32, chunks=True)
-        for i in range(FRAMES):
-            row = i + first_row
-            if len(f["ts"]) == row:
-                for name in "ts", "pressure", "predCount":
-                    f[name].resize(row + block, axis=0)
-            f["frame_count"][0] = row
-            f["ts"][row] = time_s(i)
-            f["predCount"][row] = 0
-            f["pressure"][row] = counts(i).reshape(1, ROWS, COLS)
+        rows = slice(first_row, first_row + FRAMES)
+        for name in "ts", "pressure", "predCount":
+            f[name].resize(-(-rows.stop // block) * block, axis=0)
+        f["frame_count"][0] = rows.stop - 1
+        f["ts"][rows] = [time_s(i) for i in range(FRAMES)]
+        f["predCount"][rows] = 0
+        f["pressure"][rows] = [counts(i) for i in range(FRAMES)]
 
 
 def write_actionsense(path):
@@ -52,11 +50,10 @@ def write_actionsense(path):
             data = group.create_dataset("data", (increment, 32, 32), maxshape=(None, 32, 32), dtype="float32", chunks=True)
             times = group.create_dataset("time_s", (increment, 1), maxshape=(None, 1), dtype="float64", chunks=True)
             texts = group.create_dataset("time_str", (increment, 1), maxshape=(None, 1), dtype="S26", chunks=True)
-            for i in range(frames):
-                pressed = 200 if i >= 60 and i % 40 < 20 else 0
-                data[i:i + 1, :] = np.full((1, 32, 32), 500 + offset + pressed + (7 * i) % 3)
-                times[i:i + 1, :] = [[time_s(i)]]
-                texts[i:i + 1, :] = [[b"2023-11-14 22:13:20.000000"]]
+            values = [500 + offset + (200 if i >= 60 and i % 40 < 20 else 0) + (7 * i) % 3 for i in range(frames)]
+            data[:frames] = np.broadcast_to(np.array(values)[:, None, None], (frames, 32, 32))
+            times[:frames, 0] = [time_s(i) for i in range(frames)]
+            texts[:frames, 0] = b"2023-11-14 22:13:20.000000"
             for dataset in data, times, texts:
                 dataset.resize((frames, *dataset.shape[1:]))
 

@@ -200,6 +200,19 @@ GloveStream import_glove(const GloveOptions& options) {
   return glove;
 }
 
+std::vector<Clip> clips_between_pauses(const GloveStream& glove, const std::string& object) {
+  const auto& time_s = glove.host_time_s;
+  std::vector<Clip> clips;
+  for (std::size_t first = 0, next = 1; first < time_s.size(); first = next++) {
+    while (next < time_s.size() && glove.sequence[next] == glove.sequence[next - 1] + 1) ++next;
+    if (next < first + 2 || time_s[next - 1] <= time_s[first]) continue;
+    double end_s = time_s[next - 1] + 1.0 / glove.info.rate_hz;
+    if (next < time_s.size()) end_s = std::min(end_s, time_s[next]);
+    clips.push_back({time_s[first], end_s, object, false, {}, {}});
+  }
+  return clips;
+}
+
 void move_to_clock(GloveStream& glove, const RecordedTime& images) {
   const double first_s = glove.host_time_s.front(), last_s = glove.host_time_s.back();
   const double images_first_s = images.epoch_s + images.first_s,

@@ -24,6 +24,9 @@ void describe(OptionSet& set, GloveOptions& options);
 /// and reported. Throws data_error for values that are no counts and if the polarity is not clear.
 GloveStream import_glove(const GloveOptions& options);
 
+/// A clip for each stretch of at least 2 frames without a pause, as `record` makes them.
+std::vector<Clip> clips_between_pauses(const GloveStream& glove, const std::string& object);
+
 /// Moves the glove's times to the recording's clock, whose 0 is `epoch_s` of the files' clocks.
 /// Throws data_error if they do not overlap the images' interval.
 void move_to_clock(GloveStream& glove, const RecordedTime& images);

@@ -164,6 +164,7 @@ nlohmann::json import_glove_alone(const fs::path& output, const ImportOptions& o
       since_start({glove.host_time_s.front(), glove.host_time_s.back() + 1.0 / glove.info.rate_hz});
   Recording recording = describe_recording(time, options, provenance);
   move_to_clock(glove, time);
+  if (options.clips.empty()) recording.clips = clips_between_pauses(glove, options.object);
   recording.gloves.push_back(std::move(glove));
   RecordingWriter(output, recording.camera, overwrite).finish(recording);
   return with_glove({{"clips", recording.clips.size()}}, recording);

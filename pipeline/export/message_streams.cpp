@@ -83,18 +83,35 @@ void append_gloves(Streams& streams, const SharedReader& reader) {
   }
 }
 
-std::string color_image(const RosHeader& header, const RecordingReader& reader, std::size_t i) {
-  const CameraInfo& camera = reader.recording().camera;
+/// Frames of a camera. Keeps the last one, as its colour and depth are used one after the other.
+class CameraFrames {
+ public:
+  explicit CameraFrames(SharedReader reader) : reader_(std::move(reader)) {}
+
+  const CameraInfo& camera() const { return reader_->recording().camera; }
+  const RgbdFrame& at(std::size_t index) {
+    if (index_ != index) frame_ = reader_->read_camera_frame(index);
+    index_ = index;
+    return frame_;
+  }
+
+ private:
+  SharedReader reader_;
+  std::optional<std::size_t> index_;
+  RgbdFrame frame_;
+};
+
+std::string color_image(const RosHeader& header, CameraFrames& frames, std::size_t i) {
+  const CameraInfo& camera = frames.camera();
   return image(header, static_cast<std::uint32_t>(camera.width),
-               static_cast<std::uint32_t>(camera.height), "rgb8",
-               reader.read_camera_frame(i).color);
+               static_cast<std::uint32_t>(camera.height), "rgb8", frames.at(i).color);
 }
 
 /// Millimetres in 16 bits, or metres in floating point, as ROS REP 118 demands.
-std::string depth_image(const RosHeader& header, const RecordingReader& reader, std::size_t i) {
+std::string depth_image(const RosHeader& header, CameraFrames& frames, std::size_t i) {
   constexpr double millimetre_m = 0.001, tolerance_m = 1e-9;
-  const CameraInfo& camera = reader.recording().camera;
-  const auto counts = reader.read_camera_frame(i).depth;
+  const CameraInfo& camera = frames.camera();
+  const auto& counts = frames.at(i).depth;
   const auto width = static_cast<std::uint32_t>(camera.depth_image_width()),
              height = static_cast<std::uint32_t>(camera.depth_image_height());
   if (std::abs(camera.depth_unit_m - millimetre_m) < tolerance_m)
@@ -105,26 +122,36 @@ std::string depth_image(const RosHeader& header, const RecordingReader& reader, 
   return image(header, width, height, "32FC1", bytes_of_values(depth_m));
 }
 
-void append_camera(Streams& streams, const SharedReader& reader, const std::string& name,
-                   const char* frame, const std::optional<Camera>& intrinsics,
-                   std::string (*message)(const RosHeader&, const RecordingReader&, std::size_t)) {
-  const auto& time_s = reader->recording().camera_times.host_time_s;
-  streams.push_back(
-      {"/camera/" + name + "/image_raw", &image_type(), frame, time_s,
-       [=](const RosHeader& header, std::size_t i) { return message(header, *reader, i); }});
-  if (intrinsics)
-    streams.push_back({"/camera/" + name + "/camera_info", &camera_info_type(), frame, time_s,
-                       [camera = *intrinsics](const RosHeader& header, std::size_t) {
+/// Images and, if the intrinsics are known, camera_info of one camera.
+struct CameraTopics {
+  const char *name, *frame_id;
+  std::optional<Camera> intrinsics;
+  std::string (*message)(const RosHeader&, CameraFrames&, std::size_t);
+};
+
+void append_camera(Streams& streams, const std::shared_ptr<CameraFrames>& frames,
+                   const std::vector<double>& time_s, const CameraTopics& topics) {
+  const std::string prefix = std::string("/camera/") + topics.name;
+  streams.push_back({prefix + "/image_raw", &image_type(), topics.frame_id, time_s,
+                     [frames, message = topics.message](const RosHeader& header, std::size_t i) {
+                       return message(header, *frames, i);
+                     }});
+  if (topics.intrinsics)
+    streams.push_back({prefix + "/camera_info", &camera_info_type(), topics.frame_id, time_s,
+                       [camera = *topics.intrinsics](const RosHeader& header, std::size_t) {
                          return camera_info(header, camera);
                        }});
 }
 
 void append_cameras(Streams& streams, const SharedReader& reader) {
   const CameraInfo& camera = reader->recording().camera;
-  append_camera(streams, reader, "color", color_frame, camera.color_camera, color_image);
+  const auto& time_s = reader->recording().camera_times.host_time_s;
+  const auto frames = std::make_shared<CameraFrames>(reader);
+  append_camera(streams, frames, time_s, {"color", color_frame, camera.color_camera, color_image});
   if (!reader->has_depth()) return;
-  append_camera(streams, reader, "depth", camera.is_registered ? color_frame : depth_frame,
-                camera.is_registered ? camera.color_camera : camera.depth_camera, depth_image);
+  append_camera(streams, frames, time_s,
+                {"depth", camera.is_registered ? color_frame : depth_frame,
+                 camera.is_registered ? camera.color_camera : camera.depth_camera, depth_image});
 }
 
 void append_recording(MessageStreams& all, const std::filesystem::path& file, bool images) {

@@ -23,7 +23,8 @@ void set_layout(GloveFile& glove, const std::vector<hsize_t>& shape, const std::
 
 void read_frames(const h5::Loader& group, const std::string& times, const std::string& values,
                  hsize_t max_frames, GloveFile& glove) {
-  const std::vector<h5::Axis> time_axes(group.shape(times).size(), any_length);
+  std::vector<h5::Axis> time_axes{any_length};
+  if (group.shape(times).size() == 2) time_axes.push_back({"time", 1});
   group.first_rows(times, glove.time_s, time_axes, no_unit, max_frames);
   group.first_rows(values, glove.values, {any_length, any_length, any_length}, no_unit, max_frames);
 }

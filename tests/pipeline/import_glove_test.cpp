@@ -146,12 +146,24 @@ TEST_F(ImportGlove, JoinsImagesOnTheirClock) {
 TEST_F(ImportGlove, ClocksThatDoNotOverlapAreRefused) {
   write_import_tum(folder_ / "tum");
   auto options = with_glove("wiresens.hdf5");
-  options.glove.offset_s = 7200.0;
-  expect_rejected("tum", "give --glove-offset -7200", options);
+  options.glove.offset_s = 5400.0;
+  expect_rejected("tum", "give --glove-offset 0", options);
   options.glove.offset_s = 1e6;
   expect_rejected("tum", "must come from one computer", options);
   options.glove.offset_s = -glove_start_s;  // seconds since the glove's start
   expect_rejected("tum", "do not overlap the images', 1700000000.250", options);
+}
+
+TEST_F(ImportGlove, LocalTimeIsRecognised) {
+  write_import_tum(folder_ / "tum");
+  std::string table;  // at a place two hours east of Greenwich
+  for (int i = 0; i < 60; ++i) table += fmt::format("{},5\n", glove_start_s + 7200.0 + 0.05 * i);
+  testing::put(folder_ / "local.csv", table);
+  auto options = with_glove("local.csv");
+  options.glove.polarity = 1;
+  expect_rejected("tum", "give --glove-offset -7200", options);
+  options.glove.offset_s = -7200.0;
+  EXPECT_EQ(import("tum", options).recording().gloves.at(0).frames(), 60u);
 }
 
 TEST_F(ImportGlove, PolarityIsLearntAlsoIfTheGloveIsSqueezedInHalfOfTheTimeAtRest) {

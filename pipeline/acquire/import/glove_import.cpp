@@ -3,14 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/glove/learn_glove.h"
-#include "pipeline/acquire/import/stream_copy.h"
 #include "pipeline/recording/frame_pairs.h"
 
 namespace touchtrace {
@@ -19,7 +17,6 @@ namespace {
 constexpr float max_count = 65535.0f;
 constexpr double default_glove_rate_hz = 15.0, max_glove_rate_hz = 1000.0;
 constexpr double min_pause_s = 0.5, min_pause_frames = 5.0;  // as `record`
-constexpr double time_zone_step_s = 900.0;  // time zones differ by quarters of an hour
 
 void require_counts(const GloveFile& glove) {
   const auto bad = std::ranges::find_if(
@@ -155,82 +152,12 @@ void estimate_info(GloveStream& glove, const GloveOptions& options) {
       options.baseline_counts >= 0.0 ? "given" : "of the time at rest"));
 }
 
-/// Offset of a time zone that makes the intervals overlap; 0: none.
-double time_zone_offset_s(const GloveStream& glove, const RecordedTime& images) {
-  const double first_s = glove.host_time_s.front(), last_s = glove.host_time_s.back();
-  constexpr double max_offset_s = 14 * 3600.0;
-  const double difference_s = images.epoch_s + images.first_s - first_s;
-  const double offset_s = time_zone_step_s * std::round(difference_s / time_zone_step_s);
-  const bool overlaps = first_s + offset_s <= images.epoch_s + images.last_s &&
-                        last_s + offset_s >= images.epoch_s + images.first_s;
-  return overlaps && std::abs(offset_s) <= max_offset_s ? offset_s : 0.0;
-}
-
 }  // namespace
-
-void describe(OptionSet& set, GloveOptions& o) {
-  set.group("Glove");
-  set.text("glove", o.file,
-           "tactile frames: HDF5 of WiReSens or ActionSense, .npz with time_s and counts, or table "
-           "with a time and all taxels in each row")
-      .value("FILE");
-  set.text("glove-stream", o.layout.stream,
-           "glove of a file with several, such as tactile-glove-right")
-      .value("NAME");
-  set.integer("rows", o.layout.rows, "rows of taxels of a table; 0: as many as columns", 0, 1024);
-  set.integer("cols", o.layout.cols, "columns of taxels of a table; 0: as many as rows", 0, 1024);
-  set.integer("bits", o.bits, "of the converter; 0: from the largest count", 0, 16);
-  set.integer("polarity", o.polarity,
-              "1: counts increase with pressure, -1: they decrease; 0: learnt from the frames", -1,
-              1);
-  set.number("baseline", o.baseline_counts,
-             "counts of all taxels without contact; -1: medians of the time at rest", -1.0, 65535.0)
-      .value("COUNTS");
-  set.number("rest-seconds", o.rest_s, "time at the glove's start in which nothing is touched", 0.0,
-             1e4)
-      .value("SECONDS");
-  set.number("glove-offset", o.offset_s,
-             "added to the glove's times, which must be on the images' clock", -1e10, 1e10)
-      .value("SECONDS");
-}
 
 GloveStream import_glove(const GloveOptions& options) {
   GloveStream glove = stream_of(read_glove_file(options.file, options.layout), options.offset_s);
   estimate_info(glove, options);
   return glove;
-}
-
-std::vector<Clip> clips_between_pauses(const GloveStream& glove, const std::string& object) {
-  const auto& time_s = glove.host_time_s;
-  std::vector<Clip> clips;
-  for (std::size_t first = 0, next = 1; first < time_s.size(); first = next++) {
-    while (next < time_s.size() && glove.sequence[next] == glove.sequence[next - 1] + 1) ++next;
-    if (next < first + 2 || time_s[next - 1] <= time_s[first]) continue;
-    double end_s = time_s[next - 1] + 1.0 / glove.info.rate_hz;
-    if (next < time_s.size()) end_s = std::min(end_s, time_s[next]);
-    clips.push_back({time_s[first], end_s, object, false, {}, {}});
-  }
-  return clips;
-}
-
-void move_to_clock(GloveStream& glove, const RecordedTime& images) {
-  const double first_s = glove.host_time_s.front(), last_s = glove.host_time_s.back();
-  const double images_first_s = images.epoch_s + images.first_s,
-               images_last_s = images.epoch_s + images.last_s;
-  if (!(first_s <= images_last_s && last_s >= images_first_s)) {
-    const double offset_s = time_zone_offset_s(glove, images);
-    throw data_error(
-        fmt::format("the glove's times, {:.3f} to {:.3f} s, do not overlap the images', {:.3f} to "
-                    "{:.3f} s",
-                    first_s, last_s, images_first_s, images_last_s),
-        offset_s != 0.0
-            ? fmt::format("if the glove's file has local time, as WiReSens writes it, give "
-                          "--glove-offset {:.0f}",
-                          offset_s)
-            : "times of both must come from one computer; --glove-offset SECONDS corrects a known "
-              "difference");
-  }
-  for (double& time_s : glove.host_time_s) time_s -= images.epoch_s;
 }
 
 }  // namespace touchtrace

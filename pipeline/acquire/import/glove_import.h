@@ -28,7 +28,8 @@ GloveStream import_glove(const GloveOptions& options);
 std::vector<Clip> clips_between_pauses(const GloveStream& glove, const std::string& object);
 
 /// Moves the glove's times to the recording's clock, whose 0 is `epoch_s` of the files' clocks.
-/// Throws data_error if they do not overlap the images' interval.
-void move_to_clock(GloveStream& glove, const RecordedTime& images);
+/// Throws data_error if they do not overlap the images' interval. `offset_s`: already added, for
+/// the message.
+void move_to_clock(GloveStream& glove, const RecordedTime& images, double offset_s);
 
 }  // namespace touchtrace

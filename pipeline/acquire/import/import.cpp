@@ -163,7 +163,7 @@ nlohmann::json import_glove_alone(const fs::path& output, const ImportOptions& o
   const RecordedTime time =
       since_start({glove.host_time_s.front(), glove.host_time_s.back() + 1.0 / glove.info.rate_hz});
   Recording recording = describe_recording(time, options, provenance);
-  move_to_clock(glove, time);
+  move_to_clock(glove, time, options.glove.offset_s);
   if (options.clips.empty()) recording.clips = clips_between_pauses(glove, options.object);
   recording.gloves.push_back(std::move(glove));
   RecordingWriter(output, recording.camera, overwrite).finish(recording);
@@ -185,7 +185,7 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
   recording.camera = camera.info;
   if (!options.glove.file.empty()) {
     recording.gloves.push_back(import_glove(options.glove));
-    move_to_clock(recording.gloves[0], time);
+    move_to_clock(recording.gloves[0], time, options.glove.offset_s);
   }
   const auto masks = options.masks.empty() ? std::map<std::size_t, fs::path>{}
                                            : mask_files(options.masks, source.color.images);

@@ -14,7 +14,7 @@ const Program& touchtrace_program() {
        {"Process",
         {record_command(), recover_command(), glove_command(), import_command(), check_command(),
          calibrate_command(), mark_command(), label_command(), smooth_command(), train_command(),
-         evaluate_command(), predict_command(), report_command()}},
+         evaluate_command(), predict_command(), export_command(), report_command()}},
        {"Study", {plan_command(), sweep_command(), collect_command()}}},
       {{"verify", "touchtrace-verify"}}};
   return program;

@@ -15,6 +15,7 @@ Command collect_command();
 Command devices_command();
 Command doctor_command();
 Command evaluate_command();
+Command export_command();
 Command generate_command();
 Command glove_command();
 Command import_command();

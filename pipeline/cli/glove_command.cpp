@@ -2,7 +2,7 @@
 
 #include "engine/base/interrupt.h"
 #include "engine/base/progress.h"
-#include "pipeline/acquire/record/learn_glove.h"
+#include "pipeline/acquire/glove/learn_glove.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/record_devices.h"
 

@@ -13,14 +13,14 @@ struct ImportCommandOptions {
 };
 
 void describe(OptionSet& set, ImportCommandOptions& o) {
-  set.input("source", o.source,
-            "TUM RGB-D folder, folder with the image folders rgb and depth, ROS 1 bag, or .npz "
-            "with color, depth, time_s");
+  set.optional_input("source", o.source,
+                     "TUM RGB-D folder, folder with the image folders rgb and depth, ROS 1 bag, or "
+                     ".npz with color, depth, time_s; none: the glove alone");
   set.path("output", o.output, "recording (.h5)").value("FILE");
   describe(set, o.import);
 }
 
-void print_summary(const nlohmann::json& s, const std::string& output) {
+void print_images(const nlohmann::json& s, const std::string& output) {
   fmt::print("{}: {} colour and {} depth images of {} x {} at {:.2f} Hz, {} left out\n", output,
              s["color_images"].get<std::size_t>(), s["depth_images"].get<std::size_t>(),
              s["width"].get<int>(), s["height"].get<int>(), s["rate_hz"].get<double>(),
@@ -30,12 +30,26 @@ void print_summary(const nlohmann::json& s, const std::string& output) {
              s["intrinsics"].get<bool>() ? "with" : "no", s["clips"].get<std::size_t>());
 }
 
+void print_glove(const nlohmann::json& s, const std::string& output) {
+  fmt::print("{}: {} glove frames of {} x {} taxels at {:.2f} Hz, {} bits, polarity {:+d}\n",
+             output, s["frames"].get<std::size_t>(), s["rows"].get<int>(), s["cols"].get<int>(),
+             s["rate_hz"].get<double>(), s["bits"].get<int>(), s["polarity"].get<int>());
+}
+
+void print_summary(const nlohmann::json& s, const std::string& output) {
+  if (s.contains("color_images")) print_images(s, output);
+  if (s.contains("glove")) print_glove(s["glove"], output);
+}
+
 ExitCode run(const ImportCommandOptions& options, const Invocation& invocation) {
+  if (options.source.empty() && options.import.glove.file.empty())
+    throw usage_error("nothing to import", "give SOURCE with images, --glove FILE, or both");
   const Stopwatch stopwatch;
   { const OutputFile writable(options.output, invocation.overwrite); }
   auto provenance = start_provenance("touchtrace/recording/2", "import");
   provenance.options = invocation.options;
-  if (std::filesystem::is_regular_file(options.source)) provenance.add_input(options.source);
+  for (const auto& file : {options.source, options.import.glove.file})
+    if (std::filesystem::is_regular_file(file)) provenance.add_input(file);
   stopwatch.stop(provenance);
   const auto summary = import_recording(options.source, options.output, options.import, provenance,
                                         invocation.overwrite);
@@ -50,9 +64,11 @@ ExitCode run(const ImportCommandOptions& options, const Invocation& invocation) 
 
 Command import_command() {
   return make_command<ImportCommandOptions>(
-      "import", "convert colour, depth and intrinsics of another program to a recording",
+      "import", "convert images, intrinsics and touch of other programs to a recording",
       {"touchtrace import rgbd_dataset_freiburg1_xyz --output my.h5",
        "touchtrace import my_images --rate 30 --camera-info camera_info.yaml --output my.h5",
+       "touchtrace import my_images --glove recordings.hdf5 --output my.h5",
+       "touchtrace import --glove touch.csv --polarity 1 --baseline 0 --output touch.h5",
        "touchtrace import camera.bag --depth-topic /camera/aligned_depth_to_color/image_raw "
        "--output my.h5"},
       run, {.overwrite = true, .quiet = true});

@@ -74,7 +74,11 @@ class ArrayWriter {
 /// other storage, an element type that cannot be converted, and chunks that are not in the file.
 class ArrayReader {
  public:
-  ArrayReader(hid_t group, const std::string& name, const ElementType& type, hsize_t file_bytes);
+  static constexpr hsize_t all_rows = ~hsize_t{0};
+
+  /// Rows from `max_rows` on are ignored and may never have been written.
+  ArrayReader(hid_t group, const std::string& name, const ElementType& type, hsize_t file_bytes,
+              hsize_t max_rows = all_rows);
 
   const std::vector<hsize_t>& shape() const { return shape_; }
   hsize_t rows() const { return shape_.front(); }

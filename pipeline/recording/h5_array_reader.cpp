@@ -44,12 +44,13 @@ std::vector<hsize_t> extents_of(hid_t space) {
 }
 
 ArrayReader::ArrayReader(hid_t group, const std::string& name, const ElementType& type,
-                         hsize_t file_bytes)
+                         hsize_t file_bytes, hsize_t max_rows)
     : element_bytes_(type.bytes) {
   const LibraryLock lock;
   dataset_ = Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, "cannot open it");
   set_type(type);
   shape_ = extents_of(Handle(H5Dget_space(dataset_), H5Sclose, "cannot read its shape"));
+  shape_[0] = std::min(shape_[0], max_rows);
   row_elements_ =
       bounded_bytes({shape_.begin() + 1, shape_.end()}, 1, file_bytes * max_compression);
   if (row_elements_ == 0) throw H5Error("expected rows with elements, found an axis of length 0");

@@ -19,13 +19,6 @@ Handle latest_format() {
   return access;
 }
 
-Loader root_of(const fs::path& path, FileFaults& faults) {
-  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
-                    "cannot open the file");
-  return {Handle(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "cannot open the root group"),
-          fs::file_size(path), "", faults};
-}
-
 std::string schema_attribute(const Loader& root) {
   std::string schema;
   root.attribute("schema", schema);
@@ -46,9 +39,16 @@ void close_file(Handle& file) {
   file.close("cannot close the file");
 }
 
+Loader open_root(const fs::path& path, FileFaults& faults) {
+  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
+                    "cannot open the file");
+  return {Handle(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "cannot open the root group"),
+          fs::file_size(path), "", faults};
+}
+
 Loader open_root(const fs::path& path, const std::vector<std::string>& schemas,
                  FileFaults& faults) {
-  Loader root = root_of(path, faults);
+  Loader root = open_root(path, faults);
   const std::string found = schema_attribute(root);
   if (faults.empty() && std::ranges::find(schemas, found) == schemas.end())
     throw H5Error(
@@ -58,7 +58,7 @@ Loader open_root(const fs::path& path, const std::vector<std::string>& schemas,
 
 std::string schema_of(const fs::path& path) {
   return read_untrusted(
-      path, [&](FileFaults& faults) { return schema_attribute(root_of(path, faults)); });
+      path, [&](FileFaults& faults) { return schema_attribute(open_root(path, faults)); });
 }
 
 void require_hdf5(const fs::path& path) {

@@ -18,6 +18,8 @@ Handle create_file(const std::filesystem::path& path);
 /// Flushes and closes. H5Fclose alone reports no error on a full disk.
 void close_file(Handle& file);
 
+/// Opens the root group of any HDF5 file. Throws H5Error.
+Loader open_root(const std::filesystem::path& path, FileFaults& faults);
 /// Opens the root group. Throws H5Error unless the attribute `schema` is one of `schemas`, such as
 /// "touchtrace/recording/2".
 Loader open_root(const std::filesystem::path& path, const std::vector<std::string>& schemas,

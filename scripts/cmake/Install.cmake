@@ -3,7 +3,7 @@
 include(CMakePackageConfigHelpers)
 
 install(TARGETS touchtrace RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-install(TARGETS touchtrace_base touchtrace_engine touchtrace_calib touchtrace_pipeline EXPORT touchtrace
+install(TARGETS touchtrace_base touchtrace_engine touchtrace_calib touchtrace_pipeline touchtrace_export EXPORT touchtrace
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 install(DIRECTORY engine calib pipeline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/touchtrace COMPONENT development
         FILES_MATCHING PATTERN "*.h" PATTERN "cli" EXCLUDE)

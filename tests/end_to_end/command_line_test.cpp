@@ -35,7 +35,7 @@ std::vector<std::string> command_names() {
 TEST(CommandLine, EveryCommandHasHelpWithUsageExamplesAndExitCodes) {
   const auto names = command_names();
   for (const char* needed : {"doctor", "devices", "plan", "simulate", "check", "calibrate",
-                             "smooth", "label", "train", "evaluate", "report"})
+                             "smooth", "label", "train", "evaluate", "export", "report"})
     EXPECT_NE(std::ranges::find(names, needed), names.end()) << needed;
   for (const auto& name : names) {
     const auto help = run_program(name + " --help");
@@ -107,6 +107,8 @@ TEST(CommandLine, UnknownNamesAreErrorsWithSuggestions) {
 TEST(CommandLine, WrongUsageIsExplained) {
   expect_failure("label", 2, "missing RECORDING; usage: touchtrace label RECORDING --output FILE");
   expect_failure("label a.h5", 2, "missing --output FILE; usage: touchtrace label");
+  expect_failure("export a.h5 --output a.csv", 2, "missing --format FORMAT");
+  expect_failure("import --output a.h5", 2, "nothing to import");
   expect_failure("simulate a.h5 b.h5", 2, "unexpected argument 'b.h5'");
   expect_failure("simulate a.h5 --seed", 2, "--seed needs a value");
   expect_failure("simulate a.h5 --seed --quiet", 2, "--seed needs a value");
@@ -145,6 +147,8 @@ TEST(CommandLine, ConfigurationFileIsChecked) {
 TEST(CommandLine, MissingFilesAreDataErrors) {
   for (const char* arguments :
        {"check /no/such/file.h5", "calibrate /no/such/file.h5 --output /tmp/touchtrace_none",
+        "export /no/such/file.h5 --format csv --output /tmp/touchtrace_none.csv",
+        "import --glove /no/such/file.h5 --output /tmp/touchtrace_none.h5",
         "label /no/such/file.h5 --calibration /no/such --output /tmp/touchtrace_none.h5"}) {
     const auto result = run_program(arguments);
     EXPECT_EQ(result.exit_code, 3) << arguments << "\n" << result.output;

@@ -4,8 +4,8 @@
 #include "engine/base/files.h"
 #include "engine/base/random.h"
 #include "engine/base/scratch_folder.h"
+#include "pipeline/acquire/glove/learn_glove.h"
 #include "pipeline/acquire/glove/protocol.h"
-#include "pipeline/acquire/record/learn_glove.h"
 #include "pipeline/cli/commands.h"
 
 namespace touchtrace {

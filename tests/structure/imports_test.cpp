@@ -53,7 +53,8 @@ const std::map<std::string, std::set<std::string>>& allowed() {
        with(scene({"objects", "base", "glove", "person", "camera"}), {"engine/cl"})},
       {"pipeline/acquire",
        with(shared, {"calib/board", "calib/camera", "calib/rgbd", "calib/smooth"})},
-      {"pipeline/acquire/import", with(shared, {"calib/camera", "calib/rgbd", "pipeline/acquire"})},
+      {"pipeline/acquire/import",
+       with(shared, {"calib/camera", "calib/rgbd", "pipeline/acquire", "pipeline/acquire/glove"})},
       {"pipeline/acquire/glove", {"engine/base", "pipeline/recording"}},
       {"pipeline/acquire/transport", {"engine/base"}},
       {"pipeline/acquire/record",
@@ -66,6 +67,8 @@ const std::map<std::string, std::set<std::string>>& allowed() {
                                        "pipeline/label/observe", "pipeline/label/estimate"})},
       {"pipeline/report", shared},
       {"pipeline/sweep", {"engine/base"}},
+      {"pipeline/export",
+       with(shared, {"calib/camera", "engine/model", "engine/train", "pipeline/study"})},
   };
   return modules;
 }

@@ -36,13 +36,6 @@ bool is_stamp(const fs::path& image) {
   return text.find('.') != std::string::npos || text.size() >= min_stamp_digits;
 }
 
-/// Seconds of a stamp, whose unit follows from its size.
-double stamp_seconds(double stamp) {
-  for (const auto& [least, per_second] : {std::pair{1e17, 1e9}, {1e14, 1e6}, {1e11, 1e3}})
-    if (stamp >= least) return stamp / per_second;
-  return stamp;
-}
-
 std::optional<fs::path> find_list(const fs::path& folder) {
   for (const fs::path& where : {folder, folder.parent_path()})
     for (const char* name : {"times.txt", "timestamps.txt", "times.csv", "timestamps.csv"})
@@ -101,6 +94,12 @@ std::vector<double> image_times(const fs::path& folder, const std::vector<fs::pa
 }
 
 }  // namespace
+
+double stamp_seconds(double stamp) {
+  for (const auto& [least, per_second] : {std::pair{1e17, 1e9}, {1e14, 1e6}, {1e11, 1e3}})
+    if (stamp >= least) return stamp / per_second;
+  return stamp;
+}
 
 void sort_by_number(std::vector<fs::path>& images) {
   std::ranges::sort(images, {}, [](const fs::path& image) {

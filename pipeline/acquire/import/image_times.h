@@ -16,6 +16,10 @@ namespace touchtrace {
 std::vector<StampedFile> stamped_images(const std::filesystem::path& folder,
                                         std::vector<std::filesystem::path> images, double rate_hz);
 
+/// Seconds of a stamp in seconds, milliseconds, microseconds or nanoseconds since 1970, recognised
+/// by its size.
+double stamp_seconds(double stamp);
+
 /// Sorts by the last number in each name, then by name.
 void sort_by_number(std::vector<std::filesystem::path>& images);
 

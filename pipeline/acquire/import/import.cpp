@@ -32,7 +32,16 @@ void require_consistent(const ImportOptions& o) {
                       "give --hand-id and --object-id");
 }
 
-/// Interval of all images on the source's clock.
+/// Unix times become seconds since the first one.
+RecordedTime since_start(RecordedTime time) {
+  if (time.first_s > min_unix_s) {
+    time.epoch_s = time.first_s;
+    time.first_s -= time.epoch_s, time.last_s -= time.epoch_s;
+  }
+  return time;
+}
+
+/// Interval of all images.
 RecordedTime recorded_time(const ImportSource& source, double rate_hz) {
   RecordedTime time{source.color.images.front().host_time_s,
                     source.color.images.back().host_time_s};
@@ -41,7 +50,7 @@ RecordedTime recorded_time(const ImportSource& source, double rate_hz) {
     time.last_s = std::max(time.last_s, source.depth.images.back().host_time_s);
   }
   time.last_s += 1.0 / rate_hz;
-  return time;
+  return since_start(time);
 }
 
 double plausible_rate_hz(const ImportSource& source) {
@@ -55,18 +64,12 @@ double plausible_rate_hz(const ImportSource& source) {
   return rate_hz;
 }
 
-/// Everything except the stamps. Unix times become seconds since the first image.
-Recording describe_recording(const ImportSource& source, const CameraInfo& camera,
-                             const ImportOptions& options, const Provenance& provenance) {
-  RecordedTime time = recorded_time(source, camera.rate_hz);
-  if (time.first_s > min_unix_s) {
-    time.epoch_s = time.first_s;
-    time.first_s -= time.epoch_s, time.last_s -= time.epoch_s;
-  }
+/// Everything except cameras, gloves and stamps.
+Recording describe_recording(const RecordedTime& time, const ImportOptions& options,
+                             const Provenance& provenance) {
   Recording recording;
   recording.activity = options.activity;
   recording.epoch_unix_s = time.epoch_s;
-  recording.camera = camera;
   recording.provenance = provenance;
   recording.clips = {{time.first_s, time.last_s, options.object, false, {}, {}}};
   if (!options.clips.empty()) recording.clips = read_clips(options.clips, time, options.object);
@@ -127,6 +130,17 @@ void append_background(RecordingWriter& writer, const ImportOptions& options,
   append_background(writer, background, camera, {0, background.depth.images.size() - 1});
 }
 
+/// Adds the glove to the summary.
+nlohmann::json with_glove(nlohmann::json summary, const Recording& recording) {
+  if (recording.gloves.empty()) return summary;
+  const GloveStream& glove = recording.gloves[0];
+  summary["glove"] = {{"frames", glove.frames()},        {"rows", glove.info.rows},
+                      {"cols", glove.info.cols},         {"rate_hz", glove.info.rate_hz},
+                      {"bits", glove.info.bits},         {"polarity", glove.info.polarity},
+                      {"start_s", glove.host_time_s[0]}, {"end_s", glove.host_time_s.back()}};
+  return summary;
+}
+
 nlohmann::json summarize(const Recording& recording, const StreamCopy& color,
                          const StreamCopy& depth) {
   const CameraInfo& camera = recording.camera;
@@ -142,16 +156,37 @@ nlohmann::json summarize(const Recording& recording, const StreamCopy& color,
           {"clips", recording.clips.size()}};
 }
 
+/// Recording of a glove without a camera.
+nlohmann::json import_glove_alone(const fs::path& output, const ImportOptions& options,
+                                  const Provenance& provenance, bool overwrite) {
+  GloveStream glove = import_glove(options.glove);
+  const RecordedTime time =
+      since_start({glove.host_time_s.front(), glove.host_time_s.back() + 1.0 / glove.info.rate_hz});
+  Recording recording = describe_recording(time, options, provenance);
+  move_to_clock(glove, time, options.glove.offset_s);
+  if (options.clips.empty()) recording.clips = clips_between_pauses(glove, options.object);
+  recording.gloves.push_back(std::move(glove));
+  RecordingWriter(output, recording.camera, overwrite).finish(recording);
+  return with_glove({{"clips", recording.clips.size()}}, recording);
+}
+
 }  // namespace
 
 nlohmann::json import_recording(const fs::path& path, const fs::path& output,
                                 const ImportOptions& options, const Provenance& provenance,
                                 bool overwrite) {
   require_consistent(options);
+  if (path.empty()) return import_glove_alone(output, options, provenance, overwrite);
   const ImportSource source = open_source(path, options.source);
   SourceCamera camera = describe_camera(path, source, options.camera);
   camera.info.rate_hz = plausible_rate_hz(source);
-  Recording recording = describe_recording(source, camera.info, options, provenance);
+  const RecordedTime time = recorded_time(source, camera.info.rate_hz);
+  Recording recording = describe_recording(time, options, provenance);
+  recording.camera = camera.info;
+  if (!options.glove.file.empty()) {
+    recording.gloves.push_back(import_glove(options.glove));
+    move_to_clock(recording.gloves[0], time, options.glove.offset_s);
+  }
   const auto masks = options.masks.empty() ? std::map<std::size_t, fs::path>{}
                                            : mask_files(options.masks, source.color.images);
   RecordingWriter writer(output, camera.info, overwrite);
@@ -167,7 +202,7 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
   recording.color_times = color.times();
   recording.camera_times = depth.copied().empty() ? recording.color_times : depth.times();
   writer.finish(recording);
-  return summarize(recording, color, depth);
+  return with_glove(summarize(recording, color, depth), recording);
 }
 
 }  // namespace touchtrace

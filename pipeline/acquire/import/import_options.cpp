@@ -35,6 +35,7 @@ void describe(OptionSet& set, ImportOptions& o) {
   set.text("background-frames", o.background_frames,
            "depth images of SOURCE without person and object, first and last, e.g. 0:20")
       .value("A:B");
+  describe(set, o.glove);
 }
 
 }  // namespace touchtrace

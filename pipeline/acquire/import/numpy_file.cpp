@@ -102,12 +102,16 @@ bool is_numpy_file(const std::filesystem::path& file) {
   return file.extension() == ".npy" || file.extension() == ".npz";
 }
 
-std::map<std::string, NumpyArray> read_numpy_archive(const std::filesystem::path& file) {
+std::map<std::string, NumpyArray> read_numpy_archive(const std::filesystem::path& file,
+                                                     const std::vector<std::string>& wanted) {
   const std::string bytes = read_file(file, max_file_bytes);
   return read_named(file, [&] {
     std::map<std::string, NumpyArray> arrays;
-    for (const ZipEntry& entry : zip_entries(bytes))
-      arrays[std::filesystem::path(entry.name).stem()] = parse_array(zip_content(bytes, entry));
+    for (const ZipEntry& entry : zip_entries(bytes)) {
+      const std::string name = std::filesystem::path(entry.name).stem();
+      if (wanted.empty() || std::ranges::find(wanted, name) != wanted.end())
+        arrays[name] = parse_array(zip_content(bytes, entry));
+    }
     return arrays;
   });
 }

@@ -22,9 +22,11 @@ struct NumpyArray {
 /// Whether the file's extension is .npy or .npz.
 bool is_numpy_file(const std::filesystem::path& file);
 
-/// Arrays of an .npz file by their name. Throws data_error for a file that is invalid or larger
-/// than 4 GiB, and for arrays of other types than little-endian numbers.
-std::map<std::string, NumpyArray> read_numpy_archive(const std::filesystem::path& file);
+/// Arrays of an .npz file by their name: those of `wanted`, or all if it is empty. Throws
+/// data_error for a file that is invalid or larger than 4 GiB, and for arrays of other types than
+/// little-endian numbers.
+std::map<std::string, NumpyArray> read_numpy_archive(const std::filesystem::path& file,
+                                                     const std::vector<std::string>& wanted = {});
 
 /// Array of an .npy file, or the first one of an .npz file. Throws data_error.
 NumpyArray read_numpy_array(const std::filesystem::path& file);

@@ -18,8 +18,8 @@ constexpr std::array<SourceKind, 4> source_kinds{{
     {"folder with the image folders rgb and depth", is_image_folder, open_image_folder},
 }};
 
-ImportSource open(const SourceKind& kind, const std::filesystem::path& path,
-                  const SourceOptions& options) {
+ImportSource open_kind(const SourceKind& kind, const std::filesystem::path& path,
+                       const SourceOptions& options) {
   try {
     return kind.open(path, options);
   } catch (const Error&) {
@@ -37,7 +37,7 @@ ImportSource open_source(const std::filesystem::path& path, const SourceOptions&
     throw data_error(fmt::format("{} does not exist", path.string()), "check the path");
   std::vector<std::string> names;
   for (const SourceKind& kind : source_kinds) {
-    if (kind.is_kind(path)) return open(kind, path, options);
+    if (kind.is_kind(path)) return open_kind(kind, path, options);
     names.emplace_back(kind.name);
   }
   throw data_error(fmt::format("{} is not a source of colour and depth images", path.string()),

@@ -1,0 +1,51 @@
+#include "pipeline/acquire/import/glove_file.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <climits>
+#include <cmath>
+
+#include "engine/base/error.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr std::array<GloveFileKind, 3> glove_file_kinds{{
+    {"HDF5 of the WiReSens toolkit or of ActionSense", is_glove_hdf5, read_glove_hdf5},
+    {"NumPy archive (.npz with time_s and counts)", is_glove_numpy, read_glove_numpy},
+    {"table (.csv, .txt) with a time and all taxels in each row", is_glove_table, read_glove_table},
+}};
+
+}  // namespace
+
+GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOptions& options) {
+  if (!std::filesystem::is_regular_file(file))
+    throw data_error(fmt::format("{} is not a file", file.string()), "check the path");
+  std::string names;
+  for (const GloveFileKind& kind : glove_file_kinds) {
+    if (kind.is_kind(file)) {
+      GloveFile glove = kind.read(file, options);
+      if (glove.time_s.empty())
+        throw data_error(fmt::format("{} has no frames", file.string()), "record again");
+      return glove;
+    }
+    names += fmt::format("{}{}", names.empty() ? "" : "; ", kind.name);
+  }
+  throw data_error(fmt::format("{} is not a file of a tactile glove", file.string()),
+                   "give one of: " + names);
+}
+
+void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& options) {
+  const auto count = static_cast<int>(std::min<std::size_t>(values, INT_MAX));
+  const auto side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(count))));
+  glove.rows = options.rows > 0 ? options.rows : options.cols > 0 ? count / options.cols : side;
+  glove.cols = options.cols > 0 ? options.cols : options.rows > 0 ? count / options.rows : side;
+  if (values == 0 || glove.taxels() != values)
+    throw data_error(fmt::format("{} values per frame do not fit {} rows and {} columns", values,
+                                 glove.rows, glove.cols),
+                     "give --rows and --cols");
+}
+
+}  // namespace touchtrace

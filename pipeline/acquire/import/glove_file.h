@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace touchtrace {
+
+/// Frames of a tactile glove in a file of another program.
+struct GloveFile {
+  int rows = 0, cols = 0;
+  std::vector<double> time_s;  ///< [frames], the file's clock
+  std::vector<float> values;   ///< [frames, rows, cols]
+
+  std::size_t taxels() const { return static_cast<std::size_t>(rows) * cols; }
+};
+
+/// What files cannot tell from their content.
+struct GloveFileOptions {
+  int rows = 0, cols = 0;  ///< of values without a shape; 0: unknown
+  std::string stream;      ///< of a file with several gloves; empty: the only one
+};
+
+/// Kind of file. To add one, write its file and a row in glove_file.cpp.
+struct GloveFileKind {
+  const char* name;
+  bool (*is_kind)(const std::filesystem::path& file);
+  GloveFile (*read)(const std::filesystem::path& file, const GloveFileOptions& options);
+};
+
+/// Reads a file; its content tells the kind. The frames are complete, at least one. Throws
+/// data_error.
+GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOptions& options);
+
+/// Sets rows and cols from `options`, else a square layout. Throws data_error unless they give
+/// `values` per frame.
+void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& options);
+
+// Each in its own file:
+bool is_glove_hdf5(const std::filesystem::path& file);
+GloveFile read_glove_hdf5(const std::filesystem::path& file, const GloveFileOptions& options);
+bool is_glove_numpy(const std::filesystem::path& file);
+GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOptions& options);
+bool is_glove_table(const std::filesystem::path& file);
+GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOptions& options);
+
+}  // namespace touchtrace

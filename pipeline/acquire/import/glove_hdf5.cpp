@@ -1,0 +1,105 @@
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <climits>
+#include <fstream>
+
+#include "pipeline/acquire/import/glove_file.h"
+#include "pipeline/recording/h5_file.h"
+
+namespace touchtrace {
+namespace {
+
+using h5::unknown_length;
+
+constexpr h5::DatasetInfo no_unit{"1", ""};
+const h5::Axis any_length{"any", unknown_length};
+
+void set_layout(GloveFile& glove, const std::vector<hsize_t>& shape, const std::string& path) {
+  if (shape.size() != 3 || shape[1] > INT_MAX || shape[2] > INT_MAX)
+    throw h5::H5Error(fmt::format("{}: expected an array [frames, rows, cols]", path));
+  glove.rows = static_cast<int>(shape[1]), glove.cols = static_cast<int>(shape[2]);
+}
+
+void read_frames(const h5::Loader& group, const std::string& times, const std::string& values,
+                 hsize_t max_frames, GloveFile& glove) {
+  std::vector<h5::Axis> time_axes{any_length};
+  if (group.shape(times).size() == 2) time_axes.push_back({"time", 1});
+  group.first_rows(times, glove.time_s, time_axes, no_unit, max_frames);
+  group.first_rows(values, glove.values, {any_length, any_length, any_length}, no_unit, max_frames);
+}
+
+/// Drops rows that were never written: they have no time. Early writers of MIT's gloves begin with
+/// row 1.
+void drop_unwritten(GloveFile& glove) {
+  const std::size_t taxels = glove.taxels(),
+                    rows = std::min(glove.time_s.size(), glove.values.size() / taxels);
+  std::size_t frames = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    if (!(glove.time_s[row] > 0.0)) continue;
+    glove.time_s[frames] = glove.time_s[row];
+    std::copy_n(&glove.values[row * taxels], taxels, &glove.values[frames * taxels]);
+    ++frames;
+  }
+  glove.time_s.resize(frames);
+  glove.values.resize(frames * taxels);
+}
+
+/// WiReSens toolkit (Sensor.py of WiReSensPy): `frame_count` is the index of the last frame, not
+/// the number of frames, and datasets are padded with unwritten rows to multiples of 1024.
+void read_wiresens(const h5::Loader& root, GloveFile& glove) {
+  hsize_t frames = h5::ArrayReader::all_rows;
+  std::vector<std::uint64_t> last;
+  if (root.has("frame_count")) root.array("frame_count", last, {any_length}, no_unit);
+  if (!last.empty()) frames = last[0] + 1;
+  set_layout(glove, root.shape("pressure"), root.path("pressure"));
+  read_frames(root, "ts", "pressure", frames, glove);
+}
+
+/// Name of the only glove, or the one that the user chose.
+std::string chosen_device(const std::vector<std::string>& devices, const std::string& stream) {
+  const bool is_known = std::ranges::find(devices, stream) != devices.end();
+  if (stream.empty() ? devices.size() == 1 : is_known) return stream.empty() ? devices[0] : stream;
+  throw data_error(stream.empty() ? fmt::format("the file has {} gloves", devices.size())
+                                  : fmt::format("the file has no glove '{}'", stream),
+                   fmt::format("give --glove-stream: {}", fmt::join(devices, " or ")));
+}
+
+/// ActionSense (DataLogger.py of ActionNet): a group per device and stream, times [frames, 1].
+void read_actionsense(const h5::Loader& root, const std::vector<std::string>& devices,
+                      const std::string& stream, GloveFile& glove) {
+  const h5::Loader group = root.group(chosen_device(devices, stream)).group("tactile_data");
+  set_layout(glove, group.shape("data"), group.path("data"));
+  read_frames(group, "time_s", "data", h5::ArrayReader::all_rows, glove);
+}
+
+GloveFile read_glove(const h5::Loader& root, const GloveFileOptions& options) {
+  GloveFile glove;
+  std::vector<std::string> devices;
+  for (const char* name : {"tactile-glove-left", "tactile-glove-right"})
+    if (root.has(name)) devices.emplace_back(name);
+  if (!devices.empty())
+    read_actionsense(root, devices, options.stream, glove);
+  else if (root.has("pressure") && root.has("ts"))
+    read_wiresens(root, glove);
+  else
+    throw h5::H5Error(
+        "expected /pressure and /ts (WiReSens), or /tactile-glove-left/tactile_data (ActionSense)");
+  if (glove.taxels() > 0) drop_unwritten(glove);
+  return glove;
+}
+
+}  // namespace
+
+bool is_glove_hdf5(const std::filesystem::path& file) {
+  std::string start(8, '\0');
+  std::ifstream(file, std::ios::binary).read(start.data(), 8);
+  return start == "\x89HDF\r\n\x1a\n";
+}
+
+GloveFile read_glove_hdf5(const std::filesystem::path& file, const GloveFileOptions& options) {
+  return h5::read_untrusted(
+      file, [&](FileFaults& faults) { return read_glove(h5::open_root(file, faults), options); });
+}
+
+}  // namespace touchtrace

@@ -9,7 +9,6 @@ const std::vector<Operation>& operations() {
       channel_blocks_operation(), dense_operation(),   layer_norm_operation(),
       info_nce_operation(),       rollout_operation(), gru_rollout_operation(),
       state_loss_operation(),     sum_operation(),     adam_operation(),
-      moving_average_operation(),
   };
   return table;
 }

@@ -13,7 +13,6 @@ Operation dense_operation();
 Operation gru_rollout_operation();
 Operation info_nce_operation();
 Operation layer_norm_operation();
-Operation moving_average_operation();
 Operation rollout_operation();
 Operation state_loss_operation();
 Operation sum_operation();

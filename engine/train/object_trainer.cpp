@@ -70,7 +70,7 @@ double ObjectTrainer::update(const SegmentBatch& batch) {
 int ObjectTrainer::updates() const { return impl_->loop.counts().attempted; }
 
 std::vector<Tensor> ObjectTrainer::weights() const {
-  return tensors_of(impl_->model.table(), impl_->runtime.download(impl_->loop.saved_weights()));
+  return tensors_of(impl_->model.table(), impl_->runtime.download(impl_->model.weights().values));
 }
 
 }  // namespace touchtrace

@@ -11,7 +11,6 @@ struct TrainOptions {
   double clip_norm = 1.0;         ///< maximum norm of the whole gradient
   double taxel_dropout = 0.2;     ///< fraction of taxels zeroed in an update
   double object_loss = 0.1;       ///< lambda_obj: weight of the contrastive loss (equation 6)
-  int averaged_updates = 0;       ///< length of the weights' moving average; 0: none
   int max_consecutive_skips = 0;  ///< updates skipped in a row because they are not finite
   std::uint64_t seed = 1;         ///< of initial weights and dropout
 };

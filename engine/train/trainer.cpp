@@ -84,8 +84,8 @@ struct Trainer::Impl {
     model.backward();
   }
 
-  std::vector<Tensor> tensors(const Buffer<float>& weights) const {
-    return tensors_of(model.table(), runtime.download(weights));
+  std::vector<Tensor> weight_tensors() const {
+    return tensors_of(model.table(), runtime.download(model.weights().values));
   }
 };
 
@@ -107,7 +107,7 @@ int Trainer::updates() const { return impl_->loop.counts().attempted; }
 
 void Trainer::save(const std::filesystem::path& path, const nlohmann::json& metadata,
                    bool overwrite) const {
-  auto tensors = impl_->tensors(impl_->loop.saved_weights());
+  auto tensors = impl_->weight_tensors();
   std::ranges::copy(impl_->objects.encoder, std::back_inserter(tensors));
   write_safetensors(path,
                     {{{"format", "touchtrace/model/1"},
@@ -119,7 +119,7 @@ void Trainer::save(const std::filesystem::path& path, const nlohmann::json& meta
 
 void Trainer::save_checkpoint(const std::filesystem::path& path,
                               const nlohmann::json& notes) const {
-  auto tensors = impl_->tensors(impl_->model.weights().values);
+  auto tensors = impl_->weight_tensors();
   for (const auto& [name, array] : impl_->loop.optimiser_state())
     tensors.push_back({name, {array.size()}, impl_->runtime.download(array)});
   std::ranges::copy(impl_->objects.encoder, std::back_inserter(tensors));

@@ -30,27 +30,6 @@ UpdateLoop::UpdateLoop(Runtime& runtime, const TrainOptions& options, const Weig
       adam_(runtime, weights.values, weights.gradient,
             decays(runtime, weights.table, options.weight_decay), loss) {
   runtime.write<float>(weights.values, weights.table.initial_values(options.seed));
-  if (options.averaged_updates == 0) return;
-  average_ = runtime.allocate_zeros<float>(weights.values.size());
-  averaging_ = {moving_average(runtime, weights.values, average_)};
-}
-
-std::vector<std::pair<std::string, Buffer<float>>> UpdateLoop::optimiser_state() const {
-  auto state = adam_.state();
-  if (average_.size() > 0) state.emplace_back("average", average_);
-  return state;
-}
-
-const Buffer<float>& UpdateLoop::saved_weights() const {
-  return average_.size() > 0 && counts_.attempted > 0 ? average_ : weights_.values;
-}
-
-void UpdateLoop::enqueue_update() {
-  const int count = counts_.attempted - counts_.skipped + 1;
-  adam_.enqueue({count, learning_rate(options_, counts_.attempted), options_.clip_norm});
-  if (averaging_.empty()) return;
-  set_moving_average_rate(averaging_[0], count, options_.averaged_updates);
-  enqueue(runtime_, averaging_);
 }
 
 UpdateLoop::Keys UpdateLoop::keys() const {
@@ -59,7 +38,8 @@ UpdateLoop::Keys UpdateLoop::keys() const {
 
 double UpdateLoop::update(const Functions& functions) {
   functions.pass(keys());
-  enqueue_update();
+  adam_.enqueue({counts_.attempted - counts_.skipped + 1,
+                 learning_rate(options_, counts_.attempted), options_.clip_norm});
   const float loss = runtime_.download(loss_)[0], norm = runtime_.download(adam_.norm())[0];
   if (!std::isfinite(loss) || !std::isfinite(norm)) return skip(functions);
   ++counts_.attempted;

@@ -10,7 +10,6 @@
 #include "engine/base/random.h"
 #include "engine/model/weights.h"
 #include "engine/ops/adam.h"
-#include "engine/ops/moving_average.h"
 #include "engine/train/checkpoint_metadata.h"
 #include "engine/train/train_options.h"
 
@@ -44,16 +43,13 @@ class UpdateLoop {
   const Buffer<float>& stream() const { return stream_; }  ///< [frames, rows, cols]
   const UpdateCounts& counts() const { return counts_; }
   /// For a checkpoint: state of the optimiser by tensor name.
-  std::vector<std::pair<std::string, Buffer<float>>> optimiser_state() const;
-  /// Weights to save: their moving average, or the last ones without
-  /// TrainOptions::averaged_updates.
-  const Buffer<float>& saved_weights() const;
+  std::vector<std::pair<std::string, Buffer<float>>> optimiser_state() const {
+    return adam_.state();
+  }
   void resume(const UpdateCounts& counts) { counts_ = counts; }
 
  private:
   Keys keys() const;
-  /// Enqueues the optimiser and the moving average.
-  void enqueue_update();
   double skip(const Functions& functions);
   /// Describes what is not finite in the last update.
   std::string find_cause(const Functions& functions);
@@ -65,8 +61,6 @@ class UpdateLoop {
   Names names_;
   RandomStream dropout_keys_;
   Adam adam_;
-  Buffer<float> average_;  ///< moving average of the weights; empty: none
-  Launches averaging_;
   UpdateCounts counts_;
 };
 

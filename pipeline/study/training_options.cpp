@@ -45,9 +45,6 @@ void describe_optimisation(OptionSet& set, TrainingOptions& o) {
   set.integer("steps", o.steps, "steps per roll-out", 1, 200);
   set.number("learning-rate", o.optimizer.learning_rate, "initial; cosine decay to 0", 1e-8, 1.0);
   set.number("weight-decay", o.optimizer.weight_decay, "AdamW weight decay", 0.0, 10.0);
-  set.integer("average-updates", o.optimizer.averaged_updates,
-              "save the moving average of the weights of about N updates; 0: the last weights", 0,
-              1'000'000);
   set.number("clip-norm", o.optimizer.clip_norm, "maximum gradient norm", 1e-6, 1e6);
   set.number("taxel-dropout", o.optimizer.taxel_dropout, "fraction of taxels zeroed", 0.0, 0.9)
       .value("P");

@@ -38,43 +38,6 @@ TEST_F(TrainerTest, ResumesBitwise) {
     }
 }
 
-std::vector<float> values(const std::filesystem::path& path) {
-  std::vector<float> all;
-  for (const Tensor& tensor : read_safetensors(path).tensors)
-    all.insert(all.end(), tensor.values.begin(), tensor.values.end());
-  return all;
-}
-
-TEST_F(TrainerTest, SavesTheMovingAverageOfTheWeights) {
-  constexpr int length = 3, updates = 6;
-  auto options = NoiseRun::options();
-  options.averaged_updates = length;
-  NoiseRun last(runtime_, true), averaged(runtime_, true, options),
-      resumed(runtime_, true, options);
-  std::vector<double> expected;
-  for (int update = 1; update <= updates; ++update) {
-    last.train_until(update), averaged.train_until(update);
-    last.trainer.save(folder_ / "last", {}, true);
-    const auto weights = values(folder_ / "last");
-    expected.resize(weights.size());
-    for (std::size_t i = 0; i < weights.size(); ++i)
-      expected[i] += (weights[i] - expected[i]) / std::min(update, length);
-    if (update == 2) averaged.trainer.save_checkpoint(folder_ / "checkpoint");
-  }
-  const auto saved = averaged.weights(folder_ / "averaged");
-  const auto found = values(folder_ / "averaged"), weights = values(folder_ / "last");
-  double change = 0.0;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    // one rounding per update, of a weight and of its distance to the average
-    ASSERT_NEAR(found[i], expected[i], updates * 1.2e-7 * (1.0 + std::abs(weights[i])));
-    change = std::max(change, std::abs(expected[i] - weights[i]));
-  }
-  EXPECT_GT(change, 1e-3);  // one step of Adam is 2e-3
-  resumed.trainer.load_checkpoint(folder_ / "checkpoint");
-  resumed.train_until(updates);
-  EXPECT_EQ(resumed.weights(folder_ / "resumed"), saved);
-}
-
 TEST_F(TrainerTest, RejectsCheckpointsOfOtherModels) {
   NoiseRun run(runtime_, false), other(runtime_, true);
   run.train_until(1);

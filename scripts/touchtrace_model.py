@@ -6,7 +6,7 @@
     states, half_widths = model(state, touch)           # roll-out; state [N, 12] in m and m/s, touch [N, T, M, rows, cols]
 
 State: position and velocity of the object, then of the hand, in the colour camera's frame. Touch: pressure from 0 to 1 of the
-last M frames before each of T steps, averaged by area to the model's rows x cols. A model with an object encoder also needs
+last M frames before each of T steps, averaged by area to the model's rows x cols (without touch only T matters). A model with an object encoder also needs
 `segment` [N, frames, rows, cols], touch of the same object. Results [N, T, 12]: state after each step, and half the width of
 the band between the model's quantiles, before the factors `band_scale` of the model card (`model.card`).
 """

@@ -11,15 +11,18 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::array<SourceKind, 4> source_kinds{{
+constexpr std::array<SourceKind, 6> source_kinds{{
     {"TUM RGB-D folder (rgb.txt, depth.txt)", is_tum_folder, open_tum_source},
     {"ROS 1 bag", is_bag, open_bag_source},
+    {"ROS 2 bag (folder, .db3, .mcap)", is_ros2_bag, open_ros2_bag},
     {"NumPy archive (.npz with color, depth, time_s)", is_numpy_archive, open_numpy_source},
     {"folder with the image folders rgb and depth", is_image_folder, open_image_folder},
+    {"folder of colour and depth images, these with 'depth' in their names or as .mat or .npy",
+     is_paired_folder, open_paired_folder},
 }};
 
-ImportSource open(const SourceKind& kind, const std::filesystem::path& path,
-                  const SourceOptions& options) {
+ImportSource open_kind(const SourceKind& kind, const std::filesystem::path& path,
+                       const SourceOptions& options) {
   try {
     return kind.open(path, options);
   } catch (const Error&) {
@@ -37,7 +40,7 @@ ImportSource open_source(const std::filesystem::path& path, const SourceOptions&
     throw data_error(fmt::format("{} does not exist", path.string()), "check the path");
   std::vector<std::string> names;
   for (const SourceKind& kind : source_kinds) {
-    if (kind.is_kind(path)) return open(kind, path, options);
+    if (kind.is_kind(path)) return open_kind(kind, path, options);
     names.emplace_back(kind.name);
   }
   throw data_error(fmt::format("{} is not a source of colour and depth images", path.string()),

@@ -42,7 +42,7 @@ class ColorClasses {
 
   std::array<std::vector<double>, 3> counts_{std::vector<double>(bins), std::vector<double>(bins),
                                              std::vector<double>(bins)};  ///< by Body
-  std::vector<double> far_rest_ = std::vector<double>(bins);  ///< beyond an arm's reach
+  std::vector<double> far_rest_ = std::vector<double>(bins);              ///< beyond an arm's reach
   std::vector<Body> table_ = std::vector<Body>(bins, Body::rest);
   std::vector<float> likeness_ = std::vector<float>(bins);
 };

@@ -1,8 +1,8 @@
-#include "pipeline/acquire/import/registration_check.h"
-
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
+
+#include "pipeline/acquire/import/registration_check.h"
 
 namespace touchtrace {
 namespace {
@@ -32,8 +32,7 @@ struct Scene {
   void draw(cv::Mat& image, int frame, int dx, const Value& disc_value, const Value& bar) const {
     const cv::Point centre = disc(frame) + cv::Point(dx, 0);
     cv::circle(image, centre, 30, disc_value, cv::FILLED);
-    cv::rectangle(image, centre + cv::Point(-12, 25), centre + cv::Point(12, 140), bar,
-                  cv::FILLED);
+    cv::rectangle(image, centre + cv::Point(-12, 25), centre + cv::Point(12, 140), bar, cv::FILLED);
   }
   SourceStream stream(bool is_depth) const {
     SourceStream result;

@@ -51,7 +51,8 @@ std::vector<std::uint8_t> inflate_zlib(ByteSpan stored) {
       decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
   if (!decompressor) throw std::bad_alloc();
   const std::size_t limit = std::min(max_mat_bytes, max_zlib_ratio * stored.size());
-  for (std::size_t size = std::min(limit, 8 * stored.size() + 1024);; size = std::min(limit, 4 * size)) {
+  for (std::size_t size = std::min(limit, 8 * stored.size() + 1024);;
+       size = std::min(limit, 4 * size)) {
     std::vector<std::uint8_t> bytes(size);
     std::size_t written = 0;
     const auto result = libdeflate_zlib_decompress(decompressor.get(), stored.data(), stored.size(),
@@ -75,15 +76,24 @@ cv::Mat to_doubles(ByteSpan data, int rows, int columns) {
 
 cv::Mat numbers_of(const Element& part, int rows, int columns) {
   switch (part.type) {
-    case 1: return to_doubles<std::int8_t>(part.data, rows, columns);
-    case 2: return to_doubles<std::uint8_t>(part.data, rows, columns);
-    case 3: return to_doubles<std::int16_t>(part.data, rows, columns);
-    case 4: return to_doubles<std::uint16_t>(part.data, rows, columns);
-    case 5: return to_doubles<std::int32_t>(part.data, rows, columns);
-    case 6: return to_doubles<std::uint32_t>(part.data, rows, columns);
-    case 7: return to_doubles<float>(part.data, rows, columns);
-    case 9: return to_doubles<double>(part.data, rows, columns);
-    default: throw std::runtime_error(fmt::format("numbers of type {} are unknown", part.type));
+    case 1:
+      return to_doubles<std::int8_t>(part.data, rows, columns);
+    case 2:
+      return to_doubles<std::uint8_t>(part.data, rows, columns);
+    case 3:
+      return to_doubles<std::int16_t>(part.data, rows, columns);
+    case 4:
+      return to_doubles<std::uint16_t>(part.data, rows, columns);
+    case 5:
+      return to_doubles<std::int32_t>(part.data, rows, columns);
+    case 6:
+      return to_doubles<std::uint32_t>(part.data, rows, columns);
+    case 7:
+      return to_doubles<float>(part.data, rows, columns);
+    case 9:
+      return to_doubles<double>(part.data, rows, columns);
+    default:
+      throw std::runtime_error(fmt::format("numbers of type {} are unknown", part.type));
   }
 }
 

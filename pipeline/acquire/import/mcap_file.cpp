@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view magic = "\x89MCAP0\r\n";
 constexpr std::size_t max_chunk_bytes = std::size_t{1} << 30, max_messages = 10'000'000;
-constexpr std::size_t record_header = 9;   // operation and length
+constexpr std::size_t record_header = 9;    // operation and length
 constexpr std::size_t message_header = 22;  // channel, sequence, times of log and publication
 
 enum Operation : std::uint8_t { schema = 3, channel = 4, message = 5, chunk_of_records = 6 };
@@ -140,8 +140,7 @@ void McapFile::add_channel(ByteReader content) {
   if (encoding != "cdr" && encoding != "ros1") return;
   channels_[number] = topic;
   topics_[topic].type = types_[type];
-  topics_[topic].serialization =
-      encoding == "cdr" ? RosSerialization::cdr : RosSerialization::ros1;
+  topics_[topic].serialization = encoding == "cdr" ? RosSerialization::cdr : RosSerialization::ros1;
 }
 
 void McapFile::add_message(ByteSpan content, std::size_t chunk, std::size_t offset) {

@@ -9,8 +9,8 @@
 namespace touchtrace {
 
 /// MCAP file (mcap.dev/spec) with messages of ROS 1 or 2. The index is made by reading the whole
-/// file once, so that unindexed and truncated files can be read, too, also of messages that are compressed
-/// one by one. Memory: one chunk and one message. Safe for untrusted files.
+/// file once, so that unindexed and truncated files can be read, too, also of messages that are
+/// compressed one by one. Memory: one chunk and one message. Safe for untrusted files.
 class McapFile : public MessageFile {
  public:
   /// Throws data_error if the file is not an MCAP file or its chunks have an unknown compression.

@@ -31,8 +31,8 @@ std::string series_name(const fs::path& file) {
   const auto last = name.find_last_of("0123456789", stem - 1);
   if (last == std::string::npos) return name;
   std::size_t first = last;
-  while (first > 0 && (is_digit(name[first - 1]) || (name[first - 1] == '.' && first > 1 &&
-                                                     is_digit(name[first - 2]))))
+  while (first > 0 && (is_digit(name[first - 1]) ||
+                       (name[first - 1] == '.' && first > 1 && is_digit(name[first - 2]))))
     --first;
   return name.replace(first, last + 1 - first, "#");
 }

@@ -9,8 +9,8 @@ namespace touchtrace {
 namespace {
 
 constexpr std::size_t num_samples = 13;
-constexpr int compared_width = 320;  // larger images are reduced to about this width
-constexpr double max_shift = 0.125;  // of the width and height
+constexpr int compared_width = 320;        // larger images are reduced to about this width
+constexpr double max_shift = 0.125;        // of the width and height
 constexpr double max_color_change = 60.0;  // sum over the channels; more counts as much
 constexpr double min_depth_change = 0.04;  // of the depth
 constexpr int min_moved_pixels = 50;
@@ -61,8 +61,7 @@ cv::Mat color_motion(const cv::Mat& a, const cv::Mat& b) {
 }
 
 cv::Mat depth_motion(const cv::Mat& a, const cv::Mat& b) {
-  const cv::Mat moved =
-      (a > 0.0) & (b > 0.0) & (cv::abs(a - b) > min_depth_change * cv::max(a, b));
+  const cv::Mat moved = (a > 0.0) & (b > 0.0) & (cv::abs(a - b) > min_depth_change * cv::max(a, b));
   cv::Mat motion;
   moved.convertTo(motion, CV_32F, 1.0 / 255.0);
   return motion;

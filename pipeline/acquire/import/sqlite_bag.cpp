@@ -36,15 +36,13 @@ bool is_sqlite(const std::filesystem::path& file) {
 
 void SqliteBag::Close::operator()(sqlite3* database) const { sqlite3_close(database); }
 
-void SqliteBag::Finalize::operator()(sqlite3_stmt* statement) const {
-  sqlite3_finalize(statement);
-}
+void SqliteBag::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
 SqliteBag::SqliteBag(std::filesystem::path file) : file_(std::move(file)) {
   try {
     sqlite3* opened = nullptr;
-    const int result =
-        sqlite3_open_v2(file_.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
+    const int result = sqlite3_open_v2(file_.c_str(), &opened,
+                                       SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
     database_.reset(opened);
     if (result != SQLITE_OK) throw std::runtime_error(sqlite3_errstr(result));
     sqlite3_limit(opened, SQLITE_LIMIT_LENGTH, max_blob_bytes);
@@ -98,8 +96,8 @@ ByteSpan SqliteBag::read(const BagMessage& message) {
   sqlite3_bind_int64(select_.get(), 1, static_cast<sqlite3_int64>(message.offset));
   if (!step(select_)) throw std::out_of_range("a message is missing");
   const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(select_.get(), 0));
-  const ByteSpan stored(data, data ? static_cast<std::size_t>(sqlite3_column_bytes(select_.get(), 0))
-                                   : 0);
+  const ByteSpan stored(
+      data, data ? static_cast<std::size_t>(sqlite3_column_bytes(select_.get(), 0)) : 0);
   return plain_message(stored, message_);
 }
 

@@ -14,7 +14,7 @@ struct ImportCommandOptions {
 
 void describe(OptionSet& set, ImportCommandOptions& o) {
   set.optional_input("source", o.source,
-                     "TUM RGB-D folder, folder with the image folders rgb and depth, ROS 1 bag, or "
+                     "TUM RGB-D folder, folder with colour and depth images, ROS 1 or 2 bag, or "
                      ".npz with color, depth, time_s; none: the glove alone");
   set.path("output", o.output, "recording (.h5)").value("FILE");
   describe(set, o.import);

@@ -9,23 +9,19 @@
 #include "engine/base/files.h"
 #include "pipeline/report/report.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/browser.h"
 #include "tests/verify/support/figure.h"
 
 namespace touchtrace {
 namespace {
 
 using nlohmann::json;
+using testing::find_browser;
+using testing::load;
+using testing::Loaded;
 using testing::TemporaryFolder;
 
 constexpr int num_steps = 5;
-
-/// Path to a Chromium or Chrome, empty if none is installed.
-std::string find_browser() {
-  for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
-    for (const char* folder : {"/usr/bin/", "/usr/local/bin/", "/snap/bin/"})
-      if (std::filesystem::exists(std::string(folder) + name)) return std::string(folder) + name;
-  return {};
-}
 
 json states(double offset) {
   json rows = json::array();
@@ -171,30 +167,6 @@ std::string write_inputs_and_render(const TemporaryFolder& folder) {
   for (double& value : labels.raw.object_m) value = 0.5;
   write_labels(folder / "wave.labels.h5", labels, false);
   return report::render(report::report_data(report::find_inputs(folder.path())));
-}
-
-struct Loaded {
-  std::string dom, console;
-};
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
-/// Loads a page and runs `script` after the page's own scripts.
-Loaded load(const TemporaryFolder& folder, const std::string& page,
-            const std::string& script = "") {
-  testing::put(folder / "page.html",
-               replaced(page, "</body>", "<script>" + script + "</script></body>"));
-  const std::string command = fmt::format(
-      "timeout 120 {0} --headless --no-sandbox --disable-gpu --disable-dev-shm-usage "
-      "--enable-logging=stderr --v=0 --user-data-dir={1}/profile --dump-dom file://{1}/page.html "
-      ">{1}/dom.html 2>{1}/console.txt",
-      find_browser(), folder.path().string());
-  EXPECT_EQ(std::system(command.c_str()), 0) << read_file(folder / "console.txt");
-  return {read_file(folder / "dom.html"), read_file(folder / "console.txt")};
 }
 
 std::size_t count(const std::string& text, const std::string& part) {

@@ -123,7 +123,7 @@ void BagFile::add_chunk(const Fields& fields, std::size_t stored_bytes) {
   const auto compression = fields.find("compression");
   const std::string name = compression == fields.end() ? "none" : compression->second;
   const auto known = find_compression(name);
-  if (!known)
+  if (!known || *known == Compression::zstd)
     throw data_error(describe(fmt::format("compression '{}' is not supported", name)),
                      "`rosbag decompress FILE` writes an uncompressed bag");
   const Chunk chunk{static_cast<std::uint64_t>(stream_.tellg()), stored_bytes,

@@ -8,34 +8,21 @@
 #include <vector>
 
 #include "pipeline/acquire/import/decompress.h"
+#include "pipeline/acquire/import/message_file.h"
 
 namespace touchtrace {
-
-/// Message of a bag, not read yet.
-struct BagMessage {
-  double record_time_s = 0.0;        ///< Unix time at which it was recorded
-  std::size_t chunk = 0;             ///< index
-  std::size_t offset = 0, size = 0;  ///< in the chunk
-};
-
-struct BagTopic {
-  std::string type;  ///< "sensor_msgs/Image"
-  std::vector<BagMessage> messages;
-};
 
 /// Bag of ROS 1, format 2.0 (wiki.ros.org/Bags/Format/2.0). The index is made by reading the whole
 /// file once, so that unindexed and truncated bags can be read, too. Memory: one chunk. Safe for
 /// untrusted files.
-class BagFile {
+class BagFile : public MessageFile {
  public:
   /// Throws data_error if the file is not a bag or its chunks have an unknown compression. Reports
   /// a bag that ends early.
   explicit BagFile(std::filesystem::path file);
 
-  /// By name, with messages in order of their record times.
-  const std::map<std::string, BagTopic>& topics() const { return topics_; }
-  /// Bytes of a message, valid until the next call. Throws data_error if the chunk is damaged.
-  ByteSpan read(const BagMessage& message);
+  const std::map<std::string, BagTopic>& topics() const override { return topics_; }
+  ByteSpan read(const BagMessage& message) override;
 
  private:
   struct Chunk {

@@ -43,11 +43,12 @@ struct ImageTopic {
   }
 };
 
-std::vector<ImageTopic> find_image_topics(BagFile& bag) {
+std::vector<ImageTopic> find_image_topics(MessageFile& bag) {
   std::vector<ImageTopic> topics;
   for (const auto& [name, topic] : bag.topics()) {
     if (!is_image_type(topic.type) || topic.messages.empty()) continue;
-    ImageTopic found{name, parse_image(bag.read(topic.messages.front()), topic.type)};
+    ImageTopic found{
+        name, parse_image(bag.read(topic.messages.front()), topic.type, topic.serialization)};
     found.first.data = {};
     topics.push_back(std::move(found));
   }
@@ -75,20 +76,22 @@ const ImageTopic& choose_topic(const std::vector<ImageTopic>& topics, const std:
   return *found;
 }
 
-SourceStream open_stream(const std::shared_ptr<BagFile>& bag, const std::string& name) {
+SourceStream open_stream(const std::shared_ptr<MessageFile>& bag, const std::string& name) {
   const BagTopic& topic = bag->topics().at(name);
   SourceStream stream;
   std::vector<BagMessage> messages;
   for (const BagMessage& message : topic.messages) try {
       const std::string image = fmt::format("message {} of {}", messages.size(), name);
-      const double device_time_s = parse_image(bag->read(message), topic.type).stamp_s;
+      const double device_time_s =
+          parse_image(bag->read(message), topic.type, topic.serialization).stamp_s;
       stream.images.push_back({image, message.record_time_s, device_time_s});
       messages.push_back(message);
     } catch (const std::out_of_range& error) {
       Progress::report(fmt::format("warning: left out a message of {}: {}", name, error.what()));
     }
-  stream.read = [bag, messages = std::move(messages), type = topic.type](std::size_t i) {
-    return decode(parse_image(bag->read(messages[i]), type));
+  stream.read = [bag, messages = std::move(messages), type = topic.type,
+                 serialization = topic.serialization](std::size_t i) {
+    return decode(parse_image(bag->read(messages[i]), type, serialization));
   };
   return stream;
 }
@@ -101,11 +104,12 @@ std::string info_topic(std::string name) {
   return name.substr(0, name.rfind('/')) + "/camera_info";
 }
 
-std::optional<Camera> camera_of(BagFile& bag, const std::string& image_topic) {
+std::optional<Camera> camera_of(MessageFile& bag, const std::string& image_topic) {
   const auto topic = bag.topics().find(info_topic(image_topic));
   if (topic == bag.topics().end() || topic->second.messages.empty()) return std::nullopt;
   try {
-    return camera_from_info(parse_camera_info(bag.read(topic->second.messages.front())));
+    return camera_from_info(
+        parse_camera_info(bag.read(topic->second.messages.front()), topic->second.serialization));
   } catch (const std::exception& error) {
     Progress::report(fmt::format("warning: {} is not used: {}", topic->first, error.what()));
     return std::nullopt;
@@ -113,7 +117,7 @@ std::optional<Camera> camera_of(BagFile& bag, const std::string& image_topic) {
 }
 
 /// Counts per metre as the recorder of librealsense states them; ROS has millimetres.
-double counts_per_m(BagFile& bag) {
+double counts_per_m(MessageFile& bag) {
   for (const auto& [name, topic] : bag.topics()) {
     if (!name.ends_with("/option/Depth Units/value") || topic.messages.empty()) continue;
     const float unit_m = parse_float32(bag.read(topic.messages.front()));
@@ -137,7 +141,10 @@ bool is_bag(const std::filesystem::path& file) {
 }
 
 ImportSource open_bag_source(const std::filesystem::path& file, const SourceOptions& options) {
-  const auto bag = std::make_shared<BagFile>(file);
+  return open_messages(std::make_shared<BagFile>(file), options);
+}
+
+ImportSource open_messages(const std::shared_ptr<MessageFile>& bag, const SourceOptions& options) {
   const auto topics = find_image_topics(*bag);
   const ImageTopic& color = choose_topic(topics, options.color_topic, false);
   const ImageTopic& depth = choose_topic(topics, options.depth_topic, true);

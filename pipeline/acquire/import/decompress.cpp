@@ -2,6 +2,7 @@
 
 #include <bzlib.h>
 #include <lz4frame.h>
+#include <zstd.h>
 
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 namespace touchtrace {
 namespace {
 
+constexpr unsigned long long max_message_bytes = 256u << 20;
 constexpr std::size_t max_ratio = 1000;  // of images; a larger size is not allocated
 
 /// Returns the number of bytes written to `to`.
@@ -40,11 +42,25 @@ std::size_t decompress_bz2(ByteSpan stored, std::vector<std::uint8_t>& to) {
   return size;
 }
 
+std::size_t decompress_zstd(ByteSpan stored, std::vector<std::uint8_t>& to) {
+  const auto size = ZSTD_decompress(to.data(), to.size(), stored.data(), stored.size());
+  if (ZSTD_isError(size)) throw std::runtime_error(ZSTD_getErrorName(size));
+  return size;
+}
+
+std::size_t decompress_to(Compression compression, ByteSpan stored, std::vector<std::uint8_t>& to) {
+  if (compression == Compression::lz4) return decompress_lz4(stored, to);
+  return compression == Compression::bz2 ? decompress_bz2(stored, to) : decompress_zstd(stored, to);
+}
+
 }  // namespace
 
 std::optional<Compression> find_compression(const std::string& name) {
-  static const std::map<std::string, Compression> all{
-      {"none", Compression::none}, {"lz4", Compression::lz4}, {"bz2", Compression::bz2}};
+  static const std::map<std::string, Compression> all{{"", Compression::none},
+                                                      {"none", Compression::none},
+                                                      {"lz4", Compression::lz4},
+                                                      {"bz2", Compression::bz2},
+                                                      {"zstd", Compression::zstd}};
   const auto found = all.find(name);
   return found == all.end() ? std::nullopt : std::optional(found->second);
 }
@@ -54,10 +70,18 @@ std::vector<std::uint8_t> decompress(Compression compression, ByteSpan stored, s
   if (size / max_ratio > stored.size())
     throw std::runtime_error("compressed data state a wrong size");
   std::vector<std::uint8_t> bytes(size);
-  const auto written = compression == Compression::lz4 ? decompress_lz4(stored, bytes)
-                                                       : decompress_bz2(stored, bytes);
-  if (written != size) throw std::runtime_error("compressed data state a wrong size");
+  if (decompress_to(compression, stored, bytes) != size)
+    throw std::runtime_error("compressed data state a wrong size");
   return bytes;
+}
+
+ByteSpan plain_message(ByteSpan stored, std::vector<std::uint8_t>& buffer) {
+  const auto size = ZSTD_getFrameContentSize(stored.data(), stored.size());
+  if (size == ZSTD_CONTENTSIZE_ERROR) return stored;  // not a frame
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size > max_message_bytes)
+    throw std::runtime_error("a compressed message states no size, or one that is too large");
+  buffer = decompress(Compression::zstd, stored, size);
+  return buffer;
 }
 
 }  // namespace touchtrace

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "pipeline/acquire/decode_image.h"
+#include "pipeline/acquire/import/matlab_file.h"
 #include "pipeline/acquire/import/numpy_file.h"
 
 namespace touchtrace {
@@ -23,6 +24,7 @@ cv::Mat read_color(const fs::path& path) { return read_image(path, cv::IMREAD_CO
 
 cv::Mat read_depth(const fs::path& path) {
   if (is_numpy_file(path)) return to_depth(read_numpy_array(path));
+  if (is_matlab_file(path)) return read_matlab_depth(path);
   const cv::Mat image = read_image(path, cv::IMREAD_UNCHANGED);
   if (image.type() != CV_16UC1 && image.type() != CV_32FC1)
     throw std::runtime_error(fmt::format("{} channels of {} bits instead of one of 16",
@@ -46,6 +48,14 @@ SourceStream color_file_stream(std::vector<StampedFile> files) {
 
 SourceStream depth_file_stream(std::vector<StampedFile> files) {
   return stream(std::move(files), read_depth);
+}
+
+std::vector<fs::path> depth_array_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && (is_numpy_file(entry.path()) || is_matlab_file(entry.path())))
+      files.push_back(entry.path());
+  return files;
 }
 
 }  // namespace touchtrace

@@ -5,10 +5,12 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "engine/base/text.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/acquire/import/image_files.h"
 #include "pipeline/acquire/import/image_times.h"
-#include "pipeline/acquire/import/numpy_file.h"
+#include "pipeline/acquire/import/name_words.h"
+#include "pipeline/acquire/import/source.h"
 
 namespace touchtrace {
 namespace {
@@ -18,45 +20,54 @@ namespace fs = std::filesystem;
 constexpr std::array color_names{"rgb", "color", "colour", "images"};
 constexpr std::array depth_names{"depth", "depths"};
 
-std::optional<fs::path> find_folder(const fs::path& folder, std::span<const char* const> names) {
+/// Folder with one of the names or, else, the only one whose name has such words. Throws data_error
+/// if there are several.
+std::optional<fs::path> find_folder(const fs::path& folder, std::span<const char* const> names,
+                                    bool (*is_named)(std::string_view)) {
   for (const char* name : names)
     if (fs::is_directory(folder / name)) return folder / name;
-  return std::nullopt;
-}
-
-std::vector<fs::path> array_files(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (is_numpy_file(entry.path())) files.push_back(entry.path());
-  return files;
+  std::vector<fs::path> found;
+  std::vector<std::string> listed;
+  if (!fs::is_directory(folder)) return std::nullopt;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename();
+    if (!entry.is_directory() || !is_named(name) || names_other_image(name)) continue;
+    found.push_back(entry.path()), listed.push_back(name);
+  }
+  std::ranges::sort(listed);
+  if (found.size() > 1)
+    throw data_error(fmt::format("{} has several folders of one kind of images: {}",
+                                 folder.string(), comma_separated(listed)),
+                     fmt::format("name the right one '{}'", names[0]));
+  return found.empty() ? std::nullopt : std::optional(found[0]);
 }
 
 std::vector<StampedFile> images_of(const fs::path& folder, std::vector<fs::path> images,
                                    double rate_hz) {
   if (images.empty())
     throw data_error(fmt::format("{} has no images", folder.string()),
-                     "put PNG or JPEG images into it; depth also as .npy");
+                     "put PNG or JPEG images into it; depth also as .npy or .mat");
   return stamped_images(folder, std::move(images), rate_hz);
 }
 
 SourceStream open_depth(const fs::path& folder, double rate_hz) {
   auto images = images_in_folder(folder);
-  if (images.empty()) images = array_files(folder);
+  if (images.empty()) images = depth_array_files(folder);
   return depth_file_stream(images_of(folder, std::move(images), rate_hz));
 }
 
 }  // namespace
 
 bool is_image_folder(const fs::path& folder) {
-  return find_folder(folder, color_names).has_value();
+  return find_folder(folder, color_names, names_color).has_value();
 }
 
 ImportSource open_image_folder(const fs::path& folder, const SourceOptions& options) {
-  const fs::path colors = *find_folder(folder, color_names);
+  const fs::path colors = *find_folder(folder, color_names, names_color);
   ImportSource source{
       .color = color_file_stream(images_of(colors, images_in_folder(colors), options.rate_hz)),
       .depth = {}};
-  if (const auto depths = find_folder(folder, depth_names))
+  if (const auto depths = find_folder(folder, depth_names, names_depth))
     source.depth = open_depth(*depths, options.rate_hz);
   else
     Progress::report(

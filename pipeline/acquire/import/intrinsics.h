@@ -10,9 +10,10 @@
 namespace touchtrace {
 
 /// Reads the intrinsics of one camera: everything read_calibration() reads, a text file with the
-/// 3x3 camera matrix or with fx fy cx cy, or JSON with `K`, `intrinsic_matrix` (Open3D: column by
-/// column) or fx, fy, cx (ppx), cy (ppy). `width` and `height` [px] are those of the images, which
-/// such a file may lack. Throws data_error for an invalid file and for another image size.
+/// 3x3 or 4x4 camera matrix or with fx fy cx cy, or JSON with `K`, `cam_K`, `intrinsic_matrix`
+/// (Open3D: column by column) or fx, fy, cx (ppx), cy (ppy), or with such an entry per image (BOP).
+/// `width` and `height` [px] are those of the images, which such a file may lack. Throws data_error
+/// for an invalid file and for another image size.
 RgbdCalibration read_intrinsics(const std::filesystem::path& file, int width, int height);
 
 /// Intrinsics in the folder of the images; nullopt: none.
@@ -20,8 +21,13 @@ struct IntrinsicsFiles {
   std::optional<std::filesystem::path> color, depth;
 };
 
-/// Finds camera_info, camera_info_color, camera_info_depth, intrinsics, ... (.yaml, .json, .txt) in
-/// a folder.
+/// Finds camera_info, camera_info_color, camera_info_depth, intrinsics, ... (.yaml, .json, .txt,
+/// .csv) in a folder.
 IntrinsicsFiles find_intrinsics(const std::filesystem::path& folder);
+
+/// Counts of depth images per metre from `depth_scale` of a JSON file with intrinsics: millimetres
+/// per count (BOP: 0.1, 1), metres per count (RealSense: 0.001) or counts per metre, which its size
+/// tells. nullopt: not stated.
+std::optional<double> stated_counts_per_m(const std::filesystem::path& file);
 
 }  // namespace touchtrace

@@ -37,23 +37,61 @@ const Encoding& find_encoding(const std::string& name) {
   return *found;
 }
 
-std::string read_text(ByteReader& reader) { return reader.text(reader.number<std::uint32_t>()); }
+/// Reads the members of a message. CDR: aligned to their size from the end of a header of 4 bytes,
+/// texts end with a zero; little-endian, version 1 (ROS 2's).
+class RosReader {
+ public:
+  RosReader(ByteSpan message, RosSerialization serialization)
+      : message_(message), reader_(message), is_cdr_(serialization == RosSerialization::cdr) {
+    if (!is_cdr_) return;
+    const ByteSpan header = take(4);
+    if (header[0] != 0 || header[1] != 1)
+      throw std::runtime_error(
+          fmt::format("CDR of kind {} {} is not supported", header[0], header[1]));
+  }
 
-template <class T>
-std::vector<T> read_numbers(ByteReader& reader, std::size_t count) {
-  const ByteSpan bytes = reader.take(count * sizeof(T));
-  std::vector<T> numbers(count);
-  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(numbers.data()));
-  return numbers;
-}
+  template <class T>
+  T number() {
+    if (is_cdr_) take((sizeof(T) - (position_ - cdr_header) % sizeof(T)) % sizeof(T));
+    position_ += sizeof(T);
+    return reader_.number<T>();
+  }
 
-/// Reads a std_msgs/Header.
-void read_header(ByteReader& reader, RosImage& image) {
-  reader.take(4);  // seq
-  const auto seconds = reader.number<std::uint32_t>(), nanoseconds = reader.number<std::uint32_t>();
-  image.stamp_s = seconds + 1e-9 * nanoseconds;
-  image.frame_id = read_text(reader);
-}
+  template <class T>
+  std::vector<T> numbers(std::size_t count) {
+    if (count > message_.size() / sizeof(T)) throw std::out_of_range("data end early");
+    std::vector<T> result;
+    for (std::size_t i = 0; i < count; ++i) result.push_back(number<T>());
+    return result;
+  }
+
+  std::string text() {
+    const ByteSpan bytes = take(number<std::uint32_t>());
+    const std::size_t end = is_cdr_ && !bytes.empty() ? 1 : 0;
+    return {bytes.begin(), bytes.end() - static_cast<std::ptrdiff_t>(end)};
+  }
+
+  ByteSpan take(std::size_t size) {
+    position_ += size;
+    return reader_.take(size);
+  }
+
+  /// Reads a std_msgs/Header.
+  void header(RosImage& image) {
+    if (!is_cdr_) take(4);  // seq
+    const auto seconds = number<std::uint32_t>(), nanoseconds = number<std::uint32_t>();
+    image.stamp_s = seconds + 1e-9 * nanoseconds;
+    image.frame_id = text();
+  }
+
+ private:
+  static constexpr std::size_t cdr_header = 4;
+
+  ByteSpan message_;
+  ByteReader reader_;
+  bool is_cdr_;
+  std::size_t position_ = 0;
+};
 
 cv::Mat decode_raw(const RosImage& image) {
   const Encoding& encoding = find_encoding(image.encoding);
@@ -107,14 +145,14 @@ bool is_image_type(const std::string& type) {
   return type == "sensor_msgs/Image" || type == "sensor_msgs/CompressedImage";
 }
 
-RosImage parse_image(ByteSpan message, const std::string& type) {
-  ByteReader reader(message);
+RosImage parse_image(ByteSpan message, const std::string& type, RosSerialization serialization) {
+  RosReader reader(message, serialization);
   RosImage image;
-  read_header(reader, image);
+  reader.header(image);
   image.is_compressed = type == "sensor_msgs/CompressedImage";
   if (!image.is_compressed)
     image.height = reader.number<std::uint32_t>(), image.width = reader.number<std::uint32_t>();
-  image.encoding = read_text(reader);
+  image.encoding = reader.text();
   if (!image.is_compressed) {
     image.is_big_endian = reader.number<std::uint8_t>() != 0;
     image.step = reader.number<std::uint32_t>();
@@ -123,18 +161,18 @@ RosImage parse_image(ByteSpan message, const std::string& type) {
   return image;
 }
 
-nlohmann::json parse_camera_info(ByteSpan message) {
-  ByteReader reader(message);
+nlohmann::json parse_camera_info(ByteSpan message, RosSerialization serialization) {
+  RosReader reader(message, serialization);
   RosImage header;
-  read_header(reader, header);
+  reader.header(header);
   const auto height = reader.number<std::uint32_t>(), width = reader.number<std::uint32_t>();
-  const std::string model = read_text(reader);
-  const auto distortion = read_numbers<double>(reader, reader.number<std::uint32_t>());
+  const std::string model = reader.text();
+  const auto distortion = reader.numbers<double>(reader.number<std::uint32_t>());
   return {{"height", height},
           {"width", width},
           {"distortion_model", model},
           {"D", distortion},
-          {"K", read_numbers<double>(reader, 9)}};
+          {"K", reader.numbers<double>(9)}};
 }
 
 float parse_float32(ByteSpan message) { return ByteReader(message).number<float>(); }

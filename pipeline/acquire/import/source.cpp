@@ -11,11 +11,14 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::array<SourceKind, 4> source_kinds{{
+constexpr std::array<SourceKind, 6> source_kinds{{
     {"TUM RGB-D folder (rgb.txt, depth.txt)", is_tum_folder, open_tum_source},
     {"ROS 1 bag", is_bag, open_bag_source},
+    {"ROS 2 bag (folder, .db3, .mcap)", is_ros2_bag, open_ros2_bag},
     {"NumPy archive (.npz with color, depth, time_s)", is_numpy_archive, open_numpy_source},
     {"folder with the image folders rgb and depth", is_image_folder, open_image_folder},
+    {"folder of colour and depth images, these with 'depth' in their names or as .mat or .npy",
+     is_paired_folder, open_paired_folder},
 }};
 
 ImportSource open_kind(const SourceKind& kind, const std::filesystem::path& path,

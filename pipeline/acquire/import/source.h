@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -46,6 +47,10 @@ struct SourceKind {
   ImportSource (*open)(const std::filesystem::path& path, const SourceOptions& options);
 };
 
+class MessageFile;
+/// Images of ROS topics.
+ImportSource open_messages(const std::shared_ptr<MessageFile>& bag, const SourceOptions& options);
+
 /// Opens a source; its content tells the kind. Throws data_error.
 ImportSource open_source(const std::filesystem::path& path, const SourceOptions& options);
 
@@ -53,9 +58,13 @@ ImportSource open_source(const std::filesystem::path& path, const SourceOptions&
 ImportSource open_tum_source(const std::filesystem::path& folder, const SourceOptions& options);
 bool is_bag(const std::filesystem::path& file);
 ImportSource open_bag_source(const std::filesystem::path& file, const SourceOptions& options);
+bool is_ros2_bag(const std::filesystem::path& path);
+ImportSource open_ros2_bag(const std::filesystem::path& path, const SourceOptions& options);
 bool is_numpy_archive(const std::filesystem::path& file);
 ImportSource open_numpy_source(const std::filesystem::path& file, const SourceOptions& options);
 bool is_image_folder(const std::filesystem::path& folder);
 ImportSource open_image_folder(const std::filesystem::path& folder, const SourceOptions& options);
+bool is_paired_folder(const std::filesystem::path& folder);
+ImportSource open_paired_folder(const std::filesystem::path& folder, const SourceOptions& options);
 
 }  // namespace touchtrace

@@ -5,6 +5,7 @@
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/import/intrinsics.h"
+#include "pipeline/acquire/import/registration_check.h"
 
 namespace touchtrace {
 namespace {
@@ -29,6 +30,23 @@ ImageFormat first_format(const SourceStream& stream, const char* kind) {
                    "depth is 16-bit PNG or arrays, colour is 8-bit PNG or JPEG");
 }
 
+fs::path folder_of(const fs::path& source) {
+  return fs::is_directory(source) ? source : fs::absolute(source).parent_path();
+}
+
+/// Counts per metre of --depth-scale, else of the file with the intrinsics; 0: not stated.
+double stated_depth_scale(const fs::path& path, const CameraOptions& options, int type) {
+  if (options.depth_scale > 0.0 || type != CV_16UC1) return options.depth_scale;
+  const fs::path file = options.camera_info.empty()
+                            ? find_intrinsics(folder_of(path)).color.value_or(fs::path())
+                            : fs::path(options.camera_info);
+  const auto counts = stated_counts_per_m(file);
+  if (counts)
+    Progress::report(fmt::format("depth has {:g} counts per metre, as {} states (--depth-scale N)",
+                                 *counts, file.string()));
+  return counts.value_or(0.0);
+}
+
 /// Cameras of --camera-info, else of the source, else of files in its folder.
 Cameras find_cameras(const fs::path& path, const ImportSource& source, const std::string& file,
                      const cv::Size& color, const cv::Size& depth) {
@@ -40,8 +58,7 @@ Cameras find_cameras(const fs::path& path, const ImportSource& source, const std
     cameras.depth = calibration.depth;
     cameras.depth_from_color = calibration.depth_from_color;
   };
-  const IntrinsicsFiles files =
-      find_intrinsics(fs::is_directory(path) ? path : fs::absolute(path).parent_path());
+  const IntrinsicsFiles files = find_intrinsics(folder_of(path));
   if (!file.empty()) add(file);
   if (!cameras.color && files.color) add(*files.color);
   if (!cameras.depth && files.depth)
@@ -64,6 +81,18 @@ bool decide_registered(const ImportSource& source, const CameraOptions& options,
                          "(--no-registered: it is not)"
                        : "depth is taken as not registered to colour (--registered: it is)");
   return is_registered;
+}
+
+/// Reports depth images that are hardly on the colour camera's pixels.
+void warn_of_shift(const ImportSource& source, int width) {
+  const auto shift = measure_motion_shift(source.color, source.depth);
+  if (!shift || shift->is_consistent_with_registration(width)) return;
+  Progress::report(fmt::format(
+      "warning: what moves in depth images is displaced by ({:+.0f}, {:+.0f}) pixels from what "
+      "moves in colour images, as if depth were not registered: labels would be wrong. Record "
+      "aligned depth, or give --no-registered and --camera-info with both cameras and their pose "
+      "(--registered: it is registered)",
+      shift->depth_from_color_px.x, shift->depth_from_color_px.y));
 }
 
 void set_cameras(CameraInfo& info, const Cameras& cameras) {
@@ -89,8 +118,9 @@ SourceCamera describe_camera(const fs::path& path, const ImportSource& source,
   info.width = camera.color.size.width, info.height = camera.color.size.height;
   if (!source.depth.images.empty()) {
     camera.depth = first_format(source.depth, "depth");
-    camera.depth_scale = depth_scale(source, camera.depth.type, options.depth_scale);
-    require_plausible(camera.depth_scale, source.depth, options.depth_scale > 0.0);
+    const double stated = stated_depth_scale(path, options, camera.depth.type);
+    camera.depth_scale = depth_scale(source, camera.depth.type, stated);
+    require_plausible(camera.depth_scale, source.depth, stated > 0.0);
     info.depth_unit_m = camera.depth_scale.unit_m;
     info.depth_width = camera.depth.size.width, info.depth_height = camera.depth.size.height;
   }
@@ -99,6 +129,8 @@ SourceCamera describe_camera(const fs::path& path, const ImportSource& source,
   if (!depth.empty())
     info.is_registered =
         decide_registered(source, options, depth == color, cameras.depth.has_value());
+  if (info.is_registered && !options.registered && !depth.empty())
+    warn_of_shift(source, info.width);
   set_cameras(info, cameras);
   if (!options.gravity_m_per_s2.empty())
     info.gravity_m_per_s2 = Eigen::Vector3d(options.gravity_m_per_s2.data());

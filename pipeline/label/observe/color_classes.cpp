@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
+
+#include "engine/base/statistics.h"
 
 namespace touchtrace::label {
 namespace {
 
 constexpr double object_ratio = 3.0;  // of the densities of object and others
 constexpr double min_density = 1e-4;  // colours rarer than this belong to the rest
+constexpr float arm_length_m = 0.7f;  // what is farther from the hand is not the hand's arm
 
 /// Smooths `counts` along one dimension of the grid by (1 4 1) / 6, for shades not seen yet.
 std::vector<double> smoothed(const std::vector<double>& counts, std::size_t stride,
@@ -19,6 +23,25 @@ std::vector<double> smoothed(const std::vector<double>& counts, std::size_t stri
     const double below = level > 0 ? counts[i - stride] : counts[i];
     const double above = level + 1 < levels ? counts[i + stride] : counts[i];
     result[i] = (below + 4.0 * counts[i] + above) / 6.0;
+  }
+  return result;
+}
+
+Body body_in_boxes(const SurfacePoint& point, const PixelBox& hand_box,
+                   const PixelBox& object_box) {
+  if (contains(object_box, point)) return Body::object;
+  return contains(hand_box, point) ? Body::hand : Body::rest;
+}
+
+/// Per-axis median of the points inside a box; nullopt if there are none.
+std::optional<Eigen::Vector3f> median_in(const Surface& surface, const PixelBox& box) {
+  const Surface inside = points_in(surface, box);
+  if (inside.empty()) return std::nullopt;
+  Eigen::Vector3f result;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const auto& point : inside) values.push_back(point.position_m[axis]);
+    result[axis] = static_cast<float>(median(std::move(values)));
   }
   return result;
 }
@@ -68,11 +91,13 @@ std::vector<double> ColorClasses::density(const std::vector<double>& counts, dou
 
 void ColorClasses::learn(const Surface& surface, const PixelBox& hand_box,
                          const PixelBox& object_box) {
+  const auto hand_m = median_in(surface, hand_box);
   for (const auto& point : surface) {
-    const Body body = contains(object_box, point) ? Body::object
-                      : contains(hand_box, point) ? Body::hand
-                                                  : Body::rest;
-    counts_[static_cast<std::size_t>(body)][bin(point.rgb)] += 1.0;
+    const Body body = body_in_boxes(point, hand_box, object_box);
+    const bool is_far = body == Body::rest && hand_m &&
+                        (point.position_m - *hand_m).squaredNorm() > arm_length_m * arm_length_m;
+    auto& counts = is_far ? far_rest_ : counts_[static_cast<std::size_t>(body)];
+    counts[bin(point.rgb)] += 1.0;
   }
 }
 
@@ -85,8 +110,10 @@ void ColorClasses::learn_object_from(const Surface& near_hand) {
 void ColorClasses::build_table() {
   // without background the rest may be a few pixels of the object outside its box
   const double object_points = std::accumulate(counts_[2].begin(), counts_[2].end(), 1.0);
-  const auto rest = density(counts_[0], object_points), hand = density(counts_[1], 1.0),
+  const auto far_rest = density(far_rest_, object_points), hand = density(counts_[1], 1.0),
              object = density(counts_[2], 1.0);
+  auto rest = density(counts_[0], object_points);
+  for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = std::max(rest[i], far_rest[i]);
   for (std::size_t i = 0; i < table_.size(); ++i) {
     const double others = std::max({rest[i], hand[i], min_density});
     table_[i] = object[i] > object_ratio * others          ? Body::object

@@ -10,7 +10,9 @@ namespace touchtrace::label {
 /// Classifies colours as hand, object or rest (arm, torso) by histograms of chromaticity and, in
 /// coarse bins, brightness, so that the shades of one material share bins. Learnt from frames with
 /// boxes. The object's box usually contains fingers, so a colour is the object's only if it is
-/// three times as frequent in the object's box as anywhere else.
+/// three times as frequent in the object's box as anywhere else. The rest within an arm's reach of
+/// the hand and the rest farther away are two histograms, and a colour counts as often as in the
+/// one in which it is more frequent: a large room would otherwise make the sleeve's colour rare.
 class ColorClasses {
  public:
   /// Adds one frame's colours to the histograms.
@@ -40,6 +42,7 @@ class ColorClasses {
 
   std::array<std::vector<double>, 3> counts_{std::vector<double>(bins), std::vector<double>(bins),
                                              std::vector<double>(bins)};  ///< by Body
+  std::vector<double> far_rest_ = std::vector<double>(bins);              ///< beyond an arm's reach
   std::vector<Body> table_ = std::vector<Body>(bins, Body::rest);
   std::vector<float> likeness_ = std::vector<float>(bins);
 };

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pipeline/acquire/import/byte_reader.h"
+
+namespace touchtrace {
+
+/// Message of a bag, not read yet.
+struct BagMessage {
+  double record_time_s = 0.0;        ///< Unix time at which it was recorded
+  std::size_t chunk = 0;             ///< index
+  std::size_t offset = 0, size = 0;  ///< in the chunk
+};
+
+/// How messages are written as bytes: by ROS 1, or in OMG's Common Data Representation by ROS 2.
+enum class RosSerialization { ros1, cdr };
+
+struct BagTopic {
+  std::string type;  ///< "sensor_msgs/Image"
+  std::vector<BagMessage> messages;
+  RosSerialization serialization = RosSerialization::ros1;
+};
+
+/// File with messages of ROS. Its index is in memory, its messages are not.
+class MessageFile {
+ public:
+  virtual ~MessageFile() = default;
+
+  /// By name, with messages in order of their record times.
+  virtual const std::map<std::string, BagTopic>& topics() const = 0;
+  /// Bytes of a message, valid until the next call. Throws std::exception if it is damaged.
+  virtual ByteSpan read(const BagMessage& message) = 0;
+};
+
+}  // namespace touchtrace

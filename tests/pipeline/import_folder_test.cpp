@@ -1,0 +1,133 @@
+#include "engine/base/random.h"
+#include "tests/pipeline/import_samples.h"
+
+namespace touchtrace {
+namespace {
+
+using ImportFolder = Import;
+
+ImportOptions at_30_hz() {
+  ImportOptions options;
+  options.source.rate_hz = 30.0;
+  return options;
+}
+
+/// Names as programs write them into one folder. `%` is the image's number.
+TEST_F(ImportFolder, ReadsColorAndDepthInOneFolder) {
+  for (const auto& [color, depth] : {std::pair{"color_%.png", "depth_%.png"},
+                                     {"frame-00000%.color.png", "frame-00000%.depth.png"},
+                                     {"color_00000%.png", "aligned_depth_to_color_00000%.png"},
+                                     {"000000000%.png", "000000000%_depth.png"},
+                                     {"image_%.png", "depth_%.png"}}) {
+    SCOPED_TRACE(color);
+    fs::remove_all(folder_ / "in"), fs::remove(folder_ / "out.h5");
+    for (int i = 0; i < import_frames; ++i) {
+      const auto name = [&](std::string text) {
+        return text.replace(text.find('%'), 1, std::to_string(i));
+      };
+      write_file(folder_ / "in" / name(color), encoded(import_color(i)), true);
+      write_file(folder_ / "in" / name(depth), encoded(import_depth(i, 1000)), true);
+      write_file(folder_ / "in" / name("mask_%.png"), encoded(import_color(i)), true);
+    }
+    expect_samples(import("in", at_30_hz()), 1000);
+  }
+}
+
+TEST_F(ImportFolder, NamesSeriesThatCannotBeToldApart) {
+  for (const char* camera : {"rgb_image1", "rgb_image2", "depth1"})
+    for (int i = 0; i < import_frames; ++i)
+      write_file(folder_ / "in" / fmt::format("{}_{}.png", camera, i),
+                 encoded(camera[0] == 'r' ? import_color(i) : import_depth(i, 1000)), true);
+  expect_rejected("in", "rgb_image1_#.png, rgb_image2_#.png", at_30_hz());
+}
+
+TEST_F(ImportFolder, ReadsFoldersOfOtherNames) {
+  for (int i = 0; i < import_frames; ++i) {
+    const std::string name = std::to_string(i) + ".png";
+    write_file(folder_ / "in" / "Frames" / name, encoded(import_color(i)), true);
+    write_file(folder_ / "in" / "depthMatrices" / name, encoded(import_depth(i, 1000)), true);
+    write_file(folder_ / "in" / "SegmentedDepth" / name, encoded(import_depth(i, 1000)), true);
+  }
+  expect_samples(import("in", at_30_hz()), 1000);
+  fs::remove(folder_ / "out.h5");
+  write_file(folder_ / "in" / "depth_raw" / "0.png", encoded(import_depth(0, 1000)), true);
+  expect_rejected("in", "depthMatrices, depth_raw", at_30_hz());
+}
+
+/// counts_per_m: what the file states, with images whose depth is 1 m.
+TEST_F(ImportFolder, ReadsIntrinsicsAndDepthScales) {
+  struct Case {
+    const char *file, *text;
+    int counts_per_m;
+  };
+  for (const Case& c :
+       {Case{"camera_intrinsic.json",
+             R"({"width": 8, "height": 6, "intrinsic_matrix": [7, 0, 0, 0, 7, 0, 4, 3, 1]})", 1000},
+        {"camera.json",
+         R"({"fx": 7, "fy": 7, "cx": 4, "cy": 3, "width": 8, "height": 6, "depth_scale": 0.1})",
+         10000},
+        {"scene_camera.json",
+         R"({"0": {"cam_K": [7, 0, 4, 0, 7, 3, 0, 0, 1], "depth_scale": 0.25}, "1": {}})", 4000},
+        {"intrinsics.json", R"({"fx": 7, "fy": 7, "ppx": 4, "ppy": 3, "depth_scale": 0.0002})",
+         5000},
+        {"cam_intrinsics.json", R"({"fx": 7, "fy": 7, "cx": 4, "cy": 3, "depth_scale": 2000})",
+         2000},
+        {"intrinsic_color.txt", "7 0 4 0\n0 7 3 0\n0 0 1 0\n0 0 0 1\n", 1000},
+        {"camera_matrix.csv", "7, 0, 4\n0, 7, 3\n0, 0, 1\n", 1000}}) {
+    SCOPED_TRACE(c.file);
+    fs::remove_all(folder_ / "in"), fs::remove(folder_ / "out.h5");
+    for (int i = 0; i < import_frames; ++i) {
+      const std::string name = std::to_string(i) + ".png";
+      write_file(folder_ / "in" / "rgb" / name, encoded(import_color(i)), true);
+      write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, c.counts_per_m)), true);
+    }
+    write_file(folder_ / "in" / c.file, c.text, true);
+    const RecordingReader reader = import("in", at_30_hz());
+    expect_samples(reader, c.counts_per_m);
+    const auto& camera = reader.recording().camera.color_camera;
+    ASSERT_TRUE(camera);
+    EXPECT_EQ(camera->fx, 7.0);
+    EXPECT_EQ(camera->cx, 4.0);
+    EXPECT_EQ(camera->cy, 3.0);
+  }
+}
+
+/// Files of scipy.io.savemat. The image is import_depth(3).
+TEST_F(ImportFolder, ReadsMatlabFiles) {
+  const fs::path data = fs::path(TOUCHTRACE_SOURCE_DIR) / "tests" / "data" / "matlab";
+  for (const auto& [name, counts_per_m] :
+       {std::pair{"uint16_compressed", 1000}, {"double_counts", 1000}, {"single_metres", 4000}}) {
+    SCOPED_TRACE(name);
+    fs::remove_all(folder_ / "in"), fs::remove(folder_ / "out.h5");
+    write_file(folder_ / "in" / "rgb_3.png", encoded(import_color(3)), true);
+    fs::copy_file(data / (std::string(name) + ".mat"), folder_ / "in" / "rgb_3.mat");
+    const RgbdFrame frame = import("in", at_30_hz()).read_camera_frame(0);
+    EXPECT_EQ(frame.depth[0], counts_per_m);
+    EXPECT_EQ(frame.depth[2 * import_width + 3], counts_per_m + 15 * counts_per_m / 1000);
+  }
+  write_file(folder_ / "in" / "rgb_3.mat", "MATLAB 7.3 MAT-file" + std::string(200, ' '), true);
+  fs::remove(folder_ / "out.h5");
+  expect_rejected("in", "save it with -v7", at_30_hz());
+}
+
+TEST_F(ImportFolder, SurvivesDamagedMatlabFiles) {
+  const fs::path data = fs::path(TOUCHTRACE_SOURCE_DIR) / "tests" / "data" / "matlab";
+  write_file(folder_ / "in" / "rgb_3.png", encoded(import_color(3)), true);
+  RandomStream random(1, "damaged MAT-files");
+  for (int i = 0; i < 200; ++i) {
+    std::string bytes =
+        read_file(data / (i % 2 ? "uint16_compressed.mat" : "double_counts.mat"), 1u << 20);
+    for (int j = 0; j < 1 + i % 4; ++j)
+      bytes[128 + random.below(bytes.size() - 128)] = static_cast<char>(random.below(256));
+    if (i % 3 == 0) bytes.resize(random.below(bytes.size()));
+    write_file(folder_ / "in" / "rgb_3.mat", bytes, true);
+    try {
+      import("in", at_30_hz());
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::data) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace touchtrace

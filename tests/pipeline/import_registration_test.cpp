@@ -1,0 +1,79 @@
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "pipeline/acquire/import/registration_check.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr int width = 640, height = 360, num_frames = 40;
+
+/// A disc and a bar that move before a textured wall. Colour and depth of the same scene; depth is
+/// displaced by `shift_x` pixels.
+struct Scene {
+  int shift_x = 0;
+  bool is_camera_moving = false, is_still = false;
+
+  static cv::Mat wall(int offset) {
+    cv::Mat image(height, width, CV_8UC3);
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u)
+        image.at<cv::Vec3b>(v, u) = cv::Vec3b::all(
+            static_cast<std::uint8_t>(100 + 40 * (((u + offset) / 23 + v / 17) % 3)));
+    return image;
+  }
+  cv::Point disc(int frame) const {
+    const double angle = is_still ? 0.0 : 0.3 * frame;
+    return {320 + static_cast<int>(120 * std::cos(angle)),
+            180 + static_cast<int>(70 * std::sin(angle))};
+  }
+  template <class Value>
+  void draw(cv::Mat& image, int frame, int dx, const Value& disc_value, const Value& bar) const {
+    const cv::Point centre = disc(frame) + cv::Point(dx, 0);
+    cv::circle(image, centre, 30, disc_value, cv::FILLED);
+    cv::rectangle(image, centre + cv::Point(-12, 25), centre + cv::Point(12, 140), bar, cv::FILLED);
+  }
+  SourceStream stream(bool is_depth) const {
+    SourceStream result;
+    for (int i = 0; i < num_frames; ++i) result.images.push_back({"", i / 15.0, i / 15.0});
+    result.read = [*this, is_depth](std::size_t index) {
+      const int i = static_cast<int>(index);
+      cv::Mat image = is_depth ? cv::Mat(height, width, CV_16UC1, cv::Scalar(1200))
+                               : wall(is_camera_moving ? 11 * i : 0);
+      if (is_depth)
+        draw(image, i, shift_x, cv::Scalar(700), cv::Scalar(800));
+      else
+        draw(image, i, 0, cv::Scalar(40, 160, 40), cv::Scalar(110, 140, 200));
+      return image;
+    };
+    return result;
+  }
+  std::optional<MotionShift> measured() const {
+    return measure_motion_shift(stream(false), stream(true));
+  }
+};
+
+TEST(MotionShift, FindsDepthThatIsNotRegistered) {
+  for (const int shift : {20, -31}) {
+    const auto found = Scene{.shift_x = shift}.measured();
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->depth_from_color_px.x, shift, 2.0);
+    EXPECT_NEAR(found->depth_from_color_px.y, 0.0, 2.0);
+    EXPECT_FALSE(found->is_consistent_with_registration(width));
+  }
+}
+
+TEST(MotionShift, AcceptsRegisteredDepth) {
+  const auto found = Scene{}.measured();
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->is_consistent_with_registration(width));
+  EXPECT_LE(cv::norm(found->depth_from_color_px), 2.0);
+}
+
+TEST(MotionShift, SaysNothingWithoutMotion) {
+  EXPECT_FALSE((Scene{.shift_x = 20, .is_still = true}.measured()));
+}
+
+}  // namespace
+}  // namespace touchtrace

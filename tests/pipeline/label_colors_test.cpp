@@ -1,0 +1,64 @@
+#include <gtest/gtest.h>
+
+#include "pipeline/label/observe/color_classes.h"
+
+namespace touchtrace::label {
+namespace {
+
+using Color = std::array<std::uint8_t, 3>;
+
+constexpr PixelBox hand_box{10, 10, 20, 20}, object_box{30, 10, 20, 20};
+constexpr Color skin{200, 130, 100}, sleeve{190, 180, 170}, ball{30, 160, 40};
+
+void add(Surface& surface, int count, const Color& color, const PixelBox& box, float depth_m) {
+  for (int i = 0; i < count; ++i)
+    surface.push_back({{0.0f, 0.0f, depth_m},
+                       static_cast<std::int16_t>(box.x + i % box.width),
+                       static_cast<std::int16_t>(box.y + i % box.height),
+                       color});
+}
+
+/// A hand with some of its sleeve in its box, the ball that it holds, and the rest of the sleeve.
+Surface person() {
+  Surface surface;
+  add(surface, 400, skin, hand_box, 0.8f);
+  add(surface, 100, sleeve, hand_box, 0.8f);
+  add(surface, 300, ball, object_box, 0.8f);
+  add(surface, 1000, sleeve, {100, 100, 50, 50}, 0.9f);
+  return surface;
+}
+
+ColorClasses learnt(const Surface& surface) {
+  ColorClasses classes;
+  classes.learn(surface, hand_box, object_box);
+  classes.build_table();
+  return classes;
+}
+
+/// A room of many colours, 2 m behind the hand, does not make the sleeve's colour rare.
+TEST(ColorClasses, AreLearntAgainstTheArmWhateverTheRoomIs) {
+  Surface surface = person();
+  for (int i = 0; i < 20000; ++i)
+    add(surface, 1,
+        {static_cast<std::uint8_t>(i % 97), static_cast<std::uint8_t>(i % 89),
+         static_cast<std::uint8_t>(i % 83)},
+        {200, 100, 50, 50}, 3.0f);
+  for (const auto& classes : {learnt(person()), learnt(surface)}) {
+    EXPECT_EQ(classes.classify(skin), Body::hand);
+    EXPECT_EQ(classes.classify(ball), Body::object);
+    EXPECT_EQ(classes.classify(sleeve), Body::rest);
+  }
+}
+
+/// A wall of the skin's colour does not become the hand: it is more frequent there.
+TEST(ColorClasses, OfTheRoomAreNotTheHands) {
+  constexpr Color shadow{60, 40, 30};
+  Surface surface = person();
+  add(surface, 30, shadow, hand_box, 0.8f);
+  EXPECT_EQ(learnt(surface).classify(shadow), Body::hand);
+  add(surface, 5000, shadow, {200, 100, 50, 50}, 3.0f);
+  EXPECT_EQ(learnt(surface).classify(shadow), Body::rest);
+}
+
+}  // namespace
+}  // namespace touchtrace::label

@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <set>
 
 #include "engine/base/error.h"
@@ -80,6 +82,26 @@ FrozenObjects freeze_objects(Runtime& runtime, const Dataset& data, const ModelS
   const auto stream = runtime.upload<float>(data.tactile);
   const auto embeddings = embedder.embed(stream, segments.first_frame);
   return {std::move(encoder), mean_embeddings(embeddings, segments.object, objects)};
+}
+
+std::vector<float> mean_training_embedding(Runtime& runtime, const Dataset& data,
+                                           const ModelSpec& spec, std::vector<Tensor> encoder) {
+  std::map<std::string, std::vector<std::int32_t>> first_frames;  // by object
+  for (const auto& clip : data.sequences)
+    if (clip.split == Split::train)
+      for (int at = 0; at + spec.segment_frames <= clip.frames;
+           at += std::max(1, spec.segment_frames / 2))
+        first_frames[clip.object].push_back(clip.first_frame + at);
+  ObjectEmbedder embedder(runtime, spec, {{}, std::move(encoder)});
+  const auto stream = runtime.upload<float>(data.tactile);
+  std::vector<float> means;
+  for (const auto& [object, frames] : first_frames) {
+    const std::vector<std::int32_t> same(frames.size(), 0);
+    std::ranges::copy(mean_embeddings(embedder.embed(stream, frames), same, 1),
+                      std::back_inserter(means));
+  }
+  const std::vector<std::int32_t> all(first_frames.size(), 0);
+  return first_frames.empty() ? means : mean_embeddings(means, all, 1);
 }
 
 }  // namespace touchtrace::study

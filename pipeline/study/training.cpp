@@ -13,6 +13,7 @@
 #include "engine/train/object_embedder.h"
 #include "engine/train/safetensors.h"
 #include "engine/train/tuning_file.h"
+#include "pipeline/study/object_training.h"
 #include "pipeline/study/plan.h"
 #include "pipeline/study/sampler.h"
 #include "pipeline/study/training_files.h"
@@ -210,6 +211,9 @@ class TrainingRun {
     card_.band_scale = validation_.band_scale(weights);
     watch_.stop(card_.provenance);
     TensorFile file = read_safetensors(weights);
+    if (card_.spec.object != ObjectEncoder::none)
+      card_.mean_embedding =
+          mean_training_embedding(runtime_, data_, card_.spec, object_encoder_of(file));
     file.metadata["metadata"] = nlohmann::json(card_).dump();
     write_safetensors(options_.output, file, overwrite);
     checkpoint_.remove();

@@ -3,29 +3,20 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-#include <cstdio>
-#include <cstdlib>
-
 #include "engine/base/files.h"
 #include "pipeline/report/report.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/browser.h"
 #include "tests/verify/support/figure.h"
 
 namespace touchtrace {
 namespace {
 
 using nlohmann::json;
+using testing::LoadedPage;
 using testing::TemporaryFolder;
 
 constexpr int num_steps = 5;
-
-/// Path to a Chromium or Chrome, empty if none is installed.
-std::string find_browser() {
-  for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
-    for (const char* folder : {"/usr/bin/", "/usr/local/bin/", "/snap/bin/"})
-      if (std::filesystem::exists(std::string(folder) + name)) return std::string(folder) + name;
-  return {};
-}
 
 json states(double offset) {
   json rows = json::array();
@@ -173,10 +164,6 @@ std::string write_inputs_and_render(const TemporaryFolder& folder) {
   return report::render(report::report_data(report::find_inputs(folder.path())));
 }
 
-struct Loaded {
-  std::string dom, console;
-};
-
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const auto at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -184,17 +171,11 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }
 
 /// Loads a page and runs `script` after the page's own scripts.
-Loaded load(const TemporaryFolder& folder, const std::string& page,
-            const std::string& script = "") {
+LoadedPage load(const TemporaryFolder& folder, const std::string& page,
+                const std::string& script = "") {
   testing::put(folder / "page.html",
                replaced(page, "</body>", "<script>" + script + "</script></body>"));
-  const std::string command = fmt::format(
-      "timeout 120 {0} --headless --no-sandbox --disable-gpu --disable-dev-shm-usage "
-      "--enable-logging=stderr --v=0 --user-data-dir={1}/profile --dump-dom file://{1}/page.html "
-      ">{1}/dom.html 2>{1}/console.txt",
-      find_browser(), folder.path().string());
-  EXPECT_EQ(std::system(command.c_str()), 0) << read_file(folder / "console.txt");
-  return {read_file(folder / "dom.html"), read_file(folder / "console.txt")};
+  return testing::load_page("file://" + (folder / "page.html").string(), folder.path());
 }
 
 std::size_t count(const std::string& text, const std::string& part) {
@@ -222,13 +203,14 @@ bool contains_all(const std::string& text, const std::vector<std::string>& parts
 class ReportInBrowser : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (find_browser().empty()) GTEST_SKIP() << "no Chromium; the report's scripts are not run";
+    if (testing::find_browser().empty())
+      GTEST_SKIP() << "no Chromium; the report's scripts are not run";
   }
   TemporaryFolder folder_;
 };
 
 TEST_F(ReportInBrowser, DrawsAllSections) {
-  const Loaded page = load(folder_, write_inputs_and_render(folder_));
+  const LoadedPage page = load(folder_, write_inputs_and_render(folder_));
   EXPECT_EQ(count(page.console, "CONSOLE"), 0u) << page.console;
   EXPECT_EQ(count(page.dom, "<p class=\"error\">"), 0u);
   EXPECT_EQ(count(page.dom, "NaN"), 0u) << "numbers of charts";
@@ -271,7 +253,7 @@ TEST_F(ReportInBrowser, DrawsAllSections) {
 }
 
 TEST_F(ReportInBrowser, ReactsToChooserAndSliderAndPaintsCanvases) {
-  const Loaded page = load(folder_, write_inputs_and_render(folder_), R"(
+  const LoadedPage page = load(folder_, write_inputs_and_render(folder_), R"(
     const choice = document.querySelector("select");
     choice.value = 1;
     choice.dispatchEvent(new Event("change"));
@@ -292,7 +274,7 @@ TEST_F(ReportInBrowser, ReportsASectionThatFailsAndDrawsTheOthers) {
       R"({"title": "t", "version": "1", "created": "now", "calibrations": [], "figures": [],
     "smoothing": [{"name": "broken"}], "stages": [], "artefacts": [{"artefact": "a.h5", "provenance": {}}]})");
   data["metrics"] = nullptr;
-  const Loaded page = load(folder_, report::render(data));
+  const LoadedPage page = load(folder_, report::render(data));
   EXPECT_EQ(count(page.dom, "<p class=\"error\">A section of this report could not be drawn: "),
             1u);
   EXPECT_NE(section(page.dom, "provenance"), "");

@@ -8,7 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
-#include "engine/base/statistics.h"
+#include "pipeline/acquire/record/baseline.h"
 #include "pipeline/acquire/record/session.h"
 #include "pipeline/recording/frame_pairs.h"
 #include "pipeline/recording/recording_file.h"
@@ -119,18 +119,14 @@ class RecordingBuilder {
   std::vector<std::uint8_t> color_;
 };
 
-/// Medians of the counts in the first `rest_s` seconds; zeros if `rest_s` is 0.
-std::vector<float> baseline_of(const GloveStream& glove, std::size_t taxels, double rest_s) {
-  std::vector<float> baseline(taxels, 0.0f);
-  const double end_s = glove.host_time_s.front() + rest_s;
+/// Baseline of the session, else the medians of the first `rest_s` seconds.
+std::vector<float> baseline_of(const GloveStream& glove, const SessionInfo& session) {
+  if (!session.glove->baseline_counts.empty()) return session.glove->baseline_counts;
+  const double end_s = glove.host_time_s.front() + session.rest_s;
   const auto frames = static_cast<std::size_t>(std::ranges::lower_bound(glove.host_time_s, end_s) -
                                                glove.host_time_s.begin());
-  for (std::size_t taxel = 0; taxel < taxels && frames > 0; ++taxel) {
-    std::vector<double> values;
-    for (std::size_t i = 0; i < frames; ++i) values.push_back(glove.counts[i * taxels + taxel]);
-    baseline[taxel] = static_cast<float>(median(std::move(values)));
-  }
-  return baseline;
+  const auto taxels = static_cast<std::size_t>(session.glove->taxels());
+  return median_counts(std::span(glove.counts).first(frames * taxels), taxels);
 }
 
 /// One clip for each connection of the glove with two frames; without a glove, all images.
@@ -146,10 +142,12 @@ std::vector<Clip> RecordingBuilder::clips() const {
   for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
     const std::size_t first = starts[i], last = starts[i + 1];
     if (last < first + 2) continue;
+    // Frames were measured before they arrived, by less than their jitter: a clip that started at
+    // the first arrival would lose this frame.
+    const double start_s = times_s[first] - 0.5 * period_s;
     double end_s = times_s[last - 1] + period_s;
-    if (last < times_s.size()) end_s = std::min(end_s, times_s[last]);
-    if (end_s > times_s[first])
-      clips.push_back({times_s[first], end_s, session_.object, false, {}, {}});
+    if (last < times_s.size()) end_s = std::min(end_s, times_s[last] - 0.5 * period_s);
+    if (end_s > start_s) clips.push_back({start_s, end_s, session_.object, false, {}, {}});
   }
   return clips;
 }
@@ -157,7 +155,7 @@ std::vector<Clip> RecordingBuilder::clips() const {
 void RecordingBuilder::finish_glove(const std::vector<Clip>& clips) {
   glove_.info = *session_.glove;
   const auto taxels = static_cast<std::size_t>(glove_.info.taxels());
-  glove_.info.baseline_counts = baseline_of(glove_, taxels, session_.rest_s);
+  glove_.info.baseline_counts = baseline_of(glove_, session_);
   glove_.info.mask.assign(taxels, 1);
   glove_.info.taxel_position_m.assign(3 * taxels, std::numeric_limits<float>::quiet_NaN());
   const double rate_hz = measure_stream_timing(glove_.sequence, glove_.host_time_s, clips).rate_hz;

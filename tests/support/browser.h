@@ -1,0 +1,38 @@
+#pragma once
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "engine/base/files.h"
+
+namespace touchtrace::testing {
+
+/// Path to a Chromium or Chrome, empty if none is installed (Debian: apt-get install chromium).
+inline std::string find_browser() {
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
+    for (const char* folder : {"/usr/bin/", "/usr/local/bin/", "/snap/bin/"})
+      if (std::filesystem::exists(std::string(folder) + name)) return std::string(folder) + name;
+  return {};
+}
+
+struct LoadedPage {
+  std::string dom, console;
+};
+
+/// Loads a page in a headless browser. `folder`: for files of the browser.
+inline LoadedPage load_page(const std::string& url, const std::filesystem::path& folder,
+                            const std::string& more_options = "") {
+  const std::string command = fmt::format(
+      "timeout 120 {0} --headless --no-sandbox --disable-gpu --disable-dev-shm-usage "
+      "--enable-logging=stderr --v=0 --user-data-dir={1}/profile {2} --dump-dom '{3}' "
+      ">{1}/dom.html 2>{1}/console.txt",
+      find_browser(), folder.string(), more_options, url);
+  EXPECT_EQ(std::system(command.c_str()), 0) << read_file(folder / "console.txt");
+  return {read_file(folder / "dom.html"), read_file(folder / "console.txt")};
+}
+
+}  // namespace touchtrace::testing

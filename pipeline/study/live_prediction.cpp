@@ -16,6 +16,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double min_rate_span_s = 10.0, max_rate_error = 0.05;
+constexpr double max_pause_s = 1.0;  // of the host, in which frames pile up
 
 /// Average to the model's images; without touch it is not used.
 AreaAverage average_of(const GloveInfo& glove, const ModelSpec& spec) {
@@ -101,11 +102,11 @@ void LivePrediction::add(std::uint64_t sequence, double time_s,
 
 void LivePrediction::require_rate_of(const Frame& frame) const {
   const double span_s = frame.time_s - first_->time_s;
-  if (span_s < min_rate_span_s) return;
-  const double rate_hz = static_cast<double>(frame.sequence - first_->sequence) / span_s;
-  if (!(std::abs(rate_hz / card_.rate_hz - 1.0) <= max_rate_error))
+  const auto frames = static_cast<double>(frame.sequence - first_->sequence);
+  const double error_s = std::abs(frames / card_.rate_hz - span_s);
+  if (span_s >= min_rate_span_s && !(error_s <= max_pause_s + max_rate_error * span_s))
     throw data_error(fmt::format("{} was trained at {:g} Hz, {} sends {:.2f} frames per second",
-                                 model_, card_.rate_hz, port_, rate_hz),
+                                 model_, card_.rate_hz, port_, frames / span_s),
                      "use a glove of the same rate; frames are not resampled");
 }
 

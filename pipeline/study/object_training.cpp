@@ -3,8 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <iterator>
-#include <map>
 #include <set>
 
 #include "engine/base/error.h"
@@ -86,22 +84,10 @@ FrozenObjects freeze_objects(Runtime& runtime, const Dataset& data, const ModelS
 
 std::vector<float> mean_training_embedding(Runtime& runtime, const Dataset& data,
                                            const ModelSpec& spec, std::vector<Tensor> encoder) {
-  std::map<std::string, std::vector<std::int32_t>> first_frames;  // by object
-  for (const auto& clip : data.sequences)
-    if (clip.split == Split::train)
-      for (int at = 0; at + spec.segment_frames <= clip.frames;
-           at += std::max(1, spec.segment_frames / 2))
-        first_frames[clip.object].push_back(clip.first_frame + at);
-  ObjectEmbedder embedder(runtime, spec, {{}, std::move(encoder)});
-  const auto stream = runtime.upload<float>(data.tactile);
-  std::vector<float> means;
-  for (const auto& [object, frames] : first_frames) {
-    const std::vector<std::int32_t> same(frames.size(), 0);
-    std::ranges::copy(mean_embeddings(embedder.embed(stream, frames), same, 1),
-                      std::back_inserter(means));
-  }
-  const std::vector<std::int32_t> all(first_frames.size(), 0);
-  return first_frames.empty() ? means : mean_embeddings(means, all, 1);
+  const auto of_objects = freeze_objects(runtime, data, spec, std::move(encoder)).embedding;
+  const std::vector<std::int32_t> same(of_objects.size() / static_cast<std::size_t>(spec.embedding),
+                                       0);
+  return mean_embeddings(of_objects, same, 1);
 }
 
 }  // namespace touchtrace::study

@@ -145,7 +145,10 @@ class TrainingRun {
   }
 
   void prepare(bool overwrite) {
-    OutputFile(options_.output, overwrite);  // fails before the training, not after it
+    // These fail before the training, not after it.
+    OutputFile(options_.output, overwrite);
+    if (card_.spec.object != ObjectEncoder::none)
+      SegmentSampler(data_, card_.spec.segment_frames, 1, options_.optimizer.seed);
     if (options_.resume)
       position_ = checkpoint_.load(trainer_, identity(card_.provenance));
     else if (checkpoint_.exists() && !overwrite)

@@ -164,9 +164,11 @@ void expect_mean_embedding(const Dataset& data, const ModelCard& card, const std
   const auto of_objects =
       freeze_objects(runtime, data, card.spec, object_encoder_of(read_safetensors(path))).embedding;
   ASSERT_EQ(of_objects.size(), 3 * size);
-  for (std::size_t i = 0; i < size; ++i)
-    EXPECT_FLOAT_EQ(card.mean_embedding[i],
-                    (of_objects[i] + of_objects[size + i] + of_objects[2 * size + i]) / 3.0f);
+  for (std::size_t i = 0; i < size; ++i) {
+    const double sum =
+        double{of_objects[i]} + double{of_objects[size + i]} + double{of_objects[2 * size + i]};
+    EXPECT_FLOAT_EQ(card.mean_embedding[i], static_cast<float>(sum / 3.0));
+  }
 }
 
 SyntheticOptions three_objects() {

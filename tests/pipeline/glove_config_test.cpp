@@ -4,6 +4,7 @@
 
 #include "engine/base/error.h"
 #include "pipeline/acquire/glove/protocol.h"
+#include "pipeline/acquire/record/session.h"
 #include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
 
@@ -128,6 +129,18 @@ TEST(GloveConfig, RecordUsesIt) {
   EXPECT_EQ(RecordingReader(folder / "a.h5").recording().gloves.at(0).info.polarity, 1);
   EXPECT_EQ(record({"--protocol", "stag"}), 3) << "of another protocol";
   EXPECT_EQ(record({"--protocol", "mit-rows", "--rows", "4"}), 2) << "not the baseline's size";
+}
+
+TEST(GloveConfig, ALogKeepsTheBaseline) {
+  SessionInfo session;
+  session.provenance = start_provenance("touchtrace/recording/2", "record");
+  session.glove = small_glove();
+  EXPECT_TRUE(parse_session(to_bytes(session)).glove->baseline_counts.empty());
+  session.glove->baseline_counts = {1, 2, 3, 4, 5, 6.5};
+  EXPECT_EQ(parse_session(to_bytes(session)).glove->baseline_counts,
+            session.glove->baseline_counts);
+  session.glove->baseline_counts.pop_back();
+  EXPECT_THROW(parse_session(to_bytes(session)), Error);
 }
 
 TEST(GloveConfig, LearningWritesIt) {

@@ -1,58 +1,22 @@
 #include "pipeline/web/http_server.h"
 
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <thread>
 
+#include "tests/support/http_client.h"
+
 namespace touchtrace {
 namespace {
 
+using testing::HttpClient;
 using Clock = std::chrono::steady_clock;
-
-/// Client of a port of this machine. Reading gives up after 5 s.
-class Client {
- public:
-  Client(int port, const std::string& bytes) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const timeval limit{5, 0};
-    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    EXPECT_EQ(connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-    EXPECT_EQ(send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL),
-              static_cast<ssize_t>(bytes.size()));
-  }
-  ~Client() { close(socket_); }
-  Client(const Client&) = delete;
-  Client& operator=(const Client&) = delete;
-
-  /// Reads until the end, or until `text` has come.
-  const std::string& read(const std::string& text = "") {
-    char buffer[4096];
-    while (text.empty() || received_.find(text) == std::string::npos) {
-      const ssize_t n = recv(socket_, buffer, sizeof buffer, 0);
-      if (n <= 0) break;
-      received_.append(buffer, static_cast<std::size_t>(n));
-    }
-    return received_;
-  }
-
- private:
-  int socket_;
-  std::string received_;
-};
 
 /// Server in a thread, with a feed at "events".
 class HttpServerTest : public ::testing::Test {
  protected:
-  HttpServerTest() : url_(server_.url()), host_(url_.substr(7, url_.find('/', 7) - 7)) {
-    root_ = url_.substr(url_.find('/', 7));
-    port_ = std::stoi(host_.substr(host_.find(':') + 1));
+  HttpServerTest() {
     thread_ = std::jthread([this](const std::stop_token& stop) {
       server_.run([this](const HttpRequest& request) { return answer(request); },
                   [&] { return stop.stop_requested(); });
@@ -70,19 +34,18 @@ class HttpServerTest : public ::testing::Test {
   }
   std::string ask(const std::string& line, const std::string& host,
                   const std::string& rest = "") const {
-    return Client(port_, head(line, host) + rest + "\r\n").read();
+    return HttpClient(port_, head(line, host) + rest + "\r\n").read();
   }
-  std::string get(const std::string& path) const {
-    return head("GET " + root_ + path, host_) + "\r\n";
-  }
+  std::string get(const std::string& path) const { return page_.get(path); }
   void wait_for_reader() const {
     while (!feed_.has_readers()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 
   EventFeed feed_;
   HttpServer server_{0};
-  std::string url_, host_, root_;
-  int port_ = 0;
+  testing::PageAddress page_{server_.url()};
+  const std::string &host_ = page_.host, &root_ = page_.root;
+  const int port_ = page_.port;
   std::jthread thread_;
 };
 
@@ -95,15 +58,15 @@ TEST_F(HttpServerTest, AnswersOnlyItsOwnPage) {
             std::string::npos);
   EXPECT_NE(ask("POST " + root_, host_, "content-length: 2\r\n\r\nok").find("POSTok"),
             std::string::npos);
-  EXPECT_NE(Client(port_, "\r\n\r\n").read().find(" 403 "), std::string::npos);
+  EXPECT_NE(HttpClient(port_, "\r\n\r\n").read().find(" 403 "), std::string::npos);
   EXPECT_NE(ask("POST " + root_ + "end", host_).find(" 200 "), std::string::npos);
 }
 
 TEST_F(HttpServerTest, AClientThatDoesNotReadDelaysNoOther) {
-  Client stuck(port_, get("large"));
+  HttpClient stuck(port_, get("large"));
   const auto start = Clock::now();
   for (int i = 0; i < 20; ++i)
-    EXPECT_NE(Client(port_, get("x")).read().find("GET"), std::string::npos);
+    EXPECT_NE(HttpClient(port_, get("x")).read().find("GET"), std::string::npos);
   EXPECT_LT(Clock::now() - start, std::chrono::seconds(2));
   EXPECT_GT(stuck.read().size(), 20'000'000u) << "it gets all when it reads";
 }
@@ -111,7 +74,7 @@ TEST_F(HttpServerTest, AClientThatDoesNotReadDelaysNoOther) {
 TEST_F(HttpServerTest, EveryReaderGetsTheEvents) {
   EXPECT_FALSE(feed_.has_readers());
   feed_.publish("too early");
-  Client first(port_, get("events")), second(port_, get("events"));
+  HttpClient first(port_, get("events")), second(port_, get("events"));
   wait_for_reader();
   first.read("\r\n\r\n"), second.read("\r\n\r\n");
   feed_.publish("one");
@@ -127,7 +90,7 @@ TEST_F(HttpServerTest, EveryReaderGetsTheEvents) {
 // event when it wakes.
 TEST_F(HttpServerTest, ASlowReaderSkipsEvents) {
   constexpr int count = 20'000;
-  Client slow(port_, get("events"));
+  HttpClient slow(port_, get("events"));
   slow.read("\r\n\r\n");
   const std::string padding(2000, 'p');
   const auto start = Clock::now();
@@ -136,7 +99,7 @@ TEST_F(HttpServerTest, ASlowReaderSkipsEvents) {
     if (i % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   EXPECT_LT(Clock::now() - start, std::chrono::seconds(2));
-  Client fast(port_, get("events"));
+  HttpClient fast(port_, get("events"));
   fast.read("\r\n\r\n");
   feed_.publish("last");
   EXPECT_NE(fast.read("data: last").find("data: last"), std::string::npos);
@@ -147,7 +110,7 @@ TEST_F(HttpServerTest, ASlowReaderSkipsEvents) {
 
 TEST_F(HttpServerTest, AReaderThatLeavesIsForgotten) {
   {
-    Client reader(port_, get("events"));
+    HttpClient reader(port_, get("events"));
     wait_for_reader();
   }
   const auto end = Clock::now() + std::chrono::seconds(5);

@@ -9,6 +9,7 @@
 #include "pipeline/acquire/record/glove_config.h"
 #include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/http_client.h"
 #include "tests/support/pseudo_terminal.h"
 #include "tests/verify/record/live_rows.h"
 #include "tests/verify/study/noise_model.h"
@@ -143,6 +144,77 @@ TEST_F(PredictLive, FollowsADeviceUntilCtrlC) {
     EXPECT_EQ(rows[i]["step"], std::max(0, frame - 10 + 2)) << i;
     EXPECT_GT(rows[i]["latency_s"], 0.0);
     EXPECT_LT(rows[i]["latency_s"], 1.0);
+  }
+}
+
+/// Redirects stderr to a pipe.
+class StderrPipe {
+ public:
+  StderrPipe() : saved_(dup(STDERR_FILENO)) {
+    EXPECT_EQ(pipe(ends_), 0);
+    dup2(ends_[1], STDERR_FILENO);
+  }
+  ~StderrPipe() {
+    dup2(saved_, STDERR_FILENO);
+    for (const int end : {saved_, ends_[0], ends_[1]}) close(end);
+  }
+  StderrPipe(const StderrPipe&) = delete;
+  StderrPipe& operator=(const StderrPipe&) = delete;
+
+  /// First address that is printed.
+  std::string read_url() const {
+    std::string text;
+    for (char c; read(ends_[0], &c, 1) == 1;) {
+      text += c;
+      const auto start = text.find("http://");
+      if (c == ' ' && start != std::string::npos)
+        return text.substr(start, text.size() - 1 - start);
+    }
+    return text;
+  }
+
+ private:
+  int saved_, ends_[2];
+};
+
+/// Answers requests until it is stopped.
+std::jthread device_thread(const PseudoTerminal& terminal, const GloveStream& glove) {
+  return std::jthread([&](const std::stop_token& stop) {
+    for (std::size_t sent = 0; !stop.stop_requested();)
+      for (const char request : terminal.receive())
+        if (request == 'a') terminal.send(encode_actionsense(glove, sent++ % glove.frames()));
+  });
+}
+
+TEST_F(PredictLive, PredictAndRecordServeAPage) {
+  const GloveStream glove = wavy_glove(32, 32, 244, rate_hz);
+  write_config(glove), write_model();
+  const PseudoTerminal terminal;
+  const auto device = device_thread(terminal, glove);
+  for (const bool is_predicted : {true, false}) {
+    auto arguments = live(terminal.path());
+    if (!is_predicted)
+      arguments = {"record",   "--glove",        terminal.path(), "--output",
+                   at("a.h5"), "--glove-config", at("glove.json")};
+    arguments.emplace_back("--page");
+    const StderrPipe standard_error;
+    std::string html, events;
+    std::thread viewer([&] {
+      const testing::PageAddress page(standard_error.read_url());
+      html = testing::HttpClient(page.port, page.get("")).read();
+      testing::HttpClient reader(page.port, page.get("events"));
+      reader.read("data: {");
+      events = reader.read("}}\n\n");
+      std::raise(SIGINT);
+    });
+    ::testing::internal::CaptureStdout();
+    EXPECT_EQ(run(arguments), 0);
+    ::testing::internal::GetCapturedStdout();
+    viewer.join();
+    EXPECT_NE(html.find("<title>touchtrace live</title>"), std::string::npos);
+    for (const char* part : {"\"image\":{", "\"touch\":{", "\"rate_hz\":", "\"arrival_unix_s\":"})
+      EXPECT_NE(events.find(part), std::string::npos) << part << events;
+    EXPECT_EQ(events.find("\"latency_s\":") != std::string::npos, is_predicted);
   }
 }
 

@@ -117,6 +117,18 @@ std::vector<double> send_frames(const testing::PseudoTerminal& device, const Glo
   return sent_s;
 }
 
+LiveLatency latency_of(const std::vector<double>& sent_s,
+                       const std::map<std::uint64_t, Line>& lines) {
+  LiveLatency latency;
+  for (const auto& [sequence, line] : lines) {
+    if (sequence >= sent_s.size()) continue;
+    latency.seconds.push_back(line.arrival_s - sent_s[sequence]);
+    latency.program_seconds.push_back(line.program_latency_s);
+  }
+  std::ranges::sort(latency.seconds), std::ranges::sort(latency.program_seconds);
+  return latency;
+}
+
 /// Captured output of `touchtrace ARGUMENTS`.
 std::string output_of(const fs::path& folder, const std::vector<std::string>& arguments) {
   const auto file = folder / "output.jsonl";
@@ -154,14 +166,7 @@ LiveLatency measure_live_latency(const fs::path& folder, double rate_hz, int fra
   usleep(200'000);
   predict.signal(SIGINT), predict.wait();
   reader.join();
-  LiveLatency latency;
-  for (const auto& [sequence, line] : lines) {
-    if (sequence >= sent_s.size()) continue;
-    latency.seconds.push_back(line.arrival_s - sent_s[sequence]);
-    latency.program_seconds.push_back(line.program_latency_s);
-  }
-  std::ranges::sort(latency.seconds), std::ranges::sort(latency.program_seconds);
-  return latency;
+  return latency_of(sent_s, lines);
 }
 
 RowComparison compare_live_with_recorded(const fs::path& folder) {

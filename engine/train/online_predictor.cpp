@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "engine/base/error.h"
@@ -26,6 +27,7 @@ struct OnlinePredictor::Impl {
   Runtime& runtime;
   ModelFile file;
   std::unique_ptr<Model> model;
+  std::optional<ObjectEmbedder> embedder;  ///< with an object encoder
   /// [num_slots(), rows, cols] one frame per slot, so that each window is contiguous. When all
   /// slots are used, the frames that the next window shares are copied to the front. Empty without
   /// touch.
@@ -43,7 +45,10 @@ struct OnlinePredictor::Impl {
         slot(shared_frames() - 1),
         result(model->states_and_spread().size() - state_lanes) {
     if (file.spec.touch) stream = on.allocate_zeros<float>(num_slots() * frame_size());
+    if (has_object()) embedder.emplace(on, file.spec, file.file);
   }
+
+  bool has_object() const { return file.spec.object != ObjectEncoder::none; }
 
   /// Number of frames that consecutive windows share.
   std::int32_t shared_frames() const { return file.spec.window_frames - 1; }
@@ -110,16 +115,19 @@ struct OnlinePredictor::Impl {
     model->forward(stream);
   }
 
-  void set_object(std::span<const float> segment) {
-    const std::int32_t first = 0;
-    ObjectEmbedder embedder(runtime, file.spec, file.file);
-    write_object_embeddings(runtime, *model, std::span(&first, 1),
-                            embedder.embed(runtime.upload(segment), std::span(&first, 1)));
+  void set_embedding(std::span<const float> embedding) {
+    const std::int32_t row = 0;
+    write_object_embeddings(runtime, *model, std::span(&row, 1), embedding);
     knows_object = true;
   }
 
+  void set_object(std::span<const float> segment) {
+    const std::int32_t first = 0;
+    set_embedding(embedder->embed(runtime.upload(segment), std::span(&first, 1)));
+  }
+
   void check_object() const {
-    if (file.spec.object != ObjectEncoder::none && !knows_object)
+    if (has_object() && !knows_object)
       throw failure("step of a model with an object encoder before set_object",
                     "call set_object first");
   }
@@ -150,8 +158,15 @@ void OnlinePredictor::set_state(std::span<const float> state) {
 }
 
 void OnlinePredictor::set_object(std::span<const float> segment) {
-  check_argument("segment", segment.size(), spec().segment_frames * impl_->frame_size());
-  impl_->set_object(segment);
+  check_argument("segment", segment.size(),
+                 impl_->has_object() ? spec().segment_frames * impl_->frame_size() : 0);
+  if (impl_->has_object()) impl_->set_object(segment);
+}
+
+void OnlinePredictor::set_object_embedding(std::span<const float> embedding) {
+  check_argument("embedding", embedding.size(),
+                 impl_->has_object() ? std::size_t(spec().embedding) : 0);
+  if (impl_->has_object()) impl_->set_embedding(embedding);
 }
 
 void OnlinePredictor::push(std::span<const float> frame) {

@@ -28,8 +28,11 @@ class OnlinePredictor {
   /// the hidden state of a recurrent dynamics. Initially zero.
   void set_state(std::span<const float> state);
   /// Sets the object in hand from a segment [segment_frames, rows, cols] with it, e.g. the first
-  /// frames. Required before the first step of a model with an object encoder.
+  /// frames. Required before the first step of a model with an object encoder. Without one the
+  /// segment is empty.
   void set_object(std::span<const float> segment);
+  /// Sets the object in hand by its embedding [embedding], instead of set_object().
+  void set_object_embedding(std::span<const float> embedding);
   /// Appends a frame [rows, cols] (empty without touch) without predicting, e.g. the first M - 1 of
   /// a stream. Frames before the first one are zero.
   void push(std::span<const float> frame);

@@ -1,8 +1,10 @@
 #include <fmt/core.h>
 
+#include "engine/base/files.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/glove/learn_glove.h"
+#include "pipeline/acquire/record/glove_config.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/record_devices.h"
 
@@ -14,6 +16,7 @@ constexpr double pause_s = 1.0;  // between rest and squeezing
 struct GloveOptions {
   bool learn = false;
   double seconds = 10.0;
+  std::string output;
   DeviceOptions devices;
 };
 
@@ -21,6 +24,7 @@ void describe(OptionSet& set, GloveOptions& o) {
   set.flag("learn", o.learn,
            "find polarity, baseline, noise and defects: leave the glove at rest, then squeeze it");
   set.number("seconds", o.seconds, "duration of each part [s]", 1.0, 600.0);
+  set.text("output", o.output, "JSON for --glove-config of `record` and `predict`").value("FILE");
   describe_glove(set, o.devices);
 }
 
@@ -72,38 +76,46 @@ Frames collect(GloveSource& glove, std::size_t taxels, double seconds) {
   return collector.frames();
 }
 
-void print(const LearnedGlove& glove) {
+void print(const LearnedGlove& glove, const std::string& output) {
   fmt::print("polarity {:+d}, baseline {:.0f} counts (median), noise {:.1f} counts\n",
              glove.polarity, glove.median_baseline, glove.noise_counts);
   fmt::print("{} taxels, {} do not respond, {} stuck, {:.0f} % repeated frames\n", glove.taxels,
              glove.dead_taxels, glove.stuck_taxels, 100.0 * glove.repeated_frames);
   for (const auto& fault : glove.faults()) fmt::print("not fit for use: {}\n", fault);
-  if (glove.faults().empty())
+  if (!glove.faults().empty()) return;
+  if (output.empty())
     fmt::print("fit for use: record with --polarity {}\n", glove.polarity);
+  else
+    fmt::print("fit for use: record with --glove-config {}\n", output);
 }
 
 ExitCode run(const GloveOptions& options, const Invocation& invocation) {
   if (!options.learn || options.devices.glove.empty())
     throw usage_error("nothing to do", "give --learn --glove PORT");
+  if (!options.output.empty()) OutputFile(options.output, invocation.overwrite);
   SessionInfo session;
   const Devices devices = open_devices(options.devices, session);
   const Frames frames =
       collect(*devices.glove, static_cast<std::size_t>(session.glove->taxels()), options.seconds);
   const LearnedGlove learned = learn_glove(*session.glove, frames.rest, frames.squeezed);
+  const nlohmann::json config =
+      glove_config_json(options.devices.protocol, *session.glove, learned);
+  if (!options.output.empty()) write_file(options.output, config.dump(2), invocation.overwrite);
   if (invocation.json)
-    fmt::print("{}\n", to_json(learned).dump(2));
+    fmt::print("{}\n", config.dump(2));
   else
-    print(learned);
+    print(learned, options.output);
   return learned.faults().empty() ? ExitCode::done : ExitCode::data;
 }
 
 }  // namespace
 
 Command glove_command() {
-  return make_command<GloveOptions>("glove", "check a glove and find its polarity",
-                                    {"touchtrace glove --learn --glove /dev/ttyACM0",
-                                     "touchtrace glove --learn --glove glove.bin --protocol stag"},
-                                    run, {.quiet = true});
+  return make_command<GloveOptions>(
+      "glove", "check a glove and find its polarity",
+      {"touchtrace glove --learn --glove /dev/ttyACM0 --output glove.json",
+       "touchtrace glove --learn --glove glove.bin --protocol stag"},
+      run, {.overwrite = true, .quiet = true});
 }
 
 }  // namespace touchtrace::cli

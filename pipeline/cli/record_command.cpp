@@ -9,6 +9,7 @@
 #include "pipeline/acquire/record/convert_log.h"
 #include "pipeline/acquire/record/recorder.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/glove_page.h"
 #include "pipeline/cli/record_devices.h"
 
 namespace touchtrace::cli {
@@ -17,6 +18,8 @@ namespace {
 struct RecordOptions {
   std::string output, activity = "record", object = "object";
   double seconds = 0.0, rest_s = 2.0;
+  bool page = false;
+  int port = 0;
   DeviceOptions devices;
 };
 
@@ -28,6 +31,8 @@ void describe(OptionSet& set, RecordOptions& o) {
              1e4);
   set.text("activity", o.activity, "name of the activity");
   set.text("object", o.object, "name of the object");
+  set.flag("page", o.page, "show the glove on a page that is served on 127.0.0.1");
+  set.integer("port", o.port, "of the page; 0: any free one", 0, 65535);
   describe(set, o.devices);
 }
 
@@ -43,28 +48,22 @@ SessionInfo describe_session(const RecordOptions& options, const Invocation& inv
   return session;
 }
 
-std::string glove_text(const GloveStatus& glove) {
-  const ParserCounts& counts = glove.counts;
-  std::string text =
-      fmt::format("glove {:.3f} Hz, {} frames, {} dropped, {} torn, {} repeated", glove.rate_hz,
-                  counts.frames, counts.dropped, counts.torn, counts.repeated);
-  if (glove.saturated_taxels > 0)
-    text += fmt::format(", {} taxels saturated", glove.saturated_taxels);
-  const double silence_s = monotonic_s() - glove.last_frame_s;
-  if (!glove.is_connected)
-    text += ", UNPLUGGED";
-  else if (counts.frames > 0 && silence_s > 2.0)
-    text += fmt::format(", nothing for {:.0f} s", silence_s);
-  return text + "; ";
-}
-
 std::string status_text(const Devices& devices, const Recorder& recorder) {
-  std::string text = devices.glove ? glove_text(devices.glove->status()) : "";
+  std::string text =
+      devices.glove ? fmt::format("glove {}; ", glove_text(devices.glove->status())) : "";
   if (!devices.cameras.empty())
     text += fmt::format("{} frames of all devices; ", recorder.written_frames());
   if (recorder.discarded_frames() > 0)
     text += fmt::format("{} frames lost: the disk is too slow; ", recorder.discarded_frames());
   return text + fmt::format("log {:.1f} MB", 1e-6 * static_cast<double>(recorder.log_bytes()));
+}
+
+/// Glove of the devices on a page; nullptr: not wanted.
+std::unique_ptr<ShownGlove> show_glove(const RecordOptions& options, const SessionInfo& session,
+                                       const Devices& devices) {
+  if (!options.page) return nullptr;
+  if (!devices.glove) throw usage_error("--page shows a glove", "give --glove PORT");
+  return std::make_unique<ShownGlove>(*devices.glove, *session.glove, options.rest_s, options.port);
 }
 
 /// Records until the time is over, all sources have ended, or Ctrl-C.
@@ -82,16 +81,12 @@ void record(Recorder& recorder, const Devices& devices, double seconds) {
   clear_interrupt();
 }
 
+/// Throws data_error, and removes the log, if nothing was recorded.
 void require_frames(const Recorder& recorder, const GloveStatus& glove,
                     const DeviceOptions& options, const std::string& log) {
   if (recorder.written_frames() > 0) return;
   std::filesystem::remove(log);
-  throw data_error(
-      fmt::format("no frame arrived from {}",
-                  options.glove.empty() ? options.camera : options.glove),
-      glove.counts.skipped_bytes > 0
-          ? "bytes arrived that are no frames: check --protocol, --baud, --rows, --cols and --bits"
-          : "check that the device is switched on, and --baud");
+  require_glove_frames(glove.counts, options.glove.empty() ? options.camera : options.glove);
 }
 
 nlohmann::json summarize(const std::string& output, const LogConversion& conversion,
@@ -126,8 +121,11 @@ ExitCode run(const RecordOptions& options, const Invocation& invocation) {
   { const OutputFile writable(options.output, invocation.overwrite); }
   SessionInfo session = describe_session(options, invocation);
   const Devices devices = open_devices(options.devices, session);
+  const auto shown = show_glove(options, session, devices);
+  auto sources = devices.sources();
+  if (shown) sources.front() = shown.get();  // the glove is the first
   const std::string log = options.output + ".log";
-  Recorder recorder(log, session, devices.sources());
+  Recorder recorder(log, session, sources);
   record(recorder, devices, options.seconds);
   const GloveStatus glove = devices.glove_status();
   require_frames(recorder, glove, options.devices, log);
@@ -146,6 +144,7 @@ Command record_command() {
       "record", "record a glove and a camera",
       {"touchtrace record --glove /dev/ttyACM0 --output my.h5",
        "touchtrace record --glove /dev/ttyUSB0 --protocol wiresens --seconds 60 --output my.h5",
+       "touchtrace record --glove /dev/ttyACM0 --glove-config glove.json --page --output my.h5",
        "touchtrace record --glove glove.bin --protocol stag --speed 0 --output my.h5",
        "touchtrace record --glove /dev/ttyACM0 --camera /dev/video4 --depth-camera /dev/video2 "
        "--output my.h5"},

@@ -5,20 +5,36 @@
 #include <filesystem>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
+#include "pipeline/acquire/record/glove_config.h"
 
 namespace touchtrace::cli {
 namespace {
 
-GloveInfo glove_info(const DeviceOptions& options, const GloveProtocol& protocol) {
-  GloveInfo info = protocol.usual_glove;
-  info.name = protocol.name;
+void apply_config(const std::string& path, const std::string& protocol, GloveInfo& info) {
+  GloveConfig config = read_glove_config(path);
+  if (config.protocol != protocol)
+    throw data_error(fmt::format("{} is of a glove with protocol '{}', not '{}'", path,
+                                 config.protocol, protocol),
+                     fmt::format("give --protocol {}, or the file of this glove", config.protocol));
+  info.rows = config.rows, info.cols = config.cols, info.bits = config.bits;
+  info.polarity = config.polarity, info.rate_hz = config.rate_hz;
+  info.baseline_counts = std::move(config.baseline_counts);
+  for (const auto& fault : config.faults)
+    Progress::report(fmt::format("warning: {}: not fit for use: {}", path, fault));
+}
+
+void apply_options(const DeviceOptions& options, GloveInfo& info) {
   if (options.rows > 0) info.rows = options.rows;
   if (options.cols > 0) info.cols = options.cols;
   if (options.bits > 0) info.bits = options.bits;
   if (options.rate_hz > 0.0) info.rate_hz = options.rate_hz;
   if (options.polarity != 0) info.polarity = options.polarity;
-  require_supported(protocol, info);
-  return info;
+  if (!info.baseline_counts.empty() && std::ssize(info.baseline_counts) != info.taxels())
+    throw usage_error(
+        fmt::format("{} has a baseline of {} taxels, --rows and --cols say {} x {}",
+                    options.glove_config, info.baseline_counts.size(), info.rows, info.cols),
+        "leave out --rows and --cols, or learn the glove again");
 }
 
 std::vector<std::unique_ptr<CameraSource>> open_cameras(const DeviceOptions& options,
@@ -37,6 +53,47 @@ std::vector<std::unique_ptr<CameraSource>> open_cameras(const DeviceOptions& opt
 
 }  // namespace
 
+GloveInfo glove_info(const DeviceOptions& options) {
+  const GloveProtocol& protocol = find_glove_protocol(options.protocol);
+  GloveInfo info = protocol.usual_glove;
+  info.name = protocol.name;
+  if (!options.glove_config.empty()) apply_config(options.glove_config, protocol.name, info);
+  apply_options(options, info);
+  require_supported(protocol, info);
+  return info;
+}
+
+std::unique_ptr<GloveSource> open_glove(const DeviceOptions& options, const GloveInfo& info,
+                                        double start_s) {
+  return std::make_unique<GloveSource>(
+      find_glove_protocol(options.protocol), info,
+      GloveSource::Options{options.glove, options.baud, options.speed}, start_s);
+}
+
+void require_glove_frames(const ParserCounts& glove, const std::string& port) {
+  if (glove.frames > 0) return;
+  throw data_error(
+      fmt::format("no frame arrived from {}", port),
+      glove.skipped_bytes > 0
+          ? "bytes arrived that are no frames: check --protocol, --baud, --rows, --cols and --bits"
+          : "check that the device is switched on, and --baud");
+}
+
+std::string glove_text(const GloveStatus& glove) {
+  const ParserCounts& counts = glove.counts;
+  std::string text =
+      fmt::format("{:.3f} Hz, {} frames, {} dropped, {} torn, {} repeated", glove.rate_hz,
+                  counts.frames, counts.dropped, counts.torn, counts.repeated);
+  if (glove.saturated_taxels > 0)
+    text += fmt::format(", {} taxels saturated", glove.saturated_taxels);
+  const double silence_s = monotonic_s() - glove.last_frame_s;
+  if (!glove.is_connected)
+    text += ", UNPLUGGED";
+  else if (counts.frames > 0 && silence_s > 2.0)
+    text += fmt::format(", nothing for {:.0f} s", silence_s);
+  return text;
+}
+
 void describe_glove(OptionSet& set, DeviceOptions& o) {
   set.number("speed", o.speed, "of files, relative to the device; 0: no pauses", 0.0, 1e6);
   set.group("Glove");
@@ -52,8 +109,15 @@ void describe_glove(OptionSet& set, DeviceOptions& o) {
   set.number("rate-hz", o.rate_hz, "nominal frames per second; 0: the protocol's", 0.0, 1e4);
 }
 
-void describe(OptionSet& set, DeviceOptions& o) {
+void describe_known_glove(OptionSet& set, DeviceOptions& o) {
   describe_glove(set, o);
+  set.text("glove-config", o.glove_config,
+           "file of `glove --learn`: layout, polarity and baseline, which then needs no rest")
+      .value("FILE");
+}
+
+void describe(OptionSet& set, DeviceOptions& o) {
+  describe_known_glove(set, o);
   set.group("Camera");
   set.text("camera", o.camera,
            "V4L2 device with colour, such as /dev/video0, or images that `import` reads")
@@ -79,11 +143,8 @@ Devices open_devices(const DeviceOptions& options, SessionInfo& session) {
   if (!devices.cameras.empty()) session.camera.emplace();
   for (const auto& camera : devices.cameras) camera->describe(*session.camera);
   if (!options.glove.empty()) {
-    const GloveProtocol& protocol = find_glove_protocol(options.protocol);
-    session.glove = glove_info(options, protocol);
-    devices.glove = std::make_unique<GloveSource>(
-        protocol, *session.glove, GloveSource::Options{options.glove, options.baud, options.speed},
-        start_s);
+    session.glove = glove_info(options);
+    devices.glove = open_glove(options, *session.glove, start_s);
   }
   if (devices.sources().empty())
     throw usage_error("nothing to record",

@@ -13,14 +13,16 @@ namespace touchtrace::cli {
 
 /// Options of `record` that name and describe devices.
 struct DeviceOptions {
-  std::string glove, protocol = "actionsense", camera, depth_camera;
+  std::string glove, glove_config, protocol = "actionsense", camera, depth_camera;
   int baud = 0, rows = 0, cols = 0, bits = 0, polarity = 0;
   double rate_hz = 0.0, speed = 1.0;
   CameraSourceOptions images;
 };
 
-/// Options of the glove, and `--speed`.
+/// Options of a glove whose properties are not known yet, and `--speed`.
 void describe_glove(OptionSet& set, DeviceOptions& options);
+/// The same, and `--glove-config`.
+void describe_known_glove(OptionSet& set, DeviceOptions& options);
 /// Options of all devices.
 void describe(OptionSet& set, DeviceOptions& options);
 
@@ -30,8 +32,20 @@ struct Devices {
   std::vector<std::unique_ptr<CameraSource>> cameras;
 
   GloveStatus glove_status() const { return glove ? glove->status() : GloveStatus{}; }
+  /// The glove, if there is one, and the cameras.
   std::vector<RecordSource*> sources() const;
 };
+
+/// Glove as the options describe it, then `--glove-config`, then the protocol. It has a baseline if
+/// the file is given. Warns of a glove that is not fit for use.
+GloveInfo glove_info(const DeviceOptions& options);
+/// Opens the glove's port. `start_s`: time of monotonic_s() that is 0 in its frames.
+std::unique_ptr<GloveSource> open_glove(const DeviceOptions& options, const GloveInfo& info,
+                                        double start_s);
+/// Throws data_error, with a reason, if the glove has sent no frame. `port`: for the message.
+void require_glove_frames(const ParserCounts& glove, const std::string& port);
+/// "15.002 Hz, 300 frames, ..."
+std::string glove_text(const GloveStatus& glove);
 
 /// Opens the devices and describes them in `session`. Throws usage_error if there are none.
 Devices open_devices(const DeviceOptions& options, SessionInfo& session);

@@ -89,4 +89,10 @@ ChosenDevice usable_device(const std::string& selector) {
                      "choose another device of `touchtrace devices`, or omit --device to use PoCL");
 }
 
+ChosenDevice usable_device_for_small_steps(const std::string& selector) {
+  if (!selector.empty()) return usable_device(selector);
+  return only_pocl_is_installed() || leave_only_pocl() ? choose_device_for_small_steps()
+                                                       : usable_device(selector);
+}
+
 }  // namespace touchtrace::cli

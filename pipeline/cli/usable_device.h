@@ -12,4 +12,8 @@ namespace touchtrace::cli {
 /// before anything else uses OpenCL.
 ChosenDevice usable_device(const std::string& selector);
 
+/// Device for predictions of single frames: usable_device() of a named device, else that of
+/// choose_device_for_small_steps(), for which no other driver than PoCL is loaded.
+ChosenDevice usable_device_for_small_steps(const std::string& selector);
+
 }  // namespace touchtrace::cli

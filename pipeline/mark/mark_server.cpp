@@ -6,8 +6,9 @@
 #include <cstdlib>
 
 #include "engine/base/error.h"
-#include "pipeline/mark/http_server.h"
+#include "engine/base/interrupt.h"
 #include "pipeline/mark/mark_page.h"
+#include "pipeline/web/http_server.h"
 
 namespace touchtrace {
 namespace {
@@ -68,7 +69,10 @@ void serve_mark_page(MarkSession& session, int port) {
       return fault(error.what());
     }
   };
-  server.run(handle, [&] { return is_done; });
+  server.run(handle, [&] {
+    throw_if_interrupted();
+    return is_done;
+  });
 }
 
 }  // namespace touchtrace

@@ -58,12 +58,14 @@ std::vector<double> coverage_by_step(const Rollout& rollout, const RolloutBatch&
   return coverage;
 }
 
+float scaled_spread(const BandScale& scale, int step, float spread) {
+  return static_cast<float>(factor_at(scale, step) * std::max<double>(spread, min_spread));
+}
+
 Rollout with_scaled_band(Rollout rollout, int steps, const BandScale& scale) {
-  for (std::size_t i = 0; i < rollout.spread.size(); ++i) {
-    const int step = static_cast<int>(i / state_size) % steps;
-    rollout.spread[i] = static_cast<float>(factor_at(scale, step) *
-                                           std::max<double>(rollout.spread[i], min_spread));
-  }
+  for (std::size_t i = 0; i < rollout.spread.size(); ++i)
+    rollout.spread[i] =
+        scaled_spread(scale, static_cast<int>(i / state_size) % steps, rollout.spread[i]);
   return rollout;
 }
 

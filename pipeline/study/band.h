@@ -27,6 +27,10 @@ BandScale fit_band_scale(const Rollout& rollout, const RolloutBatch& batch, doub
 std::vector<double> coverage_by_step(const Rollout& rollout, const RolloutBatch& batch,
                                      const BandScale& scale);
 
+/// Spread of step `step`, counted from 0, after scaling. Steps beyond the end of the scale use its
+/// last factor.
+float scaled_spread(const BandScale& scale, int step, float spread);
+
 /// Returns the roll-out with scaled spreads.
 Rollout with_scaled_band(Rollout rollout, int steps, const BandScale& scale);
 

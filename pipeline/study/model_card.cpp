@@ -17,7 +17,9 @@ bool is_valid(const ModelCard& card) {
   const auto finite = [](double value) { return std::isfinite(value); };
   return std::ranges::all_of(card.scaling.sigma, positive) &&
          std::ranges::all_of(card.scaling.mean, finite) &&
-         std::ranges::all_of(card.band_scale, positive) && positive(card.rate_hz);
+         std::ranges::all_of(card.band_scale, positive) && positive(card.rate_hz) &&
+         std::ranges::all_of(card.mean_embedding, finite) &&
+         (card.mean_embedding.empty() || std::ssize(card.mean_embedding) == card.spec.embedding);
 }
 
 /// JSON has no NaN: null stands for it.
@@ -72,6 +74,7 @@ void to_json(nlohmann::json& json, const ModelCard& card) {
           {"state", state_dimensions},
           {"log", card.log},
           {"provenance", card.provenance}};
+  if (!card.mean_embedding.empty()) json["mean_embedding"] = card.mean_embedding;
 }
 
 void from_json(const nlohmann::json& json, ModelCard& card) {
@@ -86,6 +89,7 @@ void from_json(const nlohmann::json& json, ModelCard& card) {
   card.seen_clips = json.at("seen_clips").get<std::vector<std::string>>();
   card.log = json.at("log").get<std::vector<TrainingLogEntry>>();
   card.provenance = json.at("provenance");
+  card.mean_embedding = json.value("mean_embedding", std::vector<float>());
 }
 
 ModelCard read_card(const nlohmann::json& metadata, const std::string& path) {
@@ -106,11 +110,12 @@ ModelCard read_card(const nlohmann::json& metadata, const std::string& path) {
 }
 
 void require_rate(const ModelCard& card, const std::string& model, double rate_hz,
-                  const std::string& recording) {
+                  const std::string& source) {
   if (!(std::abs(rate_hz / card.rate_hz - 1.0) <= rate_tolerance))
     throw data_error(fmt::format("{} was trained at {:g} Hz, the glove of {} has {:g} Hz", model,
-                                 card.rate_hz, recording, rate_hz),
-                     "use recordings of a glove of the same rate");
+                                 card.rate_hz, source, rate_hz),
+                     "frames are not resampled: use a glove of the same rate; that of a live glove "
+                     "is --rate-hz");
 }
 
 }  // namespace touchtrace::study

@@ -35,6 +35,9 @@ struct ModelCard {
   std::vector<std::string> seen_clips;  ///< sorted fingerprints of the clips of all these splits
   std::vector<TrainingLogEntry> log;
   Provenance provenance;
+  /// [embedding] Mean of the training objects, for live prediction before the object is known;
+  /// empty without an object encoder, or in older files.
+  std::vector<float> mean_embedding;
 
   /// "full", "without_touch", or "without_embedding": touch and several objects, but no object
   /// encoder.
@@ -49,9 +52,9 @@ void to_json(nlohmann::json& json, const ModelCard& card);
 void from_json(const nlohmann::json& json, ModelCard& card);
 
 /// Throws data_error unless a glove has the rate of the model's training within 1 %. `model`,
-/// `recording`: names for the message.
+/// `source` (recording or port): names for the message.
 void require_rate(const ModelCard& card, const std::string& model, double rate_hz,
-                  const std::string& recording);
+                  const std::string& source);
 
 /// Reads the card of a model file. Throws data_error if `touchtrace train` did not write the file.
 ModelCard read_card(const nlohmann::json& metadata, const std::string& path);

@@ -82,4 +82,12 @@ FrozenObjects freeze_objects(Runtime& runtime, const Dataset& data, const ModelS
   return {std::move(encoder), mean_embeddings(embeddings, segments.object, objects)};
 }
 
+std::vector<float> mean_training_embedding(Runtime& runtime, const Dataset& data,
+                                           const ModelSpec& spec, std::vector<Tensor> encoder) {
+  const auto of_objects = freeze_objects(runtime, data, spec, std::move(encoder)).embedding;
+  const std::vector<std::int32_t> same(of_objects.size() / static_cast<std::size_t>(spec.embedding),
+                                       0);
+  return mean_embeddings(of_objects, same, 1);
+}
+
 }  // namespace touchtrace::study

@@ -47,4 +47,9 @@ std::vector<Tensor> train_object_encoder(Runtime& runtime, const Dataset& data,
 FrozenObjects freeze_objects(Runtime& runtime, const Dataset& data, const ModelSpec& spec,
                              std::vector<Tensor> encoder);
 
+/// Mean over the training objects of each one's mean embedding: [embedding]. Throws data_error as
+/// SegmentSampler does.
+std::vector<float> mean_training_embedding(Runtime& runtime, const Dataset& data,
+                                           const ModelSpec& spec, std::vector<Tensor> encoder);
+
 }  // namespace touchtrace::study

@@ -18,10 +18,8 @@ struct PredictionOptions {
 
 void describe(OptionSet& set, PredictionOptions& options);
 
-/// Rolls the model out over every clip and calls `emit` with each predicted frame:
-///   {"clip", "time_s", "step", "start", "object", "hand"}
-/// step counts from the start; start is "label" or "prior". Bodies have position_m and
-/// velocity_m_per_s, each with the limits of its band, _low and _high.
+/// Rolls the model out over every clip and calls `emit` with each predicted frame: a row of
+/// prediction_row.h with "clip" and "time_s".
 ///
 /// A roll-out starts as soon as the model's window (and object segment) is full, from the filtered
 /// label where it is trusted, else from the mean of the training labels, whose spread then is part

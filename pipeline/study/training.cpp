@@ -13,6 +13,7 @@
 #include "engine/train/object_embedder.h"
 #include "engine/train/safetensors.h"
 #include "engine/train/tuning_file.h"
+#include "pipeline/study/object_training.h"
 #include "pipeline/study/plan.h"
 #include "pipeline/study/sampler.h"
 #include "pipeline/study/training_files.h"
@@ -144,7 +145,10 @@ class TrainingRun {
   }
 
   void prepare(bool overwrite) {
-    OutputFile(options_.output, overwrite);  // fails before the training, not after it
+    // These fail before the training, not after it.
+    OutputFile(options_.output, overwrite);
+    if (card_.spec.object != ObjectEncoder::none)
+      SegmentSampler(data_, card_.spec.segment_frames, 1, options_.optimizer.seed);
     if (options_.resume)
       position_ = checkpoint_.load(trainer_, identity(card_.provenance));
     else if (checkpoint_.exists() && !overwrite)
@@ -210,6 +214,9 @@ class TrainingRun {
     card_.band_scale = validation_.band_scale(weights);
     watch_.stop(card_.provenance);
     TensorFile file = read_safetensors(weights);
+    if (card_.spec.object != ObjectEncoder::none)
+      card_.mean_embedding =
+          mean_training_embedding(runtime_, data_, card_.spec, object_encoder_of(file));
     file.metadata["metadata"] = nlohmann::json(card_).dump();
     write_safetensors(options_.output, file, overwrite);
     checkpoint_.remove();

@@ -206,5 +206,26 @@ TEST_F(ObjectEncoderTest, OnlinePredictorMatchesPredictor) {
   }
 }
 
+TEST_F(ObjectEncoderTest, OnlinePredictorTakesAnEmbeddingInsteadOfASegment) {
+  const auto model = frozen_model();
+  const auto frames = [&](int first, int count) {
+    const auto size = std::size_t(spec_.rows) * spec_.cols;
+    return std::span<const float>(patterns_.stream).subspan(first * size, count * size);
+  };
+  const std::int32_t first = 20;
+  const auto embedding = ObjectEmbedder(runtime_, spec_, read_safetensors(model))
+                             .embed(runtime_.upload<float>(patterns_.stream), std::span(&first, 1));
+  OnlinePredictor by_segment(runtime_, model), by_embedding(runtime_, model);
+  by_segment.set_object(frames(first, spec_.segment_frames));
+  by_embedding.set_object_embedding(embedding);
+  for (int frame = 40; frame < 43; ++frame)
+    EXPECT_TRUE(std::ranges::equal(by_segment.step(frames(frame, 1)).state,
+                                   by_embedding.step(frames(frame, 1)).state));
+  by_embedding.set_object_embedding(std::vector<float>(embedding.size(), 1.0f));
+  EXPECT_FALSE(std::ranges::equal(by_segment.step(frames(43, 1)).state,
+                                  by_embedding.step(frames(43, 1)).state));
+  EXPECT_THROW(by_embedding.set_object_embedding({}), Error);
+}
+
 }  // namespace
 }  // namespace touchtrace

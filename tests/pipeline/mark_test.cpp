@@ -1,12 +1,6 @@
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <thread>
 
 #include "engine/base/error.h"
-#include "pipeline/mark/http_server.h"
 #include "pipeline/mark/mark_session.h"
 #include "tests/pipeline/recording_samples.h"
 
@@ -59,55 +53,6 @@ TEST(Mark, RefusesImplausibleBoxes) {
   EXPECT_THROW(parse_box("1,2,3"), Error);
   EXPECT_THROW(parse_box("1,2,3,4.5"), Error);
   EXPECT_EQ(parse_box("1,2,3,4").height, 4);
-}
-
-/// Sends bytes to a port of this machine. Returns what comes back.
-std::string ask_server(int port, const std::string& bytes) {
-  const int client = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  std::string answer;
-  if (connect(client, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0 &&
-      send(client, bytes.data(), bytes.size(), MSG_NOSIGNAL) > 0) {
-    char buffer[4096];
-    for (ssize_t n; (n = recv(client, buffer, sizeof(buffer), 0)) > 0;)
-      answer.append(buffer, static_cast<std::size_t>(n));
-  }
-  close(client);
-  return answer;
-}
-
-TEST(HttpServer, AnswersOnlyItsOwnPage) {
-  HttpServer server(0);
-  const std::string url = server.url(), host = url.substr(7, url.find('/', 7) - 7),
-                    root = url.substr(url.find('/', 7));
-  const int port = std::stoi(host.substr(host.find(':') + 1));
-  bool is_done = false;
-  std::thread thread([&] {
-    server.run(
-        [&](const HttpRequest& request) -> HttpResponse {
-          is_done = request.path == "end";
-          return {200, "text/plain", request.method + request.query + request.body};
-        },
-        [&] { return is_done; });
-  });
-  const auto get = [&](const std::string& line, const std::string& name,
-                       const std::string& rest = "") {
-    return ask_server(port, line + " HTTP/1.1\r\nHost: " + name + "\r\n" + rest + "\r\n");
-  };
-  EXPECT_NE(get("GET " + root + "x?7", host).find("GET7"), std::string::npos);
-  EXPECT_NE(get("GET /x", host).find(" 404 "), std::string::npos);
-  EXPECT_NE(get("GET /" + std::string(32, '0') + "/x", host).find(" 404 "), std::string::npos);
-  EXPECT_NE(get("GET " + root, "example.org").find(" 403 "), std::string::npos);
-  EXPECT_NE(get("POST " + root, host, "Content-Length: 99999999999\r\n").find(" 400 "),
-            std::string::npos);
-  EXPECT_NE(get("POST " + root, host, "content-length: 2\r\n\r\nok").find("POSTok"),
-            std::string::npos);
-  EXPECT_NE(ask_server(port, "\r\n\r\n").find(" 403 "), std::string::npos);
-  EXPECT_NE(get("POST " + root + "end", host).find(" 200 "), std::string::npos);
-  thread.join();
 }
 
 }  // namespace

@@ -3,9 +3,6 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-#include <cstdio>
-#include <cstdlib>
-
 #include "engine/base/files.h"
 #include "pipeline/report/report.h"
 #include "tests/pipeline/recording_samples.h"
@@ -18,7 +15,7 @@ namespace {
 using nlohmann::json;
 using testing::find_browser;
 using testing::load;
-using testing::Loaded;
+using testing::LoadedPage;
 using testing::TemporaryFolder;
 
 constexpr int num_steps = 5;
@@ -200,7 +197,7 @@ class ReportInBrowser : public ::testing::Test {
 };
 
 TEST_F(ReportInBrowser, DrawsAllSections) {
-  const Loaded page = load(folder_, write_inputs_and_render(folder_));
+  const LoadedPage page = load(folder_, write_inputs_and_render(folder_));
   EXPECT_EQ(count(page.console, "CONSOLE"), 0u) << page.console;
   EXPECT_EQ(count(page.dom, "<p class=\"error\">"), 0u);
   EXPECT_EQ(count(page.dom, "NaN"), 0u) << "numbers of charts";
@@ -252,7 +249,7 @@ TEST_F(ReportInBrowser, ChartsTheErrorOverAnOption) {
     metrics["results"].push_back(row);
   }
   testing::put(folder_ / "metrics.json", metrics.dump());
-  const Loaded page =
+  const LoadedPage page =
       load(folder_, report::render(report::report_data(report::find_inputs(folder_.path()))));
   EXPECT_EQ(count(page.console, "CONSOLE"), 0u) << page.console;
   const std::string options = section(page.dom, "options");
@@ -263,7 +260,7 @@ TEST_F(ReportInBrowser, ChartsTheErrorOverAnOption) {
 }
 
 TEST_F(ReportInBrowser, ReactsToChooserAndSliderAndPaintsCanvases) {
-  const Loaded page = load(folder_, write_inputs_and_render(folder_), R"(
+  const LoadedPage page = load(folder_, write_inputs_and_render(folder_), R"(
     const choice = document.querySelector("select");
     choice.value = 1;
     choice.dispatchEvent(new Event("change"));
@@ -284,7 +281,7 @@ TEST_F(ReportInBrowser, ReportsASectionThatFailsAndDrawsTheOthers) {
       R"({"title": "t", "version": "1", "created": "now", "calibrations": [], "figures": [],
     "smoothing": [{"name": "broken"}], "stages": [], "artefacts": [{"artefact": "a.h5", "provenance": {}}]})");
   data["metrics"] = nullptr;
-  const Loaded page = load(folder_, report::render(data));
+  const LoadedPage page = load(folder_, report::render(data));
   EXPECT_EQ(count(page.dom, "<p class=\"error\">A section of this report could not be drawn: "),
             1u);
   EXPECT_NE(section(page.dom, "provenance"), "");

@@ -9,7 +9,10 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/interrupt.h"
+#include "engine/train/object_embedder.h"
+#include "engine/train/predictor.h"
 #include "pipeline/study/evaluation.h"
+#include "pipeline/study/object_training.h"
 #include "pipeline/study/training.h"
 #include "tests/support/scratch.h"
 #include "tests/verify/study/synthetic.h"
@@ -149,6 +152,25 @@ TEST_F(Learning, EvaluationClipsDoNotReachTheWeights) {
   EXPECT_EQ(a.band_scale, b.band_scale);
 }
 
+/// The card's embedding is the mean of those of the objects, and is read back from the file.
+void expect_mean_embedding(const Dataset& data, const ModelCard& card, const std::string& path) {
+  Runtime runtime(choose_device(""));
+  const Predictor model(runtime, path);
+  EXPECT_EQ(read_card(model.metadata(), path).mean_embedding, card.mean_embedding);
+  const bool has_encoder = card.spec.object != ObjectEncoder::none;
+  const auto size = static_cast<std::size_t>(has_encoder ? card.spec.embedding : 0);
+  ASSERT_EQ(card.mean_embedding.size(), size);
+  if (!has_encoder) return;
+  const auto of_objects =
+      freeze_objects(runtime, data, card.spec, object_encoder_of(read_safetensors(path))).embedding;
+  ASSERT_EQ(of_objects.size(), 3 * size);
+  for (std::size_t i = 0; i < size; ++i) {
+    const double sum =
+        double{of_objects[i]} + double{of_objects[size + i]} + double{of_objects[2 * size + i]};
+    EXPECT_FLOAT_EQ(card.mean_embedding[i], static_cast<float>(sum / 3.0));
+  }
+}
+
 SyntheticOptions three_objects() {
   SyntheticOptions o;
   o.clips = 30, o.objects = 3;
@@ -169,6 +191,7 @@ TEST_F(Learning, ObjectEncoderIsUsedForSeveralObjects) {
                                 : o.object_encoder == "none" ? ObjectEncoder::none
                                                              : ObjectEncoder::frozen);
     EXPECT_EQ(read_safetensors(o.output).tensors.size(), o.object_encoder == "none" ? 16u : 26u);
+    expect_mean_embedding(data, card, o.output);
     files.push_back(o.output);
   }
   for (const auto& full : {files[0], files[1]}) {

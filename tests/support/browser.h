@@ -12,7 +12,7 @@
 
 namespace touchtrace::testing {
 
-/// Path to a Chromium or Chrome, empty if none is installed.
+/// Path to a Chromium or Chrome, empty if none is installed (Debian: apt-get install chromium).
 inline std::string find_browser() {
   for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
     for (const char* folder : {"/usr/bin/", "/usr/local/bin/", "/snap/bin/"})
@@ -20,28 +20,29 @@ inline std::string find_browser() {
   return {};
 }
 
-struct Loaded {
+struct LoadedPage {
   std::string dom, console;
 };
 
-inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
-/// Loads a page and runs `script` after the page's own scripts.
-inline Loaded load(const TemporaryFolder& folder, const std::string& page,
-            const std::string& script = "") {
-  put(folder / "page.html",
-               replaced(page, "</body>", "<script>" + script + "</script></body>"));
+/// Loads a page in a headless browser. `folder`: for files of the browser.
+inline LoadedPage load_page(const std::string& url, const std::filesystem::path& folder,
+                            const std::string& more_options = "") {
   const std::string command = fmt::format(
       "timeout 120 {0} --headless --no-sandbox --disable-gpu --disable-dev-shm-usage "
-      "--enable-logging=stderr --v=0 --user-data-dir={1}/profile --dump-dom file://{1}/page.html "
+      "--enable-logging=stderr --v=0 --user-data-dir={1}/profile {2} --dump-dom '{3}' "
       ">{1}/dom.html 2>{1}/console.txt",
-      find_browser(), folder.path().string());
+      find_browser(), folder.string(), more_options, url);
   EXPECT_EQ(std::system(command.c_str()), 0) << read_file(folder / "console.txt");
   return {read_file(folder / "dom.html"), read_file(folder / "console.txt")};
+}
+
+/// Loads the page with this HTML and runs `script` after the page's own scripts.
+inline LoadedPage load(const TemporaryFolder& folder, std::string html,
+                       const std::string& script = "") {
+  const auto end = html.find("</body>");
+  EXPECT_NE(end, std::string::npos) << html;
+  put(folder / "page.html", html.insert(end, "<script>" + script + "</script>"));
+  return load_page("file://" + (folder / "page.html").string(), folder.path());
 }
 
 }  // namespace touchtrace::testing

@@ -99,20 +99,6 @@ LearnedGlove learn_glove(const GloveInfo& info, const std::vector<std::uint16_t>
   return glove;
 }
 
-std::vector<float> resting_baseline(const GloveStream& glove, double rest_s) {
-  const auto taxels = static_cast<std::size_t>(glove.info.taxels());
-  std::vector<float> baseline(taxels, 0.0f);
-  const double end_s = glove.host_time_s.front() + rest_s;
-  const auto frames = static_cast<std::size_t>(std::ranges::lower_bound(glove.host_time_s, end_s) -
-                                               glove.host_time_s.begin());
-  for (std::size_t taxel = 0; taxel < taxels && frames > 0; ++taxel) {
-    std::vector<double> values;
-    for (std::size_t i = 0; i < frames; ++i) values.push_back(glove.counts[i * taxels + taxel]);
-    baseline[taxel] = static_cast<float>(median(std::move(values)));
-  }
-  return baseline;
-}
-
 std::vector<std::string> LearnedGlove::faults() const {
   std::vector<std::string> faults;
   if (dead_taxels > max_dead_fraction * taxels)

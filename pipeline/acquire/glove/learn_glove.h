@@ -30,10 +30,6 @@ struct LearnedGlove {
 LearnedGlove learn_glove(const GloveInfo& info, const std::vector<std::uint16_t>& rest,
                          const std::vector<std::uint16_t>& squeezed);
 
-/// [rows, cols] Medians of the counts in the first `rest_s` seconds; zeros if `rest_s` is 0. Needs
-/// GloveInfo::rows and cols, and a frame.
-std::vector<float> resting_baseline(const GloveStream& glove, double rest_s);
-
 nlohmann::json to_json(const LearnedGlove& glove);
 
 }  // namespace touchtrace

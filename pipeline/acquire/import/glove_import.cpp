@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "pipeline/acquire/glove/baseline.h"
 #include "pipeline/acquire/glove/learn_glove.h"
 #include "pipeline/recording/frame_pairs.h"
 

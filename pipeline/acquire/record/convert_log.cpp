@@ -8,7 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
-#include "pipeline/acquire/glove/learn_glove.h"
+#include "pipeline/acquire/glove/baseline.h"
 #include "pipeline/acquire/record/session.h"
 #include "pipeline/recording/frame_pairs.h"
 #include "pipeline/recording/recording_file.h"
@@ -132,10 +132,12 @@ std::vector<Clip> RecordingBuilder::clips() const {
   for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
     const std::size_t first = starts[i], last = starts[i + 1];
     if (last < first + 2) continue;
+    // Frames were measured before they arrived, by less than their jitter: a clip that started at
+    // the first arrival would lose this frame.
+    const double start_s = times_s[first] - 0.5 * period_s;
     double end_s = times_s[last - 1] + period_s;
-    if (last < times_s.size()) end_s = std::min(end_s, times_s[last]);
-    if (end_s > times_s[first])
-      clips.push_back({times_s[first], end_s, session_.object, false, {}, {}});
+    if (last < times_s.size()) end_s = std::min(end_s, times_s[last] - 0.5 * period_s);
+    if (end_s > start_s) clips.push_back({start_s, end_s, session_.object, false, {}, {}});
   }
   return clips;
 }
@@ -143,7 +145,9 @@ std::vector<Clip> RecordingBuilder::clips() const {
 void RecordingBuilder::finish_glove(const std::vector<Clip>& clips) {
   glove_.info = *session_.glove;
   const auto taxels = static_cast<std::size_t>(glove_.info.taxels());
-  glove_.info.baseline_counts = resting_baseline(glove_, session_.rest_s);
+  glove_.info.baseline_counts = session_.glove->baseline_counts.empty()
+                                    ? resting_baseline(glove_, session_.rest_s)
+                                    : session_.glove->baseline_counts;
   glove_.info.mask.assign(taxels, 1);
   glove_.info.taxel_position_m.assign(3 * taxels, std::numeric_limits<float>::quiet_NaN());
   const double rate_hz = measure_stream_timing(glove_.sequence, glove_.host_time_s, clips).rate_hz;

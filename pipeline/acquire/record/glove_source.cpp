@@ -90,9 +90,10 @@ double GloveSource::request() {
   if (protocol_.request.empty()) return read_timeout_s;
   const double period_s = is_answered_ ? 1.0 / info_.rate_hz : max_answer_s;
   const double now_s = monotonic_s();
-  if (now_s - requested_s_ >= period_s) {
+  if (const double late_s = now_s - requested_s_ - period_s; late_s >= 0.0) {
     port_->write(protocol_.request);
-    requested_s_ = now_s;
+    // The next request is due one period after this one was, or the rate would be too low.
+    requested_s_ = is_answered_ && late_s < period_s ? requested_s_ + period_s : now_s;
     is_answered_ = false;
   }
   return std::clamp(requested_s_ + period_s - now_s, 1e-3, read_timeout_s);

@@ -2,6 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "calib/rgbd/calibration.h"
 #include "engine/base/error.h"
 
@@ -11,8 +14,11 @@ namespace {
 constexpr int max_taxel_rows = 4096, max_image_side = 16384;
 
 nlohmann::json describe_glove(const GloveInfo& glove) {
-  return {{"name", glove.name},       {"rows", glove.rows}, {"cols", glove.cols},
-          {"rate_hz", glove.rate_hz}, {"bits", glove.bits}, {"polarity", glove.polarity}};
+  nlohmann::json json{{"name", glove.name}, {"rows", glove.rows},
+                      {"cols", glove.cols}, {"rate_hz", glove.rate_hz},
+                      {"bits", glove.bits}, {"polarity", glove.polarity}};
+  if (!glove.baseline_counts.empty()) json["baseline_counts"] = glove.baseline_counts;
+  return json;
 }
 
 /// Cameras that a driver or file describes, as in calibration.json.
@@ -60,6 +66,16 @@ double positive_number(const nlohmann::json& json, const char* key) {
   return value;
 }
 
+std::vector<float> parse_baseline(const nlohmann::json& json, const GloveInfo& glove) {
+  auto counts = json.get<std::vector<float>>();
+  if (std::ssize(counts) != glove.taxels() ||
+      !std::ranges::all_of(counts, [](float count) { return std::isfinite(count); }))
+    throw data_error(fmt::format("the log has a baseline of {} counts for {} taxels", counts.size(),
+                                 glove.taxels()),
+                     "expected one finite count for each taxel; is the file a log?");
+  return counts;
+}
+
 GloveInfo parse_glove(const nlohmann::json& json) {
   GloveInfo glove;
   glove.name = json.at("name").get<std::string>();
@@ -68,6 +84,8 @@ GloveInfo parse_glove(const nlohmann::json& json) {
   glove.rate_hz = positive_number(json, "rate_hz");
   glove.bits = number_between(json, "bits", 1, 16);
   glove.polarity = number_between(json, "polarity", -1, 1) < 0 ? -1 : 1;
+  if (json.contains("baseline_counts"))
+    glove.baseline_counts = parse_baseline(json["baseline_counts"], glove);
   return glove;
 }
 

@@ -15,7 +15,8 @@ struct SessionInfo {
   std::string activity = "record", object = "object", protocol;
   double epoch_unix_s = 0.0;
   double rest_s = 0.0;  ///< at the start, during which nothing is touched; 0: no baseline is known
-  std::optional<GloveInfo> glove;    ///< without baseline, mask and positions
+  /// Without mask and positions. With a baseline, if it is known: then `rest_s` is not used.
+  std::optional<GloveInfo> glove;
   std::optional<CameraInfo> camera;  ///< without gravity
   Provenance provenance;
 };

@@ -1,6 +1,9 @@
 #include "tests/verify/record/verify_record.h"
 
+#include <fmt/core.h>
+
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <thread>
 
@@ -12,6 +15,7 @@
 #include "pipeline/acquire/record/recorder.h"
 #include "pipeline/acquire/transport/transport.h"
 #include "tests/verify/record/killed_recorder.h"
+#include "tests/verify/record/live_latency.h"
 
 namespace touchtrace {
 namespace {
@@ -146,11 +150,38 @@ void measure_load(const ScratchFolder& folder, const Emit& emit) {
                static_cast<double>(recorder.discarded_frames()), "frames", 0.0));
 }
 
+double milliseconds(const std::vector<double>& sorted_s, std::size_t percent) {
+  return sorted_s.empty() ? std::nan("") : 1e3 * sorted_s[sorted_s.size() * percent / 100];
+}
+
+/// At the glove's rate and at ten times that.
+void measure_live_predictions(const ScratchFolder& folder, const Emit& emit) {
+  for (const auto& [rate_hz, frames] : {std::pair(15.0, 600), {150.0, 6000}}) {
+    const LiveLatency latency = measure_live_latency(folder.path(), rate_hz, frames);
+    const auto& seconds = latency.seconds;
+    const auto at_rate = fmt::format("live: byte to band at {:g} Hz, one core busy", rate_hz);
+    emit(at_most(at_rate + ", median", milliseconds(seconds, 50), "ms", 2.0));
+    emit(at_most(at_rate + ", 99 %", milliseconds(seconds, 99), "ms", 10.0));
+    emit(reported("live: of that in the program, median", milliseconds(latency.program_seconds, 50),
+                  "ms"));
+    emit(reported("live: of that in the program, 99 %", milliseconds(latency.program_seconds, 99),
+                  "ms"));
+    emit(at_most(fmt::format("live: frames without a line, of {}", frames),
+                 static_cast<double>(frames) - static_cast<double>(seconds.size()), "frames", 0.0));
+  }
+  const RowComparison comparison = compare_live_with_recorded(folder.path());
+  emit(at_least("live: rows compared with predict --recording",
+                static_cast<double>(comparison.compared), "rows", 500.0));
+  emit(at_most("live: rows that differ in a bit", static_cast<double>(comparison.unequal), "rows",
+               0.0));
+}
+
 }  // namespace
 
 Verification verify_record() {
   return [](const Emit& emit) {
     const ScratchFolder folder;
+    measure_live_predictions(folder, emit);
     measure_random_bytes(emit);
     measure_flips(folder, emit);
     measure_load(folder, emit);

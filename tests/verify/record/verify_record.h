@@ -4,7 +4,8 @@
 
 namespace touchtrace {
 
-/// Crashes while recording, damaged logs, random bytes for the parsers, and the load of recording.
+/// Latency and bits of live predictions, crashes while recording, damaged logs, random bytes for
+/// the parsers, and the load of recording.
 Verification verify_record();
 
 }  // namespace touchtrace

@@ -172,7 +172,9 @@ TEST(Mcap, LabelsAloneHaveNoNegativeStamps) {
   export_file("mcap", {FileKind::labels, folder / "l.h5", folder / "a.mcap"});
   const std::string bytes = read_file(folder / "a.mcap");
   for (const Record& record : records_of(bytes, 8, bytes.size() - 8))
-    if (record.opcode == 6) EXPECT_EQ(number_at<std::uint64_t>(record.content, 0), 500'000'000u);
+    if (record.opcode == 6) {
+      EXPECT_EQ(number_at<std::uint64_t>(record.content, 0), 500'000'000u);
+    }
 }
 
 }  // namespace

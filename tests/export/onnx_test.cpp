@@ -213,7 +213,7 @@ TEST_P(OnnxCases, TorchGivesTheStatesOfTheEngine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, OnnxCases, ::testing::ValuesIn(onnx_cases()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST_F(OnnxModel, RefusesAFileWithoutAModelCard) {
   testing::NoiseRun run(runtime_, small_spec(true));

@@ -36,12 +36,17 @@ inline LoadedPage load_page(const std::string& url, const std::filesystem::path&
   return {read_file(folder / "dom.html"), read_file(folder / "console.txt")};
 }
 
+/// `text` with the first `from` replaced, which must be there.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
 /// Loads the page with this HTML and runs `script` after the page's own scripts.
-inline LoadedPage load(const TemporaryFolder& folder, std::string html,
+inline LoadedPage load(const TemporaryFolder& folder, const std::string& html,
                        const std::string& script = "") {
-  const auto end = html.find("</body>");
-  EXPECT_NE(end, std::string::npos) << html;
-  put(folder / "page.html", html.insert(end, "<script>" + script + "</script>"));
+  put(folder / "page.html", replaced(html, "</body>", "<script>" + script + "</script></body>"));
   return load_page("file://" + (folder / "page.html").string(), folder.path());
 }
 

@@ -13,7 +13,6 @@ namespace {
 constexpr std::string_view magic = "#ROSBAG V2.0\n";
 constexpr std::size_t max_chunk_bytes = std::size_t{1} << 30;
 constexpr std::size_t max_header_bytes = 1u << 20;
-constexpr std::size_t max_messages = 10'000'000;
 constexpr const char* hint = "give a complete bag of ROS 1; `rosbag reindex` repairs some";
 
 enum Operation : std::uint8_t { message_data = 2, chunk_data = 5, connection_data = 7 };

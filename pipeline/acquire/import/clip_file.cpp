@@ -5,13 +5,13 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "pipeline/acquire/import/stream_copy.h"
 #include "pipeline/acquire/table_columns.h"
 
 namespace touchtrace {
 namespace {
 
 constexpr std::size_t max_clips = 100'000;
-constexpr double min_unix_s = 1e8;
 constexpr const char* hint = "a row has start and end, as in 'start_s,end_s,object'";
 
 struct ClipColumns {

@@ -11,7 +11,7 @@ namespace touchtrace {
 namespace {
 
 constexpr std::string_view magic = "\x89MCAP0\r\n";
-constexpr std::size_t max_chunk_bytes = std::size_t{1} << 30, max_messages = 10'000'000;
+constexpr std::size_t max_chunk_bytes = std::size_t{1} << 30;
 constexpr std::size_t record_header = 9;    // operation and length
 constexpr std::size_t message_header = 22;  // channel, sequence, times of log and publication
 

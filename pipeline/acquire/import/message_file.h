@@ -9,6 +9,9 @@
 
 namespace touchtrace {
 
+/// Largest number of messages in a file.
+inline constexpr std::size_t max_messages = 10'000'000;
+
 /// Message of a bag, not read yet.
 struct BagMessage {
   double record_time_s = 0.0;        ///< Unix time at which it was recorded

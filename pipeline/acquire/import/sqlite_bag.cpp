@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::string_view sqlite_magic{"SQLite format 3\0", 16};
 constexpr int max_blob_bytes = 256 << 20;
-constexpr std::size_t max_messages = 10'000'000;
 
 std::string text_of(sqlite3_stmt* statement, int column) {
   const auto* text = sqlite3_column_text(statement, column);

@@ -8,7 +8,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr const char* schema = "touchtrace/glove/1";
+constexpr const char* glove_schema = "touchtrace/glove/1";
 constexpr std::uintmax_t max_config_bytes = 1 << 24;
 
 Error invalid(const std::filesystem::path& path, const std::string& fault) {
@@ -38,8 +38,9 @@ void require_baseline(const GloveConfig& config) {
 }
 
 GloveConfig parse(const nlohmann::json& json) {
-  if (json.at("schema") != schema)
-    throw data_error(fmt::format("schema {}, expected \"{}\"", json["schema"].dump(), schema), "");
+  if (json.at("schema") != glove_schema)
+    throw data_error(fmt::format("schema {}, expected \"{}\"", json["schema"].dump(), glove_schema),
+                     "");
   GloveConfig config;
   config.protocol = json.at("protocol").get<std::string>();
   config.rows = static_cast<int>(number_between(json, "rows", 1, 255));
@@ -60,7 +61,7 @@ GloveConfig parse(const nlohmann::json& json) {
 nlohmann::json glove_config_json(const std::string& protocol, const GloveInfo& info,
                                  const LearnedGlove& learned) {
   nlohmann::json json = to_json(learned);
-  json.update({{"schema", schema},
+  json.update({{"schema", glove_schema},
                {"protocol", protocol},
                {"rows", info.rows},
                {"cols", info.cols},

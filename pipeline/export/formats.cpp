@@ -29,13 +29,13 @@ const std::array<ExportFormat, 6>& all_formats() {
        write_tum},
       {"mcap",
        "file of ROS 2 messages for Foxglove and the mcap libraries",
-       {labels, recording},
+       {labels, recording, predictions},
        true,
        true,
        write_mcap},
       {"rosbag2",
        "folder with the MCAP file and metadata.yaml, for ros2 bag and rosbags",
-       {labels, recording},
+       {labels, recording, predictions},
        true,
        true,
        write_rosbag2},
@@ -77,7 +77,7 @@ void require_effect(const ExportFormat& format, const ExportRequest& request) {
     throw usage_error(fmt::format("--images has no effect on {}", format.name),
                       "leave it out, or choose mcap or rosbag2");
   if (!is_recording && request.recording.empty())
-    throw usage_error("--images needs the recording of the labels", "give --recording FILE");
+    throw usage_error("--images needs a recording", "give --recording FILE");
 }
 
 }  // namespace

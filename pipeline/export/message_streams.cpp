@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "pipeline/dataset/tactile_image.h"
+#include "pipeline/export/predictions.h"
 #include "pipeline/recording/labels.h"
 #include "pipeline/recording/recording_file.h"
 
@@ -60,6 +61,21 @@ void append_body(Streams& streams, const std::string& name,
                      [=](const RosHeader& header, std::size_t i) {
                        return odometry(header, name, state_at((*labels).*body, indices[i]));
                      }});
+}
+
+void append_predictions(Streams& streams, const std::string& name, const Predictions& predictions) {
+  const auto& position_m = predictions.bodies.at(name + "_position_m");
+  const auto& velocity_m_per_s = predictions.bodies.at(name + "_velocity_m_per_s");
+  streams.push_back({"/" + name + "/predicted/position", &point_stamped_type(), color_frame,
+                     predictions.time_s, [position_m](const RosHeader& header, std::size_t i) {
+                       return point_stamped(header, vector_at(position_m, i));
+                     }});
+  streams.push_back(
+      {"/" + name + "/predicted/odometry", &odometry_type(), color_frame, predictions.time_s,
+       [=](const RosHeader& header, std::size_t i) {
+         return odometry(header, name,
+                         {vector_at(position_m, i), vector_at(velocity_m_per_s, i), std::nullopt});
+       }});
 }
 
 using SharedReader = std::shared_ptr<const RecordingReader>;
@@ -169,6 +185,11 @@ MessageStreams open_streams(const ExportRequest& request) {
     const auto labels = std::make_shared<const Labels>(read_labels(request.input));
     append_body(all.streams, "hand", labels, &Labels::hand);
     append_body(all.streams, "object", labels, &Labels::object);
+  }
+  if (request.kind == FileKind::predictions) {
+    const Predictions predictions = read_predictions(request.input);
+    append_predictions(all.streams, "hand", predictions);
+    append_predictions(all.streams, "object", predictions);
   }
   const auto& recording = request.kind == FileKind::recording ? request.input : request.recording;
   if (!recording.empty()) append_recording(all, recording, request.images);

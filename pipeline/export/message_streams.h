@@ -23,7 +23,8 @@ struct MessageStreams {
   double epoch_unix_s = 0.0;  ///< Unix time of the host clock's 0; 0: unknown
 };
 
-/// Topics of labels and recording: README.md lists them. Throws data_error if there are none.
+/// Topics of labels, predictions and recording: README.md lists them. Throws data_error if there
+/// are none.
 MessageStreams open_streams(const ExportRequest& request);
 
 }  // namespace touchtrace

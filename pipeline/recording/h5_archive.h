@@ -150,11 +150,12 @@ class Loader {
              const DatasetInfo& info) const {
     if (const auto reader = open(name, element_type<T>(), axes, info)) read(name, *reader, values);
   }
-  /// The first `max_rows` rows of an array; the others may never have been written.
+  /// Array whose writer grew it in blocks: what was never written is zero.
   template <class T>
-  void first_rows(const std::string& name, std::vector<T>& values, const std::vector<Axis>& axes,
-                  const DatasetInfo& info, hsize_t max_rows) const {
-    if (const auto reader = open(name, element_type<T>(), axes, info, max_rows))
+  void padded_array(const std::string& name, std::vector<T>& values, const std::vector<Axis>& axes,
+                    const DatasetInfo& info) const {
+    if (const auto reader =
+            open(name, element_type<T>(), axes, info, ArrayReader::Unwritten::zeros))
       read(name, *reader, values);
   }
   /// Leaves `values` as they are if the array is missing.
@@ -171,9 +172,10 @@ class Loader {
   }
   /// Opens a dataset after checking that it is one, stored in this file, of this shape and unit,
   /// with elements that convert to this type. nullopt if it has a fault.
-  std::optional<ArrayReader> open(const std::string& name, const ElementType& type,
-                                  const std::vector<Axis>& axes, const DatasetInfo& info,
-                                  hsize_t max_rows = ArrayReader::all_rows) const;
+  std::optional<ArrayReader> open(
+      const std::string& name, const ElementType& type, const std::vector<Axis>& axes,
+      const DatasetInfo& info,
+      ArrayReader::Unwritten unwritten = ArrayReader::Unwritten::faults) const;
 
  private:
   template <class T>

@@ -74,11 +74,11 @@ class ArrayWriter {
 /// other storage, an element type that cannot be converted, and chunks that are not in the file.
 class ArrayReader {
  public:
-  static constexpr hsize_t all_rows = ~hsize_t{0};
+  /// What chunks are that were never written.
+  enum class Unwritten { faults, zeros };
 
-  /// Rows from `max_rows` on are ignored and may never have been written.
   ArrayReader(hid_t group, const std::string& name, const ElementType& type, hsize_t file_bytes,
-              hsize_t max_rows = all_rows);
+              Unwritten unwritten = Unwritten::faults);
 
   const std::vector<hsize_t>& shape() const { return shape_; }
   hsize_t rows() const { return shape_.front(); }
@@ -92,10 +92,10 @@ class ArrayReader {
   using Extents = std::vector<hsize_t>;
 
   void set_type(const ElementType& type);
-  void check_layout(hsize_t file_bytes);
+  void check_layout(hsize_t file_bytes, Unwritten unwritten);
   void check_contiguous() const;
   void check_filters(hid_t creation);
-  void check_chunks(hsize_t file_bytes) const;
+  void check_chunks(hsize_t file_bytes, Unwritten unwritten) const;
   /// Moves `offset` to the next chunk of the same rows; false after the last one.
   bool next_chunk(Extents& offset) const;
   void read_stored(hsize_t first, std::span<std::uint8_t> out) const;
@@ -104,7 +104,7 @@ class ArrayReader {
   /// Copies the part of a chunk within rows [first, last) into an array that begins at `first`.
   void copy(const Extents& offset, hsize_t first, hsize_t last, std::size_t axis,
             const std::uint8_t* chunk, std::uint8_t* array) const;
-  /// Valid until the thread's next call.
+  /// Valid until the thread's next call; empty if the chunk was never written.
   std::span<const std::uint8_t> stored_chunk(const Extents& offset,
                                              std::uint32_t& skipped_filters) const;
   void decode(const Extents& offset, std::span<std::uint8_t> raw) const;

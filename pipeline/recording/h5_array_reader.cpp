@@ -44,17 +44,16 @@ std::vector<hsize_t> extents_of(hid_t space) {
 }
 
 ArrayReader::ArrayReader(hid_t group, const std::string& name, const ElementType& type,
-                         hsize_t file_bytes, hsize_t max_rows)
+                         hsize_t file_bytes, Unwritten unwritten)
     : element_bytes_(type.bytes) {
   const LibraryLock lock;
   dataset_ = Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, "cannot open it");
   set_type(type);
   shape_ = extents_of(Handle(H5Dget_space(dataset_), H5Sclose, "cannot read its shape"));
-  shape_[0] = std::min(shape_[0], max_rows);
   row_elements_ =
       bounded_bytes({shape_.begin() + 1, shape_.end()}, 1, file_bytes * max_compression);
   if (row_elements_ == 0) throw H5Error("expected rows with elements, found an axis of length 0");
-  check_layout(file_bytes);
+  check_layout(file_bytes, unwritten);
 }
 
 void ArrayReader::set_type(const ElementType& type) {
@@ -66,7 +65,7 @@ void ArrayReader::set_type(const ElementType& type) {
   convert_ = type.find_conversion(found);
 }
 
-void ArrayReader::check_layout(hsize_t file_bytes) {
+void ArrayReader::check_layout(hsize_t file_bytes, Unwritten unwritten) {
   const Handle creation(H5Dget_create_plist(dataset_), H5Pclose, "cannot read its layout");
   const auto layout = H5Pget_layout(creation);
   if (layout == H5D_VIRTUAL || H5Pget_external_count(creation) != 0)
@@ -82,7 +81,7 @@ void ArrayReader::check_layout(hsize_t file_bytes) {
   bounded_bytes(shape_, std::max(stored_bytes_, element_bytes_), file_bytes * max_compression);
   chunk_bytes_ = bounded_bytes(chunk_, stored_bytes_, max_chunk_bytes);
   check_filters(creation);
-  check_chunks(file_bytes);
+  check_chunks(file_bytes, unwritten);
 }
 
 void ArrayReader::check_contiguous() const {
@@ -120,12 +119,13 @@ bool ArrayReader::next_chunk(Extents& offset) const {
   return false;
 }
 
-void ArrayReader::check_chunks(hsize_t file_bytes) const {
+void ArrayReader::check_chunks(hsize_t file_bytes, Unwritten unwritten) const {
   Extents offset(shape_.size(), 0);
   for (; offset[0] < rows(); offset[0] += chunk_[0]) do {
       hsize_t bytes = 0;  // H5Dget_chunk_info_by_coord would walk over all chunks each time
       check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), "cannot read its index");
-      if (bytes == 0) throw H5Error(fmt::format("the chunk of row {} is missing", offset[0]));
+      if (bytes == 0 && unwritten == Unwritten::faults)
+        throw H5Error(fmt::format("the chunk of row {} is missing", offset[0]));
       if (bytes > file_bytes)
         throw H5Error(fmt::format("the chunk of row {} is larger than the file", offset[0]));
     } while (next_chunk(offset));
@@ -137,6 +137,7 @@ std::span<const std::uint8_t> ArrayReader::stored_chunk(const Extents& offset,
   const LibraryLock lock;
   hsize_t bytes = 0;
   check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), "cannot read its index");
+  if (bytes == 0) return {};
   stored.resize(bytes);
   check(H5Dread_chunk(dataset_, H5P_DEFAULT, offset.data(), &skipped_filters, stored.data()),
         "cannot read it");
@@ -146,6 +147,10 @@ std::span<const std::uint8_t> ArrayReader::stored_chunk(const Extents& offset,
 void ArrayReader::decode(const Extents& offset, std::span<std::uint8_t> raw) const {
   std::uint32_t skipped = 0;
   const auto stored = stored_chunk(offset, skipped);
+  if (stored.empty()) {
+    std::ranges::fill(raw, std::uint8_t{0});
+    return;
+  }
   ChunkFilters filters{1, false, false};
   bool checksum_skipped = false;
   for (std::size_t i = 0; i < pipeline_.size(); ++i) {

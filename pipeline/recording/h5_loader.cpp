@@ -208,11 +208,11 @@ Loader Loader::group(const std::string& name) const {
 
 std::optional<ArrayReader> Loader::open(const std::string& name, const ElementType& type,
                                         const std::vector<Axis>& axes, const DatasetInfo& info,
-                                        hsize_t max_rows) const {
+                                        ArrayReader::Unwritten unwritten) const {
   std::optional<ArrayReader> reader;
   const bool good = record_fault(path(name), [&] {
     check_link(name, H5O_TYPE_DATASET);
-    reader.emplace(group_, name, type, file_bytes_, max_rows);
+    reader.emplace(group_, name, type, file_bytes_, unwritten);
     check_units(reader->dataset(), info.units);
     check_shape(reader->shape(), axes);
   });

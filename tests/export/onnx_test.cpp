@@ -119,7 +119,7 @@ class OnnxModel : public testing::TrainerTest {
 
   /// Compares with the engine. Rounding to float32 has relative errors of up to 6e-8. A step has
   /// about 16 operations one after another; that all of their errors add up, twice over because of
-  /// fast convolutions, gives 2e-6. The relative distances found are about 1e-7.
+  /// fast convolutions, gives 2e-6. The relative distances found are below 7e-7.
   void expect_engine(const json& python) {
     const auto rollout =
         Predictor(runtime_, folder_ / "model.safetensors").predict(batch_, stream_);

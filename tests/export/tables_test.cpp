@@ -158,6 +158,17 @@ assert o['hand_velocity_m_per_s_high'].tolist() == [[34 / 8, 35 / 8, 36 / 8]] * 
       lines_of(folder_ / "o.csv")[0].starts_with("time_s,clip,step,start,hand_position_m_x"));
 }
 
+TEST_F(Tables, MessagesOfPredictions) {
+  export_file("rosbag2", {FileKind::predictions, folder_ / "p.jsonl", folder_ / "bag"});
+  const std::string text = read_file(folder_ / "bag/metadata.yaml");
+  EXPECT_NE(text.find("nanoseconds: 250000000\n  starting_time:\n    nanoseconds_since_epoch: "
+                      "500000000\n  message_count: 8\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("name: /object/predicted/odometry\n        type: nav_msgs/msg/Odometry\n"),
+            std::string::npos);
+}
+
 TEST_F(Tables, TumOfPredictions) {
   run("tum", "p.jsonl", "t");
   EXPECT_EQ(read_file(folder_ / "t/object.txt"),
@@ -185,6 +196,8 @@ void expect_error(const std::function<void()>& action, ExitCode code, const std:
 TEST_F(Tables, FormatsFitTheKindOfTheFile) {
   EXPECT_EQ(formats_of(FileKind::labels),
             (std::vector<std::string>{"csv", "npz", "tum", "mcap", "rosbag2"}));
+  EXPECT_EQ(formats_of(FileKind::recording),
+            (std::vector<std::string>{"csv", "npz", "mcap", "rosbag2"}));
   EXPECT_EQ(formats_of(FileKind::model), (std::vector<std::string>{"onnx"}));
   expect_error([&] { run("onnx", "l.h5", "o"); }, ExitCode::usage,
                "formats of this file: csv, npz, tum, mcap, rosbag2");

@@ -84,8 +84,12 @@ TEST_F(ImportGlove, WiresensFileHasItsLastFrame) {
   EXPECT_NEAR(clips[1].end_s, 85.0, 1e-5);
 }
 
-TEST_F(ImportGlove, EarlyMitFileHasAnEmptyFirstRow) {
+TEST_F(ImportGlove, RowsThatWereNeverWrittenAreLeftOut) {
   expect_counts(glove(with_glove("early.hdf5")), 1500);
+  expect_counts(glove(with_glove("late.hdf5")), 1500);
+  auto options = with_glove("open.hdf5");
+  options.glove.layout.stream = "tactile-glove-left";
+  EXPECT_EQ(glove(options).frames(), 300u);
 }
 
 TEST_F(ImportGlove, ActionsenseFileHasTwoGloves) {

@@ -3,6 +3,8 @@
 
 wiresens.hdf5   append_data() of Sensor.py, WiReSens toolkit: blocks of 1024 rows, `frame_count` is the last index
 early.hdf5      the same of earlier scripts, which count before they write: row 0 stays empty
+late.hdf5       the same of a user who recorded from frame 800 on: earlier rows and their chunks stay empty
+open.hdf5       actionsense.hdf5 of a program that was killed: the datasets are not trimmed
 actionsense.hdf5   DataLogger.py of ActionNet: growing datasets, trimmed when the file is closed
 """
 
@@ -42,7 +44,7 @@ def write_wiresens(path, first_row=0):
         f["pressure"][rows] = [counts(i) for i in range(FRAMES)]
 
 
-def write_actionsense(path):
+def write_actionsense(path, is_closed=True):
     increment, frames = 1000, 300
     with h5py.File(path, "w") as f:
         for side, offset in ("left", 0), ("right", 100):
@@ -54,13 +56,15 @@ def write_actionsense(path):
             data[:frames] = np.broadcast_to(np.array(values)[:, None, None], (frames, 32, 32))
             times[:frames, 0] = [time_s(i) for i in range(frames)]
             texts[:frames, 0] = b"2023-11-14 22:13:20.000000"
-            for dataset in data, times, texts:
+            for dataset in (data, times, texts) if is_closed else ():
                 dataset.resize((frames, *dataset.shape[1:]))
 
 
 def main(folder):
     write_wiresens(os.path.join(folder, "wiresens.hdf5"))
     write_wiresens(os.path.join(folder, "early.hdf5"), first_row=1)
+    write_wiresens(os.path.join(folder, "late.hdf5"), first_row=800)
+    write_actionsense(os.path.join(folder, "open.hdf5"), is_closed=False)
     write_actionsense(os.path.join(folder, "actionsense.hdf5"))
     frames = np.array([counts(i) for i in range(300)])
     stamps = np.array([time_s(i) for i in range(300)])

@@ -22,15 +22,15 @@ void set_layout(GloveFile& glove, const std::vector<hsize_t>& shape, const std::
 }
 
 void read_frames(const h5::Loader& group, const std::string& times, const std::string& values,
-                 hsize_t max_frames, GloveFile& glove) {
+                 GloveFile& glove) {
   std::vector<h5::Axis> time_axes{any_length};
   if (group.shape(times).size() == 2) time_axes.push_back({"time", 1});
-  group.first_rows(times, glove.time_s, time_axes, no_unit, max_frames);
-  group.first_rows(values, glove.values, {any_length, any_length, any_length}, no_unit, max_frames);
+  group.padded_array(times, glove.time_s, time_axes, no_unit);
+  group.padded_array(values, glove.values, {any_length, any_length, any_length}, no_unit);
 }
 
-/// Drops rows that were never written: they have no time. Early writers of MIT's gloves begin with
-/// row 1.
+/// Drops rows that were never written: they have no time. They pad the end, stand for frames that
+/// were shown but not recorded, or are the first row of early writers of MIT's gloves.
 void drop_unwritten(GloveFile& glove) {
   const std::size_t taxels = glove.taxels(),
                     rows = std::min(glove.time_s.size(), glove.values.size() / taxels);
@@ -45,15 +45,11 @@ void drop_unwritten(GloveFile& glove) {
   glove.values.resize(frames * taxels);
 }
 
-/// WiReSens toolkit (Sensor.py of WiReSensPy): `frame_count` is the index of the last frame, not
-/// the number of frames, and datasets are padded with unwritten rows to multiples of 1024.
+/// WiReSens toolkit (Sensor.py of WiReSensPy). `frame_count` is the index of the last frame or the
+/// number of frames, depending on the writer: it is not used.
 void read_wiresens(const h5::Loader& root, GloveFile& glove) {
-  hsize_t frames = h5::ArrayReader::all_rows;
-  std::vector<std::uint64_t> last;
-  if (root.has("frame_count")) root.array("frame_count", last, {any_length}, no_unit);
-  if (!last.empty()) frames = last[0] + 1;
   set_layout(glove, root.shape("pressure"), root.path("pressure"));
-  read_frames(root, "ts", "pressure", frames, glove);
+  read_frames(root, "ts", "pressure", glove);
 }
 
 /// Name of the only glove, or the one that the user chose.
@@ -70,7 +66,7 @@ void read_actionsense(const h5::Loader& root, const std::vector<std::string>& de
                       const std::string& stream, GloveFile& glove) {
   const h5::Loader group = root.group(chosen_device(devices, stream)).group("tactile_data");
   set_layout(glove, group.shape("data"), group.path("data"));
-  read_frames(group, "time_s", "data", h5::ArrayReader::all_rows, glove);
+  read_frames(group, "time_s", "data", glove);
 }
 
 GloveFile read_glove(const h5::Loader& root, const GloveFileOptions& options) {

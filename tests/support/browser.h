@@ -32,9 +32,8 @@ inline std::string replaced(std::string text, const std::string& from, const std
 
 /// Loads a page and runs `script` after the page's own scripts.
 inline Loaded load(const TemporaryFolder& folder, const std::string& page,
-            const std::string& script = "") {
-  put(folder / "page.html",
-               replaced(page, "</body>", "<script>" + script + "</script></body>"));
+                   const std::string& script = "") {
+  put(folder / "page.html", replaced(page, "</body>", "<script>" + script + "</script></body>"));
   const std::string command = fmt::format(
       "timeout 120 {0} --headless --no-sandbox --disable-gpu --disable-dev-shm-usage "
       "--enable-logging=stderr --v=0 --user-data-dir={1}/profile --dump-dom file://{1}/page.html "

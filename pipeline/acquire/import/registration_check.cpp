@@ -8,7 +8,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t num_samples = 13;
+constexpr std::size_t num_samples = 13, min_samples = 8;
 constexpr int compared_width = 320;        // larger images are reduced to about this width
 constexpr double max_shift = 0.125;        // of the width and height
 constexpr double max_color_change = 60.0;  // sum over the channels; more counts as much
@@ -100,6 +100,7 @@ bool MotionShift::is_consistent_with_registration(int width) const {
 std::optional<MotionShift> measure_motion_shift(const SourceStream& color,
                                                 const SourceStream& depth) {
   const auto pairs = sample_pairs(color, depth);
+  if (pairs.size() < min_samples) return std::nullopt;
   Correlation correlation;
   for (std::size_t i = 0; i + 1 < pairs.size(); ++i) {
     const Pair &a = pairs[i], &b = pairs[(i + pairs.size() / 3 + 1) % pairs.size()];

@@ -1,5 +1,4 @@
 #include "pipeline/acquire/import/registration_check.h"
-
 #include "tests/pipeline/import_samples.h"
 
 namespace touchtrace {
@@ -11,7 +10,7 @@ constexpr int width = 640, height = 360, num_frames = 40;
 /// displaced by `shift_x` pixels.
 struct Scene {
   int shift_x = 0;
-  bool is_still = false;
+  bool is_still = false, is_background_removed = false;
   int num_images = num_frames;
 
   static cv::Mat wall() {
@@ -38,7 +37,9 @@ struct Scene {
     for (int i = 0; i < num_images; ++i) result.images.push_back({"", i / 15.0, i / 15.0});
     result.read = [*this, is_depth](std::size_t index) {
       const int i = static_cast<int>(index);
-      cv::Mat image = is_depth ? cv::Mat(height, width, CV_16UC1, cv::Scalar(1200)) : wall();
+      cv::Mat image =
+          is_depth ? cv::Mat(height, width, CV_16UC1, cv::Scalar(is_background_removed ? 0 : 1200))
+                   : wall();
       if (is_depth)
         draw(image, i, shift_x, cv::Scalar(700), cv::Scalar(800));
       else
@@ -62,11 +63,14 @@ TEST(MotionShift, FindsDepthThatIsNotRegistered) {
   }
 }
 
-TEST(MotionShift, AcceptsRegisteredDepth) {
-  const auto found = Scene{}.measured();
-  ASSERT_TRUE(found);
-  EXPECT_TRUE(found->is_consistent_with_registration(width));
-  EXPECT_LE(cv::norm(found->depth_from_color_px), 2.0);
+TEST(MotionShift, AcceptsRegisteredDepthAlsoWithoutBackground) {
+  for (const bool is_removed : {false, true}) {
+    const auto found = Scene{.is_background_removed = is_removed}.measured();
+    ASSERT_TRUE(found);
+    EXPECT_TRUE(found->is_consistent_with_registration(width));
+    EXPECT_LE(cv::norm(found->depth_from_color_px), 2.0);
+    EXPECT_GT(found->correlation, 0.6);
+  }
 }
 
 TEST(MotionShift, SaysNothingOfStillScenesAndFewImages) {

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array color_names{"rgb", "color", "colour", "images"};
 constexpr std::array depth_names{"depth", "depths"};
+constexpr std::array registered_names{"aligned_depth"};
 
 /// Folder with one of the names or, else, the only one whose name has such words. Throws data_error
 /// if there are several.
@@ -67,7 +68,10 @@ ImportSource open_image_folder(const fs::path& folder, const SourceOptions& opti
   ImportSource source{
       .color = color_file_stream(images_of(colors, images_in_folder(colors), options.rate_hz)),
       .depth = {}};
-  if (const auto depths = find_folder(folder, depth_names, names_depth))
+  auto depths = find_folder(folder, registered_names, names_registered_depth);
+  if (depths) source.is_registered = true;
+  if (!depths) depths = find_folder(folder, depth_names, names_depth);
+  if (depths)
     source.depth = open_depth(*depths, options.rate_hz);
   else
     Progress::report(

@@ -73,6 +73,9 @@ TEST_F(ImportFolder, NamesSourcesInsideAFolder) {
   write_import_tum(folder_ / "in" / "second");
   write_import_tum(folder_ / "in" / "first");
   expect_rejected("in", "first, ");
+  fs::rename(folder_ / "in" / "first", folder_ / "in" / "images1");
+  fs::rename(folder_ / "in" / "second", folder_ / "in" / "images2");
+  expect_rejected("in", "images1, ");
 }
 
 /// counts_per_m: what the file states, with images whose depth is 1 m.

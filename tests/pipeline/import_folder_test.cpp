@@ -54,6 +54,30 @@ TEST_F(ImportFolder, ReadsFoldersOfOtherNames) {
   expect_rejected("in", "depthMatrices, depth_raw", at_30_hz());
 }
 
+TEST_F(ImportFolder, PrefersRegisteredDepth) {
+  for (int i = 0; i < import_frames; ++i) {
+    const std::string name = std::to_string(i) + ".png";
+    write_file(folder_ / "in" / "color" / name, encoded(import_color(i)), true);
+    write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, 500)), true);
+    write_file(folder_ / "in" / "aligned_depth_to_color" / name, encoded(import_depth(i, 1000)),
+               true);
+  }
+  const RecordingReader reader = import("in", at_30_hz());
+  expect_samples(reader, 1000);
+  EXPECT_TRUE(reader.recording().camera.is_registered);
+}
+
+TEST_F(ImportFolder, NamesSourcesInsideAFolder) {
+  write_file(folder_ / "in" / "README.md", "a repository", true);
+  expect_rejected("in", "give one of: TUM RGB-D folder");
+  write_import_tum(folder_ / "in" / "second");
+  write_import_tum(folder_ / "in" / "first");
+  expect_rejected("in", "first, ");
+  fs::rename(folder_ / "in" / "first", folder_ / "in" / "images1");
+  fs::rename(folder_ / "in" / "second", folder_ / "in" / "images2");
+  expect_rejected("in", "images1, ");
+}
+
 /// counts_per_m: what the file states, with images whose depth is 1 m.
 TEST_F(ImportFolder, ReadsIntrinsicsAndDepthScales) {
   struct Case {

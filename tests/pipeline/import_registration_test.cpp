@@ -1,8 +1,5 @@
-#include <gtest/gtest.h>
-
-#include <opencv2/imgproc.hpp>
-
 #include "pipeline/acquire/import/registration_check.h"
+#include "tests/pipeline/import_samples.h"
 
 namespace touchtrace {
 namespace {
@@ -13,14 +10,15 @@ constexpr int width = 640, height = 360, num_frames = 40;
 /// displaced by `shift_x` pixels.
 struct Scene {
   int shift_x = 0;
-  bool is_camera_moving = false, is_still = false;
+  bool is_still = false, is_background_removed = false;
+  int num_images = num_frames;
 
-  static cv::Mat wall(int offset) {
+  static cv::Mat wall() {
     cv::Mat image(height, width, CV_8UC3);
     for (int v = 0; v < height; ++v)
       for (int u = 0; u < width; ++u)
-        image.at<cv::Vec3b>(v, u) = cv::Vec3b::all(
-            static_cast<std::uint8_t>(100 + 40 * (((u + offset) / 23 + v / 17) % 3)));
+        image.at<cv::Vec3b>(v, u) =
+            cv::Vec3b::all(static_cast<std::uint8_t>(100 + 40 * ((u / 23 + v / 17) % 3)));
     return image;
   }
   cv::Point disc(int frame) const {
@@ -36,11 +34,12 @@ struct Scene {
   }
   SourceStream stream(bool is_depth) const {
     SourceStream result;
-    for (int i = 0; i < num_frames; ++i) result.images.push_back({"", i / 15.0, i / 15.0});
+    for (int i = 0; i < num_images; ++i) result.images.push_back({"", i / 15.0, i / 15.0});
     result.read = [*this, is_depth](std::size_t index) {
       const int i = static_cast<int>(index);
-      cv::Mat image = is_depth ? cv::Mat(height, width, CV_16UC1, cv::Scalar(1200))
-                               : wall(is_camera_moving ? 11 * i : 0);
+      cv::Mat image =
+          is_depth ? cv::Mat(height, width, CV_16UC1, cv::Scalar(is_background_removed ? 0 : 1200))
+                   : wall();
       if (is_depth)
         draw(image, i, shift_x, cv::Scalar(700), cv::Scalar(800));
       else
@@ -64,15 +63,37 @@ TEST(MotionShift, FindsDepthThatIsNotRegistered) {
   }
 }
 
-TEST(MotionShift, AcceptsRegisteredDepth) {
-  const auto found = Scene{}.measured();
-  ASSERT_TRUE(found);
-  EXPECT_TRUE(found->is_consistent_with_registration(width));
-  EXPECT_LE(cv::norm(found->depth_from_color_px), 2.0);
+TEST(MotionShift, AcceptsRegisteredDepthAlsoWithoutBackground) {
+  for (const bool is_removed : {false, true}) {
+    const auto found = Scene{.is_background_removed = is_removed}.measured();
+    ASSERT_TRUE(found);
+    EXPECT_TRUE(found->is_consistent_with_registration(width));
+    EXPECT_LE(cv::norm(found->depth_from_color_px), 2.0);
+    EXPECT_GT(found->correlation, 0.6);
+  }
 }
 
-TEST(MotionShift, SaysNothingWithoutMotion) {
+TEST(MotionShift, SaysNothingOfStillScenesAndFewImages) {
   EXPECT_FALSE((Scene{.shift_x = 20, .is_still = true}.measured()));
+  EXPECT_FALSE((Scene{.shift_x = 20, .num_images = 7}.measured()));
+}
+
+/// A folder that does not say whether its depth is registered.
+TEST_F(Import, TakesDisplacedDepthAsNotRegistered) {
+  ImportOptions options;
+  options.source.rate_hz = 15.0;
+  for (const int shift : {0, 20}) {
+    const Scene scene{.shift_x = shift};
+    const SourceStream color = scene.stream(false), depth = scene.stream(true);
+    for (std::size_t i = 0; i < color.images.size(); ++i) {
+      const std::string name = fmt::format("{}.png", i);
+      write_file(folder_ / "in" / "rgb" / name, encoded(color.read(i)), true);
+      write_file(folder_ / "in" / "depth" / name, encoded(depth.read(i)), true);
+    }
+    EXPECT_EQ(import("in", options).recording().camera.is_registered, shift == 0);
+  }
+  options.camera.registered = true;
+  EXPECT_TRUE(import("in", options).recording().camera.is_registered);
 }
 
 }  // namespace

@@ -43,11 +43,9 @@ class MarkPage : public ::testing::Test {
   }
   /// Value that `script` passes to result(), run after the page has its clips.
   std::string run(const std::string& script) {
-    const std::string page =
-        testing::replaced(std::string(mark_page().at("mark.html")), "<script>\n\"use strict\";",
-                          program);
-    const auto loaded = testing::load(
-        folder_, page, user + ("setTimeout(async () => {" + script + "}, 100);"));
+    const std::string page = testing::replaced(std::string(mark_page().at("mark.html")),
+                                               "<script>\n\"use strict\";", program);
+    const auto loaded = testing::load(folder_, page, user + ("(async () => {" + script + "})();"));
     const std::string start = "data-result=\"";
     const auto from = loaded.dom.find(start);
     if (from == std::string::npos) return loaded.console;

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array color_names{"rgb", "color", "colour", "images"};
 constexpr std::array depth_names{"depth", "depths"};
+constexpr std::array registered_names{"aligned_depth"};
 
 /// Folder with one of the names or, else, the only one whose name has such words. Throws data_error
 /// if there are several.
@@ -28,7 +29,6 @@ std::optional<fs::path> find_folder(const fs::path& folder, std::span<const char
     if (fs::is_directory(folder / name)) return folder / name;
   std::vector<fs::path> found;
   std::vector<std::string> listed;
-  if (!fs::is_directory(folder)) return std::nullopt;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename();
     if (!entry.is_directory() || !is_named(name) || names_other_image(name)) continue;
@@ -40,6 +40,14 @@ std::optional<fs::path> find_folder(const fs::path& folder, std::span<const char
                                  folder.string(), comma_separated(listed)),
                      fmt::format("name the right one '{}'", names[0]));
   return found.empty() ? std::nullopt : std::optional(found[0]);
+}
+
+bool has_folder(const fs::path& folder, bool (*is_named)(std::string_view)) {
+  return fs::is_directory(folder) &&
+         std::ranges::any_of(fs::directory_iterator(folder), [&](const fs::directory_entry& entry) {
+           const std::string name = entry.path().filename();
+           return entry.is_directory() && is_named(name) && !names_other_image(name);
+         });
 }
 
 std::vector<StampedFile> images_of(const fs::path& folder, std::vector<fs::path> images,
@@ -59,15 +67,20 @@ SourceStream open_depth(const fs::path& folder, double rate_hz) {
 }  // namespace
 
 bool is_image_folder(const fs::path& folder) {
-  return find_folder(folder, color_names, names_color).has_value();
+  const auto is_there = [&](const char* name) { return fs::is_directory(folder / name); };
+  return std::ranges::any_of(color_names, is_there) ||
+         (has_folder(folder, names_depth) && has_folder(folder, names_color));
 }
 
 ImportSource open_image_folder(const fs::path& folder, const SourceOptions& options) {
-  const fs::path colors = *find_folder(folder, color_names, names_color);
+  const fs::path colors = find_folder(folder, color_names, names_color).value();
   ImportSource source{
       .color = color_file_stream(images_of(colors, images_in_folder(colors), options.rate_hz)),
       .depth = {}};
-  if (const auto depths = find_folder(folder, depth_names, names_depth))
+  auto depths = find_folder(folder, registered_names, names_registered_depth);
+  if (depths) source.is_registered = true;
+  if (!depths) depths = find_folder(folder, depth_names, names_depth);
+  if (depths)
     source.depth = open_depth(*depths, options.rate_hz);
   else
     Progress::report(

@@ -76,8 +76,10 @@ ImportSource open_paired_folder(const fs::path& folder, const SourceOptions& opt
   const PairedImages found = find_images(folder);
   const auto& colors = choose_series(folder, found.color, names_color, "colour");
   const auto& depths = choose_series(folder, found.depth, names_registered_depth, "depth");
-  return {.color = color_file_stream(stamped_images(folder, colors, options.rate_hz)),
-          .depth = depth_file_stream(stamped_images(folder, depths, options.rate_hz))};
+  ImportSource source{.color = color_file_stream(stamped_images(folder, colors, options.rate_hz)),
+                      .depth = depth_file_stream(stamped_images(folder, depths, options.rate_hz))};
+  if (names_registered_depth(depths.front().stem().string())) source.is_registered = true;
+  return source;
 }
 
 }  // namespace touchtrace

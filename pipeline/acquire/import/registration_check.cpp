@@ -8,13 +8,13 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t num_samples = 13;
+constexpr std::size_t num_samples = 13, min_samples = 8;
 constexpr int compared_width = 320;        // larger images are reduced to about this width
 constexpr double max_shift = 0.125;        // of the width and height
 constexpr double max_color_change = 60.0;  // sum over the channels; more counts as much
 constexpr double min_depth_change = 0.04;  // of the depth
-constexpr int min_moved_pixels = 50;
-constexpr double min_correlation = 0.2, min_gain = 1.07, max_registered_shift = 0.015;
+constexpr int min_moved_pixels = 50, hole_pixels = 5;
+constexpr double min_correlation = 0.2, min_gain = 1.05, max_registered_shift = 0.015;
 
 struct Pair {
   cv::Mat color, depth;  ///< reduced; CV_32FC3 and CV_32F
@@ -60,10 +60,15 @@ cv::Mat color_motion(const cv::Mat& a, const cv::Mat& b) {
   return cv::min(channels[0] + channels[1] + channels[2], max_color_change);
 }
 
+/// 1 where the depth changes, or where it is measured in one image only: behind a body there may be
+/// no measurement. Single holes, which flicker, do not count.
 cv::Mat depth_motion(const cv::Mat& a, const cv::Mat& b) {
-  const cv::Mat moved = (a > 0.0) & (b > 0.0) & (cv::abs(a - b) > min_depth_change * cv::max(a, b));
-  cv::Mat motion;
-  moved.convertTo(motion, CV_32F, 1.0 / 255.0);
+  const cv::Mat is_in_a = a > 0.0, is_in_b = b > 0.0;
+  const cv::Mat changed = is_in_a & is_in_b & (cv::abs(a - b) > min_depth_change * cv::max(a, b));
+  cv::Mat appeared = is_in_a != is_in_b, motion;
+  cv::morphologyEx(appeared, appeared, cv::MORPH_OPEN,
+                   cv::Mat::ones(hole_pixels, hole_pixels, CV_8U));
+  cv::Mat(changed | appeared).convertTo(motion, CV_32F, 1.0 / 255.0);
   return motion;
 }
 
@@ -100,6 +105,7 @@ bool MotionShift::is_consistent_with_registration(int width) const {
 std::optional<MotionShift> measure_motion_shift(const SourceStream& color,
                                                 const SourceStream& depth) {
   const auto pairs = sample_pairs(color, depth);
+  if (pairs.size() < min_samples) return std::nullopt;
   Correlation correlation;
   for (std::size_t i = 0; i + 1 < pairs.size(); ++i) {
     const Pair &a = pairs[i], &b = pairs[(i + pairs.size() / 3 + 1) % pairs.size()];

@@ -20,7 +20,8 @@ struct MotionShift {
 };
 
 /// Compares what moves between a dozen pairs of images spread over two streams of equal image size
-/// from a static camera. nullopt: too little moves, or the camera does.
+/// from a static camera. nullopt: too little moves, the camera does,
+/// or there are fewer than eight pairs.
 std::optional<MotionShift> measure_motion_shift(const SourceStream& color,
                                                 const SourceStream& depth);
 

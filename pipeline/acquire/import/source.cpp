@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 
 #include "engine/base/error.h"
@@ -33,18 +34,40 @@ ImportSource open_kind(const SourceKind& kind, const std::filesystem::path& path
   }
 }
 
+const SourceKind* find_kind(const std::filesystem::path& path) {
+  const auto* found = std::ranges::find_if(
+      source_kinds, [&](const SourceKind& kind) { return kind.is_kind(path); });
+  return found == source_kinds.end() ? nullptr : found;
+}
+
+/// Folders and files in a folder that are sources, at most three.
+std::vector<std::string> sources_in(const std::filesystem::path& folder) {
+  std::vector<std::string> found;
+  if (!std::filesystem::is_directory(folder)) return found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) try {
+      if (found.size() < 3 && find_kind(entry.path())) found.push_back(entry.path().string());
+    } catch (const Error&) {
+      continue;  // has several folders of images
+    }
+  std::ranges::sort(found);
+  return found;
+}
+
+std::string known_kinds() {
+  std::vector<std::string> names;
+  for (const SourceKind& kind : source_kinds) names.emplace_back(kind.name);
+  return "give one of: " + comma_separated(names);
+}
+
 }  // namespace
 
 ImportSource open_source(const std::filesystem::path& path, const SourceOptions& options) {
   if (!std::filesystem::exists(path))
     throw data_error(fmt::format("{} does not exist", path.string()), "check the path");
-  std::vector<std::string> names;
-  for (const SourceKind& kind : source_kinds) {
-    if (kind.is_kind(path)) return open_kind(kind, path, options);
-    names.emplace_back(kind.name);
-  }
+  if (const SourceKind* kind = find_kind(path)) return open_kind(*kind, path, options);
+  const auto inner = sources_in(path);
   throw data_error(fmt::format("{} is not a source of colour and depth images", path.string()),
-                   "give one of: " + comma_separated(names));
+                   inner.empty() ? known_kinds() : "it contains some: " + comma_separated(inner));
 }
 
 }  // namespace touchtrace

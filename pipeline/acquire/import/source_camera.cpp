@@ -66,33 +66,34 @@ Cameras find_cameras(const fs::path& path, const ImportSource& source, const std
   return cameras;
 }
 
+/// Whether what moves in both streams contradicts that depth is on the colour camera's pixels.
+bool contradicts_registration(const ImportSource& source, int width) {
+  const auto shift = measure_motion_shift(source.color, source.depth);
+  if (!shift || shift->is_consistent_with_registration(width)) return false;
+  Progress::report(fmt::format(
+      "warning: what moves in depth images is displaced by ({:+.0f}, {:+.0f}) pixels from what "
+      "moves in colour images, as if depth were not registered",
+      shift->depth_from_color_px.x, shift->depth_from_color_px.y));
+  return true;
+}
+
 /// Whether depth images are on the colour camera's pixels, as the user or the source states it;
-/// else whether they have the same size and no intrinsics of their own.
+/// else whether they have the same size, no intrinsics of their own, and show the same motion.
 bool decide_registered(const ImportSource& source, const CameraOptions& options, bool is_same_size,
-                       bool has_depth_camera) {
+                       bool has_depth_camera, int width) {
   if (options.registered && !is_same_size)
     throw data_error("registered depth images have the size of the colour images, these do not",
                      "leave out --registered");
   if (options.registered || options.no_registered) return options.registered;
+  const bool may_be = is_same_size && source.is_registered.value_or(!has_depth_camera);
+  const bool is_contradicted = may_be && contradicts_registration(source, width);
   if (source.is_registered && is_same_size) return *source.is_registered;
-  const bool is_registered = is_same_size && !has_depth_camera;
+  const bool is_registered = may_be && !is_contradicted;
   Progress::report(is_registered
                        ? "depth is taken as registered to colour: same size, one set of intrinsics "
                          "(--no-registered: it is not)"
                        : "depth is taken as not registered to colour (--registered: it is)");
   return is_registered;
-}
-
-/// Reports depth images that are hardly on the colour camera's pixels.
-void warn_of_shift(const ImportSource& source, int width) {
-  const auto shift = measure_motion_shift(source.color, source.depth);
-  if (!shift || shift->is_consistent_with_registration(width)) return;
-  Progress::report(fmt::format(
-      "warning: what moves in depth images is displaced by ({:+.0f}, {:+.0f}) pixels from what "
-      "moves in colour images, as if depth were not registered: labels would be wrong. Record "
-      "aligned depth, or give --no-registered and --camera-info with both cameras and their pose "
-      "(--registered: it is registered)",
-      shift->depth_from_color_px.x, shift->depth_from_color_px.y));
 }
 
 void set_cameras(CameraInfo& info, const Cameras& cameras) {
@@ -128,9 +129,7 @@ SourceCamera describe_camera(const fs::path& path, const ImportSource& source,
   const Cameras cameras = find_cameras(path, source, options.camera_info, color, depth);
   if (!depth.empty())
     info.is_registered =
-        decide_registered(source, options, depth == color, cameras.depth.has_value());
-  if (info.is_registered && !options.registered && !depth.empty())
-    warn_of_shift(source, info.width);
+        decide_registered(source, options, depth == color, cameras.depth.has_value(), info.width);
   set_cameras(info, cameras);
   if (!options.gravity_m_per_s2.empty())
     info.gravity_m_per_s2 = Eigen::Vector3d(options.gravity_m_per_s2.data());

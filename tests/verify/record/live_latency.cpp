@@ -1,6 +1,7 @@
 #include "tests/verify/record/live_latency.h"
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -8,11 +9,13 @@
 #include <chrono>
 #include <csignal>
 #include <functional>
+#include <future>
 #include <map>
 #include <thread>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/interrupt.h"
 #include "pipeline/acquire/glove/protocol.h"
 #include "pipeline/acquire/record/glove_config.h"
 #include "pipeline/acquire/transport/transport.h"
@@ -25,12 +28,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Process that runs a function, with stdout to a descriptor; killed by the destructor. OpenCL is
+/// Process that runs a function, with stdout to a descriptor; killed by the destructor and with its
+/// parent. OpenCL is
 /// used in such processes only, for it does not survive a fork.
 class Child {
  public:
   explicit Child(const std::function<int()>& run, int standard_output = -1) : process_(fork()) {
     if (process_ != 0) return;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (standard_output >= 0) dup2(standard_output, STDOUT_FILENO);
     _exit(run());
   }
@@ -103,15 +108,20 @@ std::map<std::uint64_t, Line> read_lines(int pipe) {
   return lines;
 }
 
-/// Sends frames at their times. Returns the times at which the last bytes were written.
-std::vector<double> send_frames(const testing::PseudoTerminal& device, const GloveStream& glove,
+/// Sends numbered frames at their times, without waiting for requests. Returns the times at which
+/// the last bytes were written.
+std::vector<double> send_frames(const testing::PseudoTerminal& device, GloveStream glove,
                                 int frames) {
   std::vector<double> sent_s;
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < frames; ++i) {
+    const std::size_t image = static_cast<std::size_t>(i) % glove.frames();
+    glove.sequence[image] = static_cast<std::uint64_t>(i);
+    const std::string bytes = encode_actionsense(glove, image);
     std::this_thread::sleep_until(start +
                                   i * std::chrono::duration<double>(1.0 / glove.info.rate_hz));
-    device.send(encode_mit_rows(glove, static_cast<std::size_t>(i) % glove.frames()));
+    if (!device.send(bytes)) break;  // nobody reads
+    throw_if_interrupted();
     sent_s.push_back(monotonic_s());
   }
   return sent_s;
@@ -151,22 +161,20 @@ LiveLatency measure_live_latency(const fs::path& folder, double rate_hz, int fra
   const testing::PseudoTerminal device;
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw failure("cannot create a pipe", "close other programs");
+  std::future<std::map<std::uint64_t, Line>> lines;  // outlives the writer, whose end it waits for
   Child predict(
       [&] {
         return run_touchtrace({"predict", "--model", model.string(), "--glove", device.path(),
-                               "--protocol", "mit-rows", "--rate-hz", std::to_string(rate_hz),
-                               "--rest-seconds", "0"});
+                               "--rate-hz", std::to_string(rate_hz), "--rest-seconds", "0"});
       },
       ends[1]);
   close(ends[1]);
-  std::map<std::uint64_t, Line> lines;
-  std::thread reader([&] { lines = read_lines(ends[0]); });
+  lines = std::async(std::launch::async, read_lines, ends[0]);
   predict.wait_until_open(device.path());
   const auto sent_s = send_frames(device, wavy_glove(32, 32, 200, rate_hz), frames);
   usleep(200'000);
   predict.signal(SIGINT), predict.wait();
-  reader.join();
-  return latency_of(sent_s, lines);
+  return latency_of(sent_s, lines.get());
 }
 
 RowComparison compare_live_with_recorded(const fs::path& folder) {

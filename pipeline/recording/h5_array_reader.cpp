@@ -31,6 +31,19 @@ hsize_t bounded_bytes(const std::vector<hsize_t>& shape, hsize_t element_bytes, 
   return bytes;
 }
 
+/// Bytes of a chunk in the file; 0 if it was never written. H5Dget_chunk_info_by_coord() walks over
+/// all chunks, H5Dget_chunk_storage_size() fails for some that were never written.
+hsize_t bytes_of_chunk(hid_t dataset, const std::vector<hsize_t>& offset) {
+  hsize_t bytes = 0;
+  if (H5Dget_chunk_storage_size(dataset, offset.data(), &bytes) >= 0) return bytes;
+  unsigned skipped_filters = 0;
+  haddr_t address = 0;
+  check(H5Dget_chunk_info_by_coord(dataset, offset.data(), &skipped_filters, &address, &bytes),
+        "cannot read its index");
+  if (address != HADDR_UNDEF) throw H5Error("cannot read its index");
+  return 0;
+}
+
 }  // namespace
 
 std::vector<hsize_t> extents_of(hid_t space) {
@@ -122,8 +135,7 @@ bool ArrayReader::next_chunk(Extents& offset) const {
 void ArrayReader::check_chunks(hsize_t file_bytes, Unwritten unwritten) const {
   Extents offset(shape_.size(), 0);
   for (; offset[0] < rows(); offset[0] += chunk_[0]) do {
-      hsize_t bytes = 0;  // H5Dget_chunk_info_by_coord would walk over all chunks each time
-      check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), "cannot read its index");
+      const hsize_t bytes = bytes_of_chunk(dataset_, offset);
       if (bytes == 0 && unwritten == Unwritten::faults)
         throw H5Error(fmt::format("the chunk of row {} is missing", offset[0]));
       if (bytes > file_bytes)
@@ -135,8 +147,7 @@ std::span<const std::uint8_t> ArrayReader::stored_chunk(const Extents& offset,
                                                         std::uint32_t& skipped_filters) const {
   thread_local std::vector<std::uint8_t> stored;  // allocating one per image costs much of its time
   const LibraryLock lock;
-  hsize_t bytes = 0;
-  check(H5Dget_chunk_storage_size(dataset_, offset.data(), &bytes), "cannot read its index");
+  const hsize_t bytes = bytes_of_chunk(dataset_, offset);
   if (bytes == 0) return {};
   stored.resize(bytes);
   check(H5Dread_chunk(dataset_, H5P_DEFAULT, offset.data(), &skipped_filters, stored.data()),

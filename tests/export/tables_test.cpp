@@ -213,7 +213,7 @@ TEST_F(Tables, FormatsFitTheKindOfTheFile) {
       [&] {
         export_file("mcap", {FileKind::labels, "l.h5", "o", {}, true});
       },
-      ExitCode::usage, "--images needs the recording");
+      ExitCode::usage, "--images needs a recording");
 }
 
 TEST_F(Tables, OutputsAreNotReplacedUnasked) {

@@ -158,6 +158,17 @@ TEST_F(ImportGlove, ClocksThatDoNotOverlapAreRefused) {
   expect_rejected("tum", "do not overlap the images', 1700000000.250", options);
 }
 
+TEST_F(ImportGlove, RateIsThatOfFramesInPacketsAndOfLostFrames) {
+  std::string table;  // a frame ends with every eighth or ninth packet, by turns; frame 41 is lost
+  for (int i = 0, packet = 0; i < 100; ++i, packet += i % 2 == 0 ? 8 : 9)
+    if (i != 41) table += fmt::format("{},5\n", glove_start_s + packet / 128.0);
+  testing::put(folder_ / "packets.csv", table);
+  auto options = with_glove("packets.csv");
+  options.glove.polarity = 1;
+  // 49 intervals of 9 packets and 48 of 8, without the lost frame's
+  EXPECT_NEAR(glove(options).info.rate_hz, 97 * 128.0 / (49 * 9 + 48 * 8), 1e-4);
+}
+
 TEST_F(ImportGlove, LocalTimeIsRecognised) {
   write_import_tum(folder_ / "tum");
   std::string table;  // at a place two hours east of Greenwich

@@ -64,8 +64,18 @@ std::vector<std::size_t> ordered_frames(const std::vector<double>& time_s) {
   return frames;
 }
 
+/// Inverse of the mean interval, without the intervals of lost frames. The median would be wrong
+/// for a device whose packets are not whole frames: its intervals have two values.
 double plausible_glove_rate_hz(const std::vector<double>& time_s) {
-  const double rate_hz = rate_of(time_s, default_glove_rate_hz);
+  const double typical_s = 1.0 / rate_of(time_s, default_glove_rate_hz);
+  double sum_s = 0.0;
+  int count = 0;
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    const double interval_s = time_s[i] - time_s[i - 1];
+    if (interval_s < 0.5 * typical_s || interval_s > 1.5 * typical_s) continue;
+    sum_s += interval_s, ++count;
+  }
+  const double rate_hz = count > 0 ? count / sum_s : 1.0 / typical_s;
   if (rate_hz > max_glove_rate_hz)
     throw data_error(fmt::format("the stamps say {:.3g} glove frames per second", rate_hz),
                      "stamps are times in seconds; check the column of the time");

@@ -109,7 +109,7 @@ std::map<std::uint64_t, Line> read_lines(int pipe) {
 }
 
 /// Sends numbered frames at their times, without waiting for requests. Returns the times at which
-/// the last bytes were written.
+/// they were handed to the terminal, all bytes at once.
 std::vector<double> send_frames(const testing::PseudoTerminal& device, GloveStream glove,
                                 int frames) {
   std::vector<double> sent_s;
@@ -120,9 +120,9 @@ std::vector<double> send_frames(const testing::PseudoTerminal& device, GloveStre
     const std::string bytes = encode_actionsense(glove, image);
     std::this_thread::sleep_until(start +
                                   i * std::chrono::duration<double>(1.0 / glove.info.rate_hz));
-    if (!device.send(bytes)) break;  // nobody reads
     throw_if_interrupted();
     sent_s.push_back(monotonic_s());
+    if (!device.send(bytes)) break;  // nobody reads
   }
   return sent_s;
 }

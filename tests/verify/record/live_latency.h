@@ -9,7 +9,7 @@ namespace touchtrace {
 
 struct LiveLatency {
   // Sorted; one for each line:
-  std::vector<double> seconds;          ///< from the last byte of a frame to its line
+  std::vector<double> seconds;          ///< from the moment a frame is sent to its line
   std::vector<double> program_seconds;  ///< of that, since the program has read the last byte
 };
 

@@ -20,6 +20,9 @@ constexpr double refound_distance_m = 2.0 * arm_reach_m;  // of a body that was 
 // pass in less than likeness_time_s; over it, colours are not rarer by more than the third.
 constexpr double min_found_likeness = -0.7, min_likeness = -2.0, min_mean_likeness = -0.9;
 constexpr double likeness_time_s = 0.5;
+// Least part of a hand's disc that is taken for the hand: fringes of a sleeve have less, at any
+// resolution.
+constexpr double min_hand_fraction = 0.07;
 constexpr double max_disc_fill = 0.8;  // of the search disc; a body fills less than half of it
 
 bool matches(const PixelBox& tracked, const PixelBox& found) {
@@ -120,6 +123,7 @@ std::optional<Patch> Target::best_patch(const Surface& own, const Segmenter& seg
     const auto points = static_cast<double>(patch->points_m.size());
     const double depth_m = patch->centroid_m.z();
     const double disc = segmenter.disc_pixels(disc_radius_m_, depth_m);
+    if (body_ == Body::hand && points < min_hand_fraction * disc) continue;
     if (patch->likeness < (is_hidden_ || is_lost() ? min_found_likeness : min_likeness) ||
         points > max_disc_fill * segmenter.disc_pixels(patch_radius_m_, depth_m))
       continue;

@@ -41,7 +41,8 @@ class Target {
   ///  - d > patch_radius_m + 0.04 m (0.15 m if lost, with hint) and under half the disc visible;
   ///  - likeness below -2, if hidden or lost -0.7, or on average over half a second below -0.9:
   ///    colours that are rare in the class;
-  ///  - over 80 % of a disc of patch_radius_m covered: part of a larger surface.
+  ///  - over 80 % of a disc of patch_radius_m covered: part of a larger surface;
+  ///  - under 7 % of a hand's disc visible.
   /// Ignores points outside `within`. Maximises patch_score() at d over the gate, or over
   /// arm_reach_m if lost. Failure stops the image tracker; a patch that does not match
   /// `tracked_box` restarts it.

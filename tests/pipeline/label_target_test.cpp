@@ -79,6 +79,22 @@ TEST(Target, PrefersPatchesNearItsLastPositionWhenLost) {
   EXPECT_LT((found->centroid_m - near_m).norm(), disc_m);
 }
 
+/// A hand at 1 m fills 707 pixels of this camera, its fringe 42, of which 30 points are enough.
+TEST(Target, TakesNoFringeForTheHand) {
+  constexpr double hand_disc_m = 0.05;
+  for (const auto& [part, is_expected] : {std::pair{0.06, false}, {0.1, true}}) {
+    Target target(Body::hand, hand_disc_m, hand_patch_radius_m, 30, find_tracker("component"));
+    target.start(held_m, 0.002, {}, {});
+    target.predict(frame_s, false, Vector3d(0.0, 9.81, 0.0));
+    auto surface = disc_at(held_m, part, hand_disc_m);
+    for (auto& point : surface) point.body = Body::hand;
+    EXPECT_GT(surface.size(), 30u);
+    EXPECT_EQ(target.find(surface, {}, std::nullopt, segmenter(), std::nullopt).has_value(),
+              is_expected)
+        << part;
+  }
+}
+
 TEST(Target, FindsNothingInAnEmptySurface) { EXPECT_FALSE(is_found(held_m, 0.0)); }
 
 }  // namespace

@@ -56,8 +56,8 @@ class LivePrediction {
   void set_baseline(std::vector<float> counts);
 
   /// Predicts from the frame `counts` [rows, cols] and from those that were lost before it.
-  /// `sequence` must increase. Throws data_error if the frames' rate is not the model's: if over 10 s
-  /// of a clip or more they are off by more than 5 % and one second.
+  /// `sequence` must increase. Throws data_error if the frames' rate is not the model's: if over 10
+  /// s of a clip or more they are off by more than 5 % and one second.
   void add(std::uint64_t sequence, double time_s, std::span<const std::uint16_t> counts,
            const Emit& emit);
   /// Starts a new clip with the next frame.

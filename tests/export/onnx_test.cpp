@@ -160,6 +160,9 @@ struct OnnxCase {
   ModelSpec spec;
 };
 
+/// Name in the output of a test.
+void PrintTo(const OnnxCase& tested, std::ostream* out) { *out << tested.name; }
+
 ModelSpec with_activation(Activation activation) {
   auto spec = small_spec(true);
   spec.activation = activation;

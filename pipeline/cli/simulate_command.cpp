@@ -216,6 +216,18 @@ scene::SimulationSummary run_job(const Job& job, const SimulateOptions& options,
              : scene::simulate_recording(job.scene, runtime, job.output, overwrite, job.provenance);
 }
 
+/// Runs a job. One of several whose images cannot be labelled is left out with a warning: nullopt.
+std::optional<scene::SimulationSummary> try_job(const Job& job, const SimulateOptions& options,
+                                                Runtime* runtime, bool overwrite, bool is_only) {
+  try {
+    return run_job(job, options, runtime, overwrite);
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::data || is_only) throw;
+    fmt::print(stderr, "warning: {} is left out: {}\n", job.output.string(), error.what());
+    return std::nullopt;
+  }
+}
+
 ExitCode run(const SimulateOptions& given, const Invocation& invocation) {
   SimulateOptions options = given;
   options.settings.insert(options.settings.end(), given.former_settings.begin(),
@@ -230,14 +242,18 @@ ExitCode run(const SimulateOptions& given, const Invocation& invocation) {
   nlohmann::json rows = nlohmann::json::array();
   Progress progress("simulated minutes", total_minutes(jobs));
   for (const Job& job : jobs) {
-    const auto summary = run_job(job, options, runtime ? &*runtime : nullptr,
-                                 invocation.overwrite || options.resume);
+    const auto summary = try_job(job, options, runtime ? &*runtime : nullptr,
+                                 invocation.overwrite || options.resume, jobs.size() == 1);
+    if (summary) rows.push_back(to_json(*summary, job.output.string()));
+    if (summary && !invocation.json) print_summary(*summary, job.output.string());
     if (jobs.size() > 1) progress.advance(total_minutes({&job, 1}), job.output.string());
-    rows.push_back(to_json(summary, job.output.string()));
-    if (!invocation.json) print_summary(summary, job.output.string());
   }
   if (invocation.json)
     fmt::print("{}\n", (rows.size() == 1 ? rows[0] : nlohmann::json{{"recordings", rows}}).dump(2));
+  if (rows.size() < jobs.size())
+    throw data_error(fmt::format("{} of {} recordings cannot be labelled",
+                                 jobs.size() - rows.size(), jobs.size()),
+                     "the others are complete; give more --minutes");
   return ExitCode::done;
 }
 

@@ -128,6 +128,20 @@ TEST(SimulateCommand, ResumeLabelsARecordingWhoseLabelsAreMissing) {
   EXPECT_EQ(read_labels(folder / "ball.labels.h5").object.position_m, first.object.position_m);
 }
 
+/// A single short clip shows too little of the hand behind a dumbbell.
+TEST(SimulateCommand, ARecordingThatCannotBeLabelledDoesNotStopTheOthers) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> command{"simulate",      (folder / "out").string(),
+                                         "--quiet",       "--object",
+                                         "dumbbell,ball", "--minutes",
+                                         "0.2",           "--label",
+                                         "--tracker",     "component",
+                                         "--board-views", "8"};
+  EXPECT_EQ(touchtrace(command), 3);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/dumbbell.labels.h5"));
+  EXPECT_GT(read_labels(folder / "out/ball.labels.h5").time_s.size(), 100u);
+}
+
 TEST(SimulateCommand, FormerNamesOfCommandFlagAndKeyAreAccepted) {
   const TemporaryFolder folder;
   const auto glove_noise = [](const std::filesystem::path& file) {

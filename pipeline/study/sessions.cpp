@@ -58,8 +58,8 @@ std::vector<LabelledRecording> pair_files(const std::vector<std::string>& record
   if (!labels.empty() && files.size() != labels.size())
     throw usage_error(
         fmt::format("{} recordings but {} label files", files.size(), labels.size()),
-        "give one --labels file per --recording, in the same order, or none if wave.labels.h5 is "
-        "beside wave.h5");
+        "give one --labels file per --recording, in the same order, or none if the labels of "
+        "wave.h5 are wave.labels.h5");
   std::vector<LabelledRecording> sources;
   for (std::size_t i = 0; i < files.size(); ++i)
     sources.push_back({files[i], labels.empty() ? labels_of(files[i]) : fs::path(labels[i])});

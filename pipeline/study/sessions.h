@@ -8,7 +8,7 @@
 
 namespace touchtrace::study {
 
-/// Labels beside a recording: wave.labels.h5 of wave.h5.
+/// Default path of a recording's labels: wave.labels.h5 of wave.h5.
 std::filesystem::path labels_of(const std::filesystem::path& recording);
 
 /// Pairs recordings and label files by position; `labels` empty: labels_of() each recording. A

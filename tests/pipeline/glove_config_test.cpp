@@ -5,8 +5,8 @@
 #include "engine/base/error.h"
 #include "pipeline/acquire/glove/protocol.h"
 #include "pipeline/acquire/record/session.h"
-#include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/command_line.h"
 
 namespace touchtrace {
 namespace {
@@ -25,14 +25,6 @@ json config() {
   learned.polarity = -1;
   learned.baseline_counts = {900, 901, 902.5, 903, 904, 1023};
   return glove_config_json("mit-rows", small_glove(), learned);
-}
-
-int run(std::vector<std::string> arguments) {
-  std::vector<const char*> argv{"touchtrace"};
-  for (const auto& argument : arguments) argv.push_back(argument.c_str());
-  argv.push_back("--quiet");
-  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
-                               argv.data());
 }
 
 TEST(GloveConfig, ReadsWhatLearningWrites) {
@@ -114,7 +106,7 @@ TEST(GloveConfig, RecordUsesIt) {
                                  (folder / "a.h5").string(),
                                  "--overwrite"};
     all.insert(all.end(), more.begin(), more.end());
-    return run(all);
+    return testing::run_touchtrace(all);
   };
   ASSERT_EQ(record({"--protocol", "mit-rows"}), 0);
   const RecordingReader reader(folder / "a.h5");
@@ -163,13 +155,13 @@ TEST(GloveConfig, LearningWritesIt) {
       "--cols",     "3",        "--bits",   "10",
       "--rate-hz",  "25",       "--speed",  "0",
       "--seconds",  "1.5",      "--output", (folder / "glove.json").string()};
-  ASSERT_EQ(run(learn), 0);
+  ASSERT_EQ(testing::run_touchtrace(learn), 0);
   const GloveConfig read = read_glove_config(folder / "glove.json");
   EXPECT_EQ(read.polarity, 1);
   EXPECT_EQ(read.protocol, "mit-rows");
   ASSERT_EQ(read.baseline_counts.size(), 6u);
   for (const float count : read.baseline_counts) EXPECT_NEAR(count, 301.5f, 1.5f);
-  EXPECT_EQ(run(learn), 2) << "the file exists";
+  EXPECT_EQ(testing::run_touchtrace(learn), 2) << "the file exists";
 }
 
 }  // namespace

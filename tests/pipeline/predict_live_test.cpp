@@ -7,8 +7,8 @@
 #include "engine/base/files.h"
 #include "pipeline/acquire/glove/protocol.h"
 #include "pipeline/acquire/record/glove_config.h"
-#include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/command_line.h"
 #include "tests/support/http_client.h"
 #include "tests/support/pseudo_terminal.h"
 #include "tests/verify/record/live_rows.h"
@@ -23,17 +23,9 @@ using testing::TemporaryFolder;
 
 constexpr double rate_hz = 15.0;
 
-int run(std::vector<std::string> arguments) {
-  std::vector<const char*> argv{"touchtrace"};
-  for (const auto& argument : arguments) argv.push_back(argument.c_str());
-  argv.push_back("--quiet");
-  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
-                               argv.data());
-}
-
 std::vector<json> rows_of(const std::vector<std::string>& arguments, int exit_code = 0) {
   ::testing::internal::CaptureStdout();
-  EXPECT_EQ(run(arguments), exit_code);
+  EXPECT_EQ(testing::run_touchtrace(arguments), exit_code);
   return parse_rows(::testing::internal::GetCapturedStdout());
 }
 
@@ -66,8 +58,9 @@ class PredictLive : public ::testing::Test {
 
   /// Records the bytes and compares predictions of the recording with those of the bytes.
   void expect_equal_predictions() {
-    EXPECT_EQ(run({"record", "--glove", at("glove.bin"), "--glove-config", at("glove.json"),
-                   "--speed", "0", "--output", at("a.h5"), "--overwrite"}),
+    EXPECT_EQ(testing::run_touchtrace({"record", "--glove", at("glove.bin"), "--glove-config",
+                                       at("glove.json"), "--speed", "0", "--output", at("a.h5"),
+                                       "--overwrite"}),
               0);
     const auto recorded = rows_of({"predict", "--model", at("model"), "--recording", at("a.h5")});
     auto arguments = live(at("glove.bin"));
@@ -83,12 +76,13 @@ class PredictLive : public ::testing::Test {
 };
 
 TEST_F(PredictLive, EqualsPredictionsOfARecordingOfASimulatedGlove) {
-  ASSERT_EQ(run({"simulate", at("scene.h5"), "--no-images", "--minutes", "0.2", "--clip-s", "12"}),
+  ASSERT_EQ(testing::run_touchtrace(
+                {"simulate", at("scene.h5"), "--no-images", "--minutes", "0.2", "--clip-s", "12"}),
             0);
   const GloveStream glove = RecordingReader(folder_ / "scene.h5").recording().gloves.at(0);
   ASSERT_DOUBLE_EQ(glove.info.rate_hz, rate_hz);
   write_config(glove);
-  ASSERT_EQ(run({"send", at("scene.h5"), "--output", at("glove.bin")}), 0);
+  ASSERT_EQ(testing::run_touchtrace({"send", at("scene.h5"), "--output", at("glove.bin")}), 0);
   for (const auto object : {ObjectEncoder::none, ObjectEncoder::joint}) {
     write_model(object);
     expect_equal_predictions();
@@ -208,7 +202,7 @@ TEST_F(PredictLive, PredictAndRecordServeAPage) {
       std::raise(SIGINT);
     });
     ::testing::internal::CaptureStdout();
-    EXPECT_EQ(run(arguments), 0);
+    EXPECT_EQ(testing::run_touchtrace(arguments), 0);
     ::testing::internal::GetCapturedStdout();
     viewer.join();
     EXPECT_NE(html.find("<title>touchtrace live</title>"), std::string::npos);
@@ -222,12 +216,14 @@ TEST_F(PredictLive, InvalidUseHasExitCode) {
   write_model();
   write_config(wavy_glove(32, 32, 1, rate_hz));
   testing::put(folder_ / "noise.bin", std::string(10'000, '\xff'));
-  EXPECT_EQ(run({"predict", "--model", at("model")}), 2);
-  EXPECT_EQ(run({"predict", "--model", at("model"), "--page", "--recording", "a.h5"}), 2);
+  EXPECT_EQ(testing::run_touchtrace({"predict", "--model", at("model")}), 2);
+  EXPECT_EQ(
+      testing::run_touchtrace({"predict", "--model", at("model"), "--page", "--recording", "a.h5"}),
+      2);
   auto arguments = live(at("noise.bin"));
   arguments.insert(arguments.end(), {"--speed", "0"});
-  EXPECT_EQ(run(arguments), 3) << "no frame";
-  EXPECT_EQ(run(live("/dev/none")), 3);
+  EXPECT_EQ(testing::run_touchtrace(arguments), 3) << "no frame";
+  EXPECT_EQ(testing::run_touchtrace(live("/dev/none")), 3);
   for (const std::vector<std::string>& more : {std::vector<std::string>{"--recording", "a.h5"},
                                                {"--labels", "a.labels.h5"},
                                                {"--restart-steps", "5"},
@@ -235,13 +231,13 @@ TEST_F(PredictLive, InvalidUseHasExitCode) {
                                                {"--rows", "16"}}) {
     arguments = live(at("noise.bin"));
     arguments.insert(arguments.end(), more.begin(), more.end());
-    EXPECT_EQ(run(arguments), 2) << more[0];
+    EXPECT_EQ(testing::run_touchtrace(arguments), 2) << more[0];
   }
   for (const std::vector<std::string>& more :
        {std::vector<std::string>{"--rate-hz", "30"}, {"--protocol", "stag"}}) {
     arguments = live(at("noise.bin"));
     arguments.insert(arguments.end(), more.begin(), more.end());
-    EXPECT_EQ(run(arguments), 3) << more[0];
+    EXPECT_EQ(testing::run_touchtrace(arguments), 3) << more[0];
   }
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
-#include "engine/base/progress.h"
 
 namespace touchtrace {
 namespace {
@@ -62,19 +61,9 @@ std::string McapFile::read_bytes(std::uint64_t position, std::uint64_t size) {
 }
 
 void McapFile::read_index() {
-  Progress progress("reading the bag", file_bytes_);
-  std::uint64_t position = magic.size();
-  try {
-    while (position + magic.size() < file_bytes_) {
-      const std::uint64_t next = read_record(position);
-      progress.advance(next - position);
-      position = next;
-    }
-  } catch (const std::out_of_range&) {
-    if (num_messages_ == 0) throw;
-    Progress::report(fmt::format("warning: {} ends early, at byte {}; the messages before are used",
-                                 file_.string(), position));
-  }
+  read_records(file_, magic.size(),
+               file_bytes_ - std::min<std::uint64_t>(file_bytes_, magic.size()), num_messages_,
+               [this](std::uint64_t position) { return read_record(position); });
 }
 
 std::uint64_t McapFile::read_record(std::uint64_t position) {

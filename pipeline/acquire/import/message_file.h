@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -38,5 +40,12 @@ class MessageFile {
   /// Bytes of a message, valid until the next call. Throws std::exception if it is damaged.
   virtual ByteSpan read(const BagMessage& message) = 0;
 };
+
+/// Calls `read_record` from `begin` to `end`; it returns the position of the next record. Reports a
+/// file that ends early (std::out_of_range), or rethrows if `num_messages`, which `read_record`
+/// counts, is still 0.
+void read_records(const std::filesystem::path& file, std::uint64_t begin, std::uint64_t end,
+                  const std::size_t& num_messages,
+                  const std::function<std::uint64_t(std::uint64_t)>& read_record);
 
 }  // namespace touchtrace

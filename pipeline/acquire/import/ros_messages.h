@@ -29,7 +29,7 @@ bool is_image_type(const std::string& type);
 RosImage parse_image(ByteSpan message, const std::string& type, RosSerialization serialization);
 /// Fields of a sensor_msgs/CameraInfo that describe the camera, by name.
 nlohmann::json parse_camera_info(ByteSpan message, RosSerialization serialization);
-/// Of a std_msgs/Float32 in ROS 1 serialization.
+/// Value of a std_msgs/Float32 message in ROS 1 serialization.
 float parse_float32(ByteSpan message);
 
 /// Pixels: CV_8UC3, blue first, or of depth CV_16UC1 counts or CV_32FC1 metres. Throws

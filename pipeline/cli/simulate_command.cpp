@@ -17,6 +17,7 @@
 #include "pipeline/scene/objects/object_file.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/simulate/data_sets.h"
+#include "pipeline/scene/simulate/oracle.h"
 #include "pipeline/scene/simulate/simulate.h"
 #include "pipeline/study/sessions.h"
 
@@ -58,6 +59,10 @@ void describe(OptionSet& set, SimulateOptions& o) {
   set.integer("glove", s.glove,
               "number of the glove instance; each has its own gains, dead taxels and drift", 1,
               1000);
+  set.choice("sensed", s.sensed,
+             "what the glove's frames hold; force, acceleration: exact values, which show what "
+             "limits a model",
+             scene::sensed_names());
   set.flag("imu", s.inertial_unit,
            "inertial unit on the back of the hand: specific force, angular velocity, orientation");
   set.texts("set", o.settings, "scene parameters (see `touchtrace parameters`)")

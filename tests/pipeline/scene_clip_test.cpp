@@ -44,6 +44,39 @@ TEST(SceneClip, RejectsUnknownNamesAndSuggestsKnownOnes) {
   }
 }
 
+/// The vector that exact frames hold in their rows of signs `pair`.
+Vector3d exact_vector(const GloveStream& glove, std::size_t frame, int pairs, int pair) {
+  const GloveInfo& info = glove.info;
+  const auto value = [&](int axis, int sign) {
+    const int row = (2 * pair + sign) * info.rows / (2 * pairs);
+    const int col = (axis * info.cols + 2) / 3;
+    return 100.0 * glove.counts[frame * info.taxels() + row * info.cols + col] / 65535.0;
+  };
+  Vector3d result;
+  for (int axis = 0; axis < 3; ++axis) result[axis] = value(axis, 0) - value(axis, 1);
+  return result;
+}
+
+TEST(SceneClip, ExactForceAndAccelerationObeyNewtonsLaw) {
+  SceneOptions options = options_of("throw", "ball");
+  options.sensed = "force";
+  const ClipMotion forces = simulate_clip(options, 0, 1.0);
+  options.sensed = "acceleration";
+  const ClipMotion accelerations = simulate_clip(options, 0, 1.0);
+  ASSERT_EQ(forces.glove.sequence, accelerations.glove.sequence);
+  ASSERT_GT(forces.glove.frames(), 100u);
+  int flying = 0;
+  for (std::size_t frame = 1; frame < forces.glove.frames(); ++frame) {
+    const Vector3d force_n = exact_vector(forces.glove, frame, 1, 0);
+    const Vector3d expected =
+        force_n / options.object.mass_kg - gravity_m_per_s2 * Vector3d::UnitZ();
+    const Vector3d acceleration = exact_vector(accelerations.glove, frame, 2, 0);
+    EXPECT_LT((acceleration - expected).norm(), 0.03) << frame;  // counts of 0.0015 N and m/s^2
+    flying += force_n.isZero(0.0);
+  }
+  EXPECT_GT(flying, 5);
+}
+
 TEST(SceneClip, ClipsLastEightToTwelveSecondsWithoutOverlap) {
   const SceneOptions options;
   double shortest_s = 100.0, longest_s = 0.0, end_s = 0.0;

@@ -67,6 +67,7 @@ struct SceneOptions {
   int glove = 1;               ///< number of the glove instance; the hand is the same
   bool inertial_unit = false;  ///< on the back of the hand
   SceneParameters parameters = {};
+  std::string sensed = "touch";  ///< what the glove's frames hold, see simulate/oracle.h
 };
 
 }  // namespace touchtrace::scene

@@ -9,6 +9,7 @@
 #include "pipeline/scene/glove/inertial.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/scene/person/person_simulation.h"
+#include "pipeline/scene/simulate/oracle.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -89,6 +90,7 @@ ClipMotion simulate_clip(const SceneOptions& options, int clip, double start_s) 
     const bool held = simulation.grasp();
     if (!held && attempt < options.parameters.grasp.attempts) continue;
     ClipMotion motion = record(simulation, start_s, clip_span(options, clip).length_s);
+    replace_touch(options, motion);
     if (options.inertial_unit) motion.glove.inertial = sense_inertia(motion.samples, options, clip);
     return motion;
   }

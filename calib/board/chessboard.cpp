@@ -6,6 +6,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "calib/board/chessboard_part.h"
 #include "calib/board/saddle.h"
 #include "calib/board/upscaled_image.h"
 #include "engine/base/statistics.h"
@@ -13,7 +14,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr int large_image_px = 2000, detection_size_px = 1280, probing_size_px = 800;
+constexpr int large_image_px = 2000, detection_size_px = 1280;
 constexpr int min_refinement_px = 3, max_refinement_px = 20;
 constexpr int min_corners_per_side = 3;
 constexpr int num_profile_steps = 64;
@@ -95,13 +96,6 @@ double rise_width(std::vector<double> profile) {
   return (crossing(0.9) - crossing(0.1)) / num_profile_steps;
 }
 
-/// False where OpenCV takes the outer border of the board for a row of inner corners.
-bool are_saddles(const GreyImage& image, const std::vector<Eigen::Vector2d>& corners) {
-  return std::ranges::all_of(corners, [&](const Eigen::Vector2d& corner) {
-    return refine_saddle_point(image, corner, min_refinement_px).has_value();
-  });
-}
-
 /// Detects on a reduced image and refines each corner in the large one; {} if one has no saddle.
 std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image,
                                                  const CalibrationTarget& board) {
@@ -117,6 +111,13 @@ std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image,
     corner = *refined;
   }
   return corners;
+}
+
+/// Least and largest coordinate of cells.
+std::pair<int, int> minmax_of(const std::vector<LatticeCell>& cells, int axis) {
+  const auto [least, largest] =
+      std::ranges::minmax(cells, {}, [&](const LatticeCell& cell) { return cell[axis]; });
+  return {least[axis], largest[axis]};
 }
 
 }  // namespace
@@ -157,20 +158,15 @@ const TargetKind chessboard_kind{
       return TargetCorners{find_chessboard(image, board), {}};
     }};
 
-std::optional<CalibrationTarget> find_other_size(const GreyImage& image,
-                                                 const CalibrationTarget& board) {
-  const GreyImage small = reduced(image, reduction_to(image, probing_size_px));
-  const int c = board.columns, r = board.rows;
-  const std::pair<int, int> sizes[] = {
-      {c - 1, r - 1}, {c + 1, r + 1}, {c - 1, r},     {c, r - 1}, {c + 1, r},
-      {c, r + 1},     {c + 1, r - 1}, {c - 1, r + 1}, {r, c},     {r - 1, c - 1}};
-  for (const auto& [columns, rows] : sizes) {
-    if (columns < min_corners_per_side || rows < min_corners_per_side) continue;
-    const CalibrationTarget other{columns, rows, board.square_m};
-    const auto corners = find_in_upscaled({small, 1}, other, 0);
-    if (!corners.empty() && are_saddles(small, corners)) return other;
-  }
-  return {};
+std::optional<BoardSize> find_board_size(const GreyImage& image) {
+  const auto part = find_chessboard_part(reduced(image, reduction_to(image, detection_size_px)));
+  if (!part) return {};
+  const auto [least_column, last_column] = minmax_of(part->cells, 0);
+  const auto [least_row, last_row] = minmax_of(part->cells, 1);
+  const int columns = last_column - least_column + 1, rows = last_row - least_row + 1;
+  const bool is_filled = static_cast<int>(part->cells.size()) == columns * rows;
+  if (!is_filled || std::min(columns, rows) < min_corners_per_side) return {};
+  return BoardSize{std::max(columns, rows), std::min(columns, rows)};
 }
 
 }  // namespace touchtrace

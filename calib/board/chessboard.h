@@ -18,9 +18,16 @@ double relative_edge_width(const GreyImage& image, const std::vector<Eigen::Vect
 std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image,
                                              const CalibrationTarget& board);
 
-/// Board of a size near `board`'s that the image shows, for an error message; quick and not
-/// thorough.
-std::optional<CalibrationTarget> find_other_size(const GreyImage& image,
-                                                 const CalibrationTarget& board);
+/// Inner corners per row and per column.
+struct BoardSize {
+  int columns, rows;
+
+  auto operator<=>(const BoardSize&) const = default;
+};
+
+/// Size of the plain chessboard in an image, columns >= rows, looked for in a reduced image.
+/// Smaller than the board if the image shows a rectangular part of it. nullopt if the corners that
+/// are seen fill no rectangle.
+std::optional<BoardSize> find_board_size(const GreyImage& image);
 
 }  // namespace touchtrace

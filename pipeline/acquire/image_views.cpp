@@ -7,12 +7,11 @@
 #include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
-#include <optional>
 
 #include "calib/board/board_detector.h"
-#include "calib/rgbd/calibrate.h"
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "pipeline/acquire/board_size.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/acquire/decode_image.h"
 #include "pipeline/acquire/tum_folder.h"
@@ -66,41 +65,6 @@ BoardObservations largest_group(std::map<std::pair<int, int>, BoardDetector> det
   std::ranges::move(skipped, std::back_inserter(result.skipped));
   return result;
 }
-
-/// Notices early that the images show a board of another size than was asked for.
-class BoardSizeCheck {
- public:
-  explicit BoardSizeCheck(const CalibrationTarget& asked) : asked_(asked) {}
-
-  /// Throws data_error if hardly an image so far shows the board, and one shows another.
-  void add(const GreyImage& image, bool is_found, const fs::path& path) {
-    ++(is_found ? found_ : missed_);
-    if (!is_found && asked_.kind == &chessboard_kind && !seen_ && missed_ <= num_probed_images) {
-      seen_ = find_other_size(image, asked_);
-      image_ = path.string();
-    }
-    if (missed_ > num_probed_images + 4 * found_) require_no_other();
-  }
-  /// Many views that show a part of the board are no reason, if enough show all of it.
-  void finish() const {
-    if (found_ < min_views) require_no_other();
-  }
-
- private:
-  void require_no_other() const {
-    if (!seen_) return;
-    throw data_error(fmt::format("{} shows no board of {}x{} inner corners but one of {}x{}",
-                                 image_, asked_.columns, asked_.rows, seen_->columns, seen_->rows),
-                     fmt::format("--columns and --rows count inner corners: --columns {} --rows {}",
-                                 seen_->columns, seen_->rows));
-  }
-
-  static constexpr int num_probed_images = 3;
-  CalibrationTarget asked_;
-  std::optional<CalibrationTarget> seen_;
-  std::string image_;
-  int found_ = 0, missed_ = 0;
-};
 
 }  // namespace
 

@@ -7,8 +7,10 @@
 #include "calib/rgbd/comparison.h"
 #include "calib/rgbd/next_view.h"
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
 #include "engine/base/provenance.h"
 #include "engine/base/text.h"
+#include "pipeline/acquire/board_size.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/cli/calibrate_rig.h"
 #include "pipeline/cli/calibrate_summary.h"
@@ -21,7 +23,7 @@ namespace {
 struct CalibrateOptions {
   std::string recording, corners, output = "camera";
   std::vector<std::string> images, cameras, compare;
-  int columns = 9, rows = 6;
+  int columns = 0, rows = 0;
   double square_mm = 25.0, marker_mm = 18.0, tag_spacing = 0.3;
   std::string target = "chessboard", markers = "none", lens = "auto";
   bool watch = false, no_warp = false, no_target_deformation = false;
@@ -71,8 +73,11 @@ void describe(OptionSet& set, CalibrateOptions& o) {
            "detected corners: calibration.json, or text of mrcal ('filename x y level')")
       .value("FILE");
   set.choice("target", o.target, "kind of calibration target", target_choices());
-  set.integer("columns", o.columns, "inner corners, circles or tags per row", 2, 100);
-  set.integer("rows", o.rows, "inner corners, circles or tags per column", 2, 100);
+  set.integer(
+      "columns", o.columns,
+      "inner corners, circles or tags per row; 0: as the chessboard in the images has, or 9", 0,
+      100);
+  set.integer("rows", o.rows, "the same per column; 0: as in the images, or 6", 0, 100);
   set.number("square-mm", o.square_mm,
              "side of a square, distance of circles, or of rows of asymmetric circles [mm]", 0.1,
              1000.0)
@@ -86,8 +91,26 @@ void describe(OptionSet& set, CalibrateOptions& o) {
              1.0);
 }
 
+/// The images that tell the size of the board.
+std::vector<std::filesystem::path> sizing_images(const CalibrateOptions& o) {
+  if (o.target != chessboard_kind.name || o.markers != "none" || o.watch) return {};
+  return o.cameras.empty() ? image_files(o.images) : images_of_rig(o.cameras);
+}
+
+BoardSize board_size_of(const CalibrateOptions& o) {
+  if ((o.columns == 0) != (o.rows == 0))
+    throw usage_error("--columns and --rows go together", "give both or none");
+  if (o.columns > 0) return {o.columns, o.rows};
+  const auto images = sizing_images(o);
+  if (images.empty()) return {9, 6};
+  const BoardSize size = find_board_size(images);
+  Progress::report(fmt::format("the board has {}x{} inner corners", size.columns, size.rows));
+  return size;
+}
+
 CalibrationTarget target_of(const CalibrateOptions& o) {
-  CalibrationTarget target{o.columns, o.rows, 1e-3 * o.square_mm};
+  const BoardSize size = board_size_of(o);
+  CalibrationTarget target{size.columns, size.rows, 1e-3 * o.square_mm};
   target.kind = *std::ranges::find(target_kinds(), o.target, &TargetKind::name);
   if (target.kind == &chessboard_kind && o.markers != "none") target.kind = &charuco_kind;
   if (target.kind == &charuco_kind) {
@@ -99,8 +122,8 @@ CalibrationTarget target_of(const CalibrateOptions& o) {
     target.columns *= 2, target.rows *= 2;
     target.markers = {"apriltag_36h11", 1e-3 * o.marker_mm};
     target.square_m = target.markers->side_m * (1.0 + o.tag_spacing);
-  } else if (std::min(o.columns, o.rows) < 3) {
-    throw usage_error(fmt::format("a {} of {}x{} is too small", o.target, o.columns, o.rows),
+  } else if (std::min(size.columns, size.rows) < 3) {
+    throw usage_error(fmt::format("a {} of {}x{} is too small", o.target, size.columns, size.rows),
                       "--columns and --rows are 3 or more");
   }
   target.is_flat = o.no_warp;
@@ -205,8 +228,8 @@ Command calibrate_command() {
       "calibrate",
       "calibrate an RGB-D camera from board views: lens, depth error, poses, with covariance",
       {"touchtrace calibrate wave.h5 --output camera",
-       "touchtrace calibrate --images 'photos/left*.jpg' --columns 9 --rows 6 --square-mm 25 "
-       "--output camera",
+       "touchtrace calibrate --images photos --square-mm 25 --output camera",
+       "touchtrace calibrate --images 'photos/left*.jpg' --columns 9 --rows 6",
        "touchtrace calibrate --camera left=photos/left right=photos/right --output stereo",
        "touchtrace calibrate --images photos --target aprilgrid --columns 6 --rows 6 "
        "--marker-mm 88",

@@ -124,6 +124,14 @@ void print_summary(const RigCalibration& rig) {
 
 }  // namespace
 
+std::vector<fs::path> images_of_rig(const std::vector<std::string>& cameras) {
+  std::vector<fs::path> images;
+  for (const auto& source : parse_sources(cameras))
+    if (!source.is_corner_file())
+      std::ranges::copy(image_files({source.path}), std::back_inserter(images));
+  return images;
+}
+
 bool is_rig(const std::string& path) {
   return fs::path(path).filename() == "rig.json" || fs::exists(fs::path(path) / "rig.json");
 }

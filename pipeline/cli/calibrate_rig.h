@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct RigOptions {
   CalibrationOptions calibration;
   std::string output;
 };
+
+/// Images of all cameras, NAME=PATH as in RigOptions.
+std::vector<std::filesystem::path> images_of_rig(const std::vector<std::string>& cameras);
 
 /// Whether a path is a folder or rig.json of a calibrated rig.
 bool is_rig(const std::string& path);

@@ -67,7 +67,9 @@ class Rows {
   json run(const Candidate& candidate, const Run& run) const {
     json row = head(candidate);
     row["file"] = run.model->path;
-    row["seed"] = run.model->card.provenance.seed;
+    const Provenance& training = run.model->card.provenance;
+    row["seed"] = training.seed;
+    row["training_cpu_seconds"] = training.cpu_seconds;
     row.update(summary(run.scores.front(), group_.which));
     row.update(coverages(run, 0));
     return row;

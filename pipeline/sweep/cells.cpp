@@ -81,6 +81,13 @@ class Expansion {
     return stage;
   }
 
+  /// Whether a stage sets the option to one value in place of an axis.
+  bool has_one_value(const std::string& axis) const {
+    const std::string key = axis.substr(axis.rfind('.') + 1);
+    return std::ranges::any_of(cells_,
+                               [&](const Cell& cell) { return cell.options.contains(key); });
+  }
+
   /// Combinations of the referenced stages' axes, without the gathered ones.
   std::vector<json> joined(const Stage& stage) const {
     std::vector<json> combinations{json::object()};
@@ -101,7 +108,7 @@ class Expansion {
       combinations = std::move(next);
     }
     for (const auto& name : stage.gather)
-      if (!available.contains(name))
+      if (!available.contains(name) && !has_one_value(name))
         throw usage_error(fmt::format("gather: unknown axis '{}'", name),
                           suggestion(name, {available.begin(), available.end()}));
     return combinations;

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calib/board/board_detector.h"
+#include "calib/board/chessboard.h"
 #include "calib/rgbd/calibrate.h"
 #include "tests/calib/rendered_board.h"
 
@@ -84,6 +85,19 @@ TEST(ChessboardPart, IsNotOfASmallerBoard) {
   EXPECT_EQ(possible_places(*part, board_9x6, {}).size(), 2u);  // half a turn apart
   EXPECT_TRUE(possible_places(*part, {8, 6, 0.03}, {}).empty());
   EXPECT_TRUE(possible_places(*part, {10, 6, 0.03}, {}).empty());  // the board ends after nine
+}
+
+TEST(Chessboard, ItsSizeIsFound) {
+  for (const auto& [columns, rows] :
+       {std::pair(13, 9), std::pair(9, 6), std::pair(7, 7), std::pair(4, 3)}) {
+    const CalibrationTarget board{columns, rows, 0.03};
+    for (const double turn_rad : {0.1, 1.6}) {
+      const auto size =
+          find_board_size(render(board, board_pose(board, {0.3, -0.2, turn_rad}, {0.0, 0.0, 0.9})));
+      ASSERT_TRUE(size) << columns;
+      EXPECT_EQ(*size, (BoardSize{columns, rows}));
+    }
+  }
 }
 
 TEST(ChessboardPart, IsNotInAnImageWithoutABoard) {

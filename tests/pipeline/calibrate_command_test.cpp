@@ -70,7 +70,7 @@ TEST(CalibrateCommand, RefusesTargetsThatCannotBe) {
   write_grey(folder / "grey.pgm", 320, 240);
   const auto with = [&](const char* target, const char* columns) {
     return run({"--images", (folder / "*.pgm").string(), "--target", target, "--columns", columns,
-                "-o", (folder / "out").string()});
+                "--rows", "6", "-o", (folder / "out").string()});
   };
   EXPECT_EQ(with("charuco", "9"), 2);  // without --markers
   EXPECT_EQ(with("circles", "2"), 2);
@@ -262,6 +262,18 @@ TEST(CalibrateCommand, NamesTheSizeOfTheBoardThatTheImagesShow) {
   const std::string message = ::testing::internal::GetCapturedStderr();
   EXPECT_EQ(code, 3);
   EXPECT_NE(message.find("--columns 9 --rows 6"), std::string::npos) << message;
+}
+
+TEST(CalibrateCommand, FindsTheSizeOfTheBoardInTheImages) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run({"--images", (photographs / "left0?.jpg").string(), "-o", folder.path().string()}),
+            0);
+  const auto board = read_calibration(folder.path()).details["board"];
+  EXPECT_EQ(board["columns"], 9);
+  EXPECT_EQ(board["rows"], 6);
+  EXPECT_EQ(run({"--images", photographs.string(), "--columns", "9", "-o", folder.path().string(),
+                 "--overwrite"}),
+            2);
 }
 
 /// The corners of calibration.json, and the same as text of mrcal with one view partly seen.

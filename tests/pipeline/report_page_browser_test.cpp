@@ -259,6 +259,38 @@ TEST_F(ReportInBrowser, ChartsTheErrorOverAnOption) {
   EXPECT_EQ(count(options, "fill-opacity"), 1u) << "band of the intervals";
 }
 
+TEST_F(ReportInBrowser, ChartsTheErrorOverTrainingTime) {
+  json metrics = metrics_document();
+  metrics["results"] = json::array(), metrics["runs"] = json::array();
+  // Of these, "slow" takes longer than "best" and errs more.
+  const std::vector<std::tuple<std::string, double, double>> models{
+      {"full x=fast", 0.5, 10}, {"full x=best", 0.25, 20}, {"full x=slow", 0.375, 40}};
+  for (const auto& [name, error, seconds] : models) {
+    json row = result("full", error, 0, 0);
+    row["model"] = name;
+    metrics["results"].push_back(row);
+    for (const double deviation : {-1.0, 1.0})
+      metrics["runs"].push_back({{"activity", row["activity"]},
+                                 {"object", row["object"]},
+                                 {"split", row["split"]},
+                                 {"model", name},
+                                 {"kind", "full"},
+                                 {"file", "x"},
+                                 {"seed", 1},
+                                 {"training_cpu_seconds", seconds + deviation}});
+  }
+  testing::put(folder_ / "metrics.json", metrics.dump());
+  const LoadedPage page =
+      load(folder_, report::render(report::report_data(report::find_inputs(folder_.path()))));
+  EXPECT_EQ(count(page.console, "CONSOLE"), 0u) << page.console;
+  const std::string options = section(page.dom, "options");
+  EXPECT_TRUE(contains_all(options, {"x=fast", "x=best", "x=slow", "CPU seconds"}));
+  EXPECT_EQ(count(options, "<circle"), 3u);
+  const std::size_t front = options.find("<path d=\"") + 9;
+  EXPECT_EQ(count(options.substr(front, options.find('"', front) - front), "L"), 1u)
+      << "fast, best";
+}
+
 TEST_F(ReportInBrowser, ReactsToChooserAndSliderAndPaintsCanvases) {
   const LoadedPage page = load(folder_, write_inputs_and_render(folder_), R"(
     const choice = document.querySelector("select");

@@ -116,6 +116,14 @@ TEST_F(SweepStudy, GatheredAxesGiveOneCellWithAllValues) {
   EXPECT_EQ(all[7].options["files"].size(), 3u);
 }
 
+TEST_F(SweepStudy, AnAxisWithOneValueCanBeGathered) {
+  const auto all = cells(
+      "[make]\nsize = 2\nkind = [\"small\", \"large\"]\n"
+      "[use]\ngather = [\"size\", \"make.size\"]\nfiles = \"@make\"\n");
+  ASSERT_EQ(all.size(), 2u + 2u);
+  EXPECT_EQ(all[3].axes, json({{"kind", "large"}}));
+}
+
 TEST_F(SweepStudy, AnotherCommitHasOtherCells) {
   const auto file = folder_ / "study.toml";
   std::ofstream(file) << two_stages;

@@ -1,5 +1,5 @@
 // Line charts in SVG.
-// series: {x, y, stroke: name of a colour, dash, band: [low, high], opacity: of the band, dots: radius}; null: gap.
+// series: {x, y, stroke: name of a colour, dash, band: [low, high], opacity: of the band, dots: radius, labels: of the dots}; null: gap.
 
 function niceTicks(from, to, count) {
   const low = Math.min(from, to), high = Math.max(from, to);
@@ -59,6 +59,7 @@ function drawSeries(svg, series, sx, sy) {
   if (series.dots) {
     series.x.forEach((v, i) => known(v) && known(series.y[i]) &&
       svg.append(svgElement("circle", { cx: sx(v).toFixed(1), cy: sy(series.y[i]).toFixed(1), r: series.dots, style: `fill:var(--${series.stroke})`, "fill-opacity": 0.55 })));
+    (series.labels || []).forEach((text, i) => svg.append(svgElement("text", { x: sx(series.x[i]) + 6, y: sy(series.y[i]) + 4 }, text)));
   } else {
     svg.append(svgElement("path", { d: pathOf(series.x, series.y, sx, sy), fill: "none", style: `stroke:var(--${series.stroke})`, "stroke-width": series.width || 1.8, "stroke-dasharray": series.dash || "none", "stroke-linejoin": "round" }));
   }

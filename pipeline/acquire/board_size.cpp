@@ -1,0 +1,79 @@
+#include "pipeline/acquire/board_size.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+
+#include "calib/rgbd/calibrate.h"
+#include "engine/base/error.h"
+#include "engine/base/progress.h"
+#include "pipeline/acquire/decode_image.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr int num_probed_images = 3;
+constexpr int clear_lead = 3;  // images by which a size leads the others
+
+bool is_clear(const std::map<BoardSize, int>& images_of) {
+  int most = 0, second = 0;
+  for (const auto& [size, images] : images_of) {
+    second = std::max(second, std::min(most, images));
+    most = std::max(most, images);
+  }
+  return most - second >= clear_lead;
+}
+
+}  // namespace
+
+BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
+  std::map<BoardSize, int> images_of;
+  Progress progress("looking for the size of the board", images.size());
+  for (const auto& path : images) {
+    progress.advance();
+    const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    if (pixels.empty()) continue;
+    const auto size =
+        find_board_size(GreyImage{pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}});
+    if (size) ++images_of[*size];
+    if (is_clear(images_of)) break;
+  }
+  if (images_of.empty())
+    throw data_error("no image shows a chessboard",
+                     "give --columns and --rows, which count inner corners, or another --target");
+  return std::ranges::max_element(images_of, {},
+                                  [](const auto& entry) {
+                                    return std::pair(entry.second,
+                                                     entry.first.columns * entry.first.rows);
+                                  })
+      ->first;
+}
+
+void BoardSizeCheck::add(const GreyImage& image, bool is_found, const std::filesystem::path& path) {
+  ++(is_found ? found_ : missed_);
+  if (!is_found && asked_.kind == &chessboard_kind && !seen_ && missed_ <= num_probed_images) {
+    seen_ = find_board_size(image);
+    image_ = path.string();
+  }
+  if (missed_ > num_probed_images + 4 * found_) require_no_other();
+}
+
+void BoardSizeCheck::finish() const {
+  if (found_ < min_views) require_no_other();
+}
+
+void BoardSizeCheck::require_no_other() const {
+  const BoardSize asked{std::max(asked_.columns, asked_.rows),
+                        std::min(asked_.columns, asked_.rows)};
+  if (!seen_ || *seen_ == asked) return;
+  throw data_error(
+      fmt::format("{} shows no board of {}x{} inner corners but one of {}x{}", image_,
+                  asked_.columns, asked_.rows, seen_->columns, seen_->rows),
+      fmt::format("leave out --columns and --rows, or give --columns {} --rows {}: they count "
+                  "inner corners",
+                  seen_->columns, seen_->rows));
+}
+
+}  // namespace touchtrace

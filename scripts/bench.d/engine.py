@@ -92,8 +92,8 @@ def online_figures(options, folder):
     all_at_once.close()
     with busy_core():
         times = [np.concatenate([side(options.online_count) for _ in range(options.rounds)]) for side in (engine, peer)]
-    yield at_most("online step beside a busy core, 99th percentile, engine", np.percentile(times[0], 99), "us", 1000)
-    yield row("online step beside a busy core, 99th percentile, PyTorch", np.percentile(times[1], 99), "us")
+    yield at_most("online step with a busy core, 99th percentile, engine", np.percentile(times[0], 99), "us", 1000)
+    yield row("online step with a busy core, 99th percentile, PyTorch", np.percentile(times[1], 99), "us")
     yield at_most("online step, state and spread against PyTorch", distance(engine, peer), "relative", 1e-5)
     engine.close()
 
@@ -119,7 +119,7 @@ def engine_has_gpu(options):
 
 
 def gpu_figures(options, folder):
-    """Reported, whatever it is: the training step on a GPU that both PyTorch and the engine can use."""
+    """The training step on a GPU that both PyTorch and the engine can use, reported without a goal."""
     if not (torch.cuda.is_available() and engine_has_gpu(options)):
         print("gpu: no GPU offers both CUDA to PyTorch and OpenCL to the engine", file=sys.stderr)
         return

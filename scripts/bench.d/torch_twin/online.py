@@ -1,4 +1,4 @@
-"""Figure 6: one step at batch 1, a window in, state and band out, on a quiet machine and beside a busy core."""
+"""Figure 6: one step at batch 1, a window in, state and band out, on an idle machine and with one busy core."""
 import contextlib
 import os
 import statistics

@@ -56,7 +56,7 @@ json with_current_keys(json details) {
   return details;
 }
 
-/// Whether a JSON document is a camera_info or the like of another program.
+/// Whether a text is a JSON document of another program, such as a camera_info.
 bool is_foreign_json(const std::string& text) {
   const json document = json::parse(text, nullptr, false);
   return document.is_object() && !document.contains("schema");

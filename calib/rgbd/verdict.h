@@ -35,8 +35,7 @@ const char* grade_name(Grade grade);  ///< GOOD, WEAK, BAD
 ///  - colour reprojection RMS 0.5, 1.5 px; at least 8, 4 views
 ///  - standard deviation of fx, fy: 0.5, 2 % of fx; of cx, cy: 0.5, 2 % of the image width
 ///  - median BoardView::relative_edge_width: 0.25, none; public sets have 0.03 to 0.13
-///  - ViewCovariance::inflation, which the standard deviations include: 4, none; 16 of 20 public
-///  sets
+///  - ViewCovariance::inflation, part of the standard deviations: 4, none; 16 of 20 public sets
 ///    have less
 ///  - |fy / fx - 1|, where it exceeds 4 standard deviations: 1, 10 %
 ///  - projection_sigma_px() over the best four fifths of the image: 0.25, 2 % of its width

@@ -21,9 +21,8 @@ struct RigSolution {
 ///     frame_inflation   ViewCovariance::inflation
 ///     epipolar          [{cameras [a, b], rms_px in held-out frames, frames}..], with
 ///                       CalibrationOptions::cross_validate; null: no convergence
-///     frames            [{name, used, images {camera: file}, rms_sigmas}..]; rms_sigmas: RMS of
-///     the
-///                       residuals over the noise of a corner
+///     frames            [{name, used, images {camera: file}, rms_sigmas}..]; rms_sigmas: RMS
+///                       of the residuals over the noise of a corner
 ///     outlier_frames    [name..]
 nlohmann::json rig_details(const RigSolution& solution, const RigCalibration& rig);
 

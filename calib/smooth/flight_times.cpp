@@ -107,7 +107,7 @@ double search_grid(const FlightCost& cost, double step, int half, double lowest,
 }
 
 /// Sets `times` to the best ones around a guess and returns their cost, which is infinite if there
-/// are none. By grids, which move until their middle is best and then shrink: the likelihood has
+/// are none. Uses grids, which move until their centre is best and then shrink: the likelihood has
 /// kinks where an event passes a frame.
 double search(const FlightCost& cost, const Flight& guess, double unit_s, double* times) {
   times[0] = cost.scaled_time(guess.release_s), times[1] = cost.scaled_time(guess.landing_s);

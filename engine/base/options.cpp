@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "engine/base/error.h"
+#include "engine/base/fault_list.h"
 #include "engine/base/text.h"
 
 namespace touchtrace {
@@ -37,29 +37,28 @@ std::string text_of(const Option::Target& target) {
       target);
 }
 
-void validate_number(const Option& option, double value) {
+void validate_number(const Option& option, double value, FaultList& faults) {
   if (value >= option.minimum && value <= option.maximum) return;
   const auto range = option.maximum < infinity
                          ? fmt::format("from {} to {}", option.minimum, option.maximum)
                          : fmt::format("at least {}", option.minimum);
-  throw usage_error(fmt::format("{} must be {}, not {}", option.label(), range, value),
-                    option.help);
+  faults.add(fmt::format("{} must be {}, not {}", option.label(), range, value), option.help);
 }
 
-void validate_numbers(const Option& option, const std::vector<double>& values) {
+void validate_numbers(const Option& option, const std::vector<double>& values, FaultList& faults) {
   if (!values.empty() && values.size() != option.count)
-    throw usage_error(fmt::format("{} needs {} numbers, {}, not {}", option.label(), option.count,
-                                  option.placeholder, values.size()),
-                      option.help);
-  for (double value : values) validate_number(option, value);
+    faults.add(fmt::format("{} needs {} numbers, {}, not {}", option.label(), option.count,
+                           option.placeholder, values.size()),
+               option.help);
+  for (double value : values) validate_number(option, value, faults);
 }
 
-void validate_text(const Option& option, const std::string& value) {
+void validate_text(const Option& option, const std::string& value, FaultList& faults) {
   if (option.choices.empty() || std::ranges::find(option.choices, value) != option.choices.end())
     return;
-  throw usage_error(fmt::format("{} cannot be '{}'{}", option.label(), value,
-                                did_you_mean(value, option.choices)),
-                    "choices: " + comma_separated(option.choices));
+  faults.add(fmt::format("{} cannot be '{}'{}", option.label(), value,
+                         did_you_mean(value, option.choices)),
+             "choices: " + comma_separated(option.choices));
 }
 
 }  // namespace
@@ -178,21 +177,25 @@ nlohmann::json OptionSet::values() const {
 }
 
 void OptionSet::validate() const {
+  FaultList faults;
   for (const auto& option : options_) {
-    if (option.required && option.is_empty())
-      throw usage_error(fmt::format("missing {}", option.label()), option.help);
+    if (option.required && option.is_empty()) {
+      faults.add("missing " + option.label(), option.help);
+      continue;
+    }
     std::visit(
         [&](const auto* target) {
           using Value = std::remove_cvref_t<decltype(*target)>;
           if constexpr (std::is_arithmetic_v<Value>)
-            validate_number(option, static_cast<double>(*target));
+            validate_number(option, static_cast<double>(*target), faults);
           else if constexpr (std::is_same_v<Value, std::vector<double>>)
-            validate_numbers(option, *target);
+            validate_numbers(option, *target, faults);
           else if constexpr (std::is_same_v<Value, std::string>)
-            validate_text(option, *target);
+            validate_text(option, *target, faults);
         },
         option.target);
   }
+  faults.throw_if_any("", "correct all of them");
 }
 
 }  // namespace touchtrace

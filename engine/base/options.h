@@ -80,8 +80,8 @@ class OptionSet {
 
   /// Current value of every listed option, by key.
   nlohmann::json values() const;
-  /// Throws usage_error if a value is out of range, not a choice, NaN, or required and empty, or if
-  /// a list has the wrong number of values.
+  /// Throws usage_error with all faults: values that are out of range, not a choice, NaN, or
+  /// required and empty, and lists with the wrong number of values.
   void validate() const;
 
  private:

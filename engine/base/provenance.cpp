@@ -37,7 +37,7 @@ std::string Provenance::input_hash(const std::filesystem::path& path) const {
 
 void to_json(nlohmann::json& json, const Provenance& p) {
   json = {{"schema", p.schema},
-          {"verb", p.command},
+          {"command", p.command},
           {"options", p.options},
           {"seed", p.seed},
           {"inputs", nlohmann::json::array()},
@@ -52,7 +52,7 @@ void to_json(nlohmann::json& json, const Provenance& p) {
 
 void from_json(const nlohmann::json& json, Provenance& p) {
   p.schema = json.at("schema");
-  p.command = json.at("verb");
+  p.command = json.at(json.contains("verb") ? "verb" : "command");  // "verb": former name
   p.options = json.at("options");
   p.seed = json.at("seed");
   for (const auto& input : json.at("inputs"))

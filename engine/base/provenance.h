@@ -15,7 +15,7 @@ struct Provenance {
   };
 
   std::string schema;      ///< kind and version of the output, e.g. "touchtrace/labels/1"
-  std::string command;     ///< "label"; JSON key "verb"
+  std::string command;     ///< "label"
   nlohmann::json options;  ///< all option values, including defaults
   std::uint64_t seed = 0;
   std::vector<Input> inputs;

@@ -13,7 +13,7 @@ toml::table read_toml_file(const std::filesystem::path& file) {
   } catch (const toml::parse_error& error) {
     throw usage_error(
         fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()),
-        "the file must be TOML 1.0");
+        "write it in TOML 1.0");
   }
 }
 

@@ -9,9 +9,11 @@ namespace touchtrace {
 
 // Transfers and layout changes of the double arrays of OperationCase.
 
+/// Rounds to float.
 Buffer<float> upload(Runtime& runtime, const std::vector<double>& values);
 std::vector<double> download(Runtime& runtime, const Buffer<float>& buffer);
 
+/// Concatenates two arrays.
 std::vector<double> joined(std::vector<double> first, const std::vector<double>& second);
 /// Returns the first `size` values and the remaining ones.
 std::pair<std::vector<double>, std::vector<double>> split(const std::vector<double>& values,

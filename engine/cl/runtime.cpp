@@ -191,7 +191,7 @@ void Runtime::on_side_queue(const std::function<void()>& enqueue_all) {
 
 Runtime::~Runtime() {
   for (const auto& queue : {side_queue_, queue_})
-    if (queue()) clFinish(queue());  // its error can be reported to nobody
+    if (queue()) clFinish(queue());  // a destructor cannot report its error
 }
 
 void Runtime::finish() {

@@ -28,7 +28,7 @@ struct Conv2dShape {
   /// Indices (row * out_cols + column, ascending) of output pixels whose taps read only zeros in
   /// every image. The direct method skips them.
   std::vector<int> dead = {};
-  /// Output without halo, for a dense layer. Its gradient has a halo all the same.
+  /// Output without halo, for a dense layer. Its gradient has a halo.
   bool compact_output = false;
 
   int taps() const { return kernel * kernel; }
@@ -97,6 +97,9 @@ class Conv2d {
 /// The method that takes fewer multiplications, padding included.
 Conv2dMethod best_method(const Conv2dShape& shape);
 
+/// Layer with the method and variants of `choice`. The direct method replaces Winograd's where that
+/// does not apply: other kernel sizes and strides, planes, Accuracy::exact, or too little local
+/// memory. With KernelVariant::gpu `choice` has no effect.
 std::unique_ptr<Conv2d> make_conv2d(Runtime& runtime, const Conv2dShape& shape,
                                     const Conv2dParameters& parameters, const Conv2dChoice& choice);
 

@@ -12,13 +12,14 @@ Defines conv2d_forward_defines(const Conv2dShape& shape);
 /// Cost of one pass over `images` of the shape's images.
 LaunchCost conv2d_cost(const Conv2dShape& shape, int images);
 
+/// As make_conv2d(), for the variants of KernelVariant::cpu.
 std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& shape,
                                            const Conv2dParameters& parameters,
                                            const Conv2dChoice& choice);
 std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,
                                              const Conv2dParameters& parameters,
                                              const Conv2dChoice& choice);
-/// KernelVariant::gpu.
+/// As make_conv2d(), for KernelVariant::gpu.
 std::unique_ptr<Conv2d> make_conv2d_gpu(Runtime& runtime, const Conv2dShape& shape,
                                         const Conv2dParameters& parameters);
 
@@ -34,7 +35,9 @@ class Conv2dWeightGradient {
   Conv2dWeightGradient(Runtime& runtime, const Conv2dShape& shape,
                        const Conv2dParameters& parameters, const Conv2dChoice& choice);
 
+  /// Adds the micro-batch's gradient to its accumulator, or overwrites it if `is_first`.
   Launch sum(const Conv2dMicroBatch& batch, bool is_first);
+  /// Adds the accumulators to Conv2dParameters::gradient.
   Launch finish();
 
  private:

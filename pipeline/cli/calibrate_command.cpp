@@ -124,7 +124,7 @@ CalibrationTarget target_of(const CalibrateOptions& o) {
     target.square_m = target.markers->side_m * (1.0 + o.tag_spacing);
   } else if (std::min(size.columns, size.rows) < 3) {
     throw usage_error(fmt::format("a {} of {}x{} is too small", o.target, size.columns, size.rows),
-                      "--columns and --rows are 3 or more");
+                      "give --columns and --rows of 3 or more");
   }
   target.is_flat = o.no_warp;
   return target;
@@ -137,9 +137,10 @@ void require_one_input(const CalibrateOptions& o) {
     throw usage_error(inputs == 0
                           ? "missing RECORDING, --images PATH, --corners FILE or --camera NAME=PATH"
                           : "RECORDING, --images, --corners and --camera cannot be combined",
-                      "touchtrace calibrate --help describes them");
+                      "give exactly one of them; touchtrace calibrate --help describes them");
   if (o.watch && o.images.size() != 1)
-    throw usage_error("--watch takes one folder", "touchtrace calibrate --images FOLDER --watch");
+    throw usage_error("--watch takes one folder",
+                      "run `touchtrace calibrate --images FOLDER --watch`");
 }
 
 BoardObservations observe(const CalibrateOptions& o) {
@@ -168,7 +169,8 @@ Provenance provenance_of(const CalibrateOptions& o, const Invocation& invocation
 
 ExitCode run_comparison(const std::vector<std::string>& files, bool as_json) {
   if (files.size() != 2)
-    throw usage_error("--compare takes two calibrations", "touchtrace calibrate --compare A B");
+    throw usage_error("--compare takes two calibrations",
+                      "run `touchtrace calibrate --compare A B`");
   if (is_rig(files[0]) || is_rig(files[1])) return compare_rigs(files[0], files[1], as_json);
   const auto difference = compare(read_calibration(files[0]), read_calibration(files[1]));
   if (as_json) {

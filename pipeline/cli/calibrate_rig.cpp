@@ -44,7 +44,7 @@ CameraImages parse_source(const std::string& text) {
                     : text.substr(0, equals);
   if (!is_camera_name(source.name) || source.path.empty())
     throw usage_error(fmt::format("cannot read the camera '{}'", text),
-                      "--camera NAME=PATH, where NAME has letters, digits, - and _");
+                      "write --camera NAME=PATH, where NAME has letters, digits, - and _");
   return source;
 }
 
@@ -162,7 +162,7 @@ ExitCode calibrate_rig(const RigOptions& options, const Invocation& invocation) 
   const auto sources = parse_sources(options.cameras);
   if (sources.size() < 2)
     throw usage_error("--camera needs two or more cameras",
-                      "--camera left=PATH right=PATH; for one camera: --images PATH");
+                      "give --camera left=PATH right=PATH, or for one camera --images PATH");
   const OutputFile refuses_existing(fs::path(options.output) / "rig.json", invocation.overwrite);
   RigCalibration rig = calibrate_rig(observe(sources, options.board), options.calibration);
   rig.details["provenance"] = provenance_of(sources, invocation, stopwatch);

@@ -106,8 +106,8 @@ class RunningCalibration {
 
 BoardObservations watch_folder(const WatchOptions& options, const Invocation& invocation) {
   if (!fs::is_directory(options.folder))
-    throw data_error(fmt::format("{} is no folder", options.folder),
-                     "--watch waits for images in the folder that --images names");
+    throw data_error(fmt::format("{} is not a folder", options.folder),
+                     "give --images FOLDER, in which --watch waits for images");
   RunningCalibration calibration(options, invocation);
   Progress::report(
       fmt::format("waiting for images in {}; Ctrl-C ends and leaves the last calibration in {}",

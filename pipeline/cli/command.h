@@ -58,10 +58,15 @@ struct CommandGroup {
   std::vector<Command> commands;
 };
 
+/// What replaces a former command.
+struct MovedCommand {
+  std::string place, hint;
+};
+
 struct Program {
   std::string name, summary;
   std::vector<CommandGroup> groups;
-  std::map<std::string, std::string> moved;  ///< former command -> program that has it now
+  std::map<std::string, MovedCommand> moved;  ///< by the former command's name
 };
 
 /// Parses and runs a command line; prints errors with their hints to stderr. Returns the exit code.

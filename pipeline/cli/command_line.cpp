@@ -49,8 +49,8 @@ const Command& find_command(const Program& program, const std::string& name) {
       if (command.name == name || std::ranges::count(command.former_names, name) > 0)
         return command;
   if (const auto moved = program.moved.find(name); moved != program.moved.end())
-    throw usage_error(fmt::format("'{}' moved to {}", name, moved->second),
-                      fmt::format("build the target {0} and run `{0} --list`", moved->second));
+    throw usage_error(fmt::format("'{}' moved to {}", name, moved->second.place),
+                      moved->second.hint);
   throw usage_error(
       fmt::format("unknown command '{}'{}", name, did_you_mean(name, command_names(program))),
       program.name + " --help lists all commands");

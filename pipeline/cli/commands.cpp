@@ -16,7 +16,11 @@ const Program& touchtrace_program() {
          calibrate_command(), mark_command(), label_command(), smooth_command(), train_command(),
          evaluate_command(), predict_command(), export_command(), report_command()}},
        {"Study", {plan_command(), sweep_command(), collect_command()}}},
-      {{"verify", "touchtrace-verify"}}};
+      {{"sensitivity",
+        {"a study", "run `touchtrace sweep scripts/studies/glove_parameters.toml --output DIR`"}},
+       {"verify",
+        {"touchtrace-verify",
+         "build the target touchtrace-verify and run `touchtrace-verify --list`"}}}};
   return program;
 }
 

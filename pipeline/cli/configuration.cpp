@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "engine/base/error.h"
+#include "engine/base/fault_list.h"
 #include "engine/base/text.h"
 #include "engine/base/toml_file.h"
 
@@ -40,32 +40,45 @@ bool assign(const toml::node& node, std::vector<T>& target) {
   return true;
 }
 
-/// Throws for keys outside any table and for tables that no command reads.
-void require_known_tables(const std::string& file, const toml::table& document,
-                          const std::vector<std::string>& command_names,
-                          const std::string& command) {
+/// Finds keys outside any table and tables that no command reads.
+void check_tables(const toml::table& document, const std::vector<std::string>& command_names,
+                  const std::string& command, FaultList& faults) {
   for (const auto& [key, node] : document) {
     if (!node.is_table())
-      throw usage_error(fmt::format("{}: key '{}' is outside any table", file, key.str()),
-                        fmt::format("put it below [{}]", command));
-    if (std::ranges::find(command_names, key.str()) == command_names.end())
-      throw usage_error(fmt::format("{}: unknown table [{}]{}", file, key.str(),
-                                    did_you_mean(key.str(), command_names)),
-                        "tables are named after commands: " + comma_separated(command_names));
+      faults.add(fmt::format("key '{}' is outside any table", key.str()),
+                 fmt::format("put it below [{}]", command));
+    else if (std::ranges::find(command_names, key.str()) == command_names.end())
+      faults.add(
+          fmt::format("unknown table [{}]{}", key.str(), did_you_mean(key.str(), command_names)),
+          "tables are named after commands: " + comma_separated(command_names));
   }
 }
 
-const Option& find_option(const std::string& file, const std::string& command, std::string_view key,
-                          const std::vector<Option>& options) {
+/// Option of a key of the command's table; null, and a fault, if there is none.
+const Option* find_option(const std::string& command, std::string_view key,
+                          const std::vector<Option>& options, FaultList& faults) {
   std::vector<std::string> keys;
   for (const Option& option : options) {
     if (option.name == "config" || option.name == "help") continue;
-    if (option.key() == key) return option;
+    if (option.key() == key) return &option;
     if (!option.help.empty()) keys.push_back(option.key());
   }
-  throw usage_error(
-      fmt::format("{}: unknown key '{}' in [{}]{}", file, key, command, did_you_mean(key, keys)),
-      "keys: " + comma_separated(keys));
+  faults.add(fmt::format("unknown key '{}' in [{}]{}", key, command, did_you_mean(key, keys)),
+             "keys: " + comma_separated(keys));
+  return nullptr;
+}
+
+/// Assigns the values of the command's table, except of options that are `given`.
+void apply_table(const toml::table& table, const std::string& command,
+                 const std::vector<Option>& options, const std::vector<std::string>& given,
+                 FaultList& faults) {
+  for (const auto& [key, node] : table) {
+    const Option* option = find_option(command, key.str(), options, faults);
+    if (!option || std::ranges::find(given, option->name) != given.end()) continue;
+    if (!std::visit([&](auto* target) { return assign(node, *target); }, option->target))
+      faults.add(fmt::format("value of '{}' in [{}] has the wrong type", key.str(), command),
+                 option->help);
+  }
 }
 
 }  // namespace
@@ -75,17 +88,12 @@ void apply_configuration(const std::filesystem::path& file,
                          const std::vector<Option>& options,
                          const std::vector<std::string>& given) {
   const toml::table document = read_toml_file(file);
-  require_known_tables(file.string(), document, command_names, command);
-  const toml::table* table = document[command].as_table();
-  if (!table) return;
-  for (const auto& [key, node] : *table) {
-    const Option& option = find_option(file.string(), command, key.str(), options);
-    if (std::ranges::find(given, option.name) != given.end()) continue;
-    if (!std::visit([&](auto* target) { return assign(node, *target); }, option.target))
-      throw usage_error(
-          fmt::format("{}: value of '{}' has the wrong type", file.string(), key.str()),
-          option.help);
-  }
+  FaultList faults;
+  check_tables(document, command_names, command, faults);
+  if (const toml::table* table = document[command].as_table())
+    apply_table(*table, command, options, given, faults);
+  faults.throw_if_any(file.string(),
+                      fmt::format("`touchtrace {} --help` lists the keys as options", command));
 }
 
 }  // namespace touchtrace::cli

@@ -63,14 +63,21 @@ void print_table(const json& document) {
   print_differences(document);
 }
 
+/// Provenance without inputs and times.
+Provenance make_provenance(const study::EvaluationOptions& options, const Invocation& invocation,
+                           const std::string& device) {
+  Provenance provenance = start_provenance("touchtrace/metrics/2", "evaluate");
+  provenance.options = invocation.options;
+  provenance.seed = options.seed;
+  provenance.device = device;
+  return provenance;
+}
+
 ExitCode run(const study::EvaluationOptions& options, const Invocation& invocation) {
   const Stopwatch watch;
   if (!options.output.empty()) OutputFile(options.output, invocation.overwrite);
   Runtime runtime(usable_device(invocation.device), accuracy_of(options.accuracy));
-  Provenance provenance = start_provenance("touchtrace/metrics/2", "evaluate");
-  provenance.options = invocation.options;
-  provenance.seed = options.seed;
-  provenance.device = runtime.device().name;
+  Provenance provenance = make_provenance(options, invocation, runtime.device().name);
   std::vector<study::LoadedModel> models;
   for (const auto& path : options.models) {
     models.push_back(study::load_model(runtime, path));

@@ -153,8 +153,10 @@ std::string zsh_completion(const std::vector<Described>& all) {
   for (const auto& described : all)
     text += fmt::format("  '{}:{}'\n", described.command->name, zsh(described.command->summary));
   text +=
-      ")\n\nif (( CURRENT == 2 )); then\n  _describe command commands\n  return\nfi\n\n"
-      "shift words\n(( CURRENT-- ))\ncase $words[1] in\n";
+      "  'help:describe a command'\n)\n\n"
+      "if (( CURRENT == 2 )); then\n  _describe command commands\n  return\nfi\n\n"
+      "shift words\n(( CURRENT-- ))\ncase $words[1] in\n"
+      "  help)\n    _describe command commands\n    ;;\n";
   for (const auto& [command, options] : all) {
     text += fmt::format("  {})\n    _arguments", command->name);
     for (const Option& option : options) text += " \\\n      " + zsh_specification(option);

@@ -91,7 +91,7 @@ void print(const LearnedGlove& glove, const std::string& output) {
 
 ExitCode run(const GloveOptions& options, const Invocation& invocation) {
   if (!options.learn || options.devices.glove.empty())
-    throw usage_error("nothing to do", "give --learn --glove PORT");
+    throw usage_error("nothing to do without --learn", "give --learn --glove PORT");
   if (!options.output.empty()) OutputFile(options.output, invocation.overwrite);
   SessionInfo session;
   const Devices devices = open_devices(options.devices, session);

@@ -13,7 +13,7 @@ class GlovePage {
  public:
   GlovePage(int port, const GloveInfo& info);
 
-  /// Shows a frame if somebody looks. `row`: of live_prediction.h or some of its members;
+  /// Shows a frame if a page is open. `row`: of live_prediction.h or some of its members;
   /// `arrival_s`: on the clock of monotonic_s().
   void show(nlohmann::json row, std::span<const float> pressure, const GloveStatus& status,
             double arrival_s);

@@ -27,10 +27,13 @@ void check(const PredictOptions& options) {
         is_live ? "--recording and --glove cannot be combined" : "nothing to predict from",
         "give either --recording FILE or --glove PORT");
   if (is_live && (!recorded.labels.empty() || recorded.restart_steps > 0))
-    throw usage_error("--labels and --restart-steps need a recording",
-                      "a live roll-out starts from the mean training state");
+    throw usage_error(
+        "--labels and --restart-steps need a recording",
+        "leave them out, or give --recording FILE: a live roll-out starts from the mean "
+        "training state");
   if (is_live && !recorded.output.empty())
-    throw usage_error("--output cannot be combined with --glove", "redirect stdout: > FILE");
+    throw usage_error("--output cannot be combined with --glove",
+                      "redirect standard output: > FILE");
   if (!is_live && options.live.page) throw usage_error("--page needs --glove", "give --glove PORT");
 }
 

@@ -32,7 +32,7 @@ void append(std::vector<std::filesystem::path>& paths, const std::vector<std::st
 void print_stages(const nlohmann::json& stages) {
   fmt::print("{:<12} {:<32} {:>9} {:>9}  {}\n", "command", "made", "seconds", "CPU s", "device");
   for (const auto& stage : stages)
-    fmt::print("{:<12} {:<32} {:>9.1f} {:>9.1f}  {}\n", stage.at("verb").get<std::string>(),
+    fmt::print("{:<12} {:<32} {:>9.1f} {:>9.1f}  {}\n", stage.at("command").get<std::string>(),
                stage.at("artefact").get<std::string>(), stage.at("wall_seconds").get<double>(),
                stage.at("cpu_seconds").get<double>(), stage.at("device").get<std::string>());
 }

@@ -37,7 +37,7 @@ void check(const SendOptions& options, const Invocation& invocation) {
     throw usage_error("--live cannot be combined with --output", "leave out one of them");
   if (!options.output.empty()) return;
   if (invocation.json)
-    throw usage_error("--json needs --output: stdout has the bytes", "use --output FILE");
+    throw usage_error("--json needs --output: standard output has the bytes", "use --output FILE");
   if (isatty(STDOUT_FILENO))
     throw usage_error("cannot write binary glove data to a terminal",
                       "use --output FILE or a pipe");
@@ -49,7 +49,7 @@ GloveStream glove_of(const SendOptions& options) {
   const auto index = static_cast<std::size_t>(options.glove - 1);
   if (index >= recording.gloves.size())
     throw data_error(fmt::format("{} has {} gloves", options.recording, recording.gloves.size()),
-                     "choose another with --glove");
+                     "choose another with --glove N; the first is 0");
   return recording.gloves[index];
 }
 

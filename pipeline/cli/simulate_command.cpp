@@ -258,7 +258,7 @@ ExitCode run(const SimulateOptions& given, const Invocation& invocation) {
   if (rows.size() < jobs.size())
     throw data_error(fmt::format("{} of {} recordings cannot be labelled",
                                  jobs.size() - rows.size(), jobs.size()),
-                     "the others are complete; give more --minutes");
+                     "simulate them again with more --minutes; the others are complete");
   return ExitCode::done;
 }
 

@@ -51,16 +51,17 @@ void require_valid(const SmoothCommandOptions& o) {
   if (!o.has_flights()) return;
   if (o.gravity_m_per_s2.empty())
     throw usage_error("--flights needs --gravity X Y Z",
-                      "z up: --gravity 0 0 -9.81; camera frame: --gravity 0 9.81 0");
+                      "give --gravity 0 0 -9.81 if z is up, 0 9.81 0 in a camera's frame");
   if (o.gravity().norm() == 0.0)
-    throw usage_error("--gravity must not be 0 0 0", "without gravity, pass --flights none");
+    throw usage_error("--gravity must not be 0 0 0",
+                      "give gravity, or --flights none for motion without it");
   if (o.flights != "find" && o.tracks.size() > 1)
     throw usage_error(
         fmt::format("--flights {} cannot be used with {} tracks", o.flights, o.tracks.size()),
         "give one track, or --flights find");
   if (o.flights != "find" && !std::filesystem::exists(o.flights))
     throw data_error(fmt::format("cannot read {}: no such file", o.flights),
-                     "--flights takes find, none, or a CSV file");
+                     "give --flights find, --flights none, or an existing CSV file");
 }
 
 /// Fails before the work if an output exists.

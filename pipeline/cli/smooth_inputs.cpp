@@ -19,7 +19,7 @@ std::string set_sigmas(TrackFile& file, double sigma_m) {
     throw data_error(fmt::format("the standard deviation of {} cannot be estimated from its {} "
                                  "samples",
                                  file.file.string(), file.track.size()),
-                     "pass it with --sigma METRES");
+                     "give --sigma METRES");
   for (auto& point : file.track) point.sigma_m = sigma;
   return sigma_m > 0.0 ? "option" : "data";
 }

@@ -74,6 +74,32 @@ void require_success(const sweep::SweepSummary& summary) {
                 "correct the cause and run the same command again: finished cells are kept");
 }
 
+ExitCode predict(const SweepOptions& options, const std::vector<sweep::Cell>& cells,
+                 const std::vector<bool>& selected, bool as_json) {
+  const json rows = sweep::predict(
+      cells, selected, options.output,
+      static_cast<std::size_t>(options.jobs) * static_cast<std::size_t>(options.tasks));
+  if (as_json)
+    fmt::print("{}\n", json{{"stages", rows}}.dump(2));
+  else
+    print_prediction(rows);
+  return ExitCode::done;
+}
+
+void print_results(json results, const sweep::SweepSummary& summary, const std::string& folder,
+                   bool as_json) {
+  if (as_json) {
+    results.update({{"done", summary.done},
+                    {"reused", summary.reused},
+                    {"failed", summary.failed},
+                    {"skipped", summary.skipped}});
+    fmt::print("{}\n", results.dump(2));
+  } else {
+    fmt::print("{}\n{} cells done, {} reused; results in {}\n", results["table"].get<std::string>(),
+               summary.done, summary.reused, folder);
+  }
+}
+
 ExitCode run(const SweepOptions& options, const Invocation& invocation) {
   if (options.launcher == "slurm" && !options.shard.empty())
     throw usage_error("--launcher slurm cannot be combined with --shard", "give --tasks N");
@@ -82,29 +108,10 @@ ExitCode run(const SweepOptions& options, const Invocation& invocation) {
                                    commands, options.output);
   const auto selected = sweep::cells_of(
       options.shard.empty() ? sweep::Shard{} : sweep::parse_shard(options.shard), cells);
-  if (options.dry_run) {
-    const json rows = sweep::predict(
-        cells, selected, options.output,
-        static_cast<std::size_t>(options.jobs) * static_cast<std::size_t>(options.tasks));
-    if (invocation.json)
-      fmt::print("{}\n", json{{"stages", rows}}.dump(2));
-    else
-      print_prediction(rows);
-    return ExitCode::done;
-  }
+  if (options.dry_run) return predict(options, cells, selected, invocation.json);
   sweep::write_manifest(options.output, cells);
   const auto summary = launch(options, cells, selected);
-  json results = sweep::collect(options.output, {});
-  if (invocation.json) {
-    results.update({{"done", summary.done},
-                    {"reused", summary.reused},
-                    {"failed", summary.failed},
-                    {"skipped", summary.skipped}});
-    fmt::print("{}\n", results.dump(2));
-  } else {
-    fmt::print("{}\n{} cells done, {} reused; results in {}\n", results["table"].get<std::string>(),
-               summary.done, summary.reused, options.output);
-  }
+  print_results(sweep::collect(options.output, {}), summary, options.output, invocation.json);
   require_success(summary);
   return ExitCode::done;
 }

@@ -56,14 +56,14 @@ void print_row(const std::string& what, const TunedTimes& times, const std::stri
 
 /// Prints the variants chosen, per encoder.
 void print_choices(const Tuning& tuning, const std::vector<ConvStackShape>& encoders) {
-  fmt::print("  {:<46} {:>9} {:>9}  {}\n", "", "default ms", "chosen ms", "choice");
+  fmt::print("  {:<46} {:>9} {:>9}  {}\n", "", "default ms", "tuned ms", "choice");
   for (const auto& encoder : encoders) {
     const auto first = encoder.layers()[0];
-    const auto& part = *tuning.micro_batch(first);
+    const auto& micro_batch = *tuning.micro_batch(first);
     print_row(fmt::format("{} windows of {} x {} x {}", first.images, first.in_channels, first.rows,
                           first.cols),
-              part.times, fmt::format("parts of {}", part.images));
-    for (const auto& shape : encoder.of_windows(part.images).layers()) {
+              micro_batch.times, fmt::format("micro-batches of {}", micro_batch.images));
+    for (const auto& shape : encoder.of_windows(micro_batch.images).layers()) {
       const auto& layer = *tuning.layer(shape);
       print_row(fmt::format("  {} x {} x {} x {} to {} channels, {} x {} by {}", shape.images,
                             shape.in_channels, shape.rows, shape.cols, shape.out_channels,
@@ -77,12 +77,17 @@ nlohmann::json times_json(const TunedTimes& times) {
   return {{"default_ms", times.default_ms}, {"tuned_ms", times.tuned_ms}};
 }
 
-ExitCode run(const TuneOptions& options, const Invocation& invocation) {
-  Runtime runtime(usable_device(invocation.device));
+/// Tunings before and after the whole update was measured with the tuned kernels.
+struct TuneResult {
+  std::filesystem::path path;  ///< of the tuning file
+  bool was_complete, stays;    ///< stays: the update is not slower than with the default variants
+  Tuning measured, kept;
+  TunedTimes update;
+};
+
+TuneResult tune_update(Runtime& runtime, const TuneOptions& options,
+                       const std::vector<ConvStackShape>& encoders) {
   const auto path = writable_tuning_path();
-  const auto spec = spec_of(options);
-  const auto encoders =
-      training_encoders(spec, options.sequences, options.steps, options.object_segments);
   auto tuning = read_tuning(path, runtime.device());
   const bool was_complete = is_complete(tuning, encoders);
   const auto keep = [&] { write_tuning(path, runtime.device(), tuning); };
@@ -90,27 +95,40 @@ ExitCode run(const TuneOptions& options, const Invocation& invocation) {
     keep();  // fails now instead of after a minute if the file cannot be written
     tune(runtime, encoders, tuning, keep);
   }
-  const auto update = measure_update_times(runtime, spec, options.sequences, options.steps, tuning);
+  const auto update =
+      measure_update_times(runtime, spec_of(options), options.sequences, options.steps, tuning);
   const bool stays = was_complete || is_faster(update);
   const auto measured = tuning;
   if (!stays) {
     reset_to_defaults(tuning, encoders);
     keep();
   }
+  return {path, was_complete, stays, measured, tuning, update};
+}
+
+nlohmann::json result_json(const TuneResult& result, const std::string& device) {
+  return {{"path", result.path.string()},
+          {"device", device},
+          {"was_complete", result.was_complete},
+          {"stays", result.stays},
+          {"tuning", result.kept},
+          {"update", times_json(result.update)}};
+}
+
+ExitCode run(const TuneOptions& options, const Invocation& invocation) {
+  Runtime runtime(usable_device(invocation.device));
+  const auto encoders = training_encoders(spec_of(options), options.sequences, options.steps,
+                                          options.object_segments);
+  const TuneResult result = tune_update(runtime, options, encoders);
+  const auto& device = runtime.device().name;
   if (invocation.json) {
-    fmt::print("{}\n", nlohmann::json{{"path", path.string()},
-                                      {"device", runtime.device().name},
-                                      {"was_complete", was_complete},
-                                      {"stays", stays},
-                                      {"tuning", tuning},
-                                      {"update", times_json(update)}}
-                           .dump(2));
+    fmt::print("{}\n", result_json(result, device).dump(2));
     return ExitCode::done;
   }
-  fmt::print("{} on {}; tuning file {}\n", was_complete ? "tuned before" : "tuned",
-             runtime.device().name, path.string());
-  print_choices(measured, encoders);
-  print_row("whole update", update, stays ? "" : "not faster: default variants kept");
+  fmt::print("{} on {}; tuning file {}\n", result.was_complete ? "tuned before" : "tuned", device,
+             result.path.string());
+  print_choices(result.measured, encoders);
+  print_row("whole update", result.update, result.stays ? "" : "not faster: default variants kept");
   return ExitCode::done;
 }
 

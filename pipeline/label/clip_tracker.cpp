@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "engine/base/interrupt.h"
-#include "engine/base/statistics.h"
 #include "pipeline/label/box_tracker.h"
 #include "pipeline/label/estimate/pose_tracker.h"
 #include "pipeline/label/estimate/sphere_fit.h"
+#include "pipeline/label/grip.h"
 #include "pipeline/label/lift.h"
 #include "pipeline/label/target_filter.h"
 
@@ -22,7 +22,6 @@ constexpr double hand_disc_radius_m = 0.05, hand_sigma_m = 0.004;
 // from the first box; and from frame to frame, for the smoother.
 constexpr double in_hand_sigma_m = 0.02, first_box_sigma_m = 0.03, hidden_sigma_m = 0.005;
 constexpr double min_occluded_fraction = 0.5;  // of a hidden object's rays
-constexpr std::size_t grip_window_frames = 15;
 constexpr double released_m = 0.07;          // grown distance to the hand of an object that left it
 constexpr double max_unseen_flight_s = 1.0;  // an object unseen for longer has been caught
 constexpr double view_reach_factor = 2.0;    // from a visible end of an object to its other end
@@ -55,34 +54,6 @@ Observation hidden_object_at(const Eigen::Vector3d& position_m) {
   object.sigma_m.setConstant(hidden_sigma_m);
   return object;
 }
-
-/// Offset of the object from the hand: median over the last frames that showed both, which ignores
-/// the few frames in which the object leaves the hand.
-class Grip {
- public:
-  /// Distance of object and hand when both were first seen.
-  double initial_distance_m() const { return initial_distance_m_; }
-
-  void add(const Eigen::Vector3d& object_from_hand_m) {
-    if (last_.empty()) initial_distance_m_ = object_from_hand_m.norm();
-    last_.push_back(object_from_hand_m);
-    if (last_.size() > grip_window_frames) last_.erase(last_.begin());
-  }
-
-  Eigen::Vector3d object_from_hand_m() const {
-    Eigen::Vector3d result;
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      std::vector<double> values;
-      for (const auto& offset : last_) values.push_back(offset[axis]);
-      result[axis] = median(std::move(values));
-    }
-    return result;
-  }
-
- private:
-  std::vector<Eigen::Vector3d> last_;
-  double initial_distance_m_ = 0.0;
-};
 
 class ClipTracker {
  public:
@@ -267,7 +238,7 @@ class ClipTracker {
   Eigen::Vector3d gravity_;
   Grip grip_;
   const ObjectShape& shape_;
-  std::optional<PoseTracker> pose_;  ///< for objects that are no spheres
+  std::optional<PoseTracker> pose_;  ///< for objects that are not spheres
   std::vector<PosedFrame> posed_frames_;
   std::size_t frame_ = 0;
   double unseen_s_ = 0.0;  ///< since the object was last visible

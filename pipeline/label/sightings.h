@@ -56,6 +56,7 @@ std::vector<Sighting> sightings_of(const SampledFrames& samples, const BoxedObje
 /// Quantile that stands for an object that nothing hides.
 inline constexpr double unhidden_quantile = 0.8;
 
+/// Value that the fraction `part` of the values does not exceed, without interpolation.
 double quantile(std::vector<double> values, double part);
 
 /// Unhidden quantile over the sightings of the visible fraction of the object's disc.

@@ -6,9 +6,10 @@
 
 namespace touchtrace::label {
 
-/// Fractions of the camera frames of one or more clips.
+/// Fractions of the camera frames of one or more clips, 0..1.
 struct FrameStatistics {
-  double hand_lost = 0.0, object_lost = 0.0, object_follows = 0.0;
+  double hand_lost = 0.0, object_lost = 0.0;  ///< without a position
+  double object_follows = 0.0;                ///< hidden object, placed in the hand
 };
 
 FrameStatistics frame_statistics(const ClipTrack& track);

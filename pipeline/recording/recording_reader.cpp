@@ -205,7 +205,8 @@ Truth read_truth(const std::filesystem::path& path) {
   return h5::read_untrusted(path, [&](FileFaults& faults) {
     const h5::Loader root = open_recording(path, faults);
     if (!root.has("truth"))
-      throw data_error(path.string() + ": /truth: missing", "only simulated recordings have it");
+      throw data_error(path.string() + ": /truth: missing",
+                       "use a simulated recording: only those have it");
     Truth truth = read_shifted_truth(root);
     validate(truth, faults);
     return truth;

@@ -59,7 +59,7 @@ json read_metrics(const fs::path& path) {
 void add_artefact(json& data, const fs::path& path, const json& provenance) {
   data["artefacts"].push_back({{"artefact", path.filename().string()}, {"provenance", provenance}});
   data["stages"].push_back({{"artefact", path.filename().string()},
-                            {"verb", provenance.value("verb", "")},
+                            {"command", provenance.value("command", provenance.value("verb", ""))},
                             {"wall_seconds", provenance.value("wall_seconds", 0.0)},
                             {"cpu_seconds", provenance.value("cpu_seconds", 0.0)},
                             {"device", provenance.value("device", "")}});

@@ -25,7 +25,7 @@ Reference choose_reference(const std::vector<Session>& sessions, const std::stri
   if (all_have_truth(sessions)) return Reference::truth;
   if (against == "truth")
     throw data_error("not all recordings have a truth",
-                     "only simulated ones do; use --against labels");
+                     "use --against labels: only simulated recordings have a truth");
   return Reference::labels;
 }
 

@@ -53,6 +53,7 @@ class LivePrediction {
                  const std::string& port);
 
   const ModelCard& card() const { return card_; }
+  /// Sets the glove's baseline [taxels] for the frames that follow.
   void set_baseline(std::vector<float> counts);
 
   /// Predicts from the frame `counts` [rows, cols] and from those that were lost before it.

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 json outside_identity(const json& value) {
-  std::error_code error;  // a text that cannot be a path is no path
+  std::error_code error;  // text that cannot be a path is not one
   if (!value.is_string()) return value;
   const fs::path path = value.get<std::string>();
   if (fs::is_regular_file(path, error)) return "sha256:" + sha256_of_file(path);

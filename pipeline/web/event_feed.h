@@ -33,7 +33,7 @@ class EventFeed {
 
   void add_reader() { ++readers_; }
   void remove_reader() { --readers_; }
-  /// True if somebody reads: events without readers need not be made.
+  /// True if a client is connected: events need not be made otherwise.
   bool has_readers() const { return readers_ > 0; }
 
  private:

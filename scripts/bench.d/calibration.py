@@ -1,4 +1,4 @@
-# Calibration from the same corners of OpenCV's sample photographs: touchtrace, OpenCV and mrcal, timed in turns.
+# Calibration from the same corners of OpenCV's sample photographs: touchtrace, OpenCV and mrcal, interleaved in one run.
 # mrcal is Debian's package python3-mrcal; it runs in Debian's Python.
 # needs: numpy opencv-python-headless
 import argparse

@@ -1,5 +1,5 @@
 # The engine against PyTorch: the same loss and gradients in double; a training step, an online step and
-# the error over the time of training, timed in turns.
+# the error over the time of training, interleaved in one run.
 # needs: torch numpy safetensors
 import argparse
 import json
@@ -22,20 +22,20 @@ if __name__ == "__main__" and any(os.environ.get(key) != value for key, value in
 import numpy as np
 import torch
 
-from figures import at_most, row
+from figures import at_most, emit, row
 from torch_twin.comparison import compare
 from torch_twin.course import Course, picture_of, settled, time_until
 from torch_twin.cuda import CudaTrainer
 from torch_twin.model import BOTH_ENCODERS, ONE_ENCODER, OTHER_CONVOLUTIONS, Model
 from torch_twin.online import EngineOnline, best_online, busy_core, distance
 from torch_twin.problem import noise_problem, weights_of
-from torch_twin.training import WARM_UP, EngineTrainer, TorchTrainer, all_settings, best_of, contenders, race, try_settings
+from torch_twin.training import WARM_UP, EngineTrainer, TorchTrainer, all_settings, best_of, candidates, race, try_settings
 
 PEER = f"PyTorch {torch.__version__}"
 
 
 def ratio(name, peer, ratios, goal, **rest):
-    """Of the peer's time to the engine's, one for each of the alternating runs."""
+    """Median of the ratios of the peer's time to the engine's, one of each alternating run."""
     middle = statistics.median(ratios)
     return row(f"{name}: {PEER} ({peer}) / engine, {min(ratios):.2f} .. {max(ratios):.2f}", middle, "x",
                f">= {goal:g}", middle >= goal, **rest)
@@ -64,13 +64,13 @@ def step_figures(options, folder):
             print(name, file=sys.stderr)
             problem, count = noise_problem(spec, sequences, options.seed), max(2, options.count * 8 // sequences)
             tried = try_settings(lambda setting: TorchTrainer(problem, setting), settings, max(2, count // 4))
-            settings, peers = contenders(tried), best_of(tried)
+            settings, peers = candidates(tried), best_of(tried)
             times = race(options.engine_step, problem, folder, peers, options.rounds, count)
             for kind, peer, (setting, pairs) in zip(("wall", "CPU"), peers, times):
                 yield ratio(f"{name}, {kind} time, engine with {setting}", peer.setting,
                             [theirs / ours for theirs, ours in pairs], goal, seconds=time.time() - start)
                 yield row(f"{name}, {kind} time, engine", statistics.median(ours for _, ours in pairs), "ms")
-    options.contenders = settings
+    options.candidates = settings
 
 
 def online_figures(options, folder):
@@ -92,8 +92,8 @@ def online_figures(options, folder):
     all_at_once.close()
     with busy_core():
         times = [np.concatenate([side(options.online_count) for _ in range(options.rounds)]) for side in (engine, peer)]
-    yield at_most("online step beside a busy core, 99th percentile, engine", np.percentile(times[0], 99), "us", 1000)
-    yield row("online step beside a busy core, 99th percentile, PyTorch", np.percentile(times[1], 99), "us")
+    yield at_most("online step with a busy core, 99th percentile, engine", np.percentile(times[0], 99), "us", 1000)
+    yield row("online step with a busy core, 99th percentile, PyTorch", np.percentile(times[1], 99), "us")
     yield at_most("online step, state and spread against PyTorch", distance(engine, peer), "relative", 1e-5)
     engine.close()
 
@@ -101,7 +101,7 @@ def online_figures(options, folder):
 def course_figures(options, folder):
     start = time.time()
     problem = noise_problem(ONE_ENCODER, 8, options.seed)
-    setting = best_of(try_settings(lambda s: TorchTrainer(problem, s), options.contenders, 5))[0].setting
+    setting = best_of(try_settings(lambda s: TorchTrainer(problem, s), options.candidates, 5))[0].setting
     runs = [Course(options, folder, setting, options.seed + i).run(options.updates) for i in range(options.courses)]
     for kind, name in enumerate(("wall", "CPU")):
         times = [[time_until(curve, kind, settled(curves)) for curve in curves] for curves in runs]
@@ -119,7 +119,7 @@ def engine_has_gpu(options):
 
 
 def gpu_figures(options, folder):
-    """Reported, whatever it is: the training step on a GPU that both PyTorch and the engine can use."""
+    """The training step on a GPU that both PyTorch and the engine can use, reported without a goal."""
     if not (torch.cuda.is_available() and engine_has_gpu(options)):
         print("gpu: no GPU offers both CUDA to PyTorch and OpenCL to the engine", file=sys.stderr)
         return
@@ -169,7 +169,7 @@ def parse_arguments():
             parser.error(f"{program} is missing: run cmake --preset release && cmake --build --preset release")
     options.cache.mkdir(parents=True, exist_ok=True)
     options.settings = [setting for setting in all_settings() if not (options.eager and setting.compiled)]
-    options.contenders = options.settings
+    options.candidates = options.settings
     return options
 
 
@@ -179,17 +179,8 @@ def main():
     torch.manual_seed(options.seed)
     torch.set_flush_denormal(True)
     warnings.filterwarnings("ignore")  # TorchScript is deprecated, and still the fastest at batch 1
-    rows = []
     with tempfile.TemporaryDirectory() as folder:
-        for figure in options.figures:
-            for r in FIGURES[figure](options, folder):
-                rows.append(r)
-                print(f"{r['name']:<124} {r['value']:>12.6g} {r['unit']:<9} {r['goal']:<10} "
-                      f"{'holds' if r['holds'] else 'FALLS SHORT'}", flush=True,
-                      file=sys.stderr if options.json else sys.stdout)
-    if options.json:
-        print(json.dumps(dict(figures=rows)))
-    return 0 if all(r["holds"] for r in rows) else 3
+        return emit((row for figure in options.figures for row in FIGURES[figure](options, folder)), 124, options.json)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # Velocity from the positions of a track: touchtrace's smoothing, Savitzky-Golay, Butterworth, a quintic spline and
-# Kalman smoothers on the same synthetic tracks, in turns, each peer tuned by an oracle: error against run time.
+# Kalman smoothers on the same synthetic tracks, interleaved, each peer tuned by an oracle: error against run time.
 # With --real: labels of real clips against their references (real_labels).
 # needs: numpy scipy simdkalman h5py
 import argparse

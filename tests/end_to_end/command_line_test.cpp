@@ -118,10 +118,12 @@ TEST(CommandLine, WrongUsageIsExplained) {
   expect_failure("simulate a.h5 --minutes nan", 2, "--minutes must be from 0.01 to");
   expect_failure("simulate a.h5 --width 4", 2, "--width must be from 160 to 1280, not 4");
   expect_failure("simulate a.h5 --quiet=yes", 2, "--quiet takes no value");
+  expect_failure("simulate a.h5 --width 4 --minutes nan", 2, "2 faults\n  --");
 }
 
 TEST(CommandLine, MovedCommandsNameTheirProgram) {
   expect_failure("verify engine", 2, "'verify' moved to touchtrace-verify");
+  expect_failure("sensitivity", 2, "'sensitivity' moved to a study");
 }
 
 TEST(CommandLine, ConfigurationFileIsChecked) {
@@ -137,6 +139,12 @@ TEST(CommandLine, ConfigurationFileIsChecked) {
   expect_refused("[simulat]\nminutes = 1\n", "unknown table [simulat]; did you mean 'simulate'?");
   expect_refused("[train]\nupdates = 3\n[trian]\n", "unknown table [trian]; did you mean 'train'?");
   expect_refused("minutes = 1\n[simulate]\n", "key 'minutes' is outside any table");
+  expect_refused("minutes = 1\n[simulate]\nseed = \"x\"\nactvity = \"wave\"\n[trian]\n",
+                 path +
+                     ": 4 faults\n  key 'minutes' is outside any table\n"
+                     "  unknown table [trian]; did you mean 'train'?\n"
+                     "  unknown key 'actvity' in [simulate]; did you mean 'activity'?\n"
+                     "  value of 'seed' in [simulate] has the wrong type\n");
   std::ofstream(path) << "[smooth]\ntrack = [\"/no/such/file.csv\"]\ngravity = [0, 0, -9.81]\n";
   expect_failure("smooth --config " + path, 3, "/no/such/file.csv");
   std::ofstream(path) << "[smooth]\ntrack = [\"a.csv\"]\ngravity = [0, \"y\", 0]\n";

@@ -3,6 +3,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
 #include <string>
 
 #include "tests/support/program.h"
@@ -62,6 +65,31 @@ TEST_F(Generate, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_EQ(complete("touchtrace label --tracker k", 3), "kcf\n");
   EXPECT_EQ(complete("touchtrace train --up", 2), "--updates\n");
   EXPECT_EQ(complete("touchtrace generate b", 2), "bash\n");
+}
+
+/// Options that follow "--" after a space or a quote.
+std::set<std::string> options_in(const std::string& text) {
+  static const std::regex option("[ '*]--([a-z-]+)");
+  std::set<std::string> names;
+  for (std::sregex_iterator match(text.begin(), text.end(), option), end; match != end; ++match)
+    names.insert((*match)[1]);
+  return names;
+}
+
+TEST_F(Generate, ZshHasTheCommandsAndOptionsOfBash) {
+  const auto bash = run_program("generate bash").output, zsh = run_program("generate zsh").output;
+  const auto names = options_in(zsh);
+  EXPECT_GT(names.size(), 100u);
+  for (const auto& name : options_in(bash))
+    if (name != "version" && name != "list") {
+      EXPECT_TRUE(names.contains(name)) << name;
+    }
+  std::istringstream commands(run_program("--list").output + "help\n");
+  for (std::string line; std::getline(commands, line);) {
+    const auto name = line.substr(0, line.find(' '));
+    EXPECT_NE(zsh.find("\n  '" + name + ":"), std::string::npos) << name;
+    EXPECT_NE(zsh.find("\n  " + name + ")\n"), std::string::npos) << name;
+  }
 }
 
 TEST_F(Generate, ZshCompletionDescribesEveryOption) {

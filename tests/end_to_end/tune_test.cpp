@@ -22,12 +22,12 @@ class Tune : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(cache_); }
 
-  auto run(const std::string& verb) const {
-    return run_program(verb + " --window 2 --resolution 6 --sequences 1 --steps 4",
+  auto run(const std::string& command) const {
+    return run_program(command + " --window 2 --resolution 6 --sequences 1 --steps 4",
                        "XDG_CACHE_HOME=" + cache_.string() + " ");
   }
-  nlohmann::json json_of(const std::string& verb) const {
-    const auto output = run(verb + " --json").output;
+  nlohmann::json json_of(const std::string& command) const {
+    const auto output = run(command + " --json").output;
     return nlohmann::json::parse(output.substr(output.find("{\n")));  // after what stderr says
   }
   int tuned_launches() const {

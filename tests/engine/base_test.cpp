@@ -149,6 +149,19 @@ TEST(Options, InvalidValuesAreUsageErrors) {
   expect_usage_error({3, 15, "a", ""});
 }
 
+TEST(Options, AllInvalidValuesAreReported) {
+  SomeOptions invalid{0, 15, "c", ""};
+  try {
+    describe(invalid).validate();
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "3 faults\n  --count must be from 1 to 10, not 0\n"
+                 "  --kind cannot be 'c'; did you mean 'a'?\n  missing --output");
+    EXPECT_EQ(error.hint(), "correct all of them");
+  }
+}
+
 TEST(Options, ListsOfNumbersHaveTheirLength) {
   std::vector<double> gravity;
   OptionSet set;
@@ -232,6 +245,10 @@ TEST(ProvenanceJson, RoundTripsAndFindsInputsByFileName) {
   EXPECT_EQ(nlohmann::json(read), nlohmann::json(made));
   EXPECT_EQ(read.input_hash("elsewhere/wave.h5"), "0123");
   EXPECT_EQ(read.input_hash("throw.h5"), "");
+  nlohmann::json older = made;
+  older["verb"] = older.at("command");
+  older.erase("command");
+  EXPECT_EQ(older.get<Provenance>().command, "test");
 }
 
 }  // namespace

@@ -111,9 +111,10 @@ TEST_F(TrainerTest, CalibratesBands) {
   int inside = 0;
   for (std::size_t i = 0; i < batch.target.size(); ++i)
     inside += std::abs(batch.target[i] - rollout.state[i]) <= rollout.spread[i];
-  const double share = inside / double(batch.target.size());
-  EXPECT_GT(share, 0.65);
-  EXPECT_LT(share, 0.92);
+  // The exact band, 1.28 standard deviations of the state given the initial one, covers 0.802 of
+  // such batches with a standard deviation of 0.031 (400 simulated paths); the bound is 3 of these.
+  // Bands of one and of two standard deviations cover 0.68 and 0.95.
+  EXPECT_NEAR(inside / double(batch.target.size()), 0.8, 0.093);
 }
 
 }  // namespace

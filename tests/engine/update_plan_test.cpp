@@ -14,8 +14,11 @@ std::size_t launches_of(const std::vector<PlannedLaunch>& plan, const std::strin
   return static_cast<std::size_t>(std::ranges::count(plan, kernel, &PlannedLaunch::kernel));
 }
 
+/// The default device with the kernels for CPUs, whose names these tests know, even on a GPU.
+Runtime cpu_kernels() { return Runtime(choose_device(""), Accuracy::fast, KernelVariant::cpu); }
+
 TEST(UpdatePlan, ListsEnqueuedLaunchesOnly) {
-  Runtime runtime(choose_device(""));
+  Runtime runtime = cpu_kernels();
   const auto full = launches_of_update(runtime, testing::small_spec(true), 3, 4);
   const auto without_touch = launches_of_update(runtime, testing::small_spec(false), 3, 4);
   for (const auto* plan : {&full, &without_touch}) {
@@ -52,7 +55,7 @@ TEST(UpdatePlan, MeasuresEveryLaunchInOrder) {
 }
 
 TEST(UpdatePlan, KnowsThePurposeOfEachProduct) {
-  Runtime runtime(choose_device(""));
+  Runtime runtime = cpu_kernels();
   const auto plan = launches_of_update(runtime, testing::small_spec(true), 3, 4);
   const auto products_for = [&](Purpose purpose) {
     return std::ranges::count_if(plan, [&](const PlannedLaunch& launch) {
@@ -67,7 +70,7 @@ TEST(UpdatePlan, KnowsThePurposeOfEachProduct) {
 }
 
 TEST(UpdatePlan, SkipsOutputsWithoutLiveTaxel) {
-  Runtime runtime(choose_device(""));
+  Runtime runtime = cpu_kernels();
   const auto spec = testing::small_spec(true);
   LiveTaxels live(9 * 6, 1);
   std::fill(live.begin() + 5 * 6, live.end(), 0);
@@ -86,7 +89,7 @@ TEST(UpdatePlan, SkipsOutputsWithoutLiveTaxel) {
 }
 
 TEST(UpdatePlan, HasOneLaunchPerGruPass) {
-  Runtime runtime(choose_device(""));
+  Runtime runtime = cpu_kernels();
   const auto plan = launches_of_update(runtime, testing::with_gru(testing::small_spec(true)), 3, 4);
   for (const char* kernel : {"gru_rollout", "gru_rollout_backward"})
     EXPECT_EQ(launches_of(plan, kernel), 1u) << kernel;
@@ -95,7 +98,7 @@ TEST(UpdatePlan, HasOneLaunchPerGruPass) {
 }
 
 TEST(UpdatePlan, CountsRolloutOperations) {
-  Runtime runtime(choose_device(""));
+  Runtime runtime = cpu_kernels();
   const auto plan = launches_of_update(runtime, testing::small_spec(false), 3, 4);
   const auto rollout = std::ranges::find(plan, "rollout", &PlannedLaunch::kernel);
   ASSERT_NE(rollout, plan.end());

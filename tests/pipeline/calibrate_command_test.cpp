@@ -53,7 +53,7 @@ TEST(CalibrateCommand, PhotographsOfOpenCv) {
   EXPECT_FALSE(fs::exists(folder / "left" / "camera_depth.yaml"));
 }
 
-TEST(CalibrateCommand, RefusesMarkersThatCannotBe) {
+TEST(CalibrateCommand, RejectsInvalidMarkers) {
   const TemporaryFolder folder;
   write_grey(folder / "grey.pgm", 320, 240);
   const auto with = [&](const char* markers, const char* marker_mm) {
@@ -65,7 +65,7 @@ TEST(CalibrateCommand, RefusesMarkersThatCannotBe) {
   EXPECT_EQ(with("5x5_100", "18"), 3);  // there is no board
 }
 
-TEST(CalibrateCommand, RefusesTargetsThatCannotBe) {
+TEST(CalibrateCommand, RejectsInvalidTargets) {
   const TemporaryFolder folder;
   write_grey(folder / "grey.pgm", 320, 240);
   const auto with = [&](const char* target, const char* columns) {
@@ -125,15 +125,15 @@ TEST(CalibrateCommand, SaysWhatIsWrongWithTheRecording) {
   EXPECT_EQ(calibrate_recording("no_views.h5"), 3);
 }
 
-TEST(CalibrateCommand, WantsEitherARecordingOrImages) {
+TEST(CalibrateCommand, RequiresEitherARecordingOrImages) {
   const TemporaryFolder folder;
   EXPECT_EQ(run({"-o", (folder / "out").string()}), 2);
   EXPECT_EQ(run({"recording.h5", "--images", "photos", "-o", (folder / "out").string()}), 2);
   EXPECT_EQ(run({"--images", "photos"}), 3);  // into the default folder, but there are none
 }
 
-/// Nine photographs, an empty file, one that is no picture, and one of another size.
-TEST(CalibrateCommand, SkipsAndListsWhatIsNoViewOfTheBoard) {
+/// Nine photographs, an empty file, a text file, and an image of another size.
+TEST(CalibrateCommand, SkipsAndListsFilesThatAreNotViews) {
   const TemporaryFolder folder;
   for (int i = 1; i <= 9; ++i) {
     const auto name = "left0" + std::to_string(i) + ".jpg";
@@ -150,8 +150,7 @@ TEST(CalibrateCommand, SkipsAndListsWhatIsNoViewOfTheBoard) {
   EXPECT_EQ(details["views"].size(), 9u);
 }
 
-/// cv::stereoCalibrate on the same corners: 83.16 mm, or 83.18 mm without the frame 08.
-/// Ends by itself; a file that is not readable yet is looked at again when it has changed.
+/// Ends when the calibration is good; reads a file again that could not be read and has changed.
 TEST(CalibrateCommand, WatchesAFolderUntilTheCalibrationIsGood) {
   const TemporaryFolder folder;
   fs::create_directory(folder / "photos");
@@ -180,6 +179,7 @@ TEST(CalibrateCommand, WatchTakesOneFolder) {
   EXPECT_EQ(run({"--watch", "--images", photos, "--output", folder / "camera"}), 3);
 }
 
+/// cv::stereoCalibrate on the same corners: 83.16 mm, or 83.18 mm without the frame 08.
 TEST(CalibrateCommand, CalibratesTheStereoPairOfOpenCv) {
   const TemporaryFolder folder;
   const auto calibrate_pair = [&](const std::string& output) {

@@ -74,7 +74,7 @@ json model(const std::string& name) {
            {{{"seconds", 1.0}, {"validation_l1_at_20", 0.9}},
             {{"seconds", 2.0}, {"validation_l1_at_20", 0.5}}}},
           {"provenance",
-           {{"verb", "train"},
+           {{"command", "train"},
             {"wall_seconds", 12.5},
             {"cpu_seconds", 25.0},
             {"device", "test device"}}}};
@@ -128,7 +128,7 @@ json metrics_document() {
           {"label_errors",
            {{{"recording", "wave.h5"}, {"error", {{"object", body_error}, {"hand", body_error}}}}}},
           {"models", {model("full"), model("without_touch")}},
-          {"provenance", {{"verb", "evaluate"}, {"wall_seconds", 1.5}, {"cpu_seconds", 2.5}}}};
+          {"provenance", {{"command", "evaluate"}, {"wall_seconds", 1.5}, {"cpu_seconds", 2.5}}}};
 }
 
 json calibration_document() {

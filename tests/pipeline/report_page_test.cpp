@@ -51,7 +51,7 @@ json metrics_document(const std::string& activity) {
              {"activity", activity},
              {"log", json::array()},
              {"provenance", {{"verb", "train"}, {"wall_seconds", 12.0}}}}}},
-          {"provenance", {{"verb", "evaluate"}, {"wall_seconds", 1.5}}}};
+          {"provenance", {{"command", "evaluate"}, {"wall_seconds", 1.5}}}};
 }
 
 TEST_F(ReportPage, IsSelfContained) {

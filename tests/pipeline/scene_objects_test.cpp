@@ -190,6 +190,7 @@ TEST(SceneObjects, RejectsInvalidFiles) {
   says(replaced(plain_ball, "friction", "fricton"), "friction is missing");
   says(plain_ball + "weight = 3\n", "unknown key 'weight'");
   says("weight = 3\n" + plain_ball, "unknown key 'weight'");
+  says("weight = 3\nsize = 1\n" + plain_ball, "unknown keys 'size', 'weight'");
   says(plain_ball + "wall_m = 0.03\n", "wall_m is 0.03");
   says(plain_ball + "axis = [0, 0, 0]\n", "axis has no direction");
   says(plain_ball + "center_m = [0, 0]\n", "center_m does not hold 3 numbers");

@@ -1,22 +1,30 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <string>
 
 namespace touchtrace::testing {
 
+/// Number of the test process, also in processes that it starts: a death test runs the program
+/// again and shares files with it. Set before main(), when no thread reads the environment.
+inline const std::string test_process = [] {
+  constexpr const char* variable = "TOUCHTRACE_TEST_PROCESS";
+  setenv(variable, std::to_string(getpid()).c_str(), false);
+  return std::string(std::getenv(variable));
+}();
+
 /// Path of a folder for the running test only: tests run concurrently in their own processes, also
-/// those of other checkouts.
+/// those of copies of this checkout.
 inline std::filesystem::path scratch_folder() {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   std::string name =
       std::string("touchtrace_") + test->test_suite_name() + "_" + test->name() + "_";
-  const auto executable = std::filesystem::read_symlink("/proc/self/exe").string();
-  name += std::to_string(std::hash<std::string>()(executable));
+  name += test_process;
   std::ranges::replace(name, '/', '_');
   return std::filesystem::temp_directory_path() / name;
 }

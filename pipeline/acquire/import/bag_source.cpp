@@ -69,7 +69,7 @@ const ImageTopic& choose_topic(const std::vector<ImageTopic>& topics, const std:
     throw data_error(
         wanted.empty() ? fmt::format("the bag has no {} images", kind)
                        : fmt::format("the bag has no {} images of topic {}", kind, wanted),
-        names.empty() ? "none of its topics is a sensor_msgs/Image or CompressedImage"
+        names.empty() ? "give a bag with topics of type sensor_msgs/Image or CompressedImage"
                       : fmt::format("--{}-topic chooses one of: {}", kind, comma_separated(names)));
   }
   Progress::report(fmt::format("{} topic: {}", kind, found->name));

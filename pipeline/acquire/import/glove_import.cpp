@@ -26,7 +26,7 @@ void require_counts(const GloveFile& glove) {
   throw data_error(
       fmt::format("frame {} of the glove has the value {}",
                   static_cast<std::size_t>(bad - glove.values.begin()) / glove.taxels(), *bad),
-      "values are counts of a converter from 0 to 65535, or pressures from 0 to 1");
+      "give counts of a converter from 0 to 65535, or pressures from 0 to 1");
 }
 
 /// Whole counts. Pressures from 0 to 1 become counts of 16 bits.
@@ -78,7 +78,7 @@ double plausible_glove_rate_hz(const std::vector<double>& time_s) {
   const double rate_hz = count > 0 ? count / sum_s : 1.0 / typical_s;
   if (rate_hz > max_glove_rate_hz)
     throw data_error(fmt::format("the stamps say {:.3g} glove frames per second", rate_hz),
-                     "stamps are times in seconds; check the column of the time");
+                     "check the column of the time: stamps are times in seconds");
   return rate_hz;
 }
 

@@ -60,7 +60,7 @@ double plausible_rate_hz(const ImportSource& source) {
   const double rate_hz = rate_of(times_s, default_rate_hz);
   if (rate_hz > max_rate_hz)
     throw data_error(fmt::format("the stamps say {:.3g} images per second", rate_hz),
-                     "stamps are times in seconds, not durations; check the file with the times");
+                     "check the file with the times: stamps are times in seconds, not durations");
   return rate_hz;
 }
 

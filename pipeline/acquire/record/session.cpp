@@ -12,6 +12,7 @@ namespace touchtrace {
 namespace {
 
 constexpr int max_taxel_rows = 4096, max_image_side = 16384;
+constexpr const char* log_hint = "give a log of `touchtrace record`";
 
 nlohmann::json describe_glove(const GloveInfo& glove) {
   nlohmann::json json{{"name", glove.name}, {"rows", glove.rows},
@@ -53,16 +54,17 @@ nlohmann::json describe_camera(const CameraInfo& camera) {
 int number_between(const nlohmann::json& json, const char* key, int minimum, int maximum) {
   const auto value = json.at(key).get<std::int64_t>();
   if (value < minimum || value > maximum)
-    throw data_error(fmt::format("the log says {} = {}", key, value),
-                     fmt::format("expected {} to {}; is the file a log?", minimum, maximum));
+    throw data_error(
+        fmt::format("the log says {} = {}, expected {} to {}", key, value, minimum, maximum),
+        log_hint);
   return static_cast<int>(value);
 }
 
 double positive_number(const nlohmann::json& json, const char* key) {
   const auto value = json.at(key).get<double>();
   if (!(value > 0.0 && value < 1e6))
-    throw data_error(fmt::format("the log says {} = {}", key, value),
-                     "expected a positive number; is the file a log?");
+    throw data_error(fmt::format("the log says {} = {}, expected a positive number", key, value),
+                     log_hint);
   return value;
 }
 
@@ -70,9 +72,10 @@ std::vector<float> parse_baseline(const nlohmann::json& json, const GloveInfo& g
   auto counts = json.get<std::vector<float>>();
   if (std::ssize(counts) != glove.taxels() ||
       !std::ranges::all_of(counts, [](float count) { return std::isfinite(count); }))
-    throw data_error(fmt::format("the log has a baseline of {} counts for {} taxels", counts.size(),
-                                 glove.taxels()),
-                     "expected one finite count for each taxel; is the file a log?");
+    throw data_error(
+        fmt::format("the log has a baseline of {} counts, expected {} finite ones, one per taxel",
+                    counts.size(), glove.taxels()),
+        log_hint);
   return counts;
 }
 
@@ -133,8 +136,7 @@ SessionInfo parse_session(std::span<const std::uint8_t> bytes) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
-    throw data_error(fmt::format("the log's description is invalid: {}", error.what()),
-                     "is the file a log of `touchtrace record`?");
+    throw data_error(fmt::format("the log's description is invalid: {}", error.what()), log_hint);
   }
 }
 

@@ -45,7 +45,7 @@ class Tty : public Transport {
   static void require(bool condition, const std::string& path) {
     if (condition) return;
     throw data_error(fmt::format("cannot open the serial port {}: {}", path, std::strerror(errno)),
-                     errno == EACCES ? "sudo usermod -aG dialout $USER, then log in again"
+                     errno == EACCES ? "run `sudo usermod -aG dialout $USER`, then log in again"
                                      : "check the name; `touchtrace doctor` lists serial ports");
   }
 

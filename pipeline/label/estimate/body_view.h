@@ -29,14 +29,12 @@ struct BoxPlanes {
 ///   + sum over planes  HuberLoss(distance of the body's extreme point to the plane / sigma_ratio)
 ///
 /// They differ in unknowns and priors:
-///  - sphere_fit: centre of a sphere, one view. Distances and ray depths have closed forms; rays
-///  may
-///    enter by the size of a pixel.
+///  - sphere_fit: centre of a sphere, one view. Distances and ray depths have closed forms. Rays
+///    may enter by the size of a pixel.
 ///  - pose_optimizer: pose of a body of known shape, one view. Runs for every frame and hypothesis,
 ///    with a prior on the pose.
-///  - shape_problem: shape and one pose per view, jointly. Runs a few times per recording, in
-///  Ceres,
-///    which handles the bounds on the shape and the elimination of the poses.
+///  - shape_problem: shape and one pose per view, jointly. Runs a few times per recording. Uses
+///    Ceres, which handles the bounds on the shape and the elimination of the poses.
 /// A sphere given to pose_optimizer has the same minimum, but other steps, another stopping rule
 /// and bisected instead of exact ray depths (0.1 mm): centres would change in their last digits.
 struct BodyView {

@@ -4,7 +4,7 @@ function provenanceSection(artefacts) {
   if (!artefacts.length) return;
   section("provenance", "Provenance", "How each file was made: command, options, seed, hashes of the inputs, device, version.",
     artefacts.map(({ artefact, provenance }) => element("details", {},
-      element("summary", {}, `${artefact} — ${provenance.verb || ""}, ${provenance.created || ""}`),
+      element("summary", {}, `${artefact} — ${provenance.command || provenance.verb || ""}, ${provenance.created || ""}`),
       element("pre", {}, JSON.stringify(provenance, null, 2)))));
 }
 

@@ -125,5 +125,5 @@ function runTimeSection(data) {
     models.length ? modelLegend(models.map(({ model }) => ({ model, kind: model }))) : null,
     element("div", { class: "figures" }, activities.map((activity) => element("figure", {}, trainingChart(activity, models.filter((m) => m.activity === activity))))),
     table(["command", "file", number("seconds"), number("CPU seconds"), "device"],
-      data.stages.map((s) => ({ cells: [s.verb, s.artefact, number(fixed(s.wall_seconds, 1)), number(fixed(s.cpu_seconds, 1)), s.device || "–"] }))));
+      data.stages.map((s) => ({ cells: [s.command, s.artefact, number(fixed(s.wall_seconds, 1)), number(fixed(s.cpu_seconds, 1)), s.device || "–"] }))));
 }

@@ -200,7 +200,7 @@ void add_balance(ParameterTable& table) {
       "the hand stays before the person");
   row("upright-lag", &P::upright_lag_s, "s", 0.01, 1e3,
       "time constant in which the mean lean becomes the perceived upright", "",
-      "nobody knows how the foot stands on the palm");
+      "how the foot stands on the palm is unknown");
   row("tilt", &P::tilt_rad, "rad", 0.0, 1.0,
       "standard deviation of the hand's tilt: constant per clip, and of its noise", "",
       "an open palm is held level");

@@ -41,8 +41,9 @@ struct Hold {
 /// A thin hollow sphere that is bounced on an object: a second, free body.
 struct Ball {
   double radius_m = 0.02, mass_kg = 0.0027, drag_coefficient = 0.45;
-  double restitution = 0.8, friction = 0.6;                 ///< against the object
-  Eigen::Vector3d face_center_m = Eigen::Vector3d::Zero();  ///< of the object, to be hit
+  double restitution = 0.8, friction = 0.6;  ///< against the object
+  Eigen::Vector3d face_center_m =
+      Eigen::Vector3d::Zero();  ///< centre of the object's face that hits the ball
   Eigen::Vector3d color = Eigen::Vector3d::Constant(0.9);
 };
 

@@ -1,6 +1,7 @@
 #include "pipeline/scene/objects/toml_table.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -98,10 +99,13 @@ void TomlTable::table(const std::string& key, const std::function<void(TomlTable
 }
 
 void TomlTable::reject_unknown_keys() const {
+  std::vector<std::string> unknown;
   for (const auto& [key, node] : table_)
-    if (std::ranges::find(known_, key.str()) == known_.end())
-      throw data_error(fmt::format("{}: unknown key '{}'", where_, key.str()),
-                       suggestion(key.str(), known_));
+    if (std::ranges::find(known_, key.str()) == known_.end()) unknown.emplace_back(key.str());
+  if (unknown.empty()) return;
+  throw data_error(fmt::format("{}: unknown key{} '{}'", where_, unknown.size() > 1 ? "s" : "",
+                               fmt::join(unknown, "', '")),
+                   suggestion(unknown.front(), known_));
 }
 
 void read_toml(const std::string& text, const std::string& where,
@@ -112,7 +116,7 @@ void read_toml(const std::string& text, const std::string& where,
   } catch (const toml::parse_error& error) {
     throw data_error(
         fmt::format("{}:{}: {}", where, error.source().begin.line, error.description()),
-        "the file must be valid TOML 1.0");
+        "write it in TOML 1.0");
   }
   TomlTable root(document, where);
   read(root);

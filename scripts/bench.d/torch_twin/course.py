@@ -62,7 +62,7 @@ def settled(curves):
 
 def picture_of(curves, kind, peer):
     """As engine/base/figure.h has it, without the error before training."""
-    return dict(x_label=("seconds of training", "processor seconds of training")[kind],
+    return dict(x_label=("seconds of training", "CPU seconds of training")[kind],
                 y_label="L1 over 50 steps, validation clips", log_x=False, log_y=False,
                 curves=[dict(name=name, x=curve[1:, kind].tolist(), y=curve[1:, 2].tolist())
                         for name, curve in zip(("engine", peer), curves)])

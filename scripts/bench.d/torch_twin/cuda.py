@@ -19,7 +19,7 @@ class CudaTrainer(TorchTrainer):
 
     def start(self, weights=None):
         super().start(weights)
-        for group in self.optimizer.param_groups:  # a graph reads the rate anew only from memory of its own
+        for group in self.optimizer.param_groups:  # a graph reads the rate again only from memory of its own
             group.update(lr=torch.tensor(group["lr"], device=self.device), capturable=True)
 
     def set_rate(self, rate):

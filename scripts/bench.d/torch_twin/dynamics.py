@@ -1,5 +1,5 @@
-"""The dynamics, with the engine's names of parameters: `inputs` makes of the embeddings what every step takes beside
-state and memory, `forward` gives [delta, band] and the memory of the next step."""
+"""The dynamics, with the engine's names of parameters. `inputs` converts the embeddings to the constant input of all steps;
+`forward` returns [delta, band] and the memory of the next step."""
 import torch
 from torch import nn
 from torch.nn import functional as F

@@ -76,7 +76,7 @@ def loss_of(predicted, batch, quantile):
 
 def with_differences(stream):
     """[frames, rows, cols] -> [2 frames, rows, cols]: differences to the frame before times 5, then the frames.
-    Made once, so that a window in the difference basis is nothing but frames picked out."""
+    Computed once: a window in the difference basis is then a selection of these frames."""
     return torch.cat([torch.zeros_like(stream[:1]), 5 * (stream[1:] - stream[:-1]), stream])
 
 

@@ -1,4 +1,4 @@
-"""Figure 6: one step at batch 1, a window in, state and band out, on a quiet machine and beside a busy core."""
+"""Figure 6: one step at batch 1, a window in, state and band out, on an idle machine and with one busy core."""
 import contextlib
 import os
 import statistics
@@ -90,7 +90,7 @@ def best_online(problem, model, settings, count):
                 peer = TorchOnline(problem, model, setting, frozen)
                 peer(WARM_UP)
                 middle = statistics.median(peer(WARM_UP))
-            except Exception as error:  # what PyTorch cannot do here is no peer
+            except Exception as error:  # PyTorch cannot run this variant here
                 print(f"PyTorch online, {setting}: {type(error).__name__}: {error}", file=sys.stderr)
                 continue
             if middle < HOPELESS * best_us:

@@ -15,8 +15,9 @@ from .model import Model, loss_of, windows_of
 
 DROPOUT, CLIP_NORM = 0.2, 1.0
 
-# All settings share their functions' code. After 8 recompilations, the default, PyTorch runs them eagerly without an error.
+# All settings share their functions' code. After 8 recompilations, the default, PyTorch would run them eagerly without an error.
 torch._dynamo.config.recompile_limit = 256
+torch._dynamo.config.fail_on_recompile_limit_hit = True
 
 
 class Setting(collections.namedtuple("Setting", "compiled channels_last threads")):
@@ -53,7 +54,7 @@ class TorchTrainer:
         self.loss = setting.applied_to(self.loss_of_batch)
 
     def start(self, weights=None):
-        """Begins anew, from given weights if there are any."""
+        """Starts from `weights`, if given, else from the current ones."""
         if weights:
             self.model.load_state_dict({name: torch.tensor(value) for name, value in weights.items()})
         decayed = [p for p in self.model.parameters() if p.dim() > 1]
@@ -107,8 +108,7 @@ class TorchTrainer:
 
 
 class EngineTrainer:
-    """The same of the engine, with all cores' threads or with one; with `out`, weights are written there after
-    every call."""
+    """Updates by the engine, with a thread per core or with one thread. With `out`, writes the weights there after each call."""
 
     def __init__(self, engine_step, path, out=None, one_thread=False, device="cpu"):
         self.setting = "1 thread" if one_thread else f"{os.cpu_count()} threads"
@@ -127,7 +127,7 @@ class EngineTrainer:
 
 
 WARM_UP = 3  # updates: what PyTorch compiles is not all ready after the first
-HOPELESS, CONTENDER = 4.0, 1.3  # times slower than the best: not timed further, and tried again elsewhere
+HOPELESS, CANDIDATE = 4.0, 1.3  # times slower than the best: not timed further, and tried again elsewhere
 
 
 def try_settings(make, settings, count):
@@ -139,7 +139,7 @@ def try_settings(make, settings, count):
             peer = make(setting)
             peer(WARM_UP)
             times = peer(1)
-        except Exception as error:  # a setting that PyTorch cannot compile here is no peer
+        except Exception as error:  # PyTorch cannot compile this setting here
             print(f"PyTorch {setting}: {type(error).__name__}: {error}", file=sys.stderr)
             continue
         if not tried or times[0] < HOPELESS * min(wall for (wall, _), _ in tried):
@@ -154,10 +154,10 @@ def best_of(tried):
     return [min(tried, key=lambda entry: entry[0][kind])[1] for kind in (0, 1)]
 
 
-def contenders(tried):
+def candidates(tried):
     """Settings that may be the best of a similar problem."""
     return [peer.setting for times, peer in tried
-            if any(times[kind] < CONTENDER * min(entry[0][kind] for entry in tried) for kind in (0, 1))]
+            if any(times[kind] < CANDIDATE * min(entry[0][kind] for entry in tried) for kind in (0, 1))]
 
 
 def race(engine_step, problem, folder, peers, rounds, count):

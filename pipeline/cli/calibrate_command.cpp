@@ -214,6 +214,11 @@ ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
       options.watch ? watch(options, settings, invocation) : observe(options);
   RgbdCalibration calibration = calibrate(observations, settings);
   add_next_view(calibration, observations.board);
+  const CalibrationTarget& board = observations.board;
+  calibration.details["board"] = {{"target", board.kind->name},
+                                  {"columns", board.columns},
+                                  {"rows", board.rows},
+                                  {"square_m", board.square_m}};
   calibration.details["provenance"] = provenance_of(options, invocation, stopwatch);
   write_calibration(options.output, calibration, invocation.overwrite || options.watch);
   if (invocation.json)

@@ -49,6 +49,9 @@ CameraImages parse_source(const std::string& text) {
 }
 
 std::vector<CameraImages> parse_sources(const std::vector<std::string>& texts) {
+  if (texts.size() < 2)
+    throw usage_error("--camera needs two or more cameras",
+                      "give --camera left=PATH right=PATH, or for one camera --images PATH");
   std::vector<CameraImages> sources;
   for (const auto& text : texts) {
     sources.push_back(parse_source(text));
@@ -160,9 +163,6 @@ ExitCode compare_rigs(const std::string& a, const std::string& b, bool as_json) 
 ExitCode calibrate_rig(const RigOptions& options, const Invocation& invocation) {
   const Stopwatch stopwatch;
   const auto sources = parse_sources(options.cameras);
-  if (sources.size() < 2)
-    throw usage_error("--camera needs two or more cameras",
-                      "give --camera left=PATH right=PATH, or for one camera --images PATH");
   const OutputFile refuses_existing(fs::path(options.output) / "rig.json", invocation.overwrite);
   RigCalibration rig = calibrate_rig(observe(sources, options.board), options.calibration);
   rig.details["provenance"] = provenance_of(sources, invocation, stopwatch);

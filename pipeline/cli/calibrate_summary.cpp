@@ -52,10 +52,13 @@ void print_board_models(const nlohmann::json& models) {
 }
 
 void print_board(const RgbdCalibration& c) {
+  const auto& board = c.details["board"];
+  fmt::print("board     {} of {}x{}, ", board["target"].get<std::string>(),
+             board["columns"].get<int>(), board["rows"].get<int>());
   if (c.details["board_models"]["warped"].is_null())
-    fmt::print("board     taken as flat\n");
+    fmt::print("taken as flat\n");
   else
-    fmt::print("board     warped by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
+    fmt::print("warped by {:.2f} mm along its columns, {:.2f} mm along its rows\n",
                1e3 * c.board_warp_m[0], 1e3 * c.board_warp_m[1]);
   const auto& deformation = c.details["target_deformation"];
   if (deformation["chosen"] == "free")

@@ -1,6 +1,7 @@
 #include "pipeline/cli/record_devices.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -99,7 +100,10 @@ void describe_glove(OptionSet& set, DeviceOptions& o) {
   set.group("Glove");
   set.text("glove", o.glove, "serial port, usb:VENDOR:PRODUCT, or a file with the glove's bytes")
       .value("PORT");
-  set.choice("protocol", o.protocol, "serial protocol of the device", glove_protocol_names());
+  set.text("protocol", o.protocol,
+           fmt::format("serial protocol of the device: {}, or a file that describes it (.toml)",
+                       fmt::join(glove_protocol_names(), ", ")))
+      .value("PROTOCOL");
   set.integer("baud", o.baud, "bits per second; 0: the protocol's", 0, 12'000'000);
   set.integer("rows", o.rows, "rows of taxels; 0: the protocol's", 0, 255);
   set.integer("cols", o.cols, "columns of taxels; 0: the protocol's", 0, 255);

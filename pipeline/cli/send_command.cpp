@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -26,7 +27,10 @@ struct SendOptions {
 
 void describe(OptionSet& set, SendOptions& o) {
   set.input("recording", o.recording, "HDF5 with glove");
-  set.choice("protocol", o.protocol, "serial protocol of the device", glove_protocol_names());
+  set.text("protocol", o.protocol,
+           fmt::format("serial protocol of the device: {}, or a file that describes it (.toml)",
+                       fmt::join(glove_protocol_names(), ", ")))
+      .value("PROTOCOL");
   set.integer("glove", o.glove, "number of the glove if there are two", 1, 2);
   set.text("output", o.output, "file for the bytes; default: stdout").value("FILE");
   set.flag("live", o.live, "send frames at the times of the recording");

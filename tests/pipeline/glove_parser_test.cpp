@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <map>
 
 #include "engine/base/random.h"
@@ -7,6 +8,8 @@
 
 namespace touchtrace {
 namespace {
+
+const std::string gloves = TOUCHTRACE_SOURCE_DIR "/tests/data/gloves/";
 
 struct Parsed {
   std::map<std::uint64_t, std::vector<std::uint16_t>> frames;
@@ -73,9 +76,10 @@ class GloveParserTest : public ::testing::TestWithParam<std::string> {
   const GloveProtocol& protocol = find_glove_protocol(GetParam());
   const GloveStream glove = random_glove(protocol, frames);
   const std::string bytes = encode(protocol, glove);
-  /// Text protocols start behind the first separator; jq20 needs the marker behind a frame.
+  /// Text protocols start behind the first separator; some need the marker behind a frame.
   const std::size_t first = protocol.name == "stag" || protocol.name == "vitac" ? 1 : 0;
-  const std::size_t last = protocol.name == "jq20" ? frames - 1 : frames;
+  const std::size_t last =
+      protocol.name == "jq20" || protocol.name == "plain" ? frames - 1 : frames;
 };
 
 TEST_P(GloveParserTest, ReadsWhatTheEncoderWritesInPiecesOfAnySize) {
@@ -139,8 +143,11 @@ TEST_P(GloveParserTest, DetectsInsertedBytes) {
   });
 }
 
+/// Protocols any byte of which may be part of a count.
+constexpr const char* any_bytes[] = {"mit-rows", "wiresens", "jq20", "numbered", "plain"};
+
 TEST_P(GloveParserTest, DetectsBytesOfAnotherAlphabet) {
-  if (protocol.name == "mit-rows" || protocol.name == "wiresens" || protocol.name == "jq20")
+  if (std::ranges::find(any_bytes, protocol.name) != std::end(any_bytes))
     GTEST_SKIP() << "any byte may be part of a count";
   survive(protocol, glove, bytes,
           [](std::string& text, std::size_t at, RandomStream&) { text[at] = '\xff'; });
@@ -177,9 +184,15 @@ TEST_P(GloveParserTest, SurvivesRandomBytes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Protocols, GloveParserTest, ::testing::ValuesIn(glove_protocol_names()),
+std::vector<std::string> all_protocols() {
+  std::vector<std::string> names = glove_protocol_names();
+  for (const char* own : {"numbered", "plain"}) names.push_back(gloves + own + ".toml");
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, GloveParserTest, ::testing::ValuesIn(all_protocols()),
                          [](const auto& protocol) {
-                           std::string name = protocol.param;
+                           std::string name = std::filesystem::path(protocol.param).stem();
                            std::erase(name, '-');
                            return name;
                          });

@@ -5,7 +5,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
-#include "pipeline/acquire/glove/protocol.h"
+#include "pipeline/acquire/glove/own_protocol.h"
 #include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
 
@@ -14,6 +14,8 @@ namespace {
 
 using namespace std::string_literals;
 using testing::TemporaryFolder;
+
+const std::string own_protocols = TOUCHTRACE_SOURCE_DIR "/tests/data/gloves/";
 
 std::uint8_t byte(const std::string& bytes, std::size_t i) {
   return static_cast<std::uint8_t>(bytes.at(i));
@@ -173,6 +175,48 @@ TEST(SendCommand, InvalidUseHasExitCode) {
   EXPECT_EQ(send({(folder / "none.h5").string(), "--output", output}), 3);
   ASSERT_EQ(send({file, "--output", output}), 0);
   EXPECT_NE(send({file, "--output", output}), 0);  // output exists
+}
+
+TEST(OwnGloveProtocol, PacketHasTheDescribedPlaces) {
+  GloveStream glove;
+  glove.info = find_glove_protocol(own_protocols + "numbered.toml").usual_glove;
+  glove.sequence = {0x1234};
+  for (int i = 0; i < 96; ++i) glove.counts.push_back(static_cast<std::uint16_t>(256 + i));
+  const std::string packet = find_glove_protocol(own_protocols + "numbered.toml").encode(glove, 0);
+  ASSERT_EQ(packet.size(), 2u + 2u + 192u + 2u);
+  EXPECT_EQ(packet.substr(0, 6), std::string("\xaa\x55\x12\x34\x01\x00", 6));
+  EXPECT_EQ(packet.substr(6, 2), "\x01\x06") << "the column goes on: row 1 of 6 columns";
+  EXPECT_EQ(packet.substr(196), "\r\n");
+}
+
+TEST(OwnGloveProtocol, InvalidFilesAreRefused) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "own.toml";
+  const std::string valid = read_file(own_protocols + "numbered.toml");
+  const auto fault = [&](const std::string& from, const std::string& to) {
+    std::string text = valid;
+    text.replace(text.find(from), from.size(), to);
+    write_file(file, text, true);
+    try {
+      read_glove_protocol(file);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_EQ(fault("rows = 16", "rows = 16"), "none");
+  EXPECT_TRUE(has(fault("rows = 16", "rows = 0"), "rows is 0"));
+  EXPECT_TRUE(has(fault("rows = 16", "rows = 1.5"), "not a whole number"));
+  EXPECT_TRUE(has(fault("start = \"aa 55\"", "start = \"aa 5\""), "hexadecimal"));
+  EXPECT_TRUE(has(fault("start = \"aa 55\"", ""), "start is missing"));
+  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\ncount_bytes = 1"), "count_bytes is too small"));
+  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nlength = 100"), "of a packet of 100"));
+  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nnumber_at = 5"), "number_at puts the number"));
+  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nheader = 1"), "unknown key 'header'"));
+  EXPECT_THROW(find_glove_protocol(folder / "missing.toml"), Error);
 }
 
 }  // namespace

@@ -4,8 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 
 #include "engine/base/error.h"
+#include "pipeline/acquire/glove/own_protocol.h"
 
 namespace touchtrace {
 namespace {
@@ -15,6 +18,16 @@ GloveInfo square_glove(int size, int bits, int polarity, double rate_hz) {
   info.rows = info.cols = size;
   info.bits = bits, info.polarity = polarity, info.rate_hz = rate_hz;
   return info;
+}
+
+/// Each file is read once.
+const GloveProtocol& own_protocol(const std::string& file) {
+  static std::mutex guard;
+  static std::map<std::string, GloveProtocol> known;
+  const std::lock_guard lock(guard);
+  const auto found = known.find(file);
+  return found != known.end() ? found->second
+                              : known.emplace(file, read_glove_protocol(file)).first->second;
 }
 
 }  // namespace
@@ -44,11 +57,13 @@ std::vector<std::string> glove_protocol_names() {
 }
 
 const GloveProtocol& find_glove_protocol(const std::string& name) {
+  if (name.ends_with(".toml")) return own_protocol(name);
   const auto& table = glove_protocols();
   const auto row = std::ranges::find(table, name, &GloveProtocol::name);
   if (row == table.end())
     throw usage_error(fmt::format("unknown glove protocol '{}'", name),
-                      fmt::format("choose one of: {}", fmt::join(glove_protocol_names(), ", ")));
+                      fmt::format("choose one of: {}, or describe your own in a .toml file",
+                                  fmt::join(glove_protocol_names(), ", ")));
   return *row;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,9 +17,9 @@ struct GloveProtocol {
   int max_bits;  ///< of a count
   /// Returns the bytes that the device sends after reading the frame at index `frame`. Frames
   /// missing in the stream count as sent and lost: their frame and packet numbers are skipped.
-  std::string (*encode)(const GloveStream& glove, std::size_t frame);
+  std::function<std::string(const GloveStream& glove, std::size_t frame)> encode;
   /// Returns a parser of the bytes of a glove with this layout and number of bits.
-  std::unique_ptr<GloveParser> (*parse)(const GloveInfo& info, FrameSink sink);
+  std::function<std::unique_ptr<GloveParser>(const GloveInfo& info, FrameSink sink)> parse;
   GloveInfo usual_glove;     ///< layout, rate, bits and polarity of the usual device
   int fixed_taxels = 0;      ///< 0: any number
   std::string request = {};  ///< bytes that ask the device for a frame; empty: it sends by itself
@@ -28,7 +29,8 @@ struct GloveProtocol {
 
 /// All protocols; a new one is a row in glove_protocol.cpp.
 const std::vector<GloveProtocol>& glove_protocols();
-/// Throws usage_error that lists the known names.
+/// Protocol of that name, or of a file that ends in .toml (see own_protocol.h). Throws usage_error
+/// that lists the known names.
 const GloveProtocol& find_glove_protocol(const std::string& name);
 std::vector<std::string> glove_protocol_names();
 

@@ -7,9 +7,9 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/toml_table.h"
 #include "pipeline/scene/objects/mass.h"
 #include "pipeline/scene/objects/solids.h"
-#include "pipeline/scene/objects/toml_table.h"
 
 namespace touchtrace::scene {
 namespace {
@@ -22,12 +22,22 @@ constexpr double min_length_m = 0.001, max_length_m = 1.0;
 constexpr std::size_t max_solids_in_file = 24;
 constexpr double rounding = 1e-9;  // relative, of the file's decimal digits
 
+Vector3d read_vector(TomlTable& table, const std::string& key, double min, double max) {
+  const std::vector<double> values = table.numbers(key, 3, min, max);
+  return {values[0], values[1], values[2]};
+}
+
+Vector3d read_vector_or(TomlTable& table, const std::string& key, double min, double max,
+                        const Vector3d& otherwise) {
+  return table.has(key) ? read_vector(table, key, min, max) : otherwise;
+}
+
 double read_length_m(TomlTable& table, const char* key) {
   return table.number(key, min_length_m, max_length_m);
 }
 
 Vector3d read_direction(TomlTable& table, const char* key, const Vector3d& otherwise) {
-  const Vector3d v = table.vector_or(key, -1e3, 1e3, otherwise);
+  const Vector3d v = read_vector_or(table, key, -1e3, 1e3, otherwise);
   if (!(v.norm() > 1e-3)) table.reject(key, "has no direction");
   return v.normalized();
 }
@@ -36,7 +46,7 @@ void read_shape(TomlTable& table, Solid& solid) {
   solid.kind =
       static_cast<ShapeKind>(table.choice("shape", {"sphere", "box", "capsule", "cylinder"}));
   if (solid.kind == ShapeKind::box) {
-    solid.size_m = table.vector("half_size_m", min_length_m, max_length_m);
+    solid.size_m = read_vector(table, "half_size_m", min_length_m, max_length_m);
   } else {
     solid.size_m[0] = read_length_m(table, "radius_m");
     if (solid.kind != ShapeKind::sphere) solid.size_m[1] = read_length_m(table, "half_length_m");
@@ -45,7 +55,7 @@ void read_shape(TomlTable& table, Solid& solid) {
   solid.body_from_shape.linear() =
       Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), axis).toRotationMatrix();
   solid.body_from_shape.translation() =
-      table.vector_or("center_m", -max_length_m, max_length_m, Vector3d::Zero());
+      read_vector_or(table, "center_m", -max_length_m, max_length_m, Vector3d::Zero());
 }
 
 double half_thickness_m(const Solid& solid) {
@@ -102,7 +112,7 @@ double reach_m(const std::vector<Solid>& solids, const Vector3d& center) {
 MassProperties read_body(TomlTable& body, const std::vector<Solid>& solids) {
   MassProperties mass;
   mass.mass_kg = body.number("mass_kg", min_mass_kg, max_mass_kg);
-  mass.center_m = body.vector("center_m", -max_length_m, max_length_m);
+  mass.center_m = read_vector(body, "center_m", -max_length_m, max_length_m);
   const auto i = body.numbers("inertia_kg_m2", 6, -1e3, 1e3);
   mass.inertia_kg_m2 << i[0], i[3], i[4], i[3], i[1], i[5], i[4], i[5], i[2];
   if (!((mass.center_m - mean_center(solids)).norm() <= reach_m(solids, mean_center(solids))))
@@ -113,7 +123,7 @@ MassProperties read_body(TomlTable& body, const std::vector<Solid>& solids) {
 
 Hold read_hold(TomlTable& table) {
   Hold hold;
-  hold.center_m = table.vector_or("center_m", -max_length_m, max_length_m, hold.center_m);
+  hold.center_m = read_vector_or(table, "center_m", -max_length_m, max_length_m, hold.center_m);
   hold.across = read_direction(table, "across", hold.across);
   const Vector3d up = read_direction(table, "from_palm", hold.from_palm);
   hold.from_palm = up - hold.across * hold.across.dot(up);
@@ -132,9 +142,9 @@ Ball read_ball(TomlTable& table) {
   ball.restitution = table.number("restitution", 0.0, 1.0);
   ball.friction = table.number("friction", 0.0, 3.0);
   // "meets_m": former name
-  ball.face_center_m =
-      table.vector(table.has("meets_m") ? "meets_m" : "face_center_m", -max_length_m, max_length_m);
-  ball.color = table.vector("color", 0.0, 1.0);
+  ball.face_center_m = read_vector(table, table.has("meets_m") ? "meets_m" : "face_center_m",
+                                   -max_length_m, max_length_m);
+  ball.color = read_vector(table, "color", 0.0, 1.0);
   return ball;
 }
 
@@ -176,13 +186,13 @@ class ObjectReader {
   void read_solid(TomlTable& table) {
     Solid& solid = object_.solids.emplace_back();
     read_shape(table, solid);
-    solid.color = table.vector("color", 0.0, 1.0);
+    solid.color = read_vector(table, "color", 0.0, 1.0);
     if (!object_.inertia_given) parts_.push_back(read_mass(table, solid));
   }
 
   void read_tracked(TomlTable& root) {
     if (object_.ball) root.reject("tracked_m", "cannot be combined with [ball]");
-    object_.tracked_m = root.vector("tracked_m", -max_length_m, max_length_m) - center_m_;
+    object_.tracked_m = read_vector(root, "tracked_m", -max_length_m, max_length_m) - center_m_;
   }
 
   void move_origin_to_center_of_mass(TomlTable& root) {
@@ -211,7 +221,8 @@ ObjectSpec parse_object(const std::string& name, const std::string& text,
   object.name = name;
   object.solids.clear();
   ObjectReader reader(object);
-  read_toml(text, where, [&](TomlTable& root) { reader.read(root); });
+  read_toml(text, where, "pipeline/scene/objects/object_file.h describes the format",
+            [&](TomlTable& root) { reader.read(root); });
   return object;
 }
 

@@ -2,27 +2,26 @@
 
 #include <toml++/toml.h>
 
-#include <Eigen/Core>
 #include <functional>
 #include <string>
 #include <vector>
 
-namespace touchtrace::scene {
+namespace touchtrace {
 
 /// Validating reader of one table of an untrusted TOML file. Numbers are checked against a range,
 /// which NaN never satisfies; keys that were not asked for are rejected. Throws data_error with
 /// file and key.
 class TomlTable {
  public:
-  /// `where` prefixes every message: the file and the table's name.
-  TomlTable(const toml::table& table, std::string where);
+  /// `where` prefixes every message: the file and the table's name. `hint`: where the format is
+  /// described.
+  TomlTable(const toml::table& table, std::string where, std::string hint);
 
   bool has(const std::string& key);
   double number(const std::string& key, double min, double max);
   std::vector<double> numbers(const std::string& key, std::size_t count, double min, double max);
-  Eigen::Vector3d vector(const std::string& key, double min, double max);
-  Eigen::Vector3d vector_or(const std::string& key, double min, double max,
-                            const Eigen::Vector3d& otherwise);
+  /// Whole number.
+  int integer(const std::string& key, int min, int max);
   std::string text(const std::string& key, std::size_t max_bytes);
   /// Returns the index of the value in `names`.
   std::size_t choice(const std::string& key, const std::vector<std::string>& names);
@@ -40,16 +39,16 @@ class TomlTable {
   void reject_unknown_keys() const;
 
   const toml::table& table_;
-  std::string where_;
+  std::string where_, hint_;
   std::vector<std::string> known_;
 
-  friend void read_toml(const std::string&, const std::string&,
+  friend void read_toml(const std::string&, const std::string&, const std::string&,
                         const std::function<void(TomlTable&)>&);
 };
 
 /// Parses `text` of the file `where` and reads its root table; rejects keys that `read` did not ask
 /// for.
-void read_toml(const std::string& text, const std::string& where,
+void read_toml(const std::string& text, const std::string& where, const std::string& hint,
                const std::function<void(TomlTable&)>& read);
 
-}  // namespace touchtrace::scene
+}  // namespace touchtrace

@@ -1,21 +1,21 @@
-#include "pipeline/scene/objects/toml_table.h"
+#include "engine/base/toml_table.h"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/base/error.h"
 #include "engine/base/text.h"
 
-namespace touchtrace::scene {
+namespace touchtrace {
 
-TomlTable::TomlTable(const toml::table& table, std::string where)
-    : table_(table), where_(std::move(where)) {}
+TomlTable::TomlTable(const toml::table& table, std::string where, std::string hint)
+    : table_(table), where_(std::move(where)), hint_(std::move(hint)) {}
 
 void TomlTable::reject(const std::string& key, const std::string& fault) const {
-  throw data_error(fmt::format("{}: {} {}", where_, key, fault),
-                   "pipeline/scene/objects/object_file.h describes the format");
+  throw data_error(fmt::format("{}: {} {}", where_, key, fault), hint_);
 }
 
 bool TomlTable::has(const std::string& key) {
@@ -50,14 +50,10 @@ std::vector<double> TomlTable::numbers(const std::string& key, std::size_t count
   return values;
 }
 
-Eigen::Vector3d TomlTable::vector(const std::string& key, double min, double max) {
-  const std::vector<double> values = numbers(key, 3, min, max);
-  return {values[0], values[1], values[2]};
-}
-
-Eigen::Vector3d TomlTable::vector_or(const std::string& key, double min, double max,
-                                     const Eigen::Vector3d& otherwise) {
-  return has(key) ? vector(key, min, max) : otherwise;
+int TomlTable::integer(const std::string& key, int min, int max) {
+  const double value = number(key, min, max);
+  if (value != std::floor(value)) reject(key, fmt::format("is {:g}, not a whole number", value));
+  return static_cast<int>(value);
 }
 
 std::string TomlTable::text(const std::string& key, std::size_t max_bytes) {
@@ -83,7 +79,7 @@ void TomlTable::each(const std::string& key, std::size_t max_tables,
   for (std::size_t i = 0; i < array->size(); ++i) {
     const toml::table* entry = array->get(i)->as_table();
     if (!entry) reject(key, "holds a value that is not a table");
-    TomlTable inner(*entry, fmt::format("{}: {} {}", where_, key, i + 1));
+    TomlTable inner(*entry, fmt::format("{}: {} {}", where_, key, i + 1), hint_);
     read(inner);
     inner.reject_unknown_keys();
   }
@@ -93,7 +89,7 @@ void TomlTable::table(const std::string& key, const std::function<void(TomlTable
   if (!has(key)) return;
   const toml::table* inner_table = table_.get(key)->as_table();
   if (!inner_table) reject(key, "is not a table");
-  TomlTable inner(*inner_table, fmt::format("{}: {}", where_, key));
+  TomlTable inner(*inner_table, fmt::format("{}: {}", where_, key), hint_);
   read(inner);
   inner.reject_unknown_keys();
 }
@@ -108,7 +104,7 @@ void TomlTable::reject_unknown_keys() const {
                    suggestion(unknown.front(), known_));
 }
 
-void read_toml(const std::string& text, const std::string& where,
+void read_toml(const std::string& text, const std::string& where, const std::string& hint,
                const std::function<void(TomlTable&)>& read) {
   toml::table document;
   try {
@@ -118,9 +114,9 @@ void read_toml(const std::string& text, const std::string& where,
         fmt::format("{}:{}: {}", where, error.source().begin.line, error.description()),
         "write it in TOML 1.0");
   }
-  TomlTable root(document, where);
+  TomlTable root(document, where, hint);
   read(root);
   root.reject_unknown_keys();
 }
 
-}  // namespace touchtrace::scene
+}  // namespace touchtrace

@@ -13,7 +13,9 @@ constexpr double infinite_m = std::numeric_limits<double>::infinity();
 constexpr double min_cell_m = 0.015, cell_pixels = 3.0, cell_noise_sigmas = 3.0;
 constexpr std::size_t max_surface_cells = 400;
 constexpr double size_time_s = 0.5, log_size_sigma = 0.7;  // a factor of two
-constexpr double established_s = 0.5;                      // what vanishes earlier was noise
+// Least visible part of a hand's disc of what touches the hand and is not its part.
+constexpr double min_arm_fraction = 0.5;
+constexpr double established_s = 0.5;  // what vanishes earlier was noise
 constexpr double body_sigma_m = 0.01;
 // Elbow to fingertip, 95th percentile of men in ANSUR II (Gordon et al. 2014).
 constexpr double forearm_hand_m = 0.52;
@@ -63,9 +65,12 @@ void OtherBodies::start(const Surface& surface, const PixelBox& hand_box,
       owners_[i] = hand_owner;
     else if (is_inside(object_box, cells_[i]))
       owners_[i] = doubtful_owner;  // fingers or the object
-  measure(bodies_.front(), cells_of(hand_owner), hand.centroid_m);
+  const auto own = cells_of(hand_owner);
+  measure(bodies_.front(), own, hand.centroid_m);
   for (const auto& component : components_of(no_owner))
-    if (visible_fraction(component) >= min_hand_fraction) add_body(component);
+    if (visible_fraction(component) >=
+        (touch(component, own, hand_patch_radius_m) ? min_arm_fraction : min_hand_fraction))
+      add_body(component);
 }
 
 void OtherBodies::exclude_from(Surface& surface, double seconds) {

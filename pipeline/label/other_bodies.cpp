@@ -25,9 +25,9 @@ const double min_log_ratio = std::log(20.0);
 
 double OtherBodies::Tracked::reach_m() const { return std::min(filter.gate_m(), arm_reach_m); }
 
-/// Distance to the surface, moved as the filter predicts.
+/// Distance to the surface, moved by `shift_m`.
 double OtherBodies::Tracked::distance_m(const Eigen::Vector3f& position_m) const {
-  const Eigen::Vector3f unmoved = position_m - (expected_m() - centroid_m).cast<float>();
+  const Eigen::Vector3f unmoved = position_m - shift_m.cast<float>();
   float least = std::numeric_limits<float>::infinity();
   for (const auto& cell_m : surface_m) least = std::min(least, (cell_m - unmoved).squaredNorm());
   return std::sqrt(least);
@@ -103,8 +103,43 @@ void OtherBodies::find_cells(const Surface& surface) {
   owners_.assign(cells_.size(), no_owner);
 }
 
-/// Owner of each cell: the nearest visible body, within the filter's gate.
+/// Owners of cells by visible bodies' surfaces, moved as their filters predict. Bodies that touch
+/// are moved together: where a component is divided between them is not known, and neither are
+/// their velocities.
 void OtherBodies::assign_to_visible() {
+  for (auto& body : bodies_) body.shift_m = body.expected_m() - body.centroid_m;
+  assign_to_nearest();
+  const auto groups = touching();
+  if (groups.empty()) return;
+  for (const auto& group : groups) {
+    Eigen::Vector3d before_m = Eigen::Vector3d::Zero(), after_m = Eigen::Vector3d::Zero();
+    double num_before = 0.0, num_after = 0.0;
+    for (const auto k : group) {
+      for (const auto& cell_m : bodies_[k].surface_m) before_m += cell_m.cast<double>();
+      num_before += static_cast<double>(bodies_[k].surface_m.size());
+      for (const auto i : cells_of(static_cast<int>(k)))
+        after_m += cells_[i].mean_m.cast<double>(), num_after += 1.0;
+    }
+    for (const auto k : group) bodies_[k].shift_m = after_m / num_after - before_m / num_before;
+  }
+  owners_.assign(cells_.size(), no_owner);
+  assign_to_nearest();
+}
+
+/// Bodies that share a component, by component.
+std::set<std::set<std::size_t>> OtherBodies::touching() const {
+  std::map<std::size_t, std::set<std::size_t>> owners;
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (owners_[i] != no_owner)
+      owners[cells_[i].component].insert(static_cast<std::size_t>(owners_[i]));
+  std::set<std::set<std::size_t>> groups;
+  for (const auto& [component, group] : owners)
+    if (group.size() > 1) groups.insert(group);
+  return groups;
+}
+
+/// Owner of each cell: the nearest visible body, within the filter's gate.
+void OtherBodies::assign_to_nearest() {
   std::vector<std::vector<double>> distances_m;  // [bodies, cells]
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     auto& row = distances_m.emplace_back(cells_.size(), infinite_m);

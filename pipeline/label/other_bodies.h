@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "pipeline/label/lift.h"
@@ -43,9 +44,10 @@ class OtherBodies {
     TargetFilter filter;
     std::vector<Eigen::Vector3f> surface_m = {};  ///< means of cells when last visible
     Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
-    double visible_fraction = 0.0;  ///< exponential average
-    double seen_s = 0.0;            ///< in all
-    bool is_visible = false;        ///< in the last frame
+    Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< of the surface since then
+    double visible_fraction = 0.0;                      ///< exponential average
+    double seen_s = 0.0;                                ///< in all
+    bool is_visible = false;                            ///< in the last frame
 
     Eigen::Vector3d expected_m() const { return is_visible ? filter.position_m() : centroid_m; }
     double reach_m() const;
@@ -62,6 +64,8 @@ class OtherBodies {
   static double log_ratio(const Tracked& a, const Place& of_a, const Tracked& b, const Place& of_b);
   void find_cells(const Surface& surface);
   void assign_to_visible();
+  void assign_to_nearest();
+  std::set<std::set<std::size_t>> touching() const;
   void share_components(const std::vector<std::vector<double>>& distances_m);
   void release_distant(std::size_t body);
   void assign_to_hidden();

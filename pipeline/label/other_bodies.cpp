@@ -13,7 +13,7 @@ constexpr double infinite_m = std::numeric_limits<double>::infinity();
 constexpr double min_cell_m = 0.015, cell_pixels = 3.0, cell_noise_sigmas = 3.0;
 constexpr std::size_t max_surface_cells = 400;
 constexpr double size_time_s = 0.5, log_size_sigma = 0.7;  // a factor of two
-// Least visible part of a hand's disc of what touches the hand and is not its part.
+// Least part of a hand's disc of an arm: less is a part of the hand outside its box.
 constexpr double min_arm_fraction = 0.5;
 constexpr double established_s = 0.5;  // what vanishes earlier was noise
 constexpr double body_sigma_m = 0.01;
@@ -65,12 +65,14 @@ void OtherBodies::start(const Surface& surface, const PixelBox& hand_box,
       owners_[i] = hand_owner;
     else if (is_inside(object_box, cells_[i]))
       owners_[i] = doubtful_owner;  // fingers or the object
-  const auto own = cells_of(hand_owner);
-  measure(bodies_.front(), own, hand.centroid_m);
-  for (const auto& component : components_of(no_owner))
-    if (visible_fraction(component) >=
-        (touch(component, own, hand_patch_radius_m) ? min_arm_fraction : min_hand_fraction))
+  measure(bodies_.front(), cells_of(hand_owner), hand.centroid_m);
+  std::set<std::size_t> of_hand;
+  for (const auto i : cells_of(hand_owner)) of_hand.insert(cells_[i].component);
+  for (const auto& component : components_of(no_owner)) {
+    const bool is_connected = of_hand.contains(cells_[component.front()].component);
+    if (visible_fraction(component) >= (is_connected ? min_arm_fraction : min_hand_fraction))
       add_body(component);
+  }
 }
 
 void OtherBodies::exclude_from(Surface& surface, double seconds) {

@@ -12,12 +12,13 @@
 #include "pipeline/label/estimate/sphere_fit.h"
 #include "pipeline/label/grip.h"
 #include "pipeline/label/lift.h"
+#include "pipeline/label/other_bodies.h"
 #include "pipeline/label/target_filter.h"
 
 namespace touchtrace::label {
 namespace {
 
-constexpr double hand_disc_radius_m = 0.05, hand_sigma_m = 0.004;
+constexpr double hand_sigma_m = 0.004;
 // Standard deviations of a hidden object's position: for the filter, from the hand; for the filter,
 // from the first box; and from frame to frame, for the smoother.
 constexpr double in_hand_sigma_m = 0.02, first_box_sigma_m = 0.03, hidden_sigma_m = 0.005;
@@ -67,22 +68,25 @@ class ClipTracker {
         hand_(Body::hand, hand_disc_radius_m, hand_patch_radius_m, min_hand_points, kind),
         object_(Body::object, shape_.radius_m, object_patch_radius_factor * shape_.radius_m,
                 min_object_points, kind) {
+    if (!scene.objects_with_hand_color.contains(clip.object))
+      others_.emplace(*scene.segmenter, scene.depth_noise_at_1m);
     if (shape_.body) pose_.emplace(*shape_.body);
   }
 
   void step(SegmentedFrame segmented, double seconds, ClipTrack& track) {
     auto& [frame, surface, image] = segmented;
-    if (is_started_ && scene_.objects_with_hand_color.contains(clip_.object))
-      scene_.split_object(surface, clip_.object, hand_.predicted_m());
+    if (is_started_ && !others_) scene_.split_object(surface, clip_.object, hand_.predicted_m());
     std::optional<Patch> hand, object;
     if (!is_started_) {
-      hand = hand_.find_in_box(surface, clip_.hand_box);
+      // a box excludes the other hand and the bare arm
+      hand = hand_.find_in_box(points_in(surface, clip_.hand_box), clip_.hand_box);
+      if (hand && others_) others_->start(surface, clip_.hand_box, clip_.object_box, *hand);
       object = object_.find_in_box(surface, clip_.object_box);
     } else {
       hand_.predict(seconds, false, gravity_);
       object_.predict(seconds, is_away_, gravity_);
       const auto [hand_box, object_box] = update_trackers(image);
-      hand = hand_.find(surface, image, hand_box, *scene_.segmenter, std::nullopt, hand_reach());
+      hand = find_hand(surface, image, hand_box, seconds);
       if (hand && hand_.is_lost() && object_.is_lost()) assume_in_hand(*hand);
       object = object_.find(surface, image, object_box, *scene_.segmenter, position_in_hand(hand));
     }
@@ -111,6 +115,15 @@ class ClipTracker {
     frames_.run_in_parallel([&] { boxes[0] = hand_.update_tracker(image, camera); },
                             [&] { boxes[1] = object_.update_tracker(image, camera); });
     return boxes;
+  }
+
+  std::optional<Patch> find_hand(Surface& surface, const MaskedImage& image,
+                                 const std::optional<PixelBox>& box, double seconds) {
+    if (others_) others_->exclude_from(surface, seconds);
+    auto hand = hand_.find(surface, image, box, *scene_.segmenter, std::nullopt, hand_reach());
+    if (!others_ || others_->update(hand)) return hand;
+    hand_.lose();
+    return std::nullopt;
   }
 
   Observation observe_object(const Patch& patch, const RgbdFrame& frame) {
@@ -243,6 +256,7 @@ class ClipTracker {
   std::size_t frame_ = 0;
   double unseen_s_ = 0.0;  ///< since the object was last visible
   Target hand_, object_;
+  std::optional<OtherBodies> others_;  ///< null for an object of the hand's colour
   bool is_started_ = false, is_away_ = false;
 };
 

@@ -16,6 +16,11 @@ struct Patch {
   double likeness = 0.0;  ///< mean over the points
 };
 
+/// Radius of a disc with a hand's visible area.
+inline constexpr double hand_disc_radius_m = 0.05;
+/// Least visible part of that disc that is taken for a hand: fringes of a sleeve have less, at any
+/// resolution.
+inline constexpr double min_hand_fraction = 0.07;
 /// Radius of the ball that contains a hand's patch, and that of an object over its own radius.
 inline constexpr double hand_patch_radius_m = 0.12, object_patch_radius_factor = 1.6;
 

@@ -20,9 +20,6 @@ constexpr double refound_distance_m = 2.0 * arm_reach_m;  // of a body that was 
 // pass in less than likeness_time_s; over it, colours are not rarer by more than the third.
 constexpr double min_found_likeness = -0.7, min_likeness = -2.0, min_mean_likeness = -0.9;
 constexpr double likeness_time_s = 0.5;
-// Least part of a hand's disc that is taken for the hand: fringes of a sleeve have less, at any
-// resolution.
-constexpr double min_hand_fraction = 0.07;
 constexpr double max_disc_fill = 0.8;  // of the search disc; a body fills less than half of it
 
 bool matches(const PixelBox& tracked, const PixelBox& found) {
@@ -105,9 +102,14 @@ bool Target::is_usual(const Patch& patch) {
   mean_likeness_ += weight * (patch.likeness - mean_likeness_);
   since_find_s_ = 0.0;
   if (mean_likeness_ > min_mean_likeness) return true;
+  lose();
+  return false;
+}
+
+void Target::lose() {
+  tracker_.stop();
   mean_likeness_ = 0.0;
   missed_frames_ = std::max(missed_frames_, lost_after_frames);
-  return false;
 }
 
 std::optional<Patch> Target::best_patch(const Surface& own, const Segmenter& segmenter,
@@ -131,7 +133,7 @@ std::optional<Patch> Target::best_patch(const Surface& own, const Segmenter& seg
         (distance_m > any_part_distance_m(hint_m.has_value()) + patch_radius_m_ &&
          points < min_disc_fraction * disc))
       continue;
-    const double score = patch_score(points, distance_m / distance_scale_m());
+    const double score = patch_score(points, distance_m / distance_scale_m()) + patch->likeness;
     if (score > highest) highest = score, best = std::move(patch);
   }
   return best;

@@ -65,6 +65,9 @@ class Target {
   /// measure(), find() searches the whole surface.
   void set_hidden(const Eigen::Vector3d& position_m, double sigma_m);
 
+  /// The patch that find() returned is another body's.
+  void lose();
+
   double gate_m() const;
   /// Not found in the last three frames.
   bool is_lost() const;

@@ -8,7 +8,7 @@ namespace {
 // Spectral densities of the acceleration [m^2/s^3]. Hand: 15 m/s^2 for 0.1 s. Flight: spin, drag
 // and the camera's tilt error.
 constexpr double hand_density = 22.0, falling_density = 1.0;
-constexpr double start_speed_m_per_s = 1.0, gate_sigmas = 4.0, min_gate_m = 0.05;
+constexpr double start_speed_m_per_s = 1.0, min_gate_m = 0.05;
 
 /// Transition of position and velocity over `h` seconds.
 Transition<2> constant_velocity(double h, double density, bool falling) {

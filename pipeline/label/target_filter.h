@@ -6,6 +6,9 @@
 
 namespace touchtrace::label {
 
+/// Standard deviations in a gate.
+inline constexpr double gate_sigmas = 4.0;
+
 /// Kalman filter of a target's position and velocity: white acceleration noise, or free fall under
 /// gravity.
 class TargetFilter {

@@ -1,9 +1,9 @@
 #include "pipeline/label/observe/split.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <map>
+
+#include "pipeline/label/observe/connected_cells.h"
 
 namespace touchtrace::label {
 namespace {
@@ -11,40 +11,15 @@ namespace {
 constexpr float cell_m = 0.015f;  // points in neighbouring cells are connected
 constexpr double max_extent_radii = 1.5, hand_reach_m = 0.12;
 
-using Cell = std::array<int, 3>;
 using Indices = std::vector<std::size_t>;
 
-Cell cell_of(const SurfacePoint& point) {
-  Cell cell;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    cell[axis] =
-        static_cast<int>(std::floor(point.position_m[static_cast<Eigen::Index>(axis)] / cell_m));
-  return cell;
-}
-
-/// Removes the connected component of a cell from `cells` and returns its points.
-Indices take_component(std::map<Cell, Indices>& cells, const Cell& first) {
-  Indices component;
-  std::vector<Cell> open{first};
-  while (!open.empty()) {
-    const Cell cell = open.back();
-    open.pop_back();
-    const auto found = cells.find(cell);
-    if (found == cells.end()) continue;
-    component.insert(component.end(), found->second.begin(), found->second.end());
-    cells.erase(found);
-    for (int i = 0; i < 27; ++i)
-      open.push_back({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1});
-  }
-  return component;
-}
-
 std::vector<Indices> components_of(const Surface& surface, Body body) {
-  std::map<Cell, Indices> cells;
-  for (std::size_t i = 0; i < surface.size(); ++i)
-    if (surface[i].body == body) cells[cell_of(surface[i])].push_back(i);
   std::vector<Indices> components;
-  while (!cells.empty()) components.push_back(take_component(cells, Cell(cells.begin()->first)));
+  for (const auto& cell : connected_cells(surface, body, cell_m)) {
+    components.resize(cell.component + 1);
+    auto& points = components[cell.component];
+    points.insert(points.end(), cell.points.begin(), cell.points.end());
+  }
   return components;
 }
 

@@ -1,0 +1,59 @@
+#include "pipeline/label/observe/connected_cells.h"
+
+#include <cmath>
+#include <map>
+
+namespace touchtrace::label {
+namespace {
+
+using Index = std::array<int, 3>;
+using Grid = std::map<Index, Cell>;
+
+Index index_of(const SurfacePoint& point, float cell_m) {
+  Index index;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    index[axis] =
+        static_cast<int>(std::floor(point.position_m[static_cast<Eigen::Index>(axis)] / cell_m));
+  return index;
+}
+
+Grid grid_of(const Surface& surface, Body body, float cell_m) {
+  Grid grid;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (surface[i].body != body) continue;
+    auto& cell = grid.try_emplace(index_of(surface[i], cell_m), Cell{Eigen::Vector3f::Zero(), {}})
+                     .first->second;
+    cell.mean_m += surface[i].position_m;
+    cell.points.push_back(i);
+  }
+  for (auto& [index, cell] : grid) cell.mean_m /= static_cast<float>(cell.points.size());
+  return grid;
+}
+
+/// Moves the connected component of a cell from `grid` to `cells`.
+void take_component(Grid& grid, const Index& first, std::size_t component,
+                    std::vector<Cell>& cells) {
+  std::vector<Index> open{first};
+  while (!open.empty()) {
+    const Index index = open.back();
+    open.pop_back();
+    auto found = grid.extract(index);
+    if (found.empty()) continue;
+    found.mapped().component = component;
+    cells.push_back(std::move(found.mapped()));
+    for (int i = 0; i < 27; ++i)
+      open.push_back({index[0] + i % 3 - 1, index[1] + i / 3 % 3 - 1, index[2] + i / 9 - 1});
+  }
+}
+
+}  // namespace
+
+std::vector<Cell> connected_cells(const Surface& surface, Body body, float cell_m) {
+  auto grid = grid_of(surface, body, cell_m);
+  std::vector<Cell> cells;
+  for (std::size_t component = 0; !grid.empty(); ++component)
+    take_component(grid, Index(grid.begin()->first), component, cells);
+  return cells;
+}
+
+}  // namespace touchtrace::label

@@ -1,0 +1,368 @@
+#include "pipeline/label/other_bodies.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace touchtrace::label {
+namespace {
+
+constexpr int hand_owner = 0, no_owner = -1, doubtful_owner = -2;
+constexpr double infinite_m = std::numeric_limits<double>::infinity();
+constexpr double min_cell_m = 0.015, cell_pixels = 3.0, cell_noise_sigmas = 3.0;
+constexpr std::size_t max_surface_cells = 400;
+constexpr double size_time_s = 0.5, log_size_sigma = 0.7;  // a factor of two
+// Least part of a hand's disc of an arm: less is a part of the hand outside its box.
+constexpr double min_arm_fraction = 0.5;
+constexpr double established_s = 0.5;  // what vanishes earlier was noise
+constexpr double body_sigma_m = 0.01;
+// Elbow to fingertip, 95th percentile of men in ANSUR II (Gordon et al. 2014).
+constexpr double forearm_hand_m = 0.52;
+const double min_log_ratio = std::log(20.0);
+
+}  // namespace
+
+double OtherBodies::Tracked::reach_m() const { return std::min(filter.gate_m(), arm_reach_m); }
+
+/// Distance to the surface, moved by `shift_m`.
+double OtherBodies::Tracked::distance_m(const Eigen::Vector3f& position_m) const {
+  const Eigen::Vector3f unmoved = position_m - shift_m.cast<float>();
+  float least = std::numeric_limits<float>::infinity();
+  for (const auto& cell_m : surface_m) least = std::min(least, (cell_m - unmoved).squaredNorm());
+  return std::sqrt(least);
+}
+
+/// Negative log-likelihood of a place, without the normalisation.
+double OtherBodies::Tracked::misfit(const Place& place) const {
+  const auto log_size = [](double fraction) {
+    return std::log(std::max(fraction, min_hand_fraction));
+  };
+  const double sigmas = gate_sigmas * (place.centroid_m - expected_m()).norm() / reach_m(),
+               size_sigmas =
+                   (log_size(place.visible_fraction) - log_size(visible_fraction)) / log_size_sigma;
+  return 0.5 * (sigmas * sigmas + size_sigmas * size_sigmas);
+}
+
+/// Logarithm of the likelihood ratio of two bodies' places and the same places exchanged.
+double OtherBodies::log_ratio(const Tracked& a, const Place& of_a, const Tracked& b,
+                              const Place& of_b) {
+  return a.misfit(of_b) + b.misfit(of_a) - a.misfit(of_a) - b.misfit(of_b);
+}
+
+void OtherBodies::start(const Surface& surface, const PixelBox& hand_box,
+                        const PixelBox& object_box, const Patch& hand) {
+  bodies_.assign(1, {});
+  bodies_.front().centroid_m = hand.centroid_m;
+  find_cells(surface);
+  const auto is_inside = [&](const PixelBox& box, const Cell& cell) {
+    const auto inside = std::ranges::count_if(
+        cell.points, [&](std::size_t point) { return contains(box, surface[point]); });
+    return 2 * static_cast<std::size_t>(inside) >= cell.points.size();
+  };
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (is_inside(hand_box, cells_[i]))
+      owners_[i] = hand_owner;
+    else if (is_inside(object_box, cells_[i]))
+      owners_[i] = doubtful_owner;  // fingers or the object
+  measure(bodies_.front(), cells_of(hand_owner), hand.centroid_m);
+  std::set<std::size_t> of_hand;
+  for (const auto i : cells_of(hand_owner)) of_hand.insert(cells_[i].component);
+  for (const auto& component : components_of(no_owner)) {
+    const bool is_connected = of_hand.contains(cells_[component.front()].component);
+    if (visible_fraction(component) >= (is_connected ? min_arm_fraction : min_hand_fraction))
+      add_body(component);
+  }
+}
+
+void OtherBodies::exclude_from(Surface& surface, double seconds) {
+  seconds_ = seconds;
+  const auto was_noise = [](const Tracked& body) {
+    return !body.is_visible && body.seen_s < established_s;
+  };
+  bodies_.erase(std::remove_if(bodies_.begin() + 1, bodies_.end(), was_noise), bodies_.end());
+  for (auto& body : bodies_) body.filter.predict(seconds, false, Eigen::Vector3d::Zero());
+  find_cells(surface);
+  assign_to_visible();
+  for (std::size_t i = 1, count = bodies_.size(); i < count; ++i) release_distant(i);
+  assign_to_hidden();
+  measure_others();
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (owners_[i] != hand_owner && owners_[i] != no_owner)
+      for (const auto point : cells_[i].points) surface[point].body = Body::rest;
+}
+
+/// Cells as wide as pixels and depth noise require at the hand's distance.
+void OtherBodies::find_cells(const Surface& surface) {
+  const double z = bodies_.front().centroid_m.z();
+  const double width_m =
+      std::max({min_cell_m, cell_pixels * segmenter_.pixel_angular_size_rad() * z,
+                cell_noise_sigmas * depth_noise_at_1m_ * z * z});
+  cells_ = connected_cells(surface, Body::hand, static_cast<float>(width_m));
+  std::erase_if(cells_, [&](const Cell& cell) {
+    return (cell.mean_m.cast<double>() - bodies_.front().centroid_m).norm() > 2.0 * arm_reach_m;
+  });
+  owners_.assign(cells_.size(), no_owner);
+}
+
+/// Owners of cells by visible bodies' surfaces, moved as their filters predict. Bodies that touch
+/// are moved together: where a component is divided between them is not known, and neither are
+/// their velocities.
+void OtherBodies::assign_to_visible() {
+  for (auto& body : bodies_) body.shift_m = body.expected_m() - body.centroid_m;
+  assign_to_nearest();
+  const auto groups = touching();
+  if (groups.empty()) return;
+  for (const auto& group : groups) {
+    Eigen::Vector3d before_m = Eigen::Vector3d::Zero(), after_m = Eigen::Vector3d::Zero();
+    double num_before = 0.0, num_after = 0.0;
+    for (const auto k : group) {
+      for (const auto& cell_m : bodies_[k].surface_m) before_m += cell_m.cast<double>();
+      num_before += static_cast<double>(bodies_[k].surface_m.size());
+      for (const auto i : cells_of(static_cast<int>(k)))
+        after_m += cells_[i].mean_m.cast<double>(), num_after += 1.0;
+    }
+    for (const auto k : group) bodies_[k].shift_m = after_m / num_after - before_m / num_before;
+  }
+  owners_.assign(cells_.size(), no_owner);
+  assign_to_nearest();
+}
+
+/// Bodies that share a component, by component.
+std::set<std::set<std::size_t>> OtherBodies::touching() const {
+  std::map<std::size_t, std::set<std::size_t>> owners;
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (owners_[i] != no_owner)
+      owners[cells_[i].component].insert(static_cast<std::size_t>(owners_[i]));
+  std::set<std::set<std::size_t>> groups;
+  for (const auto& [component, group] : owners)
+    if (group.size() > 1) groups.insert(group);
+  return groups;
+}
+
+/// Owner of each cell: the nearest visible body, within the filter's gate.
+void OtherBodies::assign_to_nearest() {
+  std::vector<std::vector<double>> distances_m;  // [bodies, cells]
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    auto& row = distances_m.emplace_back(cells_.size(), infinite_m);
+    if (!bodies_[k].is_visible) continue;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      row[i] = bodies_[k].distance_m(cells_[i].mean_m);
+      const auto owner = static_cast<std::size_t>(std::max(0, owners_[i]));
+      if (row[i] < bodies_[k].filter.gate_m() &&
+          (owners_[i] == no_owner || row[i] < distances_m[owner][i]))
+        owners_[i] = static_cast<int>(k);
+    }
+  }
+  share_components(distances_m);
+}
+
+/// A component belongs to the body that has most cells in it and to the bodies that have no more
+/// cells in another component: to the nearest of those.
+void OtherBodies::share_components(const std::vector<std::vector<double>>& distances_m) {
+  using Component = std::size_t;
+  using Owner = std::size_t;
+  std::map<Component, std::map<Owner, std::size_t>> votes;
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (owners_[i] != no_owner) ++votes[cells_[i].component][static_cast<Owner>(owners_[i])];
+  std::map<Owner, std::pair<std::size_t, Component>> largest;  // of each body
+  for (const auto& [component, counts] : votes)
+    for (const auto& [owner, count] : counts)
+      largest[owner] = std::max(largest[owner], {count, component});
+  std::map<Component, std::vector<Owner>> sharers;
+  for (const auto& [owner, main] : largest) sharers[main.second].push_back(owner);
+  for (const auto& [component, counts] : votes)
+    if (!sharers.contains(component))
+      sharers[component] = {std::ranges::max_element(counts, {}, [](const auto& count) {
+                              return count.second;
+                            })->first};
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (const auto found = sharers.find(cells_[i].component); found != sharers.end())
+      owners_[i] = static_cast<int>(*std::ranges::min_element(
+          found->second, {}, [&](Owner owner) { return distances_m[owner][i]; }));
+}
+
+/// Takes components from another body that are a hand's size away from its largest one. One that
+/// may be the hidden hand is a new body if the other body may be the hand as well.
+void OtherBodies::release_distant(std::size_t body) {
+  const auto components = components_of(static_cast<int>(body));
+  if (components.size() < 2) return;
+  const auto main = std::ranges::max_element(components, {}, &CellIndices::size);
+  for (const auto& component : components) {
+    if (&component == &*main || touch(component, *main, hand_patch_radius_m)) continue;
+    for (const auto i : component) owners_[i] = no_owner;
+    if (bodies_.front().is_visible || visible_fraction(component) < min_hand_fraction) continue;
+    if (log_ratio(bodies_[body], place_of(*main), bodies_.front(), place_of(component)) <
+        min_log_ratio)
+      add_body(component);
+  }
+}
+
+void OtherBodies::assign_to_hidden() {
+  for (const auto& component : components_of(no_owner)) {
+    const int owner = hidden_owner(component);
+    for (const auto i : component) owners_[i] = owner;
+  }
+}
+
+/// Hidden body that most likely moved to a component.
+int OtherBodies::hidden_owner(const CellIndices& component) const {
+  const bool is_hand_hidden = !bodies_.front().is_visible;
+  if (visible_fraction(component) < min_hand_fraction)
+    return is_hand_hidden ? hand_owner : no_owner;
+  const auto place = place_of(component);
+  std::vector<std::pair<double, int>> candidates;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const auto& body = bodies_[k];
+    if (body.is_visible || (body.centroid_m - place.centroid_m).norm() > 2.0 * arm_reach_m)
+      continue;
+    candidates.emplace_back(body.misfit(place) + 3.0 * std::log(body.reach_m()),
+                            static_cast<int>(k));
+  }
+  if (candidates.empty()) return no_owner;
+  std::ranges::sort(candidates);
+  const auto [best, owner] = candidates.front();
+  const bool is_close = candidates.size() > 1 && candidates[1].first - best < min_log_ratio;
+  const bool may_be_hand = owner == hand_owner || (is_close && candidates[1].second == hand_owner);
+  return is_close && may_be_hand ? doubtful_owner : owner;
+}
+
+void OtherBodies::measure_others() {
+  for (std::size_t k = 1; k < bodies_.size(); ++k) {
+    const auto cells = cells_of(static_cast<int>(k));
+    if (visible_fraction(cells) >= min_hand_fraction)
+      measure(bodies_[k], cells, centroid_m(cells));
+    else
+      bodies_[k].is_visible = false;
+  }
+}
+
+bool OtherBodies::update(const std::optional<Patch>& hand) {
+  const auto before = bodies_.front();
+  bodies_.front().is_visible = false;
+  if (!hand) return true;
+  const auto [own, apart] = hand_cells(*hand);
+  for (const auto& component : apart) {
+    const auto* hidden = before.is_visible ? hidden_near(centroid_m(component)) : nullptr;
+    if (!hidden || log_ratio(before, place_of(own), *hidden, place_of(component)) >= min_log_ratio)
+      continue;
+    add_body(own);
+    for (const auto& other : apart) add_body(other);
+    return false;
+  }
+  bodies_.front().is_visible = before.is_visible;
+  measure(bodies_.front(), own, hand->centroid_m);
+  for (const auto& component : apart) {
+    const auto position_m = centroid_m(component);
+    if (auto* hidden = hidden_near(position_m))
+      measure(*hidden, component, position_m);
+    else
+      add_body(component);
+  }
+  return true;
+}
+
+OtherBodies::HandCells OtherBodies::hand_cells(const Patch& hand) const {
+  HandCells result;
+  const auto distance_m = [&](std::size_t i) {
+    return (cells_[i].mean_m.cast<double>() - hand.centroid_m).norm();
+  };
+  for (const int owner : {hand_owner, no_owner})
+    for (auto& component : components_of(owner)) {
+      const auto arm_end = std::ranges::partition(
+          component, [&](std::size_t i) { return distance_m(i) < forearm_hand_m; });
+      CellIndices far(arm_end.begin(), arm_end.end());
+      component.erase(arm_end.begin(), component.end());
+      const bool is_own = std::ranges::any_of(
+          component, [&](std::size_t i) { return distance_m(i) < hand_patch_radius_m; });
+      result.apart.push_back(std::move(far));
+      if (is_own)
+        result.own.insert(result.own.end(), component.begin(), component.end());
+      else
+        result.apart.push_back(std::move(component));
+    }
+  std::erase_if(result.apart, [&](const CellIndices& component) {
+    return visible_fraction(component) < min_hand_fraction;
+  });
+  return result;
+}
+
+OtherBodies::Tracked* OtherBodies::hidden_near(const Eigen::Vector3d& position_m) {
+  Tracked* nearest = nullptr;
+  for (std::size_t k = 1; k < bodies_.size(); ++k) {
+    auto& body = bodies_[k];
+    const double distance_m = (body.centroid_m - position_m).norm();
+    if (!body.is_visible && distance_m < body.reach_m() &&
+        (!nearest || distance_m < (nearest->centroid_m - position_m).norm()))
+      nearest = &body;
+  }
+  return nearest;
+}
+
+void OtherBodies::measure(Tracked& body, const CellIndices& cells,
+                          const Eigen::Vector3d& centroid_m) const {
+  if (body.is_visible)
+    body.filter.measure(centroid_m, body_sigma_m);
+  else
+    body.filter.start(centroid_m, body_sigma_m);
+  body.centroid_m = centroid_m;
+  const double weight = body.seen_s > 0.0 ? std::min(1.0, seconds_ / size_time_s) : 1.0;
+  body.visible_fraction += weight * (visible_fraction(cells) - body.visible_fraction);
+  body.seen_s += seconds_;
+  body.is_visible = true;
+  body.surface_m.clear();
+  for (std::size_t i = 0; i < cells.size(); i += 1 + cells.size() / max_surface_cells)
+    body.surface_m.push_back(cells_[cells[i]].mean_m);
+}
+
+void OtherBodies::add_body(const CellIndices& cells) {
+  for (const auto i : cells) owners_[i] = static_cast<int>(bodies_.size());
+  bodies_.emplace_back();
+  measure(bodies_.back(), cells, centroid_m(cells));
+}
+
+OtherBodies::CellIndices OtherBodies::cells_of(int owner) const {
+  CellIndices result;
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    if (owners_[i] == owner) result.push_back(i);
+  return result;
+}
+
+std::vector<OtherBodies::CellIndices> OtherBodies::components_of(int owner) const {
+  std::map<std::size_t, CellIndices> components;
+  for (const auto i : cells_of(owner)) components[cells_[i].component].push_back(i);
+  std::vector<CellIndices> result;
+  for (auto& [component, cells] : components) result.push_back(std::move(cells));
+  return result;
+}
+
+Eigen::Vector3d OtherBodies::centroid_m(const CellIndices& cells) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (const auto i : cells) {
+    const auto points = static_cast<double>(cells_[i].points.size());
+    sum += points * cells_[i].mean_m.cast<double>(), count += points;
+  }
+  return sum / count;
+}
+
+OtherBodies::Place OtherBodies::place_of(const CellIndices& cells) const {
+  return {centroid_m(cells), visible_fraction(cells)};
+}
+
+double OtherBodies::visible_fraction(const CellIndices& cells) const {
+  if (cells.empty()) return 0.0;
+  double count = 0.0;
+  for (const auto i : cells) count += static_cast<double>(cells_[i].points.size());
+  return count / segmenter_.disc_pixels(hand_disc_radius_m, centroid_m(cells).z());
+}
+
+bool OtherBodies::touch(const CellIndices& a, const CellIndices& b, double distance_m) const {
+  return std::ranges::any_of(a, [&](std::size_t i) {
+    return std::ranges::any_of(b, [&](std::size_t j) {
+      return (cells_[i].mean_m - cells_[j].mean_m).norm() < distance_m;
+    });
+  });
+}
+
+}  // namespace touchtrace::label

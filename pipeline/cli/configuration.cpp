@@ -81,7 +81,8 @@ void apply_configuration(const std::filesystem::path& file,
   for (const auto& [key, node] : *table) {
     const Option& option = find_option(file.string(), command, key.str(), options);
     if (std::ranges::find(given, option.name) != given.end()) continue;
-    if (!std::visit([&](auto* target) { return assign(node, *target); }, option.target))
+    if (!std::visit([&, &value = node](auto* target) { return assign(value, *target); },
+                    option.target))
       throw usage_error(
           fmt::format("{}: value of '{}' has the wrong type", file.string(), key.str()),
           option.help);

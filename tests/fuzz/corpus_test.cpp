@@ -13,9 +13,8 @@ namespace {
 TEST(FuzzCorpus, IsParsedWithoutACrash) {
   Progress::silence();
   for (const FuzzTarget& target : fuzz_targets()) {
-    const std::string archive =
-        read_file(std::filesystem::path(TOUCHTRACE_SOURCE_DIR) / "tests/data/fuzz" /
-                  (target.name + ".zip"));
+    const std::string archive = read_file(std::filesystem::path(TOUCHTRACE_SOURCE_DIR) /
+                                          "tests/data/fuzz" / (target.name + ".zip"));
     const auto entries = zip_entries(archive);
     EXPECT_GT(entries.size(), 0u) << target.name;
     for (const ZipEntry& entry : entries)

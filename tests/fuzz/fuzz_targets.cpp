@@ -146,9 +146,8 @@ std::vector<FuzzTarget> make_targets() {
   add("calibration", ".json", [](auto& file, ByteSpan) { read_calibration(file); });
   add("camera_yaml", ".yaml", [](auto& file, ByteSpan) { read_calibration(file); });
   add("camchain", ".yaml", [](auto& file, ByteSpan) { read_camchain(file); });
-  add("intrinsics", ".json", [](auto& file, ByteSpan) {
-    stated_counts_per_m(file), read_intrinsics(file, 640, 480);
-  });
+  add("intrinsics", ".json",
+      [](auto& file, ByteSpan) { stated_counts_per_m(file), read_intrinsics(file, 640, 480); });
   add("matrix", ".txt", [](auto& file, ByteSpan) { read_intrinsics(file, 640, 480); });
   add("toml", ".toml", parse_toml);
   add("matlab", ".mat", [](auto& file, ByteSpan) { tolerate([&] { read_matlab_depth(file); }); });
@@ -160,9 +159,8 @@ std::vector<FuzzTarget> make_targets() {
   add("track", ".csv", parse_track);
   add("glove_table", ".csv", [](auto& file, ByteSpan) { read_glove_table(file, {}); });
   add("clips", ".csv", [](auto& file, ByteSpan) { read_clips(file, {0.0, 100.0, 0.0}, "ball"); });
-  add("tum_list", ".txt", [](auto& file, ByteSpan) {
-    read_tum_list(file.parent_path(), file.filename().c_str());
-  });
+  add("tum_list", ".txt",
+      [](auto& file, ByteSpan) { read_tum_list(file.parent_path(), file.filename().c_str()); });
   return targets;
 }
 

@@ -51,7 +51,8 @@ int record_and_recover(const fs::path& disk, const fs::path& glove, const fs::pa
 }  // namespace
 
 void measure_full_disk(const fs::path& folder, const std::function<void(Figure)>& emit) {
-  const fs::path disk = folder / "disk", output = folder / "full.h5", messages = folder / "full.txt";
+  const fs::path disk = folder / "disk", output = folder / "full.h5",
+                 messages = folder / "full.txt";
   fs::create_directory(disk);
   const GloveStream glove = wavy_glove(32, 32, 2 * disk_bytes / log_bytes_per_frame, 15.0);
   std::string bytes;

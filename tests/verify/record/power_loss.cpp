@@ -76,7 +76,8 @@ std::map<std::uint64_t, RecordedFrame> read_frames(const fs::path& log, double s
 
 /// File after a loss of power: `bytes` were written, of which `synced` are on the disk.
 std::string after_power_loss(std::string_view bytes, std::size_t synced, RandomStream& random) {
-  if (random.below(2) == 0) return std::string(bytes.substr(0, synced + random.below(bytes.size() - synced + 1)));
+  if (random.below(2) == 0)
+    return std::string(bytes.substr(0, synced + random.below(bytes.size() - synced + 1)));
   std::string left(bytes);
   for (std::size_t block = synced / block_bytes; block * block_bytes < left.size(); ++block) {
     const auto fate = random.below(3);

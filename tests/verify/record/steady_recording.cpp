@@ -8,8 +8,8 @@
 #include <fstream>
 #include <thread>
 
-#include "engine/base/provenance.h"
 #include "engine/base/interrupt.h"
+#include "engine/base/provenance.h"
 #include "engine/base/scratch_folder.h"
 #include "pipeline/acquire/record/glove_source.h"
 #include "pipeline/acquire/record/recorder.h"
@@ -22,11 +22,14 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr double camera_hz = 30.0, glove_hz = 15.0, hour_s = 3600.0, hours = 8.0, hours_speed = 10.0;
+constexpr double camera_hz = 30.0, glove_hz = 15.0, hour_s = 3600.0, hours = 8.0,
+                 hours_speed = 10.0;
 
 const GloveProtocol& protocol() { return find_glove_protocol("mit-rows"); }
 
-auto seconds(double value) { return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value)); }
+auto seconds(double value) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
+}
 
 class SteadyCamera : public RecordSource {
  public:
@@ -82,8 +85,8 @@ class MemoryLog {
 class SteadyGlove {
  public:
   void start(double duration_s, double speed) {
-    sender_ = std::jthread(
-        [=, this](const std::stop_token& stop) { send(stop, duration_s, speed); });
+    sender_ =
+        std::jthread([=, this](const std::stop_token& stop) { send(stop, duration_s, speed); });
   }
   const std::string& path() const { return device_.path(); }
   std::uint64_t sent() const { return sent_; }
@@ -180,8 +183,8 @@ Verification verify_hours() {
     const SteadyRecording load = record_steadily(folder.path(), hours * hour_s, hours_speed);
     const auto [low, high] = std::ranges::minmax(load.memory_bytes);
     emit(reported("record: recorded time", load.duration_s / hour_s, "hours"));
-    emit(at_least("record: speed", load.duration_s / load.wall_s, "times real",
-                  0.99 * hours_speed));
+    emit(
+        at_least("record: speed", load.duration_s / load.wall_s, "times real", 0.99 * hours_speed));
     emit(at_most("record: frames of both devices that are not in the log",
                  static_cast<double>(load.missing_frames), "frames", 0.0));
     emit(at_most("record: processor", 100.0 * load.cpu_s / load.duration_s, "% of a core", 25.0));

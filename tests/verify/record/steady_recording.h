@@ -8,9 +8,9 @@ namespace touchtrace {
 
 struct SteadyRecording {
   double wall_s = 0.0, cpu_s = 0.0, duration_s = 0.0;  ///< duration_s: recorded
-  std::uint64_t discarded_frames = 0;  ///< because the disk was too slow
-  std::uint64_t missing_frames = 0;    ///< sent by a device, but not in the log
-  std::vector<double> memory_bytes;    ///< resident; median of each recorded hour
+  std::uint64_t discarded_frames = 0;                  ///< because the disk was too slow
+  std::uint64_t missing_frames = 0;                    ///< sent by a device, but not in the log
+  std::vector<double> memory_bytes;                    ///< resident; median of each recorded hour
 };
 
 /// Records a camera of 640 x 480 pixels, colour and depth at 30 Hz, and a glove of 32 x 32 taxels

@@ -140,10 +140,10 @@ Truth make_truth(int samples) {
 /// All that a recording can contain.
 void write_whole(const fs::path& path) {
   constexpr int frames = 8;
-  const CameraInfo camera = make_camera_info(16, 12);
+  CameraInfo camera = make_camera_info(16, 12);
+  camera.gravity_m_per_s2 = {0.0, 9.81, 0.0};
   const RgbdFrame image = noisy_image(camera, 1);
   Recording recording = make_recording(camera, frames);
-  recording.camera.gravity_m_per_s2 = {0.0, 9.81, 0.0};
   recording.clips = {{0.0, 0.4, "ball", false, {1, 2, 3, 4}, {4, 1, 3, 3}}};
   recording.gloves = {make_glove(frames)};
   RecordingWriter writer(path, camera, true);

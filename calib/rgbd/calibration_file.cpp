@@ -7,6 +7,7 @@
 #include "calib/rgbd/calibration_json.h"
 #include "calib/rgbd/camera_info.h"
 #include "calib/rgbd/foreign_calibration.h"
+#include "engine/base/checksum.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 
@@ -162,6 +163,11 @@ json calibration_json(const RgbdCalibration& c) {
           {"details", c.details}};
 }
 
+std::string checked_json_text(json document) {
+  document[checksum_key] = empty_checksum();
+  return with_checksum(document.dump(1) + "\n");
+}
+
 FileTexts calibration_files(const RgbdCalibration& calibration) {
   FileTexts texts;
   texts["camera.yaml"] = camera_info_yaml("color", calibration.color);
@@ -171,7 +177,7 @@ FileTexts calibration_files(const RgbdCalibration& calibration) {
     texts["camera_depth_opencv.yaml"] = file_storage_yaml(*calibration.depth);
   }
   texts["camchain.yaml"] = camchain_yaml(calibration);
-  texts["calibration.json"] = calibration_json(calibration).dump(1) + "\n";
+  texts["calibration.json"] = checked_json_text(calibration_json(calibration));
   return texts;
 }
 
@@ -194,6 +200,7 @@ RgbdCalibration read_calibration(const std::filesystem::path& folder_or_file) {
   const std::string text = read_file(path, max_bytes);
   if (is_file && is_foreign_json(text)) return read_foreign_calibration(path);
   try {
+    verify_checksum(text, text);
     return calibration_from_json(json::parse(text));
   } catch (const std::exception& error) {
     throw data_error(fmt::format("cannot read calibration {}: {}", path.string(), error.what()),

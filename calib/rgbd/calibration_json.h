@@ -19,6 +19,9 @@ Eigen::MatrixXd matrix_from_json(const nlohmann::json& rows, Eigen::Index height
 /// Rigid motion from a 4x4 matrix. `name`: for messages.
 Eigen::Isometry3d pose_from_json(const nlohmann::json& value, const std::string& name);
 
+/// Text of a JSON document with its checksum.
+std::string checked_json_text(nlohmann::json document);
+
 using FileTexts = std::map<std::string, std::string>;  ///< by path relative to a folder
 
 /// Files of write_calibration().

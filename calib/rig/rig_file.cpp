@@ -6,6 +6,7 @@
 #include "calib/rgbd/calibration_json.h"
 #include "calib/rgbd/foreign_calibration.h"
 #include "calib/rig/rig.h"
+#include "engine/base/checksum.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 
@@ -101,7 +102,7 @@ json rig_json(const RigCalibration& rig) {
 
 void write_rig(const std::filesystem::path& folder, const RigCalibration& rig, bool overwrite) {
   FileTexts texts;
-  texts["rig.json"] = rig_json(rig).dump(1) + "\n";
+  texts["rig.json"] = checked_json_text(rig_json(rig));
   texts["camchain.yaml"] = camchain(rig);
   for (std::size_t i = 1; i < rig.cameras.size(); ++i)
     texts[rig.names.front() + "_" + rig.names[i] + "_opencv.yaml"] =
@@ -118,6 +119,7 @@ RigCalibration read_rig(const std::filesystem::path& folder_or_file) {
   const auto path = is_file ? folder_or_file : folder_or_file / "rig.json";
   const std::string text = read_file(path, max_bytes);
   try {
+    verify_checksum(text, text);
     return rig_from_json(json::parse(text));
   } catch (const std::exception& error) {
     throw data_error(fmt::format("cannot read rig {}: {}", path.string(), error.what()),

@@ -11,6 +11,7 @@
 #include <set>
 #include <string_view>
 
+#include "engine/base/checksum.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/integer_math.h"
@@ -101,10 +102,11 @@ TensorFile parse(std::string_view bytes) {
   std::uint64_t header_bytes = 0;
   if (bytes.size() < length_bytes) reject("file is too short");
   std::memcpy(&header_bytes, bytes.data(), length_bytes);
-  bytes.remove_prefix(length_bytes);
-  if (header_bytes > std::min(bytes.size(), max_header_bytes)) reject("header exceeds the file");
-  const auto header = parse_header(bytes.substr(0, header_bytes));
-  const auto data = bytes.substr(header_bytes);
+  if (header_bytes > std::min(bytes.size() - length_bytes, max_header_bytes))
+    reject("header exceeds the file");
+  const auto header = parse_header(bytes.substr(length_bytes, header_bytes));
+  const auto data = bytes.substr(length_bytes + header_bytes);
+  verify_checksum(bytes, bytes.substr(0, length_bytes + header_bytes));
   if (header.size() > max_tensors) reject("too many tensors");
   TensorFile file;
   std::vector<std::pair<Tensor, Range>> rows;
@@ -114,6 +116,7 @@ TensorFile parse(std::string_view bytes) {
     else
       rows.push_back(parse_row(name, row, data.size()));
   }
+  file.metadata.erase(checksum_key);
   read_values(rows, data);
   for (auto& row : rows) file.tensors.push_back(std::move(row.first));
   return file;
@@ -133,7 +136,8 @@ const Tensor& TensorFile::at(const std::string& name, std::size_t size) const {
 
 void write_safetensors(const std::filesystem::path& path, const TensorFile& file, bool overwrite) {
   nlohmann::ordered_json header;
-  if (!file.metadata.empty()) header[metadata_key] = file.metadata;
+  header[metadata_key] = file.metadata;
+  header[metadata_key][checksum_key] = empty_checksum();
   std::string data;
   for (const auto& tensor : file.tensors) {
     const std::size_t begin = data.size();
@@ -145,9 +149,8 @@ void write_safetensors(const std::filesystem::path& path, const TensorFile& file
   std::string text = header.dump();
   text.resize(round_up(text.size(), length_bytes), ' ');
   const std::uint64_t header_bytes = text.size();
-  write_file(path,
-             std::string(reinterpret_cast<const char*>(&header_bytes), length_bytes) + text + data,
-             overwrite);
+  const std::string length(reinterpret_cast<const char*>(&header_bytes), length_bytes);
+  write_file(path, with_checksum(length + text + data), overwrite);
 }
 
 TensorFile read_safetensors(const std::filesystem::path& path) {

@@ -75,7 +75,8 @@ void apply_table(const toml::table& table, const std::string& command,
   for (const auto& [key, node] : table) {
     const Option* option = find_option(command, key.str(), options, faults);
     if (!option || std::ranges::find(given, option->name) != given.end()) continue;
-    if (!std::visit([&](auto* target) { return assign(node, *target); }, option->target))
+    if (!std::visit([&, &value = node](auto* target) { return assign(value, *target); },
+                    option->target))
       faults.add(fmt::format("value of '{}' in [{}] has the wrong type", key.str(), command),
                  option->help);
   }

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <mutex>
+#include <string_view>
 #include <utility>
 
 namespace touchtrace::h5 {
@@ -19,6 +20,12 @@ herr_t store_innermost(unsigned depth, const H5E_error2_t* error, void* text) {
 std::string library_message() {
   std::string text;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, store_innermost, &text);
+  // Of a failed system call only the reason, without addresses and sizes.
+  constexpr std::string_view reason = "error message = '";
+  if (const auto at = text.find(reason); at != std::string::npos) {
+    const auto begin = at + reason.size();
+    text = text.substr(begin, text.find('\'', begin) - begin);
+  }
   return text.empty() ? "unknown reason" : text;
 }
 
@@ -26,6 +33,9 @@ std::string library_message() {
 
 LibraryLock::LibraryLock() {
   if (locks_held++ == 0) library_mutex.lock();
+  // Handles close all files. One that cannot be written, because the disk is full, remains open,
+  // and the library's exit handler crashes on it.
+  [[maybe_unused]] static const herr_t no_exit_handler = H5dont_atexit();
   // No messages on stderr; errors become exceptions. Per thread in a thread-safe build.
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }

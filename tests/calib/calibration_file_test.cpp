@@ -97,8 +97,7 @@ TEST_F(CalibrationFile, DoesNotOverwriteNorWriteInPart) {
 
 /// Expects a data error for the example with one member replaced.
 void expect_rejected(const fs::path& folder, const char* pointer, const nlohmann::json& value) {
-  write_calibration(folder, example(), true);
-  auto document = nlohmann::json::parse(read_file(folder / "calibration.json"));
+  nlohmann::json document = calibration_json(example());
   document[nlohmann::json::json_pointer(pointer)] = value;
   write_file(folder / "calibration.json", document.dump(), true);
   try {
@@ -122,6 +121,23 @@ TEST_F(CalibrationFile, RejectsInvalidMembers) {
   expect_rejected(folder_, "/depth_scale", 0.0);
   expect_rejected(folder_, "/covariance", nlohmann::json::array());
   expect_rejected(folder_, "/parameters", "fx");
+}
+
+TEST_F(CalibrationFile, RejectsEveryFlippedBitButAcceptsTextWithoutChecksum) {
+  write_calibration(folder_, example(), false);
+  const auto path = folder_ / "calibration.json";
+  auto text = read_file(path);
+  for (std::size_t bit = 0; bit < 8 * text.size(); bit += 13) {
+    text[bit / 8] ^= static_cast<char>(1 << bit % 8);
+    std::ofstream(path, std::ios::binary) << text;
+    text[bit / 8] ^= static_cast<char>(1 << bit % 8);
+    EXPECT_THROW(read_calibration(folder_), Error) << bit;
+  }
+  auto document = nlohmann::json::parse(text);
+  document.erase("checksum");
+  document["depth_scale"] = 1.5;
+  write_file(path, document.dump(), true);
+  EXPECT_EQ(read_calibration(folder_).depth_scale, 1.5);
 }
 
 TEST_F(CalibrationFile, RejectsTruncatedAndMissingFiles) {

@@ -73,7 +73,8 @@ TEST_F(Safetensors, IsReadableByPlainPython) {
                     false);
   const std::string script =
       "import json,struct,sys;b=open(sys.argv[1],'rb').read();n,=struct.unpack('<Q',b[:8]);"
-      "h=json.loads(b[8:8+n]);d=b[8+n:];assert n%8==0;assert h.pop('__metadata__')=={'note':'x'};"
+      "h=json.loads(b[8:8+n]);d=b[8+n:];assert n%8==0;assert "
+      "h.pop('__metadata__').keys()=={'checksum','note'};"
       "t={k:struct.unpack('<%df'%((r['data_offsets'][1]-r['data_offsets'][0])//4),"
       "d[r['data_offsets'][0]:r['data_offsets'][1]]) for k,r in h.items()};"
       "assert t=={'w':(1,2,3,4.5),'v':(7,)},t;assert h['w']['shape']==[2,2];"
@@ -122,6 +123,27 @@ TEST_F(Safetensors, RejectsEveryTruncation) {
     write_file(path(), whole.substr(0, size), true);
     EXPECT_THROW(read_safetensors(path()), Error) << size << " bytes of " << whole.size();
   }
+}
+
+TEST_F(Safetensors, RejectsEveryFlippedBit) {
+  write_safetensors(path(), {{{"k", "v"}}, {{"w", {3}, {1, 2, 3}}}}, false);
+  auto bytes = read_file(path());
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    bytes[bit / 8] ^= static_cast<char>(1 << bit % 8);
+    write_file(path(), bytes, true);
+    bytes[bit / 8] ^= static_cast<char>(1 << bit % 8);
+    EXPECT_THROW(read_safetensors(path()), Error) << bit;
+  }
+}
+
+/// The checksum is the SHA-256 of the file with zeros in its place.
+TEST_F(Safetensors, ChecksumIsThatOfPython) {
+  write_safetensors(path(), {{}, {{"w", {1}, {1}}}}, false);
+  const std::string script =
+      "import hashlib,re,sys;b=open(sys.argv[1],'rb').read();"
+      "p=rb'(sha256-with-zeros-here:)([0-9a-f]{64})';d=re.search(p,b)[2].decode();"
+      "assert hashlib.sha256(re.sub(p,rb'\\g<1>'+b'0'*64,b)).hexdigest()==d";
+  EXPECT_EQ(std::system(("/usr/bin/python3 -c \"" + script + "\" " + path().string()).c_str()), 0);
 }
 
 TEST_F(Safetensors, RejectsOverlapsGapsAndInvalidEntries) {

@@ -12,6 +12,7 @@
 #include "tests/verify/engine/verify_engine.h"
 #include "tests/verify/engine/verify_processes.h"
 #include "tests/verify/labels/verify_labels.h"
+#include "tests/verify/record/steady_recording.h"
 #include "tests/verify/record/verify_record.h"
 #include "tests/verify/recording/verify_recording.h"
 #include "tests/verify/scene/verify_scene.h"
@@ -94,9 +95,13 @@ const cli::Program& verify_program() {
          area("first-step", "the first training step of a process", verify_first_step()),
          area("labels", "smoothing, clocks, labels of rendered scenes (17 min)",
               study::verify_labels()),
-         area("record", "live predictions, crashes while recording, damaged logs, load (7 min)",
+         area("record", "live predictions, crashes while recording, damaged files, load (7 min)",
               verify_record()),
-         area("recording", "crash safety and damaged files", verify_recording()),
+         area("record-hours",
+              "8 hours of glove and camera, at 10 times their rates (48 min; Ctrl-C: the time "
+              "until then)",
+              verify_hours()),
+         area("recording", "crash safety and damaged files (4 min)", verify_recording()),
          area("scene", "physics against closed forms and statistics", scene::verify_scene()),
          area("study", "training and evaluation on a synthetic data set", study::verify_study()),
          area("weights", "hash of the weights after 200 updates", verify_weights())}}},

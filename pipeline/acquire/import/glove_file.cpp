@@ -2,10 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
-#include <climits>
-#include <cmath>
 
 #include "engine/base/error.h"
 
@@ -35,17 +32,6 @@ GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOpti
   }
   throw data_error(fmt::format("{} is not a file of a tactile glove", file.string()),
                    "give one of: " + names);
-}
-
-void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& options) {
-  const auto count = static_cast<int>(std::min<std::size_t>(values, INT_MAX));
-  const auto side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(count))));
-  glove.rows = options.rows > 0 ? options.rows : options.cols > 0 ? count / options.cols : side;
-  glove.cols = options.cols > 0 ? options.cols : options.rows > 0 ? count / options.rows : side;
-  if (values == 0 || glove.taxels() != values)
-    throw data_error(fmt::format("{} values per frame do not fit {} rows and {} columns", values,
-                                 glove.rows, glove.cols),
-                     "give --rows and --cols");
 }
 
 }  // namespace touchtrace

@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <climits>
+#include <cmath>
 #include <cstdio>
 
 #include "engine/base/error.h"
@@ -80,6 +82,17 @@ GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOpt
   set_layout(glove, columns.taxels.size(), with_named_layout(options, columns));
   for_each_row(table, max_frames, hint, [&] { append_row(table, columns, glove); });
   return glove;
+}
+
+void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& options) {
+  const auto count = static_cast<int>(std::min<std::size_t>(values, INT_MAX));
+  const auto side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(count))));
+  glove.rows = options.rows > 0 ? options.rows : options.cols > 0 ? count / options.cols : side;
+  glove.cols = options.cols > 0 ? options.cols : options.rows > 0 ? count / options.rows : side;
+  if (values == 0 || glove.taxels() != values)
+    throw data_error(fmt::format("{} values per frame do not fit {} rows and {} columns", values,
+                                 glove.rows, glove.cols),
+                     "give --rows and --cols");
 }
 
 }  // namespace touchtrace

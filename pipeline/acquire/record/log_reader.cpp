@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <utility>
 
 #include "engine/base/error.h"
 #include "pipeline/acquire/record/log_format.h"

@@ -17,6 +17,15 @@ Error write_error(const std::filesystem::path& path, int error) {
                              path.string()));
 }
 
+/// Makes the name of a new file survive a loss of power.
+void sync_folder_of(const std::filesystem::path& file) {
+  const auto folder = std::filesystem::absolute(file).parent_path();
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  fsync(descriptor);  // some file systems have no such call for folders
+  close(descriptor);
+}
+
 }  // namespace
 
 LogWriter::LogWriter(const std::filesystem::path& path)
@@ -33,6 +42,7 @@ LogWriter::LogWriter(const std::filesystem::path& path)
     close(file_);
     throw write_error(path, error);
   }
+  sync_folder_of(path);
   bytes_ = log_magic.size();
 }
 

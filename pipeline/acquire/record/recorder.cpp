@@ -6,7 +6,9 @@ namespace touchtrace {
 namespace {
 
 constexpr std::size_t max_queued_bytes = std::size_t{1} << 28;
-constexpr double sync_period_s = 1.0, step_s = 0.1;
+// A loss of power loses what came since the last synchronisation began: this period, a step, and
+// the duration of two synchronisations, which must not exceed 1 s together.
+constexpr double sync_period_s = 0.4, step_s = 0.1;
 
 }  // namespace
 

@@ -42,7 +42,7 @@ class Recorder {
            const std::vector<RecordSource*>& sources);
   ~Recorder();
 
-  /// Writes what arrives within 0.1 s, and synchronises the log once a second. False: all sources
+  /// Writes what arrives within 0.1 s, and synchronises the log twice a second. False: all sources
   /// have ended. Throws the error of a source, and failure if the disk is full.
   bool step();
   /// Stops the sources and writes the rest.

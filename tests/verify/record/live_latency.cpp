@@ -1,8 +1,6 @@
 #include "tests/verify/record/live_latency.h"
 
 #include <fcntl.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,66 +17,14 @@
 #include "pipeline/acquire/glove/protocol.h"
 #include "pipeline/acquire/record/glove_config.h"
 #include "pipeline/acquire/transport/transport.h"
-#include "pipeline/cli/commands.h"
 #include "tests/support/pseudo_terminal.h"
+#include "tests/verify/record/child_program.h"
 #include "tests/verify/study/noise_model.h"
 
 namespace touchtrace {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Process that runs a function, with stdout to a descriptor; killed by the destructor and with its
-/// parent. OpenCL is
-/// used in such processes only, for it does not survive a fork.
-class Child {
- public:
-  explicit Child(const std::function<int()>& run, int standard_output = -1) : process_(fork()) {
-    if (process_ != 0) return;
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (standard_output >= 0) dup2(standard_output, STDOUT_FILENO);
-    _exit(run());
-  }
-  ~Child() {
-    if (process_ > 0) signal(SIGKILL), wait();
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
-  void signal(int number) const { kill(process_, number); }
-
-  /// Waits until the process has a file open, or 60 s.
-  void wait_until_open(const fs::path& file) const {
-    const auto descriptors = fs::path("/proc") / std::to_string(process_) / "fd";
-    for (const double end_s = monotonic_s() + 60.0; monotonic_s() < end_s; usleep(10'000)) {
-      std::error_code closed;  // files are closed while this looks
-      for (const auto& entry : fs::directory_iterator(descriptors, closed))
-        if (fs::read_symlink(entry.path(), closed) == file) return;
-    }
-  }
-  void wait() {
-    int status = 0;
-    waitpid(process_, &status, 0);
-    process_ = 0;
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) has_failed_ = true;
-  }
-  void require_success(const char* what) {
-    wait();
-    if (has_failed_) throw failure(std::string(what) + " failed", "see its message above");
-  }
-
- private:
-  pid_t process_;
-  bool has_failed_ = false;
-};
-
-int run_touchtrace(std::vector<std::string> arguments) {
-  std::vector<const char*> argv{"touchtrace"};
-  for (const auto& argument : arguments) argv.push_back(argument.c_str());
-  argv.push_back("--quiet");
-  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
-                               argv.data());
-}
 
 void write_model(const fs::path& path, const ModelSpec& spec, double rate_hz) {
   Child([&] {

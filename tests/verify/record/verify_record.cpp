@@ -2,85 +2,33 @@
 
 #include <fmt/core.h>
 
-#include <chrono>
 #include <cmath>
-#include <fstream>
-#include <thread>
 
-#include "engine/base/error.h"
-#include "engine/base/files.h"
 #include "engine/base/random.h"
 #include "engine/base/scratch_folder.h"
 #include "pipeline/acquire/glove/protocol.h"
-#include "pipeline/acquire/record/recorder.h"
-#include "pipeline/acquire/transport/transport.h"
+#include "tests/verify/record/damaged_files.h"
+#include "tests/verify/record/full_disk.h"
 #include "tests/verify/record/killed_recorder.h"
 #include "tests/verify/record/live_latency.h"
+#include "tests/verify/record/power_loss.h"
+#include "tests/verify/record/steady_recording.h"
 
 namespace touchtrace {
 namespace {
 
 using Emit = std::function<void(Figure)>;
 
-constexpr std::size_t log_header_bytes = 16;
-constexpr int num_kills = 200, num_flips = 10'000, num_feeds = 200'000;
+constexpr int num_kills = 1000, kill_processes = 4, num_feeds = 200'000;
 
 void measure_kills(const ScratchFolder& folder, const Emit& emit) {
-  RandomStream random(1, "kills");
-  std::uint64_t acknowledged = 0, lost = 0;
-  int incomplete = 0;
-  for (int i = 0; i < num_kills; ++i) {
-    const KilledRecorder killed = kill_recorder(folder.path(), random.uniform(0.05, 0.6));
-    acknowledged += killed.acknowledged_frames;
-    if (killed.recovered_frames < killed.acknowledged_frames)
-      lost += killed.acknowledged_frames - killed.recovered_frames;
-    incomplete += !killed.is_complete;
-  }
-  emit(reported("record: acknowledged frames at 10x rate, 200 kills",
-                static_cast<double>(acknowledged), "frames"));
-  emit(at_most("record: acknowledged frames lost", static_cast<double>(lost), "frames", 0.0));
-  emit(at_most("record: logs not recovered, of 200", incomplete, "logs", 0.0));
-}
-
-/// Payloads of a log; sets whether the reader says that it is damaged.
-std::vector<std::vector<std::uint8_t>> read_log(const std::filesystem::path& path,
-                                                bool& is_damaged) {
-  LogReader reader(path);
-  std::vector<std::vector<std::uint8_t>> payloads;
-  while (const auto record = reader.next())
-    payloads.emplace_back(record->payload.begin(), record->payload.end());
-  is_damaged = !reader.damage().is_torn_only() || reader.damage().torn_bytes > 0;
-  return payloads;
-}
-
-void measure_flips(const ScratchFolder& folder, const Emit& emit) {
-  const auto path = folder.path() / "flips.log";
-  RandomStream random(1, "log flips");
-  {
-    LogWriter log(path);
-    for (int i = 0; i < 20; ++i) {
-      std::vector<std::uint8_t> payload(random.below(200));
-      for (auto& byte : payload) byte = static_cast<std::uint8_t>(random.below(256));
-      log.append(RecordKind::glove_frame, payload);
-    }
-  }
-  bool is_damaged = false;
-  const auto expected = read_log(path, is_damaged);
-  std::string bytes = read_file(path);
-  int silent = 0;
-  std::size_t max_lost = 0;
-  for (int i = 0; i < num_flips; ++i) {
-    const auto bit = 8 * log_header_bytes + random.below(8 * (bytes.size() - log_header_bytes));
-    bytes[bit / 8] ^= static_cast<char>(1 << (bit % 8));
-    std::ofstream(path, std::ios::binary) << bytes;
-    bytes[bit / 8] ^= static_cast<char>(1 << (bit % 8));
-    const auto found = read_log(path, is_damaged);
-    silent += !is_damaged;
-    max_lost = std::max(max_lost, expected.size() - found.size());
-  }
-  emit(at_most("record: flipped bits of a log without a warning, of 10000", silent, "flips", 0.0));
-  emit(at_most("record: records lost by one flipped bit", static_cast<double>(max_lost), "records",
-               1.0));
+  const KillCounts counts = kill_recorders(folder.path(), num_kills, kill_processes);
+  emit(reported("record: acknowledged frames at 10x rate, 1000 kills",
+                static_cast<double>(counts.acknowledged_frames), "frames"));
+  emit(at_most("record: acknowledged frames lost", static_cast<double>(counts.lost_frames),
+               "frames", 0.0));
+  emit(at_most("record: logs not recovered, of 1000", static_cast<double>(counts.incomplete_logs),
+               "logs", 0.0));
 }
 
 /// Pieces of random bytes and of valid frames, in random order.
@@ -113,41 +61,6 @@ void measure_random_bytes(const Emit& emit) {
                 "pieces"));
   emit(at_most("record: frames out of order in them", static_cast<double>(disordered), "frames",
                0.0));
-}
-
-/// Camera of 640 x 480 pixels, colour and depth at 30 Hz.
-class SteadyCamera : public RecordSource {
- public:
-  bool step(const RecordSink& sink) override {
-    std::this_thread::sleep_until(next_);
-    next_ += std::chrono::microseconds(33'333);
-    const double time_s = static_cast<double>(number_) / 30.0;
-    const FrameStamp stamp{number_++, time_s, time_s};
-    sink(RecordKind::color_image, to_payload(stamp, std::span<const std::uint8_t>(color_)));
-    sink(RecordKind::depth_image, to_payload(stamp, std::span<const std::uint16_t>(depth_)));
-    return true;
-  }
-
- private:
-  std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now();
-  std::uint64_t number_ = 0;
-  std::vector<std::uint8_t> color_ = std::vector<std::uint8_t>(3 * 640 * 480, 7);
-  std::vector<std::uint16_t> depth_ = std::vector<std::uint16_t>(640 * 480, 1000);
-};
-
-void measure_load(const ScratchFolder& folder, const Emit& emit) {
-  constexpr double duration_s = 10.0;
-  SessionInfo session;
-  session.provenance = start_provenance("touchtrace/recording/2", "record");
-  SteadyCamera camera;
-  const Stopwatch stopwatch;
-  Recorder recorder(folder.path() / "load.log", session, {&camera});
-  while (stopwatch.wall_seconds() < duration_s) recorder.step();
-  recorder.finish();
-  emit(at_most("record: 640x480 colour and depth at 30 Hz",
-               100.0 * stopwatch.cpu_seconds() / stopwatch.wall_seconds(), "% of a core", 25.0));
-  emit(at_most("record: frames that the disk was too slow for",
-               static_cast<double>(recorder.discarded_frames()), "frames", 0.0));
 }
 
 double milliseconds(const std::vector<double>& sorted_s, std::size_t percent) {
@@ -183,8 +96,10 @@ Verification verify_record() {
     const ScratchFolder folder;
     measure_live_predictions(folder, emit);
     measure_random_bytes(emit);
-    measure_flips(folder, emit);
-    measure_load(folder, emit);
+    measure_flips(folder.path(), emit);
+    measure_load(folder.path(), emit);
+    measure_full_disk(folder.path(), emit);
+    measure_power_losses(folder.path(), emit);
     measure_kills(folder, emit);
   };
 }

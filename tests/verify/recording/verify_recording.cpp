@@ -5,13 +5,13 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "engine/base/error.h"
-#include "engine/base/files.h"
 #include "engine/base/random.h"
 #include "engine/base/scratch_folder.h"
 #include "pipeline/recording/recording_file.h"
+#include "tests/verify/recording/file_content.h"
+#include "tests/verify/support/bit_flips.h"
 
 namespace touchtrace {
 namespace {
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using Emit = std::function<void(Figure)>;
 
 constexpr int num_timed_frames = 200;
-constexpr int num_flips = 200, num_kills = 20;
+constexpr int num_flips = 10'000, num_kills = 20;
 constexpr int frames_per_hour = 72000;
 
 CameraInfo make_camera_info(int width, int height) {
@@ -107,29 +107,60 @@ bool reads_back(const fs::path& path, const std::vector<RgbdFrame>& images, int 
   return same;
 }
 
-void measure_bit_flips(const ScratchFolder& folder, const Emit& emit) {
-  const CameraInfo camera = make_camera_info(16, 12);
-  const std::vector<RgbdFrame> images{noisy_image(camera, 1)};
-  constexpr int frames = 8;
-  const fs::path path = folder.path() / "flips.h5";
-  write(path, camera, images, frames);
-  std::string bytes = read_file(path);
-  RandomStream random(1, "bit flips");
-  int found = 0, silent = 0;
-  for (int i = 0; i < num_flips; ++i) {
-    const auto bit = random.below(8 * bytes.size());
-    bytes[bit / 8] ^= static_cast<char>(1 << (bit % 8));
-    std::ofstream(path, std::ios::binary) << bytes;
-    bytes[bit / 8] ^= static_cast<char>(1 << (bit % 8));
-    try {
-      silent += !reads_back(path, images, frames);
-    } catch (const Error&) {
-      ++found;
-    }
+/// Glove of 2 x 3 taxels that touches nothing.
+GloveStream make_glove(int frames) {
+  GloveStream glove;
+  glove.info.rows = 2, glove.info.cols = 3;
+  glove.info.baseline_counts.assign(6, 20.0f), glove.info.mask.assign(6, 1);
+  glove.info.taxel_position_m.assign(18, 0.01f);
+  for (int i = 0; i < frames; ++i) {
+    glove.sequence.push_back(static_cast<std::uint64_t>(i));
+    glove.host_time_s.push_back(i / glove.info.rate_hz);
+    glove.counts.insert(glove.counts.end(), {20, 21, 22, 23, 24, 25});
   }
-  emit(reported("recording: bit flips detected, of 200; the others hit unused bytes", found,
-                "flips"));
-  emit(at_most("recording: undetected bit flips that changed the content", silent, "flips", 0.0));
+  return glove;
+}
+
+Truth make_truth(int samples) {
+  const auto count = static_cast<std::size_t>(samples);
+  Truth truth;
+  for (int i = 0; i < samples; ++i) truth.time_s.push_back(0.01 * i);
+  truth.clip.assign(count, 0);
+  truth.hand.position_m.assign(3 * count, 0.5);
+  truth.hand.velocity_m_per_s.assign(3 * count, 0.25);
+  for (std::size_t i = 0; i < 4 * count; ++i)
+    truth.hand.orientation_wxyz.push_back(i % 4 == 0 ? 1.0 : 0.0);
+  truth.object = truth.hand;
+  truth.contact_force_n.assign(3 * count, 0.0);
+  truth.events = {{0.1, "release"}};
+  truth.calibration = truth.clocks = {{"offset_s", 0.0}};
+  return truth;
+}
+
+/// All that a recording can contain.
+void write_whole(const fs::path& path) {
+  constexpr int frames = 8;
+  CameraInfo camera = make_camera_info(16, 12);
+  camera.gravity_m_per_s2 = {0.0, 9.81, 0.0};
+  const RgbdFrame image = noisy_image(camera, 1);
+  Recording recording = make_recording(camera, frames);
+  recording.clips = {{0.0, 0.4, "ball", false, {1, 2, 3, 4}, {4, 1, 3, 3}}};
+  recording.gloves = {make_glove(frames)};
+  RecordingWriter writer(path, camera, true);
+  for (int i = 0; i < frames; ++i) writer.append_camera_frame(image);
+  writer.append_background(image), writer.append_board_view(image);
+  writer.write_truth(make_truth(20));
+  writer.finish(recording);
+}
+
+void measure_bit_flips(const ScratchFolder& folder, const Emit& emit) {
+  const fs::path path = folder.path() / "flips.h5";
+  write_whole(path);
+  const BitFlips flips = flip_bits(path, num_flips, [&] { return content_of_recording(path); });
+  emit(reported("recording: flipped bits detected, of 10000; the others hit unused bytes",
+                flips.detected, "flips"));
+  emit(at_most("recording: flipped bits that changed the content silently", flips.silent, "flips",
+               0.0));
 }
 
 /// Starts a process that replaces `path` repeatedly, and kills it after `after_s`.

@@ -9,7 +9,7 @@
 #include "engine/base/scratch_folder.h"
 #include "engine/model/model_spec.h"
 #include "engine/train/safetensors.h"
-#include "pipeline/acquire/glove/protocol.h"
+#include "pipeline/acquire/glove/own_protocol.h"
 #include "pipeline/acquire/import/bag_file.h"
 #include "pipeline/acquire/import/clip_file.h"
 #include "pipeline/acquire/import/glove_file.h"
@@ -142,6 +142,8 @@ std::vector<FuzzTarget> make_targets() {
   add("log", ".log", parse_log);
   add("session", "", [](auto&, ByteSpan bytes) { parse_session(bytes); });
   add("glove_config", ".json", [](auto& file, ByteSpan) { read_glove_config(file); });
+  add("own_glove", ".toml",
+      [](auto& file, ByteSpan bytes) { parse_glove(read_glove_protocol(file), bytes); });
   add("model", ".safetensors", parse_model);
   add("calibration", ".json", [](auto& file, ByteSpan) { read_calibration(file); });
   add("camera_yaml", ".yaml", [](auto& file, ByteSpan) { read_calibration(file); });

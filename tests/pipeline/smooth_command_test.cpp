@@ -232,7 +232,7 @@ TEST_F(SmoothCommand, ExplainsWrongUsage) {
     EXPECT_NE(error.find("\nhint: "), std::string::npos) << error;
   };
   expect_refused({}, 2, "missing TRACK; usage: touchtrace smooth TRACK... [OPTIONS]");
-  expect_refused({path("a.csv"), "--flights", "find"}, 2, "camera frame: --gravity 0 9.81 0");
+  expect_refused({path("a.csv"), "--flights", "find"}, 2, "0 9.81 0 in a camera's frame");
   expect_refused({path("a.csv"), "--gravity", "0", "9.81"}, 2, "needs 3 numbers, X Y Z, not 2");
   expect_refused({path("a.csv"), "--gravity", "0", "y", "0"}, 2, "must be a number, not 'y'");
   expect_refused({path("a.csv"), "--gravity", "0", "0", "0", "--flights", "find"}, 2, "0 0 0");

@@ -31,7 +31,9 @@ const toml::node& TomlTable::get(const std::string& key) {
 double TomlTable::to_number(const std::string& key, const toml::node& node, double min,
                             double max) const {
   if (!node.is_number()) reject(key, "is not a number");
-  const double value = node.value<double>().value();
+  // value<double>() has none for an integer that no double equals.
+  const double value = node.is_integer() ? static_cast<double>(node.as_integer()->get())
+                                         : node.as_floating_point()->get();
   if (!(value >= min && value <= max))
     reject(key, fmt::format("is {:g}, not in {:g} to {:g}", value, min, max));
   return value;

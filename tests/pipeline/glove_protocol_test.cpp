@@ -210,6 +210,7 @@ TEST(OwnGloveProtocol, InvalidFilesAreRefused) {
   EXPECT_EQ(fault("rows = 16", "rows = 16"), "none");
   EXPECT_TRUE(has(fault("rows = 16", "rows = 0"), "rows is 0"));
   EXPECT_TRUE(has(fault("rows = 16", "rows = 1.5"), "not a whole number"));
+  EXPECT_TRUE(has(fault("rows = 16", "rows = 1666666666666666666"), "rows is 1.66667e+18"));
   EXPECT_TRUE(has(fault("start = \"aa 55\"", "start = \"aa 5\""), "hexadecimal"));
   EXPECT_TRUE(has(fault("start = \"aa 55\"", ""), "start is missing"));
   EXPECT_TRUE(has(fault("bits = 12", "bits = 12\ncount_bytes = 1"), "count_bytes is too small"));

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "engine/base/interrupt.h"
+#include "engine/base/progress.h"
 #include "engine/base/provenance.h"
 #include "engine/base/scratch_folder.h"
 #include "pipeline/acquire/record/glove_source.h"
@@ -142,7 +143,9 @@ SteadyRecording record_steadily(const fs::path& folder, double duration_s, doubl
   device.start(duration_s, speed);
   WrittenPart written(log);
   MemoryLog memory;
-  double next_sample_s = 0.0;
+  const auto minutes = static_cast<std::uint64_t>(std::ceil(duration_s / 60.0));
+  Progress progress("recorded minutes", minutes);
+  double next_sample_s = 0.0, next_minute_s = 60.0;
   const auto step = [&] {
     recorder.step();
     if (speed > 1.0) written.remove(recorder.log_bytes());
@@ -152,6 +155,8 @@ SteadyRecording record_steadily(const fs::path& folder, double duration_s, doubl
     if (stopwatch.wall_seconds() < next_sample_s) continue;
     memory.sample(stopwatch.wall_seconds() * speed);
     next_sample_s = stopwatch.wall_seconds() + 1.0;
+    for (; next_minute_s <= stopwatch.wall_seconds() * speed; next_minute_s += 60.0)
+      progress.advance();
   }
   clear_interrupt();
   SteadyRecording result;

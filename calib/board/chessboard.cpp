@@ -161,9 +161,9 @@ const TargetKind chessboard_kind{
 std::optional<BoardSize> find_board_size(const GreyImage& image) {
   const auto part = find_chessboard_part(reduced(image, reduction_to(image, detection_size_px)));
   if (!part) return {};
-  const auto [least_column, last_column] = minmax_of(part->cells, 0);
-  const auto [least_row, last_row] = minmax_of(part->cells, 1);
-  const int columns = last_column - least_column + 1, rows = last_row - least_row + 1;
+  const auto [first_column, last_column] = minmax_of(part->cells, 0);
+  const auto [first_row, last_row] = minmax_of(part->cells, 1);
+  const int columns = last_column - first_column + 1, rows = last_row - first_row + 1;
   const bool is_filled = static_cast<int>(part->cells.size()) == columns * rows;
   if (!is_filled || std::min(columns, rows) < min_corners_per_side) return {};
   return BoardSize{std::max(columns, rows), std::min(columns, rows)};

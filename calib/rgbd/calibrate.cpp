@@ -31,16 +31,16 @@ constexpr double same_view_px = 0.5;
 constexpr std::size_t min_depth_samples = 100;
 
 void require_views(const BoardObservations& o, std::ptrdiff_t views, const char* kind) {
+  if (views >= min_views) return;
   const std::string skipped =
       o.skipped.empty() ? ""
                         : fmt::format("; {} images were skipped, the first, {}, because of {}",
                                       o.skipped.size(), o.skipped[0].name, o.skipped[0].why);
-  if (views < min_views)
-    throw data_error(
-        fmt::format("only {} {} views of a board with {}x{} inner corners; {} are needed{}", views,
-                    kind, o.board.columns, o.board.rows, min_views, skipped),
-        "record 10 to 20 views with the whole board visible, tilted in different directions, and "
-        "check --columns and --rows");
+  throw data_error(
+      fmt::format("only {} {} views of a board with {}x{} inner corners; {} are needed{}", views,
+                  kind, o.board.columns, o.board.rows, min_views, skipped),
+      "record 10 to 20 views with the whole board visible, tilted in different directions, and "
+      "check --columns and --rows");
 }
 
 /// True if the corners have the orientation of a board seen from behind or in a mirror: no pose

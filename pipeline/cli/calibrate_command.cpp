@@ -102,7 +102,7 @@ BoardSize board_size_of(const CalibrateOptions& o) {
     throw usage_error("--columns and --rows go together", "give both or none");
   if (o.columns > 0) return {o.columns, o.rows};
   const auto images = sizing_images(o);
-  if (images.empty()) return {9, 6};
+  if (images.empty()) return {CalibrationTarget{}.columns, CalibrationTarget{}.rows};
   const BoardSize size = find_board_size(images);
   Progress::report(fmt::format("the board has {}x{} inner corners", size.columns, size.rows));
   return size;

@@ -95,15 +95,19 @@ std::string glove_text(const GloveStatus& glove) {
   return text;
 }
 
+void describe_protocol(OptionSet& set, std::string& protocol) {
+  set.text("protocol", protocol,
+           fmt::format("serial protocol of the device: {}, or a file that describes it (.toml)",
+                       fmt::join(glove_protocol_names(), ", ")))
+      .value("PROTOCOL");
+}
+
 void describe_glove(OptionSet& set, DeviceOptions& o) {
   set.number("speed", o.speed, "of files, relative to the device; 0: no pauses", 0.0, 1e6);
   set.group("Glove");
   set.text("glove", o.glove, "serial port, usb:VENDOR:PRODUCT, or a file with the glove's bytes")
       .value("PORT");
-  set.text("protocol", o.protocol,
-           fmt::format("serial protocol of the device: {}, or a file that describes it (.toml)",
-                       fmt::join(glove_protocol_names(), ", ")))
-      .value("PROTOCOL");
+  describe_protocol(set, o.protocol);
   set.integer("baud", o.baud, "bits per second; 0: the protocol's", 0, 12'000'000);
   set.integer("rows", o.rows, "rows of taxels; 0: the protocol's", 0, 255);
   set.integer("cols", o.cols, "columns of taxels; 0: the protocol's", 0, 255);

@@ -19,6 +19,8 @@ struct DeviceOptions {
   CameraSourceOptions images;
 };
 
+/// `--protocol`
+void describe_protocol(OptionSet& set, std::string& protocol);
 /// Options of a glove whose properties are not known yet, and `--speed`.
 void describe_glove(OptionSet& set, DeviceOptions& options);
 /// The same, and `--glove-config`.

@@ -1,5 +1,4 @@
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "engine/base/progress.h"
 #include "pipeline/acquire/glove/protocol.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/record_devices.h"
 #include "pipeline/recording/recording_file.h"
 
 namespace touchtrace::cli {
@@ -27,10 +27,7 @@ struct SendOptions {
 
 void describe(OptionSet& set, SendOptions& o) {
   set.input("recording", o.recording, "HDF5 with glove");
-  set.text("protocol", o.protocol,
-           fmt::format("serial protocol of the device: {}, or a file that describes it (.toml)",
-                       fmt::join(glove_protocol_names(), ", ")))
-      .value("PROTOCOL");
+  describe_protocol(set, o.protocol);
   set.integer("glove", o.glove, "number of the glove if there are two", 1, 2);
   set.text("output", o.output, "file for the bytes; default: stdout").value("FILE");
   set.flag("live", o.live, "send frames at the times of the recording");

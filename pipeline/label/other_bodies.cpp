@@ -4,11 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 namespace touchtrace::label {
 namespace {
 
-constexpr int hand_owner = 0, no_owner = -1, doubtful_owner = -2;
+constexpr int hand_owner = 0, no_owner = OwnedCells::no_owner, doubtful_owner = -2;
 constexpr double infinite_m = std::numeric_limits<double>::infinity();
 constexpr double min_cell_m = 0.015, cell_pixels = 3.0, cell_noise_sigmas = 3.0;
 constexpr std::size_t max_surface_cells = 400;
@@ -60,17 +61,17 @@ void OtherBodies::start(const Surface& surface, const PixelBox& hand_box,
         cell.points, [&](std::size_t point) { return contains(box, surface[point]); });
     return 2 * static_cast<std::size_t>(inside) >= cell.points.size();
   };
-  for (std::size_t i = 0; i < cells_.size(); ++i)
-    if (is_inside(hand_box, cells_[i]))
-      owners_[i] = hand_owner;
-    else if (is_inside(object_box, cells_[i]))
-      owners_[i] = doubtful_owner;  // fingers or the object
-  measure(bodies_.front(), cells_of(hand_owner), hand.centroid_m);
+  for (std::size_t i = 0; i < owned_.cells.size(); ++i)
+    if (is_inside(hand_box, owned_.cells[i]))
+      owned_.owners[i] = hand_owner;
+    else if (is_inside(object_box, owned_.cells[i]))
+      owned_.owners[i] = doubtful_owner;  // fingers or the object
+  measure(bodies_.front(), owned_.of(hand_owner), hand.centroid_m);
   std::set<std::size_t> of_hand;
-  for (const auto i : cells_of(hand_owner)) of_hand.insert(cells_[i].component);
-  for (const auto& component : components_of(no_owner)) {
-    const bool is_connected = of_hand.contains(cells_[component.front()].component);
-    if (visible_fraction(component) >= (is_connected ? min_arm_fraction : min_hand_fraction))
+  for (const auto i : owned_.of(hand_owner)) of_hand.insert(owned_.cells[i].component);
+  for (const auto& component : owned_.components_of(no_owner)) {
+    const bool is_connected = of_hand.contains(owned_.cells[component.front()].component);
+    if (owned_.visible_fraction(component) >= (is_connected ? min_arm_fraction : min_hand_fraction))
       add_body(component);
   }
 }
@@ -87,9 +88,9 @@ void OtherBodies::exclude_from(Surface& surface, double seconds) {
   for (std::size_t i = 1, count = bodies_.size(); i < count; ++i) release_distant(i);
   assign_to_hidden();
   measure_others();
-  for (std::size_t i = 0; i < cells_.size(); ++i)
-    if (owners_[i] != hand_owner && owners_[i] != no_owner)
-      for (const auto point : cells_[i].points) surface[point].body = Body::rest;
+  for (std::size_t i = 0; i < owned_.cells.size(); ++i)
+    if (owned_.owners[i] != hand_owner && owned_.owners[i] != no_owner)
+      for (const auto point : owned_.cells[i].points) surface[point].body = Body::rest;
 }
 
 /// Cells as wide as pixels and depth noise require at the hand's distance.
@@ -98,11 +99,7 @@ void OtherBodies::find_cells(const Surface& surface) {
   const double width_m =
       std::max({min_cell_m, cell_pixels * segmenter_.pixel_angular_size_rad() * z,
                 cell_noise_sigmas * depth_noise_at_1m_ * z * z});
-  cells_ = connected_cells(surface, Body::hand, static_cast<float>(width_m));
-  std::erase_if(cells_, [&](const Cell& cell) {
-    return (cell.mean_m.cast<double>() - bodies_.front().centroid_m).norm() > 2.0 * arm_reach_m;
-  });
-  owners_.assign(cells_.size(), no_owner);
+  owned_.find(surface, static_cast<float>(width_m), bodies_.front().centroid_m, 2.0 * arm_reach_m);
 }
 
 /// Owners of cells by visible bodies' surfaces, moved as their filters predict. Bodies that touch
@@ -111,7 +108,7 @@ void OtherBodies::find_cells(const Surface& surface) {
 void OtherBodies::assign_to_visible() {
   for (auto& body : bodies_) body.shift_m = body.expected_m() - body.centroid_m;
   assign_to_nearest();
-  const auto groups = touching();
+  const auto groups = owned_.touching();
   if (groups.empty()) return;
   for (const auto& group : groups) {
     Eigen::Vector3d before_m = Eigen::Vector3d::Zero(), after_m = Eigen::Vector3d::Zero();
@@ -119,39 +116,27 @@ void OtherBodies::assign_to_visible() {
     for (const auto k : group) {
       for (const auto& cell_m : bodies_[k].surface_m) before_m += cell_m.cast<double>();
       num_before += static_cast<double>(bodies_[k].surface_m.size());
-      for (const auto i : cells_of(static_cast<int>(k)))
-        after_m += cells_[i].mean_m.cast<double>(), num_after += 1.0;
+      for (const auto i : owned_.of(static_cast<int>(k)))
+        after_m += owned_.cells[i].mean_m.cast<double>(), num_after += 1.0;
     }
     for (const auto k : group) bodies_[k].shift_m = after_m / num_after - before_m / num_before;
   }
-  owners_.assign(cells_.size(), no_owner);
+  owned_.owners.assign(owned_.cells.size(), no_owner);
   assign_to_nearest();
-}
-
-/// Bodies that share a component, by component.
-std::set<std::set<std::size_t>> OtherBodies::touching() const {
-  std::map<std::size_t, std::set<std::size_t>> owners;
-  for (std::size_t i = 0; i < cells_.size(); ++i)
-    if (owners_[i] != no_owner)
-      owners[cells_[i].component].insert(static_cast<std::size_t>(owners_[i]));
-  std::set<std::set<std::size_t>> groups;
-  for (const auto& [component, group] : owners)
-    if (group.size() > 1) groups.insert(group);
-  return groups;
 }
 
 /// Owner of each cell: the nearest visible body, within the filter's gate.
 void OtherBodies::assign_to_nearest() {
   std::vector<std::vector<double>> distances_m;  // [bodies, cells]
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    auto& row = distances_m.emplace_back(cells_.size(), infinite_m);
+    auto& row = distances_m.emplace_back(owned_.cells.size(), infinite_m);
     if (!bodies_[k].is_visible) continue;
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-      row[i] = bodies_[k].distance_m(cells_[i].mean_m);
-      const auto owner = static_cast<std::size_t>(std::max(0, owners_[i]));
+    for (std::size_t i = 0; i < owned_.cells.size(); ++i) {
+      row[i] = bodies_[k].distance_m(owned_.cells[i].mean_m);
+      const auto owner = static_cast<std::size_t>(std::max(0, owned_.owners[i]));
       if (row[i] < bodies_[k].filter.gate_m() &&
-          (owners_[i] == no_owner || row[i] < distances_m[owner][i]))
-        owners_[i] = static_cast<int>(k);
+          (owned_.owners[i] == no_owner || row[i] < distances_m[owner][i]))
+        owned_.owners[i] = static_cast<int>(k);
     }
   }
   share_components(distances_m);
@@ -163,8 +148,9 @@ void OtherBodies::share_components(const std::vector<std::vector<double>>& dista
   using Component = std::size_t;
   using Owner = std::size_t;
   std::map<Component, std::map<Owner, std::size_t>> votes;
-  for (std::size_t i = 0; i < cells_.size(); ++i)
-    if (owners_[i] != no_owner) ++votes[cells_[i].component][static_cast<Owner>(owners_[i])];
+  for (std::size_t i = 0; i < owned_.cells.size(); ++i)
+    if (owned_.owners[i] != no_owner)
+      ++votes[owned_.cells[i].component][static_cast<Owner>(owned_.owners[i])];
   std::map<Owner, std::pair<std::size_t, Component>> largest;  // of each body
   for (const auto& [component, counts] : votes)
     for (const auto& [owner, count] : counts)
@@ -176,41 +162,42 @@ void OtherBodies::share_components(const std::vector<std::vector<double>>& dista
       sharers[component] = {std::ranges::max_element(counts, {}, [](const auto& count) {
                               return count.second;
                             })->first};
-  for (std::size_t i = 0; i < cells_.size(); ++i)
-    if (const auto found = sharers.find(cells_[i].component); found != sharers.end())
-      owners_[i] = static_cast<int>(*std::ranges::min_element(
+  for (std::size_t i = 0; i < owned_.cells.size(); ++i)
+    if (const auto found = sharers.find(owned_.cells[i].component); found != sharers.end())
+      owned_.owners[i] = static_cast<int>(*std::ranges::min_element(
           found->second, {}, [&](Owner owner) { return distances_m[owner][i]; }));
 }
 
 /// Takes components from another body that are a hand's size away from its largest one. One that
 /// may be the hidden hand is a new body if the other body may be the hand as well.
 void OtherBodies::release_distant(std::size_t body) {
-  const auto components = components_of(static_cast<int>(body));
+  const auto components = owned_.components_of(static_cast<int>(body));
   if (components.size() < 2) return;
   const auto main = std::ranges::max_element(components, {}, &CellIndices::size);
   for (const auto& component : components) {
-    if (&component == &*main || touch(component, *main, hand_patch_radius_m)) continue;
-    for (const auto i : component) owners_[i] = no_owner;
-    if (bodies_.front().is_visible || visible_fraction(component) < min_hand_fraction) continue;
-    if (log_ratio(bodies_[body], place_of(*main), bodies_.front(), place_of(component)) <
-        min_log_ratio)
+    if (&component == &*main || owned_.touch(component, *main, hand_patch_radius_m)) continue;
+    for (const auto i : component) owned_.owners[i] = no_owner;
+    if (bodies_.front().is_visible || owned_.visible_fraction(component) < min_hand_fraction)
+      continue;
+    if (log_ratio(bodies_[body], owned_.place_of(*main), bodies_.front(),
+                  owned_.place_of(component)) < min_log_ratio)
       add_body(component);
   }
 }
 
 void OtherBodies::assign_to_hidden() {
-  for (const auto& component : components_of(no_owner)) {
+  for (const auto& component : owned_.components_of(no_owner)) {
     const int owner = hidden_owner(component);
-    for (const auto i : component) owners_[i] = owner;
+    for (const auto i : component) owned_.owners[i] = owner;
   }
 }
 
 /// Hidden body that most likely moved to a component.
 int OtherBodies::hidden_owner(const CellIndices& component) const {
   const bool is_hand_hidden = !bodies_.front().is_visible;
-  if (visible_fraction(component) < min_hand_fraction)
+  if (owned_.visible_fraction(component) < min_hand_fraction)
     return is_hand_hidden ? hand_owner : no_owner;
-  const auto place = place_of(component);
+  const auto place = owned_.place_of(component);
   std::vector<std::pair<double, int>> candidates;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const auto& body = bodies_[k];
@@ -229,9 +216,9 @@ int OtherBodies::hidden_owner(const CellIndices& component) const {
 
 void OtherBodies::measure_others() {
   for (std::size_t k = 1; k < bodies_.size(); ++k) {
-    const auto cells = cells_of(static_cast<int>(k));
-    if (visible_fraction(cells) >= min_hand_fraction)
-      measure(bodies_[k], cells, centroid_m(cells));
+    const auto cells = owned_.of(static_cast<int>(k));
+    if (owned_.visible_fraction(cells) >= min_hand_fraction)
+      measure(bodies_[k], cells, owned_.centroid_m(cells));
     else
       bodies_[k].is_visible = false;
   }
@@ -243,8 +230,9 @@ bool OtherBodies::update(const std::optional<Patch>& hand) {
   if (!hand) return true;
   const auto [own, apart] = hand_cells(*hand);
   for (const auto& component : apart) {
-    const auto* hidden = before.is_visible ? hidden_near(centroid_m(component)) : nullptr;
-    if (!hidden || log_ratio(before, place_of(own), *hidden, place_of(component)) >= min_log_ratio)
+    const auto* hidden = before.is_visible ? hidden_near(owned_.centroid_m(component)) : nullptr;
+    if (!hidden || log_ratio(before, owned_.place_of(own), *hidden, owned_.place_of(component)) >=
+                       min_log_ratio)
       continue;
     add_body(own);
     for (const auto& other : apart) add_body(other);
@@ -253,7 +241,7 @@ bool OtherBodies::update(const std::optional<Patch>& hand) {
   bodies_.front().is_visible = before.is_visible;
   measure(bodies_.front(), own, hand->centroid_m);
   for (const auto& component : apart) {
-    const auto position_m = centroid_m(component);
+    const auto position_m = owned_.centroid_m(component);
     if (auto* hidden = hidden_near(position_m))
       measure(*hidden, component, position_m);
     else
@@ -265,10 +253,10 @@ bool OtherBodies::update(const std::optional<Patch>& hand) {
 OtherBodies::HandCells OtherBodies::hand_cells(const Patch& hand) const {
   HandCells result;
   const auto distance_m = [&](std::size_t i) {
-    return (cells_[i].mean_m.cast<double>() - hand.centroid_m).norm();
+    return (owned_.cells[i].mean_m.cast<double>() - hand.centroid_m).norm();
   };
   for (const int owner : {hand_owner, no_owner})
-    for (auto& component : components_of(owner)) {
+    for (auto& component : owned_.components_of(owner)) {
       const auto arm_end = std::ranges::partition(
           component, [&](std::size_t i) { return distance_m(i) < forearm_hand_m; });
       CellIndices far(arm_end.begin(), arm_end.end());
@@ -282,7 +270,7 @@ OtherBodies::HandCells OtherBodies::hand_cells(const Patch& hand) const {
         result.apart.push_back(std::move(component));
     }
   std::erase_if(result.apart, [&](const CellIndices& component) {
-    return visible_fraction(component) < min_hand_fraction;
+    return owned_.visible_fraction(component) < min_hand_fraction;
   });
   return result;
 }
@@ -307,62 +295,18 @@ void OtherBodies::measure(Tracked& body, const CellIndices& cells,
     body.filter.start(centroid_m, body_sigma_m);
   body.centroid_m = centroid_m;
   const double weight = body.seen_s > 0.0 ? std::min(1.0, seconds_ / size_time_s) : 1.0;
-  body.visible_fraction += weight * (visible_fraction(cells) - body.visible_fraction);
+  body.visible_fraction += weight * (owned_.visible_fraction(cells) - body.visible_fraction);
   body.seen_s += seconds_;
   body.is_visible = true;
   body.surface_m.clear();
   for (std::size_t i = 0; i < cells.size(); i += 1 + cells.size() / max_surface_cells)
-    body.surface_m.push_back(cells_[cells[i]].mean_m);
+    body.surface_m.push_back(owned_.cells[cells[i]].mean_m);
 }
 
 void OtherBodies::add_body(const CellIndices& cells) {
-  for (const auto i : cells) owners_[i] = static_cast<int>(bodies_.size());
+  for (const auto i : cells) owned_.owners[i] = static_cast<int>(bodies_.size());
   bodies_.emplace_back();
-  measure(bodies_.back(), cells, centroid_m(cells));
-}
-
-OtherBodies::CellIndices OtherBodies::cells_of(int owner) const {
-  CellIndices result;
-  for (std::size_t i = 0; i < cells_.size(); ++i)
-    if (owners_[i] == owner) result.push_back(i);
-  return result;
-}
-
-std::vector<OtherBodies::CellIndices> OtherBodies::components_of(int owner) const {
-  std::map<std::size_t, CellIndices> components;
-  for (const auto i : cells_of(owner)) components[cells_[i].component].push_back(i);
-  std::vector<CellIndices> result;
-  for (auto& [component, cells] : components) result.push_back(std::move(cells));
-  return result;
-}
-
-Eigen::Vector3d OtherBodies::centroid_m(const CellIndices& cells) const {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double count = 0.0;
-  for (const auto i : cells) {
-    const auto points = static_cast<double>(cells_[i].points.size());
-    sum += points * cells_[i].mean_m.cast<double>(), count += points;
-  }
-  return sum / count;
-}
-
-OtherBodies::Place OtherBodies::place_of(const CellIndices& cells) const {
-  return {centroid_m(cells), visible_fraction(cells)};
-}
-
-double OtherBodies::visible_fraction(const CellIndices& cells) const {
-  if (cells.empty()) return 0.0;
-  double count = 0.0;
-  for (const auto i : cells) count += static_cast<double>(cells_[i].points.size());
-  return count / segmenter_.disc_pixels(hand_disc_radius_m, centroid_m(cells).z());
-}
-
-bool OtherBodies::touch(const CellIndices& a, const CellIndices& b, double distance_m) const {
-  return std::ranges::any_of(a, [&](std::size_t i) {
-    return std::ranges::any_of(b, [&](std::size_t j) {
-      return (cells_[i].mean_m - cells_[j].mean_m).norm() < distance_m;
-    });
-  });
+  measure(bodies_.back(), cells, owned_.centroid_m(cells));
 }
 
 }  // namespace touchtrace::label

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "pipeline/label/lift.h"
-#include "pipeline/label/observe/connected_cells.h"
+#include "pipeline/label/owned_cells.h"
 #include "pipeline/label/target_filter.h"
 
 namespace touchtrace::label {
@@ -24,7 +23,7 @@ class OtherBodies {
  public:
   /// `depth_noise_at_1m` [m]: see depth_noise_at_1m(). The segmenter must outlive this object.
   OtherBodies(const Segmenter& segmenter, double depth_noise_at_1m)
-      : segmenter_(segmenter), depth_noise_at_1m_(depth_noise_at_1m) {}
+      : segmenter_(segmenter), depth_noise_at_1m_(depth_noise_at_1m), owned_(segmenter) {}
 
   /// First frame: what is outside both boxes, such as a bare arm, is other bodies'.
   void start(const Surface& surface, const PixelBox& hand_box, const PixelBox& object_box,
@@ -36,10 +35,6 @@ class OtherBodies {
   bool update(const std::optional<Patch>& hand);
 
  private:
-  struct Place {
-    Eigen::Vector3d centroid_m;
-    double visible_fraction;  ///< area over that of a hand's disc
-  };
   struct Tracked {
     TargetFilter filter;
     std::vector<Eigen::Vector3f> surface_m = {};  ///< means of cells when last visible
@@ -54,7 +49,6 @@ class OtherBodies {
     double distance_m(const Eigen::Vector3f& position_m) const;
     double misfit(const Place& place) const;
   };
-  using CellIndices = std::vector<std::size_t>;
   /// Components of cells that may be the hand's: those of its patch, and the large others.
   struct HandCells {
     CellIndices own;
@@ -65,7 +59,6 @@ class OtherBodies {
   void find_cells(const Surface& surface);
   void assign_to_visible();
   void assign_to_nearest();
-  std::set<std::set<std::size_t>> touching() const;
   void share_components(const std::vector<std::vector<double>>& distances_m);
   void release_distant(std::size_t body);
   void assign_to_hidden();
@@ -77,19 +70,10 @@ class OtherBodies {
   void measure(Tracked& body, const CellIndices& cells, const Eigen::Vector3d& centroid_m) const;
   void add_body(const CellIndices& cells);
 
-  CellIndices cells_of(int owner) const;
-  std::vector<CellIndices> components_of(int owner) const;
-  Eigen::Vector3d centroid_m(const CellIndices& cells) const;
-  Place place_of(const CellIndices& cells) const;
-  double visible_fraction(const CellIndices& cells) const;
-  /// Whether cells of both are nearer to each other than a distance.
-  bool touch(const CellIndices& a, const CellIndices& b, double distance_m) const;
-
   const Segmenter& segmenter_;
   double depth_noise_at_1m_, seconds_ = 0.0;
   std::vector<Tracked> bodies_;  ///< the hand and the others
-  std::vector<Cell> cells_;      ///< of the current frame
-  std::vector<int> owners_;      ///< [cells] indices of bodies_, or negative: no body
+  OwnedCells owned_;             ///< of the current frame; owners are indices of bodies_
 };
 
 }  // namespace touchtrace::label

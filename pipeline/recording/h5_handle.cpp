@@ -20,7 +20,7 @@ herr_t store_innermost(unsigned depth, const H5E_error2_t* error, void* text) {
 std::string library_message() {
   std::string text;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, store_innermost, &text);
-  // Of a failed system call only the reason, without addresses and sizes.
+  // A failed system call: only its reason, without addresses and sizes.
   constexpr std::string_view reason = "error message = '";
   if (const auto at = text.find(reason); at != std::string::npos) {
     const auto begin = at + reason.size();

@@ -1,4 +1,4 @@
-// Bodies of the hand's colour beside the hand: the other hand, a face, the bare arm.
+// Other bodies of the hand's colour: the other hand, a face, the bare arm.
 #include <gtest/gtest.h>
 
 #include <cmath>

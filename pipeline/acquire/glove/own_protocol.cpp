@@ -76,7 +76,7 @@ class OwnParser : public PacketParser {
 
   void accept(const Packet& packet) override {
     const std::uint64_t advance =
-        layout_.number_bytes > 0 ? packet.advance : is_started_ + skipped_packets(packet);
+        layout_.number_bytes > 0 ? packet.advance : 1 + skipped_packets(packet);
     if (is_started_ && advance > 1)
       count_torn(std::min<std::uint64_t>(advance - 1, skipped_packets(packet)));
     number_ = is_started_ ? number_ + advance : packet.number;

@@ -27,10 +27,10 @@ struct GloveProtocol {
   bool has_numbers = false;      ///< of frames or packets, which tell how many were lost
 };
 
-/// All protocols; a new one is a row in glove_protocol.cpp.
+/// All protocols; a new one is a row in protocol.cpp.
 const std::vector<GloveProtocol>& glove_protocols();
 /// Protocol of that name, or of a file that ends in .toml (see own_protocol.h). Throws usage_error
-/// that lists the known names.
+/// that lists the known names, and data_error for an invalid file.
 const GloveProtocol& find_glove_protocol(const std::string& name);
 std::vector<std::string> glove_protocol_names();
 

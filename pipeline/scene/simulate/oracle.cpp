@@ -10,7 +10,7 @@ namespace {
 
 using Vectors = std::vector<Eigen::Vector3d>;
 
-constexpr double full_scale = 100.0;  // N and m/s^2; mean values over a frame are smaller
+constexpr double full_scale = 100.0;  // of a component [N, m/s^2]; larger ones are clipped
 constexpr int oracle_bits = 16;
 
 /// Index range of the samples of a frame period.

@@ -14,6 +14,7 @@
 #include "pipeline/label/box_tracker.h"
 #include "pipeline/label/camera_calibration.h"
 #include "pipeline/label/clip_tracker.h"
+#include "pipeline/label/contact_latency.h"
 #include "pipeline/label/contact_sheet.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/label/learn_scene.h"
@@ -194,6 +195,22 @@ FlightSearch flight_search(const std::vector<ClipTrack>& tracks,
                                                                             : FlightSearch::throws;
 }
 
+/// Corrects the times of timeline and tracks by the latency that catches show. False: they do not.
+bool correct_latency(const Recording& recording, const SmoothedBodies& bodies, Timeline& timeline,
+                     std::vector<ClipTrack>& tracks) {
+  if (!timeline.glove) return false;
+  const auto latency = estimate_latency(recording.gloves.front(), timeline, bodies.object.tracks);
+  if (!latency) return false;
+  Progress::report(fmt::format(
+      "latency of the camera: {:.0f} +- {:.0f} ms, by {} catches (without them: {:.0f} +- {:.0f})",
+      1e3 * latency->latency_s, 1e3 * latency->sigma_s, latency->num_catches,
+      1e3 * timeline.latency_s, 1e3 * timeline.latency_sigma_s));
+  for (ClipTrack& track : tracks)
+    for (double& time_s : track.time_s) time_s -= latency->latency_s - timeline.latency_s;
+  timeline.set_latency(latency->latency_s, latency->sigma_s);
+  return true;
+}
+
 }  // namespace
 
 Option& describe_tracker(OptionSet& set, LabelOptions& o) {
@@ -237,7 +254,9 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   const double tracking_s = tracking.wall_seconds(), tracking_cpu_s = tracking.cpu_seconds();
   const Stopwatch smoothing;
   const auto search = flight_search(tracks, down, options);
-  const auto bodies = smooth_bodies(tracks, down, search, options.num_threads);
+  auto bodies = smooth_bodies(tracks, down, search, options.num_threads);
+  if (search == FlightSearch::throws && correct_latency(recording, bodies, timeline, tracks))
+    bodies = smooth_bodies(tracks, down, search, options.num_threads);
 
   Labels labels;
   labels.activity = recording.activity;
@@ -249,6 +268,7 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   labels.summary["tracker"] = options.tracker;
   labels.summary["observer"] = use_masks ? "masks" : "depth-color";
   labels.summary["error_sources"] = error_source_names;
+  labels.summary["latency_s"] = timeline.latency_s;
   labels.summary["latency_sigma_s"] = timeline.latency_sigma_s;
   labels.summary["object_bounces"] = search == FlightSearch::bounces;
   labels.summary["gravity_m_per_s2"] = {down.x(), down.y(), down.z()};

@@ -146,6 +146,8 @@ LabelOverlay::LabelOverlay(const Recording& recording, const RgbdCalibration& ca
                            const Labels& labels)
     : recording_(recording), labels_(labels), camera_(calibration.color) {
   auto timeline = align(recording);
+  timeline.set_latency(labels.summary.value("latency_s", timeline.latency_s),
+                       timeline.latency_sigma_s);
   color_time_s_ = timeline.camera_time_s;
   for (double& time_s : timeline.camera_time_s) time_s += calibration.depth_delay_s;
   frames_ = frame_labels(recording, timeline, labels);

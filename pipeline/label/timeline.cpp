@@ -42,16 +42,15 @@ void require_rate(const ClockFit& clock, const char* stream) {
         "check the stream's nominal rate and counter; run: touchtrace check RECORDING");
 }
 
-/// Mean and standard deviation of a latency between zero and one frame period.
-void subtract_camera_latency(double period_s, Timeline& timeline) {
-  timeline.latency_sigma_s = period_s / std::sqrt(12.0);
-  for (double& time_s : timeline.camera_time_s) time_s -= 0.5 * period_s;
-}
-
 }  // namespace
 
 double Timeline::glove_time_s(std::uint64_t sequence) const {
   return glove->host_time_s(static_cast<double>(sequence) / glove_rate_hz) - 0.5 * glove_scan_s;
+}
+
+void Timeline::set_latency(double new_latency_s, double sigma_s) {
+  for (double& time_s : camera_time_s) time_s -= new_latency_s - latency_s;
+  latency_s = new_latency_s, latency_sigma_s = sigma_s;
 }
 
 Timeline align_glove(const Recording& recording) {
@@ -77,7 +76,8 @@ Timeline align(const Recording& recording) {
   require_rate(timeline.camera, "camera");
   for (double device_s : recording.camera_times.device_time_s)
     timeline.camera_time_s.push_back(timeline.camera.host_time_s(device_s));
-  if (timeline.glove) subtract_camera_latency(1.0 / recording.camera.rate_hz, timeline);
+  const double period_s = 1.0 / recording.camera.rate_hz;
+  if (timeline.glove) timeline.set_latency(0.5 * period_s, period_s / std::sqrt(12.0));
   return timeline;
 }
 

@@ -15,10 +15,13 @@ struct Timeline {
   std::vector<double> camera_time_s;  ///< [camera frames] when the image was taken
   std::optional<ClockFit> glove;      ///< device time is sequence / nominal rate; nullopt: no glove
   double glove_scan_s = 0.0, glove_rate_hz = 15.0;
-  double latency_sigma_s = 0.0;  ///< of the camera's latency, whose mean camera_time_s excludes
+  double latency_s = 0.0;        ///< of the camera, subtracted from camera_time_s
+  double latency_sigma_s = 0.0;  ///< standard deviation of its error
 
   /// Mid-scan time of a glove frame.
   double glove_time_s(std::uint64_t sequence) const;
+  /// Replaces the camera's latency; camera_time_s changes by the difference.
+  void set_latency(double latency_s, double sigma_s);
 };
 
 /// Fits the glove's clock alone. Throws data_error for a recording without glove frames or clips,

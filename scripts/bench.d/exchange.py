@@ -43,7 +43,7 @@ def read_dataset(folder):
 
 def difference(a, b):
     """Largest difference; infinite if only one of two values is not a number."""
-    a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
+    a, b = np.broadcast_arrays(np.asarray(a, np.float64), np.asarray(b, np.float64))
     return float(np.nanmax(np.abs(a - b))) if np.array_equal(np.isnan(a), np.isnan(b)) else np.inf
 
 

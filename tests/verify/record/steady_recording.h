@@ -22,7 +22,8 @@ SteadyRecording record_steadily(const std::filesystem::path& folder, double dura
 /// Records 10 s.
 void measure_load(const std::filesystem::path& folder, const std::function<void(Figure)>& emit);
 
-/// Records 8 hours at 10 times the rates, or until Ctrl-C.
+/// Records 8 hours at 10 times the rates, into memory (/dev/shm) where that is possible, or until
+/// Ctrl-C. The rates themselves, on the disk, are those of measure_load().
 Verification verify_hours();
 
 }  // namespace touchtrace

@@ -18,7 +18,8 @@ struct Finding {
 std::vector<Finding> check_devices();
 /// Checks the free space of the working directory and whether PoCL's kernel cache is writable.
 std::vector<Finding> check_disk();
-/// Checks the Debian packages that building, running and testing need.
+/// Checks the Debian packages that building, running and testing need, and which camera libraries
+/// are built in.
 std::vector<Finding> check_packages();
 /// Checks whether USB devices can be listed and this user may open USB and serial gloves.
 std::vector<Finding> check_usb();

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "pipeline/acquire/record/camera_source.h"
 #include "pipeline/cli/doctor.h"
 #include "pipeline/cli/packages.h"
 
@@ -23,6 +24,12 @@ Finding check_installed(const std::vector<std::string>& wanted,
   return {Finding::State::advice,
           fmt::format("missing packages for {}: {}", purpose, fmt::join(missing, " ")),
           fmt::format("sudo apt-get install {}", fmt::join(missing, " "))};
+}
+
+Finding check_camera_library(const char* name, const char* package, bool is_built_in) {
+  if (is_built_in) return {Finding::State::good, fmt::format("built with {}", name), ""};
+  return {Finding::State::advice, fmt::format("built without {}", name),
+          fmt::format("only its cameras need it: install {}, then build again", package)};
 }
 
 }  // namespace
@@ -50,14 +57,20 @@ std::set<std::string> installed_packages(std::istream& status) {
 }
 
 std::vector<Finding> check_packages() {
+  std::vector<Finding> findings{
+      check_camera_library("libfreenect (Kinect v1)", "libfreenect-dev", has_freenect()),
+      check_camera_library("OpenNI2", "libopenni2-dev", has_openni2())};
   std::ifstream status(dpkg_status);
-  if (!status)
-    return {{Finding::State::advice, "not a Debian system: packages are not checked",
-             "install the equivalents of the packages in scripts/packages"}};
+  if (!status) {
+    findings.push_back({Finding::State::advice, "not a Debian system: packages are not checked",
+                        "install the equivalents of the packages in scripts/packages"});
+    return findings;
+  }
   const auto wanted = wanted_packages(package_list().at("packages"));
   const auto installed = installed_packages(status);
-  return {check_installed(wanted.to_run, installed, "building and running"),
-          check_installed(wanted.to_test, installed, "testing")};
+  findings.push_back(check_installed(wanted.to_run, installed, "building and running"));
+  findings.push_back(check_installed(wanted.to_test, installed, "testing"));
+  return findings;
 }
 
 }  // namespace touchtrace::cli

@@ -147,7 +147,8 @@ Command record_command() {
        "touchtrace record --glove /dev/ttyACM0 --glove-config glove.json --page --output my.h5",
        "touchtrace record --glove glove.bin --protocol stag --speed 0 --output my.h5",
        "touchtrace record --glove /dev/ttyACM0 --camera /dev/video4 --depth-camera /dev/video2 "
-       "--output my.h5"},
+       "--output my.h5",
+       "touchtrace record --glove /dev/ttyACM0 --camera freenect --output my.h5"},
       run, {.overwrite = true, .quiet = true});
 }
 

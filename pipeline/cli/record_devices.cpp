@@ -3,8 +3,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include <filesystem>
-
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/record/glove_config.h"
@@ -36,20 +34,6 @@ void apply_options(const DeviceOptions& options, GloveInfo& info) {
         fmt::format("{} has a baseline of {} taxels, --rows and --cols say {} x {}",
                     options.glove_config, info.baseline_counts.size(), info.rows, info.cols),
         "leave out --rows and --cols, or learn the glove again");
-}
-
-std::vector<std::unique_ptr<CameraSource>> open_cameras(const DeviceOptions& options,
-                                                        double start_s) {
-  std::vector<std::unique_ptr<CameraSource>> cameras;
-  CameraSourceOptions images = options.images;
-  images.replay_speed = options.speed;
-  if (!options.camera.empty())
-    cameras.push_back(std::filesystem::is_character_file(options.camera)
-                          ? open_v4l2(options.camera, RecordKind::color_image, images, start_s)
-                          : open_image_replay(options.camera, images, start_s));
-  if (!options.depth_camera.empty())
-    cameras.push_back(open_v4l2(options.depth_camera, RecordKind::depth_image, images, start_s));
-  return cameras;
 }
 
 }  // namespace
@@ -126,16 +110,7 @@ void describe_known_glove(OptionSet& set, DeviceOptions& o) {
 
 void describe(OptionSet& set, DeviceOptions& o) {
   describe_known_glove(set, o);
-  set.group("Camera");
-  set.text("camera", o.camera,
-           "V4L2 device with colour, such as /dev/video0, or images that `import` reads")
-      .value("SOURCE");
-  set.text("depth-camera", o.depth_camera, "V4L2 device with depth (Z16, in mm)").value("DEVICE");
-  set.integer("width", o.images.width, "of V4L2 images [px]; 0: as the driver is set", 0, 16384);
-  set.integer("height", o.images.height, "of V4L2 images [px]; 0: as the driver is set", 0, 16384);
-  set.number("camera-rate", o.images.rate_hz,
-             "of a V4L2 device, or of images without stamps [Hz]; 0: as the driver is set", 0.0,
-             1e3);
+  describe_cameras(set, o);
 }
 
 std::vector<RecordSource*> Devices::sources() const {

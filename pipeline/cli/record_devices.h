@@ -25,6 +25,8 @@ void describe_protocol(OptionSet& set, std::string& protocol);
 void describe_glove(OptionSet& set, DeviceOptions& options);
 /// The same, and `--glove-config`.
 void describe_known_glove(OptionSet& set, DeviceOptions& options);
+/// Options of cameras, but for `--speed`.
+void describe_cameras(OptionSet& set, DeviceOptions& options);
 /// Options of all devices.
 void describe(OptionSet& set, DeviceOptions& options);
 
@@ -44,6 +46,10 @@ GloveInfo glove_info(const DeviceOptions& options);
 /// Opens the glove's port. `start_s`: time of monotonic_s() that is 0 in its frames.
 std::unique_ptr<GloveSource> open_glove(const DeviceOptions& options, const GloveInfo& info,
                                         double start_s);
+/// Opens the cameras, which may be none. `start_s`: time of monotonic_s() that is 0 in their
+/// frames.
+std::vector<std::unique_ptr<CameraSource>> open_cameras(const DeviceOptions& options,
+                                                        double start_s);
 /// Throws data_error, with a reason, if the glove has sent no frame. `port`: for the message.
 void require_glove_frames(const ParserCounts& glove, const std::string& port);
 /// "15.002 Hz, 300 frames, ..."

@@ -19,3 +19,7 @@ find_package(SQLite3 REQUIRED)
 find_package(BZip2 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
+
+# Cameras; left out where their library is missing.
+pkg_check_modules(FREENECT QUIET libfreenect)
+pkg_check_modules(OPENNI2 QUIET libopenni2)

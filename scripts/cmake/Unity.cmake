@@ -26,6 +26,10 @@ function(touchtrace_unity target)
   # Groups are made again when a source changes.
   set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${ARGN})
   foreach(source ${ARGN})
+    get_source_file_property(definitions ${source} COMPILE_DEFINITIONS)
+    if(definitions)  # CMake compiles it alone
+      continue()
+    endif()
     touchtrace_private_names(${source} names)
     list(REMOVE_DUPLICATES names)
     set(group 0)

@@ -1,5 +1,7 @@
 #include "pipeline/acquire/record/recorder.h"
 
+#include <malloc.h>
+
 #include "pipeline/acquire/transport/transport.h"
 
 namespace touchtrace {
@@ -63,6 +65,7 @@ bool Recorder::step() {
   if (monotonic_s() - synced_s_ >= sync_period_s) {
     log_.sync();
     synced_s_ = monotonic_s();
+    malloc_trim(0);  // frames that waited would occupy memory for good
   }
   const std::lock_guard lock(error_mutex_);
   if (error_) std::rethrow_exception(error_);

@@ -127,6 +127,7 @@ class LatencyLikelihood {
 
 std::optional<LatencyEstimate> estimate_latency(const GloveStream& glove, const Timeline& timeline,
                                                 const std::vector<SmoothedTrack>& object_tracks) {
+  if (glove.counts.empty()) return std::nullopt;
   const TouchSeries touch(glove, timeline);
   LatencyLikelihood likelihood;
   LatencyEstimate estimate{};

@@ -15,6 +15,8 @@ constexpr double min_learnt_color_fraction = 0.4;
 // Points of these colours, over the pixels of the object's disc, above which they are not the
 // object's alone: sleeve and torso also have them.
 constexpr double max_learnt_color_fraction = 2.0;
+// Mean likeness of a patch: colours twice as rare as usual are another body's, not the hand's.
+constexpr double min_hand_likeness = -0.7;
 
 void learn_boxes(const SampledFrame& sample, const std::string& object, ColorClasses& colors) {
   const auto& [hand_box, object_box] = std::tie(sample.clip->hand_box, sample.clip->object_box);
@@ -36,6 +38,26 @@ Surface all_near_hand(const SampledFrames& samples, const BoxedObject& boxed) {
   for (const auto& sample : samples)
     std::ranges::copy(near_hand(sample, boxed), std::back_inserter(all));
   return all;
+}
+
+/// Points on the hand in frames that show the object elsewhere. Those of the object's class are
+/// fingers: the object's box contained some.
+Surface points_on_hand(const SampledFrames& samples, const BoxedObject& boxed) {
+  const double apart_m = hand_patch_radius_m + object_patch_radius_factor * boxed.radius_m;
+  Surface on_hand;
+  for (const auto& sample : samples) {
+    const auto object = sighting_of(sample, boxed);
+    if (!object || (object->patch.centroid_m - *sample.hand_m).norm() < apart_m) continue;
+    const auto hand =
+        find_patch(sample.surface, Body::hand, *sample.hand_m, hand_patch_radius_m, 1);
+    if (!hand || hand->likeness < min_hand_likeness) continue;
+    std::ranges::copy_if(
+        sample.surface, std::back_inserter(on_hand), [&](const SurfacePoint& point) {
+          return point.body != Body::rest &&
+                 (point.position_m.cast<double>() - hand->centroid_m).norm() < hand_patch_radius_m;
+        });
+  }
+  return on_hand;
 }
 
 /// Unhidden quantile over the frames with a hand of the number of points of the object's class,
@@ -61,6 +83,8 @@ LearntColors learn_colors(const Segmenter& segmenter, const std::string& object,
     if (sample.has_boxes()) learn_boxes(sample, object, colors);
   classify(colors, samples);
   const auto boxed = boxed_object(segmenter.color_camera(), object, samples);
+  colors.learn_hand_from(points_on_hand(samples, boxed));
+  classify(colors, samples);
   const auto is_visible = [&](double min_fraction) {
     const auto sightings = sightings_of(samples, boxed);
     return static_cast<double>(sightings.size()) >=

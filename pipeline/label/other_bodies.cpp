@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
 
 namespace touchtrace::label {
 namespace {
@@ -66,13 +65,16 @@ void OtherBodies::start(const Surface& surface, const PixelBox& hand_box,
       owned_.owners[i] = hand_owner;
     else if (is_inside(object_box, owned_.cells[i]))
       owned_.owners[i] = doubtful_owner;  // fingers or the object
-  measure(bodies_.front(), owned_.of(hand_owner), hand.centroid_m);
-  std::set<std::size_t> of_hand;
-  for (const auto i : owned_.of(hand_owner)) of_hand.insert(owned_.cells[i].component);
-  for (const auto& component : owned_.components_of(no_owner)) {
-    const bool is_connected = of_hand.contains(owned_.cells[component.front()].component);
-    if (owned_.visible_fraction(component) >= (is_connected ? min_arm_fraction : min_hand_fraction))
-      add_body(component);
+  // The hand and another one that holds the object, too, are connected by what is in its box.
+  const auto of_hand = owned_.of(hand_owner);
+  for (const auto& part : owned_.parts_of(no_owner))
+    if (owned_.visible_fraction(part) >=
+        (owned_.touch(part, of_hand) ? min_arm_fraction : min_hand_fraction))
+      add_body(part);
+  owned_.give_to_nearest(doubtful_owner);
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const auto cells = owned_.of(static_cast<int>(k));
+    measure(bodies_[k], cells, k == hand_owner ? hand.centroid_m : owned_.centroid_m(cells));
   }
 }
 

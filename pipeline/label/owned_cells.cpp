@@ -1,6 +1,7 @@
 #include "pipeline/label/owned_cells.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "pipeline/label/lift.h"
@@ -27,6 +28,17 @@ std::set<std::set<std::size_t>> OwnedCells::touching() const {
   return groups;
 }
 
+void OwnedCells::give_to_nearest(int owner) {
+  const auto before = owners;
+  for (const auto i : of(owner)) {
+    float least = std::numeric_limits<float>::infinity();
+    for (std::size_t j = 0; j < cells.size(); ++j)
+      if (const float distance_m = (cells[j].mean_m - cells[i].mean_m).norm();
+          before[j] >= 0 && distance_m < least)
+        least = distance_m, owners[i] = before[j];
+  }
+}
+
 CellIndices OwnedCells::of(int owner) const {
   CellIndices result;
   for (std::size_t i = 0; i < cells.size(); ++i)
@@ -40,6 +52,20 @@ std::vector<CellIndices> OwnedCells::components_of(int owner) const {
   std::vector<CellIndices> result;
   for (auto& [component, indices] : components) result.push_back(std::move(indices));
   return result;
+}
+
+std::vector<CellIndices> OwnedCells::parts_of(int owner) const {
+  std::vector<CellIndices> parts;
+  for (const auto i : of(owner)) {
+    CellIndices joined{i};
+    std::erase_if(parts, [&](const CellIndices& part) {
+      const bool is_joined = touch({i}, part);
+      if (is_joined) joined.insert(joined.end(), part.begin(), part.end());
+      return is_joined;
+    });
+    parts.push_back(std::move(joined));
+  }
+  return parts;
 }
 
 Eigen::Vector3d OwnedCells::centroid_m(const CellIndices& indices) const {
@@ -61,6 +87,12 @@ double OwnedCells::visible_fraction(const CellIndices& indices) const {
   double count = 0.0;
   for (const auto i : indices) count += static_cast<double>(cells[i].points.size());
   return count / segmenter_.disc_pixels(hand_disc_radius_m, centroid_m(indices).z());
+}
+
+bool OwnedCells::touch(const CellIndices& a, const CellIndices& b) const {
+  return std::ranges::any_of(a, [&](std::size_t i) {
+    return std::ranges::any_of(b, [&](std::size_t j) { return label::touch(cells[i], cells[j]); });
+  });
 }
 
 bool OwnedCells::touch(const CellIndices& a, const CellIndices& b, double distance_m) const {

@@ -27,14 +27,21 @@ class OwnedCells {
   /// Finds cells of width `cell_m` within `radius_m` of a centre; none has an owner.
   void find(const Surface& surface, float cell_m, const Eigen::Vector3d& centre_m, double radius_m);
 
+  /// Gives the cells of an owner to the owners, counted from 0, of the cells nearest to them.
+  void give_to_nearest(int owner);
+
   CellIndices of(int owner) const;
   std::vector<CellIndices> components_of(int owner) const;
+  /// Connected components if only the cells of `owner` were there.
+  std::vector<CellIndices> parts_of(int owner) const;
   /// Sets of bodies that own cells of one component.
   std::set<std::set<std::size_t>> touching() const;
   /// Mean over the points.
   Eigen::Vector3d centroid_m(const CellIndices& indices) const;
   double visible_fraction(const CellIndices& indices) const;
   Place place_of(const CellIndices& indices) const;
+  /// Whether cells of both touch, also at corners.
+  bool touch(const CellIndices& a, const CellIndices& b) const;
   /// Whether cells of both are nearer to each other than a distance.
   bool touch(const CellIndices& a, const CellIndices& b, double distance_m) const;
 

@@ -90,14 +90,18 @@ Surface near_hand(const SampledFrame& sample, const BoxedObject& boxed) {
   return near;
 }
 
+std::optional<Sighting> sighting_of(const SampledFrame& sample, const BoxedObject& boxed) {
+  auto patch = best_patch(near_hand(sample, boxed), Body::object,
+                          object_patch_radius_factor * boxed.radius_m, num_points);
+  if (!patch) return std::nullopt;
+  return Sighting{sample.index, std::move(*patch),
+                  sample.has_boxes() ? std::optional(sample.clip->object_box) : std::nullopt};
+}
+
 std::vector<Sighting> sightings_of(const SampledFrames& samples, const BoxedObject& boxed) {
   std::vector<Sighting> result;
   for (const auto& sample : samples)
-    if (auto patch = best_patch(near_hand(sample, boxed), Body::object,
-                                object_patch_radius_factor * boxed.radius_m, num_points))
-      result.push_back(
-          {sample.index, std::move(*patch),
-           sample.has_boxes() ? std::optional(sample.clip->object_box) : std::nullopt});
+    if (auto sighting = sighting_of(sample, boxed)) result.push_back(std::move(*sighting));
   return result;
 }
 

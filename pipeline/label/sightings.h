@@ -50,7 +50,10 @@ BoxedObject boxed_object(const Camera& color, const std::string& object,
 /// Points within reach of a toss from where the hand holds the object; empty without a hand.
 Surface near_hand(const SampledFrame& sample, const BoxedObject& boxed);
 
-/// Largest patch of the object's class near the hand, in the samples that have one.
+/// Largest patch of the object's class near the hand; nullopt without one.
+std::optional<Sighting> sighting_of(const SampledFrame& sample, const BoxedObject& boxed);
+
+/// Sightings in the samples that have one.
 std::vector<Sighting> sightings_of(const SampledFrames& samples, const BoxedObject& boxed);
 
 /// Quantile that stands for an object that nothing hides.

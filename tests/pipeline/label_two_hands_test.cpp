@@ -132,6 +132,18 @@ TEST(LabelTwoHands, HandsThatCrossKeepTheirIdentity) {
   EXPECT_LE(labels.flagged, 0.05);
 }
 
+/// The other hand's fingers are in the object's box, and the ball connects both hands.
+TEST(LabelTwoHands, BothHandsMayHoldTheObjectInTheBoxFrame) {
+  Scene scene;
+  scene.hand_m = [](double t) { return Vector3d(-0.02 * t, 0.08, 1.1); };
+  scene.others = [&](double t) -> std::vector<Scene::Disc> {
+    return {{scene.hand_m(t) + Vector3d(0.06 * t, -0.11, 0.005), 0.055}};
+  };
+  const auto labels = label(scene);
+  EXPECT_EQ(labels.wrong, 0.0);
+  EXPECT_LE(labels.flagged, 0.05);
+}
+
 TEST(LabelTwoHands, AFaceIsNotTakenForAHiddenHand) {
   Scene scene;
   scene.hand_m = [](double t) { return Vector3d(-0.1 + 0.02 * std::sin(2.0 * t), 0.05, 1.1); };

@@ -107,6 +107,11 @@ void ColorClasses::learn_object_from(const Surface& near_hand) {
   for (const auto& point : near_hand) object[bin(point.rgb)] += 1.0;
 }
 
+void ColorClasses::learn_hand_from(const Surface& on_hand) {
+  auto& hand = counts_[static_cast<std::size_t>(Body::hand)];
+  for (const auto& point : on_hand) hand[bin(point.rgb)] += 1.0;
+}
+
 void ColorClasses::build_table() {
   // without background the rest may be a few pixels of the object outside its box
   const double object_points = std::accumulate(counts_[2].begin(), counts_[2].end(), 1.0);

@@ -21,6 +21,8 @@ class ColorClasses {
   /// boxes do not show. Colours of hand and arm are more frequent elsewhere, so what remains is the
   /// object's.
   void learn_object_from(const Surface& near_hand);
+  /// Adds points of the hand in other frames to its histogram.
+  void learn_hand_from(const Surface& on_hand);
   /// Builds the lookup table. Call after learning and before classifying.
   void build_table();
 

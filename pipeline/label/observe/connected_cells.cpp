@@ -1,6 +1,7 @@
 #include "pipeline/label/observe/connected_cells.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <map>
 
 namespace touchtrace::label {
@@ -21,8 +22,8 @@ Grid grid_of(const Surface& surface, Body body, float cell_m) {
   Grid grid;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface[i].body != body) continue;
-    auto& cell = grid.try_emplace(index_of(surface[i], cell_m), Cell{Eigen::Vector3f::Zero(), {}})
-                     .first->second;
+    const Index index = index_of(surface[i], cell_m);
+    auto& cell = grid.try_emplace(index, Cell{Eigen::Vector3f::Zero(), {}, index}).first->second;
     cell.mean_m += surface[i].position_m;
     cell.points.push_back(i);
   }
@@ -47,6 +48,11 @@ void take_component(Grid& grid, const Index& first, std::size_t component,
 }
 
 }  // namespace
+
+bool touch(const Cell& a, const Cell& b) {
+  return std::abs(a.index[0] - b.index[0]) <= 1 && std::abs(a.index[1] - b.index[1]) <= 1 &&
+         std::abs(a.index[2] - b.index[2]) <= 1;
+}
 
 std::vector<Cell> connected_cells(const Surface& surface, Body body, float cell_m) {
   auto grid = grid_of(surface, body, cell_m);

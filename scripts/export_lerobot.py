@@ -39,20 +39,20 @@ def fail(message, hint):
 def rows_of_clips(recording, labels):
     """Sequence numbers of the frames of each clip, lost ones included, and the rows of the labels, if there are any."""
     glove, clips = recording["glove0"], recording["clips"]
-    sequence = glove["sequence"][:].astype(np.int64)
+    sequence, time_s = glove["sequence"][:].astype(np.int64), glove["host_time_s"][:]
+    clip_of_row = None if labels is None else labels["label/clip"][:]
     for clip, (start_s, end_s) in enumerate(zip(clips["start_s"][:], clips["end_s"][:])):
         if labels is None:
-            time_s = glove["host_time_s"][:]
             inside = sequence[(time_s >= start_s) & (time_s < end_s)]
             if len(inside):
                 yield clip, np.arange(inside[0], inside[-1] + 1), None
             continue
-        rows = np.flatnonzero(labels["label/clip"][:] == clip)
-        frames = labels["label/glove_frame"][:][rows]
+        begin, end = np.searchsorted(clip_of_row, [clip, clip + 1])  # rows are ordered by clip
+        frames = labels["label/glove_frame"][begin:end]
         arrived = np.flatnonzero(frames >= 0)
         if len(arrived):
             first = sequence[frames[arrived[0]]] - arrived[0]
-            yield clip, np.arange(first, first + len(rows)), rows
+            yield clip, np.arange(first, first + end - begin), slice(begin, end)
 
 
 def touch_columns(glove, sequence):
@@ -69,9 +69,9 @@ def touch_columns(glove, sequence):
 def state_columns(labels, rows):
     states, stds, quality = [], [], []
     for body in ("object", "hand"):
-        states += [labels[body][name][:][rows] for name in ("position_m", "velocity_m_per_s")]
-        stds.append(np.sqrt(np.diagonal(labels[body]["covariance"][:][rows], axis1=1, axis2=2)))
-        quality.append(labels[body]["quality"][:][rows])
+        states += [labels[body][name][rows] for name in ("position_m", "velocity_m_per_s")]
+        stds.append(np.sqrt(np.diagonal(labels[body]["covariance"][rows], axis1=1, axis2=2)))
+        quality.append(labels[body]["quality"][rows])
     return {"observation.state": np.concatenate(states, 1).astype(np.float32),
             "observation.state_std": np.concatenate(stds, 1).astype(np.float32),
             "observation.quality": np.stack(quality, 1).astype(np.int64)}

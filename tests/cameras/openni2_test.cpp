@@ -47,7 +47,7 @@ void expect_images(const RecordedImages<Value>& images, bool is_registered, int 
   }
 }
 
-/// Expects all images of a file, in which numbers and stamps start anew. OpenNI2's recorder may
+/// Expects all images of a file, in which numbers and stamps start again. OpenNI2's recorder may
 /// miss the first images of the camera: the first pixel, `start` + `step` * number, shows how many.
 template <class Value>
 void expect_all_images(const RecordedImages<Value>& images, int start, int step) {

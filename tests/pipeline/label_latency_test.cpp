@@ -88,7 +88,7 @@ std::optional<LatencyEstimate> estimate(double latency_s, int num_catches, std::
                           seen(true_catches, latency_s, seed));
 }
 
-/// Also latencies of several frames, which real cameras have.
+/// Also a latency of more than two frame periods.
 TEST(ContactLatency, IsFoundWithinItsUncertainty) {
   for (const double latency_s : {0.005, 0.02, 0.045, 0.12}) {
     double squares = 0.0;

@@ -4,7 +4,7 @@
 //   m = b1 m + (1 - b1) g,  v = b2 v + (1 - b2) g^2,  b1 = 0.9, b2 = 0.999, g clipped to norm `clip_norm`
 //   p = p - rate (decay p + m / (1 - b1^t) / (sqrt(v / (1 - b2^t)) + 1e-8))
 //
-// One work-item processes CHUNK values, fewer at the end. Launches: squares, norm, adam.
+// One work-item processes CHUNK values, fewer at the end. Launches: squares or squares_gpu, norm, adam.
 //
 // -D EXACT: `compensation` [n] holds the rounding errors of p; undefined: `compensation` is not accessed
 // -D CHUNK=1024: 1 on GPUs, so that neighbouring work-items access neighbouring values
@@ -26,6 +26,22 @@ __kernel void squares(__global const real* gradient, int n, __global real* parti
   real sum = b.x + b.y + b.z + b.w;
   for (; i < end; ++i) sum += gradient[i] * gradient[i];
   partial[chunk] = sum;
+}
+
+// GPU variant of squares. One work-group per chunk; each work-item adds every 256th value of it.
+#define GROUP 256
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void squares_gpu(
+    __global const real* gradient, int n, __global real* partial) {
+  __local real sums[GROUP];
+  const int item = get_local_id(0), begin = get_group_id(0) * CHUNK, end = min(n, begin + CHUNK);
+  real sum = 0, compensation = 0;
+  for (int i = begin + item; i < end; i += GROUP) ADD_TO(real, sum, compensation, gradient[i] * gradient[i])
+  sums[item] = sum;
+  for (int half_group = GROUP / 2; half_group > 0; half_group /= 2) {
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item < half_group) sums[item] += sums[item + half_group];
+  }
+  if (item == 0) partial[get_group_id(0)] = sums[0];
 }
 
 // norm[0] = Euclidean norm of the gradient. One work-item.

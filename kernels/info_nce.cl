@@ -104,22 +104,23 @@ __kernel void info_nce_rows(__global const pair* logit, __global const int* obje
   loss[loss_at + i] = w * total;
 }
 
-// gradient[i] += sum_j (slope[i][j] + slope[j][i]) d s_ij / d e_i. One work-item per embedding.
+// gradient[i] += sum_j (slope[i][j] + slope[j][i]) d s_ij / d e_i. One work-item per 16 values of an embedding.
 __kernel void info_nce_gradient(__global const real* embedding, __global const pair* scale,
                                 real temperature, __global const pair* logit,
                                 __global const real* slope, __global real* gradient) {
-  const size_t i = get_global_id(0), count = get_global_size(0);
+  const size_t v = get_global_id(0), i = get_global_id(1), count = get_global_size(1);
   gradient += i * COLUMNS;
+  real16 sum = vload16(v, gradient);
   real along = 0;  // gradient along e_i, through n_i
   for (size_t j = 0; j < count; ++j) {
     const real both = slope[i * count + j] + slope[j * count + i];
     const real factor = NORMALISED ? both * scale[i].x * scale[j].x : both;
     along += both * logit[i * count + j].x;
-    for (int v = 0; v < COLUMNS / 16; ++v)
-      store16(fma((real16)(factor), vload16(v, embedding + j * COLUMNS), vload16(v, gradient)), v, gradient);
+    sum = fma((real16)(factor), vload16(v, embedding + j * COLUMNS), sum);
   }
-  if (!NORMALISED) return;
-  const real16 factor = -along * temperature * scale[i].x * scale[i].x;
-  for (int v = 0; v < COLUMNS / 16; ++v)
-    store16(fma(factor, vload16(v, embedding + i * COLUMNS), vload16(v, gradient)), v, gradient);
+  if (NORMALISED) {
+    const real16 factor = -along * temperature * scale[i].x * scale[i].x;
+    sum = fma(factor, vload16(v, embedding + i * COLUMNS), sum);
+  }
+  store16(sum, v, gradient);
 }

@@ -7,7 +7,7 @@ __kernel WORK_GROUP_ATTRIBUTE void rollout_gpu(
     __global const real* parameters, int b2_at, __global const real* w1, __global const real* w2,
     __global const real* w3, __global const real* b3, __global real* h1, __global real* h2,
     __global real* pre_activation1, __global real* pre_activation2, __global real* spread, int sequences, int steps) {
-  __local real4 state[16], x1[HIDDEN], x2[HIDDEN], slices[WORK_GROUP_SIZE];
+  __local real4 state[16], x1[HIDDEN], x2[HIDDEN], slices[WORK_GROUP_SIZE], partial[SLICES * HIDDEN];
   const int item = get_local_id(0);
   const int4 rows = sequences_of(sequences);
   if (item < 16) state[item] = load_rows(states, rows, 16, item);
@@ -21,8 +21,10 @@ __kernel WORK_GROUP_ATTRIBUTE void rollout_gpu(
       store_rows(x1[n] = ACTIVATE(sum), h1, rows, HIDDEN, n);
     }
     BARRIER
+    multiply_hidden(partial, x1, w2);
+    BARRIER
     EACH_UNIT(n) {
-      const real4 sum = multiply_column((real4)(parameters[b2_at + n]), x1, w2, HIDDEN, n, HIDDEN);
+      const real4 sum = unit_total((real4)(parameters[b2_at + n]), partial, n);
       if (SLOPE_FROM_SUM) store_rows(sum, pre_activation2, rows, HIDDEN, n);
       store_rows(x2[n] = ACTIVATE(sum), h2, rows, HIDDEN, n);
     }

@@ -5,7 +5,7 @@ __kernel WORK_GROUP_ATTRIBUTE void rollout_gpu_backward(
     __global const real* y1, __global const real* y2, __global const real* parameters, int w2_at,
     int w3_at, __global const real* w1, __global real* d_out, __global real* d_h1, __global real* d_h2,
     int sequences, int steps) {
-  __local real4 d_delta[16], d_band[16], d2[HIDDEN], d1[HIDDEN], slices[WORK_GROUP_SIZE];
+  __local real4 d_delta[16], d_band[16], d2[HIDDEN], d1[HIDDEN], slices[WORK_GROUP_SIZE], partial[SLICES * HIDDEN];
   const int item = get_local_id(0);
   const int4 sequence = sequences_of(sequences);
   __global const real* w2 = parameters + w2_at;
@@ -28,8 +28,10 @@ __kernel WORK_GROUP_ATTRIBUTE void rollout_gpu_backward(
       store_rows(d2[n] = ACTIVATE_BACKWARD(sum, load_rows(y2, rows, HIDDEN, n)), d_h2, rows, HIDDEN, n);
     }
     BARRIER
+    multiply_hidden(partial, d2, w2);
+    BARRIER
     EACH_UNIT(n) {
-      const real4 sum = multiply_column((real4)(0), d2, w2, HIDDEN, n, HIDDEN);
+      const real4 sum = unit_total((real4)(0), partial, n);
       store_rows(d1[n] = ACTIVATE_BACKWARD(sum, load_rows(y1, rows, HIDDEN, n)), d_h1, rows, HIDDEN, n);
     }
     BARRIER

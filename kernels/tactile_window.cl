@@ -6,12 +6,16 @@
 // keep[w] is 0 for dropped taxels and 1 / (1 - rate) for the others. A taxel is dropped if
 // hash(key, w ROWS COLS + taxel) < threshold.
 //
-// frames [frame][row][column]; out in planes (conv2d.clh), from window `first` and channel `channel` on. One work-item
-// per row of one window.
+// frames [frame][row][column]; out in planes (conv2d.clh), from window `first` and channel `channel` on. ROW_ITEMS
+// work-items share a row of one window.
 //
 // -D WINDOW, ROWS, COLS: no defaults
 // -D HALO=1: of `out`
 // -D LANES: vector width, 1, 4, 8 or 16, at most COLS; no default
+// -D ROW_ITEMS=1: COLS, with LANES=1, on GPUs
+#ifndef ROW_ITEMS
+#define ROW_ITEMS 1
+#endif
 #ifndef HALO
 #define HALO 1
 #endif
@@ -50,10 +54,10 @@ static realv keep_of(uint key, uint threshold, real scale, uint first) {
 __kernel void tactile_window(__global const real* restrict frames, __global const int* restrict last_frame,
                              __global real* restrict out, uint key, uint threshold, real scale, int first,
                              int channel) {
-  const int row = get_global_id(0), window = first + get_global_id(1);
+  const int row = get_global_id(0) / ROW_ITEMS, window = first + get_global_id(1);
   __global real* to = out + get_global_id(1) * WINDOW * OUT_PLANE + (row + HALO) * OUT_PITCH + HALO;
   __global const real* oldest = frames + ((size_t)last_frame[window] - WINDOW + 1) * ROWS * COLS + row * COLS;
-  for (int step = 0; step < COLS; step += LANES) {
+  for (int step = get_global_id(0) % ROW_ITEMS * LANES; step < COLS; step += ROW_ITEMS * LANES) {
     const int column = min(step, COLS - LANES);  // the last vector may overlap the previous one
     const realv keep = keep_of(key, threshold, scale, (uint)((window * ROWS + row) * COLS + column));
     realv frame = load_lanes(oldest + channel * ROWS * COLS + column);

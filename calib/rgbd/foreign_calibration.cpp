@@ -51,12 +51,6 @@ class YamlConverter {
   int nodes_ = 0;
 };
 
-/// Removes the %YAML: directive of cv::FileStorage, which is not valid YAML.
-json parse_yaml(std::string text) {
-  if (text.starts_with("%YAML:")) text.erase(0, text.find('\n'));
-  return YamlConverter().convert(YAML::Load(text));
-}
-
 /// Camera with the simplest lens that has all nonzero coefficients and that `accepts` accepts.
 template <class Accepts>
 json camera(const json& width, const json& height, const json& intrinsics, const json& distortion,
@@ -234,6 +228,12 @@ auto read_yaml(const std::filesystem::path& file, Read&& read) {
 }
 
 }  // namespace
+
+json parse_yaml(std::string text) {
+  // cv::FileStorage begins with a directive that is not valid YAML.
+  if (text.starts_with("%YAML:")) text.erase(0, text.find('\n'));
+  return YamlConverter().convert(YAML::Load(text));
+}
 
 std::string camchain_yaml(const std::vector<ChainCamera>& chain) {
   std::string text;

@@ -95,7 +95,7 @@ OperationCase block_order_case(const ChannelBlocksShape& s) {
 }  // namespace
 
 Operation channel_blocks_operation() {
-  Operation operation{"channel_blocks", {}};
+  Operation operation{"channel_blocks", {}, 1, true};
   for (const ChannelBlocksShape& shape :
        {ChannelBlocksShape{2, 16, 2, 3}, {3, 128, 4, 4}, {1, 32, 1, 8, 2}}) {
     operation.cases.push_back(gradient_case(shape));

@@ -37,7 +37,7 @@ Arrays forward(Runtime& runtime, const DenseShape& s, const Arrays& in) {
   const auto out = allocate(runtime, s.rows, s.outputs);
   pack(runtime, weight.transposed(), by_input, s.inputs, s.outputs, padded(s.outputs))
       .enqueue(runtime);
-  gemm(runtime, x, by_input, bias, out, s.rows, s.outputs, s.inputs).enqueue(runtime);
+  enqueue(runtime, gemm(runtime, x, by_input, bias, out, s.rows, s.outputs, s.inputs));
   return {download(runtime, out.buffer)};
 }
 
@@ -48,10 +48,10 @@ Arrays backward(Runtime& runtime, const DenseShape& s, const Arrays& in, const A
   const auto grad_x = allocate(runtime, s.rows, s.inputs);
   const auto grad_weight = allocate(runtime, s.outputs, s.inputs);
   const auto grad_bias = allocate(runtime, 1, s.outputs);
+  enqueue(runtime, gemm(runtime, grad, weight, {}, grad_x, s.rows, s.inputs, s.outputs));
   enqueue(runtime,
-          {gemm(runtime, grad, weight, {}, grad_x, s.rows, s.inputs, s.outputs),
-           gemm(runtime, grad.transposed(), x, {}, grad_weight, s.outputs, s.inputs, s.rows),
-           column_sums(runtime, grad, grad_bias, s.rows, s.outputs)});
+          gemm(runtime, grad.transposed(), x, {}, grad_weight, s.outputs, s.inputs, s.rows));
+  column_sums(runtime, grad, grad_bias, s.rows, s.outputs).enqueue(runtime);
   return {download(runtime, grad_x.buffer), download(runtime, grad_weight.buffer),
           download(runtime, grad_bias.buffer)};
 }

@@ -59,7 +59,9 @@ OperationCase layer_norm_case(int rows, int columns) {
 Operation layer_norm_operation() {
   return {"layer_norm",
           {layer_norm_case(3, 16), layer_norm_case(160, 64), layer_norm_case(1, 64),
-           layer_norm_case(7, 240)}};
+           layer_norm_case(7, 240)},
+          1,
+          true};
 }
 
 }  // namespace touchtrace

@@ -53,7 +53,9 @@ Operation tactile_window_operation() {
       "tactile_window",
       {tactile_window_case({3, 2, 3, 5}, {0.5, 7}), tactile_window_case({4, 10, 32, 32}, {0.2, 1}),
        tactile_window_case({1, 1, 6, 6}, {0.0, 0}), tactile_window_case({2, 32, 9, 24}, {0.0, 5}),
-       tactile_window_case({7, 4, 8, 17, 2}, {0.9, 0xFFFFFFFFu})}};
+       tactile_window_case({7, 4, 8, 17, 2}, {0.9, 0xFFFFFFFFu})},
+      1,
+      true};
 }
 
 }  // namespace touchtrace

@@ -119,6 +119,11 @@ inline void append(Launches& launches, const Launches& more) {
   launches.insert(launches.end(), more.begin(), more.end());
 }
 
+inline Launches with_purpose(Launches launches, Purpose purpose) {
+  for (auto& launch : launches) launch = std::move(launch).with_purpose(purpose);
+  return launches;
+}
+
 inline void enqueue(Runtime& runtime, const Launches& launches) {
   for (const auto& launch : launches) launch.enqueue(runtime);
 }

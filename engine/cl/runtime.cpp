@@ -211,8 +211,11 @@ void Runtime::check_memory(std::size_t bytes) {
   const auto action =
       fmt::format("allocating {} MiB, with {} of {} MiB in use,", mebibytes(bytes),
                   mebibytes(*allocated_bytes_), mebibytes(device_.info.memory_bytes));
-  // Some drivers allocate more than there is; the process is then killed on the first write.
-  const auto used = std::min<std::uint64_t>(*allocated_bytes_, device_.info.memory_bytes);
+  // PoCL allocates more than there is; the process is then killed on the first write. Other drivers
+  // fail, and may release buffers late.
+  const auto used = device_.info.type == "cpu"
+                        ? std::min<std::uint64_t>(*allocated_bytes_, device_.info.memory_bytes)
+                        : 0;
   if (bytes > device_.info.memory_bytes - used)
     throw opencl_error(cl::Error(CL_MEM_OBJECT_ALLOCATION_FAILURE, "the device's memory"), action,
                        device_.info.name);

@@ -24,7 +24,8 @@ namespace touchtrace {
 /// `exact`: denormals are kept; convolutions never use Winograd's method; long sums are compensated
 /// (Kahan): those of matrix products, convolutions and their gradients, roll-outs, LayerNorm, the
 /// optimiser (which also accumulates steps below a parameter's last place) and the loss. Not
-/// compensated: sums of a fixed 16 terms, and adding the partial sums of micro-batches.
+/// compensated: sums of a fixed number of terms (16, on GPUs up to 256), and adding the partial sums
+/// of micro-batches.
 enum class Accuracy { fast, exact };
 /// Parses "fast" or "exact".
 inline Accuracy accuracy_of(std::string_view name) {

@@ -74,9 +74,12 @@ LayerConfiguration configuration_for(const Conv2dShape& layer, bool training,
   return {{method_for(layer, training)}, false};
 }
 
-int micro_batch_size(const ConvStackShape& all, bool training, const Tuning& tuning) {
+int micro_batch_size(KernelVariant variant, const ConvStackShape& all, bool training,
+                     const Tuning& tuning) {
+  const int windows = all.windows.windows;
+  if (variant == KernelVariant::gpu) return std::min(windows, ConvStack::gpu_micro_batch_windows);
   const auto* tuned = training ? tuning.micro_batch(all.layers()[0]) : nullptr;
-  return std::min(all.windows.windows, tuned ? tuned->images : ConvStack::micro_batch_windows);
+  return std::min(windows, tuned ? tuned->images : ConvStack::micro_batch_windows);
 }
 
 void append_marked(Launches& launches, const Launches& more, bool tuned) {
@@ -132,7 +135,7 @@ ConvStack::Impl::Impl(Runtime& device, const std::string& name, const ConvStackS
     : runtime(device),
       all(shape),
       training(weights.gradient.size() > 0),
-      batch_windows(micro_batch_size(shape, training, tuning)),
+      batch_windows(micro_batch_size(device.kernel_variant(), shape, training, tuning)),
       shapes(shape.of_windows(batch_windows).layers()),
       features(device.allocate<float>(shape.features().row_size())) {
   const int count = (all.windows.windows + batch_windows - 1) / batch_windows;

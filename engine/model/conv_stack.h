@@ -14,12 +14,13 @@ namespace touchtrace {
 /// difference basis of tactile_window.h. Windows are gathered from the frame stream on the device.
 /// Passes enqueue and do not wait.
 ///
-/// In training, windows are processed in micro-batches of micro_batch_windows, or of the tuned
+/// Windows are processed in micro-batches of micro_batch_windows, or in training of the tuned
 /// number: each goes through all layers, so that the output of one layer is still in the cache when
-/// the next reads it. Micro-batches alternate between two queues.
+/// the next reads it. Micro-batches alternate between two queues. On GPUs, where a launch needs
+/// many windows, micro-batches have gpu_micro_batch_windows.
 class ConvStack {
  public:
-  static constexpr int micro_batch_windows = 32;
+  static constexpr int micro_batch_windows = 32, gpu_micro_batch_windows = 1024;
 
   /// Adds "NAME.conv1.weight" [32, M, kernel, kernel], "NAME.conv1.bias" [32], ... to `table`,
   /// initialised as PyTorch initialises convolutions (uniform within 1/sqrt(fan in)).

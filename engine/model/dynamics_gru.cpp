@@ -84,9 +84,9 @@ void DynamicsGru::plan_hidden_gradients(Runtime& runtime, const MatrixView& d_ga
   const MatrixView h_before{arrays_.h, 0, hidden};
   const auto add = [&](int gate, int from, int gates) {
     const auto grad = d_gates.from_column(from * hidden);
-    backward_.push_back(gemm(runtime, grad.transposed(), h_before, {},
-                             weights_.grad(weight_hh).from_row(gate * hidden), gates * hidden,
-                             hidden, rows));
+    append(backward_,
+           gemm(runtime, grad.transposed(), h_before, {},
+                weights_.grad(weight_hh).from_row(gate * hidden), gates * hidden, hidden, rows));
     backward_.push_back(column_sums(
         runtime, grad, weights_.grad(bias_hh).from_column(gate * hidden), rows, gates * hidden));
   };

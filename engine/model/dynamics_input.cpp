@@ -47,17 +47,18 @@ MatrixView DynamicsInput::plan_projection(Runtime& runtime, const Buffer<float>&
   const auto weight = weights_.value(names_.weight).from_column(column);
   prepare_.push_back(pack(runtime, weight.transposed(), by_input, size, outputs_, outputs_));
   const MatrixView sums{runtime.allocate<float>(std::size_t(rows) * outputs_), 0, outputs_};
-  forward_.push_back(gemm(runtime, {inputs, 0, size}, by_input, input_projection_, sums, rows,
-                          outputs_, size, start_rows));
+  append(forward_, gemm(runtime, {inputs, 0, size}, by_input, input_projection_, sums, rows,
+                        outputs_, size, start_rows));
   return sums;
 }
 
 void DynamicsInput::plan_backward(Runtime& runtime, const MatrixView& grad_output,
                                   const Buffer<float>& states, const Embeddings& grad) {
   const int rows = sequences_ * steps_, state = spec_.state;
-  backward_ = {gemm(runtime, grad_output.transposed(), {states, 0, state_lanes}, {},
-                    weights_.grad(names_.weight), outputs_, state, rows),
-               column_sums(runtime, grad_output, weights_.grad(names_.bias), rows, outputs_)};
+  backward_ = gemm(runtime, grad_output.transposed(), {states, 0, state_lanes}, {},
+                   weights_.grad(names_.weight), outputs_, state, rows);
+  backward_.push_back(
+      column_sums(runtime, grad_output, weights_.grad(names_.bias), rows, outputs_));
   if (spec_.touch)
     plan_embedding_gradients(runtime, grad_output, rows, touch_column(), embeddings_.touch,
                              grad.touch);
@@ -75,13 +76,13 @@ void DynamicsInput::plan_embedding_gradients(Runtime& runtime, const MatrixView&
                                              int rows, int column, const Buffer<float>& inputs,
                                              const Buffer<float>& grad_inputs) {
   const int size = spec_.embedding;
-  backward_.push_back(gemm(runtime, grad_output.transposed(), {inputs, 0, size}, {},
-                           weights_.grad(names_.weight).from_column(column), outputs_, size, rows));
+  append(backward_, gemm(runtime, grad_output.transposed(), {inputs, 0, size}, {},
+                         weights_.grad(names_.weight).from_column(column), outputs_, size, rows));
   if (grad_inputs.size() > 0)
-    backward_.push_back(gemm(runtime, grad_output,
-                             weights_.value(names_.weight).from_column(column), {},
-                             {grad_inputs, 0, size}, rows, size, outputs_)
-                            .with_purpose(Purpose::data_gradient));
+    append(backward_, with_purpose(gemm(runtime, grad_output,
+                                        weights_.value(names_.weight).from_column(column), {},
+                                        {grad_inputs, 0, size}, rows, size, outputs_),
+                                   Purpose::data_gradient));
 }
 
 }  // namespace touchtrace

@@ -76,8 +76,8 @@ void DynamicsMlp::plan_backward(Runtime& runtime, const Embeddings& grad) {
                                  .d_h1 = d_h1.buffer,
                                  .d_h2 = d_h2.buffer})};
   append(backward_, output_.backward());
-  backward_.push_back(gemm(runtime, d_h2.transposed(), {arrays_.h1, 0, hidden}, {},
-                           weights_.grad("dynamics.2.weight"), hidden, hidden, rows));
+  append(backward_, gemm(runtime, d_h2.transposed(), {arrays_.h1, 0, hidden}, {},
+                         weights_.grad("dynamics.2.weight"), hidden, hidden, rows));
   backward_.push_back(column_sums(runtime, d_h2, weights_.grad("dynamics.2.bias"), rows, hidden));
   append(backward_, input_.backward());
 }

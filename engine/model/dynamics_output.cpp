@@ -35,8 +35,8 @@ void DynamicsOutput::plan_backward(Runtime& runtime, const Buffer<float>& grad_o
   const auto weight = weights_.grad(name_ + ".weight"), bias = weights_.grad(name_ + ".bias");
   for (int half = 0; half < 2; ++half) {
     const auto grad = MatrixView{grad_output, 0, 2 * state_lanes}.from_column(half * state_lanes);
-    backward_.push_back(gemm(runtime, grad.transposed(), h, {}, weight.from_row(half * state),
-                             state, spec_.hidden, rows));
+    append(backward_, gemm(runtime, grad.transposed(), h, {}, weight.from_row(half * state), state,
+                           spec_.hidden, rows));
     backward_.push_back(column_sums(runtime, grad, bias.from_column(half * state), rows, state));
   }
 }

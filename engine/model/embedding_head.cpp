@@ -36,9 +36,9 @@ EmbeddingHead::EmbeddingHead(Runtime& runtime, const std::string& name, const We
            .statistics = runtime.allocate<float>(2 * std::size_t(rows))};
   prepare_ = {to_blocks(runtime, weight_shape_, weight, weight_.buffer),
               pack(runtime, weight_.transposed(), by_input, feature_size, size, size)};
-  forward_ = {gemm(runtime, input, by_input, weights.value(name + ".dense.bias"),
-                   {norm_.x, 0, size}, rows, size, feature_size),
-              layer_norm(runtime, norm_)};
+  forward_ = gemm(runtime, input, by_input, weights.value(name + ".dense.bias"), {norm_.x, 0, size},
+                  rows, size, feature_size);
+  forward_.push_back(layer_norm(runtime, norm_));
   if (weights.gradient.size() > 0)
     plan_backward(runtime, name, weights, input, {grad_features, 0, feature_size});
 }
@@ -49,15 +49,16 @@ void EmbeddingHead::plan_backward(Runtime& runtime, const std::string& name, con
   grad_embedding_ = runtime.allocate<float>(norm_.y.size());
   const MatrixView grad{runtime.allocate<float>(norm_.x.size()), 0, size};
   const MatrixView grad_weight{runtime.allocate<float>(weight_shape_.row_size()), 0, feature_size};
-  backward_ = {
-      layer_norm_backward(runtime, norm_, grad_embedding_, grad.buffer),
-      layer_norm_weights(runtime, norm_, grad_embedding_, weights.gradient),
-      gemm(runtime, grad.transposed(), features, {}, grad_weight, size, feature_size, rows),
-      from_blocks(runtime, weight_shape_, grad_weight.buffer, weights.grad(name + ".dense.weight")),
-      column_sums(runtime, grad, weights.grad(name + ".dense.bias"), rows, size),
-      gemm(runtime, grad, weight_, {}, grad_features, rows, feature_size, size)
-          .with_purpose(Purpose::data_gradient),
-  };
+  backward_ = {layer_norm_backward(runtime, norm_, grad_embedding_, grad.buffer),
+               layer_norm_weights(runtime, norm_, grad_embedding_, weights.gradient)};
+  append(backward_,
+         gemm(runtime, grad.transposed(), features, {}, grad_weight, size, feature_size, rows));
+  backward_.push_back(from_blocks(runtime, weight_shape_, grad_weight.buffer,
+                                  weights.grad(name + ".dense.weight")));
+  backward_.push_back(column_sums(runtime, grad, weights.grad(name + ".dense.bias"), rows, size));
+  append(backward_,
+         with_purpose(gemm(runtime, grad, weight_, {}, grad_features, rows, feature_size, size),
+                      Purpose::data_gradient));
 }
 
 }  // namespace touchtrace

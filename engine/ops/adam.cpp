@@ -14,6 +14,16 @@ Kernel adam_kernel(Runtime& runtime, const char* name, int chunk) {
   return runtime.kernel({"common.clh", "adam.cl"}, name, {{"CHUNK", std::to_string(chunk)}});
 }
 
+/// Partial sums of the squared gradient values, one for each `chunk` of them.
+Launch squares_launch(Runtime& runtime, int chunk, const Buffer<float>& gradient, int size,
+                      const Buffer<float>& partial) {
+  const int chunks = ceil_div(size, chunk), group = 256;
+  if (runtime.kernel_variant() == KernelVariant::cpu)
+    return {adam_kernel(runtime, "squares", chunk), range(chunks), gradient, size, partial};
+  return Launch(adam_kernel(runtime, "squares_gpu", chunk), range(chunks), gradient, size, partial)
+      .with_local_size(group);
+}
+
 Launch update_launch(Runtime& runtime, int size, const auto&... arguments) {
   constexpr int chunk = 1024, group = 256;
   if (runtime.kernel_variant() == KernelVariant::cpu)
@@ -28,7 +38,7 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
            const Buffer<float>& decay, const Buffer<float>& loss)
     : runtime_(runtime) {
   const int size = static_cast<int>(parameters.size());
-  const int chunk = runtime.kernel_variant() == KernelVariant::gpu ? 256 : 1024,
+  const int chunk = runtime.kernel_variant() == KernelVariant::gpu ? 4096 : 1024,
             chunks = ceil_div(size, chunk);
   first_ = runtime.allocate_zeros<float>(parameters.size());
   second_ = runtime.allocate_zeros<float>(parameters.size());
@@ -36,13 +46,12 @@ Adam::Adam(Runtime& runtime, const Buffer<float>& parameters, const Buffer<float
   norm_ = runtime.allocate<float>(1);
   const bool exact = runtime.accuracy() == Accuracy::exact;
   if (exact) compensation_ = runtime.allocate_zeros<float>(parameters.size());
-  measure_ = {
-      Launch(adam_kernel(runtime, "squares", chunk), range(chunks), gradient, size, partial_)
-          .with_cost(2.0 * size, 4.0 * size)
-          .with_purpose(Purpose::optimiser),
-      Launch(adam_kernel(runtime, "norm", chunk), range(1), partial_, chunks, norm_)
-          .with_cost(chunks, 4.0 * chunks)
-          .with_purpose(Purpose::optimiser)};
+  measure_ = {squares_launch(runtime, chunk, gradient, size, partial_)
+                  .with_cost(2.0 * size, 4.0 * size)
+                  .with_purpose(Purpose::optimiser),
+              Launch(adam_kernel(runtime, "norm", chunk), range(1), partial_, chunks, norm_)
+                  .with_cost(chunks, 4.0 * chunks)
+                  .with_purpose(Purpose::optimiser)};
   update_ = {update_launch(runtime, size, parameters, gradient, first_, second_, decay, size, norm_,
                            loss, 0.0f, 0.0f, 0.0f, 0.0f, exact ? compensation_ : norm_)
                  .with_cost(17.0 * size, 4.0 * size * (exact ? 10.0 : 8.0))

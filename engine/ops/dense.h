@@ -20,9 +20,9 @@ struct MatrixView {
 /// C[rows, columns] = A[rows, count] B[count, columns]; adds row m % bias_rows of `bias` to row m.
 /// B, C and bias have step 1. Rows of B and bias must be readable up to the next multiple of 16
 /// columns.
-Launch gemm(Runtime& runtime, const MatrixView& a, const MatrixView& b,
-            const std::optional<MatrixView>& bias, const MatrixView& c, int rows, int columns,
-            int count, int bias_rows = 1);
+Launches gemm(Runtime& runtime, const MatrixView& a, const MatrixView& b,
+              const std::optional<MatrixView>& bias, const MatrixView& c, int rows, int columns,
+              int count, int bias_rows = 1);
 
 /// Copies from[rows, columns] to to[rows, to_columns], with zeros beyond `columns`.
 Launch pack(Runtime& runtime, const MatrixView& from, const MatrixView& to, int rows, int columns,

@@ -19,8 +19,8 @@ Launches info_nce(Runtime& runtime, const InfoNceArrays& a) {
   if (normalised) add("info_nce_scales", range(a.count), a.embedding, a.temperature, scale);
   add("info_nce_logits", range(a.count, a.count), a.embedding, scale, logit);
   add("info_nce_rows", range(a.count), logit, a.object, a.weight, a.row_loss, a.row_loss_at, slope);
-  add("info_nce_gradient", range(a.count), a.embedding, scale, a.temperature, logit, slope,
-      a.grad_embedding);
+  add("info_nce_gradient", range(a.columns / 16, a.count), a.embedding, scale, a.temperature, logit,
+      slope, a.grad_embedding);
   return launches;
 }
 

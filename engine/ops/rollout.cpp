@@ -1,5 +1,7 @@
 #include "engine/ops/rollout.h"
 
+#include <algorithm>
+
 #include "engine/base/integer_math.h"
 
 namespace touchtrace {
@@ -9,8 +11,9 @@ constexpr std::size_t gpu_work_group_size = 256;  // as in rollout_gpu.clh
 
 /// Whether local memory also holds the values that a step passes to the next.
 bool uses_gpu_kernel(const Runtime& runtime, const RolloutArrays& a) {
+  const std::size_t partial = std::max<std::size_t>(4 * gpu_work_group_size, a.hidden);
   const std::size_t bytes =
-      4 * sizeof(float) * (2 * a.hidden + 2 * state_lanes + gpu_work_group_size);
+      4 * sizeof(float) * (2 * a.hidden + 2 * state_lanes + gpu_work_group_size + partial);
   return runtime.kernel_variant() == KernelVariant::gpu &&
          bytes <= runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
 }

@@ -117,6 +117,9 @@ nlohmann::json result_json(const TuneResult& result, const std::string& device) 
 
 ExitCode run(const TuneOptions& options, const Invocation& invocation) {
   Runtime runtime(usable_device(invocation.device));
+  if (runtime.kernel_variant() == KernelVariant::gpu)
+    throw usage_error("GPU kernels have no variants to tune",
+                      "train without tuning, or choose a CPU with --device");
   const auto encoders = training_encoders(spec_of(options), options.sequences, options.steps,
                                           options.object_segments);
   const TuneResult result = tune_update(runtime, options, encoders);

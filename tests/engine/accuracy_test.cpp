@@ -42,8 +42,8 @@ class AccuracyTest : public ::testing::TestWithParam<KernelVariant> {
     const auto tenths = runtime.upload<float>(std::vector<float>(terms, 0.1f)),
                ones = runtime.upload<float>(std::vector<float>(std::size_t(terms) * 16, 1.0f)),
                result = runtime.allocate<float>(16);
-    gemm(runtime, {tenths, 0, terms}, {ones, 0, 16}, {}, {result, 0, 16}, 1, 16, terms)
-        .enqueue(runtime);
+    enqueue(runtime,
+            gemm(runtime, {tenths, 0, terms}, {ones, 0, 16}, {}, {result, 0, 16}, 1, 16, terms));
     return runtime.download(result)[0];
   }
 

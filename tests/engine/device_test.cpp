@@ -105,14 +105,15 @@ TEST(Runtime, OutOfMemoryErrorNamesSizeAndOptions) {
 TEST(Runtime, OutOfMemoryErrorNamesTheModelSize) {
   Runtime runtime(choose_device(""));
   const auto error =
-      error_of([&] { Model(runtime, ModelSpec{}, 4096, 200, Model::Use::training); });
+      error_of([&] { Model(runtime, ModelSpec{}, 65536, 200, Model::Use::training); });
   EXPECT_EQ(error.code(), ExitCode::no_device);
-  EXPECT_TRUE(mentions(error.what(), "4096 sequences of 200 steps with windows of 10 x 32 x 32"))
+  EXPECT_TRUE(mentions(error.what(), "65536 sequences of 200 steps with windows of 10 x 32 x 32"))
       << error.what();
 }
 
 TEST(Runtime, CountsMemoryUntilItIsReleased) {
   Runtime runtime(choose_device(""));
+  if (runtime.device().type != "cpu") GTEST_SKIP() << "the driver counts";
   // OpenCL guarantees single buffers of a quarter of the memory only
   const auto fifth = static_cast<std::size_t>(runtime.device().memory_bytes / 5);
   for (int i = 0; i < 6; ++i) EXPECT_NO_THROW(runtime.allocate<char>(fifth)) << i;

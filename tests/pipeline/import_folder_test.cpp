@@ -96,6 +96,14 @@ TEST_F(ImportFolder, ReadsIntrinsicsAndDepthScales) {
          5000},
         {"cam_intrinsics.json", R"({"fx": 7, "fy": 7, "cx": 4, "cy": 3, "depth_scale": 2000})",
          2000},
+        {"intrinsics.yaml",
+         "depth: {fx: 9, fy: 9, ppx: 4, ppy: 3}\ncolor: {fx: 7, fy: 7, ppx: 4, ppy: 3}\n", 1000},
+        {"camera.yaml", "%YAML:1.0\nCamera.fx: 7\nCamera.fy: 7\nCamera.cx: 4\nCamera.cy: 3\n",
+         1000},
+        {"camera_matrix.yml",
+         "%YAML:1.0\nK: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n"
+         "  data: [7, 0, 4, 0, 7, 3, 0, 0, 1]\n",
+         1000},
         {"intrinsic_color.txt", "7 0 4 0\n0 7 3 0\n0 0 1 0\n0 0 0 1\n", 1000},
         {"camera_matrix.csv", "7, 0, 4\n0, 7, 3\n0, 0, 1\n", 1000}}) {
     SCOPED_TRACE(c.file);
@@ -113,6 +121,24 @@ TEST_F(ImportFolder, ReadsIntrinsicsAndDepthScales) {
     EXPECT_EQ(camera->fx, 7.0);
     EXPECT_EQ(camera->cx, 4.0);
     EXPECT_EQ(camera->cy, 3.0);
+  }
+}
+
+TEST_F(ImportFolder, NamesIntrinsicsThatItCannotRead) {
+  write_file(folder_ / "in" / "rgb" / "0.png", encoded(import_color(0)), true);
+  write_file(folder_ / "in" / "depth" / "0.png", encoded(import_depth(0, 1000)), true);
+  for (const char* text : {"lens: {focal_length: 7}\n", "7\n", "a: [\n", "fx: {a: 1}\nfy: 1\n"}) {
+    SCOPED_TRACE(text);
+    write_file(folder_ / "in" / "camera.yaml", text, true);
+    try {
+      import("in", at_30_hz());
+      ADD_FAILURE() << "was read";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::data);
+      const std::string message = error.what();
+      EXPECT_NE(message.find("camera.yaml"), std::string::npos) << message;
+      EXPECT_EQ(message.find("json.exception"), std::string::npos) << message;
+    }
   }
 }
 

@@ -2,12 +2,15 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "calib/rgbd/foreign_calibration.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "pipeline/acquire/import/name_words.h"
 
 namespace touchtrace {
 namespace {
@@ -20,7 +23,7 @@ constexpr std::uintmax_t max_bytes = 16u << 20;
 // has fewer counts per metre than the first, or metres per count than the second.
 constexpr double min_counts_per_m = 50.0, max_m_per_count = 0.02, mm_per_m = 1000.0;
 
-std::vector<double> numbers_of(std::string text) {
+std::vector<double> numbers_in(std::string text) {
   for (char& c : text)
     if (std::string_view("[](),;").find(c) != std::string_view::npos) c = ' ';
   std::istringstream words(text);
@@ -41,30 +44,63 @@ json camera_matrix(const std::vector<double>& n) {
   return n;
 }
 
+std::vector<double> numbers_of(const json& j) {
+  const bool is_opencv_matrix = j.is_object() && j.contains("data");
+  return numbers_in((is_opencv_matrix ? j.at("data") : j).dump());
+}
+
+constexpr std::array matrix_keys{"intrinsic_matrix", "camera_matrix", "cam_K", "K", "k"};
+
+bool has_camera(const json& j) {
+  return !j.is_object() || (j.contains("fx") && j.contains("fy")) ||
+         std::ranges::any_of(matrix_keys, [&](const char* key) { return j.contains(key); });
+}
+
 json matrix_of(const json& j) {
-  for (const char* key : {"intrinsic_matrix", "camera_matrix", "cam_K", "K", "k"})
-    if (j.is_object() && j.contains(key)) return camera_matrix(numbers_of(j.at(key).dump()));
-  if (!j.is_object()) return camera_matrix(numbers_of(j.dump()));
+  if (!j.is_object()) return camera_matrix(numbers_of(j));
+  for (const char* key : matrix_keys)
+    if (j.contains(key)) return camera_matrix(numbers_of(j.at(key)));
   const char *cx = j.contains("ppx") ? "ppx" : "cx", *cy = j.contains("ppy") ? "ppy" : "cy";
   return camera_matrix({j.at("fx"), j.at("fy"), j.at(cx), j.at(cy)});
 }
 
-/// Entry of the first image in a scene_camera.json of BOP, which has one per image; else all.
-json first_image(const json& j) {
-  const bool is_by_image =
-      j.is_object() && !j.empty() && j.front().is_object() && j.front().contains("cam_K");
-  return is_by_image ? j.front() : j;
+/// Camera.fx, Camera1.fx, ... of ORB-SLAM as fx, ...
+json without_prefix(const json& j) {
+  json flat = json::object();
+  for (const auto& [key, value] : j.items())
+    for (const std::string prefix : {"Camera.", "Camera1."})
+      if (key.starts_with(prefix)) flat[key.substr(prefix.size())] = value;
+  return flat;
 }
 
-/// Message of a matrix in text or in JSON, which has a size only sometimes.
-json camera_info(const fs::path& file, int width, int height) {
+/// The entry of `j` that describes the colour camera: `j` itself, its fields with a prefix, or an
+/// entry named after the camera. Of an entry for each image (scene_camera.json of BOP) the first.
+json color_entry(const json& j) {
+  if (has_camera(j)) return j;
+  if (const json flat = without_prefix(j); has_camera(flat)) return flat;
+  for (const bool color : {true, false})
+    for (const auto& [key, value] : j.items())
+      if (value.is_object() && has_camera(value) && (names_color(key) || !color)) return value;
+  throw std::runtime_error("it has neither a camera matrix nor fx, fy, cx and cy");
+}
+
+json document_of(const fs::path& file) {
   const std::string text = read_file(file, max_bytes);
+  return file.extension() == ".json" ? json::parse(text) : parse_yaml(text);
+}
+
+bool is_text(const fs::path& file) {
+  return file.extension() == ".txt" || file.extension() == ".csv";
+}
+
+/// Message of a matrix in text, JSON or YAML, which has a size only sometimes.
+json camera_info(const fs::path& file, int width, int height) {
   json info{{"width", width}, {"height", height}};
-  if (file.extension() != ".json") {
-    info["K"] = camera_matrix(numbers_of(text));
+  if (is_text(file)) {
+    info["K"] = camera_matrix(numbers_in(read_file(file, max_bytes)));
     return info;
   }
-  const json j = first_image(json::parse(text));
+  const json j = color_entry(document_of(file));
   info["K"] = matrix_of(j);
   for (const char* key : {"width", "height", "distortion_model", "D"})
     if (j.is_object() && j.contains(key)) info[key] = j.at(key);
@@ -73,13 +109,21 @@ json camera_info(const fs::path& file, int width, int height) {
   return info;
 }
 
+/// Whether read_calibration() reads a document: ours, a camera_info, cv::FileStorage or camchain.
+bool is_calibration(const json& j) {
+  const auto has = [&](const char* key) { return j.is_object() && j.contains(key); };
+  return has("schema") || has("image_width") || has("cam0") ||
+         ((has("K") || has("k")) && has("width"));
+}
+
 /// Whether the file has no more than a camera matrix, which read_calibration() does not read.
 bool is_bare_matrix(const fs::path& file) {
-  if (file.extension() == ".txt" || file.extension() == ".csv") return true;
-  if (file.extension() != ".json") return false;
-  const json j = json::parse(read_file(file, max_bytes), nullptr, false);
-  const bool is_message = j.contains("K") && j.contains("width");
-  return !j.is_discarded() && !j.contains("schema") && !j.contains("image_width") && !is_message;
+  if (is_text(file)) return true;
+  try {
+    return !is_calibration(document_of(file));
+  } catch (const std::exception&) {
+    return false;
+  }
 }
 
 RgbdCalibration read(const fs::path& file, int width, int height) {
@@ -127,7 +171,8 @@ std::optional<double> stated_counts_per_m(const fs::path& file) {
   if (file.extension() != ".json" || !fs::is_regular_file(file)) return std::nullopt;
   const json j = json::parse(read_file(file, max_bytes), nullptr, false);
   if (j.is_discarded() || !j.is_object()) return std::nullopt;
-  const json entry = first_image(j);
+  const bool is_by_image = !j.contains("depth_scale") && !j.empty() && j.front().is_object();
+  const json& entry = is_by_image ? j.front() : j;
   const auto stated = entry.find("depth_scale");
   if (stated == entry.end() || !stated->is_number()) return std::nullopt;
   const auto scale = stated->get<double>();

@@ -149,7 +149,7 @@ OperationCase gru_case(const RolloutShape& s) {
 }  // namespace
 
 Operation gru_rollout_operation() {
-  Operation operation{"gru_rollout", {}};
+  Operation operation{"gru_rollout", {}, 1, true};
   for (const RolloutShape& shape : {RolloutShape{2, 3, 3, 64, false},
                                     {1, 1, 12, 64, true},
                                     {5, 4, 16, 128, true},

@@ -5,15 +5,21 @@
 namespace touchtrace {
 namespace {
 
-Kernel gru_kernel(Runtime& runtime, const char* name, const GruArrays& a) {
-  return runtime.kernel({"common.clh", "cpu_tile.clh", "dynamics.clh", "rollout_output.clh",
-                         "gru_rollout.cl", "gru_rollout_backward.cl"},
-                        name,
-                        {{"HIDDEN", std::to_string(a.hidden)}, {"STATE", std::to_string(a.state)}});
+/// Four sequences per work-item on CPUs, per work-group on GPUs.
+Launch gru_launch(Runtime& runtime, const GruArrays& a, bool gpu, const std::string& pass,
+                  const auto&... arguments) {
+  using Files = std::vector<std::string>;
+  const auto files = gpu ? Files{"common.clh",         "dynamics.clh",
+                                 "rollout_gpu.clh",    "rollout_output_gpu.clh",
+                                 "gru_rollout_gpu.cl", "gru_rollout_gpu_backward.cl"}
+                         : Files{"common.clh",         "cpu_tile.clh",   "dynamics.clh",
+                                 "rollout_output.clh", "gru_rollout.cl", "gru_rollout_backward.cl"};
+  Defines defines{{"HIDDEN", std::to_string(a.hidden)}, {"STATE", std::to_string(a.state)}};
+  if (gpu) defines["ACTIVATION_LANES"] = "4";
+  Launch launch(runtime.kernel(files, (gpu ? "gru_rollout_gpu" : "gru_rollout") + pass, defines),
+                range(ceil_div(a.sequences, 4)), arguments...);
+  return gpu ? std::move(launch).with_local_size(gpu_rollout_group) : launch;
 }
-
-/// Four sequences per work-item.
-cl::NDRange gru_tiles(int sequences) { return range(ceil_div(sequences, 4)); }
 
 /// Cost of one pass: products with w, u and the padded w3. Weights are read once.
 LaunchCost gru_cost(const GruArrays& a) {
@@ -25,19 +31,24 @@ LaunchCost gru_cost(const GruArrays& a) {
 }  // namespace
 
 Launch gru_rollout(Runtime& runtime, const GruArrays& a) {
-  return Launch(gru_kernel(runtime, "gru_rollout", a), gru_tiles(a.sequences), a.states, a.h,
-                a.input_projection.buffer, a.input_projection.at, a.input_projection.row, a.w, a.u,
-                a.parameters, a.bias_at, a.w3, a.b3, a.gates, a.spread, a.sequences, a.steps)
+  return gru_launch(runtime, a, uses_gpu_rollout(runtime, 2 * a.hidden), "", a.states, a.h,
+                    a.input_projection.buffer, a.input_projection.at, a.input_projection.row, a.w,
+                    a.u, a.parameters, a.bias_at, a.w3, a.b3, a.gates, a.spread, a.sequences,
+                    a.steps)
       .with_cost(gru_cost(a))
       .with_purpose(Purpose::rollout);
 }
 
 Launch gru_rollout_backward(Runtime& runtime, const GruArrays& a, const GruGradients& g) {
-  return Launch(gru_kernel(runtime, "gru_rollout_backward", a), gru_tiles(a.sequences),
-                g.grad_state, g.grad_spread, a.spread, a.h, a.gates, a.parameters, a.u_at, a.w3_at,
-                g.w, g.d_out, g.d_gates, g.d_h, a.sequences, a.steps)
-      .with_cost(gru_cost(a))
-      .with_purpose(Purpose::rollout);
+  const auto launch = [&](bool gpu, const auto&... scratch) {
+    return gru_launch(runtime, a, gpu, "_backward", g.grad_state, g.grad_spread, a.spread, a.h,
+                      a.gates, a.parameters, a.u_at, a.w3_at, g.w, g.d_out, g.d_gates, scratch...,
+                      a.sequences, a.steps)
+        .with_cost(gru_cost(a))
+        .with_purpose(Purpose::rollout);
+  };
+  const bool gpu = uses_gpu_rollout(runtime, 5 * a.hidden);
+  return gpu ? launch(true) : launch(false, g.d_h);
 }
 
 }  // namespace touchtrace

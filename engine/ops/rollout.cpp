@@ -1,30 +1,18 @@
 #include "engine/ops/rollout.h"
 
-#include <algorithm>
-
 #include "engine/base/integer_math.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t gpu_work_group_size = 256;  // as in rollout_gpu.clh
-
-/// Whether local memory also holds the values that a step passes to the next.
-bool uses_gpu_kernel(const Runtime& runtime, const RolloutArrays& a) {
-  const std::size_t partial = std::max<std::size_t>(4 * gpu_work_group_size, a.hidden);
-  const std::size_t bytes =
-      4 * sizeof(float) * (2 * a.hidden + 2 * state_lanes + gpu_work_group_size + partial);
-  return runtime.kernel_variant() == KernelVariant::gpu &&
-         bytes <= runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
-}
-
 /// Four sequences per work-item on CPUs, per work-group on GPUs.
 Launch rollout_launch(Runtime& runtime, const RolloutArrays& a, const std::string& pass,
                       const auto&... arguments) {
   using Files = std::vector<std::string>;
-  const bool gpu = uses_gpu_kernel(runtime, a);
-  const auto files = gpu ? Files{"common.clh", "dynamics.clh", "rollout_gpu.clh", "rollout_gpu.cl",
-                                 "rollout_gpu_backward.cl"}
+  const bool gpu = uses_gpu_rollout(runtime, 2 * a.hidden);
+  const auto files = gpu ? Files{"common.clh",      "dynamics.clh",
+                                 "rollout_gpu.clh", "rollout_output_gpu.clh",
+                                 "rollout_gpu.cl",  "rollout_gpu_backward.cl"}
                          : Files{"common.clh",         "cpu_tile.clh", "dynamics.clh",
                                  "rollout_output.clh", "rollout.cl",   "rollout_backward.cl"};
   const Defines defines{{"HIDDEN", std::to_string(a.hidden)},
@@ -33,7 +21,7 @@ Launch rollout_launch(Runtime& runtime, const RolloutArrays& a, const std::strin
                         {"ACTIVATION_LANES", gpu ? "4" : "16"}};
   Launch launch(runtime.kernel(files, (gpu ? "rollout_gpu" : "rollout") + pass, defines),
                 range(ceil_div(a.sequences, 4)), arguments...);
-  return gpu ? std::move(launch).with_local_size(gpu_work_group_size) : launch;
+  return gpu ? std::move(launch).with_local_size(gpu_rollout_group) : launch;
 }
 
 /// Multiply-adds of one step of one sequence: the two hidden layers and the padded output.
@@ -47,6 +35,13 @@ double bytes_moved(const RolloutArrays& a, double rows) {
 }
 
 }  // namespace
+
+bool uses_gpu_rollout(const Runtime& runtime, int hidden_values) {
+  const std::size_t bytes =
+      4 * sizeof(float) * (hidden_values + 2 * state_lanes + gpu_rollout_group);
+  return runtime.kernel_variant() == KernelVariant::gpu &&
+         bytes <= runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
+}
 
 Launch rollout(Runtime& runtime, const RolloutArrays& a) {
   const double rows = 1.0 * a.sequences * a.steps;

@@ -9,6 +9,13 @@ namespace touchtrace {
 /// Floats per state in device memory, zero-padded.
 inline constexpr int state_lanes = 16;
 
+/// Work-items of a work-group of the roll-outs' GPU variants (kernels/rollout_gpu.clh).
+inline constexpr std::size_t gpu_rollout_group = 256;
+
+/// Whether a roll-out uses its GPU variant: local memory then also has to hold `hidden_values`
+/// values of each of four sequences.
+bool uses_gpu_rollout(const Runtime& runtime, int hidden_values);
+
 /// Arrays of a roll-out of the dynamics MLP over S sequences and T steps (kernels/rollout.cl). Rows
 /// are ordered [T][S]. `hidden` is a multiple of 64, `state` at most 16.
 struct RolloutArrays {

@@ -230,6 +230,7 @@ auto read_yaml(const std::filesystem::path& file, Read&& read) {
 }  // namespace
 
 json parse_yaml(std::string text) {
+  require_foreign(text.size() <= max_foreign_bytes, "too large");
   // cv::FileStorage begins with a directive that is not valid YAML.
   if (text.starts_with("%YAML:")) text.erase(0, text.find('\n'));
   return YamlConverter().convert(YAML::Load(text));

@@ -87,8 +87,9 @@ class Runtime {
   /// kernel names if its module does not build; other modules remain usable.
   cl::Kernel create(const Kernel& kernel);
 
-  /// Throws device_error if less than this much device memory is left. Called before many
-  /// allocations, so that a model that is too large fails at once.
+  /// Throws device_error if less than this much device memory is left, or on other devices than CPUs
+  /// if the device has less: their drivers report what is left when they allocate. Called before
+  /// many allocations, so that a model that is too large fails at once.
   void check_memory(std::size_t bytes);
   /// Alignment of sub-buffers [bytes], sufficient for all known devices.
   static constexpr std::size_t sub_buffer_alignment = 512;

@@ -127,7 +127,8 @@ TEST_F(ImportFolder, ReadsIntrinsicsAndDepthScales) {
 TEST_F(ImportFolder, NamesIntrinsicsThatItCannotRead) {
   write_file(folder_ / "in" / "rgb" / "0.png", encoded(import_color(0)), true);
   write_file(folder_ / "in" / "depth" / "0.png", encoded(import_depth(0, 1000)), true);
-  for (const char* text : {"lens: {focal_length: 7}\n", "7\n", "a: [\n", "fx: {a: 1}\nfy: 1\n"}) {
+  for (const char* text : {"lens: {focal_length: 7}\n", "7\n", "a: [\n", "fx: {a: 1}\nfy: 1\n",
+                           "depth: {fx: 7, fy: 7, cx: 4, cy: 3}\n"}) {
     SCOPED_TRACE(text);
     write_file(folder_ / "in" / "camera.yaml", text, true);
     try {

@@ -73,15 +73,19 @@ json without_prefix(const json& j) {
   return flat;
 }
 
-/// The entry of `j` that describes the colour camera: `j` itself, its fields with a prefix, or an
-/// entry named after the camera. Of an entry for each image (scene_camera.json of BOP) the first.
+/// The part of `j` that describes the colour camera: `j` itself, its fields with a prefix, the
+/// entry that is named after colour, or the first that is not of a depth or infrared camera. A
+/// scene_camera.json of BOP has an entry for each image.
 json color_entry(const json& j) {
   if (has_camera(j)) return j;
   if (const json flat = without_prefix(j); has_camera(flat)) return flat;
-  for (const bool color : {true, false})
+  for (const bool is_named : {true, false})
     for (const auto& [key, value] : j.items())
-      if (value.is_object() && has_camera(value) && (names_color(key) || !color)) return value;
-  throw std::runtime_error("it has neither a camera matrix nor fx, fy, cx and cy");
+      if (value.is_object() && has_camera(value) &&
+          (is_named ? names_color(key) : !names_depth(key) && !names_other_image(key)))
+        return value;
+  throw std::runtime_error(
+      "it has neither a camera matrix nor fx, fy, cx and cy of the colour camera");
 }
 
 json document_of(const fs::path& file) {
@@ -93,14 +97,24 @@ bool is_text(const fs::path& file) {
   return file.extension() == ".txt" || file.extension() == ".csv";
 }
 
-/// Message of a matrix in text, JSON or YAML, which has a size only sometimes.
-json camera_info(const fs::path& file, int width, int height) {
+/// Whether read_calibration() reads a document: ours, a camera_info, cv::FileStorage or camchain.
+bool is_calibration(const json& j) {
+  const auto has = [&](const char* key) { return j.is_object() && j.contains(key); };
+  return has("schema") || has("image_width") || has("cam0") ||
+         ((has("K") || has("k")) && has("width"));
+}
+
+/// Message of a matrix in text, JSON or YAML, which has a size only sometimes. nullopt: a file that
+/// read_calibration() reads.
+std::optional<json> camera_info(const fs::path& file, int width, int height) {
   json info{{"width", width}, {"height", height}};
   if (is_text(file)) {
     info["K"] = camera_matrix(numbers_in(read_file(file, max_bytes)));
     return info;
   }
-  const json j = color_entry(document_of(file));
+  const json document = document_of(file);
+  if (is_calibration(document)) return std::nullopt;
+  const json j = color_entry(document);
   info["K"] = matrix_of(j);
   for (const char* key : {"width", "height", "distortion_model", "D"})
     if (j.is_object() && j.contains(key)) info[key] = j.at(key);
@@ -109,29 +123,16 @@ json camera_info(const fs::path& file, int width, int height) {
   return info;
 }
 
-/// Whether read_calibration() reads a document: ours, a camera_info, cv::FileStorage or camchain.
-bool is_calibration(const json& j) {
-  const auto has = [&](const char* key) { return j.is_object() && j.contains(key); };
-  return has("schema") || has("image_width") || has("cam0") ||
-         ((has("K") || has("k")) && has("width"));
-}
-
-/// Whether the file has no more than a camera matrix, which read_calibration() does not read.
-bool is_bare_matrix(const fs::path& file) {
-  if (is_text(file)) return true;
-  try {
-    return !is_calibration(document_of(file));
-  } catch (const std::exception&) {
-    return false;
-  }
-}
-
 RgbdCalibration read(const fs::path& file, int width, int height) {
-  if (!fs::is_regular_file(file) || !is_bare_matrix(file)) return read_calibration(file);
+  if (!fs::is_regular_file(file)) return read_calibration(file);
   try {
+    const auto info = camera_info(file, width, height);
+    if (!info) return read_calibration(file);
     RgbdCalibration calibration;
-    calibration.color = camera_from_info(camera_info(file, width, height));
+    calibration.color = camera_from_info(*info);
     return calibration;
+  } catch (const Error&) {
+    throw;
   } catch (const std::exception& error) {
     throw data_error(fmt::format("cannot read intrinsics {}: {}", file.string(), error.what()),
                      "write the 3x3 camera matrix or fx fy cx cy, or a camera_info");

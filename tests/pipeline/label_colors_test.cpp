@@ -60,5 +60,38 @@ TEST(ColorClasses, OfTheRoomAreNotTheHands) {
   EXPECT_EQ(learnt(surface).classify(shadow), Body::rest);
 }
 
+/// A bar through the fist: its box contains the hand's and much of the sleeve.
+TEST(ColorClasses, OfAHandInsideTheObjectsBox) {
+  constexpr Color bar{60, 60, 140};
+  constexpr PixelBox whole_bar{0, 0, 60, 40}, beyond_the_fist{31, 0, 29, 40};
+  Surface surface;
+  add(surface, 300, skin, hand_box, 0.8f);
+  add(surface, 100, bar, hand_box, 0.8f);
+  add(surface, 400, bar, beyond_the_fist, 0.8f);
+  add(surface, 400, sleeve, beyond_the_fist, 0.9f);
+  add(surface, 30, skin, beyond_the_fist, 0.8f);  // a finger outside the hand's box
+  add(surface, 1000, sleeve, {100, 100, 50, 50}, 0.9f);
+  ColorClasses classes;
+  classes.learn(surface, hand_box, whole_bar);
+  classes.build_table();
+  EXPECT_EQ(classes.classify(skin), Body::hand);
+  EXPECT_EQ(classes.classify(bar), Body::object);
+  EXPECT_EQ(classes.classify(sleeve), Body::rest);
+}
+
+/// A ball in front of the hand: fingers are few in its box.
+TEST(ColorClasses, OfAnObjectInsideTheHandsBox) {
+  constexpr PixelBox in_hand{15, 15, 12, 12};
+  Surface surface;
+  add(surface, 200, skin, {10, 10, 20, 5}, 0.8f);
+  add(surface, 250, ball, in_hand, 0.8f);
+  add(surface, 60, skin, in_hand, 0.8f);
+  ColorClasses classes;
+  classes.learn(surface, hand_box, in_hand);
+  classes.build_table();
+  EXPECT_EQ(classes.classify(skin), Body::hand);
+  EXPECT_EQ(classes.classify(ball), Body::object);
+}
+
 }  // namespace
 }  // namespace touchtrace::label

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "engine/base/parallel.h"
 #include "engine/base/progress.h"
@@ -15,6 +16,9 @@ namespace {
 constexpr int search_rounds = 3, max_refinements = 6;
 constexpr std::size_t kept_searches = 3;  // after the first round
 constexpr double max_cost_ratio = 0.995;  // of a refinement that is worth another one
+/// Standard deviations of the sum of cost differences over the views, above which they tell two
+/// bodies apart.
+constexpr double significant_difference = 2.0;
 constexpr std::size_t points_per_view = 300;
 constexpr double view_reach_radii = 2.0;
 /// Residual of a half extent as large as the object's radius: bounds extents that nothing shows.
@@ -108,6 +112,29 @@ Search begin_search(const StartShape& start, const LearningData& data) {
   return {fit_views(data, {body, {}}), start.loss_width_m};
 }
 
+/// Whether the views refute a body, given a better one. Points of one view err together, so the
+/// views are the independent observations.
+bool is_refuted(const FittedBody& body, const FittedBody& better) {
+  double sum_m2 = 0.0, square_m4 = 0.0;
+  for (std::size_t i = 0; i < body.fits.size(); ++i) {
+    const double difference_m2 = body.fits[i].cost_m2 - better.fits[i].cost_m2;
+    sum_m2 += difference_m2;
+    square_m4 += difference_m2 * difference_m2;
+  }
+  return sum_m2 > significant_difference * std::sqrt(square_m4);
+}
+
+/// The smallest of the bodies that the views do not refute. `bodies`: by cost. What lies behind the
+/// visible side is free: the front of a bar also fits a plank with a rounded edge.
+FittedBody smallest_of(std::vector<Search> bodies) {
+  const FittedBody best = bodies.front().at;
+  std::erase_if(bodies, [&](const Search& search) { return is_refuted(search.at, best); });
+  return std::ranges::min(
+             bodies, {},
+             [](const Search& search) { return search.at.body.half_extents_m().prod(); })
+      .at;
+}
+
 /// Searches from all start shapes; after each round only those with the smallest costs continue.
 FittedBody best_of_searches(const LearningData& data, Progress& progress) {
   std::vector<Search> searches(start_shapes.size());
@@ -120,7 +147,7 @@ FittedBody best_of_searches(const LearningData& data, Progress& progress) {
     std::ranges::sort(searches, {}, [](const Search& search) { return search.at.cost_m2; });
     searches.resize(std::min(searches.size(), kept_searches));
   }
-  return std::move(searches.front().at);
+  return smallest_of(std::move(searches));
 }
 
 /// Refines until the cost stops falling.

@@ -14,6 +14,10 @@ constexpr double object_ratio = 3.0;  // of the densities of object and others
 constexpr double min_density = 1e-4;  // colours rarer than this belong to the rest
 constexpr float arm_length_m = 0.7f;  // what is farther from the hand is not the hand's arm
 
+double sum(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
 /// Smooths `counts` along one dimension of the grid by (1 4 1) / 6, for shades not seen yet.
 std::vector<double> smoothed(const std::vector<double>& counts, std::size_t stride,
                              std::size_t levels) {
@@ -25,12 +29,6 @@ std::vector<double> smoothed(const std::vector<double>& counts, std::size_t stri
     result[i] = (below + 4.0 * counts[i] + above) / 6.0;
   }
   return result;
-}
-
-Body body_in_boxes(const SurfacePoint& point, const PixelBox& hand_box,
-                   const PixelBox& object_box) {
-  if (contains(object_box, point)) return Body::object;
-  return contains(hand_box, point) ? Body::hand : Body::rest;
 }
 
 /// Per-axis median of the points inside a box; nullopt if there are none.
@@ -84,16 +82,37 @@ std::vector<double> ColorClasses::density(const std::vector<double>& counts, dou
   auto result = smoothed(counts, 1, chroma_levels);
   result = smoothed(result, chroma_levels, chroma_levels);
   result = smoothed(result, chroma_levels * chroma_levels, brightness_levels);
-  const double total = std::max(min_total, std::accumulate(result.begin(), result.end(), 0.0));
+  const double total = std::max(min_total, sum(result));
   for (auto& value : result) value /= total;
   return result;
+}
+
+std::vector<bool> ColorClasses::object_bins_in_both(const Surface& surface,
+                                                    const PixelBox& hand_box,
+                                                    const PixelBox& object_box) {
+  std::vector<double> rest(bins), hand(bins), object(bins), both(bins);
+  for (const auto& point : surface) {
+    const bool in_object = contains(object_box, point), in_hand = contains(hand_box, point);
+    (in_object ? in_hand ? both : object : in_hand ? hand : rest)[bin(point.rgb)] += 1.0;
+  }
+  if (sum(both) <= sum(hand) || sum(object) <= sum(both)) return std::vector<bool>(bins, true);
+  rest = density(rest, sum(object)), object = density(object, 1.0), both = density(both, 1.0);
+  std::vector<bool> of_object(bins);
+  for (std::size_t i = 0; i < bins; ++i)
+    of_object[i] = object[i] > object_ratio * rest[i] && object_ratio * object[i] > both[i];
+  return of_object;
 }
 
 void ColorClasses::learn(const Surface& surface, const PixelBox& hand_box,
                          const PixelBox& object_box) {
   const auto hand_m = median_in(surface, hand_box);
+  const auto of_object = object_bins_in_both(surface, hand_box, object_box);
   for (const auto& point : surface) {
-    const Body body = body_in_boxes(point, hand_box, object_box);
+    const bool in_hand = contains(hand_box, point);
+    const Body body = contains(object_box, point) && (!in_hand || of_object[bin(point.rgb)])
+                          ? Body::object
+                      : in_hand ? Body::hand
+                                : Body::rest;
     const bool is_far = body == Body::rest && hand_m &&
                         (point.position_m - *hand_m).squaredNorm() > arm_length_m * arm_length_m;
     auto& counts = is_far ? far_rest_ : counts_[static_cast<std::size_t>(body)];
@@ -114,7 +133,7 @@ void ColorClasses::learn_hand_from(const Surface& on_hand) {
 
 void ColorClasses::build_table() {
   // without background the rest may be a few pixels of the object outside its box
-  const double object_points = std::accumulate(counts_[2].begin(), counts_[2].end(), 1.0);
+  const double object_points = 1.0 + sum(counts_[2]);
   const auto far_rest = density(far_rest_, object_points), hand = density(counts_[1], 1.0),
              object = density(counts_[2], 1.0);
   auto rest = density(counts_[0], object_points);

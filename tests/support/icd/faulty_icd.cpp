@@ -6,14 +6,14 @@
 //   hangs     launches never return
 //   unlisted  listing the devices aborts
 //
-// Implements only the functions that touchtrace calls. Objects are never freed, because the
-// processes are short-lived.
+// Implements only the functions that touchtrace calls.
 #include <CL/cl_icd.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,6 +26,8 @@ struct Object {
   cl_icd_dispatch* dispatch = &table;
   std::vector<char> bytes;
   std::string name;
+  int references = 1;  ///< of buffers and kernels; the other objects are static
+  std::function<void()> on_release;
 };
 
 Object platform, device, context, queue, program, event;
@@ -33,6 +35,21 @@ Object platform, device, context, queue, program, event;
 template <class Handle>
 Handle as(Object& object) {
   return reinterpret_cast<Handle>(&object);
+}
+
+template <class Handle>
+cl_int retain(Handle handle) {
+  ++reinterpret_cast<Object*>(handle)->references;
+  return CL_SUCCESS;
+}
+
+template <class Handle>
+cl_int release(Handle handle) {
+  auto* object = reinterpret_cast<Object*>(handle);
+  if (--object->references > 0) return CL_SUCCESS;
+  if (object->on_release) object->on_release();
+  delete object;
+  return CL_SUCCESS;
 }
 
 bool has_fault(const char* fault) {
@@ -117,6 +134,11 @@ cl_mem create_buffer(cl_context, cl_mem_flags, std::size_t size, void*, cl_int* 
   return as<cl_mem>(*buffer);
 }
 
+cl_int set_destructor_callback(cl_mem buffer, void(CL_CALLBACK* call)(cl_mem, void*), void* data) {
+  reinterpret_cast<Object*>(buffer)->on_release = [=] { call(buffer, data); };
+  return CL_SUCCESS;
+}
+
 cl_program create_program(cl_context, cl_uint, const char**, const std::size_t*, cl_int* error) {
   if (error) *error = CL_SUCCESS;
   return as<cl_program>(program);
@@ -182,8 +204,8 @@ void fill_table() {
   table.clCreateCommandQueue = create_queue;
   table.clRetainCommandQueue = succeed, table.clReleaseCommandQueue = succeed;
   table.clCreateBuffer = create_buffer;
-  table.clRetainMemObject = succeed, table.clReleaseMemObject = succeed;
-  table.clSetMemObjectDestructorCallback = succeed;
+  table.clRetainMemObject = retain, table.clReleaseMemObject = release;
+  table.clSetMemObjectDestructorCallback = set_destructor_callback;
   table.clCreateProgramWithSource = create_program;
   table.clBuildProgram = succeed;
   table.clGetProgramInfo = program_info;
@@ -192,7 +214,7 @@ void fill_table() {
   table.clCreateKernel = create_kernel;
   table.clGetKernelInfo = kernel_info;
   table.clSetKernelArg = succeed;
-  table.clRetainKernel = succeed, table.clReleaseKernel = succeed;
+  table.clRetainKernel = retain, table.clReleaseKernel = release;
   table.clEnqueueReadBuffer = read_buffer;
   table.clEnqueueWriteBuffer = write_buffer;
   table.clEnqueueFillBuffer = succeed;

@@ -90,16 +90,18 @@ std::vector<double> ColorClasses::density(const std::vector<double>& counts, dou
 std::vector<bool> ColorClasses::object_bins_in_both(const Surface& surface,
                                                     const PixelBox& hand_box,
                                                     const PixelBox& object_box) {
-  std::vector<double> rest(bins), hand(bins), object(bins), both(bins);
-  for (const auto& point : surface) {
-    const bool in_object = contains(object_box, point), in_hand = contains(hand_box, point);
-    (in_object ? in_hand ? both : object : in_hand ? hand : rest)[bin(point.rgb)] += 1.0;
-  }
-  if (sum(both) <= sum(hand) || sum(object) <= sum(both)) return std::vector<bool>(bins, true);
-  rest = density(rest, sum(object)), object = density(object, 1.0), both = density(both, 1.0);
+  std::array<std::vector<double>, 4> counts;  // outside, in the hand's box, the object's, both
+  counts.fill(std::vector<double>(bins));
+  for (const auto& point : surface)
+    counts[contains(hand_box, point) + 2u * contains(object_box, point)][bin(point.rgb)] += 1.0;
+  const double in_hand = sum(counts[1]), in_object = sum(counts[2]), in_both = sum(counts[3]);
+  const bool is_hand_inside = in_both > in_hand && in_object > in_both;
+  if (!is_hand_inside) return std::vector<bool>(bins, true);
+  const auto rest = density(counts[0], in_object), object = density(counts[2], 1.0),
+             both = density(counts[3], 1.0);
   std::vector<bool> of_object(bins);
   for (std::size_t i = 0; i < bins; ++i)
-    of_object[i] = object[i] > object_ratio * rest[i] && object_ratio * object[i] > both[i];
+    of_object[i] = object[i] > std::max(object_ratio * rest[i], both[i] / object_ratio);
   return of_object;
 }
 
@@ -107,12 +109,13 @@ void ColorClasses::learn(const Surface& surface, const PixelBox& hand_box,
                          const PixelBox& object_box) {
   const auto hand_m = median_in(surface, hand_box);
   const auto of_object = object_bins_in_both(surface, hand_box, object_box);
-  for (const auto& point : surface) {
+  const auto body_of = [&](const SurfacePoint& point) {
     const bool in_hand = contains(hand_box, point);
-    const Body body = contains(object_box, point) && (!in_hand || of_object[bin(point.rgb)])
-                          ? Body::object
-                      : in_hand ? Body::hand
-                                : Body::rest;
+    if (contains(object_box, point) && (!in_hand || of_object[bin(point.rgb)])) return Body::object;
+    return in_hand ? Body::hand : Body::rest;
+  };
+  for (const auto& point : surface) {
+    const Body body = body_of(point);
     const bool is_far = body == Body::rest && hand_m &&
                         (point.position_m - *hand_m).squaredNorm() > arm_length_m * arm_length_m;
     auto& counts = is_far ? far_rest_ : counts_[static_cast<std::size_t>(body)];

@@ -38,8 +38,9 @@ class ColorClasses {
 
   /// Sets the likeness of a class's colours, with mean 0 over the class.
   void set_likeness(Body body, const std::vector<double>& density);
-  /// Colours that count as the object's where both boxes are: all or, if the object's box contains
-  /// most of the hand's (a bar through the fist), those of the object's box outside the hand's.
+  /// Whether a colour of points in both boxes is the object's: always or, if the object's box
+  /// contains most of the hand's (a bar through the fist), if it is three times as frequent in the
+  /// rest of the object's box as outside both, and there at least a third as frequent as in both.
   static std::vector<bool> object_bins_in_both(const Surface& surface, const PixelBox& hand_box,
                                                const PixelBox& object_box);
   static std::size_t bin(const std::array<std::uint8_t, 3>& rgb);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the clips of a recording as a LeRobot data set (version 3).
 
-usage: export_lerobot.py RECORDING.h5 DATASET [--labels LABELS.h5] [--images]
+usage: export_lerobot.py RECORDING.h5 DATASET [--labels LABELS.h5] [--images] [--fps N]
 
 A clip is an episode, a glove frame is a frame. pipeline/export/README.md lists the features. Needs h5py, numpy, pandas, pyarrow,
 and pillow for images.
@@ -26,6 +26,7 @@ except ImportError as error:
 DATA_FILE, EPISODES_FILE = "data/chunk-000/file-000.parquet", "meta/episodes/chunk-000/file-000.parquet"
 TACTILE, TIME, SEQUENCE, LOST = (f"observation.tactile{suffix}" for suffix in ("", "_time_s", "_sequence", "_lost"))
 STREAMS = {"observation.images.color": "color", "observation.images.depth": "depth"}
+MAX_RATE_CHANGE = 0.02
 GLOVE_KEYS = ("bits", "polarity", "rate_hz", "scan_s")
 STREAM_KEYS = ("intrinsics", "distortion_model", "distortion", "gravity", "depth_unit_m", "registered", "depth_from_color")
 AXES = [f"{body}_{quantity}_{axis}" for body in ("object", "hand")
@@ -219,19 +220,25 @@ class DatasetWriter:
         (self.folder / "meta/stats.json").write_text(json.dumps(statistics))
 
 
-def whole_rate(recording, path):
+def whole_rate(recording, options):
+    """The glove's rate as the whole number that LeRobot needs."""
     if "glove0" not in recording:
-        fail(f"{path} has no glove", "labels alone are exported by `touchtrace export`")
+        fail(f"{options.recording} has no glove", "labels alone are exported by `touchtrace export`")
     rate_hz = float(recording["glove0"].attrs["rate_hz"])
-    if rate_hz != round(rate_hz):
-        fail(f"the glove's rate is {rate_hz:g} Hz, but a LeRobot data set has a whole number", "resample the recording")
-    return round(rate_hz)
+    fps = options.fps or max(round(rate_hz), 1)
+    if not options.fps and abs(fps - rate_hz) > MAX_RATE_CHANGE * rate_hz:
+        fail(f"the glove's rate is {rate_hz:g} Hz, but a LeRobot data set needs a whole number",
+             f"give --fps {fps}: timestamps are then frame_index / {fps}, and {TIME} keeps the glove's")
+    if fps != rate_hz:
+        print(f"timestamps are frame_index / {fps}: the glove's rate of {rate_hz:g} Hz is not that whole number. "
+              f"{TIME} has the glove's times", file=sys.stderr)
+    return fps
 
 
 def export(options, recording, labels):
     if labels is not None and not np.array_equal(labels["clips/start_s"], recording["clips/start_s"]):
         fail(f"{options.labels} has other clips than {options.recording}", "give the labels of this recording")
-    writer = DatasetWriter(options.dataset, whole_rate(recording, options.recording))
+    writer = DatasetWriter(options.dataset, whole_rate(recording, options))
     for clip, sequence, rows in rows_of_clips(recording, labels):
         columns = touch_columns(recording["glove0"], sequence)
         if labels is not None:
@@ -251,8 +258,12 @@ def main():
     parser.add_argument("recording", type=pathlib.Path)
     parser.add_argument("dataset", type=pathlib.Path)
     parser.add_argument("--labels", type=pathlib.Path, help="file of `touchtrace label`: adds positions and velocities")
+    parser.add_argument("--fps", type=int, metavar="N", help="frames per second of the data set [the glove's rate, if a whole "
+                        "number is within 2 %% of it]")
     parser.add_argument("--images", action="store_true", help="adds the images nearest in time to each frame")
     options = parser.parse_args()
+    if options.fps is not None and options.fps < 1:
+        parser.error(f"--fps is {options.fps}, not a positive number")
     try:
         with h5py.File(options.recording) as recording, contextlib.ExitStack() as stack:
             export(options, recording, stack.enter_context(h5py.File(options.labels)) if options.labels else None)

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <opencv2/features2d.hpp>
 
+#include "calib/board/circle_image.h"
 #include "calib/board/circle_lattice.h"
-#include "calib/board/local_homography.h"
 #include "calib/board/upscaled_image.h"
 #include "engine/base/statistics.h"
 
@@ -17,6 +17,11 @@ namespace touchtrace {
 namespace {
 
 constexpr int num_refinements = 2;
+/// Radius below which most pixels of a circle are on its edge, and weigh what they cover. In a
+/// larger one only greys near the middle between dark and light weigh less than 1: reflections in
+/// the circle do not count.
+constexpr double small_radius_px = 15.0;
+constexpr float darkest_threshold = 10.0f;  ///< [grey levels] for circles on a dim board
 
 Eigen::Vector2d asymmetric_place_m(const CalibrationTarget& target, int column, int row) {
   return target.square_m * Eigen::Vector2d(2 * column + row % 2, row);
@@ -28,11 +33,12 @@ double free_radius_m(const CalibrationTarget& target) {
   return 0.5 * distance * target.square_m;
 }
 
-/// Centres of dark blobs. The default detector is limited to 5000 pixels; here a blob may be as
-/// large as its share of the image.
+/// Centres of dark blobs. The default detector is limited to 5000 pixels and to well lit boards;
+/// here a blob may be as large as its share of the image.
 std::vector<Eigen::Vector2d> detect_blobs(const GreyImage& image, const CalibrationTarget& target) {
   const UpscaledImage enlarged(image, default_upscale_factor(image));
   cv::SimpleBlobDetector::Params parameters;
+  parameters.minThreshold = darkest_threshold;
   parameters.maxArea = static_cast<float>(enlarged.pixels.total()) / float(target.num_corners());
   std::vector<cv::KeyPoint> blobs;
   cv::SimpleBlobDetector::create(parameters)->detect(enlarged.pixels, blobs);
@@ -41,59 +47,67 @@ std::vector<Eigen::Vector2d> detect_blobs(const GreyImage& image, const Calibrat
   return centres;
 }
 
-/// Pixels around a circle. Distances are on the target, from the image of its centre.
+/// Pixels of a circle and its surroundings up to half the distance of its neighbours.
 class CirclePixels {
  public:
-  CirclePixels(const GreyImage& image, const Eigen::Vector2d& centre_px,
-               const Eigen::Matrix2d& px_per_m, double free_radius_m)
-      : image_(image),
-        m_per_px_(px_per_m.inverse()),
-        centre_px_(centre_px),
-        free_radius_m_(free_radius_m) {
-    const Eigen::Array2d half_px = free_radius_m * px_per_m.rowwise().norm();
-    const Eigen::Array2d first_px = centre_px.array() - half_px,
-                         last_px = centre_px.array() + half_px;
-    are_in_image_ = (first_px >= 0.0).all() && last_px.x() < image.width - 1.0 &&
-                    last_px.y() < image.height - 1.0;
-    if (!are_in_image_) return;
-    first_ = first_px.floor().cast<int>();
-    last_ = last_px.ceil().cast<int>();
+  CirclePixels(const GreyImage& image, const CircleImage& circle, const Eigen::Vector2d& centre_m,
+               double free_radius_m)
+      : centre_px_(circle.image_of(centre_m)),
+        free_radius_m_(free_radius_m),
+        px2_per_m2_(std::abs(circle.derivative().determinant())) {
+    Eigen::Array2d first_px = centre_px_, last_px = centre_px_;
+    for (const auto& point : circle.boundary_px(free_radius_m))
+      first_px = first_px.min(point.array()), last_px = last_px.max(point.array());
+    if (!((first_px >= 0.0).all() && last_px.x() < image.width - 1.0 &&
+          last_px.y() < image.height - 1.0))
+      return;
+    for (int v = int(first_px.y()); v <= last_px.y() + 1.0; ++v)
+      for (int u = int(first_px.x()); u <= last_px.x() + 1.0; ++u) {
+        const Eigen::Vector2d pixel(u, v);
+        const double radius = (circle.place_of(pixel) - centre_m).norm() / free_radius_m;
+        if (radius < 1.0)
+          pixels_.push_back(
+              {radius, pixel - centre_px_, double(image.pixels[std::size_t(v * image.width + u)])});
+      }
   }
-  bool are_in_image() const { return are_in_image_; }
-  /// Radius of the circle [m] by its darkness; NaN if it is not darker than its surroundings.
+  bool are_in_image() const { return !pixels_.empty(); }
+  /// Radius of the circle [m] by its area; NaN if it is not darker than its surroundings.
   double radius_m() const {
     const double dark = mean_grey(0.0, 0.2), light = mean_grey(0.8, 1.0);
-    double darkness = 0.0;
+    double area_px2 = 0.0;
     each(0.0, 1.0, [&](const Eigen::Vector2d&, double grey) {
-      darkness += std::clamp((light - grey) / (light - dark), 0.0, 1.0);
+      area_px2 += std::clamp((light - grey) / (light - dark), 0.0, 1.0);
     });
-    return light > dark ? std::sqrt(darkness * std::abs(m_per_px_.determinant()) / std::numbers::pi)
-                        : std::nan("");
+    return light > dark ? std::sqrt(area_px2 / px2_per_m2_ / std::numbers::pi) : std::nan("");
   }
-  /// Centroid of the darkness below a plane fitted to the surroundings of the circle.
+  /// Centroid of the area that is darker than half way to a plane fitted to the surroundings.
   Eigen::Vector2d centroid_px(double radius_m) const {
-    const double border = 0.5 * (radius_m / free_radius_m_ + 1.0);
-    const Eigen::Vector3d light = surroundings(border);
+    const double border = 0.5 * (radius_m / free_radius_m_ + 1.0), dark = mean_grey(0.0, 0.2);
+    const double steepness = std::sqrt(px2_per_m2_) * radius_m < small_radius_px ? 1.0 : 2.0;
+    const Eigen::Vector3d plane = surroundings(border);
     double sum = 0.0;
     Eigen::Vector2d moment = Eigen::Vector2d::Zero();
     each(0.0, border, [&](const Eigen::Vector2d& offset_px, double grey) {
-      const double darkness = light.dot(Eigen::Vector3d(offset_px.x(), offset_px.y(), 1.0)) - grey;
-      sum += darkness, moment += darkness * offset_px;
+      const double light = plane.dot(Eigen::Vector3d(offset_px.x(), offset_px.y(), 1.0));
+      const double darkness = (light - grey) / (light - dark);
+      const double weight = std::clamp(0.5 + steepness * (darkness - 0.5), 0.0, 1.0);
+      sum += weight, moment += weight * offset_px;
     });
     return centre_px_ + moment / sum;
   }
 
  private:
-  /// Calls visit(offset_px, grey) for pixels in a ring; radii are fractions of the free radius.
+  struct Pixel {
+    double radius;  ///< on the target, as a fraction of the free radius
+    Eigen::Vector2d offset_px;
+    double grey;
+  };
+
+  /// Calls visit(offset_px, grey) for pixels in a ring.
   template <class Visit>
   void each(double inner, double outer, Visit&& visit) const {
-    for (int v = first_.y(); v <= last_.y(); ++v)
-      for (int u = first_.x(); u <= last_.x(); ++u) {
-        const Eigen::Vector2d offset_px = Eigen::Vector2d(u, v) - centre_px_;
-        const double radius = (m_per_px_ * offset_px).norm() / free_radius_m_;
-        if (radius >= inner && radius < outer)
-          visit(offset_px, double(image_.pixels[std::size_t(v * image_.width + u)]));
-      }
+    for (const auto& [radius, offset_px, grey] : pixels_)
+      if (radius >= inner && radius < outer) visit(offset_px, grey);
   }
   double mean_grey(double inner, double outer) const {
     double sum = 0.0;
@@ -112,38 +126,32 @@ class CirclePixels {
     return normal.ldlt().solve(right);
   }
 
-  const GreyImage& image_;
-  Eigen::Matrix2d m_per_px_;
   Eigen::Vector2d centre_px_;
-  double free_radius_m_;
-  bool are_in_image_;
-  Eigen::Vector2i first_, last_;
+  double free_radius_m_, px2_per_m2_;
+  std::vector<Pixel> pixels_;
 };
 
-/// Centroids less the perspective offset; unchanged if they cannot be measured.
+/// Centroids less their offset from the centre's image; unchanged if they cannot be measured.
 void refine_centres(const GreyImage& image, const CalibrationTarget& target,
                     TargetCorners& centres) {
-  const TargetCorners rough = centres;
-  const double free_m = free_radius_m(target);
+  std::vector<std::pair<std::size_t, CirclePixels>> measurable;
+  std::vector<std::optional<CircleImage>> circles(centres.first.size());
   std::vector<double> radii_m;
-  std::vector<std::optional<LocalHomography>> local;
-  std::vector<Eigen::Vector2d> places_m;
-  const auto pixels_of = [&](std::size_t i) {
-    return CirclePixels(image, rough.first[i], local[i]->derivative(places_m[i]), free_m);
-  };
-  for (std::size_t i = 0; i < rough.first.size(); ++i) {
-    places_m.push_back(target.corner_m(rough.second[i]).head<2>());
-    local.push_back(LocalHomography::fit(rough, target, places_m[i]));
-    if (local[i] && pixels_of(i).are_in_image()) radii_m.push_back(pixels_of(i).radius_m());
+  for (std::size_t i = 0; i < circles.size(); ++i) {
+    const Eigen::Vector2d centre_m = target.corner_m(centres.second[i]).head<2>();
+    circles[i] = CircleImage::fit(centres, target, centre_m);
+    if (!circles[i]) continue;
+    const CirclePixels pixels(image, *circles[i], centre_m, free_radius_m(target));
+    if (!pixels.are_in_image()) continue;
+    measurable.emplace_back(i, pixels);
+    if (const double radius_m = pixels.radius_m(); std::isfinite(radius_m))
+      radii_m.push_back(radius_m);
   }
-  std::erase_if(radii_m, [](double radius) { return !std::isfinite(radius); });
   if (radii_m.empty()) return;
   const double radius_m = median(std::move(radii_m));
-  for (std::size_t i = 0; i < rough.first.size(); ++i) {
-    if (!local[i] || !pixels_of(i).are_in_image()) continue;
-    const Eigen::Vector2d offset_px =
-        local[i]->ellipse_centre(places_m[i], radius_m) - local[i]->image_of(places_m[i]);
-    const Eigen::Vector2d centre_px = pixels_of(i).centroid_px(radius_m) - offset_px;
+  for (const auto& [i, pixels] : measurable) {
+    const Eigen::Vector2d centre_px =
+        pixels.centroid_px(radius_m) - circles[i]->centroid_offset_px(radius_m);
     if (centre_px.allFinite()) centres.first[i] = centre_px;
   }
 }

@@ -39,13 +39,9 @@ Eigen::Vector2d LocalHomography::image_of(const Eigen::Vector2d& place_m) const 
   return {p[0] / p[2], p[1] / p[2]};
 }
 
-Eigen::Vector2d LocalHomography::ellipse_centre(const Eigen::Vector2d& centre_m,
-                                                double radius_m) const {
-  // The polar line of a conic's centre is the line at infinity: the last column of the dual conic.
-  const double x = centre_m.x(), y = centre_m.y(), r2 = radius_m * radius_m;
-  const cv::Matx33d circle(x * x - r2, x * y, x, x * y, y * y - r2, y, x, y, 1.0);
-  const cv::Matx33d ellipse = h_ * circle * h_.t();
-  return {ellipse(0, 2) / ellipse(2, 2), ellipse(1, 2) / ellipse(2, 2)};
+Eigen::Vector2d LocalHomography::place_of(const Eigen::Vector2d& pixel) const {
+  const cv::Vec3d p = inverse_ * cv::Vec3d(pixel.x(), pixel.y(), 1.0);
+  return {p[0] / p[2], p[1] / p[2]};
 }
 
 Eigen::Matrix2d LocalHomography::derivative(const Eigen::Vector2d& place_m) const {

@@ -18,14 +18,14 @@ class LocalHomography {
                                             const Eigen::Vector2d& place_m);
 
   Eigen::Vector2d image_of(const Eigen::Vector2d& place_m) const;
-  /// Centre of the ellipse that is the image of a circle. It is not image_of() its centre.
-  Eigen::Vector2d ellipse_centre(const Eigen::Vector2d& centre_m, double radius_m) const;
+  /// Place on the target whose image is `pixel`.
+  Eigen::Vector2d place_of(const Eigen::Vector2d& pixel) const;
   /// Derivative of image_of() [px/m].
   Eigen::Matrix2d derivative(const Eigen::Vector2d& place_m) const;
 
  private:
-  explicit LocalHomography(const cv::Matx33d& h) : h_(h) {}
-  cv::Matx33d h_;
+  explicit LocalHomography(const cv::Matx33d& h) : h_(h), inverse_(h.inv()) {}
+  cv::Matx33d h_, inverse_;
 };
 
 }  // namespace touchtrace

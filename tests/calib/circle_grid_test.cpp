@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "calib/board/board_detector.h"
-#include "calib/board/local_homography.h"
+#include "calib/board/circle_image.h"
 #include "calib/rgbd/calibrate.h"
 #include "tests/calib/rendered_board.h"
 
@@ -66,8 +66,8 @@ double perspective_offset_px(const CalibrationTarget& target, const Eigen::Isome
   double squares = 0.0;
   for (int id : truth.second) {
     const Eigen::Vector2d place_m = target.corner_m(id).head<2>();
-    const auto local = LocalHomography::fit(truth, target, place_m);
-    squares += (local->ellipse_centre(place_m, radius_m(target)) - truth.first[std::size_t(id)])
+    squares += CircleImage::fit(truth, target, place_m)
+                   ->centroid_offset_px(radius_m(target))
                    .squaredNorm();
   }
   return std::sqrt(squares / target.num_corners());
@@ -103,6 +103,68 @@ TEST(CircleGrid, PerspectiveMovesTheCentresOfCircles) {
   EXPECT_GT(
       perspective_offset_px(symmetric, board_pose(symmetric, {0.1, -0.9, 0.0}, {0.0, 0.0, 0.35})),
       0.06);
+}
+
+/// The near side of a large tilted circle is longer than the far side. Half of each circle reflects
+/// light, as thermal and glossy boards do, and the board is dim. The reflection is a quarter of the
+/// contrast, so that the level half way between dark and light is 0.12 px away on that half's edge.
+TEST(CircleGrid, LargeTiltedDimReflectingCircles) {
+  const CalibrationTarget large{4, 3, 0.06, {}, &circles_kind};
+  const auto pose = board_pose(large, {0.3, -0.9, 0.1}, {0.02, 0.0, 0.4});
+  testing::BoardPrint print = draw(large);
+  cv::Mat reflecting = print.pixels.clone();
+  for (int i = 0; i < large.num_corners(); ++i) {
+    const auto px = [](double m) { return int(m * testing::print_px_per_m); };
+    const Eigen::Vector2d corner_m =
+        large.corner_m(i).head<2>() + print.origin_m - Eigen::Vector2d(0.0, 0.03);
+    reflecting(cv::Rect(px(corner_m.x()), px(corner_m.y()), px(0.03), px(0.06)))
+        .setTo(60,
+               print.pixels(cv::Rect(px(corner_m.x()), px(corner_m.y()), px(0.03), px(0.06))) == 0);
+  }
+  print.pixels = 0.18 * reflecting;
+  auto centres = find_circle_centres(testing::render(print, pose), large).first;
+  ASSERT_EQ(int(centres.size()), large.num_corners());
+  const auto ids = all_ids(large);
+  const double error_px = corner_rms_px(large, pose, centres, ids);
+  std::ranges::reverse(centres);
+  EXPECT_LT(std::min(error_px, corner_rms_px(large, pose, centres, ids)), 0.2);
+}
+
+/// Pixel of a place on a tilted target through a lens with strong barrel distortion.
+Eigen::Vector2d through_barrel(const Eigen::Isometry3d& pose, const Eigen::Vector2d& place_m) {
+  const Eigen::Vector2d ray = (pose * Eigen::Vector3d(place_m.x(), place_m.y(), 0.0)).hnormalized();
+  return 400.0 * ray * std::atan(ray.norm()) / ray.norm();
+}
+
+TEST(CircleImage, OffsetOfTheCentroidBehindADistortingLens) {
+  const CalibrationTarget target{5, 5, 0.06, {}, &circles_kind};
+  const auto pose = board_pose(target, {0.3, -0.6, 0.1}, {0.1, 0.05, 0.25});
+  TargetCorners truth{{}, all_ids(target)};
+  for (int id : truth.second)
+    truth.first.push_back(through_barrel(pose, target.corner_m(id).head<2>()));
+  const Eigen::Vector2d centre_m = target.corner_m(12).head<2>();
+  Eigen::Vector2d moment = Eigen::Vector2d::Zero();
+  double area = 0.0;
+  constexpr int steps = 400;
+  for (int i = 0; i < steps * steps; ++i) {
+    const Eigen::Vector2d p_m =
+        2.0 * radius_m(target) *
+        Eigen::Vector2d((i % steps + 0.5) / steps - 0.5, (i / steps + 0.5) / steps - 0.5);
+    if (p_m.norm() > radius_m(target)) continue;
+    const double h = 1e-5;
+    const Eigen::Vector2d pixel = through_barrel(pose, centre_m + p_m);
+    Eigen::Matrix2d derivative;
+    derivative << through_barrel(pose, centre_m + p_m + Eigen::Vector2d(h, 0.0)) - pixel,
+        through_barrel(pose, centre_m + p_m + Eigen::Vector2d(0.0, h)) - pixel;
+    area += std::abs(derivative.determinant()),
+        moment += std::abs(derivative.determinant()) * pixel;
+  }
+  const Eigen::Vector2d offset_px = moment / area - through_barrel(pose, centre_m);
+  ASSERT_GT(offset_px.norm(), 0.2);
+  const auto found_px =
+      CircleImage::fit(truth, target, centre_m)->centroid_offset_px(radius_m(target));
+  EXPECT_LT((found_px - offset_px).norm(), 0.15 * offset_px.norm())
+      << found_px.transpose() << " instead of " << offset_px.transpose();
 }
 
 class CircleGridCalibration : public ::testing::TestWithParam<const CalibrationTarget*> {};

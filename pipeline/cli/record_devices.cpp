@@ -59,7 +59,9 @@ void require_glove_frames(const ParserCounts& glove, const std::string& port) {
   if (glove.frames > 0) return;
   throw data_error(
       fmt::format("no frame arrived from {}", port),
-      glove.skipped_bytes > 0
+      glove.out_of_range > 0 ? "counts arrived that are larger than the converter's: check --bits, "
+                               "or bits in the protocol's .toml"
+      : glove.skipped_bytes > 0
           ? "bytes arrived that are no frames: check --protocol, --baud, --rows, --cols and --bits"
           : "check that the device is switched on, and --baud");
 }
@@ -71,6 +73,9 @@ std::string glove_text(const GloveStatus& glove) {
                   counts.frames, counts.dropped, counts.torn, counts.repeated);
   if (glove.saturated_taxels > 0)
     text += fmt::format(", {} taxels saturated", glove.saturated_taxels);
+  if (10 * counts.out_of_range > counts.frames)
+    text +=
+        fmt::format(", {} packets with counts beyond the range: check --bits", counts.out_of_range);
   const double silence_s = monotonic_s() - glove.last_frame_s;
   if (!glove.is_connected)
     text += ", UNPLUGGED";

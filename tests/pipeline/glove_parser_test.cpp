@@ -207,6 +207,29 @@ TEST(GloveParser, SkipsTheNumbersOfLostFrames) {
   EXPECT_EQ(parsed.frames.rbegin()->first - parsed.frames.begin()->first, 189u);
 }
 
+TEST(GloveParser, LastPacketWithoutAnEndIsPassedOn) {
+  const GloveProtocol& protocol = find_glove_protocol("jq20");
+  const GloveStream glove = random_glove(protocol, 3);
+  const std::string bytes = encode(protocol, glove);
+  std::size_t frames = 0;
+  const auto parser = protocol.parse(glove.info, [&](const GloveFrame&) { ++frames; });
+  parser->feed({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, 0.0);
+  EXPECT_EQ(frames, 2u);
+  parser->finish(1.0);
+  EXPECT_EQ(frames, 3u);
+}
+
+TEST(GloveParser, CountsPacketsWithCountsBeyondTheRange) {
+  for (const char* name : {"mit-rows", "stag", "wiresens"}) {
+    const GloveProtocol& protocol = find_glove_protocol(name);
+    const GloveStream glove = random_glove(protocol, 4);
+    EXPECT_EQ(parse(protocol, glove.info, encode(protocol, glove)).counts.out_of_range, 0u) << name;
+    GloveInfo fewer_bits = glove.info;
+    fewer_bits.bits = 4;
+    EXPECT_GT(parse(protocol, fewer_bits, encode(protocol, glove)).counts.out_of_range, 0u) << name;
+  }
+}
+
 TEST(GloveParser, WrongFrameNumberIsNotALoss) {
   const GloveProtocol& protocol = find_glove_protocol("actionsense");
   const GloveStream glove = random_glove(protocol, 40);

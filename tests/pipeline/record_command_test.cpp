@@ -66,6 +66,43 @@ void wait_for(const fs::path& file) {
   while (!fs::exists(file)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
+/// Recording of a file whose lines have 1 to 3 digits per count, or whose frames 20 to 29 are lost.
+GloveStream replayed(const std::string& protocol, const std::string& speed) {
+  const TemporaryFolder folder;
+  GloveStream glove = device_frames(60);
+  for (std::size_t i = 0; i < glove.counts.size() / 2; ++i) glove.counts[i] = 1;
+  std::string bytes;
+  for (std::size_t i = 0; i < 60; ++i) {
+    if (find_glove_protocol(protocol).has_numbers && i >= 20) glove.sequence[i] += 10;
+    bytes += find_glove_protocol(protocol).encode(glove, i);
+  }
+  testing::put(folder / "glove.bin", bytes);
+  auto words = arguments(folder / "glove.bin", protocol, folder / "a.h5");
+  words.insert(words.end(), {"--speed", speed});
+  EXPECT_EQ(run(words), 0);
+  return RecordingReader(folder / "a.h5").recording().gloves.at(0);
+}
+
+TEST(RecordCommand, FramesOfAFileAreAtTheNominalRate) {
+  for (const std::string protocol : {"stag", "vitac", "actionsense", "mit-rows"})
+    for (const char* speed : {"0", "20"}) {
+      const GloveStream glove = replayed(protocol, speed);
+      EXPECT_GE(glove.frames(), 59u);
+      EXPECT_EQ(glove.sequence.back() - glove.sequence.front() >= 69, protocol == "actionsense");
+      for (std::size_t i = 0; i < glove.frames(); ++i)
+        ASSERT_NEAR(glove.host_time_s[i] - glove.host_time_s[0],
+                    static_cast<double>(glove.sequence[i] - glove.sequence[0]) / 50.0, 1e-9)
+            << protocol << ", frame " << i;
+    }
+}
+
+TEST(RecordCommand, AFileIsReplayedAtItsSpeed) {
+  const double start_s = monotonic_s();
+  replayed("stag", "4");
+  EXPECT_GE(monotonic_s() - start_s, 59 / 200.0);
+  EXPECT_LT(monotonic_s() - start_s, 5.0);
+}
+
 TEST(RecordCommand, RecordsWhatADeviceSends) {
   for (const std::string protocol : {"actionsense", "mit-rows"}) {
     const TemporaryFolder folder;

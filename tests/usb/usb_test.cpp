@@ -37,7 +37,7 @@ std::vector<std::string> packets() {
 
 TEST(Usb, ReadsPacketsInOrder) {
   EmulatedSerial device;
-  const auto port = open_port(port_name, {921'600}, 1.0, 1.0);
+  const auto port = open_port(port_name, {921'600});
   std::string sent;
   for (const auto& packet : packets()) device.send(packet), sent += packet;
   Status last{};
@@ -47,7 +47,7 @@ TEST(Usb, ReadsPacketsInOrder) {
 
 TEST(Usb, SetsTheLineAndWrites) {
   EmulatedSerial device;
-  const auto port = open_port(port_name, {250'000, true}, 1.0, 1.0);
+  const auto port = open_port(port_name, {250'000, true});
   EXPECT_EQ(device.baud(), 250'000);
   EXPECT_EQ(device.lines(), 0);
   port->write("a");
@@ -56,7 +56,7 @@ TEST(Usb, SetsTheLineAndWrites) {
 
 TEST(Usb, RestartsAfterAStall) {
   EmulatedSerial device;
-  const auto port = open_port(port_name, {}, 1.0, 1.0);
+  const auto port = open_port(port_name, {});
   device.send("before");
   device.fail(-EPIPE);
   device.send("after");
@@ -71,7 +71,7 @@ TEST(Usb, RestartsAfterAStall) {
 TEST(Usb, NoticesThatTheDeviceIsUnplugged) {
   for (const int status : {-ESHUTDOWN, -EPROTO, -ENODEV}) {
     EmulatedSerial device;
-    const auto port = open_port(port_name, {}, 1.0, 1.0);
+    const auto port = open_port(port_name, {});
     device.send("last");
     device.fail(status);
     Status last{};
@@ -82,7 +82,7 @@ TEST(Usb, NoticesThatTheDeviceIsUnplugged) {
 
 TEST(Usb, CancelsItsTransfersWhenItIsClosed) {
   EmulatedSerial device;
-  { const auto port = open_port(port_name, {}, 1.0, 1.0); }
+  { const auto port = open_port(port_name, {}); }
   EXPECT_EQ(device.num_pending(), 0u);
   EXPECT_GE(device.max_pending(), 4u);
 }

@@ -22,7 +22,7 @@ class ActionSenseParser : public PacketParser {
         frame_(taxels()) {}
 
  private:
-  std::optional<std::uint64_t> number_of(const std::uint8_t* packet) const override {
+  std::optional<std::uint64_t> number_of(const std::uint8_t* packet) override {
     const std::size_t data_bytes = 2 * taxels();
     if (packet[data_bytes + 1] != '\n' || packet[0] < min_byte || packet[0] > max_byte) return {};
     for (std::size_t i = 1; i <= data_bytes; ++i)

@@ -1,5 +1,7 @@
 #include "pipeline/acquire/glove/count_line.h"
 
+#include <algorithm>
+
 namespace touchtrace {
 
 bool CountLine::put(std::uint8_t byte) {
@@ -17,6 +19,7 @@ void CountLine::put_digit(unsigned digit) {
   if (in_number_ && value_ == 0) is_valid_ = false;
   value_ = in_number_ ? 10 * value_ + digit : digit;
   in_number_ = true;
+  largest_ = std::max(largest_, value_);
   if (value_ > max_count_) is_valid_ = false, value_ = max_count_;
 }
 

@@ -18,6 +18,7 @@ class CountLine {
 
   /// False after another character, a leading zero, or a count that is too large.
   bool is_valid() const { return is_valid_; }
+  std::uint64_t largest() const { return largest_; }
   std::size_t size() const { return size_; }  ///< also beyond the maximum
   std::size_t bytes() const { return bytes_; }
   bool is_blank() const { return is_valid_ && size_ == 0; }
@@ -36,7 +37,7 @@ class CountLine {
   std::vector<std::uint16_t> counts_;
   std::uint16_t max_count_;
   std::size_t size_ = 0, bytes_ = 0;
-  unsigned value_ = 0;
+  unsigned value_ = 0, largest_ = 0;  ///< of the current number; of the line
   bool in_number_ = false, is_valid_ = true;
 };
 

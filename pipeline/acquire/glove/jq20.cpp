@@ -31,7 +31,7 @@ class Jq20Parser : public PacketParser {
     return is_marker(at) && at[4] == packet && at[5] >= 1 && at[5] <= max_sensor_type;
   }
 
-  std::optional<std::uint64_t> number_of(const std::uint8_t* packet) const override {
+  std::optional<std::uint64_t> number_of(const std::uint8_t* packet) override {
     const std::uint8_t* second = packet + first_bytes;
     if (!is_header(packet, 1) || !is_header(second, 2) || packet[5] != second[5] ||
         !is_marker(second + header_bytes + half_taxels + imu_bytes))

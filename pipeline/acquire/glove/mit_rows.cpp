@@ -14,11 +14,11 @@ class MitRowsParser : public PacketParser {
         frame_(taxels()) {}
 
  private:
-  std::optional<std::uint64_t> number_of(const std::uint8_t* packet) const override {
+  std::optional<std::uint64_t> number_of(const std::uint8_t* packet) override {
     const std::uint8_t* end = packet + 2 + 2 * cols_;
     if (packet[0] != 0 || packet[1] >= rows_ || end[0] != 'w' || end[1] != 'r') return {};
     for (const std::uint8_t* at = packet + 2; at < end; at += 2)
-      if (from_little_endian(at, 2) > max_count()) return {};
+      if (!is_in_range(from_little_endian(at, 2))) return {};
     return packet[1];
   }
 

@@ -66,11 +66,11 @@ class OwnParser : public PacketParser {
                               [](char c) { return static_cast<std::uint8_t>(c); });
   }
 
-  std::optional<std::uint64_t> number_of(const std::uint8_t* packet) const override {
+  std::optional<std::uint64_t> number_of(const std::uint8_t* packet) override {
     if (!is_at(layout_.start, packet) || !is_at(layout_.end, packet + layout_.end_at())) return {};
     if (layout_.end.empty() && !is_at(layout_.start, packet + layout_.length)) return {};
     for (const std::size_t at : count_at_)
-      if (read_number(layout_, packet + at, layout_.count_bytes) > max_count()) return {};
+      if (!is_in_range(read_number(layout_, packet + at, layout_.count_bytes))) return {};
     return read_number(layout_, packet + layout_.number_at, layout_.number_bytes);
   }
 

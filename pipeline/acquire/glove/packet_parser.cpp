@@ -26,6 +26,13 @@ void PacketParser::feed(std::span<const std::uint8_t> bytes, double host_time_s)
   }
 }
 
+void PacketParser::finish(double host_time_s) {
+  if (lookahead_ == 0 || end_ - begin_ != length_) return;
+  const auto start = buffer_.begin() + static_cast<std::ptrdiff_t>(begin_);
+  const std::vector<std::uint8_t> behind(start, start + static_cast<std::ptrdiff_t>(lookahead_));
+  feed(behind, host_time_s);
+}
+
 /// True if the packet behind the one with `number` shows that packets were lost, not that
 /// `number` is wrong.
 bool PacketParser::confirms(std::uint64_t number, std::uint64_t next) const {

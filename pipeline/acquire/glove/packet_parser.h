@@ -15,6 +15,8 @@ namespace touchtrace {
 class PacketParser : public GloveParser {
  public:
   void feed(std::span<const std::uint8_t> bytes, double host_time_s) final;
+  /// The bytes behind the last packet are those with which it starts.
+  void finish(double host_time_s) final;
 
  protected:
   struct Packet {
@@ -31,7 +33,7 @@ class PacketParser : public GloveParser {
                std::uint64_t modulus, std::size_t lookahead_bytes = 0);
 
   /// Number of a packet; nullopt if its bytes are not plausible.
-  virtual std::optional<std::uint64_t> number_of(const std::uint8_t* packet) const = 0;
+  virtual std::optional<std::uint64_t> number_of(const std::uint8_t* packet) = 0;
   virtual void accept(const Packet& packet) = 0;
   /// Number of packets in the skipped bytes; less than a quarter of a packet is none.
   std::size_t skipped_packets(const Packet& packet) const {

@@ -26,6 +26,7 @@ struct ParserCounts {
   std::uint64_t repeated = 0;       ///< passed on, with the counts of the previous frame
   std::uint64_t restarts = 0;       ///< jumps of the device's numbers that cannot be lost frames
   std::uint64_t skipped_bytes = 0;  ///< that belong to no frame
+  std::uint64_t out_of_range = 0;   ///< packets or lines refused for a count beyond the converter
 };
 
 /// Parser of the bytes of one glove. Does not allocate after its construction.
@@ -38,11 +39,18 @@ class GloveParser {
 
   /// Parses a piece of any size that arrived at `host_time_s`; passes complete frames on.
   virtual void feed(std::span<const std::uint8_t> bytes, double host_time_s) = 0;
+  /// Passes on a last frame that waits for bytes behind it. To be called when no bytes follow.
+  virtual void finish(double /*host_time_s*/) {}
   const ParserCounts& counts() const { return counts_; }
 
  protected:
   std::size_t taxels() const { return previous_.size(); }
   std::uint16_t max_count() const { return max_count_; }
+  /// Whether the converter can have the count; counts the packets in which it cannot.
+  bool is_in_range(std::uint64_t count) {
+    counts_.out_of_range += count > max_count_;
+    return count <= max_count_;
+  }
   void pass_on(std::uint64_t device_number, std::span<const std::uint16_t> counts,
                double host_time_s);
   void count_torn(std::uint64_t frames);

@@ -27,6 +27,7 @@ class StagParser : public GloveParser {
   void end_line(double host_time_s) {
     if (const auto counts = line_.complete(); !counts.empty())
       return pass_on(number_++, counts, host_time_s);
+    is_in_range(line_.largest());
     const std::size_t frames = std::max<std::size_t>(1, (line_.size() + taxels() / 2) / taxels());
     count_torn(frames), count_skipped(line_.bytes());
     number_ += frames;

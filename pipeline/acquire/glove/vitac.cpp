@@ -33,6 +33,7 @@ class VitacParser : public GloveParser {
   void end_row() {
     const auto counts = line_.complete();
     is_valid_ &= !counts.empty();
+    is_in_range(line_.largest());
     if (is_valid_ && num_rows_ < rows_)
       std::ranges::copy(counts, frame_.begin() + static_cast<std::ptrdiff_t>(num_rows_ * cols_));
     ++num_rows_;

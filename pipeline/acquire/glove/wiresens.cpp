@@ -53,11 +53,11 @@ class WiReSensParser : public PacketParser {
     return from_little_endian(packet + 1, 2);
   }
 
-  std::optional<std::uint64_t> number_of(const std::uint8_t* packet) const override {
+  std::optional<std::uint64_t> number_of(const std::uint8_t* packet) override {
     const std::uint8_t* end = packet + 3 + 2 * counts_per_packet;
     if (packet[0] != 0 || start_of(packet) >= taxels() || end[4] != 'w' || end[5] != 'r') return {};
     for (const std::uint8_t* at = packet + 3; at < end; at += 2)
-      if (from_little_endian(at, 2) > max_count()) return {};
+      if (!is_in_range(from_little_endian(at, 2))) return {};
     return from_little_endian(end, 4);
   }
 

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "engine/base/error.h"
+#include "engine/base/interrupt.h"
 #include "pipeline/acquire/record/session.h"
 
 namespace touchtrace {
@@ -14,22 +15,20 @@ namespace {
 constexpr double read_timeout_s = 0.1, max_answer_s = 1.0;
 constexpr double min_pause_s = 0.5;  // of a glove whose frames have no numbers
 
-/// Bytes per frame of a glove in the middle of its range.
-double frame_bytes(const GloveProtocol& protocol, const GloveInfo& info) {
-  constexpr std::size_t frames = 120;
-  GloveStream glove;
-  glove.info = info;
-  glove.counts.assign(frames * static_cast<std::size_t>(info.taxels()),
-                      static_cast<std::uint16_t>((1u << info.bits) / 2));
-  std::size_t bytes = 0;
-  for (std::size_t i = 0; i < frames; ++i) glove.sequence.push_back(i);
-  for (std::size_t i = 0; i < frames; ++i) bytes += protocol.encode(glove, i).size();
-  return static_cast<double>(bytes) / frames;
+ParserCounts sum(const ParserCounts& a, const ParserCounts& b) {
+  return {a.frames + b.frames,
+          a.dropped + b.dropped,
+          a.torn + b.torn,
+          a.repeated + b.repeated,
+          a.restarts + b.restarts,
+          a.skipped_bytes + b.skipped_bytes,
+          a.out_of_range + b.out_of_range};
 }
 
-ParserCounts sum(const ParserCounts& a, const ParserCounts& b) {
-  return {a.frames + b.frames,     a.dropped + b.dropped,   a.torn + b.torn,
-          a.repeated + b.repeated, a.restarts + b.restarts, a.skipped_bytes + b.skipped_bytes};
+/// Returns early if the command is interrupted.
+void wait_until(double time_s) {
+  for (double left_s; !interrupted() && (left_s = time_s - monotonic_s()) > 0.0;)
+    std::this_thread::sleep_for(std::chrono::duration<double>(std::min(left_s, read_timeout_s)));
 }
 
 int count_saturated(const GloveInfo& info, std::span<const std::uint16_t> counts) {
@@ -48,8 +47,10 @@ GloveSource::GloveSource(const GloveProtocol& protocol, const GloveInfo& info,
 void GloveSource::open() {
   const SerialLine line{options_.baud > 0 ? options_.baud : protocol_.baud,
                         protocol_.holds_lines_low};
-  port_ = open_port(options_.port, line, frame_bytes(protocol_, info_) * info_.rate_hz,
-                    options_.replay_speed);
+  port_ = open_port(options_.port, line);
+  is_replay_ = is_replay(options_.port);
+  opened_s_ = monotonic_s();
+  replayed_number_.reset();
   parser_ = protocol_.parse(info_, [this](const GloveFrame& frame) { pass_on(frame); });
   restarts_ = 0;
 }
@@ -69,7 +70,7 @@ bool GloveSource::step(const RecordSink& sink) {
   sink_ = &sink;
   if (!port_ && !try_open()) return true;
   const Reading reading = port_->read(buffer_, request());
-  if (reading.status == Reading::Status::ended) return false;
+  if (reading.status == Reading::Status::ended) parser_->finish(monotonic_s());
   if (reading.status == Reading::Status::data) {
     is_answered_ = true;
     parser_->feed({buffer_.data(), reading.bytes}, reading.time_s);
@@ -77,7 +78,7 @@ bool GloveSource::step(const RecordSink& sink) {
   const std::lock_guard lock(mutex_);
   status_.counts = sum(earlier_counts_, parser_->counts());
   status_.is_connected = reading.status != Reading::Status::unplugged;
-  if (status_.is_connected) return true;
+  if (status_.is_connected) return reading.status != Reading::Status::ended;
   port_.reset();
   is_gap_ = is_started_;
   earlier_counts_ = status_.counts;
@@ -99,7 +100,17 @@ double GloveSource::request() {
   return std::clamp(requested_s_ + period_s - now_s, 1e-3, read_timeout_s);
 }
 
-void GloveSource::pass_on(const GloveFrame& frame) {
+/// Time of a frame of a file: its number at the nominal rate. Waits for it at the replay's speed.
+double GloveSource::replayed_s(std::uint64_t number) {
+  if (!replayed_number_) replayed_number_ = number;
+  const double elapsed_s = static_cast<double>(number - *replayed_number_ + 1) / info_.rate_hz;
+  if (options_.replay_speed > 0.0) wait_until(opened_s_ + elapsed_s / options_.replay_speed);
+  return opened_s_ + elapsed_s;
+}
+
+void GloveSource::pass_on(const GloveFrame& arrived) {
+  GloveFrame frame = arrived;
+  if (is_replay_) frame.host_time_s = replayed_s(frame.sequence);
   if (parser_->counts().restarts != restarts_) is_gap_ = true;
   restarts_ = parser_->counts().restarts;
   if (!protocol_.has_numbers && is_started_ &&

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "pipeline/acquire/glove/protocol.h"
 #include "pipeline/acquire/record/source.h"
@@ -23,8 +24,8 @@ class GloveSource : public RecordSource {
  public:
   struct Options {
     std::string port;
-    int baud = 0;  ///< 0: the protocol's
-    double replay_speed = 1.0;
+    int baud = 0;               ///< 0: the protocol's
+    double replay_speed = 1.0;  ///< of a file, relative to the nominal rate; 0: without pauses
   };
 
   /// Opens the port. `start_s`: time of monotonic_s() that is 0 in the recording.
@@ -39,7 +40,8 @@ class GloveSource : public RecordSource {
   void open();
   bool try_open();
   double request();
-  void pass_on(const GloveFrame& frame);
+  double replayed_s(std::uint64_t number);
+  void pass_on(const GloveFrame& arrived);
   void begin_segment(const GloveFrame& frame);
 
   const GloveProtocol& protocol_;
@@ -52,6 +54,10 @@ class GloveSource : public RecordSource {
   const RecordSink* sink_ = nullptr;  ///< during step()
   double requested_s_ = 0.0;          ///< time of the last request
   bool is_answered_ = true;
+
+  double opened_s_ = 0.0;
+  bool is_replay_ = false;
+  std::optional<std::uint64_t> replayed_number_;  ///< of the first frame of a file
 
   bool is_started_ = false, is_gap_ = false;  ///< is_gap_: the next frame follows a reconnection
   std::uint64_t offset_ = 0;                  ///< from the parser's sequence to the recording's

@@ -36,14 +36,13 @@ bool is_replay(const std::string& port) {
   return std::filesystem::is_regular_file(port, ignored);
 }
 
-std::unique_ptr<Transport> open_port(const std::string& port, const SerialLine& line,
-                                     double bytes_per_s, double speed) {
+std::unique_ptr<Transport> open_port(const std::string& port, const SerialLine& line) {
   if (port.starts_with(usb_prefix)) {
     const auto parts = split_text(port, ':');
     return open_usb(parse_usb_id(parts.size() == 3 ? parts[1] : "", port),
                     parse_usb_id(parts.size() == 3 ? parts[2] : "", port), line);
   }
-  if (is_replay(port)) return open_replay(port, bytes_per_s, speed);
+  if (is_replay(port)) return open_replay(port);
   return open_tty(port, line);
 }
 

@@ -48,13 +48,11 @@ std::unique_ptr<Transport> open_tty(const std::string& path, const SerialLine& l
 std::unique_ptr<Transport> open_usb(std::uint16_t vendor, std::uint16_t product,
                                     const SerialLine& line);
 
-/// Bytes of a file, `speed` times as fast as the device sent them (0: as fast as possible). Times
-/// of arrival are the device's.
-std::unique_ptr<Transport> open_replay(const std::string& path, double bytes_per_s, double speed);
+/// Bytes of a file, without pauses.
+std::unique_ptr<Transport> open_replay(const std::string& path);
 
 /// Opens a port by its name: "usb:VENDOR:PRODUCT" (hexadecimal), a file, or a tty.
-std::unique_ptr<Transport> open_port(const std::string& port, const SerialLine& line,
-                                     double bytes_per_s, double speed);
+std::unique_ptr<Transport> open_port(const std::string& port, const SerialLine& line);
 
 /// True if the port is a regular file, which open_port() replays.
 bool is_replay(const std::string& port);

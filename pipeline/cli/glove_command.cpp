@@ -97,9 +97,9 @@ ExitCode run(const GloveOptions& options, const Invocation& invocation) {
   const Devices devices = open_devices(options.devices, session);
   const Frames frames =
       collect(*devices.glove, static_cast<std::size_t>(session.glove->taxels()), options.seconds);
+  require_glove_frames(devices.glove->status().counts, options.devices.glove);
   const LearnedGlove learned = learn_glove(*session.glove, frames.rest, frames.squeezed);
-  const nlohmann::json config =
-      glove_config_json(options.devices.protocol, *session.glove, learned);
+  const nlohmann::json config = glove_config_json(session.glove->name, *session.glove, learned);
   if (!options.output.empty()) write_file(options.output, config.dump(2), invocation.overwrite);
   if (invocation.json)
     fmt::print("{}\n", config.dump(2));

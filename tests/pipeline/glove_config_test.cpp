@@ -123,6 +123,35 @@ TEST(GloveConfig, RecordUsesIt) {
   EXPECT_EQ(record({"--protocol", "mit-rows", "--rows", "4"}), 2) << "not the baseline's size";
 }
 
+TEST(GloveConfig, RecordUsesWhatIsLearntWithAProtocolOfOnesOwn) {
+  const TemporaryFolder folder;
+  const std::string protocol = folder / "own.toml", config_file = folder / "glove.json";
+  testing::put(protocol,
+               "rows = 2\ncols = 3\nbits = 10\nrate_hz = 25\nbaud = 9600\nstart = \"aa 55\"\n"
+               "number_bytes = 1\n");
+  GloveStream glove;
+  glove.info = find_glove_protocol(protocol).usual_glove;
+  std::string bytes;
+  for (std::size_t i = 0; i < 120; ++i) {
+    glove.sequence.push_back(i);
+    for (int k = 0; k < 6; ++k)
+      glove.counts.push_back(
+          static_cast<std::uint16_t>(300 + i % 3 + (i < 60 ? 0 : 20 * (i % 10))));
+    bytes += find_glove_protocol(protocol).encode(glove, i);
+  }
+  testing::put(folder / "glove.bin", bytes);
+  const auto with_glove = [&](std::vector<std::string> arguments) {
+    for (const std::string& word :
+         {std::string("--glove"), (folder / "glove.bin").string(), std::string("--protocol"),
+          protocol, std::string("--speed"), std::string("0")})
+      arguments.push_back(word);
+    return testing::run_touchtrace(arguments);
+  };
+  ASSERT_EQ(with_glove({"glove", "--learn", "--seconds", "1.5", "--output", config_file}), 0);
+  EXPECT_EQ(read_glove_config(config_file).protocol, "own");
+  EXPECT_EQ(with_glove({"record", "--glove-config", config_file, "--output", folder / "a.h5"}), 0);
+}
+
 TEST(GloveConfig, ALogKeepsTheBaseline) {
   SessionInfo session;
   session.provenance = start_provenance("touchtrace/recording/2", "record");

@@ -86,6 +86,10 @@ TEST(LearnGlove, CommandJudgesAStream) {
   EXPECT_EQ(run_glove(port, "5"), 0);
   EXPECT_NE(::testing::internal::GetCapturedStdout().find("polarity -1"), std::string::npos);
   EXPECT_EQ(run_glove(port, "60"), 3);  // too few frames
+  write_file(port, std::string(10'000, 'x'), true);
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run_glove(port, "5"), 3);
+  EXPECT_NE(::testing::internal::GetCapturedStderr().find("check --protocol"), std::string::npos);
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ GloveConfig parse(const nlohmann::json& json) {
     throw data_error(fmt::format("schema {}, expected \"{}\"", json["schema"].dump(), glove_schema),
                      "");
   GloveConfig config;
-  config.protocol = json.at("protocol").get<std::string>();
+  // Earlier versions wrote the file of a protocol of one's own as it was typed.
+  config.protocol = std::filesystem::path(json.at("protocol").get<std::string>()).stem().string();
   config.rows = static_cast<int>(number_between(json, "rows", 1, 255));
   config.cols = static_cast<int>(number_between(json, "cols", 1, 255));
   config.bits = static_cast<int>(number_between(json, "bits", 1, 16));

@@ -22,8 +22,9 @@ void counts_to_pressure(const GloveInfo& info, std::span<const std::uint16_t> co
 AreaAverage::Axis AreaAverage::divide(int taxels, int cells) {
   if (cells < 1 || cells > taxels)
     throw usage_error(
-        fmt::format("resolution {} is not between 1 and the glove's {} taxels", cells, taxels),
-        fmt::format("choose a resolution from 1 to {}", taxels));
+        fmt::format("a resolution of {} does not fit the glove, which has {} taxels along an axis",
+                    cells, taxels),
+        fmt::format("use a model that was trained with a --resolution of at most {}", taxels));
   Axis axis;
   const double width = static_cast<double>(taxels) / cells;
   for (int cell = 0; cell < cells; ++cell) {

@@ -43,6 +43,16 @@ TEST(AreaAverage, PreservesTheMean) {
   }
 }
 
+TEST(AreaAverage, GloveWithTooFewTaxelsIsRefused) {
+  try {
+    AreaAverage(13, 32, 32, 32);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("13 taxels along an axis"), std::string::npos);
+    EXPECT_NE(error.hint().find("--resolution of at most 13"), std::string::npos);
+  }
+}
+
 TEST(AreaAverage, SplitsATaxelBetweenCellsByArea) {
   const std::vector<float> row{1.0f, 10.0f, 100.0f};
   std::vector<float> halves(2);

@@ -34,7 +34,7 @@ Progress::~Progress() {
 }
 
 void Progress::report(const std::string& line) {
-  if (!silent) fmt::print(stderr, "{}\n", line);
+  if (!silent || line.starts_with("warning: ")) fmt::print(stderr, "{}\n", line);
 }
 
 void Progress::silence() { silent = true; }

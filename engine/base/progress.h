@@ -22,9 +22,10 @@ class Progress {
   /// Seconds since the construction.
   double seconds() const;
 
-  /// Prints a line on stderr: progress of work without a known number of steps.
+  /// Prints a line on stderr: progress of work without a known number of steps, or a warning, which
+  /// starts with "warning: ".
   static void report(const std::string& line);
-  /// Turns off all progress reports (--quiet).
+  /// Turns off all progress reports except warnings (--quiet).
   static void silence();
 
  private:

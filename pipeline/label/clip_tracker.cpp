@@ -1,6 +1,5 @@
 #include "pipeline/label/clip_tracker.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,49 +11,23 @@
 #include "pipeline/label/estimate/sphere_fit.h"
 #include "pipeline/label/grip.h"
 #include "pipeline/label/lift.h"
+#include "pipeline/label/observe/mask_observer.h"
 #include "pipeline/label/other_bodies.h"
 #include "pipeline/label/target_filter.h"
 
 namespace touchtrace::label {
 namespace {
 
-constexpr double hand_sigma_m = 0.004;
-// Standard deviations of a hidden object's position: for the filter, from the hand; for the filter,
-// from the first box; and from frame to frame, for the smoother.
-constexpr double in_hand_sigma_m = 0.02, first_box_sigma_m = 0.03, hidden_sigma_m = 0.005;
+// Standard deviations of a hidden object's position for the filter: from the hand; from the first
+// box.
+constexpr double in_hand_sigma_m = 0.02, first_box_sigma_m = 0.03;
 constexpr double min_occluded_fraction = 0.5;  // of a hidden object's rays
 constexpr double released_m = 0.07;          // grown distance to the hand of an object that left it
 constexpr double max_unseen_flight_s = 1.0;  // an object unseen for longer has been caught
 constexpr double view_reach_factor = 2.0;    // from a visible end of an object to its other end
+constexpr double max_misfit_m = 0.01;        // median distance of an object's points from its body
+constexpr std::size_t max_misfit_points = 200;
 constexpr std::size_t min_hand_points = 30, min_object_points = 6;
-
-// Points err more where the colours of two bodies mix, at a patch's edge. The smaller the visible
-// part, the larger the share of the edge.
-constexpr double edge_fraction = 0.25;
-constexpr double min_position_sigma_m = 0.0003, max_position_sigma_m = 0.03;
-
-/// Standard deviations of a body's centre along the axes. `visible`: visible fraction of its disc.
-Eigen::Vector3d position_sigma(const Eigen::Matrix3d& information, double visible,
-                               double point_sigma) {
-  const double point_m2 = point_sigma * point_sigma * (1.0 + edge_fraction / visible);
-  const Eigen::Matrix3d prior =
-      Eigen::Matrix3d::Identity() * point_m2 / (max_position_sigma_m * max_position_sigma_m);
-  const Eigen::Vector3d variance = (information + prior).inverse().diagonal();
-  return (variance.array() * point_m2 + min_position_sigma_m * min_position_sigma_m).sqrt();
-}
-
-Observation observe_hand(const Patch& patch) {
-  return {
-      true, false, patch.centroid_m, {hand_sigma_m, hand_sigma_m, 1.5 * hand_sigma_m}, patch.box};
-}
-
-Observation hidden_object_at(const Eigen::Vector3d& position_m) {
-  Observation object;
-  object.found = object.follows_hand = true;
-  object.position_m = position_m;
-  object.sigma_m.setConstant(hidden_sigma_m);
-  return object;
-}
 
 class ClipTracker {
  public:
@@ -75,20 +48,26 @@ class ClipTracker {
 
   void step(SegmentedFrame segmented, double seconds, ClipTrack& track) {
     auto& [frame, surface, image] = segmented;
+    const bool is_masked = scene_.has_some_masks && !frame.mask.empty();
     if (is_started_ && !others_) scene_.split_object(surface, clip_.object, hand_.predicted_m());
     std::optional<Patch> hand, object;
     if (!is_started_) {
       // a box excludes the other hand and the bare arm
-      hand = hand_.find_in_box(points_in(surface, clip_.hand_box), clip_.hand_box);
-      if (hand && others_) others_->start(surface, clip_.hand_box, clip_.object_box, *hand);
+      hand = is_masked ? find_masked_hand(frame, surface, image, {})
+                       : hand_.find_in_box(points_in(surface, clip_.hand_box), clip_.hand_box);
+      if (hand && others_ && !is_masked)
+        others_->start(surface, clip_.hand_box, clip_.object_box, *hand);
       object = object_.find_in_box(surface, clip_.object_box);
     } else {
       hand_.predict(seconds, false, gravity_);
       object_.predict(seconds, is_away_, gravity_);
       const auto [hand_box, object_box] = update_trackers(image);
-      hand = find_hand(surface, image, hand_box, seconds);
+      hand = is_masked ? find_masked_hand(frame, surface, image, hand_box)
+                       : find_hand(surface, image, hand_box, seconds);
       if (hand && hand_.is_lost() && object_.is_lost()) assume_in_hand(*hand);
       object = object_.find(surface, image, object_box, *scene_.segmenter, position_in_hand(hand));
+      if (!object && is_masked)
+        object = object_.find_in_box(surface, mask_box(frame, mask_object, image_width()));
     }
     frame_ = track.hand.size();
     track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
@@ -101,8 +80,11 @@ class ClipTracker {
   void smooth_poses(ClipTrack& track) const {
     if (!pose_) return;
     const auto fits = pose_->viterbi_path();
-    for (std::size_t i = 0; i < fits.size(); ++i)
-      set_position(track.object[posed_frames_[i].frame], fits[i], posed_frames_[i].points);
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+      Observation& object = track.object[posed_frames_[i].frame];
+      set_position(object, fits[i], posed_frames_[i].num_points);
+      add_misfit(fits[i], posed_frames_[i].surface_points, object);
+    }
   }
 
   int tracker_starts() const { return hand_.tracker_starts() + object_.tracker_starts(); }
@@ -126,6 +108,24 @@ class ClipTracker {
     return std::nullopt;
   }
 
+  int image_width() const { return scene_.segmenter->color_camera().width; }
+
+  /// Finds the hand among the mask's points, which no other body has. What else has its colour is
+  /// other bodies'; it becomes `rest`.
+  std::optional<Patch> find_masked_hand(const RgbdFrame& frame, Surface& surface,
+                                        const MaskedImage& image,
+                                        const std::optional<PixelBox>& box) {
+    const Surface colored = surface;
+    scene_.observer->classify(frame, clip_.object, surface);
+    const PixelBox hand_box = mask_box(frame, mask_hand, image_width());
+    std::optional<Patch> hand;
+    if (is_started_) hand = hand_.find(surface, image, box, *scene_.segmenter, std::nullopt);
+    if (!hand) hand = hand_.find_in_box(surface, hand_box);
+    if (hand && others_)
+      others_->start(colored, hand_box, mask_box(frame, mask_object, image_width()), *hand);
+    return hand;
+  }
+
   Observation observe_object(const Patch& patch, const RgbdFrame& frame) {
     const auto view = scene_.view_object(frame, clip_.object, patch,
                                          view_reach_factor * shape_.reach_m(), pose_.has_value());
@@ -133,7 +133,7 @@ class ClipTracker {
     Observation object{true, false, {}, {}, patch.box};
     const std::size_t points = view.surface_points.size();
     if (pose_) {
-      posed_frames_.push_back({frame_, points});
+      posed_frames_.push_back({frame_, points, every_nth(view.surface_points, max_misfit_points)});
       set_position(object, pose_->update(view, unseen_s), points);
     } else {
       const auto fit = fit_sphere(view, shape_.radius_m);
@@ -154,6 +154,15 @@ class ClipTracker {
     object.position_m = centre_m;
     object.sigma_m =
         position_sigma(information, visible, pose_ ? point_sigma_m : sphere_point_sigma_m);
+  }
+
+  /// Adds the points' distance from the body to the standard deviation of a pose that most of them
+  /// contradict.
+  void add_misfit(const BodyFit& fit, const std::vector<Eigen::Vector3f>& points,
+                  Observation& object) const {
+    const double misfit_m = median_distance_m(points, *shape_.body, fit.camera_from_body);
+    if (misfit_m > max_misfit_m)
+      object.sigma_m = (object.sigma_m.array().square() + misfit_m * misfit_m).sqrt();
   }
 
   /// Position of the object if the hand holds it; nullopt if it has left the hand.
@@ -240,9 +249,10 @@ class ClipTracker {
     object_.set_hidden(object.position_m, first_box_sigma_m);
   }
 
-  /// Frame with a pose, and its number of surface points.
+  /// Frame with a pose, its number of surface points, and some of these.
   struct PosedFrame {
-    std::size_t frame, points;
+    std::size_t frame, num_points;
+    std::vector<Eigen::Vector3f> surface_points;
   };
 
   const SceneModel& scene_;

@@ -1,22 +1,13 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "pipeline/label/frame_prefetcher.h"
+#include "pipeline/label/observation.h"
 #include "pipeline/label/scene_model.h"
 #include "pipeline/label/target.h"
 
 namespace touchtrace::label {
-
-/// One body in one camera frame.
-struct Observation {
-  bool found = false;
-  bool follows_hand = false;  ///< the object is not visible: position assumed from the hand's
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero(),
-                  sigma_m = Eigen::Vector3d::Zero();  ///< of the body's centre, per axis
-  PixelBox box;
-};
 
 struct ClipTrack {
   std::vector<double> time_s;             ///< [frames]

@@ -122,12 +122,24 @@ bool overlap(const Flight& a, const Flight& b) {
   return a.release_s < b.landing_s && b.release_s < a.landing_s;
 }
 
+/// Whether the object's acceleration is known in at least half of a stretch's frames.
+bool is_mostly_seen(const ClipTrack& track, const Flight& stretch) {
+  std::size_t frames = 0, known = 0;
+  for (std::size_t i = 1; i + 1 < track.time_s.size(); ++i) {
+    if (track.time_s[i] < stretch.release_s || track.time_s[i] > stretch.landing_s) continue;
+    ++frames;
+    known += acceleration_at(track, i).has_value();
+  }
+  return 2 * known >= frames;
+}
+
 /// Adds a stretch away from the hand, merged with the falls that it overlaps. A stretch too long
-/// for a toss is dropped if it overlaps a fall: the object has fallen and lies somewhere.
-void add_away(Flight away, std::vector<Flight>& flights) {
+/// for a toss is dropped if it overlaps a fall, or if the object is seen not to fall: it lies
+/// somewhere.
+void add_away(const ClipTrack& track, Flight away, std::vector<Flight>& flights) {
   const bool flies = away.landing_s - away.release_s < max_toss_s;
   const auto overlaps = [&](const Flight& f) { return overlap(f, away); };
-  if (!flies && std::ranges::any_of(flights, overlaps)) return;
+  if (!flies && (is_mostly_seen(track, away) || std::ranges::any_of(flights, overlaps))) return;
   std::erase_if(flights, [&](const Flight& f) {
     if (!overlaps(f)) return false;
     away = {std::min(f.release_s, away.release_s), std::max(f.landing_s, away.landing_s)};
@@ -185,7 +197,8 @@ void add_hits_at_ends(const std::vector<Height>& heights, double gravity,
 std::vector<Flight> guess_flights(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2) {
   auto flights = stretches(track, is_falling(track, gravity_m_per_s2), 0.05, 0.05);
   std::erase_if(flights, [&](const Flight& flight) { return stays_in_hand(track, flight); });
-  for (const Flight& away : stretches(track, is_away(track), 0.05, 0.03)) add_away(away, flights);
+  for (const Flight& away : stretches(track, is_away(track), 0.05, 0.03))
+    add_away(track, away, flights);
   std::ranges::sort(flights, {}, &Flight::release_s);
   return flights;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "calib/board/opencv_threads.h"
 #include "engine/base/error.h"
@@ -18,8 +17,9 @@
 #include "pipeline/label/contact_sheet.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/label/learn_scene.h"
+#include "pipeline/label/lost_clips.h"
+#include "pipeline/label/mask_boxes.h"
 #include "pipeline/label/observe/color_gains.h"
-#include "pipeline/label/observe/mask_observer.h"
 #include "pipeline/label/states.h"
 #include "pipeline/label/summary.h"
 #include "pipeline/label/timeline.h"
@@ -27,8 +27,6 @@
 
 namespace touchtrace::label {
 namespace {
-
-constexpr double min_found_fraction = 0.5;  // of a clip's frames; less: the clip is not labelled
 
 /// Gravity given, from the camera's accelerometer, or along the image's vertical axis.
 Eigen::Vector3d gravity(const CameraInfo& camera, const LabelOptions& options) {
@@ -38,25 +36,6 @@ Eigen::Vector3d gravity(const CameraInfo& camera, const LabelOptions& options) {
   if (given.isZero())
     throw usage_error("--gravity must not be 0 0 0", "without flights, pass --no-flights");
   return given;
-}
-
-/// Masked frames of a clip.
-std::span<const std::size_t> masked_frames(const FrameSource& frames, const ClipFrames& clip) {
-  const auto& all = frames.masked_frames;
-  return {std::ranges::lower_bound(all, clip.first),
-          std::ranges::lower_bound(all, clip.first + clip.count)};
-}
-
-/// Sets boxes and box frame from the first mask that shows both bodies.
-void set_mask_boxes(const FrameSource& frames, int width, ClipFrames& clip) {
-  for (const auto index : masked_frames(frames, clip)) {
-    const auto frame = frames.camera_frame(index);
-    const auto hand = mask_box(frame, mask_hand, width),
-               object = mask_box(frame, mask_object, width);
-    if (hand.empty() || object.empty()) continue;
-    clip.hand_box = hand, clip.object_box = object, clip.box_frame = index;
-    return;
-  }
 }
 
 /// Clips with boxes, drawn by a user or around a mask.
@@ -83,15 +62,12 @@ bool choose_masks(const FrameSource& frames, const std::vector<ClipFrames>& clip
   return masked > 0.0 && masked >= min_found_fraction * all;
 }
 
-/// Throws the first clip's problem if no clip is usable.
-void require_usable_clip(const std::vector<ClipFrames>& clips) {
-  if (std::ranges::any_of(clips, &ClipFrames::is_usable)) return;
-  const auto faulty =
-      std::ranges::find_if(clips, [](const ClipFrames& c) { return !c.problem.empty(); });
-  throw data_error(faulty == clips.end() ? std::string("no clip has camera frames")
-                                         : fmt::format("no clip can be labelled; clip {}: {}",
-                                                       faulty - clips.begin(), faulty->problem),
-                   "run: touchtrace check RECORDING; draw boxes by: touchtrace mark RECORDING");
+/// Whether masks show hand and object where there are any, and colours elsewhere.
+bool mixes_masks(const FrameSource& frames, int width, const std::vector<ClipFrames>& clips,
+                 const LabelOptions& options) {
+  return options.observer == "auto" && std::ranges::any_of(clips, [&](const ClipFrames& clip) {
+           return clip.is_usable() && has_mask_of_both(frames, width, clip);
+         });
 }
 
 /// Frames with colours like those of the first usable clip's box frame.
@@ -166,22 +142,6 @@ void add_box_uncertainty(const SceneModel& scene, const std::vector<ClipFrames>&
         tracks[i].object_centre_sigma_m, box_centre_sigma_m(color, clips[i].object, clips, tracks));
 }
 
-/// Drops the tracks of clips in which hand or object were mostly lost.
-void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tracks) {
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    if (!clips[i].is_usable()) continue;
-    const auto statistics = frame_statistics(tracks[i]);
-    for (const auto& [body, lost] :
-         {std::pair{"hand", statistics.hand_lost}, {"object", statistics.object_lost}})
-      if (lost > 1.0 - min_found_fraction)
-        clips[i].problem = fmt::format(
-            "{} lost in {:.0f} % of the camera frames; check boxes, "
-            "calibration and that background frames show no person",
-            body, 100.0 * lost);
-    if (!clips[i].problem.empty()) tracks[i] = {};
-  }
-}
-
 std::vector<std::string> tracker_names() {
   std::vector<std::string> names;
   for (const auto& kind : tracker_kinds()) names.push_back(kind.name);
@@ -211,6 +171,20 @@ bool correct_latency(const Recording& recording, const SmoothedBodies& bodies, T
   return true;
 }
 
+/// Measured positions of a recording that cannot be labelled.
+Labels measured_alone(const Recording& recording, const std::vector<ClipTrack>& tracks,
+                      const ErrorModel& errors) {
+  SmoothedBodies unsmoothed;
+  unsmoothed.hand.tracks.resize(tracks.size());
+  unsmoothed.object.tracks.resize(tracks.size());
+  Labels labels;
+  labels.summary = nlohmann::json::object();
+  labels.activity = recording.activity;
+  labels.clips = recording.clips;
+  labels.raw = raw_track(tracks, unsmoothed, errors);
+  return labels;
+}
+
 }  // namespace
 
 Option& describe_tracker(OptionSet& set, LabelOptions& o) {
@@ -219,9 +193,11 @@ Option& describe_tracker(OptionSet& set, LabelOptions& o) {
 
 void describe(OptionSet& set, LabelOptions& o) {
   describe_tracker(set, o);
-  set.choice("observer", o.observer,
-             "what shows hand and object; auto: masks if half of the frames have one",
-             {"auto", "depth-color", "masks"});
+  set.choice(
+      "observer", o.observer,
+      "what shows hand and object; auto: masks where there are some, colours elsewhere, or masks "
+      "alone if half of the frames have one",
+      {"auto", "depth-color", "masks"});
   set.flag("no-flights", o.no_flights, "the object never leaves the hand");
   set.numbers("gravity", o.gravity_m_per_s2,
               "gravity in the colour camera's frame [m/s^2]; default: recorded, else 0 9.81 0", 3,
@@ -231,7 +207,8 @@ void describe(OptionSet& set, LabelOptions& o) {
 }
 
 Labels label_recording(const Recording& recording, const FrameSource& recorded,
-                       const std::optional<RgbdCalibration>& given, const LabelOptions& options) {
+                       const std::optional<RgbdCalibration>& given, const LabelOptions& options,
+                       const std::function<void(const Labels&)>& on_refusal) {
   const auto calibration = camera_calibration(given, recording.camera);
   const Eigen::Vector3d down = gravity(recording.camera, options);
   auto timeline = align(recording);
@@ -240,7 +217,9 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   auto clips = boxed_clips(recording, recorded);
   require_usable_clip(clips);
   const bool use_masks = choose_masks(recorded, clips, options);
-  const auto frames = normalized(recorded, clips);
+  auto frames = normalized(recorded, clips);
+  if (!use_masks && !mixes_masks(recorded, recording.camera.width, clips, options))
+    frames.masked_frames.clear();
   const Stopwatch learning;
   const auto scene =
       learn_scene(calibration, recording.camera, frames, clips, use_masks, options.num_threads);
@@ -248,8 +227,14 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   const double learning_s = learning.wall_seconds();
   const Stopwatch tracking;
   auto tracks = track_clips(scene, frames, clips, timeline, down, options);
+  const auto measured = tracks;
+  const auto require_clip = [&] {
+    if (on_refusal && std::ranges::none_of(clips, &ClipFrames::is_usable))
+      on_refusal(measured_alone(recording, measured, {calibration, timeline.latency_sigma_s}));
+    require_usable_clip(clips);
+  };
   drop_lost_clips(clips, tracks);
-  require_usable_clip(clips);
+  require_clip();
   add_box_uncertainty(scene, clips, tracks);
   const double tracking_s = tracking.wall_seconds(), tracking_cpu_s = tracking.cpu_seconds();
   const Stopwatch smoothing;
@@ -257,6 +242,8 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   auto bodies = smooth_bodies(tracks, down, search, options.num_threads);
   if (search == FlightSearch::throws && correct_latency(recording, bodies, timeline, tracks))
     bodies = smooth_bodies(tracks, down, search, options.num_threads);
+  drop_unsmoothed_clips(clips, tracks, bodies);
+  require_clip();
 
   Labels labels;
   labels.activity = recording.activity;
@@ -264,7 +251,7 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   const ErrorModel errors(calibration, timeline.latency_sigma_s);
   resample(label_times(recording, timeline), tracks, bodies, errors, labels);
   labels.raw = raw_track(tracks, bodies, errors);
-  labels.summary = summarize(scene, timeline, clips, tracks, bodies);
+  labels.summary = summarize(scene, timeline, clips, tracks, bodies, labels);
   labels.summary["tracker"] = options.tracker;
   labels.summary["observer"] = use_masks ? "masks" : "depth-color";
   labels.summary["error_sources"] = error_source_names;
@@ -283,9 +270,11 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
 
 Labels label_recording(const RecordingReader& reader,
                        const std::optional<RgbdCalibration>& calibration,
-                       const LabelOptions& options) {
+                       const LabelOptions& options,
+                       const std::function<void(const Labels&)>& on_refusal) {
   require_usable(missing_for_labelling(reader, calibration.has_value()), reader.path());
-  return label_recording(reader.recording(), frame_source(reader), calibration, options);
+  return label_recording(reader.recording(), frame_source(reader), calibration, options,
+                         on_refusal);
 }
 
 FrameSource frame_source(const RecordingReader& reader) {

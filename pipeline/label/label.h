@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "calib/rgbd/calibration.h"
 #include "engine/base/options.h"
 #include "pipeline/label/scene_model.h"
@@ -12,7 +14,7 @@ struct LabelOptions {
   /// "csrt": OpenCV's defaults; "csrt-fast": smaller template, fewer scales; "kcf"; "component":
   /// colour and depth only, fastest.
   std::string tracker = "csrt-fast";
-  /// "auto": masks if half of the frames have one, else depth-color.
+  /// "auto": masks if half of the frames have one, else depth-color with the masks that there are.
   std::string observer = "auto";
   bool no_flights = false;  ///< the object never leaves the hand
   /// [3] in the colour camera's frame; empty: from the camera's accelerometer, else 9.81 m/s^2
@@ -33,15 +35,18 @@ Option& describe_tracker(OptionSet& set, LabelOptions& options);
 /// latency of both streams, which time stamps cannot show. Labels::summary has clocks, noise,
 /// fractions of lost frames, times, and why clips were not labelled. `calibration`: nullopt or
 /// incomplete: see camera_calibration(). Throws data_error for a recording without camera frames,
-/// for a calibration of other images, and if no clip can be labelled.
+/// for a calibration of other images, and if no clip can be labelled: after tracking, `on_refusal`
+/// first gets labels with the measured positions alone.
 Labels label_recording(const Recording& recording, const FrameSource& frames,
                        const std::optional<RgbdCalibration>& calibration,
-                       const LabelOptions& options);
+                       const LabelOptions& options,
+                       const std::function<void(const Labels&)>& on_refusal = {});
 
 /// Labels a recording file.
 Labels label_recording(const RecordingReader& reader,
                        const std::optional<RgbdCalibration>& calibration,
-                       const LabelOptions& options);
+                       const LabelOptions& options,
+                       const std::function<void(const Labels&)>& on_refusal = {});
 
 /// Images of a recording file, read on demand. The reader must outlive the result.
 FrameSource frame_source(const RecordingReader& reader);

@@ -21,9 +21,10 @@ constexpr double min_hand_likeness = -0.7;
 void learn_boxes(const SampledFrame& sample, const std::string& object, ColorClasses& colors) {
   const auto& [hand_box, object_box] = std::tie(sample.clip->hand_box, sample.clip->object_box);
   if (std::ranges::none_of(sample.surface, [&](const auto& p) { return contains(object_box, p); }))
-    throw data_error(fmt::format("object box of '{}' in camera frame {} contains only background",
-                                 object, sample.index),
-                     "draw the box on the object; run: touchtrace mark RECORDING");
+    throw data_error(
+        fmt::format("object {} of '{}' in camera frame {} contains only background",
+                    sample.clip->has_mask_boxes ? "mask" : "box", object, sample.index),
+        "draw the box on the object; run: touchtrace mark RECORDING");
   colors.learn(sample.surface, hand_box, object_box);
 }
 

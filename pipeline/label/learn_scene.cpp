@@ -7,17 +7,20 @@
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/parallel.h"
+#include "engine/base/progress.h"
 #include "pipeline/label/learn_colors.h"
 #include "pipeline/label/learn_object.h"
 #include "pipeline/label/observe/background.h"
 #include "pipeline/label/observe/depth_color_observer.h"
 #include "pipeline/label/observe/mask_observer.h"
+#include "pipeline/label/observe/masked_color_observer.h"
 
 namespace touchtrace::label {
 namespace {
 
 constexpr std::size_t max_background_frames = 15, min_frames_per_clip = 8, min_frames = 32,
                       min_box_points = 12;
+constexpr double max_hand_m = 0.4;  // of a box: a hand with spread fingers and the wrist has 0.3
 
 using ObjectSamples = std::map<std::string, SampledFrames>;  ///< of usable clips, by object
 
@@ -92,9 +95,10 @@ std::string box_problem(const ClipFrames& clip, const Surface& surface) {
   for (const auto& [box, body] : {std::pair{clip.hand_box, "hand"}, {clip.object_box, "object"}})
     if (points_in(surface, box).size() < min_box_points)
       return fmt::format(
-          "the {}'s box (x {}, y {}, width {}, height {}) in camera frame {} contains "
+          "the {}'s {} (x {}, y {}, width {}, height {}) in camera frame {} contains "
           "only background or no depth",
-          body, box.x, box.y, box.width, box.height, clip.box_frame);
+          body, clip.has_mask_boxes ? "mask" : "box", box.x, box.y, box.width, box.height,
+          clip.box_frame);
   return {};
 }
 
@@ -129,6 +133,22 @@ ObjectSamples usable_samples(std::vector<ClipFrames>& clips, SampledFrames sampl
   return by_object;
 }
 
+/// Warns of boxes and masks of hands that are far larger than a hand.
+void warn_of_large_hands(const Camera& color, const SampledFrames& samples) {
+  for (const auto& sample : samples) {
+    if (!sample.has_boxes() || !sample.hand_m) continue;
+    const PixelBox& box = sample.clip->hand_box;
+    const double width_m = box.width * sample.hand_m->z() / color.fx,
+                 height_m = box.height * sample.hand_m->z() / color.fy;
+    if (std::max(width_m, height_m) < max_hand_m) continue;
+    Progress::report(
+        fmt::format("warning: the hand's {} in camera frame {} is {:.2f} x {:.2f} m, larger than a "
+                    "hand: labels "
+                    "are of its densest part, not of the hand",
+                    sample.clip->has_mask_boxes ? "mask" : "box", sample.index, width_m, height_m));
+  }
+}
+
 /// Calls `learn` for every object. Where it throws, all clips of the object have a problem.
 template <class Learn>
 void learn_objects(std::vector<ClipFrames>& clips, ObjectSamples& samples, Learn&& learn) {
@@ -147,15 +167,21 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
                        const FrameSource& frames, std::vector<ClipFrames>& clips, bool use_masks,
                        int num_threads) {
   const auto segmenter = std::make_shared<Segmenter>(calibration, camera);
+  const auto without_background = std::make_shared<Segmenter>(*segmenter);
   const auto depths = scene_depths(frames, clips, num_threads);
   if (!use_masks)
     segmenter->set_background(frames.background_frames > 0
                                   ? median_depth(depths)
                                   : background_behind(*segmenter, frames, clips, depths));
-  SceneModel model{segmenter, nullptr, depth_noise_at_1m(depths, camera.depth_unit_m)};
+  SceneModel model{.segmenter = segmenter,
+                   .observer = nullptr,
+                   .depth_noise_at_1m = depth_noise_at_1m(depths, camera.depth_unit_m),
+                   .has_some_masks = !use_masks && !frames.masked_frames.empty()};
   const auto colors = std::make_shared<DepthColorObserver>(segmenter);
   if (use_masks)
     model.observer = std::make_shared<MaskObserver>(segmenter);
+  else if (model.has_some_masks)
+    model.observer = std::make_shared<MaskedColorObserver>(colors, without_background);
   else
     model.observer = colors;
   auto samples = usable_samples(
@@ -169,6 +195,7 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
       if (!learnt.separates_object) model.objects_with_hand_color.insert(object);
       colors->set_colors(object, std::move(learnt.classes));
     }
+    warn_of_large_hands(segmenter->color_camera(), of_object);
     learn_object(model, frames, object, of_object, num_threads);
   });
   return model;

@@ -27,7 +27,8 @@ struct ClipFrames {
   PixelBox hand_box, object_box;
   std::string object;
   std::size_t box_frame = 0;
-  std::string problem = {};  ///< why the clip cannot be labelled; empty: it can
+  bool has_mask_boxes = false;  ///< boxes are around masks, no user drew them
+  std::string problem = {};     ///< why the clip cannot be labelled; empty: it can
 
   bool has_boxes() const { return !hand_box.empty() && !object_box.empty(); }
   bool is_usable() const { return count > 0 && problem.empty(); }
@@ -56,6 +57,7 @@ struct SceneModel {
   double depth_noise_at_1m = 0.0;  ///< [m]; see depth_noise_at_1m()
   std::map<std::string, ObjectShape> object_shape = {};
   std::set<std::string> objects_with_hand_color = {};  ///< not separable from the hand by colour
+  bool has_some_masks = false;  ///< masks show the bodies in some frames, colours in the others
 
   /// For an object of the hand's colour: reclassifies the parts that are apart from the hand near
   /// `hand_m` as object (split_from_hand).

@@ -74,9 +74,12 @@ BoxedObject boxed_object(const Camera& color, const std::string& object,
     const Eigen::Vector2d centre(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
     distances.push_back((z * color.unproject(centre) - *sample.hand_m).norm());
   }
-  if (radii.empty())
-    throw data_error(fmt::format("hand boxes of the clips with '{}' contain no hand", object),
+  if (radii.empty()) {
+    const bool are_masks = !samples.empty() && samples.front().clip->has_mask_boxes;
+    throw data_error(fmt::format("hand {} of the clips with '{}' contain no hand",
+                                 are_masks ? "masks" : "boxes", object),
                      "draw the box on the hand; run: touchtrace mark RECORDING");
+  }
   return {median(radii), std::sqrt(uneven_m2 / static_cast<double>(radii.size())),
           median(std::move(distances))};
 }

@@ -13,6 +13,7 @@ namespace {
 
 /// Time in which fingers let go of an object.
 constexpr double hand_opens_s = 0.02;
+constexpr double max_sigma_m = 1.0;  // of an extrapolated position; more: nothing is known
 /// Rate of a single frame: no other time is near it.
 constexpr double single_frame_hz = std::numeric_limits<double>::infinity();
 using Observations = std::vector<Observation>;
@@ -55,7 +56,7 @@ void append_state(const MotionState& state, const MotionState& causal, const Err
     body.error_budget_m.push_back(budget.position_sigma_m(source));
 }
 
-/// Appends NaN for a clip without a usable track.
+/// Appends NaN for a clip without a usable track, and for times far from the measured ones.
 void append_lost(LabelledBody& body) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (auto* values : {&body.position_m, &body.velocity_m_per_s, &body.causal_position_m,
@@ -72,7 +73,10 @@ void append_label(double time_s, const SmoothedTrack& smoothed, const ClipTrack&
                   const Observations& observations, double camera_period_s, BudgetOf&& budget_of,
                   LabelledBody& body) {
   if (smoothed.status != SmoothStatus::converged) return append_lost(body);
-  append_state(smoothed.smoothed(time_s), smoothed.causal(time_s), budget_of(smoothed), body);
+  const ErrorBudget budget = budget_of(smoothed);
+  if (!(budget.total().topLeftCorner<3, 3>().trace() < 3.0 * max_sigma_m * max_sigma_m))
+    return append_lost(body);
+  append_state(smoothed.smoothed(time_s), smoothed.causal(time_s), budget, body);
   body.quality.push_back(quality(time_s, track.time_s, observations, camera_period_s));
 }
 

@@ -60,6 +60,12 @@ nlohmann::json problems_summary(const std::vector<ClipFrames>& clips) {
   return problems;
 }
 
+double flagged_fraction(const LabelledBody& body, std::uint8_t flag) {
+  const auto flagged =
+      std::ranges::count_if(body.quality, [&](std::uint8_t bits) { return (bits & flag) != 0; });
+  return static_cast<double>(flagged) / std::max(1.0, static_cast<double>(body.quality.size()));
+}
+
 }  // namespace
 
 FrameStatistics frame_statistics(const ClipTrack& track) {
@@ -68,25 +74,19 @@ FrameStatistics frame_statistics(const ClipTrack& track) {
            std::max(1.0, static_cast<double>(observations.size()));
   };
   const auto is_lost = [](const Observation& o) { return !o.found; };
-  return {fraction(track.hand, is_lost), fraction(track.object, is_lost),
-          fraction(track.object, [](const Observation& o) { return o.follows_hand; })};
+  return {fraction(track.hand, is_lost), fraction(track.object, is_lost)};
 }
 
 nlohmann::json summarize(const SceneModel& scene, const Timeline& timeline,
                          const std::vector<ClipFrames>& clips, const std::vector<ClipTrack>& tracks,
-                         const SmoothedBodies& bodies) {
-  ClipTrack all;
-  for (const auto& track : tracks) {
-    all.hand.insert(all.hand.end(), track.hand.begin(), track.hand.end());
-    all.object.insert(all.object.end(), track.object.begin(), track.object.end());
-    all.tracker_starts += track.tracker_starts;
-  }
-  const auto statistics = frame_statistics(all);
+                         const SmoothedBodies& bodies, const Labels& labels) {
+  int tracker_starts = 0;
+  for (const auto& track : tracks) tracker_starts += track.tracker_starts;
   return {
-      {"hand_lost_share", statistics.hand_lost},
-      {"object_lost_share", statistics.object_lost},
-      {"object_follows_share", statistics.object_follows},
-      {"tracker_restarts", all.tracker_starts},
+      {"hand_lost_share", flagged_fraction(labels.hand, quality_lost)},
+      {"object_lost_share", flagged_fraction(labels.object, quality_lost)},
+      {"object_follows_share", flagged_fraction(labels.object, quality_follows_hand)},
+      {"tracker_restarts", tracker_starts},
       {"problems", problems_summary(clips)},
       {"object_shape", shapes_summary(scene)},
       {"clocks", clocks_summary(timeline)},

@@ -6,17 +6,17 @@
 
 namespace touchtrace::label {
 
-/// Fractions of the camera frames of one or more clips, 0..1.
+/// Fractions of a clip's camera frames without a position, 0..1.
 struct FrameStatistics {
-  double hand_lost = 0.0, object_lost = 0.0;  ///< without a position
-  double object_follows = 0.0;                ///< hidden object, placed in the hand
+  double hand_lost = 0.0, object_lost = 0.0;
 };
 
 FrameStatistics frame_statistics(const ClipTrack& track);
 
-/// Contents of Labels::summary that come from the tracks.
+/// Contents of Labels::summary that come from the tracks. Fractions of lost states are those of the
+/// flags in `labels`, clips without labels included.
 nlohmann::json summarize(const SceneModel& scene, const Timeline& timeline,
                          const std::vector<ClipFrames>& clips, const std::vector<ClipTrack>& tracks,
-                         const SmoothedBodies& bodies);
+                         const SmoothedBodies& bodies, const Labels& labels);
 
 }  // namespace touchtrace::label

@@ -257,5 +257,14 @@ TEST(LearnShape, IsFiniteForASinglePoint) {
   EXPECT_TRUE(learn_shape({view}, 0.03, 1).radius_m > 0.0);
 }
 
+TEST(MedianDistance, IsOfThePointsFromTheSurface) {
+  const RoundedBody body{{0.02, 0.02, 0.02}, 0.01};
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation().z() = 1.0;
+  const std::vector<Eigen::Vector3f> points{
+      {0.0f, 0.0f, 0.97f}, {0.0f, 0.0f, 0.92f}, {0.08f, 0.0f, 1.0f}};
+  EXPECT_NEAR(median_distance_m(points, body, pose), 0.05, 1e-6);
+}
+
 }  // namespace
 }  // namespace touchtrace::label

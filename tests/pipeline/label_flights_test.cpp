@@ -99,5 +99,16 @@ TEST(GuessFlights, IsEmptyWithoutObservations) {
   EXPECT_TRUE(guess_flights(lost, tossed_gravity).empty());
 }
 
+TEST(GuessFlights, LeaveOutALongTimeAtRestAwayFromTheHand) {
+  ClipTrack track;
+  for (double t = 0.0; t < 6.0; t += toss_frame_s) {
+    const bool is_apart = t < 2.0;
+    track.time_s.push_back(t);
+    track.object.push_back(observed_at({0.0, 0.0, 1.0}));
+    track.hand.push_back(observed_at({0.0, is_apart ? 0.4 : 0.05, 1.0}));
+  }
+  EXPECT_TRUE(guess_flights(track, tossed_gravity).empty());
+}
+
 }  // namespace
 }  // namespace touchtrace::label

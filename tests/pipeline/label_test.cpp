@@ -188,6 +188,9 @@ TEST(Label, KeepsTheOtherClipsIfOneCannotBeLabelled) {
   EXPECT_EQ(labels.summary["problems"][0]["clip"], 1);
   for (std::size_t i = 0; i < labels.time_s.size(); ++i)
     EXPECT_EQ(labels.object.quality[i] & quality_lost, labels.clip[i] == 1 ? quality_lost : 0);
+  EXPECT_DOUBLE_EQ(labels.summary["object_lost_share"].get<double>(),
+                   static_cast<double>(std::ranges::count(labels.clip, 1)) /
+                       static_cast<double>(labels.clip.size()));
 }
 
 /// Budgets add up to the covariance.

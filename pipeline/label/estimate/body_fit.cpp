@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/base/statistics.h"
 #include "pipeline/label/estimate/pose_optimizer.h"
 
 namespace touchtrace::label {
@@ -21,14 +22,6 @@ bool passes_near_zero(const Eigen::Vector3d& from, const Eigen::Vector3d& end, d
   const Eigen::Vector3d along = end - from;
   const double part = std::clamp(-from.dot(along) / along.squaredNorm(), 0.0, 1.0);
   return (from + part * along).squaredNorm() < reach_m * reach_m;
-}
-
-std::vector<Eigen::Vector3f> every_nth(const std::vector<Eigen::Vector3f>& points,
-                                       std::size_t max_points) {
-  const std::size_t stride = 1 + points.size() / max_points;
-  std::vector<Eigen::Vector3f> some;
-  for (std::size_t i = 0; i < points.size(); i += stride) some.push_back(points[i]);
-  return some;
 }
 
 /// Uniform sample of SO(3): super-Fibonacci spirals (Alexa, CVPR 2022).
@@ -103,6 +96,24 @@ BodyView subsample(const BodyView& view, const Eigen::Vector3d& centre_m, double
           view.noise_ratio,
           view.pixel_angular_size,
           view.box};
+}
+
+std::vector<Eigen::Vector3f> every_nth(const std::vector<Eigen::Vector3f>& points,
+                                       std::size_t max_points) {
+  const std::size_t stride = 1 + points.size() / max_points;
+  std::vector<Eigen::Vector3f> some;
+  for (std::size_t i = 0; i < points.size(); i += stride) some.push_back(points[i]);
+  return some;
+}
+
+double median_distance_m(const std::vector<Eigen::Vector3f>& points, const RoundedBody& body,
+                         const Eigen::Isometry3d& camera_from_body) {
+  const Eigen::Isometry3d body_from_camera = camera_from_body.inverse();
+  std::vector<double> distances_m;
+  for (const auto& point : points)
+    distances_m.push_back(
+        std::abs(surface_distance(body, body_from_camera * point.cast<double>()).distance_m));
+  return median(std::move(distances_m));
 }
 
 BodyFit fit_body(const BodyView& view, const RoundedBody& body, const Eigen::Isometry3d& start,

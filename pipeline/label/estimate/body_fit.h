@@ -31,6 +31,14 @@ Eigen::Vector3d initial_centre(const BodyView& view, const RoundedBody& body);
 BodyView subsample(const BodyView& view, const Eigen::Vector3d& centre_m, double reach_m,
                    std::size_t max_points);
 
+/// At most about `max_points` points, evenly spread.
+std::vector<Eigen::Vector3f> every_nth(const std::vector<Eigen::Vector3f>& points,
+                                       std::size_t max_points);
+
+/// Median distance of points [camera's frame] from a body's surface; there must be at least one.
+double median_distance_m(const std::vector<Eigen::Vector3f>& points, const RoundedBody& body,
+                         const Eigen::Isometry3d& camera_from_body);
+
 /// Prior standard deviation of an unknown rotation.
 inline constexpr double unknown_rotation_sigma_rad = 3.0;
 

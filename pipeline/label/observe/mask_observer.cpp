@@ -18,6 +18,10 @@ void MaskObserver::classify(const RgbdFrame& frame, const std::string&, Surface&
         frame.mask.empty() ? Body::rest : body_of(frame.mask[segmenter_->color_pixel(point)]);
 }
 
+bool MaskObserver::is_masked(const RgbdFrame& frame, const SurfacePoint& point) const {
+  return body_of(frame.mask[segmenter_->color_pixel(point)]) != Body::rest;
+}
+
 Surface MaskObserver::observe(const RgbdFrame& frame, const std::string& object) const {
   if (frame.mask.empty()) return {};
   return segmenter_->foreground_surface(frame, [&](Surface& points) {

@@ -15,6 +15,8 @@ class MaskObserver : public Observer {
 
   Surface observe(const RgbdFrame& frame, const std::string& object) const override;
   void classify(const RgbdFrame& frame, const std::string& object, Surface& points) const override;
+  /// Whether the mask of a frame that has one shows hand or object at a point.
+  bool is_masked(const RgbdFrame& frame, const SurfacePoint& point) const;
 
  private:
   std::shared_ptr<const Segmenter> segmenter_;

@@ -1,0 +1,103 @@
+// Clips of which a body has no labels.
+#include <gtest/gtest.h>
+
+#include "engine/base/error.h"
+#include "pipeline/label/lost_clips.h"
+#include "tests/pipeline/label_stage.h"
+
+namespace touchtrace::label {
+namespace {
+
+/// Clip of 10 frames at 10 Hz.
+struct SampleClip {
+  std::vector<ClipFrames> clips = std::vector<ClipFrames>(1);
+  std::vector<ClipTrack> tracks = std::vector<ClipTrack>(1);
+
+  SampleClip() {
+    clips[0].count = 10;
+    for (int i = 0; i < 10; ++i) tracks[0].time_s.push_back(0.1 * i);
+    Observation found;
+    found.found = true;
+    tracks[0].hand.assign(10, found), tracks[0].object.assign(10, found);
+  }
+};
+
+bool mentions(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(LostClips, NameTheLongestTimeWithBothBodies) {
+  SampleClip sample;
+  for (const int i : {0, 2, 3, 6, 7, 8, 9}) sample.tracks[0].object[i].found = false;
+  drop_lost_clips(sample.clips, sample.tracks);
+  const auto& problem = sample.clips[0].problem;
+  EXPECT_TRUE(mentions(problem, "object lost in 70 %")) << problem;
+  EXPECT_TRUE(mentions(problem, "from 0.40 to 0.50 s")) << problem;
+  EXPECT_TRUE(mentions(problem, "import --clips")) << problem;
+  EXPECT_TRUE(sample.tracks[0].time_s.empty());
+}
+
+TEST(LostClips, IncludeThoseWithoutSmoothedMotion) {
+  for (const bool is_smooth : {true, false}) {
+    SampleClip sample;
+    SmoothedBodies bodies;
+    bodies.hand.tracks.resize(1), bodies.object.tracks.resize(1);
+    bodies.hand.tracks[0].status = SmoothStatus::converged;
+    bodies.object.tracks[0].status =
+        is_smooth ? SmoothStatus::converged : SmoothStatus::not_converged;
+    drop_unsmoothed_clips(sample.clips, sample.tracks, bodies);
+    EXPECT_EQ(sample.clips[0].is_usable(), is_smooth);
+    if (is_smooth) continue;
+    EXPECT_TRUE(mentions(sample.clips[0].problem, "object do not fit a smooth motion"));
+    EXPECT_EQ(bodies.hand.tracks[0].status, SmoothStatus::no_samples);
+    EXPECT_THROW(require_usable_clip(sample.clips), Error);
+  }
+}
+
+}  // namespace
+}  // namespace touchtrace::label
+
+namespace touchtrace::staged {
+namespace {
+
+/// Both bodies leave the picture after a third of the time.
+label::FrameSource leaving(const Stage& stage) {
+  auto frames = frame_source(stage);
+  frames.camera_frame = [&stage, read = frames.camera_frame](std::size_t i) {
+    return i < 40 ? read(i) : stage.render(0.0, false);
+  };
+  return frames;
+}
+
+TEST(Label, ReturnsWhatItMeasuredInARefusedRecording) {
+  const Stage stage(false);
+  label::LabelOptions options;
+  options.tracker = "component";
+  Labels measured;
+  EXPECT_THROW(label_recording(recording_of(stage), leaving(stage), calibration(), options,
+                               [&](const Labels& labels) { measured = labels; }),
+               Error);
+  ASSERT_EQ(measured.raw.time_s.size(), static_cast<std::size_t>(seconds * camera_rate_hz));
+  EXPECT_TRUE(std::isfinite(measured.raw.hand_m[3 * 20]));
+  EXPECT_TRUE(std::isnan(measured.raw.hand_m[3 * 80]));
+}
+
+TEST(Label, WarnsOfAHandLargerThanAny) {
+  const Stage stage(false);
+  auto recording = recording_of(stage);
+  label::LabelOptions options;
+  options.tracker = "component";
+  recording.clips[0].hand_box = {100, 50, 130, 150};
+  ::testing::internal::CaptureStderr();
+  try {
+    label_recording(recording, frame_source(stage), calibration(), options);
+  } catch (const Error&) {
+  }
+  const std::string output = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(output.find("warning: the hand's box in camera frame 0 is 0.49 x 0.56 m"),
+            std::string::npos)
+      << output;
+}
+
+}  // namespace
+}  // namespace touchtrace::staged

@@ -3,9 +3,11 @@
 #include <cmath>
 
 #include "engine/base/error.h"
+#include "pipeline/acquire/import/intrinsics.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/label/camera_calibration.h"
 #include "pipeline/recording/check.h"
+#include "pipeline/recording/intrinsics_check.h"
 
 namespace touchtrace::cli {
 namespace {
@@ -19,8 +21,7 @@ void describe(OptionSet& set, CheckOptions& o) {
   set.input("file", o.file, "recording or label file");
   set.choice("for", o.use, "command that must be able to use the file",
              {"anything", "calibrate", "label", "train"});
-  set.text("calibration", o.calibration, "calibration for `label`: folder or YAML file")
-      .value("PATH");
+  set.text("calibration", o.calibration, "calibration for `label`: folder or file").value("PATH");
   set.flag("quick", o.quick, "do not decompress the images to test their checksums");
 }
 
@@ -95,9 +96,13 @@ void print_verdict(const FileCheck& check) {
 void check_calibration(const CheckOptions& options, FileCheck& check) {
   const auto label = check.missing.find("label");
   if (options.calibration.empty() || label == check.missing.end()) return;
-  const RgbdCalibration calibration = read_calibration(options.calibration);
+  const RecordingReader reader(options.file);
+  const CameraInfo& camera = reader.recording().camera;
+  const auto calibration = read_intrinsics(options.calibration, camera.width, camera.height);
+  if (const auto fault = implausible_intrinsics(calibration.color); !fault.empty())
+    check.warnings.push_back("intrinsics of --calibration: " + fault);
   try {
-    label::camera_calibration(calibration, RecordingReader(options.file).recording().camera);
+    label::camera_calibration(calibration, camera);
   } catch (const Error& error) {
     label->second.emplace_back(error.what());
   }

@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
+#include "pipeline/acquire/import/intrinsics.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/label/camera_calibration.h"
 #include "pipeline/label/label.h"
@@ -18,8 +20,8 @@ struct LabelCommandOptions {
 void describe(OptionSet& set, LabelCommandOptions& o) {
   set.input("recording", o.recording, "HDF5 with RGB-D images and boxes or masks");
   set.text("calibration", o.calibration,
-           "folder from `calibrate`, or camera_info, OpenCV or kalibr YAML; default: the camera's "
-           "intrinsics in the recording")
+           "folder from `calibrate`, or what `import --camera-info` reads: camera_info, OpenCV or "
+           "kalibr YAML, a 3x3 matrix; default: the camera's intrinsics in the recording")
       .value("PATH");
   set.path("output", o.output, "labels (.h5)").value("FILE");
   set.text("trajectories", o.trajectories, "also write TUM files hand.txt, object.txt")
@@ -36,10 +38,13 @@ void print_summary(const Labels& labels, const std::string& output) {
              100.0 * s["hand_lost_share"].get<double>(),
              100.0 * s["object_lost_share"].get<double>(),
              100.0 * s["object_follows_share"].get<double>());
-  for (const auto& problem : s["problems"])
-    fmt::print("clip {} not labelled: {}\n", problem["clip"].get<int>(),
-               problem["problem"].get<std::string>());
   fmt::print("flights: {}\n", s["flights"].size());
+}
+
+void warn_of_problems(const Labels& labels) {
+  for (const auto& problem : labels.summary["problems"])
+    Progress::report(fmt::format("warning: clip {} not labelled: {}", problem["clip"].get<int>(),
+                                 problem["problem"].get<std::string>()));
 }
 
 /// Fails before the work if an output exists.
@@ -59,18 +64,32 @@ ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
   provenance.add_input(options.recording);
   const RecordingReader reader(options.recording);
   std::optional<RgbdCalibration> calibration;
-  if (!options.calibration.empty()) calibration = read_calibration(options.calibration);
-  auto labels = label::label_recording(reader, calibration, options.label);
+  const CameraInfo& camera = reader.recording().camera;
+  if (!options.calibration.empty())
+    calibration = read_intrinsics(options.calibration, camera.width, camera.height);
+  const auto write_preview = [&](const Labels& labels) {
+    if (!options.preview.empty())
+      label::write_preview(options.preview, reader.recording(), label::frame_source(reader),
+                           label::camera_calibration(calibration, camera), labels,
+                           invocation.overwrite);
+  };
+  const auto show_refused = [&](const Labels& measured) {
+    write_preview(measured);
+    if (!options.preview.empty())
+      Progress::report(
+          fmt::format("warning: {} shows what was found in a recording that cannot be "
+                      "labelled: centres before smoothing",
+                      options.preview));
+  };
+  auto labels = label::label_recording(reader, calibration, options.label, show_refused);
+  warn_of_problems(labels);
   stopwatch.stop(provenance);
   labels.provenance = std::move(provenance);
   write_labels(options.output, labels, invocation.overwrite);
   if (!options.trajectories.empty())
     write_tum_trajectories(options.trajectories, labels, reader.recording().epoch_unix_s,
                            invocation.overwrite);
-  if (!options.preview.empty())
-    label::write_preview(options.preview, reader.recording(), label::frame_source(reader),
-                         label::camera_calibration(calibration, reader.recording().camera), labels,
-                         invocation.overwrite);
+  write_preview(labels);
   if (invocation.json)
     fmt::print("{}\n", labels.summary.dump(2));
   else

@@ -8,6 +8,7 @@
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/recording/h5_file.h"
+#include "pipeline/recording/intrinsics_check.h"
 #include "pipeline/recording/recording_schema.h"
 #include "pipeline/recording/stream_check.h"
 
@@ -145,6 +146,7 @@ FileCheck check_recording(const RecordingReader& reader, bool images, bool has_c
     for (const auto& warning : tactile.warnings())
       check.warnings.push_back(fmt::format("glove '{}': {}", glove.info.name, warning));
   }
+  std::ranges::move(implausible_intrinsics(recording.camera), std::back_inserter(check.warnings));
   if (const auto unpaired = unpaired_warning(reader)) check.warnings.push_back(*unpaired);
   for (std::size_t i = 0; i < recording.clips.size(); ++i)
     for (const auto& fault : box_faults(recording.clips[i], recording))

@@ -95,10 +95,10 @@ void require_mostly_good(const StreamCopy& copy, const char* kind) {
 }
 
 /// Reports a damaged mask.
-std::optional<std::vector<std::uint8_t>> try_read_mask(const fs::path& file, const MaskIds& ids,
+std::optional<std::vector<std::uint8_t>> try_read_mask(MaskReader& reader, const fs::path& file,
                                                        cv::Size size) {
   try {
-    return read_mask(file, ids, size);
+    return reader.read(file, size);
   } catch (const std::exception& error) {
     Progress::report(fmt::format("warning: left out mask {}: {}", file.string(), error.what()));
     return std::nullopt;
@@ -109,12 +109,14 @@ void append_masks(RecordingWriter& writer, const std::map<std::size_t, fs::path>
                   const MaskIds& ids, const StreamCopy& color, cv::Size size) {
   Progress progress("importing masks", files.size());
   for (const auto& [image, file] : files) {
+  MaskReader reader(ids);
     progress.advance();
     if (!color.copied().contains(image)) continue;
     if (const auto mask = try_read_mask(file, ids, size))
       writer.append_mask(color.copied().at(image), *mask);
   }
 }
+  reader.require_ids();
 
 void append_background(RecordingWriter& writer, const ImportOptions& options,
                        const ImportSource& source, const SourceCamera& camera) {

@@ -155,7 +155,8 @@ RgbdCalibration read_intrinsics(const fs::path& file, int width, int height) {
   if (camera.width != width || camera.height != height)
     throw data_error(fmt::format("{} is for images of {}x{} pixels, these have {}x{}",
                                  file.string(), camera.width, camera.height, width, height),
-                     "give the intrinsics of this resolution with --camera-info FILE");
+                     "give the intrinsics of this resolution (import --camera-info FILE, label "
+                     "--calibration FILE)");
   return calibration;
 }
 

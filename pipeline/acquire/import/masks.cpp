@@ -1,11 +1,14 @@
 #include "pipeline/acquire/import/masks.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <array>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/acquire/decode_image.h"
 #include "pipeline/acquire/import/image_times.h"
@@ -15,6 +18,8 @@ namespace touchtrace {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t max_named_ids = 20;
 
 /// Colour of an instance, blue first: each of its bits, from the lowest, is the next lower bit of
 /// red, green and blue in turn.
@@ -35,6 +40,47 @@ cv::Mat pixels_of(const cv::Mat& mask, int id) {
   return pixels;
 }
 
+/// Warns of masks whose name no colour image has.
+void warn_of_unused(std::map<std::string, fs::path> by_name,
+                    const std::map<std::size_t, fs::path>& masks) {
+  const std::size_t num_files = by_name.size();
+  for (const auto& [image, file] : masks) by_name.erase(file.stem());
+  if (by_name.empty()) return;
+  const std::string first = by_name.begin()->second.filename(),
+                    last = by_name.rbegin()->second.filename();
+  Progress::report(
+      fmt::format("warning: {} of {} masks are left out: no colour image has the name of {}",
+                  by_name.size(), num_files, first == last ? first : first + ", .. " + last));
+}
+
+/// Instances of an image: its values or, with three channels, the palette's indices of its colours.
+/// -1: a colour that is not the palette's.
+std::set<int> ids_in(const cv::Mat& mask) {
+  std::set<int> ids;
+  if (mask.channels() == 1) {
+    cv::Mat values;
+    mask.convertTo(values, CV_32S);
+    ids.insert(values.begin<int>(), values.end<int>());
+    return ids;
+  }
+  std::set<std::array<std::uint8_t, 3>> colors;
+  for (auto at = mask.begin<cv::Vec3b>(); at != mask.end<cv::Vec3b>(); ++at)
+    colors.insert({(*at)[0], (*at)[1], (*at)[2]});
+  for (int id = 0; id < 256; ++id) {
+    const cv::Vec3b color = palette_color(id);
+    if (colors.erase({color[0], color[1], color[2]}) > 0) ids.insert(id);
+  }
+  if (!colors.empty()) ids.insert(-1);
+  return ids;
+}
+
+std::string text_of(const std::set<int>& ids) {
+  std::vector<std::string> names;
+  for (const int id : ids) names.push_back(id < 0 ? "other colours" : std::to_string(id));
+  if (names.size() > max_named_ids) names.resize(max_named_ids), names.emplace_back("..");
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 }  // namespace
 
 std::map<std::size_t, fs::path> mask_files(const fs::path& folder,
@@ -46,7 +92,10 @@ std::map<std::size_t, fs::path> mask_files(const fs::path& folder,
   for (std::size_t i = 0; i < images.size(); ++i)
     if (const auto found = by_name.find(fs::path(images[i].name).stem()); found != by_name.end())
       masks[i] = found->second;
-  if (!masks.empty()) return masks;
+  if (!masks.empty()) {
+    warn_of_unused(by_name, masks);
+    return masks;
+  }
   if (files.size() != images.size())
     throw data_error(fmt::format("{} has {} masks for {} colour images, with other names",
                                  folder.string(), files.size(), images.size()),
@@ -56,18 +105,33 @@ std::map<std::size_t, fs::path> mask_files(const fs::path& folder,
   return masks;
 }
 
-std::vector<std::uint8_t> read_mask(const fs::path& file, const MaskIds& ids,
-                                    const cv::Size& size) {
+std::vector<std::uint8_t> MaskReader::read(const fs::path& file, const cv::Size& size) {
   const cv::Mat mask = decode_image(file, cv::IMREAD_UNCHANGED);
-  if (mask.empty() || mask.channels() == 2 || mask.channels() > 3)
+  if (mask.empty() || mask.channels() == 2 || mask.channels() > 3 ||
+      (mask.channels() == 3 && mask.depth() != CV_8U))
     throw std::runtime_error("not a mask of one channel or of palette colours");
   if (mask.size() != size)
     throw std::runtime_error(fmt::format("{}x{} pixels instead of {}x{}", mask.cols, mask.rows,
                                          size.width, size.height));
+  found_.merge(ids_in(mask));
   cv::Mat values(size, CV_8U, cv::Scalar(mask_other));
-  values.setTo(mask_hand, pixels_of(mask, ids.hand));
-  values.setTo(mask_object, pixels_of(mask, ids.object));
+  values.setTo(mask_hand, pixels_of(mask, ids_.hand));
+  values.setTo(mask_object, pixels_of(mask, ids_.object));
   return {values.begin<std::uint8_t>(), values.end<std::uint8_t>()};
+}
+
+void MaskReader::require_ids() const {
+  if (found_.empty()) return;
+  const bool has_hand = found_.contains(ids_.hand), has_object = found_.contains(ids_.object);
+  const std::string found = text_of(found_);
+  if (!has_hand && !has_object)
+    throw data_error(fmt::format("no mask has the id {} of the hand or {} of the object; found: {}",
+                                 ids_.hand, ids_.object, found),
+                     "give --hand-id and --object-id");
+  if (!has_hand || !has_object)
+    Progress::report(fmt::format("warning: no mask has the id {} of the {} (--{}-id); found: {}",
+                                 has_hand ? ids_.object : ids_.hand, has_hand ? "object" : "hand",
+                                 has_hand ? "object" : "hand", found));
 }
 
 }  // namespace touchtrace

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "pipeline/acquire/import/source.h"
@@ -15,13 +16,26 @@ struct MaskIds {
 };
 
 /// Mask files of a folder by the index of their colour image: those with the colour image's file
-/// name, or all of them in order if none has. Throws data_error if numbers of files do not match.
+/// name, or all of them in order if none has. Reports those that are left out. Throws data_error if
+/// numbers of files do not match.
 std::map<std::size_t, std::filesystem::path> mask_files(const std::filesystem::path& folder,
                                                         const std::vector<SourceImage>& images);
 
-/// MaskValue of each pixel. The image has one channel of instance numbers, or the colours of the
-/// palette of PASCAL VOC and DAVIS. Throws std::exception for another size or content.
-std::vector<std::uint8_t> read_mask(const std::filesystem::path& file, const MaskIds& ids,
-                                    const cv::Size& size);
+/// Reads masks: images of one channel with instance numbers, or with the colours of the palette of
+/// PASCAL VOC and DAVIS.
+class MaskReader {
+ public:
+  explicit MaskReader(const MaskIds& ids) : ids_(ids) {}
+
+  /// MaskValue of each pixel. Throws std::exception for another size or content.
+  std::vector<std::uint8_t> read(const std::filesystem::path& file, const cv::Size& size);
+  /// After all masks. Throws data_error that names the instances found if none of them is hand or
+  /// object, and reports if one of the two is missing.
+  void require_ids() const;
+
+ private:
+  MaskIds ids_;
+  std::set<int> found_;  ///< -1: colours that are not the palette's
+};
 
 }  // namespace touchtrace

@@ -6,6 +6,7 @@
 #include "engine/base/progress.h"
 #include "pipeline/acquire/import/intrinsics.h"
 #include "pipeline/acquire/import/registration_check.h"
+#include "pipeline/recording/intrinsics_check.h"
 
 namespace touchtrace {
 namespace {
@@ -108,6 +109,7 @@ void set_cameras(CameraInfo& info, const Cameras& cameras) {
     Progress::report(
         "warning: the pose of the depth camera is unknown (--camera-info with a "
         "camchain or a folder of calibrate); label will need --calibration");
+  for (const auto& fault : implausible_intrinsics(info)) Progress::report("warning: " + fault);
 }
 
 }  // namespace

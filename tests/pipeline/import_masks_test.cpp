@@ -1,0 +1,110 @@
+// Masks and intrinsics that do not fit the images.
+#include "pipeline/acquire/import/masks.h"
+#include "pipeline/cli/commands.h"
+#include "pipeline/recording/check.h"
+#include "pipeline/recording/intrinsics_check.h"
+#include "tests/pipeline/import_samples.h"
+
+namespace touchtrace {
+namespace {
+
+class ImportMasks : public Import {
+ protected:
+  void SetUp() override {
+    Import::SetUp();
+    for (int i = 0; i < import_frames; ++i) {
+      write_file(folder_ / "in" / "rgb" / fmt::format("{}.png", i), encoded(import_color(i)), true);
+      write_file(folder_ / "in" / "depth" / fmt::format("{}.png", i),
+                 encoded(import_depth(i, 1000)), true);
+    }
+    options_.source.rate_hz = 30.0;
+    options_.masks = (folder_ / "masks").string();
+  }
+  void write_mask(const std::string& name, int value) {
+    cv::Mat mask(import_height, import_width, CV_8UC1, cv::Scalar(0));
+    mask.at<std::uint8_t>(0, 2) = static_cast<std::uint8_t>(value);
+    write_file(folder_ / "masks" / name, encoded(mask), true);
+  }
+  /// What the import prints with --quiet.
+  std::string output() {
+    ::testing::internal::CaptureStderr();
+    import("in", options_);
+    return ::testing::internal::GetCapturedStderr();
+  }
+
+  ImportOptions options_;
+};
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST_F(ImportMasks, NameTheInstancesIfNoneIsHandOrObject) {
+  write_mask("0.png", 35), write_mask("1.png", 120);
+  expect_rejected("in", "no mask has the id 1 of the hand or 2 of the object; found: 0, 35, 120",
+                  options_);
+  cv::Mat palette(import_height, import_width, CV_8UC3, cv::Scalar(0, 0, 0));
+  palette.at<cv::Vec3b>(0, 2) = {0, 128, 128};  // palette index 3
+  palette.at<cv::Vec3b>(0, 3) = {7, 7, 7};
+  fs::remove_all(folder_ / "masks");
+  write_file(folder_ / "masks" / "0.png", encoded(palette), true);
+  expect_rejected("in", "found: other colours, 0, 3", options_);
+}
+
+TEST_F(ImportMasks, WarnIfOneBodyIsMissing) {
+  write_mask("0.png", 35);
+  options_.mask_ids.hand = 35;
+  EXPECT_TRUE(has(output(), "warning: no mask has the id 2 of the object (--object-id); found: 0"));
+}
+
+TEST_F(ImportMasks, WarnOfThoseWithoutAnImage) {
+  write_mask("0.png", 1), write_mask("1.png", 2);
+  EXPECT_FALSE(has(output(), "warning: 2 of"));
+  write_mask("17.png", 1), write_mask("18.png", 2);
+  EXPECT_TRUE(has(output(),
+                  "warning: 2 of 4 masks are left out: no colour image has the name of 17.png, .. "
+                  "18.png"));
+}
+
+TEST_F(ImportMasks, AreNotNeededForAWarningOfIntrinsics) {
+  options_.masks.clear();
+  write_file(folder_ / "in" / "K.txt", "14 0 8\n0 14 6\n0 0 1\n", true);  // of 16x12
+  EXPECT_TRUE(has(output(), "images of about 16 x 12 pixels, before scaling"));
+  const auto check = check_file(folder_ / "out.h5", true);
+  ASSERT_EQ(check.warnings.size(), 1u);
+  EXPECT_TRUE(has(check.warnings[0], "principal point (8.0, 6.0) is far from the centre"));
+}
+
+TEST(IntrinsicsCheck, AcceptsCroppedImagesAndRejectsOtherUnits) {
+  EXPECT_EQ(implausible_intrinsics(Camera{640, 480, 600.0, 600.0, 320.0, 240.0}), "");
+  EXPECT_EQ(implausible_intrinsics(Camera{640, 240, 600.0, 600.0, 320.0, 30.0}), "");
+  EXPECT_EQ(implausible_intrinsics(Camera{1280, 720, 608.0, 607.0, 641.0, 366.0}), "");
+  EXPECT_TRUE(has(implausible_intrinsics(Camera{640, 480, 3.6, 3.6, 320.0, 240.0}), "unit"));
+  EXPECT_TRUE(has(implausible_intrinsics(Camera{640, 480, 290.0, 290.0, 160.0, 120.0}),
+                  "about 320 x 240 pixels"));
+}
+
+TEST_F(ImportMasks, CommandsReadAMatrixAsCalibration) {
+  options_.masks.clear();
+  import("in", options_);
+  write_file(folder_ / "matrix.txt", "7 0 4\n0 7 3\n0 0 1\n", true);
+  const std::string file = folder_ / "out.h5", matrix = folder_ / "matrix.txt",
+                    labels = folder_ / "labels.h5";
+  for (const std::vector<const char*>& arguments :
+       {std::vector<const char*>{"touchtrace", "check", file.c_str(), "--calibration",
+                                 matrix.c_str()},
+        {"touchtrace", "label", file.c_str(), "--calibration", matrix.c_str(), "--output",
+         labels.c_str()}}) {
+    ::testing::internal::CaptureStderr(), ::testing::internal::CaptureStdout();
+    cli::run_command_line(cli::touchtrace_program(), static_cast<int>(arguments.size()),
+                          arguments.data());
+    const std::string text =
+        ::testing::internal::GetCapturedStderr() + ::testing::internal::GetCapturedStdout();
+    EXPECT_TRUE(has(text, "neither boxes nor masks")) << text;
+    EXPECT_FALSE(has(text, "matrix.txt")) << text;
+    EXPECT_FALSE(has(text, "intrinsics")) << text;
+  }
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -143,6 +143,16 @@ TEST_F(ImportFolder, NamesIntrinsicsThatItCannotRead) {
   }
 }
 
+TEST_F(ImportFolder, RefusesEqualTimes) {
+  for (int i = 0; i < import_frames; ++i) {
+    const std::string name = fmt::format("{}.png", i);
+    write_file(folder_ / "in" / "rgb" / name, encoded(import_color(i)), true);
+    write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, 1000)), true);
+  }
+  write_file(folder_ / "in" / "times.txt", "5\n5\n5\n5\n", true);
+  expect_rejected("in", "all 4 colour images have the time 5 s");
+}
+
 /// Files of scipy.io.savemat. The image is import_depth(3).
 TEST_F(ImportFolder, ReadsMatlabFiles) {
   const fs::path data = fs::path(TOUCHTRACE_SOURCE_DIR) / "tests" / "data" / "matlab";

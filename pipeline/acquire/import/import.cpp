@@ -54,6 +54,14 @@ RecordedTime recorded_time(const ImportSource& source, double rate_hz) {
 }
 
 double plausible_rate_hz(const ImportSource& source) {
+void require_different_times(const SourceStream& stream, const char* kind) {
+  const auto& images = stream.images;
+  if (images.size() < 2 || images.front().host_time_s < images.back().host_time_s) return;
+  throw data_error(fmt::format("all {} {} images have the time {:g} s", images.size(), kind,
+                               images.front().host_time_s),
+                   "remove or correct the file with the times, or give --rate HZ without it");
+}
+
   const auto& images = (source.depth.images.empty() ? source.color : source.depth).images;
   std::vector<double> times_s;
   for (const auto& image : images) times_s.push_back(image.host_time_s);
@@ -183,6 +191,7 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
   SourceCamera camera = describe_camera(path, source, options.camera);
   camera.info.rate_hz = plausible_rate_hz(source);
   const RecordedTime time = recorded_time(source, camera.info.rate_hz);
+  require_different_times(source.color, "colour"), require_different_times(source.depth, "depth");
   Recording recording = describe_recording(time, options, provenance);
   recording.camera = camera.info;
   if (!options.glove.file.empty()) {

@@ -53,7 +53,6 @@ RecordedTime recorded_time(const ImportSource& source, double rate_hz) {
   return since_start(time);
 }
 
-double plausible_rate_hz(const ImportSource& source) {
 void require_different_times(const SourceStream& stream, const char* kind) {
   const auto& images = stream.images;
   if (images.size() < 2 || images.front().host_time_s < images.back().host_time_s) return;
@@ -62,6 +61,7 @@ void require_different_times(const SourceStream& stream, const char* kind) {
                    "remove or correct the file with the times, or give --rate HZ without it");
 }
 
+double plausible_rate_hz(const ImportSource& source) {
   const auto& images = (source.depth.images.empty() ? source.color : source.depth).images;
   std::vector<double> times_s;
   for (const auto& image : images) times_s.push_back(image.host_time_s);
@@ -116,15 +116,15 @@ std::optional<std::vector<std::uint8_t>> try_read_mask(MaskReader& reader, const
 void append_masks(RecordingWriter& writer, const std::map<std::size_t, fs::path>& files,
                   const MaskIds& ids, const StreamCopy& color, cv::Size size) {
   Progress progress("importing masks", files.size());
-  for (const auto& [image, file] : files) {
   MaskReader reader(ids);
+  for (const auto& [image, file] : files) {
     progress.advance();
     if (!color.copied().contains(image)) continue;
-    if (const auto mask = try_read_mask(file, ids, size))
+    if (const auto mask = try_read_mask(reader, file, size))
       writer.append_mask(color.copied().at(image), *mask);
   }
-}
   reader.require_ids();
+}
 
 void append_background(RecordingWriter& writer, const ImportOptions& options,
                        const ImportSource& source, const SourceCamera& camera) {
@@ -188,10 +188,10 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
   require_consistent(options);
   if (path.empty()) return import_glove_alone(output, options, provenance, overwrite);
   const ImportSource source = open_source(path, options.source);
+  require_different_times(source.color, "colour"), require_different_times(source.depth, "depth");
   SourceCamera camera = describe_camera(path, source, options.camera);
   camera.info.rate_hz = plausible_rate_hz(source);
   const RecordedTime time = recorded_time(source, camera.info.rate_hz);
-  require_different_times(source.color, "colour"), require_different_times(source.depth, "depth");
   Recording recording = describe_recording(time, options, provenance);
   recording.camera = camera.info;
   if (!options.glove.file.empty()) {

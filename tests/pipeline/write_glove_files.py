@@ -71,6 +71,12 @@ def main(folder):
     np.savez(os.path.join(folder, "flat.npz"), ts=(stamps * 1e9).astype(np.int64), tactile=frames.reshape(300, -1),
              note=np.array(["text"]))
     np.savez_compressed(os.path.join(folder, "fraction.npz"), time_s=stamps, pressure=1 - (frames / 4095.0).astype(np.float32))
+    swapped = frames.astype(">i4")
+    np.savez(os.path.join(folder, "columns.npz"), ts=stamps, counts=np.asfortranarray(swapped))
+    np.savez(os.path.join(folder, "dates.npz"), ts=(stamps * 1e3).astype("datetime64[ms]"), counts=swapped)
+    np.savez(os.path.join(folder, "half.npz"), ts=stamps, counts=(frames - 2000).astype(np.float16))
+    np.savez(os.path.join(folder, "bool.npz"), ts=stamps, counts=frames > 2600)
+    np.save(os.path.join(folder, "single.npy"), frames)
     np.savetxt(os.path.join(folder, "plain.csv"), np.column_stack([stamps, frames.reshape(300, -1)]), delimiter=",", fmt="%.3f")
     names = ["timestamp_ms", "frame"] + [f"t{i}" for i in range(12)]
     np.savetxt(os.path.join(folder, "named.csv"), np.column_stack([1e3 * stamps, range(300), frames.reshape(300, -1)]),

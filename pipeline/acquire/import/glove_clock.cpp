@@ -5,6 +5,7 @@
 
 #include "engine/base/error.h"
 #include "pipeline/acquire/import/glove_import.h"
+#include "pipeline/acquire/import/glove_times.h"
 
 namespace touchtrace {
 namespace {
@@ -28,7 +29,8 @@ std::vector<Clip> clips_between_pauses(const GloveStream& glove, const std::stri
   const auto& time_s = glove.host_time_s;
   std::vector<Clip> clips;
   for (std::size_t first = 0, next = 1; first < time_s.size(); first = next++) {
-    while (next < time_s.size() && glove.sequence[next] == glove.sequence[next - 1] + 1) ++next;
+    while (next < time_s.size() && !is_pause(time_s[next] - time_s[next - 1], glove.info.rate_hz))
+      ++next;
     if (next < first + 2 || time_s[next - 1] <= time_s[first]) continue;
     double end_s = time_s[next - 1] + 1.0 / glove.info.rate_hz;
     if (next < time_s.size()) end_s = std::min(end_s, time_s[next]);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,8 +10,10 @@ namespace touchtrace {
 /// Frames of a tactile glove in a file of another program.
 struct GloveFile {
   int rows = 0, cols = 0;
-  std::vector<double> time_s;  ///< [frames], the file's clock
-  std::vector<float> values;   ///< [frames, rows, cols]
+  std::vector<double> time_s;           ///< [frames], stamps of the file's clock
+  bool has_time_unit = false;           ///< stamps are known to be seconds
+  std::vector<std::uint64_t> sequence;  ///< [frames], the device's frame counter; empty: unknown
+  std::vector<float> values;            ///< [frames, rows, cols]
 
   std::size_t taxels() const { return static_cast<std::size_t>(rows) * cols; }
 };

@@ -2,7 +2,6 @@
 
 #include "engine/base/error.h"
 #include "pipeline/acquire/import/glove_file.h"
-#include "pipeline/acquire/import/image_times.h"
 #include "pipeline/acquire/import/numpy_file.h"
 
 namespace touchtrace {
@@ -12,6 +11,9 @@ using Names = std::vector<std::string>;
 
 const Names time_names{"time_s", "host_time_s", "times", "timestamps", "timestamp", "ts"};
 const Names value_names{"counts", "pressure", "tactile_data", "tactile", "data", "values"};
+
+constexpr const char* sequence_name = "sequence";
+constexpr double max_number = 9e15;
 
 /// First of `names` that exists.
 const NumpyArray& find_array(const std::map<std::string, NumpyArray>& arrays, const Names& names,
@@ -24,6 +26,15 @@ const NumpyArray& find_array(const std::map<std::string, NumpyArray>& arrays, co
                    "it may have one of the names " + list);
 }
 
+void require_archive(const std::filesystem::path& file) {
+  if (file.extension() == ".npz") return;
+  throw data_error(
+      fmt::format("{} is a single array: it has no times", file.string()),
+      fmt::format("join them in Python: numpy.savez('glove.npz', counts=numpy.load('{}'), "
+                  "time_s=...)",
+                  file.filename().string()));
+}
+
 void require_shape(const NumpyArray& times, const NumpyArray& values) {
   const std::size_t axes = values.shape.size();
   if ((axes != 2 && axes != 3) || values.size() == 0 || values.shape[0] != times.size())
@@ -32,12 +43,26 @@ void require_shape(const NumpyArray& times, const NumpyArray& values) {
                      "times are [frames], counts are [frames, rows, cols] or [frames, taxels]");
 }
 
+/// Frame numbers; empty if the array has another length.
+std::vector<std::uint64_t> sequence_of(const NumpyArray& array, std::size_t frames) {
+  std::vector<std::uint64_t> sequence;
+  if (array.size() != frames) return sequence;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const double number = array.at(i);
+    const bool is_number = number >= 0.0 && number <= max_number;
+    sequence.push_back(is_number ? static_cast<std::uint64_t>(number) : 0);
+  }
+  return sequence;
+}
+
 }  // namespace
 
-bool is_glove_numpy(const std::filesystem::path& file) { return file.extension() == ".npz"; }
+bool is_glove_numpy(const std::filesystem::path& file) { return is_numpy_file(file); }
 
 GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOptions& options) {
+  require_archive(file);
   Names wanted = time_names;
+  wanted.emplace_back(sequence_name);
   wanted.insert(wanted.end(), value_names.begin(), value_names.end());
   const auto arrays = read_numpy_archive(file, wanted);
   const NumpyArray &times = find_array(arrays, time_names, file),
@@ -49,7 +74,10 @@ GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOpt
     layout.rows = static_cast<int>(values.shape[1]),
     layout.cols = static_cast<int>(values.shape[2]);
   set_layout(glove, values.size() / times.size(), layout);
-  for (std::size_t i = 0; i < times.size(); ++i) glove.time_s.push_back(stamp_seconds(times.at(i)));
+  for (std::size_t i = 0; i < times.size(); ++i) glove.time_s.push_back(times.at(i));
+  glove.has_time_unit = times.per_second > 0.0;
+  if (const auto numbers = arrays.find(sequence_name); numbers != arrays.end())
+    glove.sequence = sequence_of(numbers->second, times.size());
   for (std::size_t i = 0; i < values.size(); ++i)
     glove.values.push_back(static_cast<float>(values.at(i)));
   return glove;

@@ -17,8 +17,10 @@ void describe(OptionSet& set, GloveOptions& o) {
   set.integer("polarity", o.polarity,
               "1: counts increase with pressure, -1: they decrease; 0: learnt from the frames", -1,
               1);
-  set.number("baseline", o.baseline_counts,
-             "counts of all taxels without contact; -1: medians of the time at rest", -1.0, 65535.0)
+  set.number(
+         "baseline", o.baseline_counts,
+         "value of all taxels without contact, as the file has it; -1: medians of the time at rest",
+         -1.0, 65535.0)
       .value("COUNTS");
   set.number("rest-seconds", o.rest_s, "time at the glove's start in which nothing is touched", 0.0,
              1e4)

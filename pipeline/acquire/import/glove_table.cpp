@@ -3,70 +3,55 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
-#include <cstdio>
 
 #include "engine/base/error.h"
+#include "pipeline/acquire/import/glove_columns.h"
 #include "pipeline/acquire/import/glove_file.h"
-#include "pipeline/acquire/import/image_times.h"
+#include "pipeline/acquire/import/iso_time.h"
 #include "pipeline/acquire/table_columns.h"
 
 namespace touchtrace {
 namespace {
 
 constexpr std::size_t max_frames = 10'000'000;
-constexpr const char* hint = "a row has a time and a value for each taxel, as in 'time_s,0_0,0_1'";
 
-struct TaxelColumns {
-  TableColumn time;
-  std::vector<TableColumn> taxels;
-};
-
-/// Whether a column has neither taxels nor times: numbers of frames, and time as text.
-bool is_other(const std::string& name) {
-  static const std::vector<std::string> others{"time_str", "datetime", "date",     "frame",
-                                               "frame_id", "index",    "sequence", "packet",
-                                               "clip",     "",         "unnamed_0"};
-  return std::ranges::find(others, name) != others.end();
+/// Stamp of the current row. Text must be a date and a time.
+double stamp_of(const TextTable& table, const TableColumn& time, bool& has_dates) {
+  const auto field = table.fields()[time.index];
+  if (!parse_number<double>(field, table.has_decimal_comma()))
+    if (const auto date_s = parse_iso_time(field)) {
+      has_dates = true;
+      return *date_s;
+    }
+  const double stamp = value_of<double>(table, time);
+  if (!(stamp >= 0.0)) throw LineFault{"the time is missing or negative"};
+  return stamp;
 }
 
-/// Columns of taxels: those named counts_..., as `export` writes them, else all others.
-TaxelColumns columns_of_glove(const TextTable& table) {
-  const auto& names = table.names();
-  TaxelColumns columns{{0, 1.0, "time"}, {}};
-  if (!names.empty()) {
-    const auto time =
-        find_column(table, names, {"time", "t", "timestamp", "host_time", "ts"}, time_units());
-    if (!time)
-      throw data_error(fmt::format("{} has no column time_s", table.file().string()), hint);
-    columns.time = *time;
-  }
-  const bool has_counts = std::ranges::any_of(
-      names, [](const std::string& name) { return name.starts_with("counts_"); });
-  for (std::size_t i = 0; i < table.num_columns(); ++i) {
-    const std::string name = names.empty() ? fmt::format("column {}", i + 1) : names[i];
-    if (i == columns.time.index || (!names.empty() && is_other(name))) continue;
-    if (has_counts && !name.starts_with("counts_")) continue;
-    columns.taxels.push_back({i, 1.0, name});
-  }
-  return columns;
+/// Frame number of the current row; 0 for text, which then does not count frames.
+std::uint64_t number_of(const TextTable& table, const TableColumn& sequence) {
+  constexpr double max_number = 9e15;
+  const auto number =
+      parse_number<double>(table.fields()[sequence.index], table.has_decimal_comma());
+  return number && *number >= 0.0 && *number <= max_number ? static_cast<std::uint64_t>(*number)
+                                                           : 0;
 }
 
-/// Options with the layout of columns counts_ROW_COL, the last of which has the largest indices.
-GloveFileOptions with_named_layout(GloveFileOptions options, const TaxelColumns& columns) {
-  int row = 0, col = 0;
-  if (options.rows > 0 || options.cols > 0 || columns.taxels.empty() ||
-      std::sscanf(columns.taxels.back().label.c_str(), "counts_%4d_%4d", &row, &col) != 2)
-    return options;
-  options.rows = row + 1, options.cols = col + 1;
-  return options;
-}
-
-void append_row(const TextTable& table, const TaxelColumns& columns, GloveFile& glove) {
-  const double time_s = value_of<double>(table, columns.time);
-  if (!(time_s >= 0.0)) throw LineFault{"the time is missing or negative"};
-  glove.time_s.push_back(stamp_seconds(time_s));
+void append_row(const TextTable& table, const GloveColumns& columns, GloveFile& glove) {
+  glove.time_s.push_back(stamp_of(table, columns.time, glove.has_time_unit));
+  if (columns.sequence) glove.sequence.push_back(number_of(table, *columns.sequence));
   for (const TableColumn& taxel : columns.taxels)
     glove.values.push_back(static_cast<float>(value_of<double>(table, taxel)));
+}
+
+/// Throws data_error if the first column of a table without names counts its rows.
+void require_times(const GloveFile& glove, const TextTable& table) {
+  if (!table.names().empty() || glove.time_s.size() < 3) return;
+  for (std::size_t i = 1; i < glove.time_s.size(); ++i)
+    if (glove.time_s[i] - glove.time_s[i - 1] != 1.0) return;
+  throw data_error(
+      fmt::format("{}: column 1 counts the rows, it is not a time", table.file().string()),
+      glove_table_hint);
 }
 
 }  // namespace
@@ -77,10 +62,12 @@ bool is_glove_table(const std::filesystem::path& file) {
 
 GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOptions& options) {
   TextTable table(file);
-  const TaxelColumns columns = columns_of_glove(table);
+  const GloveColumns columns = columns_of_glove(table);
   GloveFile glove;
+  glove.has_time_unit = columns.time.per_unit != 1.0;
   set_layout(glove, columns.taxels.size(), with_named_layout(options, columns));
-  for_each_row(table, max_frames, hint, [&] { append_row(table, columns, glove); });
+  for_each_row(table, max_frames, glove_table_hint, [&] { append_row(table, columns, glove); });
+  require_times(glove, table);
   return glove;
 }
 
@@ -92,7 +79,7 @@ void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& op
   if (values == 0 || glove.taxels() != values)
     throw data_error(fmt::format("{} values per frame do not fit {} rows and {} columns", values,
                                  glove.rows, glove.cols),
-                     "give --rows and --cols");
+                     fmt::format("give --rows and --cols whose product is {}", values));
 }
 
 }  // namespace touchtrace

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engine/base/error.h"
+#include "pipeline/acquire/import/stamp_unit.h"
 #include "pipeline/acquire/table_columns.h"
 
 namespace touchtrace {
@@ -17,6 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t min_stamp_digits = 13;
 constexpr std::size_t max_images = 10'000'000;
+constexpr double min_image_rate_hz = 0.05;
 
 /// Last number in the file's name; empty if there is none.
 std::string number_text(const fs::path& image) {
@@ -43,6 +45,14 @@ std::optional<fs::path> find_list(const fs::path& folder) {
   return std::nullopt;
 }
 
+/// Seconds of all stamps of a file. Stamps with an implausible rate in every unit stay as they are.
+std::vector<double> in_seconds(std::vector<double> stamps) {
+  const auto unit = stamp_unit(stamps, min_image_rate_hz);
+  if (unit)
+    for (double& stamp : stamps) stamp /= unit->per_second;
+  return stamps;
+}
+
 /// Column of times: by name, else the first one with a number.
 TableColumn time_column(const TextTable& table) {
   if (const auto named =
@@ -61,9 +71,9 @@ std::vector<double> read_times(const fs::path& list) {
     if (!column) column = time_column(table);
     const double time_s = value_of<double>(table, *column);
     if (!(time_s >= 0.0)) throw LineFault{"the time is missing or negative"};
-    times_s.push_back(stamp_seconds(time_s));
+    times_s.push_back(time_s);
   });
-  return times_s;
+  return in_seconds(std::move(times_s));
 }
 
 std::vector<double> listed_times(const fs::path& list, std::size_t num_images,
@@ -80,7 +90,8 @@ std::vector<double> image_times(const fs::path& folder, const std::vector<fs::pa
                                 double rate_hz) {
   std::vector<double> times_s;
   if (std::ranges::all_of(images, is_stamp)) {
-    for (const fs::path& image : images) times_s.push_back(stamp_seconds(number_of(image)));
+    for (const fs::path& image : images) times_s.push_back(number_of(image));
+    times_s = in_seconds(std::move(times_s));
   } else if (const auto list = find_list(folder)) {
     times_s = listed_times(*list, images.size(), folder);
   } else if (rate_hz > 0.0) {
@@ -94,12 +105,6 @@ std::vector<double> image_times(const fs::path& folder, const std::vector<fs::pa
 }
 
 }  // namespace
-
-double stamp_seconds(double stamp) {
-  for (const auto& [least, per_second] : {std::pair{1e17, 1e9}, {1e14, 1e6}, {1e11, 1e3}})
-    if (stamp >= least) return stamp / per_second;
-  return stamp;
-}
 
 void sort_by_number(std::vector<fs::path>& images) {
   std::ranges::sort(images, {}, [](const fs::path& image) {

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr double default_rate_hz = 30.0;  // of a single image
 constexpr double max_rate_hz = 1000.0;
+constexpr double max_clock_s = 5e5;  // half of what a recording may have
 
 void require_consistent(const ImportOptions& o) {
   if (o.camera.registered && o.camera.no_registered)
@@ -32,9 +33,9 @@ void require_consistent(const ImportOptions& o) {
                       "give --hand-id and --object-id");
 }
 
-/// Unix times become seconds since the first one.
-RecordedTime since_start(RecordedTime time) {
-  if (time.first_s > min_unix_s) {
+/// Times above `min_s`, by default Unix times, become seconds since the first one.
+RecordedTime since_start(RecordedTime time, double min_s = min_unix_s) {
+  if (time.first_s > min_s) {
     time.epoch_s = time.first_s;
     time.first_s -= time.epoch_s, time.last_s -= time.epoch_s;
   }
@@ -171,8 +172,10 @@ nlohmann::json import_glove_alone(const fs::path& output, const ImportOptions& o
                                   const Provenance& provenance, bool overwrite) {
   GloveStream glove = import_glove(options.glove);
   const RecordedTime time =
-      since_start({glove.host_time_s.front(), glove.host_time_s.back() + 1.0 / glove.info.rate_hz});
+      since_start({glove.host_time_s.front(), glove.host_time_s.back() + 1.0 / glove.info.rate_hz},
+                  max_clock_s);
   Recording recording = describe_recording(time, options, provenance);
+  if (time.epoch_s <= min_unix_s) recording.epoch_unix_s = 0.0;  // since a computer's start
   move_to_clock(glove, time, options.glove.offset_s);
   if (options.clips.empty()) recording.clips = clips_between_pauses(glove, options.object);
   recording.gloves.push_back(std::move(glove));

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <functional>
 #include <numeric>
@@ -27,6 +28,12 @@ double element(const std::string& data, std::size_t index) {
   return static_cast<double>(value);
 }
 
+double half_element(const std::string& data, std::size_t index) {
+  Eigen::half value;
+  std::memcpy(&value, data.data() + index * sizeof(value), sizeof(value));
+  return static_cast<double>(static_cast<float>(value));
+}
+
 struct ElementType {
   const char* name;
   std::size_t bytes;
@@ -38,7 +45,8 @@ constexpr ElementType element_types[] = {
     {"u4", 4, element<std::uint32_t>}, {"u8", 8, element<std::uint64_t>},
     {"i1", 1, element<std::int8_t>},   {"i2", 2, element<std::int16_t>},
     {"i4", 4, element<std::int32_t>},  {"i8", 8, element<std::int64_t>},
-    {"f4", 4, element<float>},         {"f8", 8, element<double>}};
+    {"f4", 4, element<float>},         {"f8", 8, element<double>},
+    {"f2", 2, half_element},           {"b1", 1, element<std::uint8_t>}};
 
 const ElementType& element_type(const std::string& name) {
   const auto* found = std::ranges::find(element_types, name, &ElementType::name);
@@ -60,6 +68,57 @@ std::vector<std::size_t> parse_shape(const std::string& text) {
   return shape;
 }
 
+/// Reverses the bytes of each element.
+void swap_bytes(std::string& data, std::size_t bytes) {
+  for (auto at = data.begin(); at != data.end(); at += static_cast<std::ptrdiff_t>(bytes))
+    std::reverse(at, at + static_cast<std::ptrdiff_t>(bytes));
+}
+
+/// Elements in row-major order of an array whose first index runs fastest.
+std::string row_major(const std::string& data, const std::vector<std::size_t>& shape,
+                      std::size_t bytes) {
+  std::string result(data.size(), '\0');
+  std::vector<std::size_t> index(shape.size(), 0);
+  for (std::size_t at = 0; at < data.size(); at += bytes) {
+    std::size_t to = 0;
+    for (std::size_t axis = 0; axis < shape.size(); ++axis) to = to * shape[axis] + index[axis];
+    std::copy_n(&data[at], bytes, &result[to * bytes]);
+    for (std::size_t axis = 0; axis < shape.size() && ++index[axis] == shape[axis]; ++axis)
+      index[axis] = 0;
+  }
+  return result;
+}
+
+double units_per_second(const std::string& unit) {
+  for (const auto& [name, per_second] :
+       {std::pair{"s", 1.0}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}})
+    if (unit == name) return per_second;
+  throw std::runtime_error(fmt::format("dates in units of '{}' are not supported", unit));
+}
+
+/// Type and order of the elements of an .npy file.
+struct NumpyHeader {
+  std::vector<std::size_t> shape;
+  std::string type;
+  double per_second = 0.0;
+  bool is_big_endian = false, is_first_index_fastest = false;
+};
+
+NumpyHeader parse_header(const std::string& header) {
+  static const std::regex descr("'descr': '([<>|])([a-zA-Z][0-9])(?:\\[([a-z]+)\\])?'"),
+      shape("'shape': \\(([0-9, ]*)\\)");
+  std::smatch type, sizes;
+  if (!std::regex_search(header, type, descr) || !std::regex_search(header, sizes, shape))
+    throw std::runtime_error("not an array of numbers: " + header);
+  NumpyHeader parsed{parse_shape(sizes[1]), type[2]};
+  parsed.is_big_endian = type[1] == ">";
+  parsed.is_first_index_fastest = header.find("'fortran_order': True") != std::string::npos;
+  if (parsed.type != "M8") return parsed;
+  parsed.type = "i8";
+  parsed.per_second = units_per_second(type[3]);
+  return parsed;
+}
+
 /// Parses an .npy file.
 NumpyArray parse_array(const std::string& bytes) {
   ByteReader reader(bytes_of(bytes));
@@ -69,13 +128,12 @@ NumpyArray parse_array(const std::string& bytes) {
       version == 1 ? reader.number<std::uint16_t>() : reader.number<std::uint32_t>();
   if (length > max_header_bytes) throw std::runtime_error("the array's header is too long");
   const std::string header = reader.text(length);
-  static const std::regex descr("'descr': '[<|]([a-z][0-9])'"), shape("'shape': \\(([0-9, ]*)\\)");
-  std::smatch type, sizes;
-  if (!std::regex_search(header, type, descr) || !std::regex_search(header, sizes, shape) ||
-      header.find("'fortran_order': False") == std::string::npos)
-    throw std::runtime_error("not an array of little-endian numbers in C order: " + header);
-  NumpyArray array{parse_shape(sizes[1]), type[1], {}};
-  array.data = reader.text(array.size() * element_type(array.type).bytes);
+  const NumpyHeader parsed = parse_header(header);
+  const std::size_t bytes_each = element_type(parsed.type).bytes;
+  NumpyArray array{parsed.shape, parsed.type, {}, parsed.per_second};
+  array.data = reader.text(array.size() * bytes_each);
+  if (parsed.is_big_endian) swap_bytes(array.data, bytes_each);
+  if (parsed.is_first_index_fastest) array.data = row_major(array.data, array.shape, bytes_each);
   return array;
 }
 
@@ -96,7 +154,10 @@ std::size_t NumpyArray::size() const {
   return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
 }
 
-double NumpyArray::at(std::size_t index) const { return element_type(type).read(data, index); }
+double NumpyArray::at(std::size_t index) const {
+  const double value = element_type(type).read(data, index);
+  return per_second > 0.0 ? value / per_second : value;
+}
 
 bool is_numpy_file(const std::filesystem::path& file) {
   return file.extension() == ".npy" || file.extension() == ".npz";

@@ -9,11 +9,12 @@
 
 namespace touchtrace {
 
-/// Array of numbers in row-major order.
+/// Array of numbers in row-major order, little-endian.
 struct NumpyArray {
   std::vector<std::size_t> shape;
   std::string type;  ///< NumPy's letter and bytes: "u2", "f4", ...
   std::string data;
+  double per_second = 0.0;  ///< elements per second of dates, which at() has in seconds; 0: numbers
 
   std::size_t size() const;  ///< number of elements
   double at(std::size_t index) const;
@@ -24,7 +25,7 @@ bool is_numpy_file(const std::filesystem::path& file);
 
 /// Arrays of an .npz file by their name: those of `wanted`, or all if it is empty. Throws
 /// data_error for a file that is invalid or larger than 4 GiB, and for arrays of other types than
-/// little-endian numbers.
+/// numbers and dates.
 std::map<std::string, NumpyArray> read_numpy_archive(const std::filesystem::path& file,
                                                      const std::vector<std::string>& wanted = {});
 

@@ -42,8 +42,10 @@ cv::Mat color_image(const NumpyArray& images, std::size_t index) {
 
 cv::Mat depth_image(const NumpyArray& images, std::size_t index) {
   const std::size_t bytes = images.data.size() / images.shape[0];
-  return to_depth(
-      {{images.shape[1], images.shape[2]}, images.type, images.data.substr(index * bytes, bytes)});
+  return to_depth({{images.shape[1], images.shape[2]},
+                   images.type,
+                   images.data.substr(index * bytes, bytes),
+                   0.0});
 }
 
 std::vector<SourceImage> stamped(const char* name, std::size_t count, const NumpyArray* times,

@@ -1,0 +1,81 @@
+#include "pipeline/acquire/import/glove_columns.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "engine/base/error.h"
+#include "engine/base/progress.h"
+#include "pipeline/acquire/import/taxel_names.h"
+
+namespace touchtrace {
+namespace {
+
+/// Whether a column has neither taxels nor times: numbers of frames, and time as text.
+bool is_other(const std::string& name) {
+  static const std::vector<std::string> others{"time_str", "datetime", "date",     "frame",
+                                               "frame_id", "index",    "sequence", "packet",
+                                               "clip",     "",         "unnamed_0"};
+  return std::ranges::find(others, name) != others.end();
+}
+
+TableColumn time_column_of(const TextTable& table) {
+  if (table.names().empty()) return {0, 1.0, "column 1"};
+  const auto time = find_column(table, table.names(), {"time", "t", "timestamp", "host_time", "ts"},
+                                time_units());
+  if (!time)
+    throw data_error(fmt::format("{} has no column time_s", table.file().string()),
+                     glove_table_hint);
+  return *time;
+}
+
+std::optional<TableColumn> sequence_column_of(const TextTable& table) {
+  const auto found = std::ranges::find(table.names(), "sequence");
+  if (found == table.names().end()) return std::nullopt;
+  return TableColumn{static_cast<std::size_t>(found - table.names().begin()), 1.0, "sequence"};
+}
+
+/// Columns of taxels in the order of the file: those named counts_..., as `export` writes them,
+/// else all others.
+std::vector<TableColumn> taxel_columns_of(const TextTable& table, std::size_t time) {
+  const auto& names = table.names();
+  const bool has_counts = std::ranges::any_of(
+      names, [](const std::string& name) { return name.starts_with("counts_"); });
+  std::vector<TableColumn> taxels;
+  for (std::size_t i = 0; i < table.num_columns(); ++i) {
+    const std::string name = names.empty() ? fmt::format("column {}", i + 1) : names[i];
+    if (i == time || (!names.empty() && is_other(name))) continue;
+    if (!has_counts || name.starts_with("counts_")) taxels.push_back({i, 1.0, name});
+  }
+  return taxels;
+}
+
+}  // namespace
+
+GloveColumns columns_of_glove(const TextTable& table) {
+  GloveColumns columns{time_column_of(table), sequence_column_of(table), {}};
+  const auto taxels = taxel_columns_of(table, columns.time.index);
+  std::vector<std::string> names;
+  for (const TableColumn& taxel : taxels) names.push_back(taxel.label);
+  const NamedLayout layout = named_layout(names, table.file());
+  for (const std::size_t i : layout.column) columns.taxels.push_back(taxels[i]);
+  columns.rows = layout.rows, columns.cols = layout.cols;
+  if (!taxels.empty())
+    Progress::report(fmt::format("glove: '{}' has the times; {} taxels from '{}' to '{}'",
+                                 columns.time.label, taxels.size(), columns.taxels.front().label,
+                                 columns.taxels.back().label));
+  return columns;
+}
+
+GloveFileOptions with_named_layout(GloveFileOptions options, const GloveColumns& columns) {
+  if (columns.rows == 0) return options;
+  if ((options.rows > 0 && options.rows != columns.rows) ||
+      (options.cols > 0 && options.cols != columns.cols))
+    throw data_error(fmt::format("the columns are named for {} x {} taxels, not {} x {}",
+                                 columns.rows, columns.cols, options.rows, options.cols),
+                     "leave out --rows and --cols");
+  options.rows = columns.rows, options.cols = columns.cols;
+  return options;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pipeline/acquire/import/glove_file.h"
+#include "pipeline/acquire/table_columns.h"
+
+namespace touchtrace {
+
+inline constexpr const char* glove_table_hint =
+    "a row has a time and a value for each taxel, as in 'time_s,0_0,0_1'";
+
+/// Columns of a table with the frames of a glove.
+struct GloveColumns {
+  TableColumn time;
+  std::optional<TableColumn> sequence;
+  std::vector<TableColumn> taxels;  ///< row by row of the glove
+  int rows = 0, cols = 0;           ///< 0: the names do not tell
+};
+
+/// Reports which columns are times and taxels. Throws data_error if there is no time.
+GloveColumns columns_of_glove(const TextTable& table);
+
+/// Options with the layout that the columns' names tell. Throws data_error if they contradict it.
+GloveFileOptions with_named_layout(GloveFileOptions options, const GloveColumns& columns);
+
+}  // namespace touchtrace

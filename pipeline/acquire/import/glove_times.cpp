@@ -1,0 +1,139 @@
+#include "pipeline/acquire/import/glove_times.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/base/error.h"
+#include "engine/base/progress.h"
+#include "pipeline/acquire/import/spread_stamps.h"
+#include "pipeline/acquire/import/stamp_unit.h"
+#include "pipeline/recording/frame_pairs.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr double default_glove_rate_hz = 15.0, min_glove_rate_hz = 0.5, max_glove_rate_hz = 1000.0;
+constexpr double min_pause_s = 0.5, min_pause_frames = 5.0;  // as `record`
+constexpr double max_span_s = 1e6;                           // of a recording
+constexpr const char* hint =
+    "check which column or array has the times, and name it with its unit, such as time_ms";
+
+[[noreturn]] void reject_rate(double per_stamp) {
+  throw data_error(fmt::format("the median interval of the glove's stamps is {:.3g}: in s, ms, us "
+                               "and ns that is not 0.5 to 1000 frames per second",
+                               1.0 / per_stamp),
+                   hint);
+}
+
+/// Seconds of all stamps.
+std::vector<double> seconds_of(const GloveFile& file) {
+  std::vector<double> time_s = file.time_s;
+  if (file.has_time_unit) return time_s;
+  const auto unit = stamp_unit(time_s, min_glove_rate_hz);
+  if (!unit) reject_rate(frames_per_stamp(time_s));
+  if (unit->per_second == 1.0) return time_s;
+  Progress::report(fmt::format("glove: stamps are taken as {}, {:.3g} frames per second",
+                               unit->name, frames_per_stamp(time_s) * unit->per_second));
+  for (double& stamp : time_s) stamp /= unit->per_second;
+  return time_s;
+}
+
+/// Frames whose stamp is not before that of the previous one.
+std::vector<std::size_t> ordered_frames(const std::vector<double>& time_s) {
+  std::vector<std::size_t> frames;
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    if (!(time_s[i] >= last_s) || !std::isfinite(time_s[i])) continue;
+    last_s = time_s[i];
+    frames.push_back(i);
+  }
+  if (frames.size() < time_s.size())
+    Progress::report(fmt::format(
+        "warning: left out {} of {} glove frames: their stamps run backward or are missing",
+        time_s.size() - frames.size(), time_s.size()));
+  if (2 * frames.size() < time_s.size())
+    throw data_error("most stamps of the glove run backward or are missing", hint);
+  return frames;
+}
+
+/// Inverse of the mean interval, without the intervals of lost frames. The median would be wrong
+/// for a device whose packets are not whole frames: its intervals have two values.
+double plausible_glove_rate_hz(const std::vector<double>& time_s) {
+  const double typical_s = 1.0 / rate_of(time_s, default_glove_rate_hz);
+  double sum_s = 0.0;
+  int count = 0;
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    const double interval_s = time_s[i] - time_s[i - 1];
+    if (interval_s < 0.5 * typical_s || interval_s > 1.5 * typical_s) continue;
+    sum_s += interval_s, ++count;
+  }
+  const double rate_hz = count > 0 ? count / sum_s : 1.0 / typical_s;
+  if (rate_hz > max_glove_rate_hz)
+    throw data_error(fmt::format("the stamps say {:.3g} glove frames per second", rate_hz), hint);
+  return rate_hz;
+}
+
+void require_span(const std::vector<double>& time_s) {
+  const double span_s = time_s.back() - time_s.front();
+  if (span_s > max_span_s || (span_s == 0.0 && time_s.size() > 1))
+    throw data_error(fmt::format("the times of {} glove frames span {:g} s", time_s.size(), span_s),
+                     hint);
+}
+
+/// Frame counter: adds `step(i)` per frame, and as many frames as fit in a pause that it skips.
+template <class Step>
+std::vector<std::uint64_t> counted_frames(const GloveTimes& times, Step&& step) {
+  std::vector<std::uint64_t> sequence{0};
+  for (std::size_t i = 1; i < times.time_s.size(); ++i) {
+    const double gap_s = times.time_s[i] - times.time_s[i - 1];
+    const auto fitting = static_cast<std::uint64_t>(std::llround(gap_s * times.rate_hz));
+    const std::uint64_t counted = step(i);
+    const bool is_skipped = is_pause(gap_s, times.rate_hz) && 2 * counted < fitting;
+    sequence.push_back(sequence.back() + (is_skipped ? fitting : counted));
+  }
+  return sequence;
+}
+
+/// Whether the numbers of a file count its frames: they increase, by 1 in most frames.
+bool counts_frames(const std::vector<std::uint64_t>& numbers,
+                   const std::vector<std::size_t>& frames) {
+  std::size_t single_steps = 0;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    if (numbers[frames[i]] <= numbers[frames[i - 1]]) return false;
+    single_steps += numbers[frames[i]] - numbers[frames[i - 1]] == 1;
+  }
+  return 2 * single_steps + 1 >= frames.size();
+}
+
+std::vector<std::uint64_t> sequence_of(const GloveFile& file, const GloveTimes& times) {
+  const auto& numbers = file.sequence;
+  const bool has_numbers = !numbers.empty() && counts_frames(numbers, times.frames);
+  if (!numbers.empty() && !has_numbers)
+    Progress::report("warning: the glove's sequence does not count its frames and is not used");
+  return counted_frames(times, [&](std::size_t i) {
+    return has_numbers ? numbers[times.frames[i]] - numbers[times.frames[i - 1]] : 1;
+  });
+}
+
+}  // namespace
+
+bool is_pause(double gap_s, double rate_hz) {
+  return gap_s > std::max(min_pause_s, min_pause_frames / rate_hz);
+}
+
+GloveTimes glove_times(const GloveFile& file) {
+  GloveTimes times;
+  const std::vector<double> time_s = seconds_of(file);
+  times.frames = ordered_frames(time_s);
+  for (const std::size_t frame : times.frames) times.time_s.push_back(time_s[frame]);
+  require_span(times.time_s);
+  times.rate_hz = spread_repeated_stamps(times.time_s) ? rate_without_pauses_hz(times.time_s)
+                                                       : plausible_glove_rate_hz(times.time_s);
+  times.sequence = sequence_of(file, times);
+  return times;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace touchtrace {
+
+/// Unit of the stamps of one clock.
+struct StampUnit {
+  std::string name;         ///< "milliseconds"
+  double per_second = 1.0;  ///< stamps per second
+};
+
+/// Frames per unit of the stamps: those of the median interval between different stamps; 0 for
+/// fewer than two.
+double frames_per_stamp(std::vector<double> stamps);
+
+/// Unit of all stamps of a file. The size of the stamps tells it if they are since 1970; otherwise,
+/// or if that size gives an implausible rate, it is the first of seconds, milliseconds,
+/// microseconds and nanoseconds that gives a rate from `min_rate_hz` to 1000 Hz. Returns nullopt if
+/// none does.
+std::optional<StampUnit> stamp_unit(const std::vector<double>& stamps, double min_rate_hz);
+
+}  // namespace touchtrace

@@ -137,13 +137,16 @@ TEST(Smooth, IsInvariantToUnitsAndEpoch) {
             1e-6);
 }
 
+/// A search ends where the cost falls by less than 1e-6 of it, 1e-3 for these 1200 coordinates:
+/// 0.05 standard deviations from the best noise, which is known to 10 %.
 TEST(Smooth, NoiseEstimateIsInvariantToUnits) {
+  constexpr double search_error = 0.005;
   const auto track = measure(synthetic_wave(20.0, 1), 20.0, 0.002, 1);
   const auto reference = smooth(std::vector<Track>{track}, {}, {}).noise;
   const auto scaled = smooth(std::vector<Track>{rescaled(track, 1e3, 1e3, 0.0)}, {}, {}).noise;
   EXPECT_NEAR(reference.measurement_scale, 1.0, 0.15);
-  EXPECT_NEAR(scaled.measurement_scale / reference.measurement_scale, 1.0, 1e-6);
-  EXPECT_NEAR(scaled.jerk_density * 1e15 / 1e6 / reference.jerk_density, 1.0, 1e-6);
+  EXPECT_NEAR(scaled.measurement_scale / reference.measurement_scale, 1.0, search_error);
+  EXPECT_NEAR(scaled.jerk_density * 1e15 / 1e6 / reference.jerk_density, 1.0, search_error);
 }
 
 TEST(Smooth, CausalStatesIgnoreLaterFrames) {

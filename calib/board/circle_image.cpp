@@ -7,8 +7,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr double reach = 3.2;  ///< [square_m] as far as the homography
-constexpr Eigen::Index min_circles = 12;
+constexpr Eigen::Index min_circles = 12;  // twice the polynomials' coefficients
 constexpr int num_boundary_points = 64, num_inversion_steps = 3;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -32,7 +31,7 @@ std::optional<CircleImage> CircleImage::fit(const TargetCorners& circles,
   Eigen::Index count = 0;
   for (std::size_t i = 0; i < circles.second.size(); ++i) {
     const Eigen::Vector2d place_m = target.corner_m(circles.second[i]).head<2>();
-    if (!((place_m - centre_m).norm() <= reach * target.square_m)) continue;
+    if (!((place_m - centre_m).norm() <= LocalHomography::reach * target.square_m)) continue;
     places.row(count) = result.terms(place_m).transpose();
     residuals.row(count++) = (circles.first[i] - homography->image_of(place_m)).transpose();
   }

@@ -5,7 +5,6 @@
 namespace touchtrace {
 namespace {
 
-constexpr double reach = 3.2;  ///< [square_m] a little more than three rows
 constexpr std::size_t min_corners = 6;
 
 bool are_collinear(const std::vector<cv::Point2d>& points) {

@@ -11,6 +11,8 @@ namespace touchtrace {
 /// there.
 class LocalHomography {
  public:
+  static constexpr double reach = 3.2;  ///< [square_m] a little more than three rows
+
   /// Least-squares fit to the corners within three rows or columns of `place_m`; nullopt unless
   /// six or more are known there, in two rows and two columns.
   static std::optional<LocalHomography> fit(const TargetCorners& corners,

@@ -34,8 +34,10 @@ Progress::~Progress() {
 }
 
 void Progress::report(const std::string& line) {
-  if (!silent || line.starts_with("warning: ")) fmt::print(stderr, "{}\n", line);
+  if (!silent) fmt::print(stderr, "{}\n", line);
 }
+
+void Progress::warn(const std::string& text) { fmt::print(stderr, "warning: {}\n", text); }
 
 void Progress::silence() { silent = true; }
 

@@ -22,10 +22,11 @@ class Progress {
   /// Seconds since the construction.
   double seconds() const;
 
-  /// Prints a line on stderr: progress of work without a known number of steps, or a warning, which
-  /// starts with "warning: ".
+  /// Prints a line on stderr: progress of work without a known number of steps.
   static void report(const std::string& line);
-  /// Turns off all progress reports except warnings (--quiet).
+  /// Prints "warning: ..." on stderr, also after silence().
+  static void warn(const std::string& text);
+  /// Turns off all progress reports (--quiet).
   static void silence();
 
  private:

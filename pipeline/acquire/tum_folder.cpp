@@ -44,8 +44,8 @@ std::vector<StampedFile> read_tum_list(const fs::path& folder, const char* list)
     files.push_back(std::move(file));
   }
   if (!std::ranges::is_sorted(files, {}, &StampedFile::time_s))
-    Progress::report(fmt::format("warning: the times in {} do not increase; images are sorted",
-                                 (folder / list).string()));
+    Progress::warn(fmt::format("the times in {} do not increase; images are sorted",
+                               (folder / list).string()));
   std::ranges::stable_sort(files, {}, &StampedFile::time_s);
   return files;
 }

@@ -43,8 +43,8 @@ void print_summary(const Labels& labels, const std::string& output) {
 
 void warn_of_problems(const Labels& labels) {
   for (const auto& problem : labels.summary["problems"])
-    Progress::report(fmt::format("warning: clip {} not labelled: {}", problem["clip"].get<int>(),
-                                 problem["problem"].get<std::string>()));
+    Progress::warn(fmt::format("clip {} not labelled: {}", problem["clip"].get<int>(),
+                               problem["problem"].get<std::string>()));
 }
 
 /// Fails before the work if an output exists.
@@ -76,8 +76,8 @@ ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
   const auto show_refused = [&](const Labels& measured) {
     write_preview(measured);
     if (!options.preview.empty())
-      Progress::report(
-          fmt::format("warning: {} shows what was found in a recording that cannot be "
+      Progress::warn(
+          fmt::format("{} shows what was found in a recording that cannot be "
                       "labelled: centres before smoothing",
                       options.preview));
   };

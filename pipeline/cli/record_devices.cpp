@@ -20,7 +20,7 @@ void apply_config(const std::string& path, const std::string& protocol, GloveInf
   info.polarity = config.polarity, info.rate_hz = config.rate_hz;
   info.baseline_counts = std::move(config.baseline_counts);
   for (const auto& fault : config.faults)
-    Progress::report(fmt::format("warning: {}: not fit for use: {}", path, fault));
+    Progress::warn(fmt::format("{}: not fit for use: {}", path, fault));
 }
 
 void apply_options(const DeviceOptions& options, GloveInfo& info) {

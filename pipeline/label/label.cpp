@@ -227,7 +227,7 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   const double learning_s = learning.wall_seconds();
   const Stopwatch tracking;
   auto tracks = track_clips(scene, frames, clips, timeline, down, options);
-  const auto measured = tracks;
+  const auto measured = on_refusal ? tracks : std::vector<ClipTrack>{};
   const auto require_clip = [&] {
     if (on_refusal && std::ranges::none_of(clips, &ClipFrames::is_usable))
       on_refusal(measured_alone(recording, measured, {calibration, timeline.latency_sigma_s}));

@@ -141,10 +141,9 @@ void warn_of_large_hands(const Camera& color, const SampledFrames& samples) {
     const double width_m = box.width * sample.hand_m->z() / color.fx,
                  height_m = box.height * sample.hand_m->z() / color.fy;
     if (std::max(width_m, height_m) < max_hand_m) continue;
-    Progress::report(
-        fmt::format("warning: the hand's {} in camera frame {} is {:.2f} x {:.2f} m, larger than a "
-                    "hand: labels "
-                    "are of its densest part, not of the hand",
+    Progress::warn(
+        fmt::format("the hand's {} in camera frame {} is {:.2f} x {:.2f} m, larger than a "
+                    "hand: its labels may be of another part",
                     sample.clip->has_mask_boxes ? "mask" : "box", sample.index, width_m, height_m));
   }
 }

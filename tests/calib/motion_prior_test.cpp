@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "calib/smooth/likelihood.h"
 #include "calib/smooth/minimize.h"
@@ -149,6 +151,37 @@ TEST(ProcessNoiseCurve, ImprovesVelocitiesOfMotionsWithRests) {
               0.95 * velocity_rms(motion, smooth(track, constant)))
         << seed;
   }
+}
+
+/// A wave that swells for a second every 5 s, with rests between.
+SyntheticMotion bursts(std::uint64_t seed) {
+  auto motion = synthetic_wave(40.0, seed);
+  const auto size = [](std::size_t i) {
+    const double phase_s = std::fmod(SyntheticMotion::step_s * static_cast<double>(i), 5.0);
+    return phase_s < 4.0 ? 0.0 : std::pow(std::sin(std::numbers::pi * phase_s), 2);
+  };
+  for (std::size_t i = 0; i < motion.position_m.size(); ++i) motion.position_m[i] *= size(i);
+  for (std::size_t i = 1; i + 1 < motion.position_m.size(); ++i)
+    motion.velocity_m_per_s[i] =
+        (motion.position_m[i + 1] - motion.position_m[i - 1]) / (2.0 * SyntheticMotion::step_s);
+  return motion;
+}
+
+/// Squared error of the velocities in the bursts over the stated covariance; 1 is right.
+TEST(ProcessNoiseCurve, StatesTheVelocitiesErrorsInBursts) {
+  double sum = 0.0, count = 0.0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const auto motion = bursts(seed);
+    const auto found = smooth(std::vector<Track>{measure(motion, 20.0, 0.002, seed)}, {}, {});
+    for (double start_s = 4.1; start_s < 39.0; start_s += 5.0)
+      for (double t = start_s; t < start_s + 0.8; t += 0.05, ++count) {
+        const auto state = found.tracks.front().smoothed(t);
+        const Eigen::Matrix3d covariance = state.covariance.block<3, 3>(3, 3);
+        const Eigen::Vector3d error = state.velocity_m_per_s - motion.velocity_at(t);
+        sum += error.dot(covariance.ldlt().solve(error)) / 3.0;
+      }
+  }
+  EXPECT_LT(sum / count, 1.5);
 }
 
 }  // namespace

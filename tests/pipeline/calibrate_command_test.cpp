@@ -10,8 +10,8 @@
 #include "calib/rig/rig.h"
 #include "engine/base/files.h"
 #include "pipeline/acquire/board_views.h"
-#include "pipeline/cli/commands.h"
 #include "tests/pipeline/recording_samples.h"
+#include "tests/support/command_line.h"
 
 namespace touchtrace {
 namespace {
@@ -22,11 +22,8 @@ using testing::put, testing::TemporaryFolder;
 const fs::path photographs = "/usr/share/doc/opencv-doc/examples/data";
 
 int run(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), {"touchtrace", "calibrate", "--quiet"});
-  std::vector<const char*> argv;
-  for (const auto& argument : arguments) argv.push_back(argument.c_str());
-  return cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
-                               argv.data());
+  arguments.insert(arguments.begin(), "calibrate");
+  return testing::run_touchtrace(std::move(arguments));
 }
 
 /// A grey picture in PGM, without a board.

@@ -87,7 +87,7 @@ SourceStream open_stream(const std::shared_ptr<MessageFile>& bag, const std::str
       stream.images.push_back({image, message.record_time_s, device_time_s});
       messages.push_back(message);
     } catch (const std::out_of_range& error) {
-      Progress::report(fmt::format("warning: left out a message of {}: {}", name, error.what()));
+      Progress::warn(fmt::format("left out a message of {}: {}", name, error.what()));
     }
   stream.read = [bag, messages = std::move(messages), type = topic.type,
                  serialization = topic.serialization](std::size_t i) {
@@ -111,7 +111,7 @@ std::optional<Camera> camera_of(MessageFile& bag, const std::string& image_topic
     return camera_from_info(
         parse_camera_info(bag.read(topic->second.messages.front()), topic->second.serialization));
   } catch (const std::exception& error) {
-    Progress::report(fmt::format("warning: {} is not used: {}", topic->first, error.what()));
+    Progress::warn(fmt::format("{} is not used: {}", topic->first, error.what()));
     return std::nullopt;
   }
 }

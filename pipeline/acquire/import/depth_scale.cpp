@@ -79,10 +79,10 @@ DepthScale depth_scale(const ImportSource& source, int type, double values_per_m
 void require_plausible(const DepthScale& scale, const SourceStream& depth, bool is_given) {
   const auto counts = sample_counts(scale, depth);
   if (counts.empty())
-    return Progress::report(fmt::format(
-        "warning: the depth images have no measurement from 0 to {:.3g} m (--depth-scale 1000: "
-        "floating-point depth is in millimetres)",
-        std::numeric_limits<std::uint16_t>::max() * scale.unit_m));
+    return Progress::warn(
+        fmt::format("the depth images have no measurement from 0 to {:.3g} m (--depth-scale 1000: "
+                    "floating-point depth is in millimetres)",
+                    std::numeric_limits<std::uint16_t>::max() * scale.unit_m));
   const double median_count = median({counts.begin(), counts.end()}), per_m = 1.0 / scale.unit_m;
   const auto hint =
       fmt::format("--depth-scale gives the counts per metre: {}", proposed_scales(median_count));

@@ -51,9 +51,9 @@ std::vector<std::size_t> ordered_frames(const std::vector<double>& time_s) {
     frames.push_back(i);
   }
   if (frames.size() < time_s.size())
-    Progress::report(fmt::format(
-        "warning: left out {} of {} glove frames: their stamps run backward or are missing",
-        time_s.size() - frames.size(), time_s.size()));
+    Progress::warn(
+        fmt::format("left out {} of {} glove frames: their stamps run backward or are missing",
+                    time_s.size() - frames.size(), time_s.size()));
   if (2 * frames.size() < time_s.size())
     throw data_error("most stamps of the glove run backward or are missing", hint);
   return frames;
@@ -112,7 +112,7 @@ std::vector<std::uint64_t> sequence_of(const GloveFile& file, const GloveTimes& 
   const auto& numbers = file.sequence;
   const bool has_numbers = !numbers.empty() && counts_frames(numbers, times.frames);
   if (!numbers.empty() && !has_numbers)
-    Progress::report("warning: the glove's sequence does not count its frames and is not used");
+    Progress::warn("the glove's sequence does not count its frames and is not used");
   return counted_frames(times, [&](std::size_t i) {
     return has_numbers ? numbers[times.frames[i]] - numbers[times.frames[i - 1]] : 1;
   });

@@ -83,8 +83,8 @@ ImportSource open_image_folder(const fs::path& folder, const SourceOptions& opti
   if (depths)
     source.depth = open_depth(*depths, options.rate_hz);
   else
-    Progress::report(
-        fmt::format("warning: {} has no folder 'depth'; only colour is imported", folder.string()));
+    Progress::warn(
+        fmt::format("{} has no folder 'depth'; only colour is imported", folder.string()));
   return source;
 }
 

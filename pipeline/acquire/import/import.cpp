@@ -109,7 +109,7 @@ std::optional<std::vector<std::uint8_t>> try_read_mask(MaskReader& reader, const
   try {
     return reader.read(file, size);
   } catch (const std::exception& error) {
-    Progress::report(fmt::format("warning: left out mask {}: {}", file.string(), error.what()));
+    Progress::warn(fmt::format("left out mask {}: {}", file.string(), error.what()));
     return std::nullopt;
   }
 }

@@ -48,9 +48,9 @@ void warn_of_unused(std::map<std::string, fs::path> by_name,
   if (by_name.empty()) return;
   const std::string first = by_name.begin()->second.filename(),
                     last = by_name.rbegin()->second.filename();
-  Progress::report(
-      fmt::format("warning: {} of {} masks are left out: no colour image has the name of {}",
-                  by_name.size(), num_files, first == last ? first : first + ", .. " + last));
+  Progress::warn(fmt::format("{} of {} masks are left out: no colour image has the name of {}",
+                             by_name.size(), num_files,
+                             first == last ? first : first + ", .. " + last));
 }
 
 /// Instances of an image: its values or, with three channels, the palette's indices of its colours.
@@ -129,9 +129,9 @@ void MaskReader::require_ids() const {
                                  ids_.hand, ids_.object, found),
                      "give --hand-id and --object-id");
   if (!has_hand || !has_object)
-    Progress::report(fmt::format("warning: no mask has the id {} of the {} (--{}-id); found: {}",
-                                 has_hand ? ids_.object : ids_.hand, has_hand ? "object" : "hand",
-                                 has_hand ? "object" : "hand", found));
+    Progress::warn(fmt::format("no mask has the id {} of the {} (--{}-id); found: {}",
+                               has_hand ? ids_.object : ids_.hand, has_hand ? "object" : "hand",
+                               has_hand ? "object" : "hand", found));
 }
 
 }  // namespace touchtrace

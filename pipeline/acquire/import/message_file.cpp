@@ -21,8 +21,8 @@ void read_records(const std::filesystem::path& file, std::uint64_t begin, std::u
     }
   } catch (const std::out_of_range&) {
     if (num_messages == 0) throw;
-    Progress::report(fmt::format("warning: {} ends early, at byte {}; the messages before are used",
-                                 file.string(), position));
+    Progress::warn(fmt::format("{} ends early, at byte {}; the messages before are used",
+                               file.string(), position));
   }
 }
 

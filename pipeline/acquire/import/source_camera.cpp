@@ -71,10 +71,10 @@ Cameras find_cameras(const fs::path& path, const ImportSource& source, const std
 bool contradicts_registration(const ImportSource& source, int width) {
   const auto shift = measure_motion_shift(source.color, source.depth);
   if (!shift || shift->is_consistent_with_registration(width)) return false;
-  Progress::report(fmt::format(
-      "warning: what moves in depth images is displaced by ({:+.0f}, {:+.0f}) pixels from what "
-      "moves in colour images, as if depth were not registered",
-      shift->depth_from_color_px.x, shift->depth_from_color_px.y));
+  Progress::warn(
+      fmt::format("what moves in depth images is displaced by ({:+.0f}, {:+.0f}) pixels from what "
+                  "moves in colour images, as if depth were not registered",
+                  shift->depth_from_color_px.x, shift->depth_from_color_px.y));
   return true;
 }
 
@@ -102,14 +102,14 @@ void set_cameras(CameraInfo& info, const Cameras& cameras) {
   info.depth_camera = info.is_registered ? cameras.color : cameras.depth;
   if (!info.is_registered) info.depth_from_color = cameras.depth_from_color;
   if (!info.color_camera)
-    Progress::report(
-        "warning: no intrinsics found (--camera-info FILE); label will need "
+    Progress::warn(
+        "no intrinsics found (--camera-info FILE); label will need "
         "--calibration");
   else if (!info.is_registered && !info.depth_from_color)
-    Progress::report(
-        "warning: the pose of the depth camera is unknown (--camera-info with a "
+    Progress::warn(
+        "the pose of the depth camera is unknown (--camera-info with a "
         "camchain or a folder of calibrate); label will need --calibration");
-  for (const auto& fault : implausible_intrinsics(info)) Progress::report("warning: " + fault);
+  for (const auto& fault : implausible_intrinsics(info)) Progress::warn(fault);
 }
 
 }  // namespace

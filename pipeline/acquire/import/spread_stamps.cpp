@@ -67,8 +67,8 @@ bool spread_repeated_stamps(std::vector<double>& time_s) {
     spread(group, group.time_s + (is_first ? group.interval_s - count * period_s : 0.0), period_s,
            time_s);
   }
-  Progress::report(
-      fmt::format("warning: {} of {} glove frames repeat the stamp before them: their "
+  Progress::warn(
+      fmt::format("{} of {} glove frames repeat the stamp before them: their "
                   "times are spread evenly until the next stamp",
                   repeated, time_s.size()));
   return true;

@@ -35,9 +35,8 @@ void StreamCopy::copy_next() {
 
 void StreamCopy::leave_out(const std::string& fault) {
   if (num_left_out() <= max_reported)
-    Progress::report(
-        fmt::format("warning: left out {}: {}", stream_.images[next_ - 1].name, fault));
-  if (num_left_out() == max_reported + 1) Progress::report("warning: left out further images");
+    Progress::warn(fmt::format("left out {}: {}", stream_.images[next_ - 1].name, fault));
+  if (num_left_out() == max_reported + 1) Progress::warn("left out further images");
 }
 
 CameraTimes StreamCopy::times() const {
@@ -50,7 +49,7 @@ CameraTimes StreamCopy::times() const {
     times.device_time_s.push_back(image.device_time_s - (is_unix ? clock_start_s_ : 0.0));
   }
   if (!std::ranges::is_sorted(times.device_time_s)) {
-    Progress::report("warning: the camera's stamps run backward; times of arrival replace them");
+    Progress::warn("the camera's stamps run backward; times of arrival replace them");
     times.device_time_s = times.host_time_s;
   }
   return times;

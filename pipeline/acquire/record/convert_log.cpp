@@ -192,15 +192,14 @@ LogConversion summarize(const Recording& recording, const LogDamage& damage) {
 void report(const LogConversion& conversion, const fs::path& log) {
   const LogDamage& damage = conversion.damage;
   if (damage.torn_bytes > 0)
-    Progress::report(
-        fmt::format("warning: {} ends with a torn record of {} bytes, which is left out",
-                    log.string(), damage.torn_bytes));
+    Progress::warn(fmt::format("{} ends with a torn record of {} bytes, which is left out",
+                               log.string(), damage.torn_bytes));
   if (!damage.is_torn_only())
-    Progress::report(fmt::format("warning: {} is damaged: {} records and {} bytes are left out",
-                                 log.string(), damage.lost_records, damage.damaged_bytes));
+    Progress::warn(fmt::format("{} is damaged: {} records and {} bytes are left out", log.string(),
+                               damage.lost_records, damage.damaged_bytes));
   if (conversion.unusable_records > 0)
-    Progress::report(fmt::format("warning: {} records of {} have an unknown kind, size or order",
-                                 conversion.unusable_records, log.string()));
+    Progress::warn(fmt::format("{} records of {} have an unknown kind, size or order",
+                               conversion.unusable_records, log.string()));
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ class FreenectCamera : public CameraSource {
     const int result = freenect_process_events_timeout(context_.get(), &timeout);
     sink_ = nullptr;
     if (result >= 0 || result == LIBUSB_ERROR_INTERRUPTED) return true;
-    Progress::report(fmt::format("warning: {}: no longer connected (error {})", name_, result));
+    Progress::warn(fmt::format("{}: no longer connected (error {})", name_, result));
     return false;
   }
 

@@ -112,9 +112,9 @@ class OpenniCamera : public CameraSource {
     camera.width = color_.size.width, camera.height = color_.size.height;
     camera.depth_width = depth_.size.width, camera.depth_height = depth_.size.height;
     camera.rate_hz = std::max(1, depth_.video.getVideoMode().getFps());
-    camera.is_registered = color_.size == depth_.size &&
-                           device_.getImageRegistrationMode() ==
-                               openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR;
+    camera.is_registered =
+        color_.size == depth_.size &&
+        device_.getImageRegistrationMode() == openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR;
   }
 
   bool step(const RecordSink& sink) override {
@@ -178,8 +178,8 @@ class OpenniCamera : public CameraSource {
   bool may_continue() const {
     if (end_->is_at_end()) return false;
     if (!is_file_ && !end_->is_unplugged()) return true;
-    Progress::report(fmt::format("warning: {}: {}", name_,
-                                 is_file_ ? "the file is damaged" : "no longer connected"));
+    Progress::warn(
+        fmt::format("{}: {}", name_, is_file_ ? "the file is damaged" : "no longer connected"));
     return false;
   }
 
@@ -203,8 +203,8 @@ class OpenniCamera : public CameraSource {
     image = image.clone();
     if (stream.is_mirrored) cv::flip(image, image, 1);
     if (is_color)
-      sink(RecordKind::color_image, to_payload(stamp(), std::span<const std::uint8_t>(
-                                                            image.data, 3 * image.total())));
+      sink(RecordKind::color_image,
+           to_payload(stamp(), std::span<const std::uint8_t>(image.data, 3 * image.total())));
     else
       sink(RecordKind::depth_image,
            to_payload(stamp(),

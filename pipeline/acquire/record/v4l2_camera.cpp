@@ -63,7 +63,7 @@ class V4l2Camera : public CameraSource {
     v4l2_buffer buffer = buffer_of(0);
     if (retry_ioctl(file_, VIDIOC_DQBUF, &buffer) != 0) {
       if (errno == EAGAIN || errno == EIO) return true;  // EIO: a damaged image
-      Progress::report(fmt::format("warning: {}: {}", path_, std::strerror(errno)));
+      Progress::warn(fmt::format("{}: {}", path_, std::strerror(errno)));
       return false;
     }
     if (!(buffer.flags & V4L2_BUF_FLAG_ERROR)) pass_on(sink, buffer);

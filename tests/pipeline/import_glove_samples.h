@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdlib>
+
+#include "pipeline/acquire/import/glove_import.h"
+#include "tests/pipeline/import_samples.h"
+
+namespace touchtrace {
+
+inline constexpr double glove_start_s = 1700000000.0;  // of write_glove_files.py
+inline constexpr int rest_frames = 60, taxels = 12;
+
+/// Count of taxel `i` as write_glove_files.py has it.
+inline int glove_count(int frame, int i) {
+  const int row = i / 3, col = i % 3;
+  const bool is_pressed = frame >= rest_frames && frame % 40 < 20;
+  return 3000 + 10 * row + col + (7 * frame + col) % 3 - 1 - (is_pressed ? 800 : 0);
+}
+
+class ImportGlove : public Import {
+ protected:
+  void SetUp() override {
+    Import::SetUp();
+    const std::string command = std::string("/usr/bin/python3 ") + TOUCHTRACE_SOURCE_DIR +
+                                "/tests/pipeline/write_glove_files.py " + folder_.path().string();
+    ASSERT_EQ(std::system(command.c_str()), 0);
+  }
+  ImportOptions with_glove(const std::string& name) const {
+    ImportOptions options;
+    options.glove.file = folder_ / name;
+    options.glove.rest_s = 3.0;
+    return options;
+  }
+  static ImportOptions with_layout(ImportOptions options) {
+    options.glove.layout.rows = 4, options.glove.layout.cols = 3;
+    return options;
+  }
+  /// Imports a glove alone.
+  GloveStream glove(const ImportOptions& options) {
+    summary_ = import_recording({}, folder_ / "out.h5", options,
+                                start_provenance("touchtrace/recording/2", "import"), true);
+    const RecordingReader reader(folder_ / "out.h5");
+    EXPECT_EQ(reader.recording().camera_times.frames(), 0u);
+    EXPECT_NEAR(reader.recording().epoch_unix_s, glove_start_s, 1e-5);
+    return reader.recording().gloves.at(0);
+  }
+  void expect_glove_rejected(const ImportOptions& options, const std::string& text) {
+    try {
+      glove(options);
+      ADD_FAILURE() << "accepted, instead of " << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::data);
+      EXPECT_NE((std::string(error.what()) + error.hint()).find(text), std::string::npos)
+          << error.what() << "; " << error.hint();
+    }
+    EXPECT_FALSE(fs::exists(folder_ / "out.h5"));
+  }
+  /// Options that need no frames at rest.
+  ImportOptions alone(const std::string& name, int rows, int cols) const {
+    ImportOptions options = with_glove(name);
+    options.glove.polarity = 1;
+    options.glove.layout.rows = rows, options.glove.layout.cols = cols;
+    return options;
+  }
+  /// Imports a glove alone, on any clock.
+  GloveStream import_alone(const ImportOptions& options) const {
+    import_recording({}, folder_ / "out.h5", options,
+                     start_provenance("touchtrace/recording/2", "import"), true);
+    return RecordingReader(folder_ / "out.h5").recording().gloves.at(0);
+  }
+  static void expect_counts(const GloveStream& glove, int frames) {
+    ASSERT_EQ(glove.info.rows, 4);
+    ASSERT_EQ(glove.info.cols, 3);
+    ASSERT_EQ(glove.frames(), std::size_t(frames));
+    for (int frame = 0; frame < frames; ++frame)
+      for (int i = 0; i < taxels; ++i)
+        ASSERT_EQ(glove.counts[std::size_t(frame * taxels + i)], glove_count(frame, i));
+    EXPECT_EQ(glove.info.bits, 12);
+    EXPECT_EQ(glove.info.polarity, -1);
+    EXPECT_NEAR(glove.info.rate_hz, 20.0, 1e-3);
+    for (int i = 0; i < taxels; ++i)  // median of three equally frequent counts
+      EXPECT_EQ(glove.info.baseline_counts[std::size_t(i)], 3000 + 10 * (i / 3) + i % 3);
+  }
+};
+
+}  // namespace touchtrace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/verify/calib/synthetic_track.h"
 
 namespace touchtrace {
@@ -28,6 +30,18 @@ TEST(FindFlights, FindsNoneInAHandOrAtRest) {
   for (int i = 0; i < 500; ++i)
     rest.push_back({0.02 * i, {0.1, 0.2, 0.3}, Eigen::Vector3d::Constant(0.002)});
   EXPECT_TRUE(find_flights(rest, gravity).empty());
+}
+
+/// Strokes along z that accelerate like gravity for moments, in noise in which a short window fits
+/// any acceleration, and many places to search.
+TEST(FindFlights, FindsNoneInFastStrokes) {
+  const Eigen::Vector3d along_strokes(0.0, 0.0, -9.81);
+  for (const double rate_hz : {20.0, 60.0})
+    for (const double sigma_m : {0.002, 0.005}) {
+      Track track = measure(synthetic_wave(120.0, 2), rate_hz, sigma_m, 2);
+      for (auto& point : track) std::swap(point.position_m.x(), point.position_m.z());
+      EXPECT_EQ(find_flights(track, along_strokes).size(), 0u) << rate_hz << " " << sigma_m;
+    }
 }
 
 TEST(FindFlights, AcceptsAnyTimes) {

@@ -179,18 +179,17 @@ EventTimeDistribution event_distribution(const FlightCost& cost, const double* t
 }
 
 /// Returns the flight with its maximum-likelihood times, or nullopt if there are too few points or
-/// it is implausible and to be dropped.
+/// it is implausible.
 std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& units,
                              const Flight& guess, const std::vector<Flight>& before,
                              const std::vector<Flight>& after, const MotionNoise& noise,
-                             const SmoothOptions& options, ImplausibleFlights implausible) {
+                             const SmoothOptions& options, DoubtfulFlights doubtful) {
   const auto window = window_around(track, guess);
   if (window.points.size() < min_points_per_flight) return std::nullopt;
   const FlightCost cost(window, units, guess, before, after, noise, options);
   double times[2];
-  const double max_cost = implausible == ImplausibleFlights::keep
-                              ? std::numeric_limits<double>::infinity()
-                              : cost.without_flight() - cost.penalty();
+  const double max_cost =
+      cost.without_flight() + (doubtful == DoubtfulFlights::keep ? 1.0 : -1.0) * cost.penalty();
   if (!(search(cost, guess, units.time_s, times) < max_cost)) return std::nullopt;
   const Flight flight{cost.is_release_free() ? cost.time_s(times[0]) : before.back().landing_s,
                       cost.time_s(times[1])};
@@ -201,7 +200,7 @@ std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& unit
 }  // namespace
 
 std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoise& noise,
-                                     const SmoothOptions& options, ImplausibleFlights implausible) {
+                                     const SmoothOptions& options, DoubtfulFlights doubtful) {
   const auto units = MotionUnits::of({track.points});
   std::vector<Flight> found;
   std::vector<Flight> remaining = track.flights;
@@ -209,7 +208,7 @@ std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoi
     const Flight guess = remaining.front();
     remaining.erase(remaining.begin());
     const bool ends_with_hit = !remaining.empty() && remaining.front().release_s <= guess.landing_s;
-    const auto flight = refine(track, units, guess, found, remaining, noise, options, implausible);
+    const auto flight = refine(track, units, guess, found, remaining, noise, options, doubtful);
     if (!flight) continue;
     found.push_back(*flight);
     if (ends_with_hit) remaining.front().release_s = flight->landing_s;

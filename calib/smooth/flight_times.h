@@ -4,13 +4,13 @@
 
 namespace touchtrace {
 
-/// Treatment of flights that explain the data worse than no flight does, by the Bayesian
-/// information criterion.
-enum class ImplausibleFlights { keep, drop };
+/// Treatment of flights that explain the data neither better nor worse than no flight does, by the
+/// Bayesian information criterion. Those that explain them worse are dropped.
+enum class DoubtfulFlights { keep, drop };
 
 /// Returns the track's flights with maximum-likelihood times, by grids of 20 to 0.3 ms.
 std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoise& noise,
-                                     const SmoothOptions& options, ImplausibleFlights implausible);
+                                     const SmoothOptions& options, DoubtfulFlights doubtful);
 
 /// Sets the time distribution of each event of the track's flights, given the others' likeliest
 /// times, and its time to the mean.

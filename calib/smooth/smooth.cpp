@@ -84,12 +84,11 @@ SmoothedTrack finish(WeightedTrack track, const SmoothedTracks& all, const Smoot
   return result;
 }
 
-/// Estimates flights, dropping implausible ones, then weights.
 void estimate_flights_and_weights(std::vector<WeightedTrack>& tracks, const MotionNoise& noise,
-                                  const SmoothOptions& options) {
+                                  const SmoothOptions& options, DoubtfulFlights doubtful) {
   parallel_for(tracks.size(), options.num_threads, [&](std::size_t i) {
     auto& track = tracks[i];
-    track.flights = estimate_flights(track, noise, options, ImplausibleFlights::drop);
+    track.flights = estimate_flights(track, noise, options, doubtful);
     if (options.robust) estimate_weights(track, noise, options);
   });
 }
@@ -104,35 +103,29 @@ bool update_noise(const std::vector<WeightedTrack>& tracks, const SmoothOptions&
   return true;
 }
 
-/// Alternates between flights, noise and weights. Flights come first, because noise would
-/// compensate for wrong event times, and are dropped only once there is noise to judge them by. The
-/// process noise varies with time only once its mean is known.
-MotionNoise estimate_motion(std::vector<WeightedTrack>& tracks, const SmoothOptions& options) {
-  auto noise = options.noise;
-  bool is_estimated = false;
-  parallel_for(tracks.size(), options.num_threads, [&](std::size_t i) {
-    tracks[i].flights = estimate_flights(tracks[i], noise, options, ImplausibleFlights::keep);
-  });
-  for (int round = 0; round < 2; ++round) {
-    if (options.estimate_noise) is_estimated = update_noise(tracks, options, noise);
-    estimate_flights_and_weights(tracks, noise, options);
-  }
-  if (!is_estimated) return noise;
-  for (int round = 0; round < 2; ++round) {
-    estimate_curves(tracks, noise, options);
-    update_noise(tracks, options, noise);
-    estimate_flights_and_weights(tracks, noise, options);
-  }
-  estimate_curves(tracks, noise, options);
-  return noise;
-}
-
-/// Noise of the causal filters, which ignore flights.
+/// Maximum-likelihood noise without flights, which leaves the parameters of flights as they are.
 MotionNoise estimate_causal_noise(std::vector<WeightedTrack> tracks, const MotionNoise& noise,
                                   const SmoothOptions& options) {
   if (!options.estimate_noise) return noise;
   for (auto& track : tracks) track.flights.clear(), track.curve = {};
   return estimate_noise(tracks, noise, options).value_or(noise);
+}
+
+/// Alternates between flights, noise and weights. Flights are first judged with the noise of tracks
+/// without any: one wrong flight, such as two with the catch between them, would make noise so
+/// large that it hides the others. The process noise varies with time only once its mean is known.
+MotionNoise estimate_motion(std::vector<WeightedTrack>& tracks, const SmoothOptions& options) {
+  auto noise = estimate_causal_noise(tracks, options.noise, options);
+  estimate_flights_and_weights(tracks, noise, options, DoubtfulFlights::keep);
+  bool is_estimated = false;
+  for (int round = 0; round < 4; ++round) {
+    if (round >= 2 && !is_estimated) return noise;
+    if (round >= 2) estimate_curves(tracks, noise, options);
+    if (options.estimate_noise) is_estimated = update_noise(tracks, options, noise);
+    estimate_flights_and_weights(tracks, noise, options, DoubtfulFlights::drop);
+  }
+  estimate_curves(tracks, noise, options);
+  return noise;
 }
 
 }  // namespace

@@ -100,5 +100,17 @@ TEST(SmoothFlights, DropsImplausibleFlights) {
   EXPECT_TRUE(found.flights.empty());
 }
 
+/// A guess that takes two throws and the catch between them for one flight is dropped, and nothing
+/// else.
+TEST(SmoothFlights, OneWrongFlightDoesNotHideTheOthers) {
+  const auto motion = synthetic_throw(15.0, 1);
+  auto guess = motion.flights;
+  guess[3].landing_s = guess[4].landing_s;
+  guess.erase(guess.begin() + 4);
+  const auto smoothed = smooth({measure(motion, 60.0, 0.005, 1)}, {guess}, {});
+  EXPECT_EQ(smoothed.tracks.front().flights.size(), motion.flights.size() - 2);
+  EXPECT_LT(smoothed.noise.wander_sigma_m, 0.003);
+}
+
 }  // namespace
 }  // namespace touchtrace

@@ -8,8 +8,8 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
-#include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
+#include "pipeline/acquire/time_order.h"
 
 namespace touchtrace {
 namespace {
@@ -43,11 +43,7 @@ std::vector<StampedFile> read_tum_list(const fs::path& folder, const char* list)
     file.path = folder / path;
     files.push_back(std::move(file));
   }
-  if (!std::ranges::is_sorted(files, {}, &StampedFile::time_s))
-    Progress::warn(fmt::format("the times in {} do not increase; images are sorted",
-                               (folder / list).string()));
-  std::ranges::stable_sort(files, {}, &StampedFile::time_s);
-  return files;
+  return in_time_order(std::move(files), &StampedFile::time_s, (folder / list).string());
 }
 
 bool is_tum_folder(const fs::path& folder) {

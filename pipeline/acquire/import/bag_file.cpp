@@ -54,8 +54,6 @@ BagFile::BagFile(std::filesystem::path file)
   } catch (const std::exception& error) {
     throw data_error(describe(error.what()), hint);
   }
-  for (auto& [name, topic] : topics_)
-    std::ranges::stable_sort(topic.messages, {}, &BagMessage::record_time_s);
 }
 
 std::string BagFile::describe(const std::string& fault) const {

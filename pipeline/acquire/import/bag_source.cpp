@@ -11,6 +11,7 @@
 #include "pipeline/acquire/import/bag_file.h"
 #include "pipeline/acquire/import/ros_messages.h"
 #include "pipeline/acquire/import/source.h"
+#include "pipeline/acquire/time_order.h"
 
 namespace touchtrace {
 namespace {
@@ -80,7 +81,8 @@ SourceStream open_stream(const std::shared_ptr<MessageFile>& bag, const std::str
   const BagTopic& topic = bag->topics().at(name);
   SourceStream stream;
   std::vector<BagMessage> messages;
-  for (const BagMessage& message : topic.messages) try {
+  for (const BagMessage& message : in_time_order(topic.messages, &BagMessage::record_time_s, name))
+    try {
       const std::string image = fmt::format("message {} of {}", messages.size(), name);
       const double device_time_s =
           parse_image(bag->read(message), topic.type, topic.serialization).stamp_s;

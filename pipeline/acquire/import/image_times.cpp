@@ -10,6 +10,7 @@
 #include "engine/base/error.h"
 #include "pipeline/acquire/import/stamp_unit.h"
 #include "pipeline/acquire/table_columns.h"
+#include "pipeline/acquire/time_order.h"
 
 namespace touchtrace {
 namespace {
@@ -43,14 +44,6 @@ std::optional<fs::path> find_list(const fs::path& folder) {
     for (const char* name : {"times.txt", "timestamps.txt", "times.csv", "timestamps.csv"})
       if (fs::is_regular_file(where / name)) return where / name;
   return std::nullopt;
-}
-
-/// Seconds of all stamps of a file. Stamps with an implausible rate in every unit stay as they are.
-std::vector<double> in_seconds(std::vector<double> stamps) {
-  const auto unit = stamp_unit(stamps, min_image_rate_hz);
-  if (unit)
-    for (double& stamp : stamps) stamp /= unit->per_second;
-  return stamps;
 }
 
 /// Column of times: by name, else the first one with a number.
@@ -106,6 +99,13 @@ std::vector<double> image_times(const fs::path& folder, const std::vector<fs::pa
 
 }  // namespace
 
+std::vector<double> in_seconds(std::vector<double> stamps) {
+  const auto unit = stamp_unit(stamps, min_image_rate_hz);
+  if (unit)
+    for (double& stamp : stamps) stamp /= unit->per_second;
+  return stamps;
+}
+
 void sort_by_number(std::vector<fs::path>& images) {
   std::ranges::sort(images, {}, [](const fs::path& image) {
     return std::pair(number_of(image), image.filename().string());
@@ -118,8 +118,7 @@ std::vector<StampedFile> stamped_images(const fs::path& folder, std::vector<fs::
   const auto times_s = image_times(folder, images, rate_hz);
   std::vector<StampedFile> files;
   for (std::size_t i = 0; i < images.size(); ++i) files.push_back({times_s[i], images[i]});
-  std::ranges::stable_sort(files, {}, &StampedFile::time_s);
-  return files;
+  return in_time_order(std::move(files), &StampedFile::time_s, folder.string());
 }
 
 }  // namespace touchtrace

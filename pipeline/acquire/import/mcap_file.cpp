@@ -45,8 +45,6 @@ McapFile::McapFile(std::filesystem::path file)
     throw data_error(fmt::format("cannot read {}: {}", file_.string(), error.what()),
                      "give a complete MCAP file; `mcap recover` repairs some");
   }
-  for (auto& [name, topic] : topics_)
-    std::ranges::stable_sort(topic.messages, {}, &BagMessage::record_time_s);
 }
 
 std::string McapFile::read_bytes(std::uint64_t position, std::uint64_t size) {

@@ -35,7 +35,7 @@ class MessageFile {
  public:
   virtual ~MessageFile() = default;
 
-  /// By name, with messages in order of their record times.
+  /// By name, with messages in the order of the file.
   virtual const std::map<std::string, BagTopic>& topics() const = 0;
   /// Bytes of a message, valid until the next call. Throws std::exception if it is damaged.
   virtual ByteSpan read(const BagMessage& message) = 0;

@@ -4,8 +4,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/error.h"
+#include "pipeline/acquire/import/image_times.h"
 #include "pipeline/acquire/import/numpy_file.h"
 #include "pipeline/acquire/import/source.h"
+#include "pipeline/acquire/time_order.h"
 
 namespace touchtrace {
 namespace {
@@ -48,17 +50,27 @@ cv::Mat depth_image(const NumpyArray& images, std::size_t index) {
                    0.0});
 }
 
-std::vector<SourceImage> stamped(const char* name, std::size_t count, const NumpyArray* times,
-                                 double rate_hz) {
+/// Times of the images of one array [s].
+std::vector<double> times_of(const char* name, std::size_t count, const NumpyArray* times,
+                             double rate_hz) {
   if (times ? times->size() != count : rate_hz <= 0.0)
     throw data_error(fmt::format("the archive has no time_s with {} times of {}", count, name),
                      "add time_s [s], or give --rate HZ");
-  std::vector<SourceImage> images;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double time_s = times ? times->at(i) : static_cast<double>(i) / rate_hz;
-    images.push_back({fmt::format("{} {}", name, i), time_s, time_s});
-  }
-  return images;
+  std::vector<double> times_s;
+  for (std::size_t i = 0; i < count; ++i)
+    times_s.push_back(times ? times->at(i) : static_cast<double>(i) / rate_hz);
+  return times ? in_seconds(std::move(times_s)) : times_s;
+}
+
+/// Stream of the images in order of their times. `image`: reads one by its index in the array.
+template <class Image>
+SourceStream stream_of(const char* name, const std::vector<double>& times_s, Image&& image) {
+  const auto order = time_order(times_s, name);
+  SourceStream stream;
+  for (const std::size_t i : order)
+    stream.images.push_back({fmt::format("{} {}", name, i), times_s[i], times_s[i]});
+  stream.read = [order, image](std::size_t i) { return image(order[i]); };
+  return stream;
 }
 
 }  // namespace
@@ -74,10 +86,10 @@ ImportSource open_numpy_source(const std::filesystem::path& file, const SourceOp
   const NumpyArray* times = find_array(*arrays, {"time_s", "times", "timestamps"});
   require_images(color, "color", 4);
   require_images(depth, "depth", 3);
-  return {.color = {stamped("color", color->shape[0], times, options.rate_hz),
-                    [arrays, color](std::size_t i) { return color_image(*color, i); }},
-          .depth = {stamped("depth", depth->shape[0], times, options.rate_hz),
-                    [arrays, depth](std::size_t i) { return depth_image(*depth, i); }}};
+  return {.color = stream_of("color", times_of("color", color->shape[0], times, options.rate_hz),
+                             [arrays, color](std::size_t i) { return color_image(*color, i); }),
+          .depth = stream_of("depth", times_of("depth", depth->shape[0], times, options.rate_hz),
+                             [arrays, depth](std::size_t i) { return depth_image(*depth, i); })};
 }
 
 }  // namespace touchtrace

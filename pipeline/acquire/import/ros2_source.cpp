@@ -20,8 +20,6 @@ class SplitBag : public MessageFile {
   explicit SplitBag(std::vector<std::unique_ptr<MessageFile>> files) : files_(std::move(files)) {
     for (std::size_t i = 0; i < files_.size(); ++i)
       for (const auto& [name, topic] : files_[i]->topics()) add(name, topic, i);
-    for (auto& [name, topic] : topics_)
-      std::ranges::stable_sort(topic.messages, {}, &BagMessage::record_time_s);
   }
 
   const std::map<std::string, BagTopic>& topics() const override { return topics_; }

@@ -79,7 +79,7 @@ void SqliteBag::read_index() {
     topic.serialization = RosSerialization::cdr;
     by_number[sqlite3_column_int64(topics.get(), 0)] = &topic;
   }
-  const auto messages = prepare("SELECT id, topic_id, timestamp FROM messages ORDER BY timestamp");
+  const auto messages = prepare("SELECT id, topic_id, timestamp FROM messages ORDER BY id");
   for (std::size_t count = 0; step(messages); ++count) {
     if (count == max_messages) throw std::runtime_error("it has too many messages");
     const auto topic = by_number.find(sqlite3_column_int64(messages.get(), 1));

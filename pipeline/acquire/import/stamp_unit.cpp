@@ -35,8 +35,7 @@ double frames_per_stamp(std::vector<double> stamps) {
   std::erase_if(stamps, [](double stamp) { return !std::isfinite(stamp); });
   const auto frames = static_cast<double>(stamps.size());
   std::ranges::sort(stamps);
-  const auto repeated = std::ranges::unique(stamps);
-  stamps.erase(repeated.begin(), repeated.end());
+  stamps.erase(std::unique(stamps.begin(), stamps.end()), stamps.end());
   if (stamps.size() < 2) return 0.0;
   const auto different = static_cast<double>(stamps.size());
   for (std::size_t i = 0; i + 1 < stamps.size(); ++i) stamps[i] = stamps[i + 1] - stamps[i];

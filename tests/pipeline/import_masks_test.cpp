@@ -66,6 +66,19 @@ TEST_F(ImportMasks, WarnOfThoseWithoutAnImage) {
                   "18.png"));
 }
 
+TEST_F(ImportMasks, MayHaveOtherLeadingZeros) {
+  write_mask("1.png", 1), write_mask("0010.png", 2), write_mask("b_7.50.png", 1);
+  const auto files = mask_files(folder_ / "masks", {{"rgb/000001.png"},
+                                                    {"rgb/000010.png"},
+                                                    {"rgb/000100.png"},
+                                                    {"b_007.50.png"},
+                                                    {"b_7.050.png"}});
+  ASSERT_EQ(files.size(), 3u);
+  EXPECT_EQ(files.at(0).filename(), "1.png");
+  EXPECT_EQ(files.at(1).filename(), "0010.png");
+  EXPECT_EQ(files.at(3).filename(), "b_7.50.png");
+}
+
 TEST_F(ImportMasks, AreNotNeededForAWarningOfIntrinsics) {
   options_.masks.clear();
   write_file(folder_ / "in" / "K.txt", "14 0 8\n0 14 6\n0 0 1\n", true);  // of 16x12

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <opencv2/imgcodecs.hpp>
+#include <regex>
 #include <stdexcept>
 
 #include "engine/base/error.h"
@@ -38,6 +39,28 @@ cv::Mat pixels_of(const cv::Mat& mask, int id) {
   else
     cv::inRange(mask, palette_color(id), palette_color(id), pixels);
   return pixels;
+}
+
+/// Name of a file without its extension and without leading zeros of its whole numbers.
+std::string plain_name(const fs::path& file) {
+  static const std::regex zeros("(^|[^0-9.])0+(?=[0-9])");
+  return std::regex_replace(file.stem().string(), zeros, "$1");
+}
+
+/// Masks with the names of images by the images' index. Leading zeros of numbers may differ.
+std::map<std::size_t, fs::path> named_masks(const std::map<std::string, fs::path>& by_name,
+                                            const std::vector<SourceImage>& images) {
+  std::map<std::string, fs::path> by_plain_name;
+  for (const auto& [name, file] : by_name) by_plain_name.emplace(plain_name(file), file);
+  std::map<std::size_t, fs::path> masks;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const fs::path image = images[i].name;
+    if (const auto found = by_name.find(image.stem()); found != by_name.end())
+      masks[i] = found->second;
+    else if (const auto plain = by_plain_name.find(plain_name(image)); plain != by_plain_name.end())
+      masks[i] = plain->second;
+  }
+  return masks;
 }
 
 /// Warns of masks whose name no colour image has.
@@ -88,10 +111,7 @@ std::map<std::size_t, fs::path> mask_files(const fs::path& folder,
   auto files = images_in_folder(folder);
   std::map<std::string, fs::path> by_name;
   for (const fs::path& file : files) by_name[file.stem()] = file;
-  std::map<std::size_t, fs::path> masks;
-  for (std::size_t i = 0; i < images.size(); ++i)
-    if (const auto found = by_name.find(fs::path(images[i].name).stem()); found != by_name.end())
-      masks[i] = found->second;
+  auto masks = named_masks(by_name, images);
   if (!masks.empty()) {
     warn_of_unused(by_name, masks);
     return masks;

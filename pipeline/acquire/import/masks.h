@@ -16,8 +16,8 @@ struct MaskIds {
 };
 
 /// Mask files of a folder by the index of their colour image: those with the colour image's file
-/// name, or all of them in order if none has. Reports those that are left out. Throws data_error if
-/// numbers of files do not match.
+/// name, in which numbers may have other leading zeros, or all of them in order if none has.
+/// Reports those that are left out. Throws data_error if numbers of files do not match.
 std::map<std::size_t, std::filesystem::path> mask_files(const std::filesystem::path& folder,
                                                         const std::vector<SourceImage>& images);
 

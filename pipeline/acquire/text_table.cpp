@@ -12,12 +12,14 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
 
 namespace touchtrace {
 namespace {
 
 constexpr std::size_t max_quoted_bytes = 40;
 constexpr std::string_view blanks = " \t\r\v\f";
+constexpr std::size_t min_wide_columns = 10;  // of tables that may follow other lines
 
 std::string lower_case(std::string_view text) {
   std::string result(text);
@@ -68,6 +70,20 @@ std::vector<std::string_view> split(std::string_view line, char separator) {
   return fields;
 }
 
+/// Number of columns of the last line that is neither blank nor a comment; 0 for narrow tables.
+std::size_t wide_columns(std::string_view text) {
+  for (std::size_t end = text.size(); end > 0;) {
+    const std::size_t start = text.find_last_of('\n', end - 1) + 1;
+    const auto line = trimmed(text.substr(start, end - start));
+    end = start > 0 ? start - 1 : 0;
+    if (line.empty() || line.starts_with('#')) continue;
+    if (line.size() > TextTable::max_line_bytes) break;
+    const std::size_t columns = split(line, separator_of(line)).size();
+    return columns < min_wide_columns ? 0 : columns;
+  }
+  return 0;
+}
+
 std::string column_name(std::string_view field) {
   std::string name;
   for (char c : lower_case(field)) {
@@ -106,11 +122,20 @@ TextTable::TextTable(std::filesystem::path file)
     throw data_error(fmt::format("{} is not a text file in UTF-8 or ASCII", file_.string()),
                      "save or export it as CSV");
   if (text_.starts_with("\xEF\xBB\xBF")) next_ = 3;  // byte order mark
+  const std::size_t columns = wide_columns(text_);
+  std::size_t num_skipped = 0;
   while (next_line()) {
-    if (!is_comment()) break;
-    const auto comment = trimmed(content_).substr(1);
-    comment_names_ = column_names(split(comment, separator_of(comment)));
+    if (is_comment()) {
+      const auto comment = trimmed(content_).substr(1);
+      comment_names_ = column_names(split(comment, separator_of(comment)));
+      continue;
+    }
+    if (2 * split(content_, separator_of(content_)).size() > columns) break;
+    ++num_skipped;
   }
+  if (num_skipped > 0)
+    Progress::report(
+        fmt::format("{}: skipped {} lines before the table", file_.string(), num_skipped));
   if (trimmed(content_).empty())
     throw data_error(fmt::format("{} has no rows", file_.string()),
                      "give a file with a time and a position in each row");

@@ -11,8 +11,9 @@ namespace touchtrace {
 
 /// Rows of a text file whose columns are separated by commas, semicolons, tabs or blanks: whichever
 /// of these, in the order `;` tab `,` blank, the first row contains. Blank lines and comments
-/// (`#...`) are skipped. Fields may be in double quotes. The first row is a header if none of its
-/// fields is a number.
+/// (`#...`) are skipped, and so are lines before a table of 10 columns or more that have at most
+/// half as many. Fields may be in double quotes. The first row is a header if none of its fields is
+/// a number.
 class TextTable {
  public:
   static constexpr std::uintmax_t max_bytes = 1u << 28;

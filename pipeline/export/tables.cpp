@@ -63,10 +63,11 @@ std::vector<float> pressures(const GloveStream& glove) {
   return pressure;
 }
 
-DataTable table_of_glove(const std::string& name, const GloveStream& glove) {
+DataTable table_of_glove(const std::string& name, const GloveStream& glove, double epoch_unix_s) {
   const std::vector<AxisNames> axes{numbered_axis(glove.info.rows), numbered_axis(glove.info.cols)};
   return {name,
           {{"time_s", glove.host_time_s},
+           {"epoch_unix_s", std::vector<double>(glove.frames(), epoch_unix_s)},
            {"sequence", glove.sequence},
            {"counts", glove.counts, axes},
            {"pressure", pressures(glove), axes}},
@@ -92,7 +93,8 @@ std::vector<DataTable> tables_of(const Recording& recording, const std::string& 
                      "tables of a recording hold its touch; for images choose mcap --images");
   std::vector<DataTable> tables;
   for (std::size_t i = 0; i < recording.gloves.size(); ++i)
-    tables.push_back(table_of_glove(i == 0 ? "" : fmt::format("glove{}", i), recording.gloves[i]));
+    tables.push_back(table_of_glove(i == 0 ? "" : fmt::format("glove{}", i), recording.gloves[i],
+                                    recording.epoch_unix_s));
   for (std::size_t i = 0; i < recording.gloves.size(); ++i)
     tables.push_back(table_of_taxels(i == 0 ? "taxels" : fmt::format("glove{}_taxels", i),
                                      recording.gloves[i].info));

@@ -137,7 +137,8 @@ TEST_F(Tables, TouchIsImportedAgain) {
     GloveOptions options;
     options.file = folder_ / table;
     options.polarity = 1, options.bits = 10;
-    const GloveStream read = import_glove(options);
+    const auto [read, epoch_unix_s] = import_glove(options);
+    EXPECT_EQ(epoch_unix_s, sample_.recording.epoch_unix_s);
     EXPECT_EQ(read.info.rows, 6);
     EXPECT_EQ(read.info.cols, 5);
     EXPECT_EQ(read.counts, glove.counts);

@@ -16,7 +16,6 @@ TEST_F(ImportGlove, NumpyArraysMayHaveAnyOrderOfBytesAndAxes) {
   expect_counts(glove(with_glove("dates.npz")), 300);
   const GloveStream half = glove(with_glove("half.npz"));
   for (int i = 0; i < taxels; ++i) EXPECT_EQ(half.counts[std::size_t(i)], glove_count(0, i) - 2000);
-  EXPECT_EQ(glove(alone("bool.npz", 4, 3)).counts[0], 1);
   fs::remove(folder_ / "out.h5");
   expect_glove_rejected(with_glove("single.npy"), "numpy.savez");
 }
@@ -42,6 +41,15 @@ TEST_F(ImportGlove, ValuesWithFractionsAreScaledTo16Bits) {
   EXPECT_EQ(tared.counts[0], std::lround(0.1 / 4.5 * 65535));
   EXPECT_EQ(counts(-30.0, 29.0, 0.0).counts[119], 59) << "whole numbers are shifted";
   EXPECT_EQ(counts(-30.0, 29.0, 0.0).info.baseline_counts[0], 30.0f);
+}
+
+TEST_F(ImportGlove, ContactsAreFullScale) {
+  const GloveStream contacts = glove(alone("bool.npz", 4, 3));
+  EXPECT_EQ(contacts.counts[0], 65535);
+  EXPECT_EQ(contacts.info.bits, 16);
+  auto counts = alone("bool.npz", 4, 3);
+  counts.glove.bits = 10;
+  EXPECT_EQ(glove(counts).counts[0], 1) << "of a converter";
 }
 
 TEST_F(ImportGlove, NamesOfColumnsTellTheTaxels) {
@@ -110,6 +118,17 @@ TEST_F(ImportGlove, DatesInATableAreTimes) {
   testing::put(folder_ / "a.csv", table);
   EXPECT_NEAR(import_alone(alone("a.csv", 1, 1)).info.rate_hz, 2.0, 1e-6);
   EXPECT_NEAR(RecordingReader(folder_ / "out.h5").recording().epoch_unix_s, glove_start_s, 1e-5);
+}
+
+TEST_F(ImportGlove, EpochOfATableIsKept) {
+  std::string table = "time_s,epoch_unix_s,counts_0_0\n";
+  for (int i = 0; i < 60; ++i) table += fmt::format("{},{},5\n", 0.05 * i - 0.25, glove_start_s);
+  testing::put(folder_ / "a.csv", table);
+  const auto options = alone("a.csv", 1, 1);
+  EXPECT_EQ(import_alone(options).host_time_s[0], -0.25);
+  EXPECT_EQ(RecordingReader(folder_ / "out.h5").recording().epoch_unix_s, glove_start_s);
+  write_import_tum(folder_ / "tum");
+  EXPECT_NEAR(import("tum", options).recording().gloves.at(0).host_time_s[0], -0.5, 1e-6);
 }
 
 TEST_F(ImportGlove, ExportedNumbersAreReadBack) {

@@ -5,46 +5,48 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
-#include "engine/base/progress.h"
 #include "pipeline/acquire/import/taxel_names.h"
 
 namespace touchtrace {
 namespace {
 
+constexpr const char* epoch_name = "epoch_unix_s";
+
 /// Whether a column has neither taxels nor times: numbers of frames, and time as text.
 bool is_other(const std::string& name) {
-  static const std::vector<std::string> others{"time_str", "datetime", "date",     "frame",
-                                               "frame_id", "index",    "sequence", "packet",
-                                               "clip",     "",         "unnamed_0"};
+  static const std::vector<std::string> others{
+      "time_str", "datetime", "date", "frame", "frame_id",  "frame_index", "index",
+      "sequence", "packet",   "clip", "",      "unnamed_0", epoch_name};
   return std::ranges::find(others, name) != others.end();
 }
 
-TableColumn time_column_of(const TextTable& table) {
-  if (table.names().empty()) return {0, 1.0, "column 1"};
+std::optional<TableColumn> time_column_of(const TextTable& table, double rate_hz) {
+  if (table.names().empty()) return TableColumn{0, 1.0, "column 1"};
   const auto time = find_column(table, table.names(), {"time", "t", "timestamp", "host_time", "ts"},
                                 time_units());
-  if (!time)
+  if (!time && rate_hz == 0.0)
     throw data_error(fmt::format("{} has no column time_s", table.file().string()),
-                     glove_table_hint);
-  return *time;
+                     std::string(glove_table_hint) + "; without times give --rate HZ");
+  return time;
 }
 
-std::optional<TableColumn> sequence_column_of(const TextTable& table) {
-  const auto found = std::ranges::find(table.names(), "sequence");
+std::optional<TableColumn> column_named(const TextTable& table, const char* name) {
+  const auto found = std::ranges::find(table.names(), name);
   if (found == table.names().end()) return std::nullopt;
-  return TableColumn{static_cast<std::size_t>(found - table.names().begin()), 1.0, "sequence"};
+  return TableColumn{static_cast<std::size_t>(found - table.names().begin()), 1.0, name};
 }
 
 /// Columns of taxels in the order of the file: those named counts_..., as `export` writes them,
 /// else all others.
-std::vector<TableColumn> taxel_columns_of(const TextTable& table, std::size_t time) {
+std::vector<TableColumn> taxel_columns_of(const TextTable& table,
+                                          const std::optional<TableColumn>& time) {
   const auto& names = table.names();
   const bool has_counts = std::ranges::any_of(
       names, [](const std::string& name) { return name.starts_with("counts_"); });
   std::vector<TableColumn> taxels;
   for (std::size_t i = 0; i < table.num_columns(); ++i) {
     const std::string name = names.empty() ? fmt::format("column {}", i + 1) : names[i];
-    if (i == time || (!names.empty() && is_other(name))) continue;
+    if ((time && i == time->index) || (!names.empty() && is_other(name))) continue;
     if (!has_counts || name.starts_with("counts_")) taxels.push_back({i, 1.0, name});
   }
   return taxels;
@@ -52,18 +54,17 @@ std::vector<TableColumn> taxel_columns_of(const TextTable& table, std::size_t ti
 
 }  // namespace
 
-GloveColumns columns_of_glove(const TextTable& table) {
-  GloveColumns columns{time_column_of(table), sequence_column_of(table), {}};
-  const auto taxels = taxel_columns_of(table, columns.time.index);
+GloveColumns columns_of_glove(const TextTable& table, double rate_hz) {
+  GloveColumns columns{time_column_of(table, rate_hz),
+                       column_named(table, "sequence"),
+                       column_named(table, epoch_name),
+                       {}};
+  const auto taxels = taxel_columns_of(table, columns.time);
   std::vector<std::string> names;
   for (const TableColumn& taxel : taxels) names.push_back(taxel.label);
   const NamedLayout layout = named_layout(names, table.file());
   for (const std::size_t i : layout.column) columns.taxels.push_back(taxels[i]);
   columns.rows = layout.rows, columns.cols = layout.cols;
-  if (!taxels.empty())
-    Progress::report(fmt::format("glove: '{}' has the times; {} taxels from '{}' to '{}'",
-                                 columns.time.label, taxels.size(), columns.taxels.front().label,
-                                 columns.taxels.back().label));
   return columns;
 }
 

@@ -13,14 +13,13 @@ inline constexpr const char* glove_table_hint =
 
 /// Columns of a table with the frames of a glove.
 struct GloveColumns {
-  TableColumn time;
-  std::optional<TableColumn> sequence;
+  std::optional<TableColumn> time, sequence, epoch;
   std::vector<TableColumn> taxels;  ///< row by row of the glove
   int rows = 0, cols = 0;           ///< 0: the names do not tell
 };
 
-/// Reports which columns are times and taxels. Throws data_error if there is no time.
-GloveColumns columns_of_glove(const TextTable& table);
+/// Columns by their names. Throws data_error if there is no time, unless frames have a rate.
+GloveColumns columns_of_glove(const TextTable& table, double rate_hz);
 
 /// Options with the layout that the columns' names tell. Throws data_error if they contradict it.
 GloveFileOptions with_named_layout(GloveFileOptions options, const GloveColumns& columns);

@@ -11,6 +11,7 @@ namespace touchtrace {
 struct GloveFile {
   int rows = 0, cols = 0;
   std::vector<double> time_s;           ///< [frames], stamps of the file's clock
+  double epoch_unix_s = 0.0;            ///< Unix time of the stamps' 0; 0: unknown
   bool has_time_unit = false;           ///< stamps are known to be seconds
   std::vector<std::uint64_t> sequence;  ///< [frames], the device's frame counter; empty: unknown
   std::vector<float> values;            ///< [frames, rows, cols]
@@ -21,6 +22,7 @@ struct GloveFile {
 /// What files cannot tell from their content.
 struct GloveFileOptions {
   int rows = 0, cols = 0;  ///< of values without a shape; 0: unknown
+  double rate_hz = 0.0;    ///< of a table without times; 0: unknown
   std::string stream;      ///< of a file with several gloves; empty: the only one
 };
 

@@ -15,6 +15,8 @@
 namespace touchtrace {
 namespace {
 
+constexpr double max_unix_s = 1e11;
+
 int bits_of(const std::vector<std::uint16_t>& counts) {
   const unsigned largest = std::ranges::max(counts);
   for (const int bits : {8, 10, 12, 14})
@@ -98,12 +100,13 @@ void estimate_info(GloveStream& glove, const GloveOptions& options, const ValueS
 
 }  // namespace
 
-GloveStream import_glove(const GloveOptions& options) {
+ImportedGlove import_glove(const GloveOptions& options) {
   const GloveFile file = read_glove_file(options.file, options.layout);
-  const ValueScale scale = value_scale(file);
+  const ValueScale scale = value_scale(file, options.bits > 0);
   GloveStream glove = stream_of(file, scale, options.offset_s);
   estimate_info(glove, options, scale);
-  return glove;
+  const bool has_epoch = file.epoch_unix_s > 0.0 && file.epoch_unix_s < max_unix_s;
+  return {std::move(glove), has_epoch ? file.epoch_unix_s : 0.0};
 }
 
 }  // namespace touchtrace

@@ -19,11 +19,16 @@ struct GloveOptions {
 
 void describe(OptionSet& set, GloveOptions& options);
 
+struct ImportedGlove {
+  GloveStream stream;
+  double epoch_unix_s;  ///< Unix time of the stream's 0; 0: unknown
+};
+
 /// Reads a glove. Times are on the file's clock, with `offset_s` added; the frame counter skips
 /// pauses, as that of `record`, and the frames that the file's numbers skip. Bits, polarity and
 /// baseline are estimated unless they are given, and reported. Throws data_error for values that
 /// value_scale() refuses and if the polarity is not clear.
-GloveStream import_glove(const GloveOptions& options);
+ImportedGlove import_glove(const GloveOptions& options);
 
 /// A clip for each stretch of at least 2 frames without a pause, as `record` makes them.
 std::vector<Clip> clips_between_pauses(const GloveStream& glove, const std::string& object);

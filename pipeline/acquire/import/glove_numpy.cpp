@@ -13,6 +13,7 @@ const Names time_names{"time_s", "host_time_s", "times", "timestamps", "timestam
 const Names value_names{"counts", "pressure", "tactile_data", "tactile", "data", "values"};
 
 constexpr const char* sequence_name = "sequence";
+constexpr const char* epoch_name = "epoch_unix_s";
 constexpr double max_number = 9e15;
 
 /// First of `names` that exists.
@@ -62,7 +63,7 @@ bool is_glove_numpy(const std::filesystem::path& file) { return is_numpy_file(fi
 GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOptions& options) {
   require_archive(file);
   Names wanted = time_names;
-  wanted.emplace_back(sequence_name);
+  wanted.insert(wanted.end(), {sequence_name, epoch_name});
   wanted.insert(wanted.end(), value_names.begin(), value_names.end());
   const auto arrays = read_numpy_archive(file, wanted);
   const NumpyArray &times = find_array(arrays, time_names, file),
@@ -78,6 +79,8 @@ GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOpt
   glove.has_time_unit = times.per_second > 0.0;
   if (const auto numbers = arrays.find(sequence_name); numbers != arrays.end())
     glove.sequence = sequence_of(numbers->second, times.size());
+  if (const auto epoch = arrays.find(epoch_name); epoch != arrays.end() && epoch->second.size() > 0)
+    glove.epoch_unix_s = epoch->second.at(0);
   for (std::size_t i = 0; i < values.size(); ++i)
     glove.values.push_back(static_cast<float>(values.at(i)));
   return glove;

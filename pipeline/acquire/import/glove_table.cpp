@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <limits>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
 #include "pipeline/acquire/import/glove_columns.h"
 #include "pipeline/acquire/import/glove_file.h"
 #include "pipeline/acquire/import/iso_time.h"
@@ -13,7 +15,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t max_frames = 10'000'000;
+constexpr std::size_t max_frames = 10'000'000, min_clock_rows = 20;
 
 /// Stamp of the current row. Text must be a date and a time.
 double stamp_of(const TextTable& table, const TableColumn& time, bool& has_dates) {
@@ -24,24 +26,80 @@ double stamp_of(const TextTable& table, const TableColumn& time, bool& has_dates
       return *date_s;
     }
   const double stamp = value_of<double>(table, time);
-  if (!(stamp >= 0.0)) throw LineFault{"the time is missing or negative"};
+  if (std::isnan(stamp)) throw LineFault{"the time is missing"};
   return stamp;
 }
 
-/// Frame number of the current row; 0 for text, which then does not count frames.
-std::uint64_t number_of(const TextTable& table, const TableColumn& sequence) {
+/// Number in the current row; 0 for text, which then does not count frames.
+double number_of(const TextTable& table, const TableColumn& column) {
   constexpr double max_number = 9e15;
-  const auto number =
-      parse_number<double>(table.fields()[sequence.index], table.has_decimal_comma());
-  return number && *number >= 0.0 && *number <= max_number ? static_cast<std::uint64_t>(*number)
-                                                           : 0;
+  const auto number = parse_number<double>(table.fields()[column.index], table.has_decimal_comma());
+  return number && *number >= 0.0 && *number <= max_number ? *number : 0.0;
 }
 
-void append_row(const TextTable& table, const GloveColumns& columns, GloveFile& glove) {
-  glove.time_s.push_back(stamp_of(table, columns.time, glove.has_time_unit));
-  if (columns.sequence) glove.sequence.push_back(number_of(table, *columns.sequence));
-  for (const TableColumn& taxel : columns.taxels)
-    glove.values.push_back(static_cast<float>(value_of<double>(table, taxel)));
+/// Frames of a table, row by row.
+class FrameReader {
+ public:
+  FrameReader(const TextTable& table, const GloveColumns& columns, double rate_hz)
+      : table_(table),
+        columns_(columns),
+        rate_hz_(rate_hz),
+        last_(columns.taxels.size(), -std::numeric_limits<double>::infinity()),
+        increases_(columns.taxels.size(), true) {}
+
+  void append_row(GloveFile& glove) {
+    const auto row = static_cast<double>(glove.time_s.size());
+    glove.time_s.push_back(columns_.time ? stamp_of(table_, *columns_.time, glove.has_time_unit)
+                                         : row / rate_hz_);
+    if (columns_.sequence)
+      glove.sequence.push_back(static_cast<std::uint64_t>(number_of(table_, *columns_.sequence)));
+    if (columns_.epoch) glove.epoch_unix_s = number_of(table_, *columns_.epoch);
+    for (std::size_t i = 0; i < columns_.taxels.size(); ++i) {
+      const auto value = value_of<double>(table_, columns_.taxels[i]);
+      increases_[i] = increases_[i] && value > last_[i];
+      last_[i] = value;
+      glove.values.push_back(static_cast<float>(value));
+    }
+  }
+
+  /// Whether the values of a taxel increased in each row, as those of clocks and counters do.
+  bool increases(std::size_t taxel) const { return increases_[taxel]; }
+
+ private:
+  const TextTable& table_;
+  const GloveColumns& columns_;
+  double rate_hz_;
+  std::vector<double> last_;
+  std::vector<bool> increases_;
+};
+
+/// Leaves out clocks and counters, unless the layout needs all columns.
+void drop_clocks(const FrameReader& reader, const GloveFileOptions& options, GloveColumns& columns,
+                 GloveFile& glove) {
+  const std::size_t count = columns.taxels.size();
+  const std::size_t needed =
+      static_cast<std::size_t>(options.rows) * static_cast<std::size_t>(options.cols);
+  if (glove.time_s.size() < min_clock_rows || needed == count) return;
+  std::vector<TableColumn> taxels;
+  for (std::size_t i = 0; i < count; ++i)
+    if (!reader.increases(i)) taxels.push_back(columns.taxels[i]);
+  if (taxels.size() == count || taxels.empty()) return;
+  std::vector<float> values;
+  for (std::size_t i = 0; i < glove.values.size(); ++i)
+    if (!reader.increases(i % count)) values.push_back(glove.values[i]);
+  for (std::size_t i = 0; i < count; ++i)
+    if (reader.increases(i))
+      Progress::warn(fmt::format("glove: left out '{}', which increases in each row as clocks do",
+                                 columns.taxels[i].label));
+  columns.taxels = std::move(taxels), glove.values = std::move(values);
+}
+
+void report_columns(const GloveColumns& columns, const GloveFileOptions& options) {
+  Progress::report(fmt::format(
+      "glove: times are {}; {} taxels from '{}' to '{}'",
+      columns.time ? fmt::format("'{}'", columns.time->label)
+                   : fmt::format("those of {:g} frames per second", options.rate_hz),
+      columns.taxels.size(), columns.taxels.front().label, columns.taxels.back().label));
 }
 
 /// Throws data_error if the first column of a table without names counts its rows.
@@ -62,11 +120,16 @@ bool is_glove_table(const std::filesystem::path& file) {
 
 GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOptions& options) {
   TextTable table(file);
-  const GloveColumns columns = columns_of_glove(table);
+  GloveColumns columns = columns_of_glove(table, options.rate_hz);
+  const GloveFileOptions layout = with_named_layout(options, columns);
   GloveFile glove;
-  glove.has_time_unit = columns.time.per_unit != 1.0;
-  set_layout(glove, columns.taxels.size(), with_named_layout(options, columns));
-  for_each_row(table, max_frames, glove_table_hint, [&] { append_row(table, columns, glove); });
+  glove.has_time_unit = !columns.time || columns.time->per_unit != 1.0;
+  if (columns.taxels.empty()) set_layout(glove, 0, layout);
+  FrameReader reader(table, columns, options.rate_hz);
+  for_each_row(table, max_frames, glove_table_hint, [&] { reader.append_row(glove); });
+  drop_clocks(reader, layout, columns, glove);
+  report_columns(columns, options);
+  set_layout(glove, columns.taxels.size(), layout);
   require_times(glove, table);
   return glove;
 }

@@ -61,12 +61,13 @@ std::uint16_t ValueScale::count(double value) const {
   return static_cast<std::uint16_t>(std::clamp(std::round(scaled(value)), 0.0, max_count));
 }
 
-ValueScale value_scale(const GloveFile& glove) {
+ValueScale value_scale(const GloveFile& glove, bool is_counts) {
   require_finite(glove);
   const auto [low, high] = std::ranges::minmax(glove.values);
   const bool is_whole =
       std::ranges::all_of(glove.values, [](float v) { return v == std::floor(v); });
-  return is_whole ? scale_of_whole(glove, low, high) : scale_of_real(low, high);
+  const bool is_binary = is_whole && low >= 0.0 && high == 1.0 && !is_counts;
+  return is_whole && !is_binary ? scale_of_whole(glove, low, high) : scale_of_real(low, high);
 }
 
 std::vector<std::uint16_t> counts_of(const GloveFile& glove, const ValueScale& scale) {

@@ -18,9 +18,10 @@ struct ValueScale {
 };
 
 /// Whole numbers that fit 16 bits stay as they are, negative ones are shifted. Other values are
-/// scaled to 16 bits, pressures from 0 to 1 by 65535. The conversion is reported. Throws data_error
-/// for values that are not finite and for whole numbers with a wider range.
-ValueScale value_scale(const GloveFile& glove);
+/// scaled to 16 bits, pressures from 0 to 1 by 65535. So are contacts, values that are all 0 or 1,
+/// unless `is_counts`. The conversion is reported. Throws data_error for values that are not finite
+/// and for whole numbers with a wider range.
+ValueScale value_scale(const GloveFile& glove, bool is_counts);
 
 std::vector<std::uint16_t> counts_of(const GloveFile& glove, const ValueScale& scale);
 

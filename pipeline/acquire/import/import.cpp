@@ -167,15 +167,25 @@ nlohmann::json summarize(const Recording& recording, const StreamCopy& color,
           {"clips", recording.clips.size()}};
 }
 
+/// Options of the glove, whose frames have the images' rate if they have no times.
+GloveOptions glove_options(const ImportOptions& options) {
+  GloveOptions glove = options.glove;
+  glove.layout.rate_hz = options.source.rate_hz;
+  return glove;
+}
+
 /// Recording of a glove without a camera.
 nlohmann::json import_glove_alone(const fs::path& output, const ImportOptions& options,
                                   const Provenance& provenance, bool overwrite) {
-  GloveStream glove = import_glove(options.glove);
+  auto [glove, epoch_unix_s] = import_glove(glove_options(options));
   const RecordedTime time =
       since_start({glove.host_time_s.front(), glove.host_time_s.back() + 1.0 / glove.info.rate_hz},
                   max_clock_s);
   Recording recording = describe_recording(time, options, provenance);
-  if (time.epoch_s <= min_unix_s) recording.epoch_unix_s = 0.0;  // since a computer's start
+  if (epoch_unix_s > 0.0)
+    recording.epoch_unix_s = epoch_unix_s + time.epoch_s;
+  else if (time.epoch_s <= min_unix_s)
+    recording.epoch_unix_s = 0.0;  // since a computer's start
   move_to_clock(glove, time, options.glove.offset_s);
   if (options.clips.empty()) recording.clips = clips_between_pauses(glove, options.object);
   recording.gloves.push_back(std::move(glove));
@@ -198,7 +208,9 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
   Recording recording = describe_recording(time, options, provenance);
   recording.camera = camera.info;
   if (!options.glove.file.empty()) {
-    recording.gloves.push_back(import_glove(options.glove));
+    auto [glove, epoch_unix_s] = import_glove(glove_options(options));
+    for (double& time_s : glove.host_time_s) time_s += epoch_unix_s;
+    recording.gloves.push_back(std::move(glove));
     move_to_clock(recording.gloves[0], time, options.glove.offset_s);
   }
   const auto masks = options.masks.empty() ? std::map<std::size_t, fs::path>{}

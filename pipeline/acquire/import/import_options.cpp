@@ -22,8 +22,8 @@ void describe(OptionSet& set, ImportOptions& o) {
               "gravity in the colour camera's frame (x right, y down, z forward) [m/s^2]", 3, -20.0,
               20.0);
   set.group("Images");
-  set.number("rate", o.source.rate_hz, "rate of images without time stamps; 0: they have stamps",
-             0.0, 1e4)
+  set.number("rate", o.source.rate_hz,
+             "rate of images and glove tables without time stamps; 0: they have stamps", 0.0, 1e4)
       .value("HZ");
   set.text("color-topic", o.source.color_topic, "topic of colour images in a bag").value("TOPIC");
   set.text("depth-topic", o.source.depth_topic, "topic of depth images in a bag").value("TOPIC");

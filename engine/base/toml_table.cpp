@@ -19,7 +19,7 @@ void TomlTable::reject(const std::string& key, const std::string& fault) const {
 }
 
 bool TomlTable::has(const std::string& key) {
-  known_.push_back(key);
+  if (std::ranges::find(known_, key) == known_.end()) known_.push_back(key);
   return table_.contains(key);
 }
 

@@ -193,6 +193,7 @@ TEST(OwnGloveProtocol, InvalidFilesAreRefused) {
   const TemporaryFolder folder;
   const std::string file = folder / "own.toml";
   const std::string valid = read_file(own_protocols + "numbered.toml");
+  std::string hint;
   const auto fault = [&](const std::string& from, const std::string& to) {
     std::string text = valid;
     text.replace(text.find(from), from.size(), to);
@@ -200,6 +201,7 @@ TEST(OwnGloveProtocol, InvalidFilesAreRefused) {
     try {
       read_glove_protocol(file);
     } catch (const Error& error) {
+      hint = error.hint();
       return std::string(error.what());
     }
     return std::string("none");
@@ -217,6 +219,7 @@ TEST(OwnGloveProtocol, InvalidFilesAreRefused) {
   EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nlength = 100"), "of a packet of 100"));
   EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nnumber_at = 5"), "number_at puts the number"));
   EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nheader = 1"), "unknown key 'header'"));
+  EXPECT_EQ(hint.find("polarity"), hint.rfind("polarity")) << "named twice: " << hint;
   EXPECT_THROW(find_glove_protocol(folder / "missing.toml"), Error);
 }
 

@@ -37,12 +37,26 @@ def fail(message, hint):
     sys.exit(f"error: {message}\nhint: {hint}")
 
 
+def clips_of(recording):
+    """Start and end [s] and object of each clip; what the file lacks has the defaults of pipeline/recording/README.md."""
+    stamps = [recording[stream]["host_time_s"][:] for stream in ("glove0", "glove1", "color", "depth") if stream in recording]
+    whole = {"start_s": min(s.min() for s in stamps), "end_s": np.nextafter(max(s.max() for s in stamps), np.inf),
+             "object": b"object"}
+    clips = recording.get("clips", {})
+    count = max((len(values) for values in clips.values()), default=0 if "clips" in recording else 1)
+    columns = (clips[name][:] if name in clips else [value] * count for name, value in whole.items())
+    return [(start_s, end_s, plain(name)) for start_s, end_s, name in zip(*columns)]
+
+
+def sequence_of(glove):
+    return glove["sequence"][:].astype(np.int64) if "sequence" in glove else np.arange(len(glove["host_time_s"]))
+
+
 def rows_of_clips(recording, labels):
     """Sequence numbers of the frames of each clip, lost ones included, and the rows of the labels, if there are any."""
-    glove, clips = recording["glove0"], recording["clips"]
-    sequence, time_s = glove["sequence"][:].astype(np.int64), glove["host_time_s"][:]
+    sequence, time_s = sequence_of(recording["glove0"]), recording["glove0"]["host_time_s"][:]
     clip_of_row = None if labels is None else labels["label/clip"][:]
-    for clip, (start_s, end_s) in enumerate(zip(clips["start_s"][:], clips["end_s"][:])):
+    for clip, (start_s, end_s, _) in enumerate(clips_of(recording)):
         if labels is None:
             inside = sequence[(time_s >= start_s) & (time_s < end_s)]
             if len(inside):
@@ -58,7 +72,7 @@ def rows_of_clips(recording, labels):
 
 def touch_columns(glove, sequence):
     """Frames with these sequence numbers; a lost one repeats the frame before it."""
-    known = glove["sequence"][:].astype(np.int64)
+    known = sequence_of(glove)
     frame = np.maximum(np.searchsorted(known, sequence, side="right") - 1, 0)
     lost = known[frame] != sequence
     time_s = np.where(lost, np.nan, glove["host_time_s"][:][frame])
@@ -224,7 +238,8 @@ def whole_rate(recording, options):
     """The glove's rate as the whole number that LeRobot needs."""
     if "glove0" not in recording:
         fail(f"{options.recording} has no glove", "labels alone are exported by `touchtrace export`")
-    rate_hz = float(recording["glove0"].attrs["rate_hz"])
+    glove = recording["glove0"]
+    rate_hz = float(glove.attrs["rate_hz"] if "rate_hz" in glove.attrs else round(1.0 / np.median(np.diff(glove["host_time_s"])), 6))
     fps = options.fps or max(round(rate_hz), 1)
     if not options.fps and abs(fps - rate_hz) > MAX_RATE_CHANGE * rate_hz:
         fail(f"the glove's rate is {rate_hz:g} Hz, but a LeRobot data set needs a whole number",
@@ -236,7 +251,7 @@ def whole_rate(recording, options):
 
 
 def export(options, recording, labels):
-    if labels is not None and not np.array_equal(labels["clips/start_s"], recording["clips/start_s"]):
+    if labels is not None and not np.array_equal(labels["clips/start_s"], [start_s for start_s, *_ in clips_of(recording)]):
         fail(f"{options.labels} has other clips than {options.recording}", "give the labels of this recording")
     writer = DatasetWriter(options.dataset, whole_rate(recording, options))
     for clip, sequence, rows in rows_of_clips(recording, labels):
@@ -246,7 +261,7 @@ def export(options, recording, labels):
         if options.images:
             arrived = ~columns[LOST]
             columns |= image_columns(recording, np.interp(sequence, sequence[arrived], columns[TIME][arrived]))
-        task = f"{plain(recording.attrs.get('activity', ''))} {recording['clips/object'].asstr()[clip]}".strip()
+        task = f"{plain(recording.attrs.get('activity', ''))} {clips_of(recording)[clip][2]}".strip()
         writer.add(task, columns, recording)
         print(f"clip {clip}: {len(sequence)} frames", file=sys.stderr)
     writer.close()
@@ -268,7 +283,8 @@ def main():
         with h5py.File(options.recording) as recording, contextlib.ExitStack() as stack:
             export(options, recording, stack.enter_context(h5py.File(options.labels)) if options.labels else None)
     except (OSError, KeyError) as error:
-        fail(error, "give files that touchtrace wrote: others may lack what this program needs")
+        text = str(error).strip('"')
+        fail(f"cannot export {options.recording}: {text}", "`touchtrace check` lists what a file lacks")
 
 
 if __name__ == "__main__":

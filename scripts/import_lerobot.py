@@ -19,6 +19,7 @@ from export_lerobot import GLOVE_KEYS, LOST, SEQUENCE, STREAM_KEYS, TACTILE, TIM
 TOUCH_NAME = re.compile("tactile|pressure|touch|taxel", re.IGNORECASE)
 EPISODE_GAP_S = 1.0
 MAX_COUNT = 65535
+CONVERTER_BITS = (8, 10, 12, 14, 16)
 
 
 class Dataset:
@@ -114,10 +115,11 @@ class Frames:
         return [np.flatnonzero(self.episode == index) for index in range(num_clips)]
 
 
-def counts_of(values):
-    """Values as 16-bit counts. Whole numbers that fit stay as they are."""
+def counts_of(values, is_counts):
+    """Values as 16-bit counts. Whole numbers that fit stay as they are, unless all are 0 or 1 and not known to be counts."""
+    values = values.astype(np.float64)
     low, high = min(float(values.min()), 0.0), float(values.max())
-    if low >= 0.0 and high <= MAX_COUNT and np.array_equal(values, np.round(values)):
+    if low >= 0.0 and high <= MAX_COUNT and (is_counts or high != 1.0) and np.array_equal(values, np.round(values)):
         return values.astype(np.uint16)
     print(f"touch from {low:g} to {high:g} is scaled to counts from 0 to {MAX_COUNT}", file=sys.stderr)
     return np.round((values - low) * (MAX_COUNT / max(high - low, 1e-30))).astype(np.uint16)
@@ -131,7 +133,8 @@ def write_glove(file, dataset, tactile, frames):
     arrived = ~frames.is_lost & np.isfinite(values).all((1, 2))
     info = feature.get("info") or {}
     group = file.create_group("glove0")
-    group["counts"] = counts_of(values[arrived])
+    group["counts"] = counts = counts_of(values[arrived], "bits" in info)
+    group.attrs["bits"] = next(bits for bits in CONVERTER_BITS if counts.max() < 2**bits)
     group["host_time_s"], group["sequence"] = frames.time_s[arrived], frames.sequence[arrived]
     group.attrs.update({"rate_hz": dataset.fps, **{key: info[key] for key in GLOVE_KEYS if key in info}})
     for key, kind in {"baseline": np.float32, "mask": np.uint8}.items():

@@ -33,5 +33,24 @@ TEST(ExportLerobot, RateIsAWholeNumber) {
   EXPECT_EQ(export_at(7.5, chosen, "--fps 8").status, 0);
 }
 
+TEST(ExportLerobot, ARecordingWithoutClipsIsOneEpisode) {
+  SKIP_WITHOUT_MODULES("h5py, pandas, pyarrow");
+  const TemporaryFolder folder;
+  const std::string path = (folder / "a.h5").string();
+  const std::string write =
+      "-c \"import h5py, numpy as np; f = h5py.File('" + path +
+      "', 'w'); g = f.create_group('glove0'); g['host_time_s'] = np.arange(60) / 20; "
+      "g['counts'] = np.zeros((60, 2, 3), np.uint16); f.attrs['schema'] = "
+      "'touchtrace/recording/2'\"";
+  ASSERT_EQ(testing::run_python(write).status, 0);
+  const auto result =
+      testing::run_python(fmt::format("{}/scripts/export_lerobot.py {} {}", TOUCHTRACE_SOURCE_DIR,
+                                      path, (folder / "set").string()));
+  EXPECT_EQ(result.status, 0) << result.output;
+  const auto info = nlohmann::json::parse(read_file(folder / "set/meta/info.json"));
+  EXPECT_EQ(info["total_episodes"], 1);
+  EXPECT_EQ(info["total_frames"], 60);
+}
+
 }  // namespace
 }  // namespace touchtrace

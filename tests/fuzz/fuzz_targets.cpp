@@ -1,5 +1,7 @@
 #include "tests/fuzz/fuzz_targets.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "calib/rgbd/calibration.h"
@@ -13,7 +15,10 @@
 #include "pipeline/acquire/import/bag_file.h"
 #include "pipeline/acquire/import/clip_file.h"
 #include "pipeline/acquire/import/glove_file.h"
+#include "pipeline/acquire/import/glove_times.h"
+#include "pipeline/acquire/import/glove_values.h"
 #include "pipeline/acquire/import/intrinsics.h"
+#include "pipeline/acquire/import/iso_time.h"
 #include "pipeline/acquire/import/matlab_file.h"
 #include "pipeline/acquire/import/mcap_file.h"
 #include "pipeline/acquire/import/numpy_file.h"
@@ -124,6 +129,16 @@ void parse_numpy(const fs::path& file, ByteSpan) {
   tolerate([&] { to_depth(array); });
 }
 
+/// Converts the frames of a file, at least one, as import_glove() does.
+void use_glove_file(const GloveFile& glove) {
+  if (glove.time_s.empty()) return;
+  require(glove.values.size() == glove.time_s.size() * glove.taxels(), "frames are not complete");
+  counts_of(glove, value_scale(glove, false));
+  const GloveTimes times = glove_times(glove);
+  require(std::ranges::is_sorted(times.time_s), "times are out of order");
+  require(times.sequence.size() == times.frames.size(), "a frame has no number");
+}
+
 void parse_track(const fs::path& file, ByteSpan) {
   const TrackFile track = read_track(file);
   estimate_white_sigma(track.track);
@@ -159,7 +174,14 @@ std::vector<FuzzTarget> make_targets() {
   add("mcap", ".mcap", parse_messages<McapFile>);
   add("message", "", parse_selected_message);
   add("track", ".csv", parse_track);
-  add("glove_table", ".csv", [](auto& file, ByteSpan) { read_glove_table(file, {}); });
+  add("glove_table", ".csv",
+      [](auto& file, ByteSpan) { use_glove_file(read_glove_table(file, {})); });
+  add("glove_npz", ".npz",
+      [](auto& file, ByteSpan) { use_glove_file(read_glove_numpy(file, {})); });
+  add("iso_time", "", [](auto&, ByteSpan bytes) {
+    const auto time_s = parse_iso_time({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    require(!time_s || std::isfinite(*time_s), "a time is not finite");
+  });
   add("clips", ".csv", [](auto& file, ByteSpan) { read_clips(file, {0.0, 100.0, 0.0}, "ball"); });
   add("tum_list", ".txt",
       [](auto& file, ByteSpan) { read_tum_list(file.parent_path(), file.filename().c_str()); });

@@ -55,6 +55,7 @@ class FlightCost {
         ends_with_hit_(!after.empty() && after.front().release_s <= flight.landing_s) {}
 
   bool is_release_free() const { return !begins_with_hit_; }
+  bool is_last() const { return after_.empty(); }
 
   /// Infinite if the times are out of order.
   double operator()(const double* times) const {
@@ -122,6 +123,28 @@ double search(const FlightCost& cost, const Flight& guess, double unit_s, double
   return lowest;
 }
 
+bool begins_before(const Track& points, const Flight& flight) {
+  return flight.release_s <= points.front().time_s;
+}
+
+bool ends_after(const Track& points, const Flight& flight) {
+  return flight.landing_s > points.back().time_s;
+}
+
+/// Moves release and landing to before and after the track's `points` if that explains them, which
+/// cost `lowest`, as well as `times` do, by the Bayesian information criterion: an event outside
+/// has no time to estimate.
+void move_outside(const FlightCost& cost, const Track& points, double lowest, double* times) {
+  const double outside[] = {cost.scaled_time(points.front().time_s),
+                            cost.scaled_time(points.back().time_s) + 1.0};
+  for (const int event : {0, 1}) {
+    if (!(event == 0 ? cost.is_release_free() : cost.is_last())) continue;
+    double at[] = {times[0], times[1]};
+    at[event] = outside[event];
+    if (cost(at) < lowest + 0.5 * cost.penalty()) times[event] = outside[event];
+  }
+}
+
 /// Distribution of an event's time on even steps around its likely times.
 using FineDistribution = TimeDistribution<2 * scan_half + 1>;
 
@@ -178,6 +201,14 @@ EventTimeDistribution event_distribution(const FlightCost& cost, const double* t
   return result;
 }
 
+/// Distribution of an event outside the track.
+EventTimeDistribution fixed(double time_s) {
+  EventTimeDistribution result;
+  result.time_s.fill(time_s);
+  result.probability[result.count / 2] = 1.0;
+  return result;
+}
+
 /// Returns the flight with its maximum-likelihood times, or nullopt if there are too few points or
 /// it is implausible.
 std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& units,
@@ -190,7 +221,9 @@ std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& unit
   double times[2];
   const double max_cost =
       cost.without_flight() + (doubtful == DoubtfulFlights::keep ? 1.0 : -1.0) * cost.penalty();
-  if (!(search(cost, guess, units.time_s, times) < max_cost)) return std::nullopt;
+  const double lowest = search(cost, guess, units.time_s, times);
+  if (!(lowest < max_cost)) return std::nullopt;
+  move_outside(cost, track.points, lowest, times);
   const Flight flight{cost.is_release_free() ? cost.time_s(times[0]) : before.back().landing_s,
                       cost.time_s(times[1])};
   if (window_around(track, flight).points.size() < min_points_per_flight) return std::nullopt;
@@ -226,10 +259,14 @@ void estimate_event_distributions(WeightedTrack& track, const MotionNoise& noise
                           options);
     const double times[] = {cost.scaled_time(flight->release_s),
                             cost.scaled_time(flight->landing_s)};
-    flight->landing_distribution = event_distribution(cost, times, 1, 0.0);
+    flight->landing_distribution = ends_after(track.points, *flight)
+                                       ? fixed(flight->landing_s)
+                                       : event_distribution(cost, times, 1, 0.0);
     flight->release_distribution =
-        cost.is_release_free() ? event_distribution(cost, times, 0, options.release_duration_s)
-                               : before.back().landing_distribution;
+        !cost.is_release_free() ? before.back().landing_distribution
+        : begins_before(track.points, *flight)
+            ? fixed(flight->release_s)
+            : event_distribution(cost, times, 0, options.release_duration_s);
   }
   for (auto& flight : flights) {  // only now: each event is given the others' likeliest times
     flight.release_s = flight.release_distribution.mean_s();

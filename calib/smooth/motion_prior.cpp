@@ -132,10 +132,10 @@ typename MotionPrior<model>::Step MotionPrior<model>::initial(double flat) const
   // the stationary variances, infinite for white jerk
   step.Q_fixed(1, 1) = std::min(square(flat), density / (4.0 * b * b * b));
   step.Q_fixed(2, 2) = std::min(square(flat), density / (4.0 * b));
-  if (mode_at(0.0) == Mode::flight) {
-    step.Q_fixed(1, 1) = square(flat);
-    step = step.then(release());
-  }
+  const Mode mode = mode_at(0.0);
+  if (mode != Mode::contact)
+    step.Q_fixed(1, 1) = square(std::min(flat, noise_.flight_velocity_sigma_m_per_s));
+  if (mode == Mode::flight) step = step.then(release());
   return step;
 }
 

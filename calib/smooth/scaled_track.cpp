@@ -28,6 +28,7 @@ MotionNoise in_units(const MotionNoise& noise, double length, double time) {
   result.flight_jerk_density *= std::pow(time, 5) / (length * length);
   result.bandwidth_rad_per_s *= time;
   result.flight_drag_per_s *= time;
+  result.flight_velocity_sigma_m_per_s *= time / length;
   result.flight_acceleration_sigma_m_per_s2 *= time * time / length;
   result.landing_velocity_sigma_m_per_s *= time / length;
   result.landing_acceleration_sigma_m_per_s2 *= time * time / length;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -26,7 +27,9 @@ struct TimeDistribution {
   double mean_s() const {
     return std::inner_product(time_s.begin(), time_s.end(), probability.begin(), 0.0);
   }
+  /// Infinite if all times are equal: nothing is known of the time.
   double sigma_s() const {
+    if (time_s.front() == time_s.back()) return std::numeric_limits<double>::infinity();
     const double mean = mean_s();
     double variance = 0.0;
     for (std::size_t i = 0; i < count; ++i)
@@ -35,11 +38,12 @@ struct TimeDistribution {
   }
 };
 
-/// All zero for a guess.
+/// All zero for a guess. Of an event outside the track: one time, beyond the track's end.
 using EventTimeDistribution = TimeDistribution<9>;
 
-/// Free flight from the end of contact to its next beginning. A flight that begins when the one
-/// before it lands begins with a hit.
+/// Free flight from the end of contact to its next beginning. If the track begins or ends in
+/// flight, the release is its first time, the landing later than its last time. A flight that
+/// begins when the one before it lands begins with a hit.
 struct Flight {
   double release_s, landing_s;
   EventTimeDistribution release_distribution{}, landing_distribution{};

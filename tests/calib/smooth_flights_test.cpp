@@ -1,6 +1,7 @@
 // Times of releases and landings, and what a landing does to the velocity.
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <numeric>
 
@@ -110,6 +111,37 @@ TEST(SmoothFlights, OneWrongFlightDoesNotHideTheOthers) {
   const auto smoothed = smooth({measure(motion, 60.0, 0.005, 1)}, {guess}, {});
   EXPECT_EQ(smoothed.tracks.front().flights.size(), motion.flights.size() - 2);
   EXPECT_LT(smoothed.noise.wander_sigma_m, 0.003);
+}
+
+/// A track that is cut out of the flights at both ends: there is no release and no landing to find.
+TEST(SmoothFlights, TracksMayBeginAndEndInFlight) {
+  const auto motion = synthetic_throw(15.0, 1);
+  const auto middle_s = [&](std::size_t i) {
+    return 0.5 * (motion.flights[i].release_s + motion.flights[i].landing_s);
+  };
+  double squares = 0.0;
+  for (std::size_t first = 0; first + 2 < motion.flights.size(); ++first) {
+    Track track = measure(motion, 60.0, 0.002, first);
+    std::erase_if(track, [&](const TrackPoint& point) {
+      return point.time_s < middle_s(first) || point.time_s > middle_s(first + 2);
+    });
+    const auto& flights = motion.flights;
+    const auto found =
+        smooth({track}, {{flights[first], flights[first + 1], flights[first + 2]}}, {})
+            .tracks.front();
+    ASSERT_EQ(found.flights.size(), 3u) << first;
+    EXPECT_LE(found.flights.front().release_s, track.front().time_s) << first;
+    EXPECT_GT(found.flights.back().landing_s, track.back().time_s) << first;
+    EXPECT_TRUE(std::isinf(found.flights.front().release_distribution.sigma_s()));
+    for (const double time_s : {track.front().time_s, track.back().time_s}) {
+      const auto state = found.smoothed(time_s);
+      const Eigen::Vector3d error = state.velocity_m_per_s - motion.velocity_at(time_s);
+      squares += error.dot(state.covariance.block<3, 3>(3, 3).inverse() * error);
+    }
+  }
+  // 6 (n - 2) squares of standard normal deviates, if n is the number of flights: 3 standard errors
+  const double count = 6.0 * static_cast<double>(motion.flights.size() - 2);
+  EXPECT_LT(squares / count, 1.0 + 3.0 * std::sqrt(2.0 / count));
 }
 
 }  // namespace

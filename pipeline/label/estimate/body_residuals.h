@@ -95,12 +95,15 @@ struct RayDepth {
   template <class Scalar>
   bool operator()(const Scalar* shape, const Scalar* rotation, const Scalar* position,
                   Scalar* residual) const {
-    const Vector3<Scalar> from = in_body(origin_m, rotation, position),
-                          to = in_body(end_m, rotation, position);
-    const Eigen::Vector3d start = values_of<Scalar>(from), end = values_of<Scalar>(to);
+    const auto rotation_values = values_of<4>(rotation);
+    const auto position_values = values_of<3>(position);
+    const Eigen::Vector3d start = in_body(origin_m, rotation_values.data(), position_values.data()),
+                          end = in_body(end_m, rotation_values.data(), position_values.data());
     const auto deepest = deepest_point(body_at(core, shape), start, end);
     residual[0] = Scalar(0.0);
-    if (!deepest) return true;
+    if (!deepest) return true;  // most rays miss
+    const Vector3<Scalar> from = in_body(origin_m, rotation, position),
+                          to = in_body(end_m, rotation, position);
     const double part = (*deepest - start).norm() / (end - start).norm();
     const Scalar depth = distance<Scalar>(core, shape, from + Scalar(part) * (to - from));
     if (depth < Scalar(0.0)) residual[0] = depth;

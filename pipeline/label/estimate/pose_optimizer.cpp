@@ -17,7 +17,7 @@ constexpr double initial_damping = 1e-3, min_damping = 1e-6, damping_factor = 10
 
 /// Gauss-Newton normal equations at one pose, for a step (translation, rotation) in the body frame.
 struct NormalEquations {
-  Matrix6 normal = Matrix6::Zero();  ///< lower half
+  Matrix6 normal = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
   double cost = 0.0;
 
@@ -42,7 +42,7 @@ struct NormalEquations {
   template <class Loss>
   void add(const Vector6& jacobian, double residual, const Loss& loss) {
     const double weight = loss.weight(residual);
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(jacobian, weight);
+    normal.noalias() += jacobian * (weight * jacobian).transpose();
     gradient += weight * residual * jacobian;
     cost += loss.cost(residual);
   }

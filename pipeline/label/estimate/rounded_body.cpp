@@ -6,24 +6,30 @@ namespace touchtrace::label {
 namespace {
 
 constexpr int bisections = 9;  // of the segment inside the bounding sphere: to about 0.1 mm
+constexpr double certain_miss_ratio = 1.0 + 1e-6;  // squared distance over squared radius
 
-/// Range of a segment's parameter (0 to 1) inside a sphere about the origin. If the segment misses
-/// the sphere, both ends are the nearest point.
-std::pair<double, double> within_sphere(const Eigen::Vector3d& from, const Eigen::Vector3d& along,
-                                        double radius) {
+/// Range of a segment's parameter (0 to 1) inside a sphere about the origin; nullopt if the line
+/// clearly misses the sphere.
+std::optional<std::pair<double, double>> within_sphere(const Eigen::Vector3d& from,
+                                                       const Eigen::Vector3d& along,
+                                                       double radius) {
   const double square = along.squaredNorm();
   const double nearest = -from.dot(along) / square;
   const double off2 = (from + nearest * along).squaredNorm();
+  if (off2 > certain_miss_ratio * radius * radius) return std::nullopt;
   const double half = std::sqrt(std::max(0.0, (radius * radius - off2) / square));
-  return {std::clamp(nearest - half, 0.0, 1.0), std::clamp(nearest + half, 0.0, 1.0)};
+  return std::pair{std::clamp(nearest - half, 0.0, 1.0), std::clamp(nearest + half, 0.0, 1.0)};
 }
 
 SurfaceDistance distance_from_box(const RoundedBody& body, const Eigen::Vector3d& point_m) {
   const Eigen::Vector3d beyond = point_m.cwiseAbs() - body.inner_m;
-  const Eigen::Vector3d sign = point_m.unaryExpr([](double v) { return v < 0.0 ? -1.0 : 1.0; });
-  Eigen::Index axis;
-  if (const double largest = beyond.maxCoeff(&axis); largest <= 0.0)
+  const Eigen::Vector3d sign(point_m.x() < 0.0 ? -1.0 : 1.0, point_m.y() < 0.0 ? -1.0 : 1.0,
+                             point_m.z() < 0.0 ? -1.0 : 1.0);
+  if (beyond.x() <= 0.0 && beyond.y() <= 0.0 && beyond.z() <= 0.0) {
+    Eigen::Index axis;
+    const double largest = beyond.maxCoeff(&axis);
     return {largest - body.radius_m, sign[axis] * Eigen::Vector3d::Unit(axis)};
+  }
   const Eigen::Vector3d outside = beyond.cwiseMax(0.0);
   const double norm = outside.norm();
   return {norm - body.radius_m, outside.cwiseProduct(sign) / norm};
@@ -53,7 +59,9 @@ std::optional<Eigen::Vector3d> deepest_point(const RoundedBody& body, const Eige
                                              const Eigen::Vector3d& to_m) {
   const Eigen::Vector3d along = to_m - from_m;
   const double length = along.norm();
-  auto [near, far] = within_sphere(from_m, along, body.circumradius_m());
+  const auto range = within_sphere(from_m, along, body.circumradius_m());
+  if (!range) return std::nullopt;
+  auto [near, far] = *range;
   for (int i = 0; i < bisections; ++i) {
     const double half_way = 0.5 * (near + far);
     const auto surface = surface_distance(body, from_m + half_way * along);

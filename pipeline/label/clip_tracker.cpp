@@ -7,6 +7,7 @@
 
 #include "engine/base/interrupt.h"
 #include "pipeline/label/box_tracker.h"
+#include "pipeline/label/estimate/pose_jumps.h"
 #include "pipeline/label/estimate/pose_tracker.h"
 #include "pipeline/label/estimate/sphere_fit.h"
 #include "pipeline/label/grip.h"
@@ -85,6 +86,7 @@ class ClipTracker {
       set_position(object, fits[i], posed_frames_[i].num_points);
       add_misfit(fits[i], posed_frames_[i].surface_points, object);
     }
+    add_jumps(track);
   }
 
   int tracker_starts() const { return hand_.tracker_starts() + object_.tracker_starts(); }
@@ -163,6 +165,21 @@ class ClipTracker {
     const double misfit_m = median_distance_m(points, *shape_.body, fit.camera_from_body);
     if (misfit_m > max_misfit_m)
       object.sigma_m = (object.sigma_m.array().square() + misfit_m * misfit_m).sqrt();
+  }
+
+  /// Adds the standard deviation of poses that jump.
+  void add_jumps(ClipTrack& track) const {
+    std::vector<PosedView> views;
+    for (const auto& [frame, num_points, surface_points] : posed_frames_) {
+      const Observation& object = track.object[frame];
+      views.push_back({track.time_s[frame], object.position_m, object.sigma_m,
+                       BodyView{{}, surface_points, {}}.centroid_m()});
+    }
+    const auto variances_m2 = jump_variances(views);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      Eigen::Vector3d& sigma_m = track.object[posed_frames_[i].frame].sigma_m;
+      sigma_m = (sigma_m.cwiseAbs2() + variances_m2[i]).cwiseSqrt();
+    }
   }
 
   /// Position of the object if the hand holds it; nullopt if it has left the hand.

@@ -143,6 +143,25 @@ TEST_F(ImportFolder, NamesIntrinsicsThatItCannotRead) {
   }
 }
 
+TEST_F(ImportFolder, WarnsOfDistantScenes) {
+  for (int i = 0; i < import_frames; ++i) {
+    const std::string name = fmt::format("{}.png", i);
+    write_file(folder_ / "in" / "rgb" / name, encoded(import_color(i)), true);
+    write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, 9000)), true);  // of 0.1 mm
+  }
+  const auto warnings = [&](double counts_per_m) {
+    ImportOptions options = at_30_hz();
+    options.camera.depth_scale = counts_per_m;
+    ::testing::internal::CaptureStderr();
+    import("in", options);
+    return ::testing::internal::GetCapturedStderr();
+  };
+  const std::string text = warnings(0.0);
+  EXPECT_NE(text.find("the median depth is 9 m"), std::string::npos) << text;
+  EXPECT_NE(text.find("10000 (median 0.90 m)"), std::string::npos) << text;
+  EXPECT_EQ(warnings(1000.0).find("median depth"), std::string::npos);
+}
+
 TEST_F(ImportFolder, RefusesEqualTimes) {
   for (int i = 0; i < import_frames; ++i) {
     const std::string name = fmt::format("{}.png", i);

@@ -25,6 +25,7 @@ struct Range {
 /// Median depth of images for hand and object, and of any camera.
 constexpr Range usual_m{0.1, 20.0};
 constexpr Range possible_m{0.02, 100.0};
+constexpr double far_m = 6.0;  // few scenes of a hand have a larger median
 
 /// Counts of up to nine images, of pixels that have one.
 std::vector<std::uint16_t> sample_counts(const DepthScale& scale, const SourceStream& depth) {
@@ -91,6 +92,9 @@ void require_plausible(const DepthScale& scale, const SourceStream& depth, bool 
                                  "which is implausible",
                                  per_m, median_count / per_m),
                      hint);
+  if (!is_given && median_count / per_m > far_m)
+    Progress::warn(fmt::format("at {:g} counts per metre the median depth is {:.3g} m; {}", per_m,
+                               median_count / per_m, hint));
   if (!is_given && std::lround(per_m) == std::lround(tum_counts_per_m) &&
       may_be_millimetres(counts))
     throw data_error(

@@ -4,13 +4,12 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
-#include <map>
-#include <opencv2/aruco.hpp>
+#include <optional>
 
 #include "calib/board/corner_lattice.h"
 #include "calib/board/local_homography.h"
+#include "calib/board/markers.h"
 #include "calib/board/saddle.h"
-#include "calib/board/upscaled_image.h"
 #include "engine/base/error.h"
 #include "engine/base/statistics.h"
 
@@ -19,6 +18,7 @@ namespace {
 
 constexpr int num_tags_36h11 = 587, bits_per_side = 6;
 constexpr int border_bits[] = {2, 1};  ///< kalibr's, the AprilTag library's
+constexpr int max_tags_in_row = 24, min_pairs_of_other = 3;
 constexpr int min_radius_px = 3, max_radius_px = 10;
 
 Eigen::Vector2d place_m(const CalibrationTarget& target, int column, int row) {
@@ -37,37 +37,62 @@ void validate(const CalibrationTarget& target) {
                       "--tag-spacing is the space between tags over their side, e.g. 0.3");
 }
 
-/// Corners of decoded tags, by index; nullopt for a tag that the image shows twice.
-using TagCorners = std::map<int, std::optional<Eigen::Vector2d>>;
+/// Decodes the tags of a grid. OpenCV begins with the corner that is the lower right one in
+/// kalibr's print.
+DecodedMarkers decode_tags(const GreyImage& image, int border) {
+  DecodedMarkers tags = decode_markers(image, "apriltag_36h11", border);
+  for (auto& corners_px : tags.corners_px) std::ranges::rotate(corners_px, corners_px.begin() + 2);
+  return tags;
+}
 
-TagCorners decode_tags(const GreyImage& image, const CalibrationTarget& target, int border) {
-  const UpscaledImage enlarged(image, default_upscale_factor(image));
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->markerBorderBits = border;
-  std::vector<std::vector<cv::Point2f>> tags;
-  std::vector<int> tag_ids;
-  try {
-    cv::aruco::detectMarkers(enlarged.pixels,
-                             cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11),
-                             tags, tag_ids, parameters);
-  } catch (const cv::Exception&) {
-    return {};  // thrown for some images without a tag
-  }
-  // OpenCV begins with the corner that is the lower right one in kalibr's print, and is clockwise.
-  constexpr std::array<LatticeCell, 4> tag_cells{{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
-  TagCorners corners;
-  for (std::size_t i = 0; i < tags.size(); ++i) {
-    if (tag_ids[i] >= target.num_corners() / 4) continue;
-    const int tag_column = tag_ids[i] % (target.columns / 2),
-              tag_row = target.rows / 2 - 1 - tag_ids[i] / (target.columns / 2);
+TargetCorners corners_of(const DecodedMarkers& tags, const CalibrationTarget& target) {
+  constexpr std::array<LatticeCell, 4> tag_cells{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+  TargetCorners corners;
+  for (std::size_t i = 0; i < tags.ids.size(); ++i) {
+    if (tags.ids[i] >= target.num_corners() / 4) continue;
+    const int tag_column = tags.ids[i] % (target.columns / 2),
+              tag_row = target.rows / 2 - 1 - tags.ids[i] / (target.columns / 2);
     for (std::size_t k = 0; k < 4; ++k) {
-      const int id =
-          (2 * tag_row + tag_cells[k][1]) * target.columns + 2 * tag_column + tag_cells[k][0];
-      const bool is_first = !corners.contains(id);
-      corners[id] = is_first ? std::optional(enlarged.to_original(tags[i][k])) : std::nullopt;
+      corners.first.push_back(tags.corners_px[i][k]);
+      corners.second.push_back((2 * tag_row + tag_cells[k][1]) * target.columns + 2 * tag_column +
+                               tag_cells[k][0]);
     }
   }
   return corners;
+}
+
+/// Decoded tags one above the other in a grid with so many tags in a row.
+struct TagPairs {
+  int in_row = 0, all = 0;
+  int right = 0;  ///< those that lie so in the image
+
+  bool agree() const { return 2 * right >= all; }
+};
+
+TagPairs pairs_in_columns(const DecodedMarkers& tags, int in_row, const CalibrationTarget& target) {
+  const Eigen::Vector2d above(0.0, -target.square_m / target.markers->side_m);
+  TagPairs pairs{in_row};
+  for (std::size_t i = 0; i < tags.ids.size(); ++i)
+    if (const auto* other = tags.find(tags.ids[i] + in_row)) {
+      ++pairs.all;
+      if (homography_of({&tags.corners_px[i], {0.0, 0.0}}, {other, above})) ++pairs.right;
+    }
+  return pairs;
+}
+
+std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationTarget& asked) {
+  TagPairs best;
+  for (const int border : border_bits) {
+    const DecodedMarkers tags = decode_tags(image, border);
+    for (int in_row = 2; in_row <= max_tags_in_row; ++in_row)
+      if (const TagPairs pairs = pairs_in_columns(tags, in_row, asked); pairs.right > best.right)
+        best = pairs;
+  }
+  if (best.right < min_pairs_of_other || !best.agree() || best.in_row == asked.columns / 2)
+    return {};
+  return OtherTarget{fmt::format("no AprilGrid with {} tags in a row but one with {}",
+                                 asked.columns / 2, best.in_row),
+                     fmt::format("give --columns {}; --rows counts tags, too", best.in_row)};
 }
 
 /// Refines corners and looks for further ones.
@@ -159,17 +184,19 @@ class CornerSearch {
 TargetCorners find_aprilgrid_corners(const GreyImage& image, const CalibrationTarget& target) {
   validate(target);
   for (const int border : border_bits) {
-    TargetCorners decoded;
-    for (const auto& [id, corner] : decode_tags(image, target, border))
-      if (corner) decoded.first.push_back(*corner), decoded.second.push_back(id);
-    if (!determine_pose(decoded.second, target)) continue;
+    const DecodedMarkers tags = decode_tags(image, border);
+    const TargetCorners decoded = corners_of(tags, target);
+    if (!pairs_in_columns(tags, target.columns / 2, target).agree() ||
+        !determine_pose(decoded.second, target))
+      continue;
     TargetCorners found = CornerSearch(image, target, border, decoded).find_all();
     if (determine_pose(found.second, target)) return found;
   }
   return {};
 }
 
-const TargetKind aprilgrid_kind{
-    "aprilgrid", place_m, [](const CalibrationTarget&) { return false; }, find_aprilgrid_corners};
+const TargetKind aprilgrid_kind{"aprilgrid", place_m,
+                                [](const CalibrationTarget&) { return false; },
+                                find_aprilgrid_corners, find_other};
 
 }  // namespace touchtrace

@@ -3,14 +3,44 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <opencv2/core.hpp>
 
 #include "calib/board/chessboard.h"
 #include "calib/board/view_order.h"
 
 namespace touchtrace {
-bool BoardDetector::add(BoardView view, const GreyImage& image) {
+namespace {
+
+constexpr double max_black = 16.0;  ///< mean grey value where an image shows nothing
+constexpr int pixels_around = 8;    ///< half the side of the square that is looked at
+
+/// Mean grey value of the square around a pixel of ImageGrid, within the image.
+double mean_grey(const cv::Mat& image, int column, int row) {
+  const Eigen::Vector2d centre = ImageGrid::pixel(image.cols, image.rows, column, row);
+  const cv::Rect around(static_cast<int>(centre.x()) - pixels_around,
+                        static_cast<int>(centre.y()) - pixels_around, 2 * pixels_around + 1,
+                        2 * pixels_around + 1);
+  return cv::mean(image(around & cv::Rect({}, image.size())))[0];
+}
+
+}  // namespace
+
+BoardDetector::BoardDetector(const CalibrationTarget& board) {
+  observations_.board = board;
+  observations_.lit.setConstant(false);
+}
+
+void BoardDetector::update_lit(const GreyImage& image) {
+  const cv::Mat pixels(image.height, image.width, CV_8U,
+                       const_cast<std::uint8_t*>(image.pixels.data()));
+  for (int row = 0; row < ImageGrid::rows; ++row)
+    for (int column = 0; column < ImageGrid::columns; ++column)
+      observations_.lit(row, column) |= mean_grey(pixels, column, row) > max_black;
+}
+BoardFound BoardDetector::add(BoardView view, const GreyImage& image) {
   const CalibrationTarget& board = observations_.board;
   observations_.width = image.width, observations_.height = image.height;
+  update_lit(image);
   std::tie(view.corners_px, view.corner_ids) = board.kind->find_corners(image, board);
   if (view.corners_px.empty()) return add_part(std::move(view), image);
   if (board.kind == &chessboard_kind) {
@@ -18,18 +48,18 @@ bool BoardDetector::add(BoardView view, const GreyImage& image) {
     if (!is_main_dark_) is_main_dark_ = is_corner_0_main_dark(image, board, view.corners_px);
   }
   observations_.views.push_back(std::move(view));
-  return true;
+  return BoardFound::whole;
 }
 
-bool BoardDetector::add_part(BoardView view, const GreyImage& image) {
+BoardFound BoardDetector::add_part(BoardView view, const GreyImage& image) {
   if (observations_.board.kind == &chessboard_kind)
     if (auto part = find_chessboard_part(image);
         part && !possible_places(*part, observations_.board, {}).empty()) {
       partial_views_.push_back({std::move(view), std::move(*part)});
-      return true;
+      return BoardFound::part;
     }
   observations_.views_without_board.push_back(std::move(view.name));
-  return false;
+  return BoardFound::nothing;
 }
 
 void BoardDetector::place(BoardView view, const ChessboardPart& part) {

@@ -4,6 +4,9 @@
 
 namespace touchtrace {
 
+/// How much of the board an image shows.
+enum class BoardFound { nothing, part, whole };
+
 /// Detects the board in the images of one camera.
 ///
 /// A view of a part of a plain chessboard is used if it fits in one place on the board: found by
@@ -16,11 +19,11 @@ namespace touchtrace {
 /// the place of its depth pixels, but not the intrinsics of the camera.
 class BoardDetector {
  public:
-  explicit BoardDetector(const CalibrationTarget& board) { observations_.board = board; }
+  explicit BoardDetector(const CalibrationTarget& board);
 
   /// Adds a view with the corners that the image shows; `view` has the other members. All images
-  /// have one size. Returns whether the board or a part of it was found.
-  bool add(BoardView view, const GreyImage& image);
+  /// have one size. Markers of a part of the target count as all of it.
+  BoardFound add(BoardView view, const GreyImage& image);
   /// All views, those of a part of the board at the end.
   BoardObservations finish() &&;
 
@@ -29,7 +32,8 @@ class BoardDetector {
     BoardView view;
     ChessboardPart part;
   };
-  bool add_part(BoardView view, const GreyImage& image);
+  BoardFound add_part(BoardView view, const GreyImage& image);
+  void update_lit(const GreyImage& image);
   void place(BoardView view, const ChessboardPart& part);
 
   BoardObservations observations_;

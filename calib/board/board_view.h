@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "calib/board/calibration_target.h"
+#include "calib/camera/image_grid.h"
 
 namespace touchtrace {
 
@@ -40,6 +41,8 @@ struct BoardObservations {
   std::vector<std::string> views_without_board;  ///< names of images in which none was found
   std::vector<SkippedImage> skipped;             ///< images that were not looked at
   std::array<double, 4> depth_intrinsics{};      ///< factory fx, fy, cx, cy [px]; 0: unknown
+  /// False where all images are black, as outside of the image circle of a fisheye.
+  ImageGrid::Mask lit = ImageGrid::Mask::Constant(true);
 };
 
 }  // namespace touchtrace

@@ -15,6 +15,12 @@ struct GreyImage;
 /// Corners of a target that an image shows [px], and their indices; no indices: all, in order.
 using TargetCorners = std::pair<std::vector<Eigen::Vector2d>, std::vector<int>>;
 
+/// Another target than the one that was asked for.
+struct OtherTarget {
+  std::string seen;  ///< "no board of 9x6 inner corners but one of 8x5"
+  std::string hint;
+};
+
 /// A kind of calibration target. Each is defined with its detector.
 struct TargetKind {
   const char* name;
@@ -23,6 +29,9 @@ struct TargetKind {
   /// Whether the target looks the same after half a turn, so that a view does not tell its order.
   bool (*is_symmetric)(const CalibrationTarget& target);
   TargetCorners (*find_corners)(const GreyImage& image, const CalibrationTarget& target);
+  /// What an image without `asked` shows; nullptr: cannot tell.
+  std::optional<OtherTarget> (*find_other)(const GreyImage& image,
+                                           const CalibrationTarget& asked) = nullptr;
 };
 
 extern const TargetKind chessboard_kind, charuco_kind, aprilgrid_kind, circles_kind,

@@ -2,82 +2,109 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <opencv2/aruco/charuco.hpp>
+#include <optional>
 
+#include "calib/board/markers.h"
 #include "calib/board/saddle.h"
-#include "calib/board/upscaled_image.h"
 #include "engine/base/error.h"
-#include "engine/base/text.h"
 
 namespace touchtrace {
 namespace {
 
+constexpr int border_bits = 1;
 constexpr int min_radius_px = 2, max_radius_px = 10;
-/// interpolateCornersCharuco puts (0, 0) at the corner of a pixel.
-const cv::Point2f pixel_centre(0.5f, 0.5f);
+constexpr int min_squares = 3, max_squares = 40;  ///< in a row, of boards that are looked for
+constexpr std::size_t min_markers_of_other = 6, min_corners_of_other = 6;
+constexpr const char* common_dictionaries[] = {"4x4_1000", "5x5_1000", "6x6_1000", "7x7_1000",
+                                               "original"};
 
-struct DictionaryName {
-  const char* name;
-  cv::aruco::PREDEFINED_DICTIONARY_NAME id;
+/// Which squares hold the markers 0, 1, ..., along the rows.
+struct MarkerLayout {
+  int squares_in_row = 0;
+  bool is_first_square_white = false;
+
+  bool holds_marker(int column, int row) const {
+    return (column + row) % 2 == (is_first_square_white ? 0 : 1);
+  }
+  int marker_of(int column, int row) const {
+    const int in_even_row = (squares_in_row + (is_first_square_white ? 1 : 0)) / 2;
+    return row / 2 * squares_in_row + row % 2 * in_even_row + column / 2;
+  }
 };
 
-constexpr DictionaryName dictionaries[] = {
-    {"4x4_50", cv::aruco::DICT_4X4_50},          {"4x4_100", cv::aruco::DICT_4X4_100},
-    {"4x4_250", cv::aruco::DICT_4X4_250},        {"4x4_1000", cv::aruco::DICT_4X4_1000},
-    {"5x5_50", cv::aruco::DICT_5X5_50},          {"5x5_100", cv::aruco::DICT_5X5_100},
-    {"5x5_250", cv::aruco::DICT_5X5_250},        {"5x5_1000", cv::aruco::DICT_5X5_1000},
-    {"6x6_50", cv::aruco::DICT_6X6_50},          {"6x6_100", cv::aruco::DICT_6X6_100},
-    {"6x6_250", cv::aruco::DICT_6X6_250},        {"6x6_1000", cv::aruco::DICT_6X6_1000},
-    {"7x7_50", cv::aruco::DICT_7X7_50},          {"7x7_100", cv::aruco::DICT_7X7_100},
-    {"7x7_250", cv::aruco::DICT_7X7_250},        {"7x7_1000", cv::aruco::DICT_7X7_1000},
-    {"original", cv::aruco::DICT_ARUCO_ORIGINAL}};
-
-cv::Ptr<cv::aruco::Dictionary> find_dictionary(const std::string& name) {
-  const auto row = std::ranges::find(dictionaries, name, &DictionaryName::name);
-  if (row == std::end(dictionaries))
-    throw usage_error(fmt::format("unknown marker dictionary '{}'", name),
-                      suggestion(name, marker_dictionaries()));
-  return cv::aruco::getPredefinedDictionary(row->id);
-}
-
-cv::Ptr<cv::aruco::CharucoBoard> make_charuco_board(const CalibrationTarget& board) {
-  const auto dictionary = find_dictionary(board.markers->dictionary);
+void validate(const CalibrationTarget& board) {
   const int squares_x = board.columns + 1, squares_y = board.rows + 1;
-  if (squares_x * squares_y / 2 > dictionary->bytesList.rows)
-    throw usage_error(fmt::format("a board of {}x{} squares needs {} markers; '{}' has {}",
-                                  squares_x, squares_y, squares_x * squares_y / 2,
-                                  board.markers->dictionary, dictionary->bytesList.rows),
-                      "use the dictionary and the size that the board was printed with");
+  const int available = dictionary_size(board.markers->dictionary);
+  if (squares_x * squares_y / 2 > available)
+    throw usage_error(
+        fmt::format("a board of {}x{} squares needs {} markers; '{}' has {}", squares_x, squares_y,
+                    squares_x * squares_y / 2, board.markers->dictionary, available),
+        "use the dictionary and the size that the board was printed with");
   if (!(board.markers->side_m < board.square_m))
     throw usage_error(fmt::format("a marker of {:g} mm is not smaller than a square of {:g} mm",
                                   1e3 * board.markers->side_m, 1e3 * board.square_m),
                       "set the side of a marker with --marker-mm");
-  return cv::aruco::CharucoBoard::create(squares_x, squares_y, static_cast<float>(board.square_m),
-                                         static_cast<float>(board.markers->side_m), dictionary);
 }
 
-/// OpenCV's detection, accurate to some tenths of a pixel.
-TargetCorners detect_corners(const GreyImage& image, const CalibrationTarget& board) {
-  const auto charuco = make_charuco_board(board);
-  const UpscaledImage enlarged(image, default_upscale_factor(image));
-  std::vector<std::vector<cv::Point2f>> markers;
-  std::vector<cv::Point2f> corners;
-  std::vector<int> ids;
-  TargetCorners found;
-  try {
-    cv::aruco::detectMarkers(enlarged.pixels, charuco->dictionary, markers, ids);
-    if (!ids.empty())
-      cv::aruco::interpolateCornersCharuco(markers, ids, enlarged.pixels, charuco, corners,
-                                           found.second);
-  } catch (const cv::Exception&) {
-    return {};  // thrown for some images without a board
-  }
-  for (const auto& corner : corners)
-    found.first.push_back(enlarged.to_original(corner - pixel_centre));
+/// Corners that two decoded markers touch, accurate to some tenths of a pixel.
+struct RoughCorners {
+  TargetCorners corners;
+  int num_pairs = 0;  ///< decoded markers that touch in one corner, if the layout is right
+};
+
+/// The two markers that touch inner corner (column, row); without them nullopt.
+std::optional<std::pair<PlacedMarker, PlacedMarker>> touching_markers(const DecodedMarkers& markers,
+                                                                      const MarkerLayout& layout,
+                                                                      int column, int row) {
+  const bool is_left_above = layout.holds_marker(column, row);
+  const int left_row = row + (is_left_above ? 0 : 1), right_row = row + (is_left_above ? 1 : 0);
+  const auto* left = markers.find(layout.marker_of(column, left_row));
+  const auto* right = markers.find(layout.marker_of(column + 1, right_row));
+  if (!left || !right) return {};
+  return {{{left, {column, left_row}}, {right, {column + 1.0, right_row}}}};
+}
+
+RoughCorners rough_corners(const DecodedMarkers& markers, const MarkerLayout& layout,
+                           const CalibrationTarget& board) {
+  const double square = board.square_m / board.markers->side_m;  // [sides of a marker]
+  const Eigen::Vector2d corner = Eigen::Vector2d::Constant(1.0 - 0.5 * (square - 1.0) / square);
+  RoughCorners found;
+  for (int row = 0; row < board.rows; ++row)
+    for (int column = 0; column + 2 <= layout.squares_in_row; ++column) {
+      auto pair = touching_markers(markers, layout, column, row);
+      if (!pair) continue;
+      ++found.num_pairs;
+      pair->first.place *= square, pair->second.place *= square;
+      if (const auto local = homography_of(pair->first, pair->second)) {
+        found.corners.first.push_back(
+            local->image_of(square * (Eigen::Vector2d(column, row) + corner)));
+        found.corners.second.push_back(row * (layout.squares_in_row - 1) + column);
+      }
+    }
   return found;
+}
+
+/// The layout with most corners among those with `min_in_row` to `max_in_row` squares in a row.
+std::pair<MarkerLayout, RoughCorners> best_layout(const DecodedMarkers& markers,
+                                                  const CalibrationTarget& board, int min_in_row,
+                                                  int max_in_row) {
+  std::pair<MarkerLayout, RoughCorners> best;
+  for (int in_row = min_in_row; in_row <= max_in_row; ++in_row)
+    for (const bool is_white : {false, true}) {
+      const MarkerLayout layout{in_row, is_white};
+      RoughCorners found = rough_corners(markers, layout, board);
+      if (found.corners.second.size() > best.second.corners.second.size())
+        best = {layout, std::move(found)};
+    }
+  return best;
+}
+
+/// Whether the markers lie as in the layout. A layout whose rows are one square too short or too
+/// long is right for up to three fifths of the pairs: the others are in the next row.
+bool agrees(const RoughCorners& found) {
+  return 5 * static_cast<int>(found.corners.second.size()) >= 4 * found.num_pairs;
 }
 
 /// Radius around a corner that holds no marker, in the direction of the strongest foreshortening.
@@ -88,29 +115,57 @@ int marker_free_radius_px(const TargetCorners& found, const CalibrationTarget& b
   return std::clamp(static_cast<int>(gap_px), min_radius_px, max_radius_px);
 }
 
-}  // namespace
-
-std::vector<std::string> marker_dictionaries() {
-  std::vector<std::string> names;
-  for (const DictionaryName& row : dictionaries) names.emplace_back(row.name);
-  return names;
+/// Inner corners in a row of the board that the markers show; nullopt if they show too few.
+std::optional<int> columns_shown(const DecodedMarkers& markers, const CalibrationTarget& asked) {
+  if (markers.ids.size() < min_markers_of_other) return {};
+  CalibrationTarget any_height = asked;
+  any_height.rows = max_squares;
+  const auto [layout, found] = best_layout(markers, any_height, min_squares, max_squares);
+  if (!agrees(found) || found.corners.second.size() < min_corners_of_other) return {};
+  return layout.squares_in_row - 1;
 }
 
+std::optional<OtherTarget> find_other_dictionary(const GreyImage& image,
+                                                 const CalibrationTarget& asked) {
+  for (const char* dictionary : common_dictionaries)
+    if (columns_shown(decode_markers(image, dictionary, border_bits), asked))
+      return OtherTarget{
+          fmt::format("no markers of {} but of {}", asked.markers->dictionary, dictionary),
+          fmt::format("give --markers {}", dictionary)};
+  return {};
+}
+
+std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationTarget& asked) {
+  const auto columns =
+      columns_shown(decode_markers(image, asked.markers->dictionary, border_bits), asked);
+  if (!columns) return find_other_dictionary(image, asked);
+  if (*columns == asked.columns) return {};
+  return OtherTarget{fmt::format("no ChArUco board with {} inner corners in a row but one with {}",
+                                 asked.columns, *columns),
+                     fmt::format("give --columns {}; --rows counts inner corners, too", *columns)};
+}
+
+}  // namespace
+
 TargetCorners find_charuco_corners(const GreyImage& image, const CalibrationTarget& board) {
-  const TargetCorners rough = detect_corners(image, board);
-  const auto& [rough_px, ids] = rough;
-  if (!determine_pose(ids, board)) return {};
+  validate(board);
+  const DecodedMarkers markers = decode_markers(image, board.markers->dictionary, border_bits);
+  const int squares_in_row = board.columns + 1;
+  const auto [layout, found_roughly] = best_layout(markers, board, squares_in_row, squares_in_row);
+  const TargetCorners& rough = found_roughly.corners;
+  if (!agrees(found_roughly) || !determine_pose(rough.second, board)) return {};
   const int radius_px = marker_free_radius_px(rough, board);
   TargetCorners found;
-  for (std::size_t i = 0; i < ids.size(); ++i)
-    if (const auto corner = refine_saddle_point(image, rough_px[i], radius_px)) {
+  for (std::size_t i = 0; i < rough.second.size(); ++i)
+    if (const auto corner = refine_saddle_point(image, rough.first[i], radius_px)) {
       found.first.push_back(*corner);
-      found.second.push_back(ids[i]);
+      found.second.push_back(rough.second[i]);
     }
   return determine_pose(found.second, board) ? found : TargetCorners{};
 }
 
 const TargetKind charuco_kind{"charuco", square_lattice_m,
-                              [](const CalibrationTarget&) { return false; }, find_charuco_corners};
+                              [](const CalibrationTarget&) { return false; }, find_charuco_corners,
+                              find_other};
 
 }  // namespace touchtrace

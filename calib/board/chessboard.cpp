@@ -1,5 +1,7 @@
 #include "calib/board/chessboard.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,15 +9,14 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calib/board/chessboard_part.h"
-#include "calib/board/saddle.h"
+#include "calib/board/reduced_image.h"
 #include "calib/board/upscaled_image.h"
 #include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr int large_image_px = 2000, detection_size_px = 1280;
-constexpr int min_refinement_px = 3, max_refinement_px = 20;
+constexpr int large_image_px = 2000;
 constexpr int min_corners_per_side = 3;
 constexpr int num_profile_steps = 64;
 constexpr double min_contrast = 20.0;  ///< [grey levels] of an edge whose width can be measured
@@ -30,29 +31,6 @@ std::vector<Eigen::Vector2d> find_in_upscaled(const UpscaledImage& image,
   std::vector<Eigen::Vector2d> corners;
   for (const auto& p : points) corners.push_back(image.to_original(p));
   return corners;
-}
-
-/// Image reduced by an integer factor.
-GreyImage reduced(const GreyImage& image, int factor) {
-  const cv::Mat original(image.height, image.width, CV_8U,
-                         const_cast<std::uint8_t*>(image.pixels.data()));
-  cv::Mat small;
-  cv::resize(original, small, {image.width / factor, image.height / factor}, 0, 0, cv::INTER_AREA);
-  return {small.cols, small.rows, {small.datastart, small.dataend}};
-}
-
-/// Factor that makes the larger side at most `size_px`.
-int reduction_to(const GreyImage& image, int size_px) {
-  return (std::max(image.width, image.height) + size_px - 1) / size_px;
-}
-
-/// Smallest distance between neighbouring corners of a row.
-double min_spacing_px(const std::vector<Eigen::Vector2d>& corners, const CalibrationTarget& board) {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < corners.size(); ++i)
-    if (static_cast<int>(i) % board.columns != 0)
-      least = std::min(least, (corners[i] - corners[i - 1]).norm());
-  return least;
 }
 
 /// Grey value between pixels; NaN outside of the image.
@@ -99,17 +77,9 @@ double rise_width(std::vector<double> profile) {
 /// Detects on a reduced image and refines each corner in the large one; {} if one has no saddle.
 std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image,
                                                  const CalibrationTarget& board) {
-  const int factor = reduction_to(image, detection_size_px);
-  auto corners = find_chessboard(reduced(image, factor), board);
-  if (corners.empty()) return {};
-  for (auto& corner : corners) corner = factor * (corner.array() + 0.5) - 0.5;
-  const int radius_px = std::clamp(static_cast<int>(0.3 * min_spacing_px(corners, board)),
-                                   min_refinement_px, max_refinement_px);
-  for (auto& corner : corners) {
-    const auto refined = refine_saddle_point(image, corner, radius_px);
-    if (!refined) return {};
-    corner = *refined;
-  }
+  const ReducedImage reduced(image);
+  auto corners = find_chessboard(reduced.image, board);
+  if (!refine_in_original(corners, reduced, image)) return {};
   return corners;
 }
 
@@ -143,23 +113,41 @@ std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image,
     return find_in_large_image(image, board);
   const int scale = default_upscale_factor(image);
   // Fastest first. No setting detects every board.
-  const std::pair<int, int> attempts[] = {
-      {scale, 0}, {scale, exhaustive}, {1, cv::CALIB_CB_ACCURACY}, {1, exhaustive}};
+  std::vector<std::pair<int, int>> attempts{
+      {scale, 0}, {scale, exhaustive}, {1, cv::CALIB_CB_ACCURACY}};
+  if (scale > 1) attempts.emplace_back(1, exhaustive);
   for (const auto& [factor, flags] : attempts)
     if (auto corners = find_in_upscaled({image, factor}, board, flags); !corners.empty())
       return corners;
   return {};
 }
 
+namespace {
+
+std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationTarget& asked) {
+  const auto seen = find_board_size(image);
+  if (!seen ||
+      *seen == BoardSize{std::max(asked.columns, asked.rows), std::min(asked.columns, asked.rows)})
+    return {};
+  return OtherTarget{fmt::format("no board of {}x{} inner corners but one of {}x{}", asked.columns,
+                                 asked.rows, seen->columns, seen->rows),
+                     fmt::format("leave out --columns and --rows, or give --columns {} --rows {}: "
+                                 "they count inner corners",
+                                 seen->columns, seen->rows)};
+}
+
+}  // namespace
+
 const TargetKind chessboard_kind{
     "chessboard", square_lattice_m,
     [](const CalibrationTarget& board) { return (board.columns + board.rows) % 2 == 0; },
     [](const GreyImage& image, const CalibrationTarget& board) {
       return TargetCorners{find_chessboard(image, board), {}};
-    }};
+    },
+    find_other};
 
 std::optional<BoardSize> find_board_size(const GreyImage& image) {
-  const auto part = find_chessboard_part(reduced(image, reduction_to(image, detection_size_px)));
+  const auto part = find_chessboard_part(ReducedImage(image).image);
   if (!part) return {};
   const auto [first_column, last_column] = minmax_of(part->cells, 0);
   const auto [first_row, last_row] = minmax_of(part->cells, 1);

@@ -16,6 +16,14 @@ bool are_collinear(const std::vector<cv::Point2d>& points) {
 
 }  // namespace
 
+std::optional<LocalHomography> LocalHomography::fit(const std::vector<cv::Point2d>& places,
+                                                    const std::vector<cv::Point2d>& pixels) {
+  if (places.size() < 4) return {};
+  const cv::Mat h = cv::findHomography(places, pixels, 0);
+  if (h.empty()) return {};
+  return LocalHomography(cv::Matx33d(h));
+}
+
 std::optional<LocalHomography> LocalHomography::fit(const TargetCorners& corners,
                                                     const CalibrationTarget& target,
                                                     const Eigen::Vector2d& place_m) {

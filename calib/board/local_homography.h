@@ -7,11 +7,15 @@
 
 namespace touchtrace {
 
-/// Homography from the target [m] to the image [px] near a place. Lens distortion hardly bends it
-/// there.
+/// Homography from places on the target to the image [px] near a place. Lens distortion hardly
+/// bends it there.
 class LocalHomography {
  public:
   static constexpr double reach = 3.2;  ///< [square_m] a little more than three rows
+
+  /// Least-squares fit; nullopt if the points do not determine it.
+  static std::optional<LocalHomography> fit(const std::vector<cv::Point2d>& places,
+                                            const std::vector<cv::Point2d>& pixels);
 
   /// Least-squares fit to the corners within three rows or columns of `place_m`; nullopt unless
   /// six or more are known there, in two rows and two columns.

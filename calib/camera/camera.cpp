@@ -67,11 +67,16 @@ void Camera::project(std::span<const Eigen::Vector3f> points_m,
   });
 }
 
-Eigen::Vector3d Camera::unproject(const Eigen::Vector2d& pixel) const {
+Eigen::Vector3d Camera::direction(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d distorted((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
   return with_lens(lens, [&](auto l) -> Eigen::Vector3d {
-    return l.ray(undistort<decltype(l)>(distortion.data(), distorted));
+    return l.direction(undistort<decltype(l)>(distortion.data(), distorted));
   });
+}
+
+Eigen::Vector3d Camera::unproject(const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector3d to = direction(pixel);
+  return to.z() > 0.0 ? Eigen::Vector3d(to / to.z()) : Eigen::Vector3d(nan, nan, 1.0);
 }
 
 }  // namespace touchtrace

@@ -25,9 +25,12 @@ struct Camera {
   Eigen::Vector2d project(const Eigen::Vector3d& point_m) const;
   /// Projects the first pixels.size() points.
   void project(std::span<const Eigen::Vector3f> points_m, std::span<Eigen::Vector2d> pixels) const;
-  /// Returns the ray (X/Z, Y/Z, 1) of a pixel, by Newton iterations on the distortion. NaN where
-  /// the distortion cannot be inverted, which happens far outside of the image if it is strong, and
-  /// for rays of a fisheye at 90 degrees or more to the optical axis.
+  /// Returns the direction of a pixel, a vector of any length, by Newton iterations on the
+  /// distortion. NaN where the distortion cannot be inverted, which happens far outside of the
+  /// image if it is strong.
+  Eigen::Vector3d direction(const Eigen::Vector2d& pixel) const;
+  /// Returns the ray (X/Z, Y/Z, 1) of a pixel. NaN where direction() is, and at 90 degrees or more
+  /// to the optical axis.
   Eigen::Vector3d unproject(const Eigen::Vector2d& pixel) const;
 
   /// fx fy cx cy, then `distortion`: the layout of project_point().

@@ -3,19 +3,18 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <type_traits>
 #include <utility>
 
 namespace touchtrace {
 
-Eigen::Vector3d Equidistant::ray(const Eigen::Vector2d& m) {
+Eigen::Vector3d Equidistant::direction(const Eigen::Vector2d& m) {
   const double angle = m.norm();
-  if (!(angle < M_PI / 2)) {
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    return {nan, nan, 1.0};
-  }
-  const double scale = angle > 0.0 ? std::tan(angle) / angle : 1.0;
-  return {scale * m.x(), scale * m.y(), 1.0};
+  if (!(angle < std::numbers::pi))
+    return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const double scale = angle > 0.0 ? std::sin(angle) / angle : 1.0;
+  return {scale * m.x(), scale * m.y(), std::cos(angle)};
 }
 
 std::string lens_name(const Lens& lens) {

@@ -14,8 +14,8 @@ namespace touchtrace {
 ///     m = L::normalize(p)          ideal projection, without units
 ///     d = L::distort(k, m)         distortion with the coefficients k
 ///     pixel = (fx d.x + cx, fy d.y + cy)
-/// L::can_project(p): the domain of normalize(). L::ray(m): the inverse of normalize(), as
-/// (X/Z, Y/Z, 1).
+/// L::can_project(p): the domain of normalize(). L::direction(m): the inverse of normalize(), a
+/// vector of any length, NaN outside of its range.
 ///
 /// To add a lens, write a struct like those below, derived from its ideal projection, with `name`,
 /// `coefficients`, `interop` and distort(), and append it to `Lens`, after all simpler ones. The
@@ -39,11 +39,11 @@ struct Perspective {
   static Vector2<T> normalize(const Vector3<T>& p) {
     return {p.x() / p.z(), p.y() / p.z()};
   }
-  static Eigen::Vector3d ray(const Eigen::Vector2d& m) { return {m.x(), m.y(), 1.0}; }
+  static Eigen::Vector3d direction(const Eigen::Vector2d& m) { return {m.x(), m.y(), 1.0}; }
 };
 
 /// Equidistant projection: the angle to the optical axis [rad] in the direction of (X, Y). Its
-/// domain is everything except the negative optical axis. ray() is NaN from 90 degrees on.
+/// domain is everything except the negative optical axis.
 struct Equidistant {
   template <class T>
   static bool can_project(const Vector3<T>& p) {
@@ -63,7 +63,7 @@ struct Equidistant {
     const T scale = atan2(radius, p.z()) / radius;
     return {p.x() * scale, p.y() * scale};
   }
-  static Eigen::Vector3d ray(const Eigen::Vector2d& m);
+  static Eigen::Vector3d direction(const Eigen::Vector2d& m);
 };
 
 /// Names of a lens in other programs.

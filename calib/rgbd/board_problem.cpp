@@ -68,7 +68,7 @@ void add_deformation(const BoardProblem& problem, RgbdParameters& p,
   for (auto& offset_m : p.corner_offsets_m) {
     ceres_problem.AddResidualBlock(prior_of<3>({}, {sigma_m, sigma_m, sigma_m}), nullptr,
                                    offset_m.data());
-    if (problem.depth_only || problem.fixed_camera)
+    if (problem.estimated != Estimated::everything)
       ceres_problem.SetParameterBlockConstant(offset_m.data());
   }
 }
@@ -91,6 +91,17 @@ void add_depth(const BoardProblem& problem, ceres::LossFunction* loss, RgbdParam
     add_prior(prior_of<1>({0.0}, {prior.delay_sigma_s}), &p.depth_delay_s);
   else
     ceres_problem.SetParameterBlockConstant(&p.depth_delay_s);
+}
+
+/// Fixes colour camera, board and its poses, as far as they are not estimated.
+void fix_parameters(const BoardProblem& problem, RgbdParameters& p, ceres::Problem& ceres_problem) {
+  const Estimated estimated = problem.estimated;
+  if (estimated == Estimated::everything) return;
+  ceres_problem.SetParameterBlockConstant(p.board_warp_m.data());
+  if (estimated != Estimated::color_camera) ceres_problem.SetParameterBlockConstant(p.color.data());
+  if (estimated != Estimated::board_poses)
+    for (std::size_t view : used_views(problem))
+      ceres_problem.SetParameterBlockConstant(p.camera_from_board[view].data());
 }
 
 /// Ceres warns on stderr about rejected steps, which are normal.
@@ -138,14 +149,7 @@ std::unique_ptr<CeresProblem> make_problem(const BoardProblem& problem, RgbdPara
                                  p.board_warp_m.data());
   if (has_free_deformation(problem)) add_deformation(problem, p, ceres_problem);
   if (!problem.samples.empty()) add_depth(problem, loss, p, ceres_problem);
-  if (problem.depth_only || problem.fixed_camera) {
-    ceres_problem.SetParameterBlockConstant(p.color.data());
-    ceres_problem.SetParameterBlockConstant(p.board_warp_m.data());
-  }
-  if (problem.depth_only) {
-    for (std::size_t view : used_views(problem))
-      ceres_problem.SetParameterBlockConstant(p.camera_from_board[view].data());
-  }
+  fix_parameters(problem, p, ceres_problem);
   return result;
 }
 

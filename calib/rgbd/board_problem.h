@@ -61,6 +61,9 @@ struct Prior {
   double delay_sigma_s = 0.0;                ///< about 0
 };
 
+/// The other parameters are constant.
+enum class Estimated { everything, color_camera, board_poses, depth_camera };
+
 /// Robust nonlinear least squares over corners, depth samples and priors:
 ///     sum |corner - project(camera_from_board X)|^2 / corner_sigma_px^2
 ///   + sum ((board's depth along the pixel's ray - offset) / scale - measured)^2 / sigma_m^2
@@ -77,11 +80,10 @@ struct BoardProblem {
   bool free_delay = false;                  ///< estimate depth_delay_s; else constant
   double corner_sigma_px = 1.0;
   double loss_sigmas = 3.0;  ///< threshold of the Huber loss
-  bool depth_only = false;   ///< colour camera, board and its poses are constant
+  Estimated estimated = Estimated::everything;
   int max_iterations = 500;  ///< the Huber loss makes narrow valleys that need many
   double cost_tolerance = 1e-10, parameter_tolerance = 1e-10;  ///< relative
-  bool fixed_camera = false;  ///< estimates only the board's poses; without depth
-  int num_threads = 1;        ///< changes the result only by rounding
+  int num_threads = 1;  ///< changes the result only by rounding
 };
 
 /// True if corner_offsets_m are estimated; then there is one for each corner of the board.

@@ -88,14 +88,14 @@ Error no_convergence() {
 /// because the baseline of the cameras is unknown, then from all of it. Returns false if too few
 /// depth pixels are on the board.
 bool initialize_depth_camera(BoardProblem& problem, RgbdParameters& p) {
-  problem.depth_only = true;
+  problem.estimated = Estimated::depth_camera;
   for (double extent : {first_extent, final_extent}) {
     problem.samples = depth_samples(problem.observations, problem.used, p, extent);
     if (problem.samples.size() < min_depth_samples || !solve(problem, p))
       return problem.samples.clear(), false;
   }
   problem.samples = depth_samples(problem.observations, problem.used, p, final_extent);
-  problem.depth_only = false;
+  problem.estimated = Estimated::everything;
   return true;
 }
 
@@ -131,6 +131,7 @@ RgbdCalibration assemble_calibration(const BoardProblem& problem, const RgbdPara
   c.depth_scale = p.depth_correction[0], c.depth_offset_m = p.depth_correction[1];
   c.depth_delay_s = p.depth_delay_s;
   c.board_warp_m = p.board_warp_m;
+  c.lit = problem.observations.lit;
   c.rms_px = rms_of_used_views(problem.observations, problem.used, p);
   c.depth_rms_m = depth_rms_m(problem.samples, p);
   c.parameters = parameter_names(problem, p.lens);

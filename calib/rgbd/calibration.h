@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "calib/camera/camera.h"
+#include "calib/camera/image_grid.h"
 
 namespace touchtrace {
 
@@ -26,6 +27,7 @@ struct RgbdCalibration {
   double depth_scale = 1.0, depth_offset_m = 0.0;
   double depth_delay_s = 0.0;            ///< exposure of a depth image minus its time stamp
   std::array<double, 2> board_warp_m{};  ///< coefficients of CalibrationTarget::warp_basis
+  ImageGrid::Mask lit = ImageGrid::Mask::Constant(true);  ///< BoardObservations::lit; not in files
 
   double rms_px = 0.0;                  ///< RMS length of the corner residuals
   double depth_rms_m = 0.0;             ///< RMS of the depth residuals

@@ -93,10 +93,9 @@ bool solve_for_observable(BoardProblem& problem, const RgbdParameters& start,
 }
 
 /// `earlier`: fits of other lenses, reused for the same model.
-LensFit fit_lens(BoardProblem& problem, const LensChoice& choice, RgbdParameters start,
+LensFit fit_lens(BoardProblem& problem, const LensChoice& choice, const RgbdParameters& start,
                  const std::vector<LensFit>& earlier, LensTrial& trial) {
   LensFit fitted;
-  start.lens = choice.lens;
   problem.prior = color_prior(problem.observations, choice.lens);
   problem.free_color = choice.free_color;
   problem.max_iterations = max_trial_iterations;
@@ -152,6 +151,7 @@ ChoiceRule rule_given(const BoardObservations& observations, const ColorFit& fir
   const BoardProblem problem = color_problem(observations, first);
   RgbdCalibration c;
   c.color = color_camera(observations, first.parameters);
+  c.lit = observations.lit;
   c.parameters = parameter_names(problem, first.parameters.lens);
   const Eigen::MatrixXd independent = covariance(problem, first.parameters);
   if (independent.size() == 0) return {count};
@@ -210,7 +210,7 @@ double corner_noise_px(const BoardObservations& observations, const std::vector<
 ColorFit fit_color(const BoardObservations& observations, const std::vector<bool>& usable,
                    const std::vector<std::string>& names) {
   const auto choices = lens_choices(names);
-  const RobustFits robust = fit_robustly(observations, usable, choices);
+  const RobustFits robust = fit_robustly(observations, usable);
   ColorFit fit;
   if (!std::isfinite(robust.better().typical_rms_px)) return fit;
   fit.used = robust.better().used;
@@ -221,7 +221,7 @@ ColorFit fit_color(const BoardObservations& observations, const std::vector<bool
   for (const LensChoice& choice : choices) {
     fit.trials.push_back({lens_name(choice.named), 0.0, {}});
     fits.push_back(
-        fit_lens(problem, choice, robust.start_of(choice.lens), fits, fit.trials.back()));
+        fit_lens(problem, choice, robust.start_of(choice, observations), fits, fit.trials.back()));
   }
   const double count = num_corner_coordinates(observations, fit.used);
   if (!choose(fits, {count}, fit)) return fit;

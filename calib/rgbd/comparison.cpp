@@ -99,7 +99,7 @@ CalibrationDifference compare(const RgbdCalibration& a, const RgbdCalibration& b
   std::vector<std::pair<int, int>> cells;
   for (int row = 0; row < ImageGrid::rows; ++row)
     for (int column = 0; column < ImageGrid::columns; ++column) {
-      const Eigen::Vector2d pixel = ImageGrid::pixel(a.color, column, row);
+      const Eigen::Vector2d pixel = ImageGrid::pixel(a.color.width, a.color.height, column, row);
       const GridPoint point{pixel, a.color.unproject(pixel), result.sigma_px(row, column)};
       if (!point.ray.allFinite() || !(point.sigma_px > 0.0)) continue;
       points.push_back(point), cells.emplace_back(row, column);

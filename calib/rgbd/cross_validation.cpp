@@ -19,7 +19,7 @@ double held_out_squares(BoardProblem problem, RgbdParameters p, const std::vecto
     problem.used[view] = all[view] && !fold[view];
   if (!solve(problem, p)) return std::numeric_limits<double>::quiet_NaN();
   problem.used = fold;
-  problem.fixed_camera = true;
+  problem.estimated = Estimated::board_poses;
   if (!solve(problem, p)) return std::numeric_limits<double>::quiet_NaN();
   double squares = 0.0;
   for (std::size_t view = 0; view < fold.size(); ++view)

@@ -21,14 +21,15 @@ constexpr int num_weighting_rounds = 3;
 /// Derivative of a pixel with respect to all intrinsics, then to the point.
 using PixelJacobian = Eigen::Matrix<double, 2, max_intrinsics + 3>;
 
-PixelJacobian pixel_jacobian(const Camera& camera, const Eigen::Vector3d& ray) {
+PixelJacobian pixel_jacobian(const Camera& camera, const Eigen::Vector3d& direction) {
   using Jet = ceres::Jet<double, max_intrinsics + 3>;
   const auto values = camera.parameters();
   std::array<Jet, max_intrinsics> intrinsics;
   for (int i = 0; i < max_intrinsics; ++i)
     intrinsics[std::size_t(i)] = Jet(values[std::size_t(i)], i);
-  const Vector3<Jet> point(Jet(ray.x(), max_intrinsics), Jet(ray.y(), max_intrinsics + 1),
-                           Jet(ray.z(), max_intrinsics + 2));
+  const Vector3<Jet> point(Jet(direction.x(), max_intrinsics),
+                           Jet(direction.y(), max_intrinsics + 1),
+                           Jet(direction.z(), max_intrinsics + 2));
   const Vector2<Jet> pixel = with_lens(camera.lens, [&](auto l) -> Vector2<Jet> {
     return project_point<decltype(l)>(intrinsics.data(), point);
   });
@@ -37,7 +38,7 @@ PixelJacobian pixel_jacobian(const Camera& camera, const Eigen::Vector3d& ray) {
   return jacobian;
 }
 
-/// Derivatives [2 pixels, ..] of the grid pixels; 0 where they cannot be unprojected.
+/// Derivatives [2 pixels, ..] of the grid pixels; 0 where the lens cannot be inverted.
 struct GridJacobian {
   MatrixXd by_intrinsics, by_rotation;
 };
@@ -48,18 +49,18 @@ GridJacobian grid_jacobian(const RgbdCalibration& c) {
   GridJacobian grid{MatrixXd::Zero(2 * pixels, Index(indices.size())),
                     MatrixXd::Zero(2 * pixels, 3)};
   for (Index i = 0; i < pixels; ++i) {
-    const Eigen::Vector3d ray = c.color.unproject(
-        ImageGrid::pixel(c.color, int(i % ImageGrid::columns), int(i / ImageGrid::columns)));
-    if (!ray.allFinite()) continue;
-    const PixelJacobian jacobian = pixel_jacobian(c.color, ray);
+    const Eigen::Vector3d direction = c.color.direction(ImageGrid::pixel(
+        c.color.width, c.color.height, int(i % ImageGrid::columns), int(i / ImageGrid::columns)));
+    if (!direction.allFinite()) continue;
+    const PixelJacobian jacobian = pixel_jacobian(c.color, direction);
     for (std::size_t k = 0; k < indices.size(); ++k)
       grid.by_intrinsics.block<2, 1>(2 * i, Index(k)) = jacobian.col(indices[k]);
-    grid.by_rotation.middleRows<2>(2 * i) = -jacobian.rightCols<3>() * cross_matrix(ray);
+    grid.by_rotation.middleRows<2>(2 * i) = -jacobian.rightCols<3>() * cross_matrix(direction);
   }
   return grid;
 }
 
-/// Variance [px^2] of each row's pixel; 0 where it cannot be unprojected.
+/// Variance [px^2] of each row's pixel; 0 where the lens cannot be inverted.
 Eigen::VectorXd row_variance(const MatrixXd& jacobian, const MatrixXd& covariance) {
   return (jacobian * covariance).cwiseProduct(jacobian).rowwise().sum();
 }
@@ -106,10 +107,11 @@ MatrixXd projection_sigma_px(const RgbdCalibration& c) {
 
 double projection_sigma_quantile_px(const RgbdCalibration& c, double fraction) {
   const MatrixXd map = projection_sigma_px(c);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
   std::vector<double> sigmas;
-  for (double sigma : map.reshaped())
-    if (std::isfinite(sigma)) sigmas.push_back(sigma);
-  if (sigmas.empty()) return std::numeric_limits<double>::quiet_NaN();
+  for (Index i = 0; i < map.size(); ++i)
+    if (c.lit.reshaped()[i]) sigmas.push_back(std::isfinite(map(i)) ? map(i) : infinity);
+  if (sigmas.empty()) return infinity;
   const auto at = sigmas.begin() +
                   static_cast<std::ptrdiff_t>(fraction * static_cast<double>(sigmas.size() - 1));
   std::ranges::nth_element(sigmas, at);

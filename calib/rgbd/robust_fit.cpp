@@ -13,7 +13,6 @@ namespace touchtrace {
 namespace {
 
 constexpr int num_robust_rounds = 2;
-constexpr double poor_rms_px = 1.0;  ///< above it, a lens taken for radtan4 may be a fisheye
 constexpr double robust_fit_tolerance = 1e-5;
 
 std::vector<double> view_rms(const BoardProblem& problem, const RgbdParameters& parameters) {
@@ -52,34 +51,39 @@ RobustFit fit_robustly(const BoardObservations& observations, const std::vector<
   return result;
 }
 
+/// Fits the coefficients of another lens to the corners, with the poses of `fit`.
+RgbdParameters convert_lens(const RobustFit& fit, const LensChoice& choice,
+                            const BoardObservations& observations) {
+  RgbdParameters converted = fit.parameters;
+  converted.lens = choice.lens;
+  std::fill(converted.color.begin() + 4, converted.color.end(), 0.0);
+  BoardProblem problem{
+      observations, fit.used, {}, color_prior(observations, choice.lens), choice.free_color};
+  problem.corner_sigma_px = fit.sigma_px;
+  problem.estimated = Estimated::color_camera;
+  solve(problem, converted);
+  return converted;
+}
+
 }  // namespace
 
 const RobustFit& RobustFits::better() const {
-  if (!perspective) return *equidistant;
-  if (!equidistant) return *perspective;
-  return perspective->typical_rms_px <= equidistant->typical_rms_px ? *perspective : *equidistant;
+  return perspective.typical_rms_px <= equidistant.typical_rms_px ? perspective : equidistant;
 }
 
-RgbdParameters RobustFits::start_of(const Lens& lens) const {
-  const RobustFit& own = is_perspective(lens) ? *perspective : *equidistant;
-  if (!(own.typical_rms_px > much_worse_ratio * better().typical_rms_px)) return own.parameters;
-  RgbdParameters start = better().parameters;
-  std::fill(start.color.begin() + 4, start.color.end(), 0.0);
+RgbdParameters RobustFits::start_of(const LensChoice& choice,
+                                    const BoardObservations& observations) const {
+  const RobustFit& own = is_perspective(choice.lens) ? perspective : equidistant;
+  if (own.typical_rms_px > much_worse_ratio * better().typical_rms_px)
+    return convert_lens(better(), choice, observations);
+  RgbdParameters start = own.parameters;
+  start.lens = choice.lens;
   return start;
 }
 
-RobustFits fit_robustly(const BoardObservations& observations, const std::vector<bool>& usable,
-                        const std::vector<LensChoice>& choices) {
-  RobustFits all;
-  for (const LensChoice& choice : choices) {
-    auto& kind = is_perspective(choice.lens) ? all.perspective : all.equidistant;
-    if (!kind)
-      kind = fit_robustly(observations, usable,
-                          is_perspective(choice.lens) ? lens_choice("radtan4") : choice);
-  }
-  if (!all.equidistant && all.perspective->typical_rms_px > poor_rms_px)
-    all.equidistant = fit_robustly(observations, usable, lens_choice("fisheye4"));
-  return all;
+RobustFits fit_robustly(const BoardObservations& observations, const std::vector<bool>& usable) {
+  return {fit_robustly(observations, usable, lens_choice("radtan4")),
+          fit_robustly(observations, usable, lens_choice("fisheye4"))};
 }
 
 }  // namespace touchtrace

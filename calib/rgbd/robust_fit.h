@@ -1,7 +1,6 @@
 #pragma once
 
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "calib/rgbd/board_problem.h"
@@ -18,21 +17,19 @@ struct RobustFit {
   double typical_rms_px = std::numeric_limits<double>::infinity();
 };
 
-/// One robust fit for each ideal projection among the candidate lenses; also a fisheye if radtan4
-/// fits badly. At least one is set.
+/// One robust fit for each ideal projection.
 struct RobustFits {
-  std::optional<RobustFit> perspective, equidistant;
+  RobustFit perspective, equidistant;
 
   const RobustFit& better() const;
-  /// Start for a fit of `lens`: the fit with its own ideal projection or, if that is much worse,
-  /// the other one without distortion.
-  RgbdParameters start_of(const Lens& lens) const;
+  /// Start for a fit of a lens: the fit with its own ideal projection or, if that is much worse,
+  /// the lens that is nearest to the other one.
+  RgbdParameters start_of(const LensChoice& choice, const BoardObservations& observations) const;
 };
 
 /// Alternates between solving and updating noise and outlier views: those with more than three
 /// times the RMS of the median view.
-RobustFits fit_robustly(const BoardObservations& observations, const std::vector<bool>& usable,
-                        const std::vector<LensChoice>& choices);
+RobustFits fit_robustly(const BoardObservations& observations, const std::vector<bool>& usable);
 
 /// RMS of an outlier view over that of the median view.
 inline constexpr double outlier_ratio = 3.0;

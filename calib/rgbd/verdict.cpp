@@ -76,10 +76,12 @@ void assess_agreement(Verdict& verdict, double view_inflation) {
 
 void assess_image(Verdict& verdict, const RgbdCalibration& c) {
   const double sigma_px = projection_sigma_quantile_px(c, judged_image_fraction);
-  apply_limits(verdict, sigma_px / c.color.width, good_projection_sigma, weak_projection_sigma,
-               fmt::format("a fifth of the image is known to {:.1f} px or worse: show the board "
-                           "there, or try another --lens",
-                           sigma_px));
+  const std::string known = std::isfinite(sigma_px)
+                                ? fmt::format("is known to {:.1f} px or worse", sigma_px)
+                                : "is unknown, because the lens cannot be inverted there";
+  apply_limits(
+      verdict, sigma_px / c.color.width, good_projection_sigma, weak_projection_sigma,
+      fmt::format("a fifth of the image {}: show the board there, or try another --lens", known));
 }
 
 void assess_depth(Verdict& verdict, const RgbdCalibration& c) {

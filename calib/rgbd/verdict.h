@@ -38,7 +38,8 @@ const char* grade_name(Grade grade);  ///< GOOD, WEAK, BAD
 ///  - ViewCovariance::inflation, part of the standard deviations: 4, none; 16 of 20 public sets
 ///    have less
 ///  - |fy / fx - 1|, where it exceeds 4 standard deviations: 1, 10 %
-///  - projection_sigma_px() over the best four fifths of the image: 0.25, 2 % of its width
+///  - projection_sigma_px() over the best four fifths of the image, without parts that are black in
+///    all images: 0.25, 2 % of its width
 ///  - standard deviation of corrected depth at 1 m: 5, 20 mm; of the depth camera's position: 5,
 ///    25 mm
 Verdict assess_calibration(const RgbdCalibration& calibration, const ViewQuality& views);

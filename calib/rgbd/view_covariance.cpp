@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
-constexpr Index min_views_for_scatter = 6;
+constexpr Index min_views_for_scatter = 4;
 constexpr double max_relative_variance = 0.5;  ///< of a variance with four degrees of freedom
 
 /// Gauss-Newton step and covariance of parameter_names(); empty if the equations are singular.

@@ -34,7 +34,7 @@ Eigen::MatrixXd shrunk_second_moment(const Eigen::MatrixXd& contributions,
 /// CR2), from Gauss-Newton steps that leave one view out. `independent`: covariance for independent
 /// corners, which the result is relative to and not below. It is the result if the views'
 /// contributions do not exceed those of independent corners by three standard errors, if there are
-/// fewer than six views, or if a step cannot be computed.
+/// fewer than four views, or if a step cannot be computed.
 ViewCovariance view_covariance(const BoardProblem& problem, const RgbdParameters& parameters,
                                const Eigen::MatrixXd& independent);
 /// The same for any problem. Its parameters are those of interest, with names WHOSE.NAME, to which

@@ -80,7 +80,7 @@ PosedCamera pose_views(const RgbdCalibration& calibration, const BoardObservatio
       o, std::vector<bool>(o.views.size(), true), {}, color_prior(o, calibration.color.lens)};
   problem.prior.deformation_sigma_m =
       calibration.details["target_deformation"]["sigma_m"].get<double>();
-  problem.fixed_camera = true;
+  problem.estimated = Estimated::board_poses;
   solve(problem, posed.parameters);  // else the initial poses
   return posed;
 }

@@ -51,29 +51,23 @@ BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
       ->first;
 }
 
-void BoardSizeCheck::add(const GreyImage& image, bool is_found, const std::filesystem::path& path) {
-  ++(is_found ? found_ : missed_);
-  if (!is_found && asked_.kind == &chessboard_kind && !seen_ && missed_ <= num_probed_images) {
-    seen_ = find_board_size(image);
+void OtherTargetCheck::add(const GreyImage& image, BoardFound found,
+                           const std::filesystem::path& path) {
+  ++(found == BoardFound::nothing ? missed_ : found_);
+  if (found != BoardFound::whole && asked_.kind->find_other && !other_ &&
+      ++probed_ <= num_probed_images) {
+    other_ = asked_.kind->find_other(image, asked_);
     image_ = path.string();
   }
   if (missed_ > num_probed_images + 4 * found_) require_no_other();
 }
 
-void BoardSizeCheck::finish() const {
-  if (found_ < min_views) require_no_other();
+void OtherTargetCheck::finish(std::size_t views) const {
+  if (views < static_cast<std::size_t>(min_views)) require_no_other();
 }
 
-void BoardSizeCheck::require_no_other() const {
-  const BoardSize asked{std::max(asked_.columns, asked_.rows),
-                        std::min(asked_.columns, asked_.rows)};
-  if (!seen_ || *seen_ == asked) return;
-  throw data_error(
-      fmt::format("{} shows no board of {}x{} inner corners but one of {}x{}", image_,
-                  asked_.columns, asked_.rows, seen_->columns, seen_->rows),
-      fmt::format("leave out --columns and --rows, or give --columns {} --rows {}: they count "
-                  "inner corners",
-                  seen_->columns, seen_->rows));
+void OtherTargetCheck::require_no_other() const {
+  if (other_) throw data_error(fmt::format("{} shows {}", image_, other_->seen), other_->hint);
 }
 
 }  // namespace touchtrace

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/board/board_detector.h"
 #include "calib/board/chessboard.h"
 
 namespace touchtrace {
@@ -13,23 +14,24 @@ namespace touchtrace {
 /// the largest. Reads images until it is clear. Throws data_error if none shows a chessboard.
 BoardSize find_board_size(const std::vector<std::filesystem::path>& images);
 
-/// Notices early that the images show a board of another size than was asked for.
-class BoardSizeCheck {
+/// Notices early that the images show another target than was asked for.
+class OtherTargetCheck {
  public:
-  explicit BoardSizeCheck(const CalibrationTarget& asked) : asked_(asked) {}
+  explicit OtherTargetCheck(const CalibrationTarget& asked) : asked_(asked) {}
 
-  /// Throws data_error if hardly an image so far shows the board, and one shows another.
-  void add(const GreyImage& image, bool is_found, const std::filesystem::path& path);
-  /// Many views that show a part of the board are no reason, if enough show all of it.
-  void finish() const;
+  /// Throws data_error if hardly an image so far shows the target, and one shows another.
+  void add(const GreyImage& image, BoardFound found, const std::filesystem::path& path);
+  /// `views`: those that can be used. Throws data_error if there are too few, and an image shows
+  /// another target.
+  void finish(std::size_t views) const;
 
  private:
   void require_no_other() const;
 
   CalibrationTarget asked_;
-  std::optional<BoardSize> seen_;
+  std::optional<OtherTarget> other_;
   std::string image_;
-  int found_ = 0, missed_ = 0;
+  int found_ = 0, missed_ = 0, probed_ = 0;
 };
 
 }  // namespace touchtrace

@@ -108,7 +108,7 @@ BoardObservations board_views_from_images(const std::vector<std::string>& folder
   const auto files = image_files(folders_or_patterns);
   std::map<std::pair<int, int>, BoardDetector> by_size;
   std::vector<SkippedImage> unreadable;
-  BoardSizeCheck size_check(board);
+  OtherTargetCheck check(board);
   Progress progress("detecting the board", files.size());
   for (const auto& path : files) {
     progress.advance();
@@ -119,11 +119,12 @@ BoardObservations board_views_from_images(const std::vector<std::string>& folder
     }
     BoardDetector& detector = by_size.try_emplace({pixels.cols, pixels.rows}, board).first->second;
     const GreyImage image = grey_image(pixels);
-    size_check.add(image, detector.add({.name = path.filename().string()}, image), path);
+    check.add(image, detector.add({.name = path.filename().string()}, image), path);
   }
-  size_check.finish();
   if (by_size.empty()) throw data_error("none of the images can be read", "give photographs");
-  return largest_group(std::move(by_size), std::move(unreadable));
+  BoardObservations observations = largest_group(std::move(by_size), std::move(unreadable));
+  check.finish(observations.views.size());
+  return observations;
 }
 
 }  // namespace touchtrace

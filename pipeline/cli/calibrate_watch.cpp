@@ -63,7 +63,8 @@ class RunningCalibration {
     if (first_.pixels.empty()) first_ = image;
     require_same_size(first_, image, path);
     const std::string name = path.filename().string();
-    if (!detector_.add({.name = name}, image)) return Progress::report(name + ": no board");
+    if (detector_.add({.name = name}, image) == BoardFound::nothing)
+      return Progress::report(name + ": no board");
     observations_ = BoardDetector(detector_).finish();
     Progress::report(fmt::format("{}: view {}", name, observations_.views.size()));
     update();
@@ -86,10 +87,11 @@ class RunningCalibration {
     }
   }
   void report_state(const RgbdCalibration& c) const {
+    const double sigma_px = projection_sigma_quantile_px(c, judged_image_fraction);
     Progress::report(fmt::format(
-        "  {}: {:.0f} % of the image covered, projection known to {:.2f} px",
+        "  {}: {:.0f} % of the image covered, projection {}",
         c.details["verdict"].get<std::string>(), 1e2 * c.details["coverage"].get<double>(),
-        projection_sigma_quantile_px(c, judged_image_fraction)));
+        std::isfinite(sigma_px) ? fmt::format("known to {:.2f} px", sigma_px) : "not yet known"));
     if (is_good_) return;
     if (const auto next = find_next_view(c, observations_.board))
       Progress::report(fmt::format("  next: {} (then {:.2f} px)", describe(*next), next->then_px));

@@ -96,6 +96,17 @@ TEST(AprilGrid, FindsNothingWithoutATarget) {
   EXPECT_TRUE(find_aprilgrid_corners({1, 1, {0}}, aprilgrid()).first.empty());
 }
 
+TEST(AprilGrid, TellsHowManyTagsARowHas) {
+  const auto image = render(board_pose(aprilgrid(), {0.4, -0.3, 0.2}, {0.0, 0.0, 0.28}));
+  CalibrationTarget asked = aprilgrid();
+  EXPECT_FALSE(aprilgrid_kind.find_other(image, asked));
+  asked.columns = 10;
+  EXPECT_TRUE(find_aprilgrid_corners(image, asked).first.empty());
+  const auto other = aprilgrid_kind.find_other(image, asked);
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->seen, "no AprilGrid with 5 tags in a row but one with 6");
+}
+
 TEST(AprilGrid, RejectsImpossibleTargets) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
   CalibrationTarget target = aprilgrid();

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/board/board_detector.h"
 #include "calib/rgbd/calibrate.h"
+#include "calib/rgbd/projection_map.h"
+#include "calib/rgbd/verdict.h"
 #include "tests/verify/calib/simulated_boards.h"
 
 namespace touchtrace {
@@ -85,6 +88,55 @@ TEST(CalibrateFaults, TwoCamerasThatDifferByATwentiethAreNotGood) {
   EXPECT_NE(c.details["verdict"], "GOOD");
   EXPECT_NE(advice_of(c).find("the views contradict each other"), std::string::npos)
       << advice_of(c) << c.details["view_inflation"];
+}
+
+/// Camera of 640x480 pixels whose distortion r (1 - 0.3 r^2) can be inverted up to r = 1.054, which
+/// is at 140 px from the centre.
+RgbdCalibration lens_that_folds() {
+  RgbdCalibration c;
+  c.color = {.width = 640, .height = 480, .fx = 200, .fy = 200, .cx = 320, .cy = 240};
+  c.color.lens = Radtan4{};
+  c.color.distortion[0] = -0.3;
+  c.parameters = {"color.fx", "color.fy", "color.cx", "color.cy"};
+  c.covariance = 1e-4 * Eigen::Matrix4d::Identity();
+  return c;
+}
+
+TEST(CalibrateFaults, PixelsWhereTheLensCannotBeInvertedAreUnknown) {
+  RgbdCalibration c = lens_that_folds();
+  EXPECT_TRUE(std::isinf(projection_sigma_quantile_px(c, judged_image_fraction)));
+  const Verdict verdict = assess_calibration(c, {.used = 20});
+  EXPECT_EQ(verdict.grade, Grade::bad);
+  EXPECT_NE(nlohmann::json(verdict.advice).dump().find("the lens cannot be inverted there"),
+            std::string::npos);
+}
+
+TEST(CalibrateFaults, PixelsThatAreBlackInAllImagesAreNotJudged) {
+  RgbdCalibration c = lens_that_folds();
+  c.lit = projection_sigma_px(c).array().isFinite();
+  EXPECT_LT(projection_sigma_quantile_px(c, judged_image_fraction), 0.02);
+  EXPECT_EQ(assess_calibration(c, {.used = 20}).grade, Grade::good);
+}
+
+TEST(CalibrateFaults, TheDetectorTellsBlackPartsOfTheImages) {
+  BoardDetector detector(CalibrationTarget{});
+  GreyImage image{640, 480, std::vector<std::uint8_t>(640 * 480, 4)};
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    if (i % 640 >= 320) image.pixels[i] = 100;
+  detector.add({.name = "right half"}, image);
+  const BoardObservations observed = std::move(detector).finish();
+  EXPECT_FALSE(observed.lit.leftCols<4>().any());
+  EXPECT_TRUE(observed.lit.rightCols<4>().all());
+}
+
+/// A rational lens can imitate a fisheye up to some 80 degrees, if it is started near the solution.
+TEST(CalibrateFaults, FitsAPerspectiveLensToAFisheye) {
+  RandomStream random(21, "noise");
+  const SimulatedBoards boards = simulated_fisheye_boards(25);
+  const RgbdCalibration c = calibrate(observe(boards, random), {.lenses = {"rational8"}});
+  EXPECT_LT(c.rms_px, 0.2);  // noise: .14
+  EXPECT_NEAR(c.color.cx, boards.truth.color[2], 1.0);
+  EXPECT_NEAR(c.color.cy, boards.truth.color[3], 1.0);
 }
 
 }  // namespace

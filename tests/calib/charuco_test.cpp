@@ -86,6 +86,55 @@ TEST(Charuco, FindsNothingWithoutABoard) {
   EXPECT_TRUE(find_charuco_corners(render(charuco(), pose), other).first.empty());
 }
 
+/// Board as OpenCV before 4.6 drew it: a marker in the upper left corner.
+BoardPrint draw_older_board(const CalibrationTarget& board) {
+  const int square_px = int(board.square_m * print_px_per_m),
+            side_px = int(board.markers->side_m * print_px_per_m);
+  BoardPrint print{
+      cv::Mat((board.rows + 1) * square_px, (board.columns + 1) * square_px, CV_8U, cv::Scalar(0)),
+      Eigen::Vector2d::Constant(board.square_m)};
+  for (int y = 0, id = 0; y <= board.rows; ++y)
+    for (int x = y % 2; x <= board.columns; x += 2, ++id) {
+      cv::Mat square = print.pixels(cv::Rect(x * square_px, y * square_px, square_px, square_px));
+      square = 255;
+      cv::Mat marker;
+      cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100)->drawMarker(id, side_px, marker);
+      const int gap = (square_px - side_px) / 2;
+      marker.copyTo(square(cv::Rect(gap, gap, side_px, side_px)));
+    }
+  return print;
+}
+
+TEST(Charuco, FindsBoardsWithAMarkerInTheFirstSquare) {
+  const auto pose = board_pose(charuco(), {0.4, -0.3, 0.2}, {0.02, 0.01, 0.5});
+  const auto [corners, ids] =
+      find_charuco_corners(testing::render(draw_older_board(charuco()), pose), charuco());
+  EXPECT_EQ(corners.size(), 40u);
+  EXPECT_LT(corner_rms_px(charuco(), pose, corners, ids), 0.03);
+}
+
+TEST(Charuco, TellsHowManyCornersARowHas) {
+  const auto image = render(charuco(), board_pose(charuco(), {0.4, -0.3, 0.2}, {0.02, 0.01, 0.5}));
+  EXPECT_FALSE(charuco_kind.find_other(image, charuco()));
+  for (const int columns : {6, 7, 9}) {
+    CalibrationTarget asked = charuco();
+    asked.columns = columns;
+    EXPECT_TRUE(find_charuco_corners(image, asked).first.empty()) << columns;
+    const auto other = charuco_kind.find_other(image, asked);
+    ASSERT_TRUE(other) << columns;
+    EXPECT_NE(other->seen.find("but one with 8"), std::string::npos) << other->seen;
+  }
+}
+
+TEST(Charuco, TellsTheDictionary) {
+  const auto image = render(charuco(), board_pose(charuco(), {0.4, -0.3, 0.2}, {0.02, 0.01, 0.5}));
+  CalibrationTarget asked = charuco();
+  asked.markers->dictionary = "6x6_50";
+  const auto other = charuco_kind.find_other(image, asked);
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->hint, "give --markers 5x5_1000");
+}
+
 TEST(Charuco, RejectsImpossibleBoards) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
   CalibrationTarget board = charuco();

@@ -1,0 +1,47 @@
+#include "calib/board/reduced_image.h"
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "calib/board/saddle.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr int max_side_px = 1280;
+constexpr int min_refinement_px = 3, max_refinement_px = 20;
+
+double min_distance_px(const std::vector<Eigen::Vector2d>& corners) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) least = std::min(least, (corners[i] - corners[j]).norm());
+  return least;
+}
+
+}  // namespace
+
+ReducedImage::ReducedImage(const GreyImage& original)
+    : factor((std::max(original.width, original.height) + max_side_px - 1) / max_side_px) {
+  const cv::Mat pixels(original.height, original.width, CV_8U,
+                       const_cast<std::uint8_t*>(original.pixels.data()));
+  cv::Mat small;
+  cv::resize(pixels, small, {original.width / factor, original.height / factor}, 0, 0,
+             cv::INTER_AREA);
+  image = {small.cols, small.rows, {small.datastart, small.dataend}};
+}
+
+bool refine_in_original(std::vector<Eigen::Vector2d>& corners, const ReducedImage& reduced,
+                        const GreyImage& original) {
+  for (auto& corner : corners) corner = reduced.factor * (corner.array() + 0.5) - 0.5;
+  const int radius_px = std::clamp(static_cast<int>(0.3 * min_distance_px(corners)),
+                                   min_refinement_px, max_refinement_px);
+  for (auto& corner : corners) {
+    const auto refined = refine_saddle_point(original, corner, radius_px);
+    if (!refined) return false;
+    corner = *refined;
+  }
+  return true;
+}
+
+}  // namespace touchtrace

@@ -5,6 +5,7 @@
 #include "calib/smooth/find_flights.h"
 #include "engine/base/files.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/smooth_checks.h"
 #include "pipeline/cli/smooth_summary.h"
 
 namespace touchtrace::cli {
@@ -122,8 +123,10 @@ ExitCode run(const SmoothCommandOptions& options, const Invocation& invocation) 
   require_writable(options, files, invocation.overwrite);
   auto inputs = read_smooth_inputs(options.tracks, files, options.sigma_m);
   for (const auto& input : inputs) output_times(input.track, options.rate_hz);  // not too many
+  for (const auto& input : inputs) warn_of_implausible(input);
   auto provenance = provenance_of(options, invocation);
   const auto smoothed = smooth_inputs(options, inputs);
+  if (options.has_flights()) warn_of_gravity(options.gravity(), inputs, smoothed);
   for (std::size_t i = 0; i < inputs.size(); ++i)
     write_outputs(inputs[i], smoothed.tracks[i], options.rate_hz, invocation.overwrite);
   stopwatch.stop(provenance);

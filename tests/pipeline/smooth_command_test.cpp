@@ -206,6 +206,42 @@ TEST_F(SmoothCommand, EstimatesFlights) {
   EXPECT_FALSE(fs::exists(folder_ / "out/ball.flights.csv"));  // of the previous run
 }
 
+TEST_F(SmoothCommand, WarnsOfImplausibleInputs) {
+  const auto warnings = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"-o", path("out"), "--overwrite"});
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(run(arguments), 0);
+    return ::testing::internal::GetCapturedStderr();
+  };
+  const std::string no_warning, sigma = "times their stated", units = "x_mm, y_mm, z_mm";
+  auto track = sine(5.0, 1);
+  put(folder_ / "metres.csv", csv(track));
+  EXPECT_EQ(warnings({path("metres.csv"), "--sigma", "0.001"}), no_warning);
+  EXPECT_EQ(warnings({path("metres.csv"), "--sigma", "0.004"}), no_warning);
+  EXPECT_NE(warnings({path("metres.csv"), "--sigma", "1"}).find(sigma), std::string::npos);
+  for (std::size_t i = 101; i < 120; ++i) track[i].position_m = track[100].position_m;
+  put(folder_ / "stuck.csv", csv(track));
+  EXPECT_NE(warnings({path("stuck.csv")}).find("19 of 501 positions repeat"), std::string::npos);
+  track = sine(5.0, 1);
+  for (auto& point : track) point.position_m *= 1000.0;
+  put(folder_ / "millimetres.csv", csv(track));
+  EXPECT_NE(warnings({path("millimetres.csv")}).find(units), std::string::npos);
+}
+
+TEST_F(SmoothCommand, WarnsOfWrongGravity) {
+  put(folder_ / "ball.csv", csv(measure(synthetic_throw(20.0, 1), 60.0, 0.002, 1)));
+  const auto warnings = [&](const char* x, const char* y, const char* z) {
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(run({"--gravity", x, y, z, path("ball.csv"), "--sigma", "0.002", "--flights", "find",
+                   "-o", path("out"), "--overwrite"}),
+              0);
+    return ::testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(warnings("0", "9.81", "0"), "");
+  EXPECT_NE(warnings("0", "0", "-9.81").find("by 0 9.81 0; hint"), std::string::npos);
+  EXPECT_NE(warnings("0", "1", "0").find("size of 1 m/s^2"), std::string::npos);
+}
+
 TEST_F(SmoothCommand, NeverOverwritesSilently) {
   put(folder_ / "a.csv", csv(sine(2.0, 1)));
   for (const char* name : {"a.csv", "a.flights.csv", "smooth.json"}) {

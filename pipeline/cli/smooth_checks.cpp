@@ -1,0 +1,128 @@
+#include "pipeline/cli/smooth_checks.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "calib/smooth/find_flights.h"
+#include "engine/base/progress.h"
+#include "engine/base/statistics.h"
+
+namespace touchtrace::cli {
+namespace {
+
+constexpr double max_speed_m_per_s = 100.0;  // of half of a hand's, tool's or ball's positions
+/// Between what motion and correlated errors make of correct standard deviations (recorded hands,
+/// tools and balls at 20 and 60 Hz: 0.1 to 13) and millimetres in place of metres.
+constexpr double max_sigma_ratio = 30.0;
+constexpr double earth_m_per_s2 = 9.81, max_gravity_error = 0.05;
+/// Positions that are rounded to millimetres, of a body at rest with noise of 1 mm, are the same
+/// five times in a row by chance once in 10^6 samples.
+constexpr std::size_t min_repeats = 4;
+
+double median_speed(const Track& track) {
+  std::vector<double> speeds;
+  for (std::size_t i = 1; i < track.size(); ++i)
+    if (const double step_s = track[i].time_s - track[i - 1].time_s; step_s > 0.0)
+      speeds.push_back((track[i].position_m - track[i - 1].position_m).norm() / step_s);
+  return speeds.empty() ? 0.0 : median(std::move(speeds));
+}
+
+/// Smallest and largest ratio over the axes of white errors, estimated from neighbouring positions,
+/// to the stated median standard deviation.
+struct SigmaRatio {
+  double min, max;
+};
+
+SigmaRatio sigma_ratio(const Track& track) {
+  const Eigen::Vector3d scatter_m = estimate_white_sigma(track);
+  Eigen::Vector3d ratio;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    std::vector<double> stated_m;
+    for (const auto& point : track) stated_m.push_back(point.sigma_m[axis]);
+    ratio[axis] = scatter_m[axis] / median(std::move(stated_m));
+  }
+  return {ratio.minCoeff(), ratio.maxCoeff()};
+}
+
+void warn_of_sigma(const SmoothInput& input) {
+  const auto [min, max] = sigma_ratio(input.track.track);  // NaN if there are too few samples
+  if (!(min > max_sigma_ratio) && !(max < 1.0 / max_sigma_ratio)) return;
+  Progress::warn(fmt::format(
+      "{}: neighbouring positions scatter by {:.2g} times their stated standard deviation; hint: "
+      "give it and the positions in metres, or name the columns x_mm, y_mm, z_mm",
+      input.track.file.string(), min > 1.0 ? min : max));
+}
+
+/// Number of positions in runs that repeat the position before them at least `min_repeats` times.
+std::size_t count_repeats(const Track& track) {
+  std::size_t count = 0, run = 0;
+  for (std::size_t i = 1; i <= track.size(); ++i)
+    if (i < track.size() && track[i].position_m == track[i - 1].position_m)
+      ++run;
+    else
+      count += run >= min_repeats ? run : 0, run = 0;
+  return count;
+}
+
+std::string text_of(const Eigen::Vector3d& v) {
+  return fmt::format("{:g} {:g} {:g}", v.x(), v.y(), v.z());
+}
+
+std::size_t count_flights(const std::vector<SmoothInput>& inputs, const Eigen::Vector3d& gravity) {
+  std::size_t count = 0;
+  for (const auto& input : inputs) count += find_flights(input.track.track, gravity).size();
+  return count;
+}
+
+void warn_of_axis(const Eigen::Vector3d& gravity, const std::vector<SmoothInput>& inputs) {
+  Eigen::Vector3d best = gravity;
+  std::size_t most = 0;
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    for (const double size : {-earth_m_per_s2, earth_m_per_s2}) {
+      const Eigen::Vector3d candidate = size * Eigen::Vector3d::Unit(axis);
+      if (const auto count = count_flights(inputs, candidate); count > most)
+        most = count, best = candidate;
+    }
+  if (most > 0 && best.normalized().dot(gravity.normalized()) < 0.9)
+    Progress::warn(
+        fmt::format("no flight accelerates by --gravity {}, {} by {}; hint: check the "
+                    "direction of gravity in the track's frame",
+                    text_of(gravity), most, text_of(best)));
+}
+
+}  // namespace
+
+void warn_of_implausible(const SmoothInput& input) {
+  const Track& track = input.track.track;
+  const auto file = input.track.file.string();
+  if (const double speed = median_speed(track); speed > max_speed_m_per_s)
+    Progress::warn(
+        fmt::format("{}: half of the positions move faster than {:.2g} m/s; hint: if "
+                    "they are in millimetres, name the columns x_mm, y_mm, z_mm",
+                    file, speed));
+  else if (input.sigma_source != "data")
+    warn_of_sigma(input);
+  if (const auto repeats = count_repeats(track); repeats > 0 && repeats + 1 < track.size())
+    Progress::warn(fmt::format(
+        "{}: {} of {} positions repeat the one before them; hint: if the tracker holds its last "
+        "value while it sees nothing, leave x, y and z of these rows empty",
+        file, repeats, track.size()));
+}
+
+void warn_of_gravity(const Eigen::Vector3d& gravity_m_per_s2,
+                     const std::vector<SmoothInput>& inputs, const SmoothedTracks& smoothed) {
+  const double size = gravity_m_per_s2.norm();
+  if (std::abs(size / earth_m_per_s2 - 1.0) > max_gravity_error)
+    Progress::warn(fmt::format(
+        "--gravity {} has a size of {:.3g} m/s^2 in place of 9.81; hint: give it in m/s^2",
+        text_of(gravity_m_per_s2), size));
+  if (std::ranges::all_of(smoothed.tracks, [](const auto& track) { return track.flights.empty(); }))
+    warn_of_axis(gravity_m_per_s2, inputs);
+}
+
+}  // namespace touchtrace::cli

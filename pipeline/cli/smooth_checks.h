@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "calib/smooth/smooth.h"
+#include "pipeline/cli/smooth_inputs.h"
+
+namespace touchtrace::cli {
+
+/// Warns of positions that move too fast for metres, of a stated standard deviation that differs by
+/// orders of magnitude from how neighbouring positions scatter, and of repeated positions.
+void warn_of_implausible(const SmoothInput& input);
+
+/// Warns if gravity does not have its size on Earth, or if no flight is left in `smoothed` and
+/// flights are found with gravity along another axis.
+void warn_of_gravity(const Eigen::Vector3d& gravity_m_per_s2,
+                     const std::vector<SmoothInput>& inputs, const SmoothedTracks& smoothed);
+
+}  // namespace touchtrace::cli

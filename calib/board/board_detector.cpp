@@ -6,13 +6,16 @@
 #include <opencv2/core.hpp>
 
 #include "calib/board/chessboard.h"
+#include "calib/board/image_matrix.h"
 #include "calib/board/view_order.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr double max_black = 16.0;  ///< mean grey value where an image shows nothing
-constexpr int pixels_around = 8;    ///< half the side of the square that is looked at
+/// Mean grey value where an image shows nothing; 9 to 15 outside of the image circle of a public
+/// fisheye in a lit room, 17 to 28 at its edge.
+constexpr double max_black = 16.0;
+constexpr int pixels_around = 8;  ///< half the side of the square that is looked at
 
 /// Mean grey value of the square around a pixel of ImageGrid, within the image.
 double mean_grey(const cv::Mat& image, int column, int row) {
@@ -31,12 +34,12 @@ BoardDetector::BoardDetector(const CalibrationTarget& board) {
 }
 
 void BoardDetector::update_lit(const GreyImage& image) {
-  const cv::Mat pixels(image.height, image.width, CV_8U,
-                       const_cast<std::uint8_t*>(image.pixels.data()));
+  const cv::Mat pixels = as_matrix(image);
   for (int row = 0; row < ImageGrid::rows; ++row)
     for (int column = 0; column < ImageGrid::columns; ++column)
       observations_.lit(row, column) |= mean_grey(pixels, column, row) > max_black;
 }
+
 BoardFound BoardDetector::add(BoardView view, const GreyImage& image) {
   const CalibrationTarget& board = observations_.board;
   observations_.width = image.width, observations_.height = image.height;

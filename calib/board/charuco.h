@@ -9,9 +9,8 @@ std::vector<std::string> marker_dictionaries();
 
 /// Returns the visible corners of a ChArUco board (Garrido-Jurado et al., Pattern Recognition
 /// 2014) and their board indices. Both are empty below 8 corners, or if these do not span two rows
-/// and two columns. Board layout: cv::aruco::CharucoBoard with a black or, as OpenCV before 4.6 and
-/// calib.io print boards with an even number of rows of squares, a white square in the upper left
-/// corner; the markers tell which.
+/// and two columns. Board layout: cv::aruco::CharucoBoard, with a black square in the upper left
+/// corner, or a white one (cv::aruco::CharucoBoard::setLegacyPattern); the markers tell which.
 ///
 /// A corner is used if both markers that touch it are decoded, and refined as a saddle point. On
 /// boards drawn into 640x480 pixels their error is 0.02 to

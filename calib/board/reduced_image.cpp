@@ -4,6 +4,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "calib/board/image_matrix.h"
 #include "calib/board/saddle.h"
 
 namespace touchtrace {
@@ -23,10 +24,8 @@ double min_distance_px(const std::vector<Eigen::Vector2d>& corners) {
 
 ReducedImage::ReducedImage(const GreyImage& original)
     : factor((std::max(original.width, original.height) + max_side_px - 1) / max_side_px) {
-  const cv::Mat pixels(original.height, original.width, CV_8U,
-                       const_cast<std::uint8_t*>(original.pixels.data()));
   cv::Mat small;
-  cv::resize(pixels, small, {original.width / factor, original.height / factor}, 0, 0,
+  cv::resize(as_matrix(original), small, {original.width / factor, original.height / factor}, 0, 0,
              cv::INTER_AREA);
   image = {small.cols, small.rows, {small.datastart, small.dataend}};
 }

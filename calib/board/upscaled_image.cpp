@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "calib/board/image_matrix.h"
+
 namespace touchtrace {
 namespace {
 
@@ -13,9 +15,7 @@ constexpr int max_upscale_factor = 4;
 }  // namespace
 
 UpscaledImage::UpscaledImage(const GreyImage& image, int factor) : scale(factor) {
-  const cv::Mat original(image.height, image.width, CV_8U,
-                         const_cast<std::uint8_t*>(image.pixels.data()));
-  cv::resize(original, pixels, cv::Size(), scale, scale, cv::INTER_CUBIC);
+  cv::resize(as_matrix(image), pixels, cv::Size(), scale, scale, cv::INTER_CUBIC);
 }
 
 int default_upscale_factor(const GreyImage& image) {

@@ -18,26 +18,23 @@ constexpr std::size_t starts_per_window = 16;  // at most: bounds the work for d
 constexpr double normal_quantile = 3.0902;     // of 0.999
 constexpr double max_misfit = 22.5;            // chi-square quantile of 0.999, 6 degrees of freedom
 
-/// Standard deviations along an axis of the acceleration [m/s^2] and jerk
-/// [m/s^3], about gravity in flight (tilt, drag) and about 0 in contact (RMS of
-/// recorded hands and mallets that accelerate like gravity: 2 to 16 and 80 to
-/// 270).
+/// Standard deviations along an axis of the acceleration [m/s^2] and jerk [m/s^3], about gravity in
+/// flight (tilt, drag) and about 0 in contact (RMS of recorded hands and mallets that accelerate
+/// like gravity: 2 to 16 and 80 to 270).
 const Eigen::Array2d flight_sigmas(0.15, 1.0), contact_sigmas(10.0, 100.0);
-/// Logarithm of the least Bayes factor: of 100 000 windows in contact, one at
-/// most looks like a flight by chance (Markov's inequality).
+/// Logarithm of the least Bayes factor: of 100 000 windows in contact, one at most looks like a
+/// flight by chance (Markov's inequality).
 constexpr double min_log_bayes_factor = 11.5;
 
 using Window = std::span<const TrackPoint>;
 
-/// Chi-square quantile of 0.999 (Wilson and Hilferty 1931; error below 1 % from
-/// 9 degrees on).
+/// Chi-square quantile of 0.999 (Wilson and Hilferty 1931; error below 1 % from 9 degrees on).
 double max_chi_square(double degrees_of_freedom) {
   const double variance = 2.0 / (9.0 * degrees_of_freedom);
   return degrees_of_freedom * std::pow(1.0 - variance + normal_quantile * std::sqrt(variance), 3.0);
 }
 
-/// Acceleration and jerk along one axis in a window's centre, by weighted least
-/// squares.
+/// Acceleration and jerk along one axis in a window's centre, by weighted least squares.
 struct AxisFit {
   Eigen::Vector2d motion;
   Eigen::Matrix2d covariance;
@@ -68,9 +65,8 @@ AxisFit fit_cubic(Window window, Eigen::Index axis) {
   return {fit.tail<2>(), covariance.bottomRightCorner<2, 2>(), chi_square};
 }
 
-/// Squared distance of a fit from `expected`, and the logarithm of the
-/// determinant of its covariance, if the true values have standard deviations
-/// `sigmas`.
+/// Squared distance of a fit from `expected`, and the logarithm of the determinant of its
+/// covariance, if the true values have standard deviations `sigmas`.
 std::pair<double, double> misfit(const AxisFit& fit, const Eigen::Vector2d& expected,
                                  const Eigen::Array2d& sigmas) {
   Eigen::Matrix2d covariance = fit.covariance;
@@ -79,8 +75,7 @@ std::pair<double, double> misfit(const AxisFit& fit, const Eigen::Vector2d& expe
   return {error.dot(covariance.inverse() * error), std::log(covariance.determinant())};
 }
 
-/// Whether the window is in flight; nullopt if it may be, but is too short to
-/// tell.
+/// Whether the window is in flight; nullopt if it may be, but is too short to tell.
 std::optional<bool> is_in_flight(Window window, const Eigen::Vector3d& gravity) {
   double chi_square = 0.0, flight_misfit = 0.0, log_bayes_factor = 0.0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -96,8 +91,8 @@ std::optional<bool> is_in_flight(Window window, const Eigen::Vector3d& gravity) 
   return log_bayes_factor > min_log_bayes_factor ? std::optional(true) : std::nullopt;
 }
 
-/// The shortest window from sample `first` of a duration and of `min_samples`;
-/// empty if the track ends before.
+/// The shortest window from sample `first` of a duration and of `min_samples`; empty if the track
+/// ends before.
 Window window_from(const Track& track, std::size_t first, double duration_s) {
   const auto end = std::lower_bound(
       track.begin() + static_cast<std::ptrdiff_t>(first), track.end(),

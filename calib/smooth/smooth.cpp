@@ -115,8 +115,11 @@ MotionNoise estimate_causal_noise(std::vector<WeightedTrack> tracks, const Motio
 /// without any: one wrong flight, such as two with the catch between them, would make noise so
 /// large that it hides the others. The process noise varies with time only once its mean is known.
 MotionNoise estimate_motion(std::vector<WeightedTrack>& tracks, const SmoothOptions& options) {
-  auto noise = estimate_causal_noise(tracks, options.noise, options);
-  estimate_flights_and_weights(tracks, noise, options, DoubtfulFlights::keep);
+  MotionNoise noise = options.noise;
+  if (std::ranges::any_of(tracks, [](const auto& track) { return !track.flights.empty(); })) {
+    noise = estimate_causal_noise(tracks, noise, options);
+    estimate_flights_and_weights(tracks, noise, options, DoubtfulFlights::keep);
+  }
   bool is_estimated = false;
   for (int round = 0; round < 4; ++round) {
     if (round >= 2 && !is_estimated) return noise;

@@ -38,7 +38,7 @@ struct TimeDistribution {
   }
 };
 
-/// All zero for a guess. Of an event outside the track: one time, beyond the track's end.
+/// All zero for a guess. An event outside the track has one time, beyond the track's end.
 using EventTimeDistribution = TimeDistribution<9>;
 
 /// Free flight from the end of contact to its next beginning. If the track begins or ends in

@@ -45,8 +45,7 @@ std::string unsmoothed_problem(const char* body, SmoothStatus status) {
   return fmt::format(
       "the measured positions of the {} do not fit a smooth motion ({}): another body may have "
       "been taken for it; look at them with --preview, draw boxes in another frame, or cut the "
-      "clip "
-      "(`import --clips`)",
+      "clip (`import --clips`)",
       body, name_of(status));
 }
 

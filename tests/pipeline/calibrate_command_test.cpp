@@ -28,10 +28,8 @@ int run(std::vector<std::string> arguments) {
 
 /// A grey picture in PGM, without a board.
 void write_grey(const fs::path& path, int width, int height) {
-  write_file(path,
-             "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" +
-                 std::string(static_cast<std::size_t>(width * height), '\x80'),
-             false);
+  const std::string pixels(static_cast<std::size_t>(width * height), '\x80');
+  write_file(path, fmt::format("P5\n{} {}\n255\n", width, height) + pixels, false);
 }
 
 TEST(CalibrateCommand, PhotographsOfOpenCv) {
@@ -332,18 +330,18 @@ TEST(CalibrateCommand, ReadsCornersOfEveryKindOfTarget) {
   for (const TargetKind* kind : target_kinds()) {
     CalibrationTarget target{6, 4, 0.03, CalibrationTarget::Markers{"5x5_100", 0.02}, kind};
     if (kind == &aprilgrid_kind) target.columns *= 2, target.rows *= 2;
-    put(folder / "corners.vnl", projected_corners(target));
-    const auto out = folder / kind->name;
-    ASSERT_EQ(
-        run({"--corners", (folder / "corners.vnl").string(), "--target", kind->name, "--columns",
-             "6", "--rows", "4", "--square-mm", "30", "--marker-mm", "20", "--tag-spacing", "0.5",
-             "--markers", kind == &charuco_kind ? "5x5_100" : "none", "-o", out.string()}),
-        0)
-        << kind->name;
+    const auto corners = folder / "corners.vnl", out = folder / kind->name;
+    put(corners, projected_corners(target));
+    SCOPED_TRACE(kind->name);
+    const int code =
+        run({"--corners", corners.string(), "--target", kind->name, "--columns", "6", "--rows", "4",
+             "--square-mm", "30", "--marker-mm", "20", "--tag-spacing", "0.5", "--markers",
+             kind == &charuco_kind ? "5x5_100" : "none", "-o", out.string()});
+    ASSERT_EQ(code, 0);
     const RgbdCalibration found = read_calibration(out);
-    EXPECT_NEAR(found.color.fx, 600.0, 0.01) << kind->name;
-    EXPECT_NEAR(found.color.cx, 320.0, 0.01) << kind->name;
-    EXPECT_EQ(found.details["views"][0]["corner_ids"][0], 1) << kind->name;
+    EXPECT_NEAR(found.color.fx, 600.0, 0.01);
+    EXPECT_NEAR(found.color.cx, 320.0, 0.01);
+    EXPECT_EQ(found.details["views"][0]["corner_ids"][0], 1);
   }
 }
 

@@ -1,4 +1,4 @@
-"""Halves of real sets of photographs: does the stated covariance explain how much two halves disagree?
+"""Halves of real sets of photographs, and subsets of few views: does the stated covariance explain how much they disagree?
 
 A set is a folder of images, with `set.json` where the board is not OpenCV's 9x6 of 25 mm:
 {"columns": 7, "rows": 7, "square_mm": 25.4, "markers": "5x5_100", "marker_mm": 12.7, "lens": "radtan5"}"""
@@ -15,7 +15,7 @@ import numpy as np
 
 from figures import row
 
-SPLITS = 10
+SPLITS, FEW_VIEWS = 10, 4
 NAMES = ["color.fx", "color.fy", "color.cx", "color.cy"]
 OPENCV = {"none": cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
           "radtan4": cv2.CALIB_FIX_K3, "radtan5": 0, "rational8": cv2.CALIB_RATIONAL_MODEL}
@@ -88,20 +88,28 @@ def figures_of(folder, touchtrace):
         return
     lens = whole["details"]["lens"]
     views = [view for view in whole["details"]["views"] if view["used"]]
-    values, order = dict(touchtrace=[], OpenCV=[]), random.Random(1)
-    for _ in range(SPLITS):
-        shuffled = order.sample(views, len(views))
-        halves = shuffled[: len(views) // 2], shuffled[len(views) // 2 :]
-        for name, fit in (("touchtrace", lambda half: ours(touchtrace, whole, half, board, lens)),
-                          ("OpenCV", lambda half: opencv(whole, half, board, lens))):
-            fits = [fit(half) for half in halves]
-            if None not in fits:
-                values[name].append(nees(*fits))
     width = whole["color"]["width"]
     about = f"{folder.name} ({len(views)} views, {width}x{whole['color']['height']}, {lens}, {whole['rms_px']:.2f} px)"
-    value = float(np.mean(values["touchtrace"])) if values["touchtrace"] else float("nan")
-    about += "" if len(values["touchtrace"]) == SPLITS else f", {len(values['touchtrace'])} of {SPLITS} splits converge"
-    yield row(f"{about}: NEES of halves", value, "", "in [.7, 1.5]", 0.7 <= value <= 1.5)
-    if values["OpenCV"]:
-        yield row(f"{about}: NEES of halves, OpenCV", np.mean(values["OpenCV"]), "")
+    peers = {"touchtrace": lambda some: ours(touchtrace, whole, some, board, lens), "OpenCV": lambda some: opencv(whole, some, board, lens)}
+    yield from disagreement(f"{about}: NEES of halves", views, len(views) // 2, len(views), peers)
+    if len(views) >= 2 * FEW_VIEWS:
+        yield from disagreement(f"{about}: NEES of two times {FEW_VIEWS} views", views, FEW_VIEWS, 2 * FEW_VIEWS, peers)
     yield row(f"{about}: sigma over that of independent corners", whole["details"]["view_inflation"], "")
+
+
+def disagreement(about, views, first, both, peers):
+    """NEES of pairs of disjoint subsets, drawn at random: of `both` views, of which the first has `first`."""
+    values, order = {name: [] for name in peers}, random.Random(1)
+    for _ in range(SPLITS):
+        shuffled = order.sample(views, len(views))
+        for name, fit in peers.items():
+            fits = [fit(shuffled[:first]), fit(shuffled[first:both])]
+            if None not in fits:
+                values[name].append(nees(*fits))
+    for name, list_ in values.items():
+        if name == "touchtrace":
+            about_fits = "" if len(list_) == SPLITS else f", {len(list_)} of {SPLITS} splits converge"
+            value = float(np.mean(list_)) if list_ else float("nan")
+            yield row(f"{about}{about_fits}", value, "", "in [.7, 1.5]", 0.7 <= value <= 1.5)
+        elif list_:
+            yield row(f"{about}, {name}", np.mean(list_), "")

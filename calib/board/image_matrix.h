@@ -1,0 +1,14 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "calib/board/board_view.h"
+
+namespace touchtrace {
+
+/// The pixels of an image, which are not copied. Only for reading.
+inline cv::Mat as_matrix(const GreyImage& image) {
+  return {image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels.data())};
+}
+
+}  // namespace touchtrace

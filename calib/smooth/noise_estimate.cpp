@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "calib/smooth/likelihood.h"
@@ -31,9 +30,11 @@ struct Parameter {
   }
 };
 
-constexpr double no_prior = std::numeric_limits<double>::infinity();
 /// A factor of 10 where nothing better is known.
 constexpr double wide = 2.3;
+/// A factor of 1000 for the jerk density. The likelihood is flat towards 0 for a body at rest,
+/// which would make its velocity certain.
+constexpr double very_wide = 6.9;
 /// Tracks come with standard deviations: these are held near what is stated.
 constexpr double scale_sigma = 0.5;
 constexpr double fraction_sigma = 0.5;
@@ -42,7 +43,7 @@ constexpr double bandwidth_per_point = 0.2;
 
 /// The landing velocity fraction of a bouncing body is not estimated: a hit gives it any velocity.
 std::vector<Parameter> parameters(bool has_flights, bool is_bouncing) {
-  std::vector<Parameter> all{{&MotionNoise::jerk_density, no_prior},
+  std::vector<Parameter> all{{&MotionNoise::jerk_density, very_wide},
                              {&MotionNoise::bandwidth_rad_per_s, wide},
                              {&MotionNoise::measurement_scale, scale_sigma}};
   if (has_flights)

@@ -58,7 +58,10 @@ void add_to_knots(const WeightedTrack& track, const std::vector<double>& by_log_
   }
 }
 
-void estimate_curve(WeightedTrack& track, const MotionNoise& noise, const SmoothOptions& options) {
+}  // namespace
+
+double estimate_curve(WeightedTrack& track, const MotionNoise& noise,
+                      const SmoothOptions& options) {
   const auto units = MotionUnits::of({track.points});
   const auto scaled_noise = units.scaled(noise);
   const Eigen::Vector3d gravity = options.gravity_m_per_s2 / units.acceleration();
@@ -77,10 +80,8 @@ void estimate_curve(WeightedTrack& track, const MotionNoise& noise, const Smooth
     return cost + likelihood.cost;
   };
   minimize(evaluate, best, max_iterations);
-  curve.log_variance = best;
+  return evaluate(best.data(), nullptr);
 }
-
-}  // namespace
 
 void estimate_curves(std::vector<WeightedTrack>& tracks, const MotionNoise& noise,
                      const SmoothOptions& options) {

@@ -30,7 +30,9 @@ double reweight(WeightedTrack& track, const Trajectory& trajectory) {
                                         .cwiseAbs2()
                                         .cwiseQuotient(white_variance_m2)
                                         .sum();
-    const double weight = 1.0 / (1.0 + squared_residual / (cauchy_scale * cauchy_scale));
+    const bool in_strike = !track.in_strike.empty() && track.in_strike[i];
+    const double weight =
+        in_strike ? 1.0 : 1.0 / (1.0 + squared_residual / (cauchy_scale * cauchy_scale));
     max_change = std::max(max_change, std::abs(weight - std::exchange(track.weights[i], weight)));
   }
   return max_change;

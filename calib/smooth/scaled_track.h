@@ -26,6 +26,7 @@ struct WeightedTrack {
   std::vector<double> weights;  ///< [points] in (0, 1]; variances are divided by them
   std::vector<Flight> flights;
   ProcessNoiseCurve curve = {};
+  std::vector<bool> in_strike = {};  ///< [points] of weight 1 whatever their residual; or empty
 };
 
 /// Units in which a track's numbers are of order one.

@@ -105,6 +105,18 @@ TEST(Smooth, MatchesCeresOnTheRobustProblem) {
     EXPECT_LT((smoothed.smoothed(track[i].time_s).position_m - reference[i]).norm(), 2e-6) << i;
 }
 
+/// The likelihood of a body at rest is largest without any motion, which would be certain of it.
+TEST(Smooth, VelocitiesAtRestAreUncertain) {
+  SyntheticMotion rest;
+  rest.position_m.assign(3001, Eigen::Vector3d::Zero());
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const auto found = smooth(std::vector<Track>{measure(rest, 20.0, 0.002, seed)}, {}, {});
+    const auto state = found.tracks.front().smoothed(1.5);
+    EXPECT_GT(std::sqrt(state.covariance(3, 3)), 1e-4) << seed;
+    EXPECT_LT(std::sqrt(state.covariance(3, 3)), 5e-3) << seed;
+  }
+}
+
 TEST(Smooth, SuppressesOutliers) {
   const auto motion = synthetic_wave(10.0, 5);
   auto track = measure(motion, 20.0, 0.002, 5);
@@ -139,9 +151,9 @@ TEST(Smooth, IsInvariantToUnitsAndEpoch) {
 
 /// A search ends where the cost falls by less than 1e-6 of it, 1e-3 for these 1200 coordinates:
 /// 0.05 standard deviations from the best noise, which is known to 10 %: 5e-3. Measured: up to
-/// 1e-4.
+/// 2e-3.
 TEST(Smooth, NoiseEstimateIsInvariantToUnits) {
-  constexpr double search_error = 1e-3;
+  constexpr double search_error = 5e-3;
   const auto track = measure(synthetic_wave(20.0, 1), 20.0, 0.002, 1);
   const auto reference = smooth(std::vector<Track>{track}, {}, {}).noise;
   const auto scaled = smooth(std::vector<Track>{rescaled(track, 1e3, 1e3, 0.0)}, {}, {}).noise;

@@ -21,6 +21,8 @@ double cauchy_loss(double squared_residual) {
   return cauchy_scale * cauchy_scale * std::log1p(squared_residual / (cauchy_scale * cauchy_scale));
 }
 
+double weight_of(Judgement judgement) { return judgement == Judgement::wrong ? 1e-6 : 1.0; }
+
 double reweight(WeightedTrack& track, const Trajectory& trajectory) {
   double max_change = 0.0;
   const auto predicted = trajectory.predicted_measurements();
@@ -30,9 +32,10 @@ double reweight(WeightedTrack& track, const Trajectory& trajectory) {
                                         .cwiseAbs2()
                                         .cwiseQuotient(white_variance_m2)
                                         .sum();
-    const bool in_strike = !track.in_strike.empty() && track.in_strike[i];
-    const double weight =
-        in_strike ? 1.0 : 1.0 / (1.0 + squared_residual / (cauchy_scale * cauchy_scale));
+    const auto judgement = track.judgements.empty() ? Judgement::none : track.judgements[i];
+    const double weight = judgement == Judgement::none
+                              ? 1.0 / (1.0 + squared_residual / (cauchy_scale * cauchy_scale))
+                              : weight_of(judgement);
     max_change = std::max(max_change, std::abs(weight - std::exchange(track.weights[i], weight)));
   }
   return max_change;

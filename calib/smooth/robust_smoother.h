@@ -16,8 +16,11 @@ Trajectory smooth_once(const WeightedTrack& track, const MotionNoise& noise,
 /// Cauchy loss c^2 log(1 + r^2 / c^2) of a squared whitened residual r^2, with c = 4.
 double cauchy_loss(double squared_residual);
 
-/// Sets the weights to those of the Cauchy loss at `trajectory`'s residuals. Returns the largest
-/// change.
+/// Weight of a measurement that is right or wrong: 1 or nearly none.
+double weight_of(Judgement judgement);
+
+/// Sets the weights to those of the Cauchy loss at `trajectory`'s residuals, but of measurements
+/// with a judgement to its own. Returns the largest change.
 double reweight(WeightedTrack& track, const Trajectory& trajectory);
 
 /// Minimises the robust loss by iteratively reweighted least squares. Returns whether the weights

@@ -20,13 +20,16 @@ struct ProcessNoiseCurve {
   std::pair<std::size_t, double> position(double time_s) const;
 };
 
+/// What else than its residual decides a measurement's weight (`judge_points`).
+enum class Judgement : char { none, right, wrong };
+
 /// Track with its current estimates of weights, flights and process noise.
 struct WeightedTrack {
   Track points;
   std::vector<double> weights;  ///< [points] in (0, 1]; variances are divided by them
   std::vector<Flight> flights;
   ProcessNoiseCurve curve = {};
-  std::vector<bool> in_strike = {};  ///< [points] of weight 1 whatever their residual; or empty
+  std::vector<Judgement> judgements = {};  ///< [points] or empty
 };
 
 /// Units in which a track's numbers are of order one.

@@ -9,7 +9,7 @@
 #include "calib/smooth/flight_times.h"
 #include "calib/smooth/noise_estimate.h"
 #include "calib/smooth/robust_smoother.h"
-#include "calib/smooth/strikes.h"
+#include "calib/smooth/wrong_points.h"
 #include "engine/base/error.h"
 #include "engine/base/parallel.h"
 #include "engine/base/statistics.h"
@@ -128,7 +128,7 @@ MotionNoise estimate_motion(std::vector<WeightedTrack>& tracks, const SmoothOpti
     if (options.estimate_noise) is_estimated = update_noise(tracks, options, noise);
     estimate_flights_and_weights(tracks, noise, options, DoubtfulFlights::drop);
   }
-  if (options.robust) find_strikes(tracks, noise, options);
+  if (options.robust) judge_points(tracks, noise, options);
   estimate_curves(tracks, noise, options);
   return noise;
 }

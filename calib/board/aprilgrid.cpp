@@ -4,7 +4,10 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <optional>
+#include <span>
 
 #include "calib/board/corner_lattice.h"
 #include "calib/board/local_homography.h"
@@ -20,6 +23,9 @@ constexpr int num_tags_36h11 = 587, bits_per_side = 6;
 constexpr int border_bits[] = {2, 1};  ///< kalibr's, the AprilTag library's
 constexpr int max_tags_in_row = 24, min_pairs_of_other = 3;
 constexpr int min_radius_px = 3, max_radius_px = 10;
+constexpr std::size_t min_pairs_for_spacing = 20;
+/// Relative. A print is true to a per cent; a lens bends the line through two tags.
+constexpr double max_spacing_error = 0.1;
 
 Eigen::Vector2d place_m(const CalibrationTarget& target, int column, int row) {
   return target.square_m * Eigen::Vector2d(column / 2, row / 2) +
@@ -93,6 +99,44 @@ std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationT
   return OtherTarget{fmt::format("no AprilGrid with {} tags in a row but one with {}",
                                  asked.columns / 2, best.in_row),
                      fmt::format("give --columns {}; --rows counts tags, too", best.in_row)};
+}
+
+/// Space between two tags in a row over their side, from their corners along a line: `corners_px`
+/// at 0, 1, 1 + s and 2 + s. Their cross ratio is the same in each perspective.
+double spacing_of(const std::array<Eigen::Vector2d, 4>& corners_px) {
+  const auto distance = [&](std::size_t i, std::size_t k) {
+    return (corners_px[k] - corners_px[i]).norm();
+  };
+  const double cross_ratio = distance(0, 2) * distance(1, 3) / (distance(1, 2) * distance(0, 3));
+  return std::sqrt(cross_ratio / (cross_ratio - 1.0)) - 1.0;
+}
+
+void add_spacings(const BoardView& view, const CalibrationTarget& target,
+                  std::vector<double>& spacings) {
+  std::vector<std::optional<Eigen::Vector2d>> corners(
+      static_cast<std::size_t>(target.num_corners()));
+  for (std::size_t i = 0; i < view.corners_px.size(); ++i)
+    corners[static_cast<std::size_t>(view.corner_id(i))] = view.corners_px[i];
+  for (int first = 0; first < target.num_corners(); first += 2) {
+    if (first % target.columns + 4 > target.columns) continue;
+    const auto tags = std::span(corners).subspan(static_cast<std::size_t>(first), 4);
+    if (std::ranges::all_of(tags, [](const auto& corner) { return corner.has_value(); }))
+      spacings.push_back(spacing_of({*tags[0], *tags[1], *tags[2], *tags[3]}));
+  }
+}
+
+std::optional<OtherTarget> find_other_proportions(const std::vector<BoardView>& views,
+                                                  const CalibrationTarget& asked) {
+  std::vector<double> spacings;
+  for (const auto& view : views) add_spacings(view, asked, spacings);
+  if (spacings.size() < min_pairs_for_spacing) return {};
+  const double seen = median(std::move(spacings)),
+               given = asked.square_m / asked.markers->side_m - 1.0;
+  if (!(std::abs(seen - given) > max_spacing_error * given)) return {};
+  return OtherTarget{
+      fmt::format("an AprilGrid with a space between tags of {:.3g} of their side, not {:.3g}",
+                  seen, given),
+      fmt::format("measure both, and give about --tag-spacing {:.2g}", seen)};
 }
 
 /// Refines corners and looks for further ones.
@@ -195,8 +239,11 @@ TargetCorners find_aprilgrid_corners(const GreyImage& image, const CalibrationTa
   return {};
 }
 
-const TargetKind aprilgrid_kind{"aprilgrid", place_m,
+const TargetKind aprilgrid_kind{"aprilgrid",
+                                place_m,
                                 [](const CalibrationTarget&) { return false; },
-                                find_aprilgrid_corners, find_other};
+                                find_aprilgrid_corners,
+                                find_other,
+                                find_other_proportions};
 
 }  // namespace touchtrace

@@ -9,6 +9,7 @@
 
 namespace touchtrace {
 
+struct BoardView;
 struct CalibrationTarget;
 struct GreyImage;
 
@@ -32,6 +33,9 @@ struct TargetKind {
   /// What an image without `asked` shows; nullptr: cannot tell.
   std::optional<OtherTarget> (*find_other)(const GreyImage& image,
                                            const CalibrationTarget& asked) = nullptr;
+  /// What `views` show, if it has other proportions than `asked`; nullptr: cannot tell.
+  std::optional<OtherTarget> (*find_other_proportions)(const std::vector<BoardView>& views,
+                                                       const CalibrationTarget& asked) = nullptr;
 };
 
 extern const TargetKind chessboard_kind, charuco_kind, aprilgrid_kind, circles_kind,

@@ -60,6 +60,12 @@ void require_valid_views(const BoardObservations& o) {
   }
 }
 
+void require_proportions(const BoardObservations& o) {
+  if (!o.board.kind->find_other_proportions) return;
+  if (const auto other = o.board.kind->find_other_proportions(o.views, o.board))
+    throw data_error("the images show " + other->seen, other->hint);
+}
+
 /// True if corners lie within `same_view_px` (RMS) of those of another view: the same image encoded
 /// twice, or a video of a board and a camera at rest.
 bool is_same_view(const BoardView& a, const BoardView& b) {
@@ -146,6 +152,7 @@ RgbdCalibration calibrate(BoardObservations observations, const CalibrationOptio
   const std::clock_t cpu_start = std::clock();
   require_views(observations, static_cast<std::ptrdiff_t>(observations.views.size()), "detected");
   require_valid_views(observations);
+  require_proportions(observations);
   align_symmetric_views(observations);
   const auto different = different_views(observations);
   require_views(observations, std::ranges::count(different, true), "different");

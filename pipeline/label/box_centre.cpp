@@ -28,7 +28,7 @@ double box_centre_sigma_m(const Camera& color, const std::string& object,
     if (clips[i].object != object || tracks[i].object.empty()) continue;
     const auto& boxed = tracks[i].object[clips[i].box_frame - clips[i].first];
     if (!boxed.found || boxed.follows_hand) continue;
-    if (touches_border(clips[i].object_box, color)) continue;
+    if (clips[i].has_mask_boxes || touches_border(clips[i].object_box, color)) continue;
     const double offset = offset_rad(color, clips[i].object_box, boxed.position_m),
                  square = offset * offset - box_sigma_rad * box_sigma_rad;
     sigmas_m.push_back(boxed.position_m.z() * std::sqrt(0.5 * std::max(0.0, square)));

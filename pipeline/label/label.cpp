@@ -49,25 +49,36 @@ std::vector<ClipFrames> boxed_clips(const Recording& recording, const FrameSourc
   return clips;
 }
 
-/// Whether enough frames have masks to find the bodies by them alone.
-bool choose_masks(const FrameSource& frames, const std::vector<ClipFrames>& clips,
-                  const LabelOptions& options) {
-  if (options.observer != "auto") return options.observer == "masks";
+/// Whether half of the usable clips' frames have masks.
+bool are_mostly_masked(const FrameSource& frames, const std::vector<ClipFrames>& clips) {
   double masked = 0.0, all = 0.0;
   for (const auto& clip : clips) {
     if (!clip.is_usable()) continue;
     masked += static_cast<double>(masked_frames(frames, clip).size());
     all += static_cast<double>(clip.count);
   }
-  return masked > 0.0 && masked >= min_found_fraction * all;
+  return masked >= min_found_fraction * all;
 }
 
-/// Whether masks show hand and object where there are any, and colours elsewhere.
-bool mixes_masks(const FrameSource& frames, int width, const std::vector<ClipFrames>& clips,
-                 const LabelOptions& options) {
-  return options.observer == "auto" && std::ranges::any_of(clips, [&](const ClipFrames& clip) {
-           return clip.is_usable() && has_mask_of_both(frames, width, clip);
-         });
+/// What masks are used for.
+enum class MaskUse {
+  none,
+  some_frames,  ///< hand and object where there are masks; colours elsewhere
+  all_frames,   ///< they replace background and colours
+};
+
+MaskUse choose_masks(const FrameSource& frames, int width, const std::vector<ClipFrames>& clips,
+                     const LabelOptions& options) {
+  if (options.observer == "masks") return MaskUse::all_frames;
+  if (options.observer != "auto" || frames.masked_frames.empty()) return MaskUse::none;
+  const bool show_both = std::ranges::any_of(clips, [&](const ClipFrames& clip) {
+    return clip.is_usable() && has_mask_of_both(frames, width, clip);
+  });
+  if (!show_both) {
+    Progress::warn("no mask shows both hand and object: colours are used instead of masks");
+    return MaskUse::none;
+  }
+  return are_mostly_masked(frames, clips) ? MaskUse::all_frames : MaskUse::some_frames;
 }
 
 /// Frames with colours like those of the first usable clip's box frame.
@@ -216,10 +227,10 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   for (double& time_s : timeline.camera_time_s) time_s += calibration.depth_delay_s;
   auto clips = boxed_clips(recording, recorded);
   require_usable_clip(clips);
-  const bool use_masks = choose_masks(recorded, clips, options);
+  const auto mask_use = choose_masks(recorded, recording.camera.width, clips, options);
+  const bool use_masks = mask_use == MaskUse::all_frames;
   auto frames = normalized(recorded, clips);
-  if (!use_masks && !mixes_masks(recorded, recording.camera.width, clips, options))
-    frames.masked_frames.clear();
+  if (mask_use == MaskUse::none) frames.masked_frames.clear();
   const Stopwatch learning;
   const auto scene =
       learn_scene(calibration, recording.camera, frames, clips, use_masks, options.num_threads);

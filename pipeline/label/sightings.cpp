@@ -18,6 +18,9 @@ constexpr double toss_m = 0.5;  // points farther from the hand are not the obje
 /// half height, for a randomly rotated ellipsoid of which the part within 60 degrees of the line of
 /// sight is visible.
 constexpr double box_centre_per_unevenness = 1.44;
+/// RMS error over the axes per radius: the half extent along the line of sight, which no box shows,
+/// may be anything from 0.3 to 1.5 radii.
+constexpr double box_centre_per_radius = 0.2;
 
 double num_points(const Patch& patch) { return static_cast<double>(patch.points_m.size()); }
 
@@ -41,7 +44,8 @@ std::optional<Eigen::Vector3d> centroid(const std::optional<Patch>& patch) {
 }  // namespace
 
 ObjectShape BoxedObject::sphere() const {
-  return {radius_m, std::nullopt, unevenness_m, box_centre_per_unevenness * unevenness_m};
+  return {radius_m, std::nullopt, unevenness_m,
+          std::hypot(box_centre_per_unevenness * unevenness_m, box_centre_per_radius * radius_m)};
 }
 
 void find_hands(SampledFrames& samples) {
@@ -98,7 +102,7 @@ std::optional<Sighting> sighting_of(const SampledFrame& sample, const BoxedObjec
                           object_patch_radius_factor * boxed.radius_m, num_points);
   if (!patch) return std::nullopt;
   return Sighting{sample.index, std::move(*patch),
-                  sample.has_boxes() ? std::optional(sample.clip->object_box) : std::nullopt};
+                  sample.has_drawn_boxes() ? std::optional(sample.clip->object_box) : std::nullopt};
 }
 
 std::vector<Sighting> sightings_of(const SampledFrames& samples, const BoxedObject& boxed) {

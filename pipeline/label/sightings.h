@@ -18,6 +18,8 @@ struct SampledFrame {
   std::optional<Eigen::Vector3d> hand_m = std::nullopt;  ///< set by find_hands
 
   bool has_boxes() const { return index == clip->box_frame; }
+  /// Whether boxes contain the whole bodies; those around masks do not contain what is hidden.
+  bool has_drawn_boxes() const { return has_boxes() && !clip->has_mask_boxes; }
 };
 
 using SampledFrames = std::vector<SampledFrame>;

@@ -90,6 +90,27 @@ TEST(AprilGrid, CalibratesFromPartialViews) {
   testing::expect_rendered_camera(found.color);
 }
 
+/// Message of `calibrate`'s error.
+std::string refusal(const BoardObservations& observed) {
+  try {
+    calibrate(observed);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(AprilGrid, RefusesAnotherSpacing) {
+  CalibrationTarget asked = aprilgrid();
+  asked.square_m = 0.03;
+  BoardDetector detector(asked);
+  for (int i = 0; i < 8; ++i)
+    detector.add({.name = "view " + std::to_string(i)},
+                 render(testing::calibration_pose(aprilgrid(), i, 0.08, 0.24 + 0.01 * i)));
+  EXPECT_NE(refusal(std::move(detector).finish()).find("of 0.3 of their side, not 0.2"),
+            std::string::npos);
+}
+
 TEST(AprilGrid, FindsNothingWithoutATarget) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
   EXPECT_TRUE(find_aprilgrid_corners(plain, aprilgrid()).first.empty());

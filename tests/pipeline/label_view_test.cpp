@@ -113,5 +113,24 @@ TEST(DepthNoise, IgnoresMovingPixels) {
   EXPECT_EQ(depth_noise_at_1m({}, unit_m), 0.0);
 }
 
+/// A body that moves fills the image, but for a part of it.
+double noise_with_background_in(double part) {
+  RandomStream random(2, "moving body");
+  std::vector<std::vector<std::uint16_t>> depths(12, wall());
+  for (std::size_t i = 0; i < depths.size(); ++i)
+    for (std::size_t pixel = 0; pixel < depths[i].size(); ++pixel) {
+      const bool is_background = double(pixel % 100) < 100.0 * part;
+      const double z = is_background ? 1.0 : 0.4 + 0.02 * double(i);
+      depths[i][pixel] =
+          static_cast<std::uint16_t>(std::lround((z + 0.002 * random.normal()) / unit_m));
+    }
+  return depth_noise_at_1m(depths, unit_m);
+}
+
+TEST(DepthNoise, IsUnknownWhereAllMoves) {
+  EXPECT_NEAR(noise_with_background_in(0.2), 0.002, 0.0004);
+  EXPECT_EQ(noise_with_background_in(0.0), 0.0);
+}
+
 }  // namespace
 }  // namespace touchtrace::label

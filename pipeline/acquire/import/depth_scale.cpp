@@ -40,12 +40,12 @@ std::vector<std::uint16_t> sample_counts(const DepthScale& scale, const SourceSt
   return counts;
 }
 
-/// "1000 (median 0.72 m) or 5000 (median 0.14 m)": scales that make the median plausible.
+/// ": 1000 (median 0.72 m) or 5000 (median 0.14 m)": scales that make the median plausible.
 std::string proposed_scales(double count) {
   std::string list;
-  for (const char* scale : {"1000", "5000", "10000"})
+  for (const char* scale : {"100", "1000", "5000", "10000"})
     if (usual_m.contains(count / std::stod(scale)))
-      list += fmt::format("{}{} (median {:.2f} m)", list.empty() ? "" : " or ", scale,
+      list += fmt::format("{}{} (median {:.2f} m)", list.empty() ? ": " : " or ", scale,
                           count / std::stod(scale));
   return list;
 }
@@ -80,13 +80,12 @@ DepthScale depth_scale(const ImportSource& source, int type, double values_per_m
 void require_plausible(const DepthScale& scale, const SourceStream& depth, bool is_given) {
   const auto counts = sample_counts(scale, depth);
   if (counts.empty())
-    return Progress::warn(
-        fmt::format("the depth images have no measurement from 0 to {:.3g} m (--depth-scale 1000: "
-                    "floating-point depth is in millimetres)",
-                    std::numeric_limits<std::uint16_t>::max() * scale.unit_m));
+    throw data_error(fmt::format("the depth images have no measurement from 0 to {:.3g} m",
+                                 std::numeric_limits<std::uint16_t>::max() * scale.unit_m),
+                     "floating-point depth in millimetres: give --depth-scale 1000");
   const double median_count = median({counts.begin(), counts.end()}), per_m = 1.0 / scale.unit_m;
   const auto hint =
-      fmt::format("--depth-scale gives the counts per metre: {}", proposed_scales(median_count));
+      fmt::format("--depth-scale gives the counts per metre{}", proposed_scales(median_count));
   if (!(is_given ? possible_m : usual_m).contains(median_count / per_m))
     throw data_error(fmt::format("at {:g} counts per metre the median depth would be {:.3g} m, "
                                  "which is implausible",

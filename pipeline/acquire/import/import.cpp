@@ -103,28 +103,47 @@ void require_mostly_good(const StreamCopy& copy, const char* kind) {
                      "see the warnings above");
 }
 
-/// Reports a damaged mask.
-std::optional<std::vector<std::uint8_t>> try_read_mask(MaskReader& reader, const fs::path& file,
-                                                       cv::Size size) {
-  try {
-    return reader.read(file, size);
-  } catch (const std::exception& error) {
-    Progress::warn(fmt::format("left out mask {}: {}", file.string(), error.what()));
-    return std::nullopt;
+/// Reads masks and reports damaged ones.
+class MaskFiles {
+ public:
+  explicit MaskFiles(const MaskIds& ids) : reader_(ids) {}
+
+  std::optional<std::vector<std::uint8_t>> try_read(const fs::path& file, cv::Size size) {
+    ++num_files_;
+    try {
+      return reader_.read(file, size);
+    } catch (const std::exception& error) {
+      if (++num_left_out_ <= max_reported)
+        Progress::warn(fmt::format("left out mask {}: {}", file.string(), error.what()));
+      return std::nullopt;
+    }
   }
-}
+  void require_mostly_good() const {
+    if (2 * num_left_out_ > num_files_)
+      throw data_error(fmt::format("{} of {} masks cannot be used", num_left_out_, num_files_),
+                       "see the warnings above");
+    if (num_left_out_ > max_reported)
+      Progress::warn(fmt::format("left out {} masks in all", num_left_out_));
+    reader_.require_ids();
+  }
+
+ private:
+  static constexpr std::size_t max_reported = 5;
+  MaskReader reader_;
+  std::size_t num_files_ = 0, num_left_out_ = 0;
+};
 
 void append_masks(RecordingWriter& writer, const std::map<std::size_t, fs::path>& files,
                   const MaskIds& ids, const StreamCopy& color, cv::Size size) {
   Progress progress("importing masks", files.size());
-  MaskReader reader(ids);
+  MaskFiles masks(ids);
   for (const auto& [image, file] : files) {
     progress.advance();
     if (!color.copied().contains(image)) continue;
-    if (const auto mask = try_read_mask(reader, file, size))
+    if (const auto mask = masks.try_read(file, size))
       writer.append_mask(color.copied().at(image), *mask);
   }
-  reader.require_ids();
+  masks.require_mostly_good();
 }
 
 void append_background(RecordingWriter& writer, const ImportOptions& options,

@@ -46,6 +46,7 @@ std::vector<std::uint16_t> farthest_depth(const DepthImages& depths, double tole
 
 double depth_noise_at_1m(const DepthImages& depths, double unit_m) {
   constexpr std::size_t stride = 7, min_images = 3;
+  constexpr double max_noise_at_1m = 0.015, min_static_fraction = 0.05;
   std::vector<double> squares;
   for (std::size_t pixel = 0; depths.size() >= min_images && pixel < depths[0].size();
        pixel += stride) {
@@ -59,6 +60,10 @@ double depth_noise_at_1m(const DepthImages& depths, double unit_m) {
     squares.push_back(variance / std::pow(mean, 4) /
                       std::pow(1.0 - 2.0 / (9.0 * (count - 1.0)), 3));
   }
+  const std::size_t measured = squares.size();
+  std::erase_if(squares, [](double square) { return square > max_noise_at_1m * max_noise_at_1m; });
+  if (static_cast<double>(squares.size()) < min_static_fraction * static_cast<double>(measured))
+    return 0.0;
   return squares.empty() ? 0.0 : std::sqrt(std::max(0.0, median(std::move(squares))));
 }
 

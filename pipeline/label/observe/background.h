@@ -17,8 +17,9 @@ std::vector<std::uint16_t> median_depth(const DepthImages& depths);
 std::vector<std::uint16_t> farthest_depth(const DepthImages& depths, double tolerance);
 
 /// Standard deviation [m] of depth noise at 1 m, for noise proportional to depth squared
-/// (triangulation). From the pixels' variances over images of a scene of which less than half
-/// moves: their median, over that of a chi-square distribution. 0 for fewer than three images.
+/// (triangulation). The median of the variances, over images, of the pixels that may be at rest: no
+/// sensor has more than 15 mm. 0 if unknown: for fewer than three images, or if less than 5 % of
+/// the pixels may be at rest, as where nothing is behind the moving bodies.
 double depth_noise_at_1m(const DepthImages& depths, double unit_m);
 
 }  // namespace touchtrace::label

@@ -96,6 +96,14 @@ TEST(ViewObject, NoiseRatioGrowsWithDepthSquared) {
               0.002 * 4.0 / reference_depth_sigma_m, 1e-9);
 }
 
+TEST(ViewObject, UnknownDepthNoiseIsTakenForLarge) {
+  SceneModel scene = model();
+  scene.depth_noise_at_1m = 0.0;
+  Patch patch;
+  patch.centroid_m = {0.0, 0.0, 0.5};
+  EXPECT_GT(scene.view_object(frame(), "ball", patch, 0.1, false).noise_ratio, 2.0);
+}
+
 /// Walls at 1 and 3 m; 5 % of the pixels show something that moves.
 TEST(DepthNoise, IgnoresMovingPixels) {
   constexpr double noise_at_1m = 0.002;

@@ -66,6 +66,12 @@ TEST_F(ImportMasks, WarnOfThoseWithoutAnImage) {
                   "18.png"));
 }
 
+TEST_F(ImportMasks, OfAnotherSizeAreRefused) {
+  for (const char* name : {"0.png", "1.png"})
+    write_file(folder_ / "masks" / name, encoded(cv::Mat(2, 3, CV_8UC1, cv::Scalar(1))), true);
+  expect_rejected("in", "2 of 2 masks cannot be used", options_);
+}
+
 TEST_F(ImportMasks, MayHaveOtherLeadingZeros) {
   write_mask("1.png", 1), write_mask("0010.png", 2), write_mask("b_7.50.png", 1);
   const auto files = mask_files(folder_ / "masks", {{"rgb/000001.png"},

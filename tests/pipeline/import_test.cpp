@@ -124,16 +124,28 @@ std::string npy(const std::string& type, const std::string& shape, const std::st
   return std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + data;
 }
 
-TEST_F(Import, ReadsDepthArrays) {
+/// Writes images with floating-point depth.
+void write_depth_arrays(const std::filesystem::path& folder, double units_per_m) {
   for (int i = 0; i < import_frames; ++i) {
-    cv::Mat metres;
-    import_depth(i, 4000).convertTo(metres, CV_32F, 1.0 / 4000.0);
+    cv::Mat depth;
+    import_depth(i, 4000).convertTo(depth, CV_32F, units_per_m / 4000.0);
     const std::string name = fmt::format("{:.6f}", import_start_s + i / 30.0);
-    write_file(folder_ / "in" / "rgb" / (name + ".png"), encoded(import_color(i)), true);
-    write_file(folder_ / "in" / "depth" / (name + ".npy"), npy("<f4", "(6, 8)", pixels(metres)),
-               true);
+    write_file(folder / "rgb" / (name + ".png"), encoded(import_color(i)), true);
+    write_file(folder / "depth" / (name + ".npy"), npy("<f4", "(6, 8)", pixels(depth)), true);
   }
+}
+
+TEST_F(Import, ReadsDepthArrays) {
+  write_depth_arrays(folder_ / "in", 1.0);
   expect_samples(import("in"), 4000);
+}
+
+TEST_F(Import, RefusesDepthArraysInMillimetresUnlessTold) {
+  write_depth_arrays(folder_ / "in", 1000.0);
+  expect_rejected("in", "no measurement from 0 to 16.4 m", {});
+  ImportOptions options;
+  options.camera.depth_scale = 1000.0;
+  expect_samples(import("in", options), 4000);
 }
 
 /// Archive of stored files.

@@ -60,10 +60,12 @@ std::optional<Part> part_around(const WeightedTrack& track, const PointRange& ra
                                 const std::function<bool(std::size_t)>& is_suspected) {
   const double start_s = track.points[range.first].time_s - margin_s,
                end_s = track.points[range.last].time_s + margin_s;
+  const auto start = std::ranges::lower_bound(track.points, start_s, {}, &TrackPoint::time_s);
   Part part{};
-  for (std::size_t i = 0; i < track.points.size(); ++i) {
+  for (auto i = static_cast<std::size_t>(start - track.points.begin()); i < track.points.size();
+       ++i) {
     const auto& point = track.points[i];
-    if (point.time_s < start_s || point.time_s > end_s) continue;
+    if (point.time_s > end_s) break;
     if (i == range.first) part.range.first = part.with.points.size();
     if (i == range.last) part.range.last = part.with.points.size();
     const bool suspected = range.contains(i) && is_suspected(i);

@@ -103,7 +103,8 @@ std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationT
 }
 
 /// Space between two tags in a row over their side, from their corners along a line: `corners_px`
-/// at 0, 1, 1 + s and 2 + s. Their cross ratio is the same in each perspective.
+/// at 0, 1, 1 + s and 2 + s. Their cross ratio is the same in each perspective. NaN if they cannot
+/// be such corners.
 double spacing_of(const std::array<Eigen::Vector2d, 4>& corners_px) {
   const auto distance = [&](std::size_t i, std::size_t k) {
     return (corners_px[k] - corners_px[i]).norm();
@@ -114,15 +115,15 @@ double spacing_of(const std::array<Eigen::Vector2d, 4>& corners_px) {
 
 void add_spacings(const BoardView& view, const CalibrationTarget& target,
                   std::vector<double>& spacings) {
-  std::vector<std::optional<Eigen::Vector2d>> corners(
-      static_cast<std::size_t>(target.num_corners()));
+  std::vector<const Eigen::Vector2d*> corners(static_cast<std::size_t>(target.num_corners()));
   for (std::size_t i = 0; i < view.corners_px.size(); ++i)
-    corners[static_cast<std::size_t>(view.corner_id(i))] = view.corners_px[i];
+    corners[static_cast<std::size_t>(view.corner_id(i))] = &view.corners_px[i];
   for (int first = 0; first < target.num_corners(); first += 2) {
     if (first % target.columns + 4 > target.columns) continue;
     const auto tags = std::span(corners).subspan(static_cast<std::size_t>(first), 4);
-    if (std::ranges::all_of(tags, [](const auto& corner) { return corner.has_value(); }))
-      spacings.push_back(spacing_of({*tags[0], *tags[1], *tags[2], *tags[3]}));
+    if (std::ranges::find(tags, nullptr) != tags.end()) continue;
+    if (const double s = spacing_of({*tags[0], *tags[1], *tags[2], *tags[3]}); std::isfinite(s))
+      spacings.push_back(s);
   }
 }
 

@@ -20,15 +20,16 @@ constexpr std::size_t min_points_around = 6;
 constexpr double max_weight = 0.5, max_gap_s = 0.3;
 /// Largest cost of a strike: what wrong measurements cost, in nats. If these occur once in 10^4
 /// frames and are spread over 1 m, with a sigma of 2 mm, it is log 10^4 + 3 log(1 m / 2 mm sqrt(2
-/// pi)). Half of the strikes of timpani mallets at 20 Hz cost less than 20, 95 % less than 34; 95 %
-/// of single errors of 10 cm, added to them, more than 29.
+/// pi)). Per measurement, half of the strikes of timpani mallets at 20 Hz cost less than 20, 95 %
+/// less than 34; 95 % of single errors of 10 cm, added to them, more than 29 at a sigma of 2 mm and
+/// more than 19 at 5 mm.
 constexpr double max_strike_cost = 25.0;
 
 /// Process noise curve of a jump, and the longest run of wrong measurements.
 constexpr double min_jump = 2.0, max_run_s = 0.2;
-/// Least advantage of a common error over a motion. Of runs of three and six errors of 10 cm, added
-/// to mallets and arms at 20 and 60 Hz, 95 % have more than 70; of their true jumps 95 % less
-/// than 21.
+/// Least advantage of a common error over a motion. At a sigma of 2 mm, 95 % of the runs of three
+/// and six errors of 10 cm that were added to mallets (60 Hz) and arms (20 and 60 Hz) have more
+/// than 70; of their true jumps 95 % have less than 21.
 constexpr double min_run_advantage = 40.0;
 
 /// Points `first` to `last` of a track.
@@ -112,18 +113,21 @@ bool is_strike(const WeightedTrack& track, const PointRange& range, const Motion
 PointRange farthest_run(const Track& points, const PointRange& jump) {
   PointRange farthest = jump;
   double max_distance = -1.0;
-  for (std::size_t first = jump.first; first <= jump.last; ++first)
+  for (std::size_t first = jump.first; first <= jump.last; ++first) {
+    double sum_s = 0.0;
+    Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
     for (std::size_t last = first; last <= jump.last; ++last) {
       if (points[last].time_s - points[first].time_s > max_run_s) break;
+      sum_s += points[last].time_s, sum_m += points[last].position_m;
+      const auto count = static_cast<double>(last - first + 1);
       const auto &before = points[first - 1], &after = points[last + 1];
-      const auto mean = mean_of(points, {first, last});
       const double gap_s = after.time_s - before.time_s,
-                   part = (mean.time_s - before.time_s) / gap_s;
+                   part = (sum_s / count - before.time_s) / gap_s;
       const Eigen::Vector3d line_m = (1.0 - part) * before.position_m + part * after.position_m;
-      const double distance = (mean.position_m - line_m).norm() / gap_s *
-                              std::sqrt(static_cast<double>(last - first + 1));
+      const double distance = (sum_m / count - line_m).norm() / gap_s * std::sqrt(count);
       if (distance > max_distance) max_distance = distance, farthest = {first, last};
     }
+  }
   return farthest;
 }
 

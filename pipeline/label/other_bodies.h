@@ -22,8 +22,10 @@ namespace touchtrace::label {
 class OtherBodies {
  public:
   /// `depth_noise_at_1m` [m]: see depth_noise_at_1m(). The segmenter must outlive this object.
-  OtherBodies(const Segmenter& segmenter, double depth_noise_at_1m)
-      : segmenter_(segmenter), depth_noise_at_1m_(depth_noise_at_1m), owned_(segmenter) {}
+  OtherBodies(const Segmenter& segmenter, std::optional<double> depth_noise_at_1m)
+      : segmenter_(segmenter),
+        depth_noise_at_1m_(depth_noise_at_1m.value_or(0.0)),
+        owned_(segmenter) {}
 
   /// First frame: what is outside both boxes, such as a bare arm, is other bodies'.
   void start(const Surface& surface, const PixelBox& hand_box, const PixelBox& object_box,

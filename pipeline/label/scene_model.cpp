@@ -14,6 +14,11 @@ constexpr double min_visible_fraction = 0.5;  // of the disc of an object apart 
 /// 30 by 55 mm at 1 and 2 and had its true size at 4 and 8; a block was right at 1 to 4.
 constexpr double unknown_noise_ratio = 4.0;
 
+double noise_ratio(std::optional<double> noise_at_1m, double z_m) {
+  return noise_at_1m ? std::max(1.0, *noise_at_1m * z_m * z_m / reference_depth_sigma_m)
+                     : unknown_noise_ratio;
+}
+
 }  // namespace
 
 void SceneModel::split_object(Surface& surface, const std::string& object,
@@ -28,10 +33,7 @@ BodyView SceneModel::view_object(const RgbdFrame& frame, const std::string& obje
   auto around = segmenter->surface_around(frame, patch.centroid_m, reach_m);
   observer->classify(frame, object, around);
   BodyView view{segmenter->depth_origin_m(), patch.points_m, {}};
-  const double depth_sigma_m = depth_noise_at_1m * std::pow(patch.centroid_m.z(), 2);
-  view.noise_ratio = depth_noise_at_1m > 0.0
-                         ? std::max(1.0, depth_sigma_m / reference_depth_sigma_m)
-                         : unknown_noise_ratio;
+  view.noise_ratio = noise_ratio(depth_noise_at_1m, patch.centroid_m.z());
   const Body own = objects_with_hand_color.contains(object) ? Body::hand : Body::object;
   const bool gather = whole_object && own == Body::object;
   if (gather) view.surface_points.clear();

@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -54,7 +55,7 @@ struct TrackingPass {
 struct SceneModel {
   std::shared_ptr<const Segmenter> segmenter;
   std::shared_ptr<const Observer> observer;
-  double depth_noise_at_1m = 0.0;  ///< [m]; 0: unknown; see depth_noise_at_1m()
+  std::optional<double> depth_noise_at_1m = std::nullopt;  ///< [m]; see depth_noise_at_1m()
   std::map<std::string, ObjectShape> object_shape = {};
   std::set<std::string> objects_with_hand_color = {};  ///< not separable from the hand by colour
   bool has_some_masks = false;  ///< masks show the bodies in some frames, colours in the others

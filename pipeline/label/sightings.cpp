@@ -19,7 +19,7 @@ constexpr double toss_m = 0.5;  // points farther from the hand are not the obje
 /// sight is visible.
 constexpr double box_centre_per_unevenness = 1.44;
 /// RMS error over the axes per radius: the half extent along the line of sight, which no box shows,
-/// may be anything from 0.3 to 1.5 radii.
+/// is taken for evenly distributed from 0.3 to 1.5 radii.
 constexpr double box_centre_per_radius = 0.2;
 
 double num_points(const Patch& patch) { return static_cast<double>(patch.points_m.size()); }

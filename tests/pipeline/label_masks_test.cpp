@@ -96,7 +96,7 @@ label::FrameSource masks_of_one(const Stage& stage, std::uint8_t body, std::size
     for (std::size_t j = 0; i < count && j < frame.depth.size(); ++j) {
       const bool is_body =
           body == mask_object ? frame.color[3 * j] == 200 : frame.color[3 * j + 2] == 160;
-      frame.mask.push_back(is_body ? body : mask_other);
+      frame.mask.push_back(is_body ? body : std::uint8_t{mask_other});
     }
     return frame;
   };

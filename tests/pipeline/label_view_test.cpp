@@ -98,10 +98,12 @@ TEST(ViewObject, NoiseRatioGrowsWithDepthSquared) {
 
 TEST(ViewObject, UnknownDepthNoiseIsTakenForLarge) {
   SceneModel scene = model();
-  scene.depth_noise_at_1m = 0.0;
+  scene.depth_noise_at_1m = std::nullopt;
   Patch patch;
   patch.centroid_m = {0.0, 0.0, 0.5};
   EXPECT_GT(scene.view_object(frame(), "ball", patch, 0.1, false).noise_ratio, 2.0);
+  scene.depth_noise_at_1m = 0.0;  // as of a simulator
+  EXPECT_EQ(scene.view_object(frame(), "ball", patch, 0.1, false).noise_ratio, 1.0);
 }
 
 /// Walls at 1 and 3 m; 5 % of the pixels show something that moves.
@@ -115,14 +117,14 @@ TEST(DepthNoise, IgnoresMovingPixels) {
       depths[i][pixel] = static_cast<std::uint16_t>(
           std::lround((mean + noise_at_1m * z * z * random.normal()) / unit_m));
     }
-  EXPECT_NEAR(depth_noise_at_1m(depths, unit_m), noise_at_1m, 0.1 * noise_at_1m);
+  EXPECT_NEAR(depth_noise_at_1m(depths, unit_m).value(), noise_at_1m, 0.1 * noise_at_1m);
   depths.resize(2);
-  EXPECT_EQ(depth_noise_at_1m(depths, unit_m), 0.0);
-  EXPECT_EQ(depth_noise_at_1m({}, unit_m), 0.0);
+  EXPECT_FALSE(depth_noise_at_1m(depths, unit_m));
+  EXPECT_FALSE(depth_noise_at_1m({}, unit_m));
 }
 
 /// A body that moves fills the image, but for a part of it.
-double noise_with_background_in(double part) {
+std::optional<double> noise_with_background_in(double part) {
   RandomStream random(2, "moving body");
   std::vector<std::vector<std::uint16_t>> depths(12, wall());
   for (std::size_t i = 0; i < depths.size(); ++i)
@@ -136,8 +138,8 @@ double noise_with_background_in(double part) {
 }
 
 TEST(DepthNoise, IsUnknownWhereAllMoves) {
-  EXPECT_NEAR(noise_with_background_in(0.2), 0.002, 0.0004);
-  EXPECT_EQ(noise_with_background_in(0.0), 0.0);
+  EXPECT_NEAR(noise_with_background_in(0.2).value(), 0.002, 0.0004);
+  EXPECT_FALSE(noise_with_background_in(0.0));
 }
 
 }  // namespace

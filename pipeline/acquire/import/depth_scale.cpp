@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -27,13 +28,16 @@ constexpr Range usual_m{0.1, 20.0};
 constexpr Range possible_m{0.02, 100.0};
 constexpr double far_m = 6.0;  // few scenes of a hand have a larger median
 
-/// Counts of up to nine images, of pixels that have one.
-std::vector<std::uint16_t> sample_counts(const DepthScale& scale, const SourceStream& depth) {
-  std::vector<std::uint16_t> counts;
+/// Counts of up to nine images, of pixels that have one; nullopt if none of them can be read.
+std::optional<std::vector<std::uint16_t>> sample_counts(const DepthScale& scale,
+                                                        const SourceStream& depth) {
+  std::optional<std::vector<std::uint16_t>> counts;
   const std::size_t step = std::max<std::size_t>(1, depth.images.size() / num_sampled);
   for (std::size_t i = step / 2; i < depth.images.size(); i += step) try {
       const auto image = scale.counts(depth.read(i));
-      std::ranges::copy_if(image, std::back_inserter(counts), [](auto count) { return count > 0; });
+      if (!counts) counts.emplace();
+      std::ranges::copy_if(image, std::back_inserter(*counts),
+                           [](auto count) { return count > 0; });
     } catch (const std::exception&) {
       continue;  // named when it is imported
     }
@@ -78,11 +82,13 @@ DepthScale depth_scale(const ImportSource& source, int type, double values_per_m
 }
 
 void require_plausible(const DepthScale& scale, const SourceStream& depth, bool is_given) {
-  const auto counts = sample_counts(scale, depth);
+  const auto sampled = sample_counts(scale, depth);
+  if (!sampled) return;
+  const auto& counts = *sampled;
   if (counts.empty())
     throw data_error(fmt::format("the depth images have no measurement from 0 to {:.3g} m",
                                  std::numeric_limits<std::uint16_t>::max() * scale.unit_m),
-                     "floating-point depth in millimetres: give --depth-scale 1000");
+                     "if it is floating-point depth in millimetres, give --depth-scale 1000");
   const double median_count = median({counts.begin(), counts.end()}), per_m = 1.0 / scale.unit_m;
   const auto hint =
       fmt::format("--depth-scale gives the counts per metre{}", proposed_scales(median_count));

@@ -96,11 +96,14 @@ void copy_streams(StreamCopy& color, StreamCopy& depth, std::size_t num_images) 
   }
 }
 
-void require_mostly_good(const StreamCopy& copy, const char* kind) {
-  if (copy.num_left_out() > copy.copied().size())
-    throw data_error(fmt::format("{} of {} {} images cannot be used", copy.num_left_out(),
-                                 copy.num_left_out() + copy.copied().size(), kind),
+void require_mostly_good(std::size_t left_out, std::size_t all, const char* kind) {
+  if (2 * left_out > all)
+    throw data_error(fmt::format("{} of {} {} cannot be used", left_out, all, kind),
                      "see the warnings above");
+}
+
+void require_mostly_good(const StreamCopy& copy, const char* kind) {
+  require_mostly_good(copy.num_left_out(), copy.num_left_out() + copy.copied().size(), kind);
 }
 
 /// Reads masks and reports damaged ones.
@@ -118,10 +121,8 @@ class MaskFiles {
       return std::nullopt;
     }
   }
-  void require_mostly_good() const {
-    if (2 * num_left_out_ > num_files_)
-      throw data_error(fmt::format("{} of {} masks cannot be used", num_left_out_, num_files_),
-                       "see the warnings above");
+  void finish() const {
+    require_mostly_good(num_left_out_, num_files_, "masks");
     if (num_left_out_ > max_reported)
       Progress::warn(fmt::format("left out {} masks in all", num_left_out_));
     reader_.require_ids();
@@ -143,7 +144,7 @@ void append_masks(RecordingWriter& writer, const std::map<std::size_t, fs::path>
     if (const auto mask = masks.try_read(file, size))
       writer.append_mask(color.copied().at(image), *mask);
   }
-  masks.require_mostly_good();
+  masks.finish();
 }
 
 void append_background(RecordingWriter& writer, const ImportOptions& options,
@@ -242,7 +243,7 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
     writer.append_depth(camera.depth_scale.counts(image));
   });
   copy_streams(color, depth, source.color.images.size() + source.depth.images.size());
-  require_mostly_good(color, "colour"), require_mostly_good(depth, "depth");
+  require_mostly_good(color, "colour images"), require_mostly_good(depth, "depth images");
   append_masks(writer, masks, options.mask_ids, color, camera.color.size);
   recording.color_times = color.times();
   recording.camera_times = depth.copied().empty() ? recording.color_times : depth.times();

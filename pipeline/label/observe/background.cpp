@@ -44,7 +44,7 @@ std::vector<std::uint16_t> farthest_depth(const DepthImages& depths, double tole
   });
 }
 
-double depth_noise_at_1m(const DepthImages& depths, double unit_m) {
+std::optional<double> depth_noise_at_1m(const DepthImages& depths, double unit_m) {
   constexpr std::size_t stride = 7, min_images = 3;
   constexpr double max_noise_at_1m = 0.015, min_static_fraction = 0.05;
   std::vector<double> squares;
@@ -62,9 +62,10 @@ double depth_noise_at_1m(const DepthImages& depths, double unit_m) {
   }
   const std::size_t measured = squares.size();
   std::erase_if(squares, [](double square) { return square > max_noise_at_1m * max_noise_at_1m; });
-  if (static_cast<double>(squares.size()) < min_static_fraction * static_cast<double>(measured))
-    return 0.0;
-  return squares.empty() ? 0.0 : std::sqrt(std::max(0.0, median(std::move(squares))));
+  if (squares.empty() ||
+      static_cast<double>(squares.size()) < min_static_fraction * static_cast<double>(measured))
+    return std::nullopt;
+  return std::sqrt(std::max(0.0, median(std::move(squares))));
 }
 
 }  // namespace touchtrace::label

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace touchtrace::label {
@@ -18,8 +19,8 @@ std::vector<std::uint16_t> farthest_depth(const DepthImages& depths, double tole
 
 /// Standard deviation [m] of depth noise at 1 m, for noise proportional to depth squared
 /// (triangulation). The median of the variances, over images, of the pixels that may be at rest: no
-/// sensor has more than 15 mm. 0 if unknown: for fewer than three images, or if less than 5 % of
-/// the pixels may be at rest, as where nothing is behind the moving bodies.
-double depth_noise_at_1m(const DepthImages& depths, double unit_m);
+/// sensor has more than 15 mm. nullopt for fewer than three images, or if less than 5 % of the
+/// pixels may be at rest, as where nothing is behind the moving bodies.
+std::optional<double> depth_noise_at_1m(const DepthImages& depths, double unit_m);
 
 }  // namespace touchtrace::label

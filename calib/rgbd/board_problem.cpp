@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 
 #include "calib/rgbd/ceres_problem.h"
 #include "calib/rgbd/cost_functions.h"
@@ -104,8 +105,12 @@ void fix_parameters(const BoardProblem& problem, RgbdParameters& p, ceres::Probl
       ceres_problem.SetParameterBlockConstant(p.camera_from_board[view].data());
 }
 
-/// Ceres warns on stderr about rejected steps, which are normal.
-void silence_ceres_warnings() { FLAGS_minloglevel = google::GLOG_ERROR; }
+/// Ceres warns on stderr about rejected steps, which are normal. Its level is read by all threads:
+/// it is set once.
+void silence_ceres_warnings() {
+  static std::once_flag is_silent;
+  std::call_once(is_silent, [] { FLAGS_minloglevel = google::GLOG_ERROR; });
+}
 
 ceres::Problem::Options problem_options(ViewRotations& rotations) {
   ceres::Problem::Options options;

@@ -130,7 +130,7 @@ class MaskFiles {
 
  private:
   static constexpr std::size_t max_reported = 5;
-  MaskReader reader_;
+  InstanceMaskReader reader_;
   std::size_t num_files_ = 0, num_left_out_ = 0;
 };
 

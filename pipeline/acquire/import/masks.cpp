@@ -125,7 +125,7 @@ std::map<std::size_t, fs::path> mask_files(const fs::path& folder,
   return masks;
 }
 
-std::vector<std::uint8_t> MaskReader::read(const fs::path& file, const cv::Size& size) {
+std::vector<std::uint8_t> InstanceMaskReader::read(const fs::path& file, const cv::Size& size) {
   const cv::Mat mask = decode_image(file, cv::IMREAD_UNCHANGED);
   if (mask.empty() || mask.channels() == 2 || mask.channels() > 3 ||
       (mask.channels() == 3 && mask.depth() != CV_8U))
@@ -140,7 +140,7 @@ std::vector<std::uint8_t> MaskReader::read(const fs::path& file, const cv::Size&
   return {values.begin<std::uint8_t>(), values.end<std::uint8_t>()};
 }
 
-void MaskReader::require_ids() const {
+void InstanceMaskReader::require_ids() const {
   if (found_.empty()) return;
   const bool has_hand = found_.contains(ids_.hand), has_object = found_.contains(ids_.object);
   const std::string found = text_of(found_);

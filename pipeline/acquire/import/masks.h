@@ -23,9 +23,9 @@ std::map<std::size_t, std::filesystem::path> mask_files(const std::filesystem::p
 
 /// Reads masks: images of one channel with instance numbers, or with the colours of the palette of
 /// PASCAL VOC and DAVIS.
-class MaskReader {
+class InstanceMaskReader {
  public:
-  explicit MaskReader(const MaskIds& ids) : ids_(ids) {}
+  explicit InstanceMaskReader(const MaskIds& ids) : ids_(ids) {}
 
   /// MaskValue of each pixel. Throws std::exception for another size or content.
   std::vector<std::uint8_t> read(const std::filesystem::path& file, const cv::Size& size);

@@ -9,6 +9,7 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "pipeline/acquire/board_views.h"
+#include "pipeline/acquire/import/stamp_unit.h"
 #include "pipeline/acquire/time_order.h"
 
 namespace touchtrace {
@@ -22,6 +23,13 @@ constexpr std::size_t max_pairs = 80;
 bool leaves_folder(const fs::path& path) {
   return path.is_absolute() || path.empty() ||
          std::ranges::find(path, fs::path("..")) != path.end();
+}
+
+void convert_to_seconds(std::vector<StampedFile>& files, const std::string& list) {
+  std::vector<double> stamps;
+  for (const StampedFile& file : files) stamps.push_back(file.time_s);
+  const auto times_s = in_seconds(std::move(stamps), list);
+  for (std::size_t i = 0; i < files.size(); ++i) files[i].time_s = times_s[i];
 }
 
 }  // namespace
@@ -43,6 +51,7 @@ std::vector<StampedFile> read_tum_list(const fs::path& folder, const char* list)
     file.path = folder / path;
     files.push_back(std::move(file));
   }
+  convert_to_seconds(files, (folder / list).string());
   return in_time_order(std::move(files), &StampedFile::time_s, (folder / list).string());
 }
 

@@ -13,8 +13,9 @@ struct StampedFile {
   std::filesystem::path path;
 };
 
-/// Files of `list`, rgb.txt or depth.txt, ordered by time as by time_order(). Throws data_error
-/// for a line that is not `timestamp path` and for a path outside the folder.
+/// Files of `list`, rgb.txt or depth.txt, ordered by time as by time_order(). The unit of the
+/// stamps is that of stamp_unit(). Throws data_error for a line that is not `timestamp path` and
+/// for a path outside the folder.
 std::vector<StampedFile> read_tum_list(const std::filesystem::path& folder, const char* list);
 
 /// Colour image and the depth image nearest in time.

@@ -47,15 +47,17 @@ inline const char* const import_info =
     "height: 6\nwidth: 8\ndistortion_model: plumb_bob\nD: []\n"
     "K: [7.0, 0.0, 4.0, 0.0, 7.0, 3.0, 0.0, 0.0, 1.0]\n---\n";
 
-/// TUM folder: 30 Hz, depth 4 ms after colour.
-inline void write_import_tum(const fs::path& folder, int per_m = 5000) {
+/// TUM folder: 30 Hz, depth 4 ms after colour. `per_second`: stamps.
+inline void write_import_tum(const fs::path& folder, int per_m = 5000, double per_second = 1.0,
+                             double start_s = import_start_s) {
   std::string rgb = "# timestamp filename\n", depth = rgb;
   for (int i = 0; i < import_frames; ++i) {
     const std::string name = std::to_string(i) + ".png";
     write_file(folder / "rgb" / name, encoded(import_color(i)), true);
     write_file(folder / "depth" / name, encoded(import_depth(i, per_m)), true);
-    rgb += fmt::format("{:.6f} rgb/{}\n", import_start_s + i / 30.0, name);
-    depth += fmt::format("{:.6f} depth/{}\n", import_start_s + i / 30.0 + 0.004, name);
+    const double time_s = start_s + i / 30.0;
+    rgb += fmt::format("{:.6f} rgb/{}\n", per_second * time_s, name);
+    depth += fmt::format("{:.6f} depth/{}\n", per_second * (time_s + 0.004), name);
   }
   write_file(folder / "rgb.txt", rgb, true), write_file(folder / "depth.txt", depth, true);
   write_file(folder / "camera_info.yaml", import_info, true);

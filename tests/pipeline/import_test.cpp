@@ -29,6 +29,17 @@ TEST_F(Import, ReadsTumFolders) {
   EXPECT_EQ(reader.read_background(1).color[3], 102);
 }
 
+TEST_F(Import, ReadsTumStampsOfOtherUnits) {
+  for (const double start_s : {import_start_s, 2.5})
+    for (const double per_second : {1e3, 1e6, 1e9}) {
+      SCOPED_TRACE(fmt::format("{:g} {:g}", start_s, per_second));
+      write_import_tum(folder_ / "tum", 5000, per_second, start_s);
+      const RecordingReader reader = import("tum");
+      expect_samples(reader, 5000);
+      EXPECT_NEAR(reader.recording().camera.rate_hz, 30.0, 0.01);
+    }
+}
+
 TEST_F(Import, ProposesAnotherScaleForMillimetres) {
   write_import_tum(folder_ / "tum", 1001);
   expect_rejected("tum", "the depth may be in millimetres");

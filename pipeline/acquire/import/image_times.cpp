@@ -19,7 +19,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t min_stamp_digits = 13;
 constexpr std::size_t max_images = 10'000'000;
-constexpr double min_image_rate_hz = 0.05;
 
 /// Last number in the file's name; empty if there is none.
 std::string number_text(const fs::path& image) {
@@ -66,7 +65,7 @@ std::vector<double> read_times(const fs::path& list) {
     if (!(time_s >= 0.0)) throw LineFault{"the time is missing or negative"};
     times_s.push_back(time_s);
   });
-  return in_seconds(std::move(times_s));
+  return in_seconds(std::move(times_s), list.string());
 }
 
 std::vector<double> listed_times(const fs::path& list, std::size_t num_images,
@@ -84,7 +83,7 @@ std::vector<double> image_times(const fs::path& folder, const std::vector<fs::pa
   std::vector<double> times_s;
   if (std::ranges::all_of(images, is_stamp)) {
     for (const fs::path& image : images) times_s.push_back(number_of(image));
-    times_s = in_seconds(std::move(times_s));
+    times_s = in_seconds(std::move(times_s), folder.string());
   } else if (const auto list = find_list(folder)) {
     times_s = listed_times(*list, images.size(), folder);
   } else if (rate_hz > 0.0) {
@@ -98,13 +97,6 @@ std::vector<double> image_times(const fs::path& folder, const std::vector<fs::pa
 }
 
 }  // namespace
-
-std::vector<double> in_seconds(std::vector<double> stamps) {
-  const auto unit = stamp_unit(stamps, min_image_rate_hz);
-  if (unit)
-    for (double& stamp : stamps) stamp /= unit->per_second;
-  return stamps;
-}
 
 void sort_by_number(std::vector<fs::path>& images) {
   std::ranges::sort(images, {}, [](const fs::path& image) {

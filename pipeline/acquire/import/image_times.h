@@ -15,10 +15,6 @@ namespace touchtrace {
 std::vector<StampedFile> stamped_images(const std::filesystem::path& folder,
                                         std::vector<std::filesystem::path> images, double rate_hz);
 
-/// Seconds of all stamps of a camera. Stamps with an implausible rate in every unit stay as they
-/// are.
-std::vector<double> in_seconds(std::vector<double> stamps);
-
 /// Sorts by the last number in each name, then by name.
 void sort_by_number(std::vector<std::filesystem::path>& images);
 

@@ -4,9 +4,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/error.h"
-#include "pipeline/acquire/import/image_times.h"
 #include "pipeline/acquire/import/numpy_file.h"
 #include "pipeline/acquire/import/source.h"
+#include "pipeline/acquire/import/stamp_unit.h"
 #include "pipeline/acquire/time_order.h"
 
 namespace touchtrace {
@@ -59,7 +59,7 @@ std::vector<double> times_of(const char* name, std::size_t count, const NumpyArr
   std::vector<double> times_s;
   for (std::size_t i = 0; i < count; ++i)
     times_s.push_back(times ? times->at(i) : static_cast<double>(i) / rate_hz);
-  return times ? in_seconds(std::move(times_s)) : times_s;
+  return times ? in_seconds(std::move(times_s), fmt::format("times of {}", name)) : times_s;
 }
 
 /// Stream of the images in order of their times. `image`: reads one by its index in the array.

@@ -1,15 +1,18 @@
 #include "pipeline/acquire/import/stamp_unit.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "engine/base/progress.h"
 #include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr double max_stamp_rate_hz = 1000.0;
+constexpr double max_stamp_rate_hz = 1000.0, min_image_rate_hz = 0.05;
 
 const std::array<StampUnit, 4>& stamp_units() {
   static const std::array<StampUnit, 4> units{
@@ -53,6 +56,14 @@ std::optional<StampUnit> stamp_unit(const std::vector<double>& stamps, double mi
   if (per_stamp == 0.0 || is_plausible(by_size)) return by_size;
   const auto found = std::ranges::find_if(stamp_units(), is_plausible);
   return found == stamp_units().end() ? std::nullopt : std::optional(*found);
+}
+
+std::vector<double> in_seconds(std::vector<double> stamps, const std::string& source) {
+  const auto unit = stamp_unit(stamps, min_image_rate_hz);
+  if (!unit || unit->per_second == 1.0) return stamps;
+  Progress::report(fmt::format("{}: the stamps are in {}", source, unit->name));
+  for (double& stamp : stamps) stamp /= unit->per_second;
+  return stamps;
 }
 
 }  // namespace touchtrace

@@ -22,4 +22,8 @@ double frames_per_stamp(std::vector<double> stamps);
 /// none does.
 std::optional<StampUnit> stamp_unit(const std::vector<double>& stamps, double min_rate_hz);
 
+/// Seconds of all stamps of a camera. Reports a unit other than seconds. Stamps with an implausible
+/// rate in every unit stay as they are. `source`: of the stamps, for messages.
+std::vector<double> in_seconds(std::vector<double> stamps, const std::string& source);
+
 }  // namespace touchtrace

@@ -153,7 +153,7 @@ TEST_F(Import, ReadsDepthArrays) {
 
 TEST_F(Import, RefusesDepthArraysInMillimetresUnlessTold) {
   write_depth_arrays(folder_ / "in", 1000.0);
-  expect_rejected("in", "no measurement from 0 to 16.4 m", {});
+  expect_rejected("in", "in metres the median depth would be 1000 m", {});
   ImportOptions options;
   options.camera.depth_scale = 1000.0;
   expect_samples(import("in", options), 4000);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -12,9 +13,12 @@ namespace touchtrace {
 struct DepthScale {
   double unit_m = 0.001;  ///< of the counts
   double counts_per_value = 1.0;
+  /// Smallest value of the source that marks missing depth.
+  double invalid_from = std::numeric_limits<double>::infinity();
 
+  double metres_per_value() const { return unit_m * counts_per_value; }
   /// Counts, row by row; 0 where the source has no positive finite depth, or one that exceeds 16
-  /// bits.
+  /// bits or marks missing depth.
   std::vector<std::uint16_t> counts(const cv::Mat& depth) const;
 };
 
@@ -23,9 +27,10 @@ struct DepthScale {
 /// `values_per_m`: as the user states it; 0: the source's, or metres of floating-point numbers.
 DepthScale depth_scale(const ImportSource& source, int type, double values_per_m);
 
-/// Throws data_error, with other scales, if the median depth of some images is implausible for a
-/// camera, or if images in the TUM format may be in millimetres. `is_given`: the user stated the
-/// scale.
-void require_plausible(const DepthScale& scale, const SourceStream& depth, bool is_given);
+/// Returns `scale`, with the value that marks missing depth if over 10 % of the pixels have one
+/// that is beyond 20 m. Throws data_error, with other scales, if the median depth of some images is
+/// implausible for a camera, or if images in the TUM format may be in millimetres. `is_given`: the
+/// user stated the scale.
+DepthScale plausible_scale(DepthScale scale, const SourceStream& depth, bool is_given);
 
 }  // namespace touchtrace

@@ -122,8 +122,8 @@ SourceCamera describe_camera(const fs::path& path, const ImportSource& source,
   if (!source.depth.images.empty()) {
     camera.depth = first_format(source.depth, "depth");
     const double stated = stated_depth_scale(path, options, camera.depth.type);
-    camera.depth_scale = depth_scale(source, camera.depth.type, stated);
-    require_plausible(camera.depth_scale, source.depth, stated > 0.0);
+    camera.depth_scale =
+        plausible_scale(depth_scale(source, camera.depth.type, stated), source.depth, stated > 0.0);
     info.depth_unit_m = camera.depth_scale.unit_m;
     info.depth_width = camera.depth.size.width, info.depth_height = camera.depth.size.height;
   }

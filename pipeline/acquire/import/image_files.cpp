@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "pipeline/acquire/decode_image.h"
+#include "pipeline/acquire/import/frame_numbers.h"
 #include "pipeline/acquire/import/matlab_file.h"
 #include "pipeline/acquire/import/numpy_file.h"
 
@@ -34,6 +35,7 @@ cv::Mat read_depth(const fs::path& path) {
 
 SourceStream stream(std::vector<StampedFile> files, cv::Mat (*read)(const fs::path&)) {
   SourceStream result;
+  result.frame_numbers = frame_numbers(files);
   for (const StampedFile& file : files)
     result.images.push_back({file.path.string(), file.time_s, file.time_s});
   result.read = [files = std::move(files), read](std::size_t i) { return read(files[i].path); };

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <optional>
-#include <regex>
 #include <string>
 
 #include "engine/base/error.h"
+#include "pipeline/acquire/import/frame_numbers.h"
 #include "pipeline/acquire/import/stamp_unit.h"
 #include "pipeline/acquire/table_columns.h"
 #include "pipeline/acquire/time_order.h"
@@ -17,25 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t min_stamp_digits = 13;
 constexpr std::size_t max_images = 10'000'000;
 
-/// Last number in the file's name; empty if there is none.
-std::string number_text(const fs::path& image) {
-  static const std::regex last_number("([0-9]+(\\.[0-9]+)?)[^0-9]*$");
-  const std::string stem = image.stem();
-  std::smatch match;
-  return std::regex_search(stem, match, last_number) ? match[1].str() : "";
-}
-
 double number_of(const fs::path& image) {
-  const std::string text = number_text(image);
+  const std::string text = number_in_name(image);
   return text.empty() ? 0.0 : std::stod(text);
-}
-
-bool is_stamp(const fs::path& image) {
-  const std::string text = number_text(image);
-  return text.find('.') != std::string::npos || text.size() >= min_stamp_digits;
 }
 
 std::optional<fs::path> find_list(const fs::path& folder) {
@@ -81,7 +67,7 @@ std::vector<double> listed_times(const fs::path& list, std::size_t num_images,
 std::vector<double> image_times(const fs::path& folder, const std::vector<fs::path>& images,
                                 double rate_hz) {
   std::vector<double> times_s;
-  if (std::ranges::all_of(images, is_stamp)) {
+  if (std::ranges::all_of(images, has_stamp)) {
     for (const fs::path& image : images) times_s.push_back(number_of(image));
     times_s = in_seconds(std::move(times_s), folder.string());
   } else if (const auto list = find_list(folder)) {

@@ -8,6 +8,7 @@
 #include "engine/base/progress.h"
 #include "pipeline/acquire/import/background.h"
 #include "pipeline/acquire/import/clip_file.h"
+#include "pipeline/acquire/import/frame_numbers.h"
 #include "pipeline/acquire/import/stream_copy.h"
 #include "pipeline/recording/frame_pairs.h"
 #include "pipeline/recording/recording_file.h"
@@ -222,6 +223,7 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
   if (path.empty()) return import_glove_alone(output, options, provenance, overwrite);
   const ImportSource source = open_source(path, options.source);
   require_different_times(source.color, "colour"), require_different_times(source.depth, "depth");
+  require_pairs(source), check_numbers(source, options.source.rate_hz);
   SourceCamera camera = describe_camera(path, source, options.camera);
   camera.info.rate_hz = plausible_rate_hz(source);
   const RecordedTime time = recorded_time(source, camera.info.rate_hz);

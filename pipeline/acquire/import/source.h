@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -25,6 +26,8 @@ struct SourceStream {
   /// Throws std::exception, which says what is wrong, for a damaged image.
   std::function<cv::Mat(std::size_t index)> read;
   std::optional<Camera> camera = std::nullopt;  ///< as the source states it
+  /// Increasing numbers in the names of image files; empty: none.
+  std::vector<std::uint64_t> frame_numbers = {};
 };
 
 /// Recording of another program.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/progress.h"
+#include "pipeline/acquire/import/frame_numbers.h"
 
 namespace touchtrace {
 namespace {
@@ -15,7 +16,11 @@ constexpr std::size_t max_reported = 5;
 
 StreamCopy::StreamCopy(const SourceStream& stream, const ImageFormat& format, double clock_start_s,
                        Append append)
-    : stream_(stream), format_(format), clock_start_s_(clock_start_s), append_(std::move(append)) {}
+    : stream_(stream),
+      format_(format),
+      clock_start_s_(clock_start_s),
+      append_(std::move(append)),
+      frame_counter_(frame_counter(stream.frame_numbers)) {}
 
 void StreamCopy::copy_next() {
   const std::size_t index = next_++;
@@ -43,7 +48,7 @@ CameraTimes StreamCopy::times() const {
   CameraTimes times;
   for (const auto& [source, unused] : copied_) {
     const SourceImage& image = stream_.images[source];
-    times.sequence.push_back(source);
+    times.sequence.push_back(frame_counter_.empty() ? source : frame_counter_[source]);
     times.host_time_s.push_back(image.host_time_s - clock_start_s_);
     const bool is_unix = image.device_time_s > min_unix_s;
     times.device_time_s.push_back(image.device_time_s - (is_unix ? clock_start_s_ : 0.0));

@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "pipeline/acquire/import/source.h"
 #include "pipeline/recording/recording.h"
@@ -31,7 +32,8 @@ class StreamCopy {
   double next_time_s() const { return stream_.images[next_].host_time_s; }
   void copy_next();
 
-  /// Stamps of the copied images. Device times that run backward are replaced by the host's.
+  /// Stamps of the copied images, with the frame_counter() of their names or else their index in
+  /// the source as sequence. Device times that run backward are replaced by the host's.
   CameraTimes times() const;
   /// Index in the recording by index in the source.
   const std::map<std::size_t, std::size_t>& copied() const { return copied_; }
@@ -44,6 +46,7 @@ class StreamCopy {
   ImageFormat format_;
   double clock_start_s_;
   Append append_;
+  std::vector<std::uint64_t> frame_counter_;  ///< of the source's images; empty: their index
   std::size_t next_ = 0;
   std::map<std::size_t, std::size_t> copied_;
 };

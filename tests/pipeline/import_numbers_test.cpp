@@ -1,0 +1,79 @@
+// Numbers in the names of image files.
+#include "tests/pipeline/import_samples.h"
+
+namespace touchtrace {
+namespace {
+
+class ImportNumbers : public Import {
+ protected:
+  void write_images(const char* kind, const std::vector<int>& numbers) {
+    for (const int number : numbers)
+      write_file(folder_ / "in" / kind / fmt::format("{:06}.png", number),
+                 encoded(kind[0] == 'r' ? import_color(0) : import_depth(0, 1000)), true);
+  }
+  static ImportOptions at(double rate_hz) {
+    ImportOptions options;
+    options.source.rate_hz = rate_hz;
+    return options;
+  }
+  CameraTimes import_times(double rate_hz = 30.0) {
+    ::testing::internal::CaptureStderr();
+    const RecordingReader reader = import("in", at(rate_hz));
+    warnings_ = ::testing::internal::GetCapturedStderr();
+    return reader.recording().camera_times;
+  }
+  bool warns_of(const std::string& text) const { return warnings_.find(text) != std::string::npos; }
+
+  std::string warnings_;
+};
+
+using Sequence = std::vector<std::uint64_t>;
+
+TEST_F(ImportNumbers, EqualNumbersArePairedAndOthersNamed) {
+  write_images("rgb", {0, 1, 2, 3}), write_images("depth", {1, 2, 3, 4});
+  EXPECT_EQ(import_times().sequence, (Sequence{1, 2, 3}));
+  EXPECT_TRUE(warns_of("1 of 4 colour images have no depth image of their number")) << warnings_;
+  EXPECT_TRUE(warns_of("numbers 0 to 3 and 1 to 4")) << warnings_;
+  write_images("rgb", {4}), write_images("depth", {0});
+  EXPECT_EQ(import_times().sequence, (Sequence{0, 1, 2, 3, 4}));
+  EXPECT_FALSE(warns_of("number")) << warnings_;
+}
+
+TEST_F(ImportNumbers, FoldersWithoutCommonNumbersAreRefused) {
+  write_images("rgb", {620, 621, 622}), write_images("depth", {0, 1, 2});
+  expect_rejected("in", "no depth image has a colour image at its time", at(30.0));
+  expect_rejected("in", "numbers 620 to 622 and 0 to 2", at(30.0));
+}
+
+TEST_F(ImportNumbers, MissingImagesAreLostFrames) {
+  const std::vector<int> numbers{3, 4, 6, 7, 10, 11, 12};
+  write_images("rgb", numbers), write_images("depth", numbers);
+  const CameraTimes times = import_times();
+  EXPECT_EQ(times.sequence, Sequence(numbers.begin(), numbers.end()));
+  EXPECT_NEAR(times.host_time_s[6] - times.host_time_s[0], 9 / 30.0, 1e-9);
+}
+
+TEST_F(ImportNumbers, EveryFifthImageIsAFrame) {
+  write_images("rgb", {5, 10, 15, 25}), write_images("depth", {5, 10, 15, 25});
+  EXPECT_EQ(import_times().sequence, (Sequence{1, 2, 3, 5}));
+  EXPECT_FALSE(warns_of("number")) << warnings_;
+}
+
+TEST_F(ImportNumbers, TimesInNamesAreNamed) {
+  const std::vector<int> stamps{0, 66, 133, 200, 266};
+  write_images("rgb", stamps), write_images("depth", stamps);
+  EXPECT_EQ(import_times(15.0).sequence, (Sequence{0, 1, 2, 3, 4}));
+  EXPECT_TRUE(warns_of("colour images increase by 67, as times in milliseconds do at 14.9 Hz"))
+      << warnings_;
+}
+
+TEST_F(ImportNumbers, EvenTimesInNamesAreNamedIfTheyFitTheRate) {
+  write_images("rgb", {0, 100, 200, 300}), write_images("depth", {0, 100, 200, 300});
+  import_times(30.0);
+  EXPECT_FALSE(warns_of("milliseconds")) << warnings_;
+  import_times(10.0);
+  EXPECT_TRUE(warns_of("as times in milliseconds do at 10 Hz")) << warnings_;
+}
+
+}  // namespace
+}  // namespace touchtrace

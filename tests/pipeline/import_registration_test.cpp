@@ -96,5 +96,41 @@ TEST_F(Import, TakesDisplacedDepthAsNotRegistered) {
   EXPECT_TRUE(import("in", options).recording().camera.is_registered);
 }
 
+/// Folder with colour images of 8 x 6 pixels, depth images of another size, and intrinsics.
+void write_resized(const fs::path& folder, cv::Size depth_size, bool has_intrinsics) {
+  const cv::Mat depth(depth_size, CV_16UC1, cv::Scalar(1000));
+  for (int i = 0; i < import_frames; ++i) {
+    const std::string name = fmt::format("{}.png", i);
+    write_file(folder / "rgb" / name, encoded(import_color(i)), true);
+    write_file(folder / "depth" / name, encoded(depth), true);
+  }
+  if (has_intrinsics) write_file(folder / "camera_info.yaml", import_info, true);
+}
+
+TEST_F(Import, RegisteredDepthOfAnotherSizeHasACameraOfItsOwn) {
+  ImportOptions options;
+  options.source.rate_hz = 30.0, options.camera.registered = true;
+  write_resized(folder_ / "a", {4, 3}, true);
+  const CameraInfo camera = import("a", options).recording().camera;
+  ASSERT_TRUE(camera.depth_camera && camera.depth_from_color);
+  EXPECT_FALSE(camera.is_registered);
+  EXPECT_EQ(camera.color_camera->fx, 7.0);
+  EXPECT_EQ(camera.depth_camera->width, 4);
+  EXPECT_EQ(camera.depth_camera->height, 3);
+  EXPECT_EQ(camera.depth_camera->fx, 3.5);
+  EXPECT_EQ(camera.depth_camera->cx, 0.5 * 4.5 - 0.5);
+  EXPECT_EQ(camera.depth_camera->cy, 0.5 * 3.5 - 0.5);
+  EXPECT_TRUE(camera.depth_from_color->isApprox(Eigen::Isometry3d::Identity()));
+}
+
+TEST_F(Import, RegisteredDepthOfAnotherSizeNeedsTheAspectRatioAndIntrinsics) {
+  ImportOptions options;
+  options.source.rate_hz = 30.0, options.camera.registered = true;
+  write_resized(folder_ / "aspect", {8, 3}, true);
+  expect_rejected("aspect", "depth of 8x3 pixels, colour of 8x6", options);
+  write_resized(folder_ / "unknown", {4, 3}, false);
+  expect_rejected("unknown", "need the intrinsics of the colour camera", options);
+}
+
 }  // namespace
 }  // namespace touchtrace

@@ -11,7 +11,8 @@ void describe(OptionSet& set, ImportOptions& o) {
            "intrinsics: camera_info, OpenCV or kalibr YAML, 3x3 matrix, folder from `calibrate`; "
            "default: in the folder of the images, or in the bag")
       .value("FILE");
-  set.flag("registered", o.camera.registered, "depth is on the colour camera's pixels");
+  set.flag("registered", o.camera.registered,
+           "depth is on the colour camera's pixels, or shows the same view at another size");
   set.flag("no-registered", o.camera.no_registered, "depth is on its own camera's pixels");
   set.number("depth-scale", o.camera.depth_scale,
              "depth counts per metre; default: 5000 of TUM folders, 1000, metres of floating-point "

@@ -6,6 +6,7 @@
 #include "engine/base/progress.h"
 #include "pipeline/acquire/import/intrinsics.h"
 #include "pipeline/acquire/import/registration_check.h"
+#include "pipeline/acquire/import/resized_depth.h"
 #include "pipeline/recording/intrinsics_check.h"
 
 namespace touchtrace {
@@ -82,9 +83,6 @@ bool contradicts_registration(const ImportSource& source, int width) {
 /// else whether they have the same size, no intrinsics of their own, and show the same motion.
 bool decide_registered(const ImportSource& source, const CameraOptions& options, bool is_same_size,
                        bool has_depth_camera, int width) {
-  if (options.registered && !is_same_size)
-    throw data_error("registered depth images have the size of the colour images, these do not",
-                     "leave out --registered");
   if (options.registered || options.no_registered) return options.registered;
   const bool may_be = is_same_size && source.is_registered.value_or(!has_depth_camera);
   const bool is_contradicted = may_be && contradicts_registration(source, width);
@@ -128,8 +126,11 @@ SourceCamera describe_camera(const fs::path& path, const ImportSource& source,
     info.depth_width = camera.depth.size.width, info.depth_height = camera.depth.size.height;
   }
   const cv::Size color = camera.color.size, depth = camera.depth.size;
-  const Cameras cameras = find_cameras(path, source, options.camera_info, color, depth);
-  if (!depth.empty())
+  Cameras cameras = find_cameras(path, source, options.camera_info, color, depth);
+  if (!depth.empty() && depth != color && options.registered) {
+    cameras.depth = resized_depth_camera(cameras.color, color, depth);
+    cameras.depth_from_color = Eigen::Isometry3d::Identity();
+  } else if (!depth.empty())
     info.is_registered =
         decide_registered(source, options, depth == color, cameras.depth.has_value(), info.width);
   set_cameras(info, cameras);

@@ -144,6 +144,8 @@ TextTable::TextTable(std::filesystem::path file)
   num_columns_ = fields_.size();
   is_row_pending_ = !is_header(fields_, has_decimal_comma());
   if (!is_row_pending_) names_ = column_names(fields_);
+  first_line_ = is_row_pending_ ? line_ - 1 : line_;
+  first_next_ = is_row_pending_ ? static_cast<std::size_t>(content_.data() - text_.data()) : next_;
 }
 
 bool TextTable::is_comment() const { return trimmed(content_).starts_with('#'); }
@@ -170,6 +172,11 @@ bool TextTable::next_row() {
   while (is_comment());
   fields_ = split(content_, separator_);
   return true;
+}
+
+void TextTable::rewind() {
+  next_ = first_next_, line_ = first_line_;
+  is_row_pending_ = false;
 }
 
 template <class Number>

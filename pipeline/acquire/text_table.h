@@ -37,6 +37,8 @@ class TextTable {
   /// Advances to the next row. Returns false at the end. Throws data_error for a line that is too
   /// long.
   bool next_row();
+  /// Returns to the state before the first row.
+  void rewind();
   /// Line number of the row, from 1.
   std::size_t line() const { return line_; }
   /// Fields of the row without blanks and quotes around them; valid until the next call of
@@ -52,6 +54,7 @@ class TextTable {
   std::string text_;
   std::string_view content_;  ///< of the current line
   std::size_t next_ = 0, line_ = 0, num_columns_ = 0;
+  std::size_t first_next_ = 0, first_line_ = 0;  ///< before the first row
   char separator_ = ' ';
   bool is_row_pending_ = false;
   std::vector<std::string_view> fields_;

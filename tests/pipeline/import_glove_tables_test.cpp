@@ -55,5 +55,31 @@ TEST_F(ImportGlove, TablesWithoutTimesNeedARate) {
   EXPECT_NEAR(stream.host_time_s[39], 39 / 50.0, 1e-9);
 }
 
+TEST_F(ImportGlove, TextIsNotATaxel) {
+  std::string table = "time_s,direction,0_0,0_1,1_0,1_1,note\n";
+  for (int i = 0; i < num_rows; ++i)
+    table += fmt::format("{:.2f},{},5,6,7,{},{}\n", 0.02 * i, i % 2 ? "forward" : "back", 1 + i % 3,
+                         i == 9 ? "slipped" : "");
+  testing::put(folder_ / "a.csv", table);
+  ::testing::internal::CaptureStderr();
+  const GloveStream stream = import_alone(alone("a.csv", 0, 0));
+  const std::string text = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(text.find("left out 'direction', which is text"), std::string::npos) << text;
+  EXPECT_NE(text.find("left out 'note', which is text"), std::string::npos) << text;
+  EXPECT_EQ(stream.frames(), std::size_t(num_rows));
+  EXPECT_EQ(stream.info.rows, 2);
+  EXPECT_EQ(stream.counts[3], 1);
+  EXPECT_EQ(stream.counts[4 * 5 + 3], 3);
+}
+
+TEST_F(ImportGlove, TextAmongNumbersIsAFault) {
+  std::string table;
+  for (int i = 0; i < num_rows; ++i)
+    table += fmt::format("{:.2f},5,6,7,{}\n", 0.02 * i, i == 30 ? "bad" : "8");
+  testing::put(folder_ / "a.csv", table);
+  fs::remove(folder_ / "out.h5");
+  expect_glove_rejected(alone("a.csv", 2, 2), "line 31: column 5 'bad' is not a number");
+}
+
 }  // namespace
 }  // namespace touchtrace

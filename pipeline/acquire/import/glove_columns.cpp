@@ -3,14 +3,18 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
 #include "pipeline/acquire/import/taxel_names.h"
 
 namespace touchtrace {
 namespace {
 
 constexpr const char* epoch_name = "epoch_unix_s";
+constexpr std::size_t max_counted_rows = 1000;
+constexpr double min_text_share = 0.9;
 
 /// Whether a column has neither taxels nor times: numbers of frames, and time as text.
 bool is_other(const std::string& name) {
@@ -52,14 +56,49 @@ std::vector<TableColumn> taxel_columns_of(const TextTable& table,
   return taxels;
 }
 
+/// Fields of a column that are not empty.
+struct FieldCount {
+  std::size_t text = 0, numbers = 0;
+  bool is_text() const {
+    return text > 0 &&
+           static_cast<double>(text) >= min_text_share * static_cast<double>(text + numbers);
+  }
+};
+
+std::vector<FieldCount> count_fields(TextTable& table) {
+  std::vector<FieldCount> counts(table.num_columns());
+  for (std::size_t row = 0; row < max_counted_rows && table.next_row(); ++row)
+    for (std::size_t i = 0; i < std::min(counts.size(), table.fields().size()); ++i) {
+      const auto number = parse_number<double>(table.fields()[i], table.has_decimal_comma());
+      if (!number)
+        ++counts[i].text;
+      else if (!std::isnan(*number))
+        ++counts[i].numbers;
+    }
+  table.rewind();
+  return counts;
+}
+
+/// Leaves out columns of text, unless there are no others.
+void drop_text(TextTable& table, std::vector<TableColumn>& taxels) {
+  const auto counts = count_fields(table);
+  const auto is_text = [&](const TableColumn& column) { return counts[column.index].is_text(); };
+  if (std::ranges::all_of(taxels, is_text)) return;
+  for (const TableColumn& column : taxels)
+    if (is_text(column))
+      Progress::warn(fmt::format("glove: left out '{}', which is text", column.label));
+  std::erase_if(taxels, is_text);
+}
+
 }  // namespace
 
-GloveColumns columns_of_glove(const TextTable& table, double rate_hz) {
+GloveColumns columns_of_glove(TextTable& table, double rate_hz) {
   GloveColumns columns{time_column_of(table, rate_hz),
                        column_named(table, "sequence"),
                        column_named(table, epoch_name),
                        {}};
-  const auto taxels = taxel_columns_of(table, columns.time);
+  auto taxels = taxel_columns_of(table, columns.time);
+  drop_text(table, taxels);
   std::vector<std::string> names;
   for (const TableColumn& taxel : taxels) names.push_back(taxel.label);
   const NamedLayout layout = named_layout(names, table.file());

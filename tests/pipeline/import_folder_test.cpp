@@ -143,6 +143,18 @@ TEST_F(ImportFolder, NamesIntrinsicsThatItCannotRead) {
   }
 }
 
+TEST_F(ImportFolder, SaysHowToConvertListsAndOtherFiles) {
+  write_file(folder_ / "in" / "depth" / "0.png", encoded(import_depth(0, 1000)), true);
+  write_file(folder_ / "in" / "rgb.mp4", "a video", true);
+  expect_rejected("in", "ffmpeg -i " + (folder_ / "in" / "rgb.mp4").string(), at_30_hz());
+  write_file(folder_ / "in" / "rgb" / "0.png", encoded(import_color(0)), true);
+  write_file(folder_ / "in" / "associations.txt", "0.5 rgb/0.png 0.5 depth/0.png\n", true);
+  expect_rejected("in", "awk '{print $3, $4}' associations.txt > depth.txt");
+  fs::remove(folder_ / "in" / "depth" / "0.png");
+  write_file(folder_ / "in" / "depth" / "0.exr", "v/1", true);
+  expect_rejected("in", "OpenEXR, which is not read", at_30_hz());
+}
+
 TEST_F(ImportFolder, WarnsOfDistantScenes) {
   for (int i = 0; i < import_frames; ++i) {
     const std::string name = fmt::format("{}.png", i);

@@ -50,8 +50,27 @@ bool has_folder(const fs::path& folder, bool (*is_named)(std::string_view)) {
          });
 }
 
+bool has_file(const fs::path& folder, const char* extension) {
+  return std::ranges::any_of(fs::directory_iterator(folder), [&](const auto& entry) {
+    return entry.path().extension() == extension;
+  });
+}
+
+/// Conversion of depth images to arrays in metres.
+std::string exr_hint(const fs::path& folder) {
+  return fmt::format(
+      "convert depth to .npy, in metres: OPENCV_IO_ENABLE_OPENEXR=1 python3 -c \"import cv2, glob, "
+      "numpy; [numpy.save(f[:-4], cv2.imread(f, cv2.IMREAD_ANYDEPTH)) for f in "
+      "glob.glob('{}/*.exr')]\"",
+      folder.string());
+}
+
 std::vector<StampedFile> images_of(const fs::path& folder, std::vector<fs::path> images,
                                    double rate_hz) {
+  if (images.empty() && has_file(folder, ".exr"))
+    throw data_error(
+        fmt::format("the images in {} are OpenEXR, which is not read", folder.string()),
+        exr_hint(folder));
   if (images.empty())
     throw data_error(fmt::format("{} has no images", folder.string()),
                      "put PNG or JPEG images into it; depth also as .npy or .mat");

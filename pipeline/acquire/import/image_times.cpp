@@ -64,6 +64,18 @@ std::vector<double> listed_times(const fs::path& list, std::size_t num_images,
   return times_s;
 }
 
+/// What to do for times of images in a folder.
+std::string times_hint(const fs::path& folder) {
+  for (const char* name : {"associations.txt", "associate.txt", "associated.txt"})
+    if (const fs::path list = folder.parent_path() / name; fs::is_regular_file(list))
+      return fmt::format(
+          "split {0}, which is not read, into the lists of a TUM folder: in {1}, "
+          "`awk '{{print $1, $2}}' {2} > rgb.txt; awk '{{print $3, $4}}' {2} > depth.txt`",
+          list.string(), folder.parent_path().string(), name);
+  return "give --rate HZ, a file times.txt with one time per image, or file names that are time "
+         "stamps";
+}
+
 std::vector<double> image_times(const fs::path& folder, const std::vector<fs::path>& images,
                                 double rate_hz) {
   std::vector<double> times_s;
@@ -76,8 +88,7 @@ std::vector<double> image_times(const fs::path& folder, const std::vector<fs::pa
     for (const fs::path& image : images) times_s.push_back(number_of(image) / rate_hz);
   } else {
     throw data_error(fmt::format("the images in {} have no times", folder.string()),
-                     "give --rate HZ, a file times.txt with one time per image, or file names that "
-                     "are time stamps");
+                     times_hint(folder));
   }
   return times_s;
 }

@@ -53,6 +53,15 @@ std::vector<std::string> sources_in(const std::filesystem::path& folder) {
   return found;
 }
 
+/// Video in a folder with a folder of depth images.
+std::optional<std::filesystem::path> find_video(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_directory(folder / "depth")) return std::nullopt;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    for (const char* extension : {".mp4", ".mov", ".MOV", ".avi", ".mkv"})
+      if (entry.path().extension() == extension) return entry.path();
+  return std::nullopt;
+}
+
 std::string known_kinds() {
   std::vector<std::string> names;
   for (const SourceKind& kind : source_kinds) names.emplace_back(kind.name);
@@ -65,6 +74,12 @@ ImportSource open_source(const std::filesystem::path& path, const SourceOptions&
   if (!std::filesystem::exists(path))
     throw data_error(fmt::format("{} does not exist", path.string()), "check the path");
   if (const SourceKind* kind = find_kind(path)) return open_kind(*kind, path, options);
+  if (const auto video = find_video(path))
+    throw data_error(fmt::format("the colour images of {} are a video, {}, which is not read",
+                                 path.string(), video->filename().string()),
+                     fmt::format("extract them: mkdir {0}/rgb && ffmpeg -i {1} -vsync passthrough "
+                                 "-start_number 0 {0}/rgb/%06d.png; then import with --rate HZ",
+                                 path.string(), video->string()));
   const auto inner = sources_in(path);
   throw data_error(fmt::format("{} is not a source of colour and depth images", path.string()),
                    inner.empty() ? known_kinds() : "it contains some: " + comma_separated(inner));

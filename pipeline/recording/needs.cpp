@@ -80,8 +80,10 @@ std::vector<std::string> box_faults(const Clip& clip, const Recording& recording
     faults.emplace_back("hand_box and object_box are the same");
   const auto frames = arrived_in(clip, recording.camera_times.host_time_s);
   if (clip.box_frame && !frames.contains(*clip.box_frame))
-    faults.push_back(fmt::format("box_frame is not one of its camera frames {} to {}", frames.first,
-                                 frames.last));
+    faults.push_back(frames.first == frames.last
+                         ? fmt::format("box_frame is {}, it has no camera frames", *clip.box_frame)
+                         : fmt::format("box_frame is {}, not one of its camera frames {} to {}",
+                                       *clip.box_frame, frames.first, frames.last - 1));
   return faults;
 }
 

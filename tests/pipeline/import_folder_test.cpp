@@ -104,6 +104,14 @@ TEST_F(ImportFolder, ReadsIntrinsicsAndDepthScales) {
          "%YAML:1.0\nK: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n"
          "  data: [7, 0, 4, 0, 7, 3, 0, 0, 1]\n",
          1000},
+        {"intrinsics.yml",
+         "%YAML:1.0\nM1: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n"
+         "  data: [7, 0, 4, 0, 7, 3, 0, 0, 1]\n"
+         "D1: !!opencv-matrix\n  rows: 1\n  cols: 8\n  dt: d\n"
+         "  data: [0.1, 0.2, 0, 0, 0, 0, 0, 0.7]\n"
+         "M2: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n"
+         "  data: [9, 0, 4, 0, 9, 3, 0, 0, 1]\n",
+         1000},
         {"intrinsic_color.txt", "7 0 4 0\n0 7 3 0\n0 0 1 0\n0 0 0 1\n", 1000},
         {"camera_matrix.csv", "7, 0, 4\n0, 7, 3\n0, 0, 1\n", 1000}}) {
     SCOPED_TRACE(c.file);
@@ -141,6 +149,15 @@ TEST_F(ImportFolder, NamesIntrinsicsThatItCannotRead) {
       EXPECT_EQ(message.find("json.exception"), std::string::npos) << message;
     }
   }
+}
+
+TEST_F(ImportFolder, NamesCalibrationsInXml) {
+  write_file(folder_ / "in" / "rgb" / "0.png", encoded(import_color(0)), true);
+  write_file(folder_ / "in" / "depth" / "0.png", encoded(import_depth(0, 1000)), true);
+  write_file(folder_ / "camera.xml", "<?xml version=\"1.0\"?>\n<opencv_storage/>\n", true);
+  ImportOptions options = at_30_hz();
+  options.camera.camera_info = (folder_ / "camera.xml").string();
+  expect_rejected("in", "camera.xml is XML, which is not read", options);
 }
 
 TEST_F(ImportFolder, SaysHowToConvertListsAndOtherFiles) {

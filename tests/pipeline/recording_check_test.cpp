@@ -288,8 +288,8 @@ TEST(Check, LabellingNeedsPlausibleBoxes) {
       sample.recording.clips[0].box_frame = 50;
     });
   };
-  EXPECT_TRUE(
-      mentions(with_box_frame(false), "clip 0: box_frame is not one of its camera frames 0 to 27"));
+  EXPECT_TRUE(mentions(with_box_frame(false),
+                       "clip 0: box_frame is 50, not one of its camera frames 0 to 26"));
   EXPECT_EQ(with_box_frame(true), "");  // the other clip can be labelled
   const auto unmarked = [](auto& sample) { sample.recording.clips[0].object_box = {}; };
   EXPECT_EQ(lacks(unmarked), "");  // the clip has a mask of both

@@ -49,7 +49,8 @@ std::vector<double> numbers_of(const json& j) {
   return numbers_in((is_opencv_matrix ? j.at("data") : j).dump());
 }
 
-constexpr std::array matrix_keys{"intrinsic_matrix", "camera_matrix", "cam_K", "K", "k"};
+/// M1: left camera of OpenCV's stereo_calib.
+constexpr std::array matrix_keys{"intrinsic_matrix", "camera_matrix", "cam_K", "K", "k", "M1"};
 
 bool has_camera(const json& j) {
   return !j.is_object() || (j.contains("fx") && j.contains("fy")) ||
@@ -120,11 +121,15 @@ std::optional<json> camera_info(const fs::path& file, int width, int height) {
     if (j.is_object() && j.contains(key)) info[key] = j.at(key);
   for (const char* key : {"coeffs", "dist", "distortion"})
     if (j.is_object() && j.contains(key)) info["D"] = j.at(key);
+  if (j.is_object() && j.contains("M1") && j.contains("D1")) info["D"] = numbers_of(j.at("D1"));
   return info;
 }
 
 RgbdCalibration read(const fs::path& file, int width, int height) {
   if (!fs::is_regular_file(file)) return read_calibration(file);
+  if (file.extension() == ".xml")
+    throw data_error(fmt::format("{} is XML, which is not read", file.string()),
+                     "write the calibration with cv::FileStorage to a file that ends with .yml");
   try {
     const auto info = camera_info(file, width, height);
     if (!info) return read_calibration(file);

@@ -12,7 +12,8 @@ namespace touchtrace {
 /// Reads the intrinsics of one camera: everything read_calibration() reads, a text file with the
 /// 3x3 or 4x4 camera matrix or with fx fy cx cy, or JSON or YAML with `K`, `cam_K`,
 /// `intrinsic_matrix` (Open3D: column by column) or fx, fy, cx (ppx), cy (ppy), at the top, as
-/// Camera.fx, ... (ORB-SLAM) or in an entry per camera (color: ...) or image (BOP).
+/// Camera.fx, ... (ORB-SLAM) or in an entry per camera (color: ...) or image (BOP); of OpenCV's
+/// stereo_calib the left camera, M1 and D1.
 /// `width` and `height` [px] are those of the images, which such a file may lack. Throws data_error
 /// for an invalid file and for another image size.
 RgbdCalibration read_intrinsics(const std::filesystem::path& file, int width, int height);

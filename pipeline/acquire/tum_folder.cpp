@@ -9,7 +9,7 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "pipeline/acquire/board_views.h"
-#include "pipeline/acquire/import/stamp_unit.h"
+#include "pipeline/acquire/stamp_unit.h"
 #include "pipeline/acquire/time_order.h"
 
 namespace touchtrace {

@@ -11,7 +11,7 @@
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "engine/base/statistics.h"
-#include "pipeline/acquire/import/stamp_unit.h"
+#include "pipeline/acquire/stamp_unit.h"
 #include "pipeline/recording/frame_pairs.h"
 
 namespace touchtrace {

@@ -9,7 +9,7 @@
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/import/spread_stamps.h"
-#include "pipeline/acquire/import/stamp_unit.h"
+#include "pipeline/acquire/stamp_unit.h"
 #include "pipeline/recording/frame_pairs.h"
 
 namespace touchtrace {

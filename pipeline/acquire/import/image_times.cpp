@@ -8,7 +8,7 @@
 
 #include "engine/base/error.h"
 #include "pipeline/acquire/import/frame_numbers.h"
-#include "pipeline/acquire/import/stamp_unit.h"
+#include "pipeline/acquire/stamp_unit.h"
 #include "pipeline/acquire/table_columns.h"
 #include "pipeline/acquire/time_order.h"
 

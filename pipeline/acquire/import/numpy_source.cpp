@@ -6,7 +6,7 @@
 #include "engine/base/error.h"
 #include "pipeline/acquire/import/numpy_file.h"
 #include "pipeline/acquire/import/source.h"
-#include "pipeline/acquire/import/stamp_unit.h"
+#include "pipeline/acquire/stamp_unit.h"
 #include "pipeline/acquire/time_order.h"
 
 namespace touchtrace {

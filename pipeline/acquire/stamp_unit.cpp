@@ -1,4 +1,4 @@
-#include "pipeline/acquire/import/stamp_unit.h"
+#include "pipeline/acquire/stamp_unit.h"
 
 #include <fmt/core.h>
 

@@ -10,13 +10,11 @@ namespace {
 
 constexpr float finger_m = 0.015f;            // least thickness of a gloved finger
 constexpr double min_visible_fraction = 0.5;  // of the disc of an object apart from the hand
-/// Where nothing is at rest in the images. A bar of a real camera, 34 mm across, became a plank of
-/// 30 by 55 mm at 1 and 2 and had its true size at 4 and 8; a block was right at 1 to 4.
-constexpr double unknown_noise_ratio = 4.0;
 
+/// `noise_at_1m`: standard deviation at 1 m; empty where nothing is at rest in the images.
 double noise_ratio(std::optional<double> noise_at_1m, double z_m) {
   return noise_at_1m ? std::max(1.0, *noise_at_1m * z_m * z_m / reference_depth_sigma_m)
-                     : unknown_noise_ratio;
+                     : shared_noise_ratio;
 }
 
 }  // namespace

@@ -15,13 +15,15 @@ namespace touchtrace {
 namespace {
 
 constexpr int num_probed_images = 3;
-constexpr int clear_lead = 3;  // images by which a size leads the others
+/// Corners by which a size leads the others: three images of 9x6. Small lattices, of a board in the
+/// background or of a part of the board, need more images.
+constexpr int clear_lead = 150;
 
-bool is_clear(const std::map<BoardSize, int>& images_of) {
+bool is_clear(const std::map<BoardSize, int>& corners_of) {
   int most = 0, second = 0;
-  for (const auto& [size, images] : images_of) {
-    second = std::max(second, std::min(most, images));
-    most = std::max(most, images);
+  for (const auto& [size, corners] : corners_of) {
+    second = std::max(second, std::min(most, corners));
+    most = std::max(most, corners);
   }
   return most - second >= clear_lead;
 }
@@ -29,7 +31,7 @@ bool is_clear(const std::map<BoardSize, int>& images_of) {
 }  // namespace
 
 BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
-  std::map<BoardSize, int> images_of;
+  std::map<BoardSize, int> corners_of;  ///< in all images
   Progress progress("looking for the size of the board", images.size());
   for (const auto& path : images) {
     progress.advance();
@@ -37,17 +39,13 @@ BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
     if (pixels.empty()) continue;
     const auto size =
         find_board_size(GreyImage{pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}});
-    if (size) ++images_of[*size];
-    if (is_clear(images_of)) break;
+    if (size) corners_of[*size] += size->columns * size->rows;
+    if (is_clear(corners_of)) break;
   }
-  if (images_of.empty())
+  if (corners_of.empty())
     throw data_error("no image shows a chessboard",
                      "give --columns and --rows, which count inner corners, or another --target");
-  return std::ranges::max_element(images_of, {},
-                                  [](const auto& entry) {
-                                    return std::pair(entry.second,
-                                                     entry.first.columns * entry.first.rows);
-                                  })
+  return std::ranges::max_element(corners_of, {}, [](const auto& entry) { return entry.second; })
       ->first;
 }
 

@@ -10,8 +10,8 @@
 
 namespace touchtrace {
 
-/// Size of the chessboard in the images: the one that most of them show, of equally frequent ones
-/// the largest. Reads images until it is clear. Throws data_error if none shows a chessboard.
+/// Size of the chessboard in the images: the one with the most corners in all of them. Reads images
+/// until it is clear. Throws data_error if none shows a chessboard.
 BoardSize find_board_size(const std::vector<std::filesystem::path>& images);
 
 /// Notices early that the images show another target than was asked for.

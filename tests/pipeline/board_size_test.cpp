@@ -1,0 +1,56 @@
+#include "pipeline/acquire/board_size.h"
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "engine/base/error.h"
+#include "engine/base/scratch_folder.h"
+
+namespace touchtrace {
+namespace {
+
+/// Chessboard that faces the camera.
+cv::Mat photograph(const BoardSize& size) {
+  constexpr int square_px = 30, margin_px = 40;
+  cv::Mat image((size.rows + 1) * square_px + 2 * margin_px,
+                (size.columns + 1) * square_px + 2 * margin_px, CV_8UC1, cv::Scalar(255));
+  for (int row = 0; row <= size.rows; ++row)
+    for (int column = row % 2; column <= size.columns; column += 2)
+      cv::rectangle(image,
+                    cv::Rect(margin_px + column * square_px, margin_px + row * square_px, square_px,
+                             square_px),
+                    cv::Scalar(20), cv::FILLED);
+  cv::GaussianBlur(image, image, {3, 3}, 0.8);
+  return image;
+}
+
+BoardSize size_in_photographs(const std::vector<BoardSize>& sizes) {
+  const ScratchFolder folder;
+  std::vector<std::filesystem::path> images;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    images.push_back(folder.path() / fmt::format("{}.png", i));
+    cv::imwrite(images.back().string(), photograph(sizes[i]));
+  }
+  return find_board_size(images);
+}
+
+void expect_size(const BoardSize& size, int columns, int rows) {
+  EXPECT_EQ(std::max(size.columns, size.rows), columns);
+  EXPECT_EQ(std::min(size.columns, size.rows), rows);
+}
+
+TEST(FindBoardSize, SmallBoardsInTheBackgroundDoNotDecide) {
+  const BoardSize board{9, 6}, background{4, 3};
+  expect_size(size_in_photographs({background, background, background, background, board, board}),
+              9, 6);
+}
+
+TEST(FindBoardSize, SmallBoardsAreFound) {
+  expect_size(size_in_photographs({{4, 3}, {4, 3}, {4, 3}}), 4, 3);
+}
+
+}  // namespace
+}  // namespace touchtrace

@@ -6,7 +6,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "engine/base/error.h"
 #include "engine/base/scratch_folder.h"
 
 namespace touchtrace {

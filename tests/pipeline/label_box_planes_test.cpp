@@ -95,6 +95,29 @@ TEST(LearnShape, BoxesShowWhatAHandHidesInEveryView) {
   EXPECT_LT(largest_error_m(1), 0.007);
 }
 
+/// A view of the slab, of which a hand hides one end and one side.
+BodyView gripped(int i) {
+  Isometry3d pose(AngleAxisd(2.0 + 0.25 * i, Vector3d::UnitZ()) *
+                  AngleAxisd(0.3 * (i % 3 - 1), Vector3d::UnitX()) *
+                  AngleAxisd(0.6 + 0.5 * (i % 4), Vector3d::UnitY()));
+  pose.pretranslate(drawn_at);
+  const Eigen::Vector2d side = (pose.linear() * Vector3d::UnitY()).head<2>();
+  const auto hides_end = hand_up_to(pose, -0.005);
+  const auto is_hidden = [=](double x, double y) {
+    return hides_end(x, y) || Eigen::Vector2d(x, y).dot(side) < -0.008 * side.squaredNorm();
+  };
+  auto view = draw(slab, pose, is_hidden, static_cast<std::uint64_t>(201 + i));
+  if (i % 5 == 0) view.box = exact_planes(slab, pose);
+  return view;
+}
+
+/// If bodies that a search finds are not shrunk: 9 mm.
+TEST(LearnShape, BodiesDoNotReachBehindTheHand) {
+  std::vector<BodyView> views;
+  for (int i = 0; i < 14; ++i) views.push_back(gripped(i));
+  EXPECT_LT((learnt_half_m(views) - slab.half_extents_m()).cwiseAbs().maxCoeff(), 0.005);
+}
+
 /// Error of a slab's centre of which only a spot is visible, given box planes.
 double error_with_planes_m(const BoxPlanes& planes) {
   const auto all_but_a_spot = [](double x, double y) {

@@ -153,7 +153,7 @@ bool is_refuted(const FittedBody& body, const FittedBody& better) {
 
 using Bodies = std::vector<FittedBody>;
 
-double volume(const FittedBody& at) { return at.body.half_extents_m().prod(); }
+double bounding_volume(const FittedBody& at) { return at.body.half_extents_m().prod(); }
 
 /// The smallest of the bodies that the best one does not refute; there must be one. What lies
 /// behind the visible side is free: the front of a bar also fits a plank with a rounded edge.
@@ -161,7 +161,8 @@ const FittedBody& smallest_of(const Bodies& bodies) {
   const auto best = std::ranges::min_element(bodies, {}, &FittedBody::cost_m2);
   auto smallest = best;
   for (auto body = bodies.begin(); body != bodies.end(); ++body)
-    if (!is_refuted(*body, *best) && volume(*body) < volume(*smallest)) smallest = body;
+    if (!is_refuted(*body, *best) && bounding_volume(*body) < bounding_volume(*smallest))
+      smallest = body;
   return *smallest;
 }
 

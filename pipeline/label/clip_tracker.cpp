@@ -7,7 +7,7 @@
 
 #include "engine/base/interrupt.h"
 #include "pipeline/label/box_tracker.h"
-#include "pipeline/label/estimate/pose_jumps.h"
+#include "pipeline/label/estimate/box_planes.h"
 #include "pipeline/label/estimate/pose_tracker.h"
 #include "pipeline/label/estimate/sphere_fit.h"
 #include "pipeline/label/grip.h"
@@ -81,12 +81,13 @@ class ClipTracker {
   void smooth_poses(ClipTrack& track) const {
     if (!pose_) return;
     const auto fits = pose_->viterbi_path();
+    const auto ambiguity_m2 = pose_->ambiguity_m2();
     for (std::size_t i = 0; i < fits.size(); ++i) {
       Observation& object = track.object[posed_frames_[i].frame];
       set_position(object, fits[i], posed_frames_[i].num_points);
       add_misfit(fits[i], posed_frames_[i].surface_points, object);
+      object.sigma_m = (object.sigma_m.cwiseAbs2() + ambiguity_m2[i]).cwiseSqrt();
     }
-    add_jumps(track);
   }
 
   int tracker_starts() const { return hand_.tracker_starts() + object_.tracker_starts(); }
@@ -129,8 +130,10 @@ class ClipTracker {
   }
 
   Observation observe_object(const Patch& patch, const RgbdFrame& frame) {
-    const auto view = scene_.view_object(frame, clip_.object, patch,
-                                         view_reach_factor * shape_.reach_m(), pose_.has_value());
+    auto view = scene_.view_object(frame, clip_.object, patch, view_reach_factor * shape_.reach_m(),
+                                   pose_.has_value());
+    if (frame_ == 0 && !clip_.has_mask_boxes)
+      view.box = box_planes(scene_.segmenter->color_camera(), clip_.object_box, patch.centroid_m);
     const double unseen_s = std::exchange(unseen_s_, 0.0);
     Observation object{true, false, {}, {}, patch.box};
     const std::size_t points = view.surface_points.size();
@@ -165,21 +168,6 @@ class ClipTracker {
     const double misfit_m = median_distance_m(points, *shape_.body, fit.camera_from_body);
     if (misfit_m > max_misfit_m)
       object.sigma_m = (object.sigma_m.array().square() + misfit_m * misfit_m).sqrt();
-  }
-
-  /// Adds the standard deviation of poses that jump.
-  void add_jumps(ClipTrack& track) const {
-    std::vector<PosedView> views;
-    for (const auto& [frame, num_points, surface_points] : posed_frames_) {
-      const Observation& object = track.object[frame];
-      views.push_back({track.time_s[frame], object.position_m, object.sigma_m,
-                       BodyView{{}, surface_points, {}}.centroid_m()});
-    }
-    const auto variances_m2 = jump_variances(views);
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      Eigen::Vector3d& sigma_m = track.object[posed_frames_[i].frame].sigma_m;
-      sigma_m = (sigma_m.cwiseAbs2() + variances_m2[i]).cwiseSqrt();
-    }
   }
 
   /// Position of the object if the hand holds it; nullopt if it has left the hand.

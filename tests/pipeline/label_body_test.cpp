@@ -187,6 +187,31 @@ TEST(PoseTracker, LaterViewsResolveEarlierAmbiguity) {
   }
 }
 
+/// Error of the centre in the last of some views, and its standard deviation from ambiguity.
+std::pair<double, double> error_and_ambiguity_m(const std::vector<BodyView>& views) {
+  PoseTracker tracker(soap);
+  for (const auto& view : views) tracker.update(view, 0.05);
+  return {(tracker.viterbi_path().back().centre_m() - drawn_at).norm(),
+          std::sqrt(tracker.ambiguity_m2().back().sum())};
+}
+
+TEST(PoseTracker, StatesTheSpreadOfPosesThatFitAlike) {
+  std::vector<BodyView> lying, on_edge, whole;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    lying.push_back(strip_of(pose_of(0.0, M_PI / 2, 0.0), seed));
+    on_edge.push_back(strip_of(pose_of(0.0, 0.0, 0.0), seed));
+    whole.push_back(draw(soap, pose_of(0.6, 0.3, 1.2), nothing_hidden, seed));
+  }
+  double worst_m = 0.0;
+  for (const auto& views : {lying, on_edge}) {
+    const auto [error_m, ambiguity_m] = error_and_ambiguity_m(views);
+    EXPECT_LT(error_m, 3.0 * ambiguity_m + max_centre_error_m);
+    worst_m = std::max(worst_m, error_m);
+  }
+  EXPECT_GT(worst_m, 0.01);
+  EXPECT_LT(error_and_ambiguity_m(whole).second, max_centre_error_m);
+}
+
 TEST(LearnShape, LearnsABox) {
   const auto shape = learn_shape(views_of(soap, behind_fingers, 16), 0.035, 1);
   ASSERT_TRUE(shape.body);

@@ -1,6 +1,7 @@
 #include "calib/rgbd/board_models.h"
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "calib/rgbd/target_deformation.h"
 
@@ -27,6 +28,12 @@ nlohmann::json list(const Eigen::Vector4d& values) {
 }
 
 }  // namespace
+
+double BoardModels::focal_spread() const {
+  if (!free_corners) return 0.0;
+  const double simpler_px = warped.allFinite() ? warped[0] : flat[0];
+  return std::abs((*free_corners)[0] - simpler_px) / (*free_corners)[0];
+}
 
 BoardModels fit_board(BoardProblem& problem, RgbdParameters& parameters, bool target_deformation) {
   BoardModels models;

@@ -18,6 +18,10 @@ struct BoardModels {
   std::optional<Eigen::Vector4d> free_corners;                  ///< nullopt: not chosen
   /// TargetDeformation::bic_gain; NaN if it was not tried.
   double deformation_bic_gain = unknown;
+
+  /// Relative change of fx from free corners to the next simpler model; 0 without free corners, NaN
+  /// if that model is unknown.
+  double focal_spread() const;
 };
 
 /// Completes a solved problem of the colour camera by fit_target_deformation(), if

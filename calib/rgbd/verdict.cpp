@@ -74,6 +74,15 @@ void assess_agreement(Verdict& verdict, double view_inflation) {
                            view_inflation));
 }
 
+/// Corners off a smooth surface can look like another focal length, above all if a sheet bends from
+/// view to view.
+void assess_flatness(Verdict& verdict, double focal_spread) {
+  apply_limits(verdict, focal_spread, 0.01, 0.05,
+               fmt::format("the board is not flat: fx changes by {:.1f} % if its corners are free "
+                           "to lie off a smooth surface. Use a stiff, flat board",
+                           1e2 * focal_spread));
+}
+
 void assess_image(Verdict& verdict, const RgbdCalibration& c) {
   const double sigma_px = projection_sigma_quantile_px(c, judged_image_fraction);
   const std::string known = std::isfinite(sigma_px)
@@ -133,6 +142,7 @@ Verdict assess_calibration(const RgbdCalibration& calibration, const ViewQuality
   assess_aspect(verdict, calibration);
   assess_sharpness(verdict, views.relative_edge_width);
   assess_agreement(verdict, views.inflation);
+  assess_flatness(verdict, views.focal_spread);
   assess_image(verdict, calibration);
   if (calibration.depth) assess_depth(verdict, calibration);
   return verdict;

@@ -104,6 +104,20 @@ TEST(TargetDeformation, HeldOutViewsFitBetterThanWithTheIdealBoard) {
   EXPECT_GT(deformed.ratio(), 1.0);  // the offsets come from the training views
 }
 
+/// Corners off their grid by a quarter of a square change fx by 1 % and more.
+TEST(TargetDeformation, ABoardThatIsNotFlatIsNotGood) {
+  const auto calibrated = [](double sigma_m) {
+    RandomStream print(7, "print"), noise(8, "noise");
+    return calibrate(
+        observe(with_deformed_target(simulated_boards(15, false, 640), sigma_m, print), noise));
+  };
+  const auto advice = [](const RgbdCalibration& c) { return c.details["advice"].dump(); };
+  const RgbdCalibration printed = calibrated(deformation_sigma_m), crumpled = calibrated(0.006);
+  EXPECT_EQ(advice(printed), "[]");
+  EXPECT_NE(advice(crumpled).find("the board is not flat: fx changes by"), std::string::npos)
+      << advice(crumpled) << crumpled.details["board_models"];
+}
+
 /// Each view shows a part of the board, as with ChArUco.
 TEST(TargetDeformation, IsEstimatedFromPartialViews) {
   constexpr int never = 20, once = 33;

@@ -7,9 +7,9 @@ namespace {
 constexpr int width = 640, height = 360, num_frames = 40;
 
 /// A disc and a bar that move before a textured wall. Colour and depth of the same scene; depth is
-/// displaced by `shift_x` pixels.
+/// displaced by `shift_x` pixels and shows what colour showed `late_images` images before.
 struct Scene {
-  int shift_x = 0;
+  int shift_x = 0, late_images = 0;
   bool is_still = false, is_background_removed = false;
   int num_images = num_frames;
 
@@ -41,7 +41,7 @@ struct Scene {
           is_depth ? cv::Mat(height, width, CV_16UC1, cv::Scalar(is_background_removed ? 0 : 1200))
                    : wall();
       if (is_depth)
-        draw(image, i, shift_x, cv::Scalar(700), cv::Scalar(800));
+        draw(image, i - late_images, shift_x, cv::Scalar(700), cv::Scalar(800));
       else
         draw(image, i, 0, cv::Scalar(40, 160, 40), cv::Scalar(110, 140, 200));
       return image;
@@ -78,18 +78,62 @@ TEST(MotionShift, SaysNothingOfStillScenesAndFewImages) {
   EXPECT_FALSE((Scene{.shift_x = 20, .num_images = 7}.measured()));
 }
 
+TEST(DepthDelay, IsFoundInWholeImages) {
+  for (const int late_images : {-3, 0, 1, 4}) {
+    const Scene scene{.late_images = late_images};
+    const auto delay = measure_depth_delay(scene.stream(false), scene.stream(true));
+    ASSERT_TRUE(delay);
+    EXPECT_NEAR(delay->images, late_images, 0.25);
+    EXPECT_NEAR(delay->seconds, delay->images / 15.0, 1e-9);
+  }
+}
+
+/// Stamps of depth images lie between those of the colour images.
+TEST(DepthDelay, IsOfTheStamps) {
+  const Scene scene;
+  SourceStream depth = scene.stream(true);
+  for (auto& image : depth.images) image.host_time_s += 0.4 / 15.0;
+  const auto delay = measure_depth_delay(scene.stream(false), depth);
+  ASSERT_TRUE(delay);
+  EXPECT_NEAR(delay->images, 0.4, 0.25);
+}
+
+TEST(DepthDelay, IsUnknownInStillScenesAndFewImages) {
+  for (const Scene& scene : {Scene{.is_still = true}, Scene{.num_images = 20}})
+    EXPECT_FALSE(measure_depth_delay(scene.stream(false), scene.stream(true)));
+}
+
+void write_images(const fs::path& folder, const Scene& scene) {
+  const SourceStream color = scene.stream(false), depth = scene.stream(true);
+  for (std::size_t i = 0; i < color.images.size(); ++i) {
+    const std::string name = fmt::format("{:03}.png", i);
+    write_file(folder / "rgb" / name, encoded(color.read(i)), true);
+    write_file(folder / "depth" / name, encoded(depth.read(i)), true);
+  }
+}
+
+TEST_F(Import, NamesTheDepthOffsetThatCorrectsADelay) {
+  write_images(folder_ / "in", {.late_images = 1});
+  ImportOptions options;
+  options.source.rate_hz = 15.0;
+  ::testing::internal::CaptureStderr();
+  import("in", options);
+  const std::string warning = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(warning.find("later than colour images of the same time; --depth-offset -0.0"),
+            std::string::npos)
+      << warning;
+  options.camera.depth_offset_s = -1.0 / 15.0;
+  ::testing::internal::CaptureStderr();
+  import("in", options);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr().find("--depth-offset"), std::string::npos);
+}
+
 /// A folder that does not say whether its depth is registered.
 TEST_F(Import, TakesDisplacedDepthAsNotRegistered) {
   ImportOptions options;
   options.source.rate_hz = 15.0;
   for (const int shift : {0, 20}) {
-    const Scene scene{.shift_x = shift};
-    const SourceStream color = scene.stream(false), depth = scene.stream(true);
-    for (std::size_t i = 0; i < color.images.size(); ++i) {
-      const std::string name = fmt::format("{}.png", i);
-      write_file(folder_ / "in" / "rgb" / name, encoded(color.read(i)), true);
-      write_file(folder_ / "in" / "depth" / name, encoded(depth.read(i)), true);
-    }
+    write_images(folder_ / "in", {.shift_x = shift});
     EXPECT_EQ(import("in", options).recording().camera.is_registered, shift == 0);
   }
   options.camera.registered = true;

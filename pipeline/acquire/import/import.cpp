@@ -221,7 +221,8 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
                                 bool overwrite) {
   require_consistent(options);
   if (path.empty()) return import_glove_alone(output, options, provenance, overwrite);
-  const ImportSource source = open_source(path, options.source);
+  ImportSource source = open_source(path, options.source);
+  for (auto& image : source.depth.images) image.host_time_s += options.camera.depth_offset_s;
   require_different_times(source.color, "colour"), require_different_times(source.depth, "depth");
   require_pairs(source), check_numbers(source, options.source.rate_hz);
   SourceCamera camera = describe_camera(path, source, options.camera);

@@ -19,6 +19,8 @@ void describe(OptionSet& set, ImportOptions& o) {
              "depth",
              0.0, 1e6)
       .value("N");
+  set.number("depth-offset", o.camera.depth_offset_s, "added to the depth images' times", -1e3, 1e3)
+      .value("SECONDS");
   set.numbers("gravity", o.camera.gravity_m_per_s2,
               "gravity in the colour camera's frame (x right, y down, z forward) [m/s^2]", 3, -20.0,
               20.0);

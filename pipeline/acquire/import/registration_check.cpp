@@ -1,9 +1,13 @@
 #include "pipeline/acquire/import/registration_check.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
+
+#include "engine/base/parabola.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace {
 namespace {
@@ -14,6 +18,8 @@ constexpr double max_shift = 0.125;        // of the width and height
 constexpr double max_color_change = 60.0;  // sum over the channels; more counts as much
 constexpr double min_depth_change = 0.04;  // of the depth
 constexpr int min_moved_pixels = 50, hole_pixels = 5;
+constexpr int num_places = 16, max_lag = 6;  // lags in images
+constexpr double min_peak_ratio = 1.15;
 constexpr double min_correlation = 0.2, min_gain = 1.05, max_registered_shift = 0.015;
 
 struct Pair {
@@ -28,16 +34,25 @@ std::size_t nearest_image(const SourceStream& stream, double time_s) {
   return after->host_time_s - time_s < time_s - std::prev(after)->host_time_s ? index : index - 1;
 }
 
-Pair read_pair(const SourceStream& color, const SourceStream& depth, std::size_t index) {
-  const cv::Mat image = color.read(index);
-  const cv::Mat counts = depth.read(nearest_image(depth, color.images[index].host_time_s));
+cv::Mat read_reduced(const SourceStream& stream, std::size_t index, int interpolation) {
+  cv::Mat image;
+  stream.read(index).convertTo(image, CV_32F);
   const double scale = std::min(1.0, static_cast<double>(compared_width) / image.cols);
-  Pair pair;
-  image.convertTo(pair.color, CV_32F);
-  counts.convertTo(pair.depth, CV_32F);
-  cv::resize(pair.color, pair.color, {}, scale, scale, cv::INTER_AREA);
-  cv::resize(pair.depth, pair.depth, pair.color.size(), 0.0, 0.0, cv::INTER_NEAREST);
-  return pair;
+  cv::resize(image, image, {}, scale, scale, interpolation);
+  return image;
+}
+
+cv::Mat read_color(const SourceStream& stream, std::size_t index) {
+  return read_reduced(stream, index, cv::INTER_AREA);
+}
+
+cv::Mat read_depth(const SourceStream& stream, std::size_t index) {
+  return read_reduced(stream, index, cv::INTER_NEAREST);
+}
+
+Pair read_pair(const SourceStream& color, const SourceStream& depth, std::size_t index) {
+  return {read_color(color, index),
+          read_depth(depth, nearest_image(depth, color.images[index].host_time_s))};
 }
 
 /// Pairs spread over the streams; damaged images are left out.
@@ -95,6 +110,81 @@ struct Correlation {
   }
 };
 
+double interval_s(const SourceStream& stream) {
+  std::vector<double> intervals_s;
+  for (std::size_t i = 0; i + 1 < stream.images.size(); ++i)
+    intervals_s.push_back(stream.images[i + 1].host_time_s - stream.images[i].host_time_s);
+  return median(std::move(intervals_s));
+}
+
+/// Correlation of motion in colour and depth at the same pixels by delay of depth.
+class DelaySearch {
+ public:
+  DelaySearch(const SourceStream& color, const SourceStream& depth)
+      : color_(color), depth_(depth), step_s_(std::max(interval_s(color), interval_s(depth))) {}
+
+  double step_s() const { return step_s_; }
+
+  /// Adds the motion from the colour image nearest to a time to that nearest to the next step.
+  void add(double time_s) {
+    const std::size_t from = nearest_image(color_, time_s),
+                      to = nearest_image(color_, time_s + step_s_);
+    cv::Mat color = color_motion(read_color(color_, from), read_color(color_, to));
+    color -= cv::mean(color);
+    cv::Mat before;
+    for (int lag = -max_lag; lag <= max_lag + 1; ++lag) {
+      const std::size_t index = nearest_image(depth_, time_s + lag * step_s_);
+      const cv::Mat image = read_depth(depth_, index);
+      if (lag > -max_lag) add(lag - 1, color, depth_motion(before, image));
+      if (lag == 0)
+        stamp_offset_s_ += depth_.images[index].host_time_s - color_.images[from].host_time_s,
+            ++num_places_;
+      before = image;
+    }
+  }
+
+  /// Lag whose correlation exceeds those of all others but its neighbours by `min_peak_ratio`,
+  /// refined by a parabola.
+  std::optional<DepthDelay> delay() const {
+    const auto best = std::ranges::max_element(sums_, {}, &Sum::correlation);
+    const auto lag = best - sums_.begin();
+    if (lag == 0 || lag + 1 == std::ssize(sums_) || !(best->correlation() > min_correlation))
+      return std::nullopt;
+    for (std::ptrdiff_t other = 0; other < std::ssize(sums_); ++other)
+      if (std::abs(other - lag) > 1 &&
+          best->correlation() <
+              min_peak_ratio * sums_[static_cast<std::size_t>(other)].correlation())
+        return std::nullopt;
+    const double vertex = parabola_vertex(std::prev(best)->correlation(), best->correlation(),
+                                          std::next(best)->correlation());
+    const double seconds =
+        (static_cast<double>(lag - max_lag) + vertex) * step_s_ + stamp_offset_s_ / num_places_;
+    return DepthDelay{seconds, seconds / step_s_};
+  }
+
+ private:
+  struct Sum {
+    double products = 0.0, color_squares = 0.0, depth_squares = 0.0;
+
+    double correlation() const {
+      return products > 0.0 ? products / std::sqrt(color_squares * depth_squares) : 0.0;
+    }
+  };
+
+  void add(int lag, const cv::Mat& color, cv::Mat depth) {
+    if (cv::countNonZero(depth) < min_moved_pixels || depth.size() != color.size()) return;
+    depth -= cv::mean(depth);
+    Sum& sum = sums_[static_cast<std::size_t>(lag + max_lag)];
+    sum.products += color.dot(depth);
+    sum.color_squares += color.dot(color), sum.depth_squares += depth.dot(depth);
+  }
+
+  const SourceStream &color_, &depth_;
+  double step_s_, stamp_offset_s_ = 0.0;
+  int num_places_ = 0;
+  std::array<Sum, 2 * max_lag + 1> sums_;
+};
+
 }  // namespace
 
 bool MotionShift::is_consistent_with_registration(int width) const {
@@ -122,6 +212,21 @@ std::optional<MotionShift> measure_motion_shift(const SourceStream& color,
         best.correlation = value, best.depth_from_color_px = {reduction * x, reduction * y};
   if (best.correlation < min_correlation) return std::nullopt;
   return best;
+}
+
+std::optional<DepthDelay> measure_depth_delay(const SourceStream& color,
+                                              const SourceStream& depth) {
+  if (std::min(color.images.size(), depth.images.size()) < 4 * max_lag) return std::nullopt;
+  DelaySearch search(color, depth);
+  const double margin_s = (max_lag + 2) * search.step_s();
+  const double first_s = color.images.front().host_time_s + margin_s,
+               last_s = color.images.back().host_time_s - margin_s;
+  for (int place = 0; place < num_places; ++place) try {
+      search.add(first_s + (last_s - first_s) * place / (num_places - 1));
+    } catch (const std::exception&) {
+      continue;  // named when it is imported
+    }
+  return search.delay();
 }
 
 }  // namespace touchtrace

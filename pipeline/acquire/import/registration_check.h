@@ -25,4 +25,15 @@ struct MotionShift {
 std::optional<MotionShift> measure_motion_shift(const SourceStream& color,
                                                 const SourceStream& depth);
 
+/// Time by which stamps of depth images are later than those of colour images that show the same
+/// motion.
+struct DepthDelay {
+  double seconds, images;  ///< images: over the longer interval of both streams
+};
+
+/// Delay of depth in streams of registered images from a static camera: that at which successive
+/// images show motion at the same pixels. Looks at 16 places and delays of up to six images.
+/// nullopt: too little moves, or no delay stands out.
+std::optional<DepthDelay> measure_depth_delay(const SourceStream& color, const SourceStream& depth);
+
 }  // namespace touchtrace

@@ -68,10 +68,28 @@ Cameras find_cameras(const fs::path& path, const ImportSource& source, const std
   return cameras;
 }
 
+/// Delay of depth images of 0.75 intervals and more; nullopt: less, or unknown.
+std::optional<DepthDelay> notable_delay(const ImportSource& source) {
+  const auto delay = measure_depth_delay(source.color, source.depth);
+  return delay && std::abs(delay->images) >= 0.75 ? delay : std::nullopt;
+}
+
+void warn_of_depth_delay(const ImportSource& source, double offset_s) {
+  const auto delay = notable_delay(source);
+  if (!delay) return;
+  Progress::warn(
+      fmt::format("depth images show what moves {:.3f} s {} than colour images of the same time; "
+                  "--depth-offset {:.3f} corrects it",
+                  std::abs(delay->seconds), delay->seconds > 0.0 ? "later" : "earlier",
+                  offset_s - delay->seconds));
+}
+
 /// Whether what moves in both streams contradicts that depth is on the colour camera's pixels.
+/// Depth that is late looks displaced, too.
 bool contradicts_registration(const ImportSource& source, int width) {
   const auto shift = measure_motion_shift(source.color, source.depth);
-  if (!shift || shift->is_consistent_with_registration(width)) return false;
+  if (!shift || shift->is_consistent_with_registration(width) || notable_delay(source))
+    return false;
   Progress::warn(
       fmt::format("what moves in depth images is displaced by ({:+.0f}, {:+.0f}) pixels from what "
                   "moves in colour images, as if depth were not registered",
@@ -133,6 +151,7 @@ SourceCamera describe_camera(const fs::path& path, const ImportSource& source,
   } else if (!depth.empty())
     info.is_registered =
         decide_registered(source, options, depth == color, cameras.depth.has_value(), info.width);
+  if (info.is_registered) warn_of_depth_delay(source, options.depth_offset_s);
   set_cameras(info, cameras);
   if (!options.gravity_m_per_s2.empty())
     info.gravity_m_per_s2 = Eigen::Vector3d(options.gravity_m_per_s2.data());

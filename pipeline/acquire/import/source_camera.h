@@ -14,7 +14,8 @@ namespace touchtrace {
 struct CameraOptions {
   std::string camera_info;  ///< file or folder; empty: in the source or its folder
   bool registered = false, no_registered = false;
-  double depth_scale = 0.0;  ///< values per metre; 0: the source's
+  double depth_scale = 0.0;     ///< values per metre; 0: the source's
+  double depth_offset_s = 0.0;  ///< added to the depth images' times
   std::vector<double> gravity_m_per_s2;
 };
 

@@ -26,6 +26,19 @@ double mean_grey(const cv::Mat& image, int column, int row) {
   return cv::mean(image(around & cv::Rect({}, image.size())))[0];
 }
 
+/// Corners along the rows of the board, if the part is all of it; else empty. Of a symmetric board
+/// any order will do.
+std::vector<Eigen::Vector2d> corners_of_whole_board(const ChessboardPart& part,
+                                                    const CalibrationTarget& board,
+                                                    std::optional<bool> is_main_dark) {
+  const auto places = possible_places(part, board, is_main_dark);
+  if (static_cast<int>(part.cells.size()) < board.num_corners() || places.empty()) return {};
+  std::vector<Eigen::Vector2d> corners(part.corners_px.size());
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    corners[static_cast<std::size_t>(places.front()[i])] = part.corners_px[i];
+  return corners;
+}
+
 }  // namespace
 
 BoardDetector::BoardDetector(const CalibrationTarget& board) {
@@ -46,6 +59,11 @@ BoardFound BoardDetector::add(BoardView view, const GreyImage& image) {
   update_lit(image);
   std::tie(view.corners_px, view.corner_ids) = board.kind->find_corners(image, board);
   if (view.corners_px.empty()) return add_part(std::move(view), image);
+  return add_whole(std::move(view), image);
+}
+
+BoardFound BoardDetector::add_whole(BoardView view, const GreyImage& image) {
+  const CalibrationTarget& board = observations_.board;
   if (board.kind == &chessboard_kind) {
     view.relative_edge_width = relative_edge_width(image, view.corners_px, board);
     if (!is_main_dark_) is_main_dark_ = is_corner_0_main_dark(image, board, view.corners_px);
@@ -55,14 +73,17 @@ BoardFound BoardDetector::add(BoardView view, const GreyImage& image) {
 }
 
 BoardFound BoardDetector::add_part(BoardView view, const GreyImage& image) {
-  if (observations_.board.kind == &chessboard_kind)
-    if (auto part = find_chessboard_part(image);
-        part && !possible_places(*part, observations_.board, {}).empty()) {
-      partial_views_.push_back({std::move(view), std::move(*part)});
-      return BoardFound::part;
-    }
-  observations_.views_without_board.push_back(std::move(view.name));
-  return BoardFound::nothing;
+  const CalibrationTarget& board = observations_.board;
+  const auto part = board.kind == &chessboard_kind ? find_chessboard_part(image)
+                                                   : std::optional<ChessboardPart>();
+  if (!part || possible_places(*part, board, {}).empty()) {
+    observations_.views_without_board.push_back(std::move(view.name));
+    return BoardFound::nothing;
+  }
+  view.corners_px = corners_of_whole_board(*part, board, is_main_dark_);
+  if (!view.corners_px.empty()) return add_whole(std::move(view), image);
+  partial_views_.push_back({std::move(view), *part});
+  return BoardFound::part;
 }
 
 void BoardDetector::place(BoardView view, const ChessboardPart& part) {

@@ -12,7 +12,8 @@ enum class BoardFound { nothing, part, whole };
 /// A view of a part of a plain chessboard is used if it fits in one place on the board: found by
 /// the ends of the board that it shows, the colours of its squares (known from a full view) and
 /// its size. Of two places half a turn apart on a symmetric board, it takes the one that is turned
-/// by less than 90 degrees from the first view, like align_symmetric_views().
+/// by less than 90 degrees from the first view, like align_symmetric_views(). A part with all
+/// corners of the board is a full view.
 ///
 /// A place that is wrong by whole squares or quarter turns changes only the pose of the board: an
 /// ideal board has the same corners there. It biases the warp and the deformation of the board, and
@@ -32,6 +33,7 @@ class BoardDetector {
     BoardView view;
     ChessboardPart part;
   };
+  BoardFound add_whole(BoardView view, const GreyImage& image);
   BoardFound add_part(BoardView view, const GreyImage& image);
   void update_lit(const GreyImage& image);
   void place(BoardView view, const ChessboardPart& part);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "calib/board/board_detector.h"
@@ -20,14 +21,18 @@ const Eigen::Vector3d tilt(0.3, -0.2, 0.1);
 
 /// Board with a white margin of one square. OpenCV begins with a light square if the board has one
 /// at a corner.
-GreyImage render(const CalibrationTarget& board, const Eigen::Isometry3d& pose) {
+cv::Mat draw(const CalibrationTarget& board) {
   const int square_px = int(std::lround(board.square_m * testing::print_px_per_m));
   cv::Mat drawing((board.rows + 3) * square_px, (board.columns + 3) * square_px, CV_8U,
                   cv::Scalar(255));
   for (int y = 0; y <= board.rows; ++y)
     for (int x = (y + board.columns + board.rows) % 2; x <= board.columns; x += 2)
       drawing(cv::Rect((x + 1) * square_px, (y + 1) * square_px, square_px, square_px)) = 0;
-  return testing::render({drawing, Eigen::Vector2d::Constant(2.0 * board.square_m)}, pose);
+  return drawing;
+}
+
+GreyImage render(const CalibrationTarget& board, const Eigen::Isometry3d& pose) {
+  return testing::render({draw(board), Eigen::Vector2d::Constant(2.0 * board.square_m)}, pose);
 }
 
 /// Detects the board in a full view and in one with this pose.
@@ -69,6 +74,27 @@ INSTANTIATE_TEST_SUITE_P(
                       PartialView{"Square", board_7x7, tilt, {0.16, 0.1, 0.5}},
                       PartialView{"OneEndAndAllColumns", board_8x6, tilt, {0.0, 0.16, 0.5}}),
     [](const auto& view) { return view.param.name; });
+
+/// Lit from one side: OpenCV finds the corners only if it is not told how many there are.
+TEST(ChessboardPart, WithAllCornersIsAFullView) {
+  cv::Mat drawing = cv::max(draw(board_8x6), 20);
+  for (int x = 0; x < drawing.cols; ++x) drawing.col(x) *= 0.15 + 0.85 * x / drawing.cols;
+  const auto pose = board_pose(board_8x6, tilt, {0.0, 0.0, 0.5});
+  const GreyImage image =
+      testing::render({drawing, Eigen::Vector2d::Constant(2.0 * board_8x6.square_m)}, pose);
+  ASSERT_TRUE(find_chessboard(image, board_8x6).empty());
+  BoardDetector detector(board_8x6);
+  EXPECT_EQ(detector.add({.name = "only"}, image), BoardFound::whole);
+  const BoardObservations found = std::move(detector).finish();
+  ASSERT_EQ(found.views.size(), 1u);
+  std::vector<int> ids(48);
+  std::iota(ids.begin(), ids.end(), 0);
+  const auto& corners_px = found.views[0].corners_px;
+  const double rms_px = corner_rms_px(board_8x6, pose, corners_px, ids);
+  std::ranges::reverse(ids);  // half a turn
+  // The darkest corners have a contrast of 16 grey levels, the noise is 1.
+  EXPECT_LT(std::min(rms_px, corner_rms_px(board_8x6, pose, corners_px, ids)), 0.2);
+}
 
 TEST(ChessboardPart, IsSkippedWhereItFitsInSeveralPlaces) {
   const auto found = detect(board_9x6, board_pose(board_9x6, tilt, {0.0, 0.0, 0.17}));

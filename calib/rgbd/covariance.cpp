@@ -27,13 +27,16 @@ constexpr const char* depth_names[] = {"depth_from_color.rx",
                                        "depth.scale",
                                        "depth.offset"};
 constexpr int num_draws = 4;  ///< each is used with both signs
+/// Sum of squares that a draw may add, over what a quadratic function would. Coefficients that are
+/// almost unobservable are drawn so far away that the lens folds.
+constexpr double max_excess = 3.0;
 
-/// As information(), for an existing Ceres problem.
-MatrixXd information_at(CeresProblem& ceres_problem, const BoardProblem& problem,
-                        RgbdParameters& p) {
+/// Equations at `p`; empty if they cannot be evaluated. Their parameters are information().
+ReducedEquations equations_at(CeresProblem& ceres_problem, const BoardProblem& problem,
+                              RgbdParameters& p) {
   const auto evaluation = evaluate(ceres_problem, problem, p);
   if (!evaluation) return {};
-  return eliminate_offsets(normal_equations(*evaluation)).parameters;
+  return eliminate_offsets(normal_equations(*evaluation));
 }
 
 /// Inverse of an information matrix, by a Cholesky decomposition with unit diagonal.
@@ -114,7 +117,7 @@ MatrixXd left_rotation_jacobian(const BoardProblem& problem, const RgbdParameter
 }
 
 MatrixXd information(const BoardProblem& problem, RgbdParameters p) {
-  return information_at(*make_problem(problem, p), problem, p);
+  return equations_at(*make_problem(problem, p), problem, p).parameters;
 }
 
 MatrixXd marginal_covariance(const MatrixXd& information, Eigen::Index size) {
@@ -131,7 +134,8 @@ MatrixXd covariance_of_estimate(const BoardProblem& problem, const RgbdParameter
   RgbdParameters p = estimate;
   const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
   const auto ceres_problem = make_problem(problem, p);
-  const ScaledInverse inverse(information_at(*ceres_problem, problem, p));
+  const ReducedEquations here = equations_at(*ceres_problem, problem, p);
+  const ScaledInverse inverse(here.parameters);
   if (!inverse.is_valid) return {};
   RandomStream random(1, "around the estimate");
   MatrixXd mean = MatrixXd::Zero(size, size);
@@ -143,16 +147,19 @@ MatrixXd covariance_of_estimate(const BoardProblem& problem, const RgbdParameter
     for (double sign : {1.0, -1.0}) {
       p = estimate;
       add_step(problem, p, sign * step);
-      const MatrixXd there = information_at(*ceres_problem, problem, p);
-      if (there.size() == 0) continue;  // the lens cannot project a corner
-      const MatrixXd marginal = marginal_information(there, size);
+      const ReducedEquations there = equations_at(*ceres_problem, problem, p);
+      if (there.parameters.size() == 0) continue;  // the lens cannot project a corner
+      if (there.squares - here.squares > max_excess * normal.squaredNorm()) continue;
+      const MatrixXd marginal = marginal_information(there.parameters, size);
       if (!marginal.allFinite() || marginal.size() == 0) continue;
       mean += marginal, ++num_valid;
     }
   }
-  const MatrixXd plain = inverse.marginal(size);
-  if (num_valid == 0) return with_left_rotations(problem, estimate, plain);
-  return with_left_rotations(problem, estimate, plain * (mean / num_valid) * plain);
+  const MatrixXd plain = inverse.marginal(size), root = cholesky_root(plain);
+  if (num_valid == 0 || root.size() == 0) return with_left_rotations(problem, estimate, plain);
+  // C S C as R (R' S R) R', which stays positive definite
+  const MatrixXd relative = root.transpose() * (mean / num_valid) * root;
+  return with_left_rotations(problem, estimate, root * relative * root.transpose());
 }
 
 }  // namespace touchtrace

@@ -153,4 +153,12 @@ ReducedEquations eliminate_offsets(const NormalEquations& n, double weight) {
   return result;
 }
 
+MatrixXd cholesky_root(const MatrixXd& covariance) {
+  const VectorXd sigmas = covariance.diagonal().cwiseSqrt();
+  const VectorXd scale = sigmas.cwiseInverse();
+  const Eigen::LLT<MatrixXd> cholesky(scale.asDiagonal() * covariance * scale.asDiagonal());
+  if (cholesky.info() != Eigen::Success) return {};
+  return sigmas.asDiagonal() * MatrixXd(cholesky.matrixL());
+}
+
 }  // namespace touchtrace

@@ -57,16 +57,17 @@ MatrixXd at_least_identity(const MatrixXd& symmetric) {
 MatrixXd contributions_of_views(const Evaluation& evaluation, const MatrixXd& left_rotations) {
   const Index size = left_rotations.rows();
   const Linearized all = linearize(normal_equations(evaluation), left_rotations);
-  const Eigen::LLT<MatrixXd> root(all.covariance);
-  if (all.step.size() == 0 || root.info() != Eigen::Success) return {};
+  const MatrixXd root = cholesky_root(all.covariance);
+  if (root.size() == 0) return {};
+  const auto lower = root.triangularView<Eigen::Lower>();
   MatrixXd columns(size, (evaluation.num_parameters() - size) / 6);
   for (Index view = 0; view < columns.cols(); ++view) {
     const Linearized others =
         linearize(normal_equations_without_view(evaluation, size + 6 * view), left_rotations);
     if (others.step.size() == 0) return {};
-    const MatrixXd half = root.matrixL().solve(others.covariance);
-    const MatrixXd relative = root.matrixL().solve(half.transpose());
-    columns.col(view) = inverse_root(relative) * root.matrixL().solve(others.step);
+    const MatrixXd half = lower.solve(others.covariance);
+    const MatrixXd relative = lower.solve(half.transpose());
+    columns.col(view) = inverse_root(relative) * lower.solve(others.step);
   }
   return columns;
 }
@@ -157,14 +158,12 @@ ViewCovariance view_covariance(const Evaluation& evaluation,
                                const std::vector<std::string>& parameters,
                                const MatrixXd& left_rotations, const MatrixXd& independent) {
   const MatrixXd columns = contributions_of_views(evaluation, left_rotations);
-  const Eigen::LLT<MatrixXd> root(independent);
-  if (columns.cols() < min_views_for_scatter || root.info() != Eigen::Success ||
-      !is_excessive(columns))
+  const MatrixXd lower = cholesky_root(independent);
+  if (columns.cols() < min_views_for_scatter || lower.size() == 0 || !is_excessive(columns))
     return {independent, independent};
   const MatrixXd relative =
       at_least_identity(shrunk_second_moment(columns, block_sizes(parameters)));
   if (!relative.allFinite()) return {independent, independent};
-  const MatrixXd lower = root.matrixL();
   return {independent, lower * relative * lower.transpose(),
           std::sqrt(relative.trace() / static_cast<double>(relative.rows()))};
 }

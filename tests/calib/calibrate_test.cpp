@@ -122,6 +122,19 @@ TEST(Calibrate, ChoosesNoneWithoutRadialDistortion) {
   EXPECT_EQ(calibrate(observe(boards, random)).details["lens"], "none");
 }
 
+/// Numerator and denominator of the lens nearly have a common factor, as where rational8 is fitted
+/// to a GoPro: coefficients are almost unobservable, the projection is not.
+TEST(Calibrate, IntrinsicsAreKnownWhereCoefficientsAreNot) {
+  SimulatedBoards boards = with_lens_coefficients(simulated_fisheye_boards(23), Rational8{},
+                                                  {10.0, 5.0, 0.0, 0.0, 0.2, 10.3, 8.0, 1.0});
+  boards.corner_sigma_px = 0.3;
+  RandomStream random(21, "noise");
+  const RgbdCalibration c = calibrate(observe(boards, random), {.lenses = {"rational8"}});
+  const double sigma_px = std::sqrt(c.covariance(0, 0));
+  EXPECT_LT(sigma_px, 1.0);
+  EXPECT_LT(std::abs(c.color.fx - boards.truth.color[0]), 4.5 * sigma_px);
+}
+
 TEST(Calibrate, RejectsAndReportsAnOutlierView) {
   SimulatedBoards boards = simulated_boards(15, true);
   RandomStream random(5, "noise");

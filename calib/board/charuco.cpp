@@ -17,6 +17,7 @@ constexpr int border_bits = 1;
 constexpr int min_radius_px = 2, max_radius_px = 10;
 constexpr int min_squares = 3, max_squares = 40;  ///< in a row, of boards that are looked for
 constexpr std::size_t min_markers_of_other = 6, min_corners_of_other = 6;
+constexpr double min_ratio = 0.3, max_ratio = 0.95, ratio_step = 0.05;  ///< of marker to square
 constexpr const char* common_dictionaries[] = {"4x4_1000", "5x5_1000", "6x6_1000", "7x7_1000",
                                                "original"};
 
@@ -135,10 +136,29 @@ std::optional<OtherTarget> find_other_dictionary(const GreyImage& image,
   return {};
 }
 
+/// Sides of markers over those of squares agree with the image in a range; takes its middle.
+std::optional<OtherTarget> find_other_marker_size(const DecodedMarkers& markers,
+                                                  const CalibrationTarget& asked) {
+  CalibrationTarget other = asked;
+  double sum = 0.0;
+  int count = 0;
+  for (double ratio = min_ratio; ratio < max_ratio; ratio += ratio_step) {
+    other.markers->side_m = ratio * asked.square_m;
+    if (columns_shown(markers, other)) sum += ratio, ++count;
+  }
+  if (count == 0) return {};
+  return OtherTarget{fmt::format("markers of about {:.2f} of a square, not of {:.2f}", sum / count,
+                                 asked.markers->side_m / asked.square_m),
+                     "measure a square and a marker: give --square-mm and --marker-mm"};
+}
+
 std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationTarget& asked) {
-  const auto columns =
-      columns_shown(decode_markers(image, asked.markers->dictionary, border_bits), asked);
-  if (!columns) return find_other_dictionary(image, asked);
+  const DecodedMarkers markers = decode_markers(image, asked.markers->dictionary, border_bits);
+  const auto columns = columns_shown(markers, asked);
+  if (!columns) {
+    const auto other = find_other_marker_size(markers, asked);
+    return other ? other : find_other_dictionary(image, asked);
+  }
   if (*columns == asked.columns) return {};
   return OtherTarget{fmt::format("no ChArUco board with {} inner corners in a row but one with {}",
                                  asked.columns, *columns),

@@ -30,15 +30,24 @@ constexpr int num_joint_rounds = 4;
 constexpr double same_view_px = 0.5;
 constexpr std::size_t min_depth_samples = 100;
 
+/// Size of the board, counted as --columns and --rows are.
+std::string describe_size(const CalibrationTarget& board) {
+  if (board.kind == &aprilgrid_kind)
+    return fmt::format("{}x{} tags", board.columns / 2, board.rows / 2);
+  const bool has_squares = board.kind == &chessboard_kind || board.kind == &charuco_kind;
+  return fmt::format("{}x{} {}", board.columns, board.rows,
+                     has_squares ? "inner corners" : "circles");
+}
+
 void require_views(const BoardObservations& o, std::ptrdiff_t views, const char* kind) {
   if (views >= min_views) return;
   const std::string skipped =
       o.skipped.empty() ? ""
-                        : fmt::format("; {} images were skipped, the first, {}, because of {}",
+                        : fmt::format("; {} images were skipped, the first: {}, {}",
                                       o.skipped.size(), o.skipped[0].name, o.skipped[0].why);
   throw data_error(
-      fmt::format("only {} {} views of a board with {}x{} inner corners; {} are needed{}", views,
-                  kind, o.board.columns, o.board.rows, min_views, skipped),
+      fmt::format("only {} {} views of a board with {}; {} are needed{}", views, kind,
+                  describe_size(o.board), min_views, skipped),
       "record 10 to 20 views with the whole board visible, tilted in different directions, and "
       "check --columns and --rows");
 }

@@ -77,6 +77,18 @@ TEST(Charuco, CalibratesFromPartialViews) {
   testing::expect_rendered_camera(found.color);
 }
 
+TEST(Charuco, SaysThatMarkersHaveAnotherSize) {
+  CalibrationTarget other = charuco();
+  other.markers->side_m = 0.012;
+  const GreyImage image =
+      render(charuco(), board_pose(charuco(), {0.1, 0.1, 0.0}, {0.0, 0.0, 0.5}));
+  ASSERT_TRUE(find_charuco_corners(image, other).first.empty());
+  const auto seen = charuco_kind.find_other(image, other);
+  ASSERT_TRUE(seen);
+  EXPECT_NE(seen->seen.find("about 0.7"), std::string::npos) << seen->seen;  // 22 of 30 mm
+  EXPECT_NE(seen->hint.find("--marker-mm"), std::string::npos);
+}
+
 TEST(Charuco, FindsNothingWithoutABoard) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
   EXPECT_TRUE(find_charuco_corners(plain, charuco()).first.empty());

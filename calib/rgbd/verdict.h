@@ -38,8 +38,8 @@ const char* grade_name(Grade grade);  ///< GOOD, WEAK, BAD
 ///  - median BoardView::relative_edge_width: 0.25, none; public sets have 0.03 to 0.13
 ///  - ViewCovariance::inflation, part of the standard deviations: 4, none; 16 of 20 public sets
 ///    have less
-///  - BoardModels::focal_spread(), which the standard deviations do not contain: 1, 5 %; 10 of 12
-///    public sets of boards have less than 1 %, sheets of paper .9 to 41 %
+///  - BoardModels::focal_spread(), which the standard deviations do not contain: 1, 5 %; 9 of 11
+///    public sets of boards have less than 1 %, bent sheets of paper up to 29 %
 ///  - |fy / fx - 1|, where it exceeds 4 standard deviations: 1, 10 %
 ///  - projection_sigma_px() over the best four fifths of the image, without parts that are black in
 ///    all images: 0.25, 2 % of its width

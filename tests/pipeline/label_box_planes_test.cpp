@@ -208,7 +208,7 @@ BodyView corner_of(const Isometry3d& pose, std::uint64_t seed) {
 /// A corner of the slab looks alike whichever side is the long one, and the wrong pose puts the
 /// centre off by 16 mm and more. The tracker's slab is wrong by 3 mm, which favours a pose by the
 /// same amount in every view: where the views count in full, they outvote the box (20 mm). Without
-/// a box: 50 mm.
+/// a box: 16 mm.
 TEST(PoseTracker, ABoxTellsThePoseOfAWholeClip) {
   constexpr double too_long_m = 0.003;
   for (const double turn_rad : {0.0, M_PI / 2}) {

@@ -242,6 +242,8 @@ TargetCorners find_aprilgrid_corners(const GreyImage& image, const CalibrationTa
 }
 
 const TargetKind aprilgrid_kind{"aprilgrid",
+                                "tags",
+                                2,
                                 place_m,
                                 [](const CalibrationTarget&) { return false; },
                                 find_aprilgrid_corners,

@@ -26,8 +26,8 @@ double mean_grey(const cv::Mat& image, int column, int row) {
   return cv::mean(image(around & cv::Rect({}, image.size())))[0];
 }
 
-/// Corners along the rows of the board, if the part is all of it; else empty. Of a symmetric board
-/// any order will do.
+/// Corners along the rows of the board, if the part is all of it; else empty. Several orders fit a
+/// symmetric board; one of them is taken.
 std::vector<Eigen::Vector2d> corners_of_whole_board(const ChessboardPart& part,
                                                     const CalibrationTarget& board,
                                                     std::optional<bool> is_main_dark) {

@@ -25,6 +25,8 @@ struct OtherTarget {
 /// A kind of calibration target. Each is defined with its detector.
 struct TargetKind {
   const char* name;
+  const char* element;  ///< what a user counts, e.g. "tags"
+  int element_corners;  ///< corners of an element in a row
   /// Place of a corner in the target's frame.
   Eigen::Vector2d (*place_m)(const CalibrationTarget& target, int column, int row);
   /// Whether the target looks the same after half a turn, so that a view does not tell its order.

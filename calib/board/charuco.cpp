@@ -136,7 +136,8 @@ std::optional<OtherTarget> find_other_dictionary(const GreyImage& image,
   return {};
 }
 
-/// Sides of markers over those of squares agree with the image in a range; takes its middle.
+/// Side of a marker over that of a square: the mean of the ratios at which the markers form a
+/// board.
 std::optional<OtherTarget> find_other_marker_size(const DecodedMarkers& markers,
                                                   const CalibrationTarget& asked) {
   CalibrationTarget other = asked;
@@ -184,8 +185,12 @@ TargetCorners find_charuco_corners(const GreyImage& image, const CalibrationTarg
   return determine_pose(found.second, board) ? found : TargetCorners{};
 }
 
-const TargetKind charuco_kind{"charuco", square_lattice_m,
-                              [](const CalibrationTarget&) { return false; }, find_charuco_corners,
+const TargetKind charuco_kind{"charuco",
+                              "inner corners",
+                              1,
+                              square_lattice_m,
+                              [](const CalibrationTarget&) { return false; },
+                              find_charuco_corners,
                               find_other};
 
 }  // namespace touchtrace

@@ -139,7 +139,10 @@ std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationT
 }  // namespace
 
 const TargetKind chessboard_kind{
-    "chessboard", square_lattice_m,
+    "chessboard",
+    "inner corners",
+    1,
+    square_lattice_m,
     [](const CalibrationTarget& board) { return (board.columns + board.rows) % 2 == 0; },
     [](const GreyImage& image, const CalibrationTarget& board) {
       return TargetCorners{find_chessboard(image, board), {}};

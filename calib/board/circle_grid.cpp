@@ -167,11 +167,19 @@ TargetCorners find_circle_centres(const GreyImage& image, const CalibrationTarge
   return {centres.first, {}};
 }
 
-const TargetKind circles_kind{"circles", square_lattice_m,
-                              [](const CalibrationTarget&) { return true; }, find_circle_centres};
+const TargetKind circles_kind{"circles",
+                              "circles",
+                              1,
+                              square_lattice_m,
+                              [](const CalibrationTarget&) { return true; },
+                              find_circle_centres};
 
 const TargetKind asymmetric_circles_kind{
-    "asymmetric-circles", asymmetric_place_m,
-    [](const CalibrationTarget& target) { return target.rows % 2 == 0; }, find_circle_centres};
+    "asymmetric-circles",
+    "circles",
+    1,
+    asymmetric_place_m,
+    [](const CalibrationTarget& target) { return target.rows % 2 == 0; },
+    find_circle_centres};
 
 }  // namespace touchtrace

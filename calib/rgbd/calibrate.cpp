@@ -32,11 +32,9 @@ constexpr std::size_t min_depth_samples = 100;
 
 /// Size of the board, counted as --columns and --rows are.
 std::string describe_size(const CalibrationTarget& board) {
-  if (board.kind == &aprilgrid_kind)
-    return fmt::format("{}x{} tags", board.columns / 2, board.rows / 2);
-  const bool has_squares = board.kind == &chessboard_kind || board.kind == &charuco_kind;
-  return fmt::format("{}x{} {}", board.columns, board.rows,
-                     has_squares ? "inner corners" : "circles");
+  const TargetKind& kind = *board.kind;
+  return fmt::format("{}x{} {}", board.columns / kind.element_corners,
+                     board.rows / kind.element_corners, kind.element);
 }
 
 void require_views(const BoardObservations& o, std::ptrdiff_t views, const char* kind) {

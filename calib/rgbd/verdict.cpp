@@ -74,8 +74,7 @@ void assess_agreement(Verdict& verdict, double view_inflation) {
                            view_inflation));
 }
 
-/// Corners off a smooth surface can look like another focal length, above all if a sheet bends from
-/// view to view.
+/// Corners off a smooth surface can look like another focal length.
 void assess_flatness(Verdict& verdict, double focal_spread) {
   apply_limits(verdict, focal_spread, 0.01, 0.05,
                fmt::format("the board is not flat: fx changes by {:.1f} % if its corners are free "

@@ -81,7 +81,7 @@ class ClipTracker {
   void smooth_poses(ClipTrack& track) const {
     if (!pose_) return;
     const auto fits = pose_->viterbi_path();
-    const auto ambiguity_m2 = pose_->ambiguity_m2();
+    const auto ambiguity_m2 = pose_->ambiguity_m2(fits);
     for (std::size_t i = 0; i < fits.size(); ++i) {
       Observation& object = track.object[posed_frames_[i].frame];
       set_position(object, fits[i], posed_frames_[i].num_points);

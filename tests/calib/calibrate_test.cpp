@@ -122,6 +122,22 @@ TEST(Calibrate, ChoosesNoneWithoutRadialDistortion) {
   EXPECT_EQ(calibrate(observe(boards, random)).details["lens"], "none");
 }
 
+TEST(Calibrate, CountsABoardAsItsOptionsDo) {
+  const auto message = [](const TargetKind& kind) -> std::string {
+    BoardObservations o;
+    o.board.kind = &kind, o.board.columns = 12, o.board.rows = 10;
+    try {
+      calibrate(o);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message(chessboard_kind).find("12x10 inner corners"), std::string::npos);
+  EXPECT_NE(message(aprilgrid_kind).find("6x5 tags"), std::string::npos);
+  EXPECT_NE(message(circles_kind).find("12x10 circles"), std::string::npos);
+}
+
 /// Numerator and denominator of the lens nearly have a common factor, as where rational8 is fitted
 /// to a GoPro: coefficients are almost unobservable, the projection is not.
 TEST(Calibrate, IntrinsicsAreKnownWhereCoefficientsAreNot) {

@@ -114,6 +114,7 @@ TEST(TargetDeformation, ABoardThatIsNotFlatIsNotGood) {
   const auto advice = [](const RgbdCalibration& c) { return c.details["advice"].dump(); };
   const RgbdCalibration printed = calibrated(deformation_sigma_m), crumpled = calibrated(0.006);
   EXPECT_EQ(advice(printed), "[]");
+  EXPECT_NE(crumpled.details["verdict"], "GOOD");
   EXPECT_NE(advice(crumpled).find("the board is not flat: fx changes by"), std::string::npos)
       << advice(crumpled) << crumpled.details["board_models"];
 }

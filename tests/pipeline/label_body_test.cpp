@@ -191,8 +191,9 @@ TEST(PoseTracker, LaterViewsResolveEarlierAmbiguity) {
 std::pair<double, double> error_and_ambiguity_m(const std::vector<BodyView>& views) {
   PoseTracker tracker(soap);
   for (const auto& view : views) tracker.update(view, 0.05);
-  return {(tracker.viterbi_path().back().centre_m() - drawn_at).norm(),
-          std::sqrt(tracker.ambiguity_m2().back().sum())};
+  const auto path = tracker.viterbi_path();
+  return {(path.back().centre_m() - drawn_at).norm(),
+          std::sqrt(tracker.ambiguity_m2(path).back().sum())};
 }
 
 TEST(PoseTracker, StatesTheSpreadOfPosesThatFitAlike) {

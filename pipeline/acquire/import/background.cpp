@@ -13,15 +13,6 @@ namespace {
 
 constexpr std::size_t max_background = 100;
 
-/// Index of the image nearest in time.
-std::size_t nearest_image(const std::vector<SourceImage>& images, double time_s) {
-  const auto distance_s = [&](const SourceImage& image) {
-    return std::abs(image.host_time_s - time_s);
-  };
-  return static_cast<std::size_t>(std::ranges::min_element(images, {}, distance_s) -
-                                  images.begin());
-}
-
 cv::Mat read_format(const SourceStream& stream, std::size_t index, const ImageFormat& format) {
   const std::string& name = stream.images[index].name;
   try {
@@ -65,7 +56,7 @@ void append_background(RecordingWriter& writer, const ImportSource& source,
   const std::size_t step = (range.last - range.first) / max_background + 1;
   for (std::size_t i = range.first; i <= range.last; i += step) {
     const cv::Mat depth = read_format(source.depth, i, camera.depth);
-    const auto color = nearest_image(source.color.images, source.depth.images[i].host_time_s);
+    const auto color = nearest_image(source.color, source.depth.images[i].host_time_s);
     writer.append_background({rgb_values(read_format(source.color, color, camera.color)),
                               camera.depth_scale.counts(depth)});
   }

@@ -80,12 +80,6 @@ void warn_of_stamps(const Numbers& numbers, const char* kind, double rate_hz) {
       rate_hz));
 }
 
-std::vector<double> times_of(const SourceStream& stream) {
-  std::vector<double> times_s;
-  for (const SourceImage& image : stream.images) times_s.push_back(image.host_time_s);
-  return times_s;
-}
-
 }  // namespace
 
 std::string number_in_name(const std::filesystem::path& file) {
@@ -132,7 +126,7 @@ void check_numbers(const ImportSource& source, double rate_hz) {
 }
 
 void require_pairs(const ImportSource& source) {
-  const auto color_s = times_of(source.color), depth_s = times_of(source.depth);
+  const auto color_s = host_times_s(source.color), depth_s = host_times_s(source.depth);
   if (color_s.empty() || depth_s.empty() || !pair_frames(color_s, depth_s).empty()) return;
   const Numbers &color = source.color.frame_numbers, &depth = source.depth.frame_numbers;
   const std::string numbers =

@@ -64,10 +64,8 @@ void require_different_times(const SourceStream& stream, const char* kind) {
 }
 
 double plausible_rate_hz(const ImportSource& source) {
-  const auto& images = (source.depth.images.empty() ? source.color : source.depth).images;
-  std::vector<double> times_s;
-  for (const auto& image : images) times_s.push_back(image.host_time_s);
-  const double rate_hz = rate_of(times_s, default_rate_hz);
+  const auto& stream = source.depth.images.empty() ? source.color : source.depth;
+  const double rate_hz = rate_of(host_times_s(stream), default_rate_hz);
   if (rate_hz > max_rate_hz)
     throw data_error(fmt::format("the stamps say {:.3g} images per second", rate_hz),
                      "check the file with the times: stamps are times in seconds, not durations");

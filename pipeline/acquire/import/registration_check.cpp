@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "engine/base/parabola.h"
-#include "engine/base/statistics.h"
+#include "pipeline/recording/frame_pairs.h"
 
 namespace touchtrace {
 namespace {
@@ -19,20 +20,12 @@ constexpr double max_color_change = 60.0;  // sum over the channels; more counts
 constexpr double min_depth_change = 0.04;  // of the depth
 constexpr int min_moved_pixels = 50, hole_pixels = 5;
 constexpr int num_places = 16, max_lag = 6;  // lags in images
-constexpr double min_peak_ratio = 1.15;
+constexpr double min_peak_ratio = 1.15;      // clips of real cameras have 1.4 to 2.2
 constexpr double min_correlation = 0.2, min_gain = 1.05, max_registered_shift = 0.015;
 
 struct Pair {
   cv::Mat color, depth;  ///< reduced; CV_32FC3 and CV_32F
 };
-
-std::size_t nearest_image(const SourceStream& stream, double time_s) {
-  const auto after = std::ranges::lower_bound(stream.images, time_s, {}, &SourceImage::host_time_s);
-  if (after == stream.images.begin()) return 0;
-  const auto index = static_cast<std::size_t>(after - stream.images.begin());
-  if (after == stream.images.end()) return index - 1;
-  return after->host_time_s - time_s < time_s - std::prev(after)->host_time_s ? index : index - 1;
-}
 
 cv::Mat read_reduced(const SourceStream& stream, std::size_t index, int interpolation) {
   cv::Mat image;
@@ -111,10 +104,7 @@ struct Correlation {
 };
 
 double interval_s(const SourceStream& stream) {
-  std::vector<double> intervals_s;
-  for (std::size_t i = 0; i + 1 < stream.images.size(); ++i)
-    intervals_s.push_back(stream.images[i + 1].host_time_s - stream.images[i].host_time_s);
-  return median(std::move(intervals_s));
+  return 1.0 / rate_of(host_times_s(stream), std::numeric_limits<double>::infinity());
 }
 
 /// Correlation of motion in colour and depth at the same pixels by delay of depth.
@@ -135,10 +125,11 @@ class DelaySearch {
     for (int lag = -max_lag; lag <= max_lag + 1; ++lag) {
       const std::size_t index = nearest_image(depth_, time_s + lag * step_s_);
       const cv::Mat image = read_depth(depth_, index);
-      if (lag > -max_lag) add(lag - 1, color, depth_motion(before, image));
-      if (lag == 0)
-        stamp_offset_s_ += depth_.images[index].host_time_s - color_.images[from].host_time_s,
-            ++num_places_;
+      if (lag > -max_lag) add_lag(lag - 1, color, depth_motion(before, image));
+      if (lag == 0) {
+        stamp_offset_s_ += depth_.images[index].host_time_s - color_.images[from].host_time_s;
+        ++num_places_;
+      }
       before = image;
     }
   }
@@ -171,7 +162,7 @@ class DelaySearch {
     }
   };
 
-  void add(int lag, const cv::Mat& color, cv::Mat depth) {
+  void add_lag(int lag, const cv::Mat& color, cv::Mat depth) {
     if (cv::countNonZero(depth) < min_moved_pixels || depth.size() != color.size()) return;
     depth -= cv::mean(depth);
     Sum& sum = sums_[static_cast<std::size_t>(lag + max_lag)];

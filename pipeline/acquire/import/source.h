@@ -30,6 +30,12 @@ struct SourceStream {
   std::vector<std::uint64_t> frame_numbers = {};
 };
 
+/// Host times [s] of a stream's images.
+std::vector<double> host_times_s(const SourceStream& stream);
+
+/// Index of the image nearest in time. Requires images.
+std::size_t nearest_image(const SourceStream& stream, double time_s);
+
 /// Recording of another program.
 struct ImportSource {
   SourceStream color, depth;

@@ -22,10 +22,10 @@ class PoseTracker {
   /// fit worse than the median is scaled down.
   std::vector<BodyFit> viterbi_path() const;
 
-  /// Mean squared offsets [m^2] along the axes from the most likely pose in every view to those of
-  /// all hypotheses, weighted by the likelihood of the best path through each. Large where several
-  /// poses fit about equally well.
-  std::vector<Eigen::Vector3d> ambiguity_m2() const;
+  /// Mean squared offsets [m^2] along the axes from the poses of viterbi_path() to those of all
+  /// hypotheses of a view, weighted by the likelihood of the best path through each. Large where
+  /// several poses fit about equally well.
+  std::vector<Eigen::Vector3d> ambiguity_m2(const std::vector<BodyFit>& path) const;
 
  private:
   /// A pose in one view and its predecessor.

@@ -34,12 +34,16 @@ __kernel WORK_GROUP_ATTRIBUTE void layer_norm_gpu(
   x += row * COLUMNS, y += row * COLUMNS;
   real sum = 0, squares = 0, sum_compensation = 0, squares_compensation = 0;
   EACH_COLUMN(n) ADD_TO(real, sum, sum_compensation, x[n])
-  const real mean = row_sum(sum, sums) / COLUMNS;
+  real mean = row_sum(sum, sums) / COLUMNS;
+  sum = 0, sum_compensation = 0;
   EACH_COLUMN(n) {
     const real d = x[n] - mean;
+    ADD_TO(real, sum, sum_compensation, d)
     ADD_PRODUCT(real, squares, squares_compensation, d, d)
   }
-  const real scale = rsqrt(row_sum(squares, sums) / COLUMNS + (real)1e-5);
+  const real correction = row_sum(sum, sums) / COLUMNS;
+  const real scale = rsqrt(row_sum(squares, sums) / COLUMNS - correction * correction + (real)1e-5);
+  mean += correction;
   EACH_COLUMN(n) y[n] = fma((x[n] - mean) * scale, parameters[gain_at + n], parameters[bias_at + n]);
   if (LANE == 0) statistics[2 * row] = mean, statistics[2 * row + 1] = scale;
 }

@@ -2,6 +2,7 @@
 # the error over the time of training, interleaved in one run.
 # needs: torch numpy safetensors
 import argparse
+import itertools
 import json
 import os
 import pathlib
@@ -25,7 +26,7 @@ import torch
 from figures import at_most, emit, row
 from torch_twin.comparison import compare
 from torch_twin.course import Course, picture_of, settled, time_until
-from torch_twin.cuda import CudaTrainer
+from torch_twin.cuda import CudaSetting, CudaTrainer
 from torch_twin.model import BOTH_ENCODERS, ONE_ENCODER, OTHER_CONVOLUTIONS, Model
 from torch_twin.online import EngineOnline, best_online, busy_core, distance
 from torch_twin.problem import noise_problem, weights_of
@@ -123,21 +124,24 @@ def gpu_figures(options, folder):
     if not (torch.cuda.is_available() and engine_has_gpu(options)):
         print("gpu: no GPU offers both CUDA to PyTorch and OpenCL to the engine", file=sys.stderr)
         return
-    for sequences in (8, 32):
-        problem, path = noise_problem(BOTH_ENCODERS, sequences, options.seed), os.path.join(folder, "gpu")
+    for dynamics, sequences in itertools.product(("mlp", "gru"), (8, 32)):
+        problem = noise_problem(dict(BOTH_ENCODERS, dynamics=dynamics), sequences, options.seed)
+        path = os.path.join(folder, "gpu")
         problem.save(path, {})
         engine = EngineTrainer(options.engine_step, path, device="gpu")
         engine(WARM_UP)
-        name = f"training step on a GPU, {sequences} sequences, both encoders"
+        name = f"training step on a GPU, {dynamics.upper()}, {sequences} sequences, both encoders"
         for graph in (False, True):
-            start, tried = time.time(), try_settings(lambda last: CudaTrainer(problem, last, graph), (False, True),
-                                                     options.count)
+            start = time.time()
+            settings = [CudaSetting(graph, *rest) for rest in
+                        itertools.product((False,) if options.eager else (False, True), (False, True))]
+            tried = try_settings(lambda setting: CudaTrainer(problem, setting), settings, options.count)
             if not tried:
                 continue
             peer = best_of(tried)[0]
             pairs = [(peer(options.count)[0], engine(options.count)[0]) for _ in range(options.rounds)]
             ratios = [theirs / ours for theirs, ours in pairs]
-            yield row(f"{name}: {PEER} ({peer.name}) / engine, {min(ratios):.2f} .. {max(ratios):.2f}",
+            yield row(f"{name}: {PEER} ({peer.setting}) / engine, {min(ratios):.2f} .. {max(ratios):.2f}",
                       statistics.median(ratios), "x", seconds=time.time() - start)
             yield row(f"{name}, engine", statistics.median(ours for _, ours in pairs), "ms")
         engine.close()

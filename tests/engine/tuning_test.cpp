@@ -41,6 +41,7 @@ Tuning odd_tuning() {
 
 TEST(Conv2dCandidates, MatchReference) {
   Runtime runtime(choose_device(""));
+  if (runtime.kernel_variant() == KernelVariant::gpu) GTEST_SKIP() << "GPU kernels have no candidates";
   for (const auto& shape : {planes, blocks}) {
     const auto [products, gradients] = conv2d_candidates(runtime, shape);
     EXPECT_GE(products.size(), 3u);
@@ -181,13 +182,14 @@ TEST_F(TuningFile, IsInTheCacheFolder) {
 }
 
 TEST_F(TrainerTest, ResumesWithTheTuningOfTheCheckpoint) {
+  if (runtime_.kernel_variant() == KernelVariant::gpu) GTEST_SKIP() << "GPU kernels are not tuned";
   const auto spec = small_spec(true);
   NoiseRun untuned(runtime_, spec), whole(runtime_, spec, odd_tuning()),
       again(runtime_, spec, odd_tuning());
   for (auto* run : {&untuned, &whole, &again}) run->train_until(8);
   const auto expected = whole.weights(folder_ / "whole");
   EXPECT_EQ(again.weights(folder_ / "again"), expected);
-  EXPECT_NE(untuned.weights(folder_ / "untuned"), expected) << "the tuning is not used";
+  EXPECT_TRUE(untuned.weights(folder_ / "untuned") != expected) << "the tuning is not used";
 
   NoiseRun killed(runtime_, spec, odd_tuning());
   killed.train_until(3);

@@ -1,21 +1,38 @@
-"""A training step of PyTorch on a GPU, eager or as one CUDA graph."""
+"""A training step of PyTorch on a GPU, eager or compiled, launched one kernel at a time or as one CUDA graph."""
+import collections
+
 import torch
 
-from .training import WARM_UP, Setting, TorchTrainer
+from .training import WARM_UP, TorchTrainer
+
+
+class CudaSetting(collections.namedtuple("CudaSetting", "graph compiled channels_last")):
+    threads = 1
+
+    def __str__(self):
+        return ", ".join(("compiled" if self.compiled else "eager",
+                          "channels_last" if self.channels_last else "NCHW",
+                          "CUDA graph" if self.graph else "CUDA launches"))
+
+    @property
+    def format(self):
+        return torch.channels_last if self.channels_last else torch.contiguous_format
+
+    def applied_to(self, function):
+        return torch.compile(function, dynamic=False) if self.compiled else function
 
 
 class CudaTrainer(TorchTrainer):
     """Batches come from the host at every update, as the engine's do."""
     device = "cuda"
 
-    def __init__(self, problem, channels_last, graph):
-        self.stream, self.graph, self.captured = torch.cuda.Stream(), graph, None
+    def __init__(self, problem, setting):
+        self.stream, self.captured = torch.cuda.Stream(), None
         with torch.cuda.stream(self.stream):
-            super().__init__(problem, Setting(False, channels_last, 1))
+            super().__init__(problem, setting)
             self.batches = [[None if part is None else part.pin_memory() for part in batch] for batch in self.batches]
             batch = problem.batch(0)
             self.batch = type(batch)(*(None if part is None else part.to(self.device) for part in batch))
-        self.name = f"CUDA {'graph' if graph else 'eager'}, {'channels_last' if channels_last else 'NCHW'}"
 
     def start(self, weights=None):
         super().start(weights)
@@ -30,7 +47,7 @@ class CudaTrainer(TorchTrainer):
         for place, part in zip(self.batch, batch):
             if part is not None:
                 place.copy_(part, non_blocking=True)
-        if not self.graph or self.updates < WARM_UP:
+        if not self.setting.graph or self.updates < WARM_UP:
             return super().step(self.batch)
         if not self.captured:
             self.captured = torch.cuda.CUDAGraph()

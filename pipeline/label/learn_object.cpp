@@ -11,9 +11,8 @@ namespace touchtrace::label {
 namespace {
 
 constexpr std::size_t max_boxed_views = 16, max_other_views = 48;
-// Visible fractions of the object's disc. Below the first the shape is taken from the boxes; below
-// the second a learnt sphere is.
-constexpr double min_shape_fraction = 0.25, min_sphere_fraction = 0.5;
+/// Visible fraction of the object's disc below which the shape is taken from the boxes.
+constexpr double min_shape_fraction = 0.25;
 constexpr double view_reach_silhouettes = 2.5;
 
 /// Visible fraction of the part of a sphere's disc that no background is seen through.
@@ -66,10 +65,8 @@ ObjectShape shape_from(const SceneModel& model, const FrameSource& frames,
   if (fraction < min_shape_fraction) return boxed.sphere();
   auto shape = learn_shape(views, silhouette_m, num_threads);
   if (shape.body) return shape;
-  if (fraction < min_sphere_fraction) return boxed.sphere();
-  // a cap that is visible shows a sphere's radius and the distance of its centre but poorly
-  shape.centre_sigma_m = std::hypot(shape.centre_sigma_m, shape.radius_m - boxed.radius_m);
-  return shape;
+  shape.centre_sigma_m = hidden_sphere_centre_sigma_m(shape, fraction, boxed.radius_m);
+  return shape.centre_sigma_m < boxed.sphere().centre_sigma_m ? shape : boxed.sphere();
 }
 
 }  // namespace

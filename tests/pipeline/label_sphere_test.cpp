@@ -83,6 +83,47 @@ TEST(LearnShape, CentreSigmaOfAnEggMatchesItsErrors) {
   EXPECT_LT(shape.centre_sigma_m, 1.4 * across_m);
 }
 
+/// A sphere fitted to randomly rotated eggs, of which `visible` of the width is not hidden.
+struct HiddenEgg {
+  double sigma_m, error_m;
+};
+
+HiddenEgg fit_hidden_eggs(double half_length_m, double visible) {
+  constexpr double egg_radius_m = 0.0215;
+  const double box_radius_m = egg_radius_m + 0.5 * half_length_m;
+  RandomStream random(1, "turns");
+  std::vector<BodyView> views;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    const Eigen::Vector4d turn(random.normal(), random.normal(), random.normal(), random.normal());
+    views.push_back(draw(
+        {{0.0, 0.0, half_length_m}, egg_radius_m},
+        Eigen::Translation3d(drawn_at) * Eigen::Quaterniond(turn.normalized()),
+        [&](double x, double) { return x < (1.0 - 2.0 * visible) * box_radius_m; }, seed));
+  }
+  const auto shape = learn_shape(views, box_radius_m, 1);
+  double error_m2 = 0.0;
+  for (const auto& view : views)
+    error_m2 += (fit_sphere(view, shape.radius_m).centre_m - drawn_at).squaredNorm();
+  return {hidden_sphere_centre_sigma_m(shape, visible, box_radius_m),
+          std::sqrt(error_m2 / (3.0 * static_cast<double>(views.size())))};
+}
+
+TEST(LearnShape, CentreSigmaOfAHiddenEggMatchesItsErrors) {
+  EXPECT_LT(fit_hidden_eggs(0.0, 0.5).sigma_m, 0.001) << "a ball";
+  for (const double half_length_m : {0.007, 0.012})
+    for (const double visible : {0.4, 0.5}) {
+      const auto [sigma_m, error_m] = fit_hidden_eggs(half_length_m, visible);
+      EXPECT_GT(sigma_m, 0.6 * error_m) << half_length_m << ", " << visible;
+      EXPECT_LT(sigma_m, 1.4 * error_m) << half_length_m << ", " << visible;
+    }
+}
+
+TEST(LearnShape, LittleUnevennessOfASmallCapTellsLittle) {
+  const ObjectShape sphere{radius_m, std::nullopt, 0.00075, 0.002};
+  EXPECT_DOUBLE_EQ(hidden_sphere_centre_sigma_m(sphere, 0.9, radius_m), 0.002);
+  EXPECT_DOUBLE_EQ(hidden_sphere_centre_sigma_m(sphere, 0.375, radius_m), 0.008);
+}
+
 TEST(FitSphere, IsFiniteForASinglePoint) {
   EXPECT_TRUE(fit_sphere({Eigen::Vector3d::Zero(), {{0.0f, 0.0f, 1.0f}}, {}}, radius_m)
                   .centre_m.allFinite());

@@ -21,6 +21,7 @@ constexpr double sphere_noise_ratio = 3.0;
 /// Error of a sphere's centre along an image axis per unevenness, for an ellipsoid of which the
 /// part within 60 degrees of the line of sight is visible.
 constexpr double sphere_centre_per_unevenness = 2.7;
+constexpr double disc_fraction_within_60_degrees = 0.75;
 /// Error of a body's centre per unevenness, all extents visible: RMS over the axes of twelve
 /// simulated recordings of cans, boxes, cubes and soaps, with their true calibrations.
 constexpr double body_centre_per_unevenness = 0.7;
@@ -149,6 +150,13 @@ ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m,
   return {radius_m, body, deviation_m,
           std::hypot(body_centre_per_unevenness * deviation_m,
                      half_extent_sigma_m.norm() / std::numbers::sqrt3)};
+}
+
+double hidden_sphere_centre_sigma_m(const ObjectShape& sphere, double fraction,
+                                    double box_radius_m) {
+  const double squared_width = std::min(1.0, fraction / disc_fraction_within_60_degrees);
+  return std::hypot(sphere.centre_sigma_m / (squared_width * squared_width),
+                    sphere.radius_m - box_radius_m);
 }
 
 }  // namespace touchtrace::label

@@ -29,4 +29,11 @@ struct ObjectShape {
 /// views, each with surface points. The result does not depend on `num_threads` (0: one per core).
 ObjectShape learn_shape(const std::vector<BodyView>& views, double silhouette_m, int num_threads);
 
+/// ObjectShape::centre_sigma_m of a learnt sphere of whose disc `fraction` is visible. A cap of an
+/// ellipsoid deviates from a sphere by the fourth power of its width, so that little unevenness of
+/// a small cap does not mean a sphere. The difference of the radius of its curvature from that of
+/// the boxes is about the error of the centre.
+double hidden_sphere_centre_sigma_m(const ObjectShape& sphere, double fraction,
+                                    double box_radius_m);
+
 }  // namespace touchtrace::label

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calib/board/chessboard_part.h"
+#include "calib/board/image_matrix.h"
 #include "calib/board/reduced_image.h"
 #include "calib/board/upscaled_image.h"
 #include "engine/base/statistics.h"
@@ -20,17 +21,36 @@ constexpr int large_image_px = 2000;
 constexpr int min_corners_per_side = 3;
 constexpr int num_profile_steps = 64;
 constexpr double min_contrast = 20.0;  ///< [grey levels] of an edge whose width can be measured
-constexpr int exhaustive =
-    cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY;
 
 std::vector<Eigen::Vector2d> find_in_upscaled(const UpscaledImage& image,
-                                              const CalibrationTarget& board, int flags) {
+                                              const CalibrationTarget& board) {
   std::vector<cv::Point2f> points;
-  if (!cv::findChessboardCornersSB(image.pixels, {board.columns, board.rows}, points, flags))
-    return {};
+  if (!cv::findChessboardCornersSB(image.pixels, {board.columns, board.rows}, points)) return {};
   std::vector<Eigen::Vector2d> corners;
   for (const auto& p : points) corners.push_back(image.to_original(p));
   return corners;
+}
+
+/// Corners [rows][columns] of a square board, turned by a quarter.
+std::vector<Eigen::Vector2d> quarter_turned(const std::vector<Eigen::Vector2d>& corners, int side) {
+  std::vector<Eigen::Vector2d> result;
+  for (int row = 0; row < side; ++row)
+    for (int column = 0; column < side; ++column)
+      result.push_back(corners[static_cast<std::size_t>((side - 1 - column) * side + row)]);
+  return result;
+}
+
+/// Orders corners so that in every view the first one has the same squares around it. Tells the two
+/// orders of a board apart whose columns and rows are odd and even, and half turns of a square
+/// board of odd sides from quarter turns.
+void order_by_colors(std::vector<Eigen::Vector2d>& corners, const GreyImage& image,
+                     const CalibrationTarget& board) {
+  const bool is_main_dark = is_corner_0_main_dark(image, board, corners);
+  if ((board.columns + board.rows) % 2 == 1) {
+    if (is_main_dark) std::ranges::reverse(corners);
+  } else if (board.columns == board.rows && !is_main_dark) {
+    corners = quarter_turned(corners, board.columns);
+  }
 }
 
 /// Grey value between pixels; NaN outside of the image.
@@ -107,19 +127,28 @@ double relative_edge_width(const GreyImage& image, const std::vector<Eigen::Vect
   return widths.empty() ? std::numeric_limits<double>::quiet_NaN() : median(std::move(widths));
 }
 
+std::vector<Eigen::Vector2d> find_chessboard_by_squares(const GreyImage& image,
+                                                        const CalibrationTarget& board) {
+  const ReducedImage reduced(image);
+  std::vector<cv::Point2f> points;
+  if (!cv::findChessboardCorners(as_matrix(reduced.image), {board.columns, board.rows}, points,
+                                 cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE))
+    return {};
+  std::vector<Eigen::Vector2d> corners;
+  for (const auto& p : points) corners.emplace_back(p.x, p.y);
+  if (!refine_in_original(corners, reduced, image)) return {};
+  order_by_colors(corners, image, board);
+  return corners;
+}
+
 std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image,
                                              const CalibrationTarget& board) {
   if (std::max(image.width, image.height) > large_image_px)
     return find_in_large_image(image, board);
-  const int scale = default_upscale_factor(image);
-  // Fastest first. No setting detects every board.
-  std::vector<std::pair<int, int>> attempts{
-      {scale, 0}, {scale, exhaustive}, {1, cv::CALIB_CB_ACCURACY}};
-  if (scale > 1) attempts.emplace_back(1, exhaustive);
-  for (const auto& [factor, flags] : attempts)
-    if (auto corners = find_in_upscaled({image, factor}, board, flags); !corners.empty())
-      return corners;
-  return {};
+  auto corners = find_in_upscaled({image, default_upscale_factor(image)}, board);
+  if (corners.empty()) return find_chessboard_by_squares(image, board);
+  order_by_colors(corners, image, board);
+  return corners;
 }
 
 namespace {

@@ -78,7 +78,8 @@ INSTANTIATE_TEST_SUITE_P(
 /// Lit from one side: OpenCV finds the corners only if it is not told how many there are.
 TEST(ChessboardPart, WithAllCornersIsAFullView) {
   cv::Mat drawing = cv::max(draw(board_8x6), 20);
-  for (int x = 0; x < drawing.cols; ++x) drawing.col(x) *= 0.15 + 0.85 * x / drawing.cols;
+  for (int x = 0; x < drawing.cols; ++x)
+    drawing.col(x) *= 0.15 + 0.85 * std::pow(double(x) / drawing.cols, 2);
   const auto pose = board_pose(board_8x6, tilt, {0.0, 0.0, 0.5});
   const GreyImage image =
       testing::render({drawing, Eigen::Vector2d::Constant(2.0 * board_8x6.square_m)}, pose);
@@ -111,6 +112,25 @@ TEST(ChessboardPart, IsNotOfASmallerBoard) {
   EXPECT_EQ(possible_places(*part, board_9x6, {}).size(), 2u);  // half a turn apart
   EXPECT_TRUE(possible_places(*part, {8, 6, 0.03}, {}).empty());
   EXPECT_TRUE(possible_places(*part, {10, 6, 0.03}, {}).empty());  // the board ends after nine
+}
+
+TEST(Chessboard, CornersHaveTheSameOrderHoweverTheBoardIsTurned) {
+  for (const auto& board : {board_9x6, board_8x6, board_7x7, CalibrationTarget{7, 6, 0.03}})
+    for (const double turn_rad : {0.1, 1.6, 3.0, 4.6})
+      for (const auto& find : {find_chessboard, find_chessboard_by_squares}) {
+        SCOPED_TRACE(::testing::Message()
+                     << board.columns << "x" << board.rows << ", " << turn_rad);
+        const auto pose = board_pose(board, {0.3, -0.2, turn_rad}, {0.0, 0.0, 0.6});
+        const auto corners = find(render(board, pose), board);
+        ASSERT_EQ(corners.size(), static_cast<std::size_t>(board.num_corners()));
+        std::vector<int> ids(corners.size());
+        std::iota(ids.begin(), ids.end(), 0);
+        double rms_px = corner_rms_px(board, pose, corners, ids);
+        std::ranges::reverse(ids);
+        if (board.is_symmetric())
+          rms_px = std::min(rms_px, corner_rms_px(board, pose, corners, ids));
+        EXPECT_LT(rms_px, 0.05);
+      }
 }
 
 TEST(Chessboard, ItsSizeIsFound) {

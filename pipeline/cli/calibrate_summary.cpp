@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "calib/rgbd/comparison.h"
 #include "engine/base/text.h"
@@ -71,11 +72,11 @@ void print_board(const RgbdCalibration& c) {
 void print_lens(const RgbdCalibration& c) {
   const auto& details = c.details;
   fmt::print("lens      {}; {:.4f} px RMS", details["lens"].get<std::string>(), c.rms_px);
-  const auto& held_out = details["held_out"];
-  fmt::print(", {} px in held-out views\n",
-             held_out["held_out_rms_px"].is_number()
-                 ? fmt::format("{:.4f}", held_out["held_out_rms_px"].get<double>())
-                 : "unknown");
+  const auto& held_out = details["held_out"]["held_out_rms_px"];
+  const bool is_known = held_out.is_number() && std::isfinite(held_out.get<double>());
+  fmt::print(", {} in held-out views\n",
+             is_known ? fmt::format("{:.4f} px", held_out.get<double>())
+                      : "unknown (no convergence without some of the views)");
   for (const auto& trial : details["lenses"]) {
     const auto& bic = trial["bic"];
     fmt::print("          {:<10} BIC {}", trial["name"].get<std::string>(),

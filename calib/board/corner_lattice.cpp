@@ -50,17 +50,12 @@ std::optional<cv::Matx33d> square_homography(const CornerLattice& lattice, const
   return cv::Matx33d(cv::getPerspectiveTransform(on_square, in_image));
 }
 
-/// Refines first with a radius that bears the error of a prediction, then with one that lens
-/// distortion does not affect.
 std::optional<Eigen::Vector2d> refine_prediction(const GreyImage& image,
                                                  const PredictedCorner& predicted) {
   const double side_px = predicted.min_side_px();
   if (!(side_px < image.width)) return {};
   const int radius_px = std::max(static_cast<int>(max_prediction_error * side_px), min_radius_px);
-  auto corner = refine_saddle_point(image, predicted.at_px, radius_px);
-  if (corner && radius_px > max_radius_px)
-    corner = refine_saddle_point(image, *corner, max_radius_px);
-  return corner;
+  return refine_saddle_point(image, predicted.at_px, radius_px, max_radius_px);
 }
 
 /// The corner after `cell`, if the image shows one there.

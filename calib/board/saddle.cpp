@@ -54,4 +54,13 @@ std::optional<Eigen::Vector2d> refine_saddle_point(const GreyImage& image,
   return {};
 }
 
+std::optional<Eigen::Vector2d> refine_saddle_point(const GreyImage& image,
+                                                   const Eigen::Vector2d& start_px, int radius_px,
+                                                   int final_radius_px) {
+  const auto corner = refine_saddle_point(image, start_px, radius_px);
+  return corner && radius_px > final_radius_px
+             ? refine_saddle_point(image, *corner, final_radius_px)
+             : corner;
+}
+
 }  // namespace touchtrace

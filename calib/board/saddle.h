@@ -13,4 +13,10 @@ namespace touchtrace {
 std::optional<Eigen::Vector2d> refine_saddle_point(const GreyImage& image,
                                                    const Eigen::Vector2d& start_px, int radius_px);
 
+/// The same within `radius_px`, for the error of the start, then within `final_radius_px` if that
+/// is smaller: the saddle point of a small neighbourhood is less affected by lens distortion.
+std::optional<Eigen::Vector2d> refine_saddle_point(const GreyImage& image,
+                                                   const Eigen::Vector2d& start_px, int radius_px,
+                                                   int final_radius_px);
+
 }  // namespace touchtrace

@@ -46,7 +46,7 @@ std::vector<Eigen::Vector2d> quarter_turned(const std::vector<Eigen::Vector2d>& 
 void order_by_colors(std::vector<Eigen::Vector2d>& corners, const GreyImage& image,
                      const CalibrationTarget& board) {
   const bool is_main_dark = is_corner_0_main_dark(image, board, corners);
-  if ((board.columns + board.rows) % 2 == 1) {
+  if (!board.is_symmetric()) {
     if (is_main_dark) std::ranges::reverse(corners);
   } else if (board.columns == board.rows && !is_main_dark) {
     corners = quarter_turned(corners, board.columns);

@@ -40,17 +40,15 @@ std::vector<Eigen::Vector2d> quarter_turned(const std::vector<Eigen::Vector2d>& 
   return result;
 }
 
-/// Orders corners so that in every view the first one has the same squares around it. Tells the two
-/// orders of a board apart whose columns and rows are odd and even, and half turns of a square
-/// board of odd sides from quarter turns.
+/// Orders corners so that the first one has the same squares around it in every view. This leaves
+/// one order of a board that is not symmetric, and two of a square board of odd sides, half a turn
+/// apart.
 void order_by_colors(std::vector<Eigen::Vector2d>& corners, const GreyImage& image,
                      const CalibrationTarget& board) {
   const bool is_main_dark = is_corner_0_main_dark(image, board, corners);
-  if (!board.is_symmetric()) {
-    if (is_main_dark) std::ranges::reverse(corners);
-  } else if (board.columns == board.rows && !is_main_dark) {
-    corners = quarter_turned(corners, board.columns);
-  }
+  const bool is_odd_square = board.columns == board.rows && board.columns % 2 == 1;
+  if (!board.is_symmetric() && is_main_dark) std::ranges::reverse(corners);
+  if (is_odd_square && !is_main_dark) corners = quarter_turned(corners, board.columns);
 }
 
 /// Grey value between pixels; NaN outside of the image.

@@ -62,11 +62,12 @@ ObjectShape shape_from(const SceneModel& model, const FrameSource& frames,
     if (box) views[i].box = box_planes(model.segmenter->color_camera(), *box, patch.centroid_m);
   });
   const double fraction = quantile(std::move(fractions), unhidden_quantile);
-  if (fraction < min_shape_fraction) return boxed.sphere();
+  const auto boxed_sphere = boxed.sphere();
+  if (fraction < min_shape_fraction) return boxed_sphere;
   auto shape = learn_shape(views, silhouette_m, num_threads);
   if (shape.body) return shape;
   shape.centre_sigma_m = hidden_sphere_centre_sigma_m(shape, fraction, boxed.radius_m);
-  return shape.centre_sigma_m < boxed.sphere().centre_sigma_m ? shape : boxed.sphere();
+  return shape.centre_sigma_m < boxed_sphere.centre_sigma_m ? shape : boxed_sphere;
 }
 
 }  // namespace

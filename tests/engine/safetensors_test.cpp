@@ -89,7 +89,8 @@ TEST_F(Safetensors, IsReadableByPythonPackage) {
                     false);
   const std::string script =
       "import sys;from safetensors import safe_open;f=safe_open(sys.argv[1],'numpy');"
-      "assert f.metadata()['note']=='x';assert f.get_tensor('w').tolist()==[[1,2],[3,4.5]];"
+      "m=f.metadata();assert m.keys()=={'note','checksum'} and m['note']=='x';"
+      "assert f.get_tensor('w').tolist()==[[1,2],[3,4.5]];"
       "assert f.get_tensor('v').tolist()==[7]";
   EXPECT_EQ(std::system(("python3 -c \"" + script + "\" " + path().string()).c_str()), 0);
 }

@@ -146,7 +146,9 @@ TEST_F(TrainerTest, NamesTheSourceOfAValueThatIsNotFinite) {
   batch = good, batch.target[7] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_TRUE(contains(not_finite_error(run, batch), "the labels are not finite"));
   batch = good, batch.initial_state.assign(batch.initial_state.size(), 3e38f);
-  EXPECT_TRUE(contains(not_finite_error(run, batch), "the output of rollout"));
+  const std::string kernel =
+      runtime_.kernel_variant() == KernelVariant::gpu ? "rollout_gpu" : "rollout";
+  EXPECT_TRUE(contains(not_finite_error(run, batch), "the output of " + kernel + " is not finite"));
   batch = good, batch.target[7] = 3e38f;
   EXPECT_TRUE(contains(not_finite_error(run, batch), "the output of state_loss is not finite"));
   EXPECT_EQ(run.weights(folder_ / "after"), before);

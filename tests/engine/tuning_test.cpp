@@ -41,7 +41,8 @@ Tuning odd_tuning() {
 
 TEST(Conv2dCandidates, MatchReference) {
   Runtime runtime(choose_device(""));
-  if (runtime.kernel_variant() == KernelVariant::gpu) GTEST_SKIP() << "GPU kernels have no candidates";
+  if (runtime.kernel_variant() == KernelVariant::gpu)
+    GTEST_SKIP() << "GPU kernels have no candidates";
   for (const auto& shape : {planes, blocks}) {
     const auto [products, gradients] = conv2d_candidates(runtime, shape);
     EXPECT_GE(products.size(), 3u);

@@ -3,7 +3,7 @@ import collections
 
 import torch
 
-from .training import WARM_UP, TorchTrainer
+from .training import WARM_UP, Setting, TorchTrainer
 
 
 class CudaSetting(collections.namedtuple("CudaSetting", "graph compiled channels_last")):
@@ -14,9 +14,7 @@ class CudaSetting(collections.namedtuple("CudaSetting", "graph compiled channels
                           "channels_last" if self.channels_last else "NCHW",
                           "CUDA graph" if self.graph else "CUDA launches"))
 
-    @property
-    def format(self):
-        return torch.channels_last if self.channels_last else torch.contiguous_format
+    format = Setting.format
 
     def applied_to(self, function):
         return torch.compile(function, dynamic=False) if self.compiled else function

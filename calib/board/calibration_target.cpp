@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <ranges>
 
 namespace touchtrace {
 namespace {
@@ -9,11 +10,26 @@ namespace {
 constexpr std::size_t min_corners = 8;
 
 constexpr const TargetKind* kinds[] = {&chessboard_kind, &charuco_kind, &aprilgrid_kind,
-                                       &circles_kind, &asymmetric_circles_kind};
+                                       &aruco_grid_kind, &circles_kind, &asymmetric_circles_kind};
 
 }  // namespace
 
 std::span<const TargetKind* const> target_kinds() { return kinds; }
+
+std::optional<OtherTarget> recognize_target(const GreyImage& image, const TargetKind& except) {
+  // From the last one on: a tag may look like a part of a chessboard.
+  for (const TargetKind* kind : kinds | std::views::reverse)
+    if (kind != &except && kind->recognize)
+      if (const auto other = kind->recognize(image)) return other;
+  return {};
+}
+
+std::optional<OtherTarget> find_other_target(const GreyImage& image,
+                                             const CalibrationTarget& asked) {
+  if (asked.kind->find_other)
+    if (const auto other = asked.kind->find_other(image, asked)) return other;
+  return recognize_target(image, *asked.kind);
+}
 
 Eigen::Vector2d square_lattice_m(const CalibrationTarget& target, int column, int row) {
   return target.square_m * Eigen::Vector2d(column, row);

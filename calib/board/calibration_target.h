@@ -19,14 +19,18 @@ using TargetCorners = std::pair<std::vector<Eigen::Vector2d>, std::vector<int>>;
 /// Another target than the one that was asked for.
 struct OtherTarget {
   std::string seen;  ///< "no board of 9x6 inner corners but one of 8x5"
-  std::string hint;
+  std::string hint;  ///< how to ask for it
 };
+
+inline constexpr const char* any_dictionary = "any";
 
 /// A kind of calibration target. Each is defined with its detector.
 struct TargetKind {
   const char* name;
   const char* element;  ///< what a user counts, e.g. "tags"
   int element_corners;  ///< corners of an element in a row
+  /// Dictionary of its markers; any_dictionary: the user's; nullptr: it has none.
+  const char* dictionary;
   /// Place of a corner in the target's frame.
   Eigen::Vector2d (*place_m)(const CalibrationTarget& target, int column, int row);
   /// Whether the target looks the same after half a turn, so that a view does not tell its order.
@@ -35,31 +39,39 @@ struct TargetKind {
   /// What an image without `asked` shows; nullptr: cannot tell.
   std::optional<OtherTarget> (*find_other)(const GreyImage& image,
                                            const CalibrationTarget& asked) = nullptr;
+  /// What an image shows, if it shows a target of this kind; nullptr: cannot tell.
+  std::optional<OtherTarget> (*recognize)(const GreyImage& image) = nullptr;
   /// What `views` show, if it has other proportions than `asked`; nullptr: cannot tell.
   std::optional<OtherTarget> (*find_other_proportions)(const std::vector<BoardView>& views,
                                                        const CalibrationTarget& asked) = nullptr;
 };
 
-extern const TargetKind chessboard_kind, charuco_kind, aprilgrid_kind, circles_kind,
-    asymmetric_circles_kind;
+extern const TargetKind chessboard_kind, charuco_kind, aprilgrid_kind, aruco_grid_kind,
+    circles_kind, asymmetric_circles_kind;
 
 /// All kinds. A new one is added here.
 std::span<const TargetKind* const> target_kinds();
 
-/// Flat calibration target by its corners: inner corners of a chessboard, four of each tag of an
-/// AprilGrid, or centres of circles. Corners are numbered along the rows. Frame: origin at corner 0
-/// (asymmetric circles, too), x along a row, y along a column, z = 0, metres.
+/// Another target that an image shows: of the kind that was asked for, or else of another.
+std::optional<OtherTarget> find_other_target(const GreyImage& image,
+                                             const CalibrationTarget& asked);
+/// A target of any kind but `except`.
+std::optional<OtherTarget> recognize_target(const GreyImage& image, const TargetKind& except);
+
+/// Flat calibration target by its corners: inner corners of a chessboard, four of each tag of a
+/// grid of tags, or centres of circles. Corners are numbered along the rows. Frame: origin at
+/// corner 0 (asymmetric circles, too), x along a row, y along a column, z = 0, metres.
 struct CalibrationTarget {
   struct Markers {
-    std::string dictionary;  ///< ChArUco: one of marker_dictionaries()
+    std::string dictionary;  ///< one of marker_dictionaries()
     double side_m;
   };
 
-  int columns = 9, rows = 6;  ///< corners in each row and column; AprilGrid: twice the tags
-  /// Side of a square. AprilGrid: distance from tag to tag. Circles: distance of their centres.
+  int columns = 9, rows = 6;  ///< corners in each row and column; twice the tags
+  /// Side of a square. Grids of tags: distance from tag to tag. Circles: distance of their centres.
   /// Asymmetric circles: distance of rows, half the distance in a row.
   double square_m = 0.025;
-  std::optional<Markers> markers = std::nullopt;  ///< ChArUco, AprilGrid
+  std::optional<Markers> markers = std::nullopt;  ///< ChArUco, grids of tags
   const TargetKind* kind = &chessboard_kind;
   bool is_flat = false;  ///< its warp is not estimated
 

@@ -18,8 +18,6 @@ constexpr int min_radius_px = 2, max_radius_px = 10;
 constexpr int min_squares = 3, max_squares = 40;  ///< in a row, of boards that are looked for
 constexpr std::size_t min_markers_of_other = 6, min_corners_of_other = 6;
 constexpr double min_ratio = 0.3, max_ratio = 0.95, ratio_step = 0.05;  ///< of marker to square
-constexpr const char* common_dictionaries[] = {"4x4_1000", "5x5_1000", "6x6_1000", "7x7_1000",
-                                               "original"};
 
 /// Which squares hold the markers 0, 1, ..., along the rows.
 struct MarkerLayout {
@@ -166,6 +164,23 @@ std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationT
                      fmt::format("give --columns {}; --rows counts inner corners, too", *columns)};
 }
 
+std::optional<OtherTarget> recognize(const GreyImage& image) {
+  CalibrationTarget board;
+  for (const char* dictionary : common_dictionaries) {
+    const DecodedMarkers markers = decode_markers(image, dictionary, border_bits);
+    for (double ratio = min_ratio; ratio < max_ratio; ratio += ratio_step) {
+      board.markers = {dictionary, ratio * board.square_m};
+      if (const auto columns = columns_shown(markers, board))
+        return OtherTarget{
+            fmt::format("a ChArUco board with markers of {} and {} inner corners in a row",
+                        dictionary, *columns),
+            fmt::format("give --target charuco --markers {} --columns {}, and the number of --rows",
+                        dictionary, *columns)};
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 TargetCorners find_charuco_corners(const GreyImage& image, const CalibrationTarget& board) {
@@ -188,9 +203,11 @@ TargetCorners find_charuco_corners(const GreyImage& image, const CalibrationTarg
 const TargetKind charuco_kind{"charuco",
                               "inner corners",
                               1,
+                              any_dictionary,
                               square_lattice_m,
                               [](const CalibrationTarget&) { return false; },
                               find_charuco_corners,
-                              find_other};
+                              find_other,
+                              recognize};
 
 }  // namespace touchtrace

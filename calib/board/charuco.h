@@ -4,9 +4,6 @@
 
 namespace touchtrace {
 
-/// Names of the supported ArUco dictionaries: "4x4_50", ..., "7x7_1000", "original".
-std::vector<std::string> marker_dictionaries();
-
 /// Returns the visible corners of a ChArUco board (Garrido-Jurado et al., Pattern Recognition
 /// 2014) and their board indices. Both are empty below 8 corners, or if these do not span two rows
 /// and two columns. Board layout: cv::aruco::CharucoBoard, with a black square in the upper left

@@ -10,6 +10,7 @@
 
 #include "calib/board/chessboard_part.h"
 #include "calib/board/image_matrix.h"
+#include "calib/board/interpolated_grey.h"
 #include "calib/board/reduced_image.h"
 #include "calib/board/upscaled_image.h"
 #include "engine/base/statistics.h"
@@ -51,27 +52,14 @@ void order_by_colors(std::vector<Eigen::Vector2d>& corners, const GreyImage& ima
   if (is_odd_square && !is_main_dark) corners = quarter_turned(corners, board.columns);
 }
 
-/// Grey value between pixels; NaN outside of the image.
-double interpolated(const GreyImage& image, const Eigen::Vector2d& pixel) {
-  const int x = static_cast<int>(std::floor(pixel.x())),
-            y = static_cast<int>(std::floor(pixel.y()));
-  if (x < 0 || y < 0 || x + 1 >= image.width || y + 1 >= image.height)
-    return std::numeric_limits<double>::quiet_NaN();
-  const double right = pixel.x() - x, below = pixel.y() - y;
-  const auto grey = [&](int column, int row) -> double {
-    return image.pixels[static_cast<std::size_t>(row * image.width + column)];
-  };
-  return (1.0 - below) * ((1.0 - right) * grey(x, y) + right * grey(x + 1, y)) +
-         below * ((1.0 - right) * grey(x, y + 1) + right * grey(x + 1, y + 1));
-}
-
 /// Grey values from the centre of one square, across the middle of an edge, to that of the next.
 /// `across`: side of a square, perpendicular to the edge.
 std::vector<double> edge_profile(const GreyImage& image, const Eigen::Vector2d& middle,
                                  const Eigen::Vector2d& across) {
   std::vector<double> profile;
   for (int i = 0; i <= num_profile_steps; ++i)
-    profile.push_back(interpolated(image, middle + (double(i) / num_profile_steps - 0.5) * across));
+    profile.push_back(
+        interpolated_grey(image, middle + (double(i) / num_profile_steps - 0.5) * across));
   return profile;
 }
 
@@ -163,18 +151,27 @@ std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationT
                                  seen->columns, seen->rows)};
 }
 
+std::optional<OtherTarget> recognize(const GreyImage& image) {
+  const auto seen = find_board_size(image);
+  if (!seen) return {};
+  return OtherTarget{fmt::format("a chessboard of {}x{} inner corners", seen->columns, seen->rows),
+                     "leave out --target, --markers, --columns and --rows"};
+}
+
 }  // namespace
 
 const TargetKind chessboard_kind{
     "chessboard",
     "inner corners",
     1,
+    nullptr,
     square_lattice_m,
     [](const CalibrationTarget& board) { return (board.columns + board.rows) % 2 == 0; },
     [](const GreyImage& image, const CalibrationTarget& board) {
       return TargetCorners{find_chessboard(image, board), {}};
     },
-    find_other};
+    find_other,
+    recognize};
 
 std::optional<BoardSize> find_board_size(const GreyImage& image) {
   const auto part = find_chessboard_part(ReducedImage(image).image);

@@ -170,6 +170,7 @@ TargetCorners find_circle_centres(const GreyImage& image, const CalibrationTarge
 const TargetKind circles_kind{"circles",
                               "circles",
                               1,
+                              nullptr,
                               square_lattice_m,
                               [](const CalibrationTarget&) { return true; },
                               find_circle_centres};
@@ -178,6 +179,7 @@ const TargetKind asymmetric_circles_kind{
     "asymmetric-circles",
     "circles",
     1,
+    nullptr,
     asymmetric_place_m,
     [](const CalibrationTarget& target) { return target.rows % 2 == 0; },
     find_circle_centres};

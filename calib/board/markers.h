@@ -20,13 +20,23 @@ struct DecodedMarkers {
   const Corners* find(int id) const;
 };
 
-/// Decodes the markers of a dictionary: "apriltag_36h11" or one of marker_dictionaries().
-/// `border_bits`: width of the black border. Throws usage_error for another dictionary.
+/// Names of the dictionaries: "4x4_50", ..., "7x7_1000", "original", "apriltag_16h5", ...
+std::vector<std::string> marker_dictionaries();
+
+/// Dictionaries that contain most of the others of as many bits.
+inline constexpr const char* common_dictionaries[] = {"4x4_1000", "5x5_1000", "6x6_1000",
+                                                      "7x7_1000", "original", "apriltag_36h11"};
+
+/// Decodes the markers of a dictionary, one of marker_dictionaries(). `border_bits`: width of the
+/// black border. Throws usage_error for another dictionary.
 DecodedMarkers decode_markers(const GreyImage& image, const std::string& dictionary,
                               int border_bits);
 
 /// Number of markers in a dictionary.
 int dictionary_size(const std::string& dictionary);
+
+/// Bits in a row of a marker of a dictionary, without its border.
+int bits_in_row(const std::string& dictionary);
 
 /// A decoded marker and its place: that of its upper left corner [sides of a marker], y down.
 struct PlacedMarker {

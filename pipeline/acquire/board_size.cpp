@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
+#include <ranges>
 
 #include "calib/rgbd/calibrate.h"
 #include "engine/base/error.h"
@@ -28,6 +29,24 @@ bool is_clear(const std::map<BoardSize, int>& corners_of) {
   return most - second >= clear_lead;
 }
 
+/// nullopt if the file is no image.
+std::optional<GreyImage> decode_grey(const std::filesystem::path& path) {
+  const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  if (pixels.empty()) return {};
+  return GreyImage{pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}};
+}
+
+/// Error that says what the first images show instead.
+Error no_chessboard(const std::vector<std::filesystem::path>& images) {
+  for (const auto& path : images | std::views::take(num_probed_images))
+    if (const auto image = decode_grey(path))
+      if (const auto other = recognize_target(*image, chessboard_kind))
+        return data_error(fmt::format("{} shows no chessboard but {}", path.string(), other->seen),
+                          other->hint);
+  return data_error("no image shows a chessboard",
+                    "give --columns and --rows, which count inner corners, or another --target");
+}
+
 }  // namespace
 
 BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
@@ -35,16 +54,12 @@ BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
   Progress progress("looking for the size of the board", images.size());
   for (const auto& path : images) {
     progress.advance();
-    const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-    if (pixels.empty()) continue;
-    const auto size =
-        find_board_size(GreyImage{pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}});
+    const auto image = decode_grey(path);
+    const auto size = image ? find_board_size(*image) : std::nullopt;
     if (size) corners_of[*size] += size->columns * size->rows;
     if (is_clear(corners_of)) break;
   }
-  if (corners_of.empty())
-    throw data_error("no image shows a chessboard",
-                     "give --columns and --rows, which count inner corners, or another --target");
+  if (corners_of.empty()) throw no_chessboard(images);
   return std::ranges::max_element(corners_of, {}, [](const auto& entry) { return entry.second; })
       ->first;
 }
@@ -52,9 +67,8 @@ BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
 void OtherTargetCheck::add(const GreyImage& image, BoardFound found,
                            const std::filesystem::path& path) {
   ++(found == BoardFound::nothing ? missed_ : found_);
-  if (found != BoardFound::whole && asked_.kind->find_other && !other_ &&
-      ++probed_ <= num_probed_images) {
-    other_ = asked_.kind->find_other(image, asked_);
+  if (found != BoardFound::whole && !other_ && ++probed_ <= num_probed_images) {
+    other_ = find_other_target(image, asked_);
     image_ = path.string();
   }
   if (missed_ > num_probed_images + 4 * found_) require_no_other();

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "calib/board/charuco.h"
+#include "calib/board/markers.h"
 #include "calib/rgbd/calibrate.h"
 #include "calib/rgbd/comparison.h"
 #include "calib/rgbd/next_view.h"
@@ -83,12 +83,12 @@ void describe(OptionSet& set, CalibrateOptions& o) {
              1000.0)
       .value("MM");
   set.choice("markers", o.markers,
-             "ArUco dictionary of a ChArUco board, e.g. 5x5_100; none: no ChArUco board",
+             "dictionary of a ChArUco board or ArUco grid, e.g. 5x5_100; none: no such target",
              marker_choices())
       .value("DICTIONARY");
   set.number("marker-mm", o.marker_mm, "side of a marker or tag [mm]", 0.1, 1000.0).value("MM");
-  set.number("tag-spacing", o.tag_spacing, "space between AprilGrid tags over their side", 0.01,
-             1.0);
+  set.number("tag-spacing", o.tag_spacing, "space between the tags of a grid over their side", 0.01,
+             2.0);
 }
 
 /// The images that tell the size of the board.
@@ -108,19 +108,25 @@ BoardSize board_size_of(const CalibrateOptions& o) {
   return size;
 }
 
+/// Dictionary of the target's markers, if it has any.
+std::optional<std::string> dictionary_of(const CalibrateOptions& o, const TargetKind& kind) {
+  if (!kind.dictionary) return {};
+  if (kind.dictionary != any_dictionary) return kind.dictionary;
+  if (o.markers == "none")
+    throw usage_error(fmt::format("a target of kind {} needs a dictionary of markers", kind.name),
+                      "add e.g. --markers 5x5_100");
+  return o.markers;
+}
+
 CalibrationTarget target_of(const CalibrateOptions& o) {
   const BoardSize size = board_size_of(o);
   CalibrationTarget target{size.columns, size.rows, 1e-3 * o.square_mm};
   target.kind = *std::ranges::find(target_kinds(), o.target, &TargetKind::name);
   if (target.kind == &chessboard_kind && o.markers != "none") target.kind = &charuco_kind;
-  if (target.kind == &charuco_kind) {
-    if (o.markers == "none")
-      throw usage_error("a ChArUco board needs an ArUco dictionary", "add e.g. --markers 5x5_100");
-    target.markers = {o.markers, 1e-3 * o.marker_mm};
-  }
-  if (target.kind == &aprilgrid_kind) {
+  if (const auto dictionary = dictionary_of(o, *target.kind))
+    target.markers = {*dictionary, 1e-3 * o.marker_mm};
+  if (target.kind->element_corners == 2) {
     target.columns *= 2, target.rows *= 2;
-    target.markers = {"apriltag_36h11", 1e-3 * o.marker_mm};
     target.square_m = target.markers->side_m * (1.0 + o.tag_spacing);
   } else if (std::min(size.columns, size.rows) < 3) {
     throw usage_error(fmt::format("a {} of {}x{} is too small", o.target, size.columns, size.rows),

@@ -125,7 +125,17 @@ TEST(AprilGrid, TellsHowManyTagsARowHas) {
   EXPECT_TRUE(find_aprilgrid_corners(image, asked).first.empty());
   const auto other = aprilgrid_kind.find_other(image, asked);
   ASSERT_TRUE(other);
-  EXPECT_EQ(other->seen, "no AprilGrid with 5 tags in a row but one with 6");
+  EXPECT_EQ(other->seen, "no grid with 5 tags in a row but one with 6");
+}
+
+TEST(AprilGrid, IsRecognizedWhereAnotherKindWasAskedFor) {
+  const auto image = render(board_pose(aprilgrid(), {0.4, -0.3, 0.2}, {0.0, 0.0, 0.28}));
+  for (const TargetKind* kind : target_kinds()) {
+    if (kind == &aprilgrid_kind) continue;
+    const auto other = recognize_target(image, *kind);
+    ASSERT_TRUE(other) << kind->name;
+    EXPECT_EQ(other->seen, "an AprilGrid with 6 tags in a row") << kind->name;
+  }
 }
 
 TEST(AprilGrid, RejectsImpossibleTargets) {

@@ -147,6 +147,16 @@ TEST(Charuco, TellsTheDictionary) {
   EXPECT_EQ(other->hint, "give --markers 5x5_1000");
 }
 
+TEST(Charuco, IsRecognizedWhereAnotherKindWasAskedFor) {
+  const auto image = render(charuco(), board_pose(charuco(), {0.4, -0.3, 0.2}, {0.02, 0.01, 0.5}));
+  for (const TargetKind* kind : target_kinds()) {
+    if (kind == &charuco_kind) continue;
+    const auto other = recognize_target(image, *kind);
+    ASSERT_TRUE(other) << kind->name;
+    EXPECT_EQ(other->seen, "a ChArUco board with markers of 5x5_1000 and 8 inner corners in a row");
+  }
+}
+
 TEST(Charuco, RejectsImpossibleBoards) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
   CalibrationTarget board = charuco();

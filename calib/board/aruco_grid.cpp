@@ -1,0 +1,68 @@
+#include "calib/board/aruco_grid.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "calib/board/marker_sides.h"
+#include "calib/board/tag_grid.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr int border_bits = 1;
+
+DecodedMarkers decode(const GreyImage& image, const CalibrationTarget& grid) {
+  return decode_markers(image, grid.markers->dictionary, border_bits);
+}
+
+/// Leaves out markers whose sides are not clear.
+DecodedMarkers refined(const GreyImage& image, const DecodedMarkers& rough,
+                       const CalibrationTarget& grid) {
+  const double space = grid.square_m / grid.markers->side_m - 1.0,
+               bit = 1.0 / (bits_in_row(grid.markers->dictionary) + 2 * border_bits);
+  DecodedMarkers markers;
+  for (std::size_t i = 0; i < rough.ids.size(); ++i)
+    if (const auto corners_px = refine_by_sides(image, rough.corners_px[i], std::min(space, bit)))
+      markers.ids.push_back(rough.ids[i]), markers.corners_px.push_back(*corners_px);
+  return markers;
+}
+
+std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationTarget& asked) {
+  return find_other_tag_columns(decode(image, asked), asked, FirstRow::top);
+}
+
+std::optional<OtherTarget> recognize(const GreyImage& image) {
+  for (const char* dictionary : common_dictionaries)
+    if (const auto in_row =
+            find_tags_in_row(decode_markers(image, dictionary, border_bits), FirstRow::top))
+      return OtherTarget{
+          fmt::format("a grid of {} markers with {} in a row", dictionary, *in_row),
+          fmt::format(
+              "give --target aruco-grid --markers {} --columns {}, and the number of --rows",
+              dictionary, *in_row)};
+  return {};
+}
+
+}  // namespace
+
+TargetCorners find_aruco_grid_corners(const GreyImage& image, const CalibrationTarget& grid) {
+  require_possible_tag_grid(grid);
+  const DecodedMarkers markers = decode(image, grid);
+  if (!lie_as_in_grid(markers, grid, FirstRow::top)) return {};
+  TargetCorners corners = tag_corners(refined(image, markers, grid), grid, FirstRow::top);
+  return determine_pose(corners.second, grid) ? corners : TargetCorners{};
+}
+
+const TargetKind aruco_grid_kind{"aruco-grid",
+                                 "tags",
+                                 2,
+                                 any_dictionary,
+                                 tag_corner_m,
+                                 [](const CalibrationTarget&) { return false; },
+                                 find_aruco_grid_corners,
+                                 find_other,
+                                 recognize,
+                                 find_other_tag_spacing};
+
+}  // namespace touchtrace

@@ -37,9 +37,14 @@ def fail(message, hint):
     sys.exit(f"error: {message}\nhint: {hint}")
 
 
+def has_frames(recording, stream):
+    return stream in recording and "host_time_s" in recording[stream]
+
+
 def clips_of(recording):
     """Start and end [s] and object of each clip; what the file lacks has the defaults of pipeline/recording/README.md."""
-    stamps = [recording[stream]["host_time_s"][:] for stream in ("glove0", "glove1", "color", "depth") if stream in recording]
+    stamps = [recording[stream]["host_time_s"][:] for stream in ("glove0", "glove1", "color", "depth")
+              if has_frames(recording, stream)]
     whole = {"start_s": min(s.min() for s in stamps), "end_s": np.nextafter(max(s.max() for s in stamps), np.inf),
              "object": b"object"}
     clips = recording.get("clips", {})
@@ -111,7 +116,7 @@ def image_columns(recording, time_s):
     """For each time the image that arrived nearest to it."""
     columns = {}
     for name, stream in STREAMS.items():
-        if stream not in recording:
+        if not has_frames(recording, stream):
             continue
         stamps = recording[stream]["host_time_s"][:]
         nearest = np.abs(stamps[None] - time_s[:, None]).argmin(1)

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -40,6 +41,13 @@ std::string nearest_name(std::string_view wrong, const std::vector<std::string>&
     if (distance < best) best = distance, nearest = name;
   }
   return nearest;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  std::ranges::transform(result, result.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return result;
 }
 
 std::string comma_separated(const std::vector<std::string>& names) {

@@ -11,6 +11,9 @@ namespace touchtrace {
 /// none is near enough to suggest.
 std::string nearest_name(std::string_view wrong, const std::vector<std::string>& names);
 
+/// Letters of ASCII in lower case.
+std::string lower_case(std::string_view text);
+
 /// "a, b, c"
 std::string comma_separated(const std::vector<std::string>& names);
 

@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 
 #include "engine/base/error.h"
+#include "engine/base/text.h"
 
 namespace touchtrace {
 namespace {
@@ -32,14 +32,10 @@ DeviceInfo describe(int number, const cl::Platform& platform, const cl::Device& 
   return info;
 }
 
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 bool matches(const DeviceInfo& info, const std::string& selector) {
   return selector == std::to_string(info.number) || selector == info.type ||
-         lower(info.name + " " + info.platform).find(lower(selector)) != std::string::npos;
+         lower_case(info.name + " " + info.platform).find(lower_case(selector)) !=
+             std::string::npos;
 }
 
 /// GPUs before accelerators before CPUs, then by compute units.

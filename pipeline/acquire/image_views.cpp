@@ -11,6 +11,7 @@
 #include "calib/board/board_detector.h"
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "engine/base/text.h"
 #include "pipeline/acquire/board_size.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/acquire/decode_image.h"
@@ -25,9 +26,7 @@ constexpr std::array image_extensions{".png",  ".jpg", ".jpeg", ".bmp", ".tif",
                                       ".tiff", ".pgm", ".ppm",  ".webp"};
 
 bool is_image(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = lower_case(path.extension().string());
   return fs::is_regular_file(path) &&
          std::ranges::find(image_extensions, extension) != image_extensions.end();
 }

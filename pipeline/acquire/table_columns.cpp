@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
 
 namespace touchtrace {
 namespace {
@@ -65,7 +66,7 @@ std::optional<TableColumn> find_column(const TextTable& table,
         throw data_error(fmt::format("{}: both columns '{}' and '{}' could be meant",
                                      table.file().string(), found->label, columns[i]),
                          "rename one of them");
-      found = TableColumn{i, per_unit, columns[i]};
+      found = TableColumn{i, per_unit, columns[i], !suffix.empty()};
     }
   return found;
 }
@@ -92,6 +93,11 @@ void for_each_row(TextTable& table, std::size_t max_rows, const std::string& hin
       throw data_error(
           fmt::format("{} has more rows than the limit of {}", table.file().string(), max_rows),
           "split the file");
+    if (table.is_cut_off() && table.fields().size() < table.num_columns()) {
+      Progress::warn(
+          fmt::format("{}: left out the last row, which is cut off", table.file().string()));
+      break;
+    }
     try {
       if (table.fields().size() != table.num_columns())
         throw LineFault{

@@ -15,6 +15,7 @@ struct TableColumn {
   std::size_t index;
   double per_unit = 1.0;  ///< the column's values divided by it are in seconds or metres
   std::string label;      ///< for messages
+  bool has_unit = false;  ///< its name has one
 };
 
 /// Unit by the suffix of a column's name: "_ms" has 1000 per second.
@@ -46,8 +47,8 @@ template <class Number>
 Number value_of(const TextTable& table, const TableColumn& column);
 
 /// Calls `add_row` for each row of the table. Throws data_error with the first few faults of all
-/// rows: each LineFault that `add_row` throws, and rows of another length than the first. Throws
-/// data_error for more than `max_rows`.
+/// rows: each LineFault that `add_row` throws, and rows of another length than the first. Leaves
+/// out a last row that was cut off, with a warning. Throws data_error for more than `max_rows`.
 void for_each_row(TextTable& table, std::size_t max_rows, const std::string& hint,
                   const std::function<void()>& add_row);
 

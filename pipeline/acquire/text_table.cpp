@@ -13,6 +13,7 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
+#include "engine/base/text.h"
 
 namespace touchtrace {
 namespace {
@@ -20,12 +21,6 @@ namespace {
 constexpr std::size_t max_quoted_bytes = 40;
 constexpr std::string_view blanks = " \t\r\v\f";
 constexpr std::size_t min_wide_columns = 10;  // of tables that may follow other lines
-
-std::string lower_case(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(blanks);
@@ -40,7 +35,7 @@ std::string_view without_quotes(std::string_view field) {
 }
 
 char separator_of(std::string_view line) {
-  for (char separator : {';', '\t', ','})
+  for (char separator : {';', '\t', '|', ','})
     if (line.find(separator) != std::string_view::npos) return separator;
   return ' ';
 }
@@ -102,11 +97,17 @@ std::vector<std::string> column_names(const std::vector<std::string_view>& field
   return names;
 }
 
-bool is_header(const std::vector<std::string_view>& fields, bool has_decimal_comma) {
-  return std::ranges::none_of(fields, [&](std::string_view field) {
-    const auto number = parse_number<double>(field, has_decimal_comma);
-    return number && !std::isnan(*number);
-  });
+constexpr std::size_t min_counted_columns = 10;
+
+/// Numbers of columns: 0, 1, 2, ... or 1, 2, 3, ..., perhaps behind that of an index without a
+/// name.
+bool counts_columns(std::span<const std::string_view> fields) {
+  if (!fields.empty() && fields.front().empty()) fields = fields.subspan(1);
+  if (fields.size() < min_counted_columns) return false;
+  const std::size_t first = fields.front() == "1" ? 1 : 0;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    if (fields[i] != std::to_string(first + i)) return false;
+  return true;
 }
 
 bool is_missing(std::string_view field) {
@@ -122,8 +123,35 @@ TextTable::TextTable(std::filesystem::path file)
     throw data_error(fmt::format("{} is not a text file in UTF-8 or ASCII", file_.string()),
                      "save or export it as CSV");
   if (text_.starts_with("\xEF\xBB\xBF")) next_ = 3;  // byte order mark
+  if (const std::size_t skipped = skip_introduction(); skipped > 0)
+    Progress::report(fmt::format("{}: skipped {} lines before the table", file_.string(), skipped));
+  if (trimmed(content_).empty())
+    throw data_error(fmt::format("{} has no rows", file_.string()),
+                     "give a table of numbers, a row for each time");
+  separator_ = separator_of(content_);
+  first_line_ = line_ - 1, first_next_ = static_cast<std::size_t>(content_.data() - text_.data());
+  fields_ = split(content_, separator_);
+  num_columns_ = fields_.size();
+  const bool has_header = is_header();
+  rewind();
+  next_fields();
+  if (num_columns_ > 1 && fields_.back().empty()) fields_.pop_back();
+  num_columns_ = fields_.size();
+  is_row_pending_ = !has_header;
+  if (!has_header) return;
+  names_ = column_names(fields_);
+  first_line_ = line_, first_next_ = next_;
+  if (next_fields() && !has_number(fields_)) {
+    Progress::report(
+        fmt::format("{}: skipped line {}, which has no number", file_.string(), line_));
+    first_line_ = line_, first_next_ = next_;
+  }
+  rewind();
+}
+
+std::size_t TextTable::skip_introduction() {
   const std::size_t columns = wide_columns(text_);
-  std::size_t num_skipped = 0;
+  std::size_t skipped = 0;
   while (next_line()) {
     if (is_comment()) {
       const auto comment = trimmed(content_).substr(1);
@@ -131,21 +159,26 @@ TextTable::TextTable(std::filesystem::path file)
       continue;
     }
     if (2 * split(content_, separator_of(content_)).size() > columns) break;
-    ++num_skipped;
+    ++skipped;
   }
-  if (num_skipped > 0)
-    Progress::report(
-        fmt::format("{}: skipped {} lines before the table", file_.string(), num_skipped));
-  if (trimmed(content_).empty())
-    throw data_error(fmt::format("{} has no rows", file_.string()),
-                     "give a file with a time and a position in each row");
-  separator_ = separator_of(content_);
-  fields_ = split(content_, separator_);
-  num_columns_ = fields_.size();
-  is_row_pending_ = !is_header(fields_, has_decimal_comma());
-  if (!is_row_pending_) names_ = column_names(fields_);
-  first_line_ = is_row_pending_ ? line_ - 1 : line_;
-  first_next_ = is_row_pending_ ? static_cast<std::size_t>(content_.data() - text_.data()) : next_;
+  return skipped;
+}
+
+bool TextTable::is_header() {
+  const auto first = fields_;
+  if (!has_number(first) || counts_columns(first)) return true;
+  if (!next_fields()) return false;
+  for (std::size_t i = 0; i < std::min(first.size(), fields_.size()); ++i)
+    if (!parse_number<double>(first[i], has_decimal_comma()) && has_number({&fields_[i], 1}))
+      return true;
+  return false;
+}
+
+bool TextTable::has_number(std::span<const std::string_view> fields) const {
+  return std::ranges::any_of(fields, [&](std::string_view field) {
+    const auto number = parse_number<double>(field, has_decimal_comma());
+    return number && !std::isnan(*number);
+  });
 }
 
 bool TextTable::is_comment() const { return trimmed(content_).starts_with('#'); }
@@ -165,12 +198,14 @@ bool TextTable::next_line() {
   return !trimmed(content_).empty();
 }
 
-bool TextTable::next_row() {
-  if (std::exchange(is_row_pending_, false)) return true;
+bool TextTable::next_row() { return std::exchange(is_row_pending_, false) || next_fields(); }
+
+bool TextTable::next_fields() {
   do
     if (!next_line()) return false;
   while (is_comment());
   fields_ = split(content_, separator_);
+  if (fields_.size() == num_columns_ + 1 && fields_.back().empty()) fields_.pop_back();
   return true;
 }
 

@@ -3,21 +3,25 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace touchtrace {
 
-/// Rows of a text file whose columns are separated by commas, semicolons, tabs or blanks: whichever
-/// of these, in the order `;` tab `,` blank, the first row contains. Blank lines and comments
-/// (`#...`) are skipped, and so are lines before a table of 10 columns or more that have at most
-/// half as many. Fields may be in double quotes. The first row is a header if none of its fields is
-/// a number.
+/// Rows of a text file whose columns are separated by commas, semicolons, tabs, bars or blanks:
+/// whichever of these, in the order `;` tab `|` `,` blank, the first row contains. Blank lines and
+/// comments (`#...`) are skipped, and so are lines before a table of 10 columns or more that have
+/// at most half as many. Rows may end with a separator. Fields may be in double quotes.
+///
+/// The first row is a header if none of its fields is a number, if it has text where the second row
+/// has a number, or if it counts ten columns or more from 0 or 1.
+/// A row of text below it has units and is skipped.
 class TextTable {
  public:
   static constexpr std::uintmax_t max_bytes = 1u << 28;
-  static constexpr std::size_t max_line_bytes = 1u << 16;
+  static constexpr std::size_t max_line_bytes = 1u << 20;
 
   /// Reads the file. Throws data_error if it is unreadable, too large, not text or without a row.
   explicit TextTable(std::filesystem::path file);
@@ -37,6 +41,8 @@ class TextTable {
   /// Advances to the next row. Returns false at the end. Throws data_error for a line that is too
   /// long.
   bool next_row();
+  /// Whether the row is the end of a file that does not end with a line feed.
+  bool is_cut_off() const { return next_ > text_.size(); }
   /// Returns to the state before the first row.
   void rewind();
   /// Line number of the row, from 1.
@@ -49,6 +55,13 @@ class TextTable {
   /// Advances to the next line that is not blank.
   bool next_line();
   bool is_comment() const;
+  /// Advances to the next row, whose fields are those of the line.
+  bool next_fields();
+  /// Advances to the first row or header; returns the number of lines before it.
+  std::size_t skip_introduction();
+  /// Whether the first row, which is the current one, is a header.
+  bool is_header();
+  bool has_number(std::span<const std::string_view> fields) const;
 
   std::filesystem::path file_;
   std::string text_;

@@ -44,6 +44,9 @@ void print_summary(const nlohmann::json& s, const std::string& output) {
 ExitCode run(const ImportCommandOptions& options, const Invocation& invocation) {
   if (options.source.empty() && options.import.glove.file.empty())
     throw usage_error("nothing to import", "give SOURCE with images, --glove FILE, or both");
+  if (options.source.empty() &&
+      !(options.import.masks.empty() && options.import.camera.camera_info.empty()))
+    throw usage_error("--masks and --camera-info need images", "give SOURCE, or leave them out");
   const Stopwatch stopwatch;
   { const OutputFile writable(options.output, invocation.overwrite); }
   auto provenance = start_provenance("touchtrace/recording/2", "import");

@@ -34,9 +34,11 @@ struct TactileCheck {
   double rest_level = 0.0;        ///< mean pressure in quiet frames, fraction of the range
   double repeated_frames = 0.0;   ///< fraction of the frames that equal their predecessor
   double frozen_s = 0.0;          ///< longest time without a change of any taxel
-  int stuck_rows = 0, stuck_cols = 0;  ///< saturated in nearly all frames
-  bool is_upsampled = false;           ///< every second frame is interpolated or a repetition
-  double used_range = 0.0;             ///< largest count, fraction of the range
+  int stuck_taxels = 0, stuck_rows = 0, stuck_cols = 0;  ///< saturated in nearly all frames
+  int dead_rows = 0, dead_cols = 0;                      ///< with constant counts
+  int upsampling = 1;             ///< of n frames, all but one are interpolated or repetitions
+  double used_range = 0.0;        ///< largest count, fraction of the range
+  double against_polarity = 0.0;  ///< share of pressures below the baseline in all squared ones
 
   /// Reasons why the glove is useless for training.
   std::vector<std::string> faults() const;

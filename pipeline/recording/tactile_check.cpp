@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <span>
 
 #include "pipeline/recording/stream_check.h"
@@ -9,14 +10,14 @@
 namespace touchtrace {
 namespace {
 
-/// Fraction of faulty frames or taxels from which on a glove is useless.
-constexpr double useless_fraction = 0.9;
-constexpr double max_rest_level = 0.2, max_repeated_frames = 0.1, max_frozen_s = 1.0;
+/// Fraction of frames or taxels that is nearly all.
+constexpr double nearly_all = 0.9;
 constexpr double quiet_fraction = 0.1;  ///< of the frames: those of the lowest pressure
-/// Largest ratio of the changes in even and odd frames if one of them are interpolated.
+/// Largest ratio of the changes in other frames to those in every n-th, if the others are
+/// interpolated.
 constexpr double upsampled_ratio = 0.1;
 constexpr std::size_t min_upsampled_frames = 20;
-constexpr double min_used_range = 0.125;  ///< 3 bits
+constexpr double min_contact = 0.02;  ///< of the range
 
 /// Counts of one glove, frame by frame.
 class Frames {
@@ -45,15 +46,69 @@ class Frames {
   std::size_t taxels_;
 };
 
-int count_dead(const Frames& frames) {
-  int dead = 0;
-  for (std::size_t taxel = 0; taxel < frames.taxels(); ++taxel) {
-    bool changed = !frames.exists(taxel);
-    for (std::size_t i = 1; i < frames.size() && !changed; ++i)
-      changed = frames[i][taxel] != frames[0][taxel];
-    dead += !changed;
-  }
-  return dead;
+/// Taxels of the mask for which `is_faulty(taxel)` is true.
+template <class IsFaulty>
+std::vector<bool> faulty_taxels(const Frames& frames, IsFaulty is_faulty) {
+  std::vector<bool> faulty(frames.taxels());
+  for (std::size_t taxel = 0; taxel < faulty.size(); ++taxel)
+    faulty[taxel] = frames.exists(taxel) && is_faulty(taxel);
+  return faulty;
+}
+
+bool is_constant(const Frames& frames, std::size_t taxel) {
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    if (frames[i][taxel] != frames[0][taxel]) return false;
+  return true;
+}
+
+/// Whether a taxel is saturated in nearly all frames.
+bool is_stuck(const Frames& frames, std::size_t taxel) {
+  std::size_t saturated = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    saturated += frames.is_saturated(frames[i][taxel]);
+  return static_cast<double>(saturated) > nearly_all * static_cast<double>(frames.size());
+}
+
+/// Number of rows or columns nearly all of whose taxels are faulty; `line_of`: row or column of a
+/// taxel.
+template <class LineOf>
+int count_lines(const Frames& frames, const std::vector<bool>& faulty, int lines, LineOf line_of) {
+  std::vector<double> taxels(static_cast<std::size_t>(lines)), faults(taxels.size());
+  for (std::size_t taxel = 0; taxel < faulty.size(); ++taxel)
+    if (frames.exists(taxel)) ++taxels[line_of(taxel)], faults[line_of(taxel)] += faulty[taxel];
+  int count = 0;
+  for (std::size_t i = 0; i < taxels.size(); ++i)
+    count += taxels[i] > 0.0 && faults[i] > nearly_all * taxels[i];
+  return count;
+}
+
+void check_taxels(const Frames& frames, TactileCheck& check) {
+  const GloveInfo& info = frames.glove().info;
+  const auto cols = static_cast<std::size_t>(info.cols);
+  const auto row_of = [&](std::size_t taxel) { return taxel / cols; };
+  const auto col_of = [&](std::size_t taxel) { return taxel % cols; };
+  const auto dead = faulty_taxels(frames, [&](auto taxel) { return is_constant(frames, taxel); }),
+             stuck = faulty_taxels(frames, [&](auto taxel) { return is_stuck(frames, taxel); });
+  check.dead_taxels = static_cast<int>(std::ranges::count(dead, true));
+  check.stuck_taxels = static_cast<int>(std::ranges::count(stuck, true));
+  check.dead_rows = count_lines(frames, dead, info.rows, row_of);
+  check.dead_cols = count_lines(frames, dead, info.cols, col_of);
+  check.stuck_rows = count_lines(frames, stuck, info.rows, row_of);
+  check.stuck_cols = count_lines(frames, stuck, info.cols, col_of);
+}
+
+/// Sums squared pressures of clear contact; noise about the baseline does not count.
+double share_against_polarity(const Frames& frames) {
+  const GloveInfo& info = frames.glove().info;
+  const double min_change = min_contact * frames.max_count();
+  double above = 0.0, below = 0.0;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    for (std::size_t t = 0; t < frames.taxels(); ++t) {
+      const double pressure = info.polarity * (frames[i][t] - info.baseline_counts[t]);
+      if (!frames.exists(t) || std::abs(pressure) < min_change) continue;
+      (pressure > 0.0 ? above : below) += pressure * pressure;
+    }
+  return below > 0.0 ? below / (above + below) : 0.0;
 }
 
 /// Mean pressure of the taxels in a frame, fraction of the range.
@@ -90,50 +145,42 @@ void check_repetitions(const Frames& frames, TactileCheck& check) {
       static_cast<double>(repeated) / std::max(1.0, static_cast<double>(frames.size()));
 }
 
-/// Number of rows or columns that are saturated; `line_of`: row or column of a taxel.
-template <class LineOf>
-int count_stuck(const Frames& frames, int lines, LineOf line_of) {
-  std::vector<double> taxels(static_cast<std::size_t>(lines)), saturated(taxels.size());
-  for (std::size_t taxel = 0; taxel < frames.taxels(); ++taxel) {
-    if (!frames.exists(taxel)) continue;
-    ++taxels[line_of(taxel)];
-    for (std::size_t i = 0; i < frames.size(); ++i)
-      saturated[line_of(taxel)] += frames.is_saturated(frames[i][taxel]);
-  }
-  int stuck = 0;
-  for (std::size_t i = 0; i < taxels.size(); ++i)
-    stuck += saturated[i] > useless_fraction * taxels[i] * static_cast<double>(frames.size());
-  return stuck;
-}
-
-/// Sums over even or odd frames of squared differences to the previous frame, and to the mean of
-/// both neighbours.
+/// Sums over the frames of each phase of squared differences to the previous frame, and to the mean
+/// of both neighbours.
 struct Changes {
-  double repetition[2]{}, interpolation[2]{};
+  std::vector<double> repetition, interpolation;  ///< [phases]
 };
 
-Changes sum_changes(const Frames& frames) {
-  Changes changes;
+Changes sum_changes(const Frames& frames, std::size_t num_phases) {
+  Changes changes{std::vector<double>(num_phases), std::vector<double>(num_phases)};
   for (std::size_t i = 1; i + 1 < frames.size(); ++i) {
     if (!frames.has_neighbours(i)) continue;
-    const std::size_t parity = frames.glove().sequence[i] % 2;
+    const std::size_t phase = frames.glove().sequence[i] % num_phases;
     for (std::size_t t = 0; t < frames.taxels(); ++t) {
       const double change = frames[i][t] - frames[i - 1][t],
                    middle = frames[i][t] - 0.5 * (frames[i - 1][t] + frames[i + 1][t]);
-      changes.repetition[parity] += change * change;
-      changes.interpolation[parity] += middle * middle;
+      changes.repetition[phase] += change * change;
+      changes.interpolation[phase] += middle * middle;
     }
   }
   return changes;
 }
 
-bool is_upsampled(const Frames& frames) {
-  if (frames.size() < min_upsampled_frames) return false;
-  const Changes changes = sum_changes(frames);
-  const auto differ = [](const double(&sums)[2]) {
-    return std::min(sums[0], sums[1]) < upsampled_ratio * std::max(sums[0], sums[1]);
-  };
-  return differ(changes.repetition) || differ(changes.interpolation);
+/// Whether one phase has nearly all changes.
+bool is_concentrated(std::vector<double> changes) {
+  std::ranges::sort(changes, std::greater());
+  return changes[1] < upsampled_ratio * changes[0];
+}
+
+/// Number of frames of which all but one are interpolated or repetitions; 1: none are.
+int upsampling_of(const Frames& frames) {
+  if (frames.size() < min_upsampled_frames) return 1;
+  for (const int factor : {2, 3, 5, 7}) {
+    const Changes changes = sum_changes(frames, static_cast<std::size_t>(factor));
+    if (is_concentrated(changes.repetition) || is_concentrated(changes.interpolation))
+      return factor;
+  }
+  return 1;
 }
 
 void check_levels(const Frames& frames, TactileCheck& check) {
@@ -152,68 +199,18 @@ void check_levels(const Frames& frames, TactileCheck& check) {
 
 TactileCheck check_tactile(const GloveStream& glove) {
   const Frames frames(glove);
-  const auto cols = static_cast<std::size_t>(glove.info.cols);
   TactileCheck check;
   check.taxels = static_cast<int>(std::ranges::count(glove.info.mask, 1));
-  check.dead_taxels = count_dead(frames);
+  check_taxels(frames, check);
   check_levels(frames, check);
   check.rest_level = rest_level(frames, check.taxels);
   check_repetitions(frames, check);
-  check.stuck_rows = count_stuck(frames, glove.info.rows, [&](std::size_t t) { return t / cols; });
-  check.stuck_cols = count_stuck(frames, glove.info.cols, [&](std::size_t t) { return t % cols; });
-  check.is_upsampled = is_upsampled(frames);
+  check.upsampling = upsampling_of(frames);
+  check.against_polarity = share_against_polarity(frames);
   if (!glove.counts.empty())
     check.used_range =
         static_cast<double>(*std::ranges::max_element(glove.counts)) / frames.max_count();
   return check;
-}
-
-std::vector<std::string> TactileCheck::faults() const {
-  std::vector<std::string> faults;
-  if (zero_frames >= useless_fraction)
-    faults.push_back(fmt::format("{:.0f} % of the tactile frames are all zero", 100 * zero_frames));
-  if (saturated_frames >= useless_fraction)
-    faults.push_back(
-        fmt::format("{:.0f} % of the tactile frames are saturated", 100 * saturated_frames));
-  if (faults.empty() && dead_taxels >= useless_fraction * taxels)
-    faults.push_back(fmt::format("{} of {} taxels have constant counts", dead_taxels, taxels));
-  return faults;
-}
-
-std::vector<std::string> TactileCheck::warnings() const {
-  std::vector<std::string> warnings;
-  if (std::abs(rest_level) > max_rest_level)
-    warnings.push_back(
-        fmt::format("mean pressure at rest is {:.0f} % of the range: baseline or "
-                    "polarity is wrong",
-                    100 * rest_level));
-  if (repeated_frames > max_repeated_frames || frozen_s > max_frozen_s)
-    warnings.push_back(
-        fmt::format("{:.0f} % of the frames repeat the previous one, for up to "
-                    "{:.1f} s",
-                    100 * repeated_frames, frozen_s));
-  if (stuck_rows > 0 || stuck_cols > 0)
-    warnings.push_back(
-        fmt::format("{} rows and {} columns are stuck at saturation", stuck_rows, stuck_cols));
-  if (is_upsampled)
-    warnings.emplace_back(
-        "every second frame is interpolated or a repetition: give the native "
-        "frames and rate");
-  if (used_range < min_used_range)
-    warnings.push_back(
-        fmt::format("the largest count is {:.1f} % of the range: attribute 'bits' is "
-                    "wrong, or the glove was never pressed",
-                    100 * used_range));
-  return warnings;
-}
-
-nlohmann::json to_json(const TactileCheck& check) {
-  return {{"taxels", check.taxels},           {"dead_taxels", check.dead_taxels},
-          {"zero_frames", check.zero_frames}, {"saturated_frames", check.saturated_frames},
-          {"rest_level", check.rest_level},   {"repeated_frames", check.repeated_frames},
-          {"frozen_s", check.frozen_s},       {"stuck_rows", check.stuck_rows},
-          {"stuck_cols", check.stuck_cols},   {"upsampled", check.is_upsampled},
-          {"used_range", check.used_range}};
 }
 
 }  // namespace touchtrace

@@ -52,5 +52,20 @@ TEST(ExportLerobot, ARecordingWithoutClipsIsOneEpisode) {
   EXPECT_EQ(info["total_frames"], 60);
 }
 
+TEST(ExportLerobot, ARecordingNeedsNoImages) {
+  SKIP_WITHOUT_MODULES("h5py, pandas, pyarrow");
+  const TemporaryFolder folder;
+  auto sample = testing::sample_recording();
+  sample.frames.clear(), sample.recording.camera_times = {}, sample.recording.color_times = {};
+  testing::write(sample, folder / "a.h5");
+  const auto result =
+      testing::run_python(fmt::format("{}/scripts/export_lerobot.py {} {}", TOUCHTRACE_SOURCE_DIR,
+                                      (folder / "a.h5").string(), (folder / "set").string()));
+  EXPECT_EQ(result.status, 0) << result.output;
+  const auto info = nlohmann::json::parse(read_file(folder / "set/meta/info.json"));
+  EXPECT_EQ(info["total_frames"], 40);
+  EXPECT_FALSE(info["features"].contains("observation.images.color"));
+}
+
 }  // namespace
 }  // namespace touchtrace

@@ -131,6 +131,7 @@ TEST(GloveProtocol, RejectsCountsWithTooManyBits) {
   EXPECT_THROW(find_glove_protocol("morse"), Error);
   info.bits = 8;
   EXPECT_THROW(require_supported(find_glove_protocol("jq20"), info), Error);  // 32 x 32 taxels
+  info.bits = 12;
   EXPECT_NO_THROW(require_supported(find_glove_protocol("vitac"), info));
 }
 
@@ -189,6 +190,26 @@ TEST(OwnGloveProtocol, PacketHasTheDescribedPlaces) {
   EXPECT_EQ(packet.substr(196), "\r\n");
 }
 
+TEST(OwnGloveProtocol, AChangedByteIsTorn) {
+  const GloveProtocol& protocol = find_glove_protocol(own_protocols + "summed.toml");
+  GloveStream glove;
+  glove.info = protocol.usual_glove;
+  std::string bytes;
+  for (std::size_t frame = 0; frame < 6; ++frame) {
+    glove.sequence.push_back(frame);
+    for (int i = 0; i < 96; ++i) glove.counts.push_back(static_cast<std::uint16_t>(256 + i));
+    bytes += protocol.encode(glove, frame);
+  }
+  ASSERT_EQ(bytes.size(), 6u * 199u);
+  bytes[2 * 199 + 50] ^= 1;  // a count of the third frame
+  std::vector<std::uint64_t> numbers;
+  const auto parser = protocol.parse(
+      glove.info, [&](const GloveFrame& frame) { numbers.push_back(frame.sequence); });
+  parser->feed({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, 0.0);
+  EXPECT_EQ(numbers, (std::vector<std::uint64_t>{0, 1, 3, 4, 5}));
+  EXPECT_EQ(parser->counts().torn, 1u);
+}
+
 TEST(OwnGloveProtocol, InvalidFilesAreRefused) {
   const TemporaryFolder folder;
   const std::string file = folder / "own.toml";
@@ -218,6 +239,8 @@ TEST(OwnGloveProtocol, InvalidFilesAreRefused) {
   EXPECT_TRUE(has(fault("bits = 12", "bits = 12\ncount_bytes = 1"), "count_bytes is too small"));
   EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nlength = 100"), "of a packet of 100"));
   EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nnumber_at = 5"), "number_at puts the number"));
+  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nchecksum = \"crc\""), "checksum"));
+  EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nchecksum = \"xor8\"\nlength = 198"), "counts_at"));
   EXPECT_TRUE(has(fault("bits = 12", "bits = 12\nheader = 1"), "unknown key 'header'"));
   EXPECT_EQ(hint.find("polarity"), hint.rfind("polarity")) << "named twice: " << hint;
   EXPECT_THROW(find_glove_protocol(folder / "missing.toml"), Error);

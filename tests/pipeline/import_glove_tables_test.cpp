@@ -55,6 +55,104 @@ TEST_F(ImportGlove, TablesWithoutTimesNeedARate) {
   EXPECT_NEAR(stream.host_time_s[39], 39 / 50.0, 1e-9);
 }
 
+TEST_F(ImportGlove, TablesWithoutNamesAndTimesNeedARateAndALayout) {
+  std::string table, line;  // as numpy.savetxt and spreadsheets write them
+  for (int i = 0; i < num_rows; ++i) table += fmt::format("5\t6\t7\t{}\t\n", i % 3);
+  testing::put(folder_ / "a.txt", table);
+  auto options = alone("a.txt", 2, 2);
+  options.source.rate_hz = 50.0;
+  const GloveStream stream = import_alone(options);
+  EXPECT_EQ(stream.frames(), std::size_t(num_rows));
+  EXPECT_EQ(stream.counts[4 * 5 + 3], 2);
+  EXPECT_NEAR(stream.host_time_s[39], 39 / 50.0, 1e-9);
+}
+
+TEST_F(ImportGlove, TheFirstRowMayNumberTheColumns) {
+  std::string names, table;  // as pandas writes a table without names
+  for (int i = 0; i < 12; ++i) names += fmt::format(",{}", i);
+  for (int i = 0; i < num_rows; ++i) table += fmt::format("{:.2f}", 0.02 * i) + row_of_values(i);
+  for (const std::string header : {"time_s" + names, "time_s" + names + ",", std::string()}) {
+    testing::put(folder_ / "a.csv", header + "\n" + table);
+    const GloveStream stream = import_alone(alone("a.csv", 4, 3));
+    EXPECT_EQ(stream.frames(), std::size_t(num_rows)) << header;
+    EXPECT_EQ(stream.counts[11], 21) << header;
+  }
+  std::string values = names.substr(1) + "\n";
+  for (int i = 0; i < num_rows; ++i) values += row_of_values(i).substr(1);
+  testing::put(folder_ / "a.csv", values);
+  auto options = alone("a.csv", 4, 3);
+  options.source.rate_hz = 50.0;
+  EXPECT_EQ(import_alone(options).frames(), std::size_t(num_rows));
+}
+
+TEST_F(ImportGlove, RowsMayEndWithASeparatorAndTheLastOneMayBeCutOff) {
+  std::string table = "time_s|0_0|0_1|1_0|1_1\n";
+  for (int i = 0; i < num_rows; ++i) table += fmt::format("{:.2f}|5|6|7|{}|\n", 0.02 * i, i % 3);
+  testing::put(folder_ / "a.LOG", table + "0.80|5|6");
+  EXPECT_EQ(import_alone(alone("a.LOG", 0, 0)).frames(), std::size_t(num_rows));
+}
+
+TEST_F(ImportGlove, ARowOfUnitsIsNoFrame) {
+  std::string table = "time_s,0_0,0_1,1_0,1_1\ns,kPa,kPa,kPa,kPa\n";
+  for (int i = 0; i < num_rows; ++i) table += fmt::format("{:.2f},5,6,7,{}\n", 0.02 * i, i % 3);
+  testing::put(folder_ / "a.csv", table);
+  EXPECT_EQ(import_alone(alone("a.csv", 0, 0)).frames(), std::size_t(num_rows));
+}
+
+TEST_F(ImportGlove, AFrameWithoutAValueIsLeftOut) {
+  std::string table = "time_s,0_0,0_1,1_0,1_1\n";
+  for (int i = 0; i < num_rows; ++i)
+    table += fmt::format("{:.2f},5,6,{},{}\n", 0.02 * i, i == 7 ? "" : "7", i % 3);
+  testing::put(folder_ / "a.csv", table);
+  const GloveStream stream = import_alone(alone("a.csv", 0, 0));
+  EXPECT_EQ(stream.frames(), std::size_t(num_rows - 1));
+  EXPECT_NEAR(stream.host_time_s[7], 0.16, 1e-9);
+}
+
+TEST_F(ImportGlove, AUnitInTheNameIsNotQuestioned) {
+  for (const auto& [name, interval_s] : {std::pair{"time_s", 5.0}, {"time", 0.005}}) {
+    std::string table = name + std::string(",0_0,0_1,1_0,1_1\n");
+    for (int i = 0; i < num_rows; ++i) table += fmt::format("{},5,6,7,{}\n", 5 * i, i % 3);
+    testing::put(folder_ / "a.csv", table);
+    EXPECT_NEAR(import_alone(alone("a.csv", 0, 0)).host_time_s[1], interval_s, 1e-9) << name;
+  }
+}
+
+TEST_F(ImportGlove, AWrongStampCostsOneFrame) {
+  std::string table = "time_us,0_0,0_1,1_0,1_1\n";
+  for (int i = 0; i < num_rows; ++i)
+    table += fmt::format("{},5,6,7,{}\n", i == 20 ? 900'000'000 : 20'000 * i, i % 3);
+  testing::put(folder_ / "a.csv", table);
+  const GloveStream stream = import_alone(alone("a.csv", 0, 0));
+  EXPECT_EQ(stream.frames(), std::size_t(num_rows - 1));
+  EXPECT_NEAR(stream.host_time_s.back(), 0.02 * (num_rows - 1), 1e-9);
+}
+
+TEST_F(ImportGlove, ACounterOfMicrosecondsMayStartAgain) {
+  for (const char* name : {"time_us", "time"}) {
+    std::string table = name + std::string(",0_0,0_1,1_0,1_1\n");
+    for (int i = 0; i < num_rows; ++i)
+      table += fmt::format("{},5,6,7,{}\n", (4'294'900'000u + 20'000u * unsigned(i)) % (1ull << 32),
+                           i % 3);
+    testing::put(folder_ / "a.csv", table);
+    const GloveStream stream = import_alone(alone("a.csv", 0, 0));
+    EXPECT_EQ(stream.frames(), std::size_t(num_rows)) << name;
+    EXPECT_NEAR(stream.info.rate_hz, 50.0, 1e-3) << name;
+  }
+}
+
+TEST_F(ImportGlove, NamesTellThePlacesOfTaxels) {
+  std::string table = "time_s,p_0_0,p_1_0,p_0_1,p_1_1,p_0_2,p_1_2\n";  // column by column
+  for (int i = 0; i < num_rows; ++i) table += fmt::format("{:.2f},1,2,3,4,5,{}\n", 0.02 * i, i % 3);
+  testing::put(folder_ / "a.csv", table);
+  const GloveStream stream = import_alone(alone("a.csv", 0, 0));
+  EXPECT_EQ(stream.info.rows, 2);
+  EXPECT_EQ(stream.counts[1], 3);
+  EXPECT_EQ(stream.counts[3], 2);
+  fs::remove(folder_ / "out.h5");
+  expect_glove_rejected(alone("a.csv", 3, 2), "named for 2 x 3 taxels");
+}
+
 TEST_F(ImportGlove, TextIsNotATaxel) {
   std::string table = "time_s,direction,0_0,0_1,1_0,1_1,note\n";
   for (int i = 0; i < num_rows; ++i)
@@ -79,6 +177,12 @@ TEST_F(ImportGlove, TextAmongNumbersIsAFault) {
   testing::put(folder_ / "a.csv", table);
   fs::remove(folder_ / "out.h5");
   expect_glove_rejected(alone("a.csv", 2, 2), "line 31: column 5 'bad' is not a number");
+}
+
+TEST_F(ImportGlove, TimesFromZeroLoseNoFrame) {
+  const GloveStream stream = import_alone(with_glove("relative.hdf5"));
+  EXPECT_EQ(stream.frames(), 1500u);
+  EXPECT_EQ(stream.counts[1], glove_count(0, 1));
 }
 
 }  // namespace

@@ -132,15 +132,13 @@ TEST_F(ImportGlove, BadFilesAreRefused) {
     testing::put(folder_ / name, bytes);
     return with_glove(name);
   };
-  expect_glove_rejected(file("a.csv", "time_s,a\n1,-3\n2,65535\n"), "has the value -3");
   expect_glove_rejected(file("a.csv", "0,5\n1,5\n2,6\n3,6\n"), "column 1 counts the rows");
   auto few_bits = with_glove("wiresens.hdf5");
   few_bits.glove.bits = 10;
   expect_glove_rejected(few_bits, "--bits 10 ends at 1023");
-  expect_glove_rejected(file("a.csv", "time_s,a\n1,3\n2,\n"), "has the value nan");
+  expect_glove_rejected(file("a.csv", "time_s,a\n1,3\n2,\n"), "1 of 2 rows have no value");
   expect_glove_rejected(file("a.csv", "time_s,a\n1,3\n2,x\n"), "line 3");
   expect_glove_rejected(file("a.csv", "a,b\n1,3\n2,4\n"), "has no column time_s");
-  expect_glove_rejected(file("a.csv", "time_s,a\n1,70000\n2,4\n"), "has the value 70000");
   expect_glove_rejected(file("a.bin", "abc"), "is not a file of a tactile glove");
   expect_glove_rejected(with_glove("missing.csv"), "missing.csv is not a file");
   expect_glove_rejected(file("a.npz", "abc"), "not a zip archive");

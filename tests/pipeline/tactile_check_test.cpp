@@ -47,13 +47,47 @@ TEST(TactileCheck, WarnsOfImplausibleGloves) {
                          for (std::size_t i = 5; i < g.counts.size(); i += 30)
                            std::fill_n(g.counts.begin() + static_cast<std::ptrdiff_t>(i), 5, 1023);
                        }),
-                       "1 rows and 0 columns are stuck"));
+                       "5 of 30 taxels are stuck at saturation, 1 whole rows"));
   EXPECT_TRUE(mentions(warnings_after([](auto& g) {
                          for (std::size_t i = 30; i + 30 < g.counts.size(); i += 60)
                            for (std::size_t t = i; t < i + 30; ++t)
                              g.counts[t] = (g.counts[t - 30] + g.counts[t + 30]) / 2;
                        }),
-                       "every second frame is interpolated"));
+                       "of 2 frames, 1 are interpolated or repetitions"));
+  EXPECT_TRUE(mentions(warnings_after([](auto& g) {
+                         for (std::size_t i = 0; i < g.counts.size(); i += 30)
+                           std::fill_n(g.counts.begin() + static_cast<std::ptrdiff_t>(i), 4, 20);
+                       }),
+                       "4 of 30 taxels never change"));
+  EXPECT_TRUE(mentions(warnings_after([](auto& g) {
+                         for (std::size_t i = 0; i < g.counts.size(); i += 5) g.counts[i] = 22;
+                       }),
+                       "6 of 30 taxels never change, 1 whole columns"));
+  EXPECT_TRUE(mentions(warnings_after([](auto& g) {
+                         for (std::size_t i = 0; i + 120 < g.counts.size(); i += 90)
+                           for (std::size_t t = i; t < i + 30; ++t)
+                             g.counts[t + 30] = g.counts[t + 60] = g.counts[t];
+                       }),
+                       "% of the frames repeat the previous one, for up to 0.1 s"));
+  EXPECT_TRUE(mentions(warnings_after([](auto& g) {
+                         for (std::size_t i = 0; i + 120 < g.counts.size(); i += 90)
+                           for (std::size_t t = i; t < i + 30; ++t) {
+                             const int change = g.counts[t + 90] - g.counts[t];
+                             g.counts[t + 30] =
+                                 static_cast<std::uint16_t>(g.counts[t] + change / 3);
+                             g.counts[t + 60] =
+                                 static_cast<std::uint16_t>(g.counts[t] + 2 * change / 3);
+                           }
+                       }),
+                       "of 3 frames, 2 are interpolated or repetitions"));
+  EXPECT_TRUE(mentions(warnings_after([](auto& g) {
+                         for (auto& baseline : g.info.baseline_counts) baseline = 500.0f;
+                         g.info.polarity = -1;
+                         for (std::size_t t = 0; t < g.counts.size(); ++t)
+                           g.counts[t] = static_cast<std::uint16_t>(
+                               t % 30 < 5 && t > 3000 ? 900 : g.counts[t] + 480);
+                       }),
+                       "are against the polarity"));
   EXPECT_TRUE(mentions(warnings_after([](auto& g) { g.info.bits = 16; }),
                        "the largest count is 1.4 % of the range"));
 }

@@ -136,8 +136,8 @@ TEST(TrackFile, RefusesFilesThatAreNoTracks) {
                              "1\0,\0",
                              6),
                  {"not a text file"});
-  expect_refused(std::string(1 << 17, '1'), {"line 1: 131072 bytes, more than the limit"});
-  expect_refused("0,1,2,3\n" + std::string(1 << 17, ' '), {"line 2: 131072 bytes"});
+  expect_refused(std::string(1 << 21, '1'), {"line 1: 2097152 bytes, more than the limit"});
+  expect_refused("0,1,2,3\n" + std::string(1 << 21, ' '), {"line 2: 2097152 bytes"});
   std::string rows;
   for (std::size_t i = 0; i <= TrackFile::max_rows; ++i) rows += "1 1 1 1\n";
   expect_refused(rows, {"more rows than the limit of 1000000"});

@@ -3,6 +3,7 @@
 
 wiresens.hdf5   append_data() of Sensor.py, WiReSens toolkit: blocks of 1024 rows, `frame_count` is the last index
 early.hdf5      the same of earlier scripts, which count before they write: row 0 stays empty
+relative.hdf5   the same with times from 0
 late.hdf5       the same of a user who recorded from frame 800 on: earlier rows and their chunks stay empty
 open.hdf5       actionsense.hdf5 of a program that was killed: the datasets are not trimmed
 actionsense.hdf5   DataLogger.py of ActionNet: growing datasets, trimmed when the file is closed
@@ -28,7 +29,7 @@ def time_s(frame):
     return START_S + frame / RATE_HZ + (10 if frame >= 1200 else 0)
 
 
-def write_wiresens(path, first_row=0):
+def write_wiresens(path, first_row=0, start_s=START_S):
     block = 1024
     with h5py.File(path, "w") as f:
         f.create_dataset("frame_count", (1,), maxshape=(None,), dtype=np.uint32)
@@ -39,7 +40,7 @@ def write_wiresens(path, first_row=0):
         for name in "ts", "pressure", "predCount":
             f[name].resize(-(-rows.stop // block) * block, axis=0)
         f["frame_count"][0] = rows.stop - 1
-        f["ts"][rows] = [time_s(i) for i in range(FRAMES)]
+        f["ts"][rows] = [time_s(i) - START_S + start_s for i in range(FRAMES)]
         f["predCount"][rows] = 0
         f["pressure"][rows] = [counts(i) for i in range(FRAMES)]
 
@@ -64,6 +65,7 @@ def main(folder):
     write_wiresens(os.path.join(folder, "wiresens.hdf5"))
     write_wiresens(os.path.join(folder, "early.hdf5"), first_row=1)
     write_wiresens(os.path.join(folder, "late.hdf5"), first_row=800)
+    write_wiresens(os.path.join(folder, "relative.hdf5"), start_s=0)
     write_actionsense(os.path.join(folder, "open.hdf5"), is_closed=False)
     write_actionsense(os.path.join(folder, "actionsense.hdf5"))
     frames = np.array([counts(i) for i in range(300)])

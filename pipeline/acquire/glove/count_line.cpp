@@ -1,6 +1,7 @@
 #include "pipeline/acquire/glove/count_line.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace touchtrace {
 
@@ -11,7 +12,8 @@ bool CountLine::put(std::uint8_t byte) {
     return false;
   }
   end_number();
-  is_valid_ &= byte == '\t' || byte == ' ' || byte == '\r' || byte == '\n';
+  is_valid_ &=
+      std::string_view(" \t,;\r\n").find(static_cast<char>(byte)) != std::string_view::npos;
   return byte == '\n';
 }
 

@@ -15,15 +15,22 @@ namespace {
 
 constexpr int max_packet_bytes = 1 << 18;
 
+/// Checksum of one byte.
+enum class Checksum { none, sum8, xor8 };
+
 /// Places in a packet [bytes from its start].
 struct PacketLayout {
   std::string start, end;
   std::size_t length = 0, number_at = 0, counts_at = 0;
-  int number_bytes = 0;  ///< 0: packets have no number
+  Checksum checksum = Checksum::none;
+  std::size_t checksum_from = 0;  ///< first byte that it covers; it covers all before itself
+  int number_bytes = 0;           ///< 0: packets have no number
   int count_bytes = 2;
   bool is_big_endian = false, is_by_columns = false;
 
   std::size_t end_at() const { return length - end.size(); }
+  /// End of the bytes before checksum and end marker.
+  std::size_t content_end() const { return end_at() - (checksum == Checksum::none ? 0 : 1); }
   std::uint64_t modulus() const { return std::uint64_t{1} << (8 * number_bytes); }
   /// Only the next packet shows where one ends that has no end marker.
   std::size_t lookahead_bytes() const { return end.empty() ? start.size() : 0; }
@@ -48,6 +55,13 @@ void write_number(const PacketLayout& layout, std::uint64_t value, int bytes, ch
   std::ranges::copy(number, at);
 }
 
+std::uint8_t checksum_of(const PacketLayout& layout, const std::uint8_t* packet) {
+  unsigned value = 0;
+  for (std::size_t i = layout.checksum_from; i < layout.content_end(); ++i)
+    value = layout.checksum == Checksum::sum8 ? value + packet[i] : value ^ packet[i];
+  return static_cast<std::uint8_t>(value);
+}
+
 class OwnParser : public PacketParser {
  public:
   OwnParser(const PacketLayout& layout, const GloveInfo& info, FrameSink sink)
@@ -69,6 +83,9 @@ class OwnParser : public PacketParser {
   std::optional<std::uint64_t> number_of(const std::uint8_t* packet) override {
     if (!is_at(layout_.start, packet) || !is_at(layout_.end, packet + layout_.end_at())) return {};
     if (layout_.end.empty() && !is_at(layout_.start, packet + layout_.length)) return {};
+    if (layout_.checksum != Checksum::none &&
+        packet[layout_.content_end()] != checksum_of(layout_, packet))
+      return {};
     for (const std::size_t at : count_at_)
       if (!is_in_range(read_number(layout_, packet + at, layout_.count_bytes))) return {};
     return read_number(layout_, packet + layout_.number_at, layout_.number_bytes);
@@ -104,6 +121,9 @@ std::string encode(const PacketLayout& layout, const GloveStream& glove, std::si
     write_number(layout, glove.counts[frame * taxels + i], layout.count_bytes,
                  &packet[layout.counts_at + place_of(layout, glove.info, i) *
                                                 static_cast<std::size_t>(layout.count_bytes)]);
+  if (layout.checksum != Checksum::none)
+    packet[layout.content_end()] = static_cast<char>(
+        checksum_of(layout, reinterpret_cast<const std::uint8_t*>(packet.data())));
   return packet;
 }
 
@@ -135,12 +155,12 @@ int integer_or(TomlTable& table, const std::string& key, int min, int max, std::
 }
 
 void require_room(TomlTable& table, const PacketLayout& layout, std::size_t counts_end) {
-  if (layout.counts_at < layout.start.size() || counts_end > layout.end_at())
+  if (layout.counts_at < layout.start.size() || counts_end > layout.content_end())
     table.reject("counts_at", fmt::format("puts counts at bytes {} to {} of a packet of {}",
                                           layout.counts_at, counts_end, layout.length));
   const std::size_t number_end = layout.number_at + static_cast<std::size_t>(layout.number_bytes);
   if (layout.number_bytes > 0 &&
-      (layout.number_at < layout.start.size() || number_end > layout.end_at() ||
+      (layout.number_at < layout.start.size() || number_end > layout.content_end() ||
        (number_end > layout.counts_at && layout.number_at < counts_end)))
     table.reject("number_at", "puts the number on other bytes of the packet");
 }
@@ -160,11 +180,17 @@ PacketLayout read_layout(TomlTable& table, const GloveInfo& info) {
   if (8 * layout.count_bytes < info.bits) table.reject("count_bytes", "is too small for the bits");
   const std::size_t counts_end =
       layout.counts_at + std::size_t(info.taxels()) * std::size_t(layout.count_bytes);
-  layout.length = integer_or(table, "length", 1, max_packet_bytes, counts_end + layout.end.size());
+  if (table.has("checksum"))
+    layout.checksum =
+        table.choice("checksum", {"sum8", "xor8"}) == 0 ? Checksum::sum8 : Checksum::xor8;
+  const std::size_t behind = layout.end.size() + (layout.checksum == Checksum::none ? 0 : 1);
+  layout.length = integer_or(table, "length", 1, max_packet_bytes, counts_end + behind);
   if (table.has("byte_order"))
     layout.is_big_endian = table.choice("byte_order", {"little", "big"}) == 1;
   if (table.has("order")) layout.is_by_columns = table.choice("order", {"rows", "columns"}) == 1;
   require_room(table, layout, counts_end);
+  layout.checksum_from = integer_or(table, "checksum_from", 0,
+                                    static_cast<int>(layout.content_end()), layout.start.size());
   return layout;
 }
 

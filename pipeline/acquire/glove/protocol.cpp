@@ -42,7 +42,7 @@ const std::vector<GloveProtocol>& glove_protocols() {
        parse_wiresens, square_glove(32, 12, -1, 10.0), 0, "", true, true},
       {"stag", "ETH replica of STAG: one line of text per frame", 921'600, 16, encode_stag,
        parse_stag, square_glove(32, 12, 1, 7.5)},
-      {"vitac", "3D-ViTac: one line of text per row", 2'000'000, 8, encode_vitac, parse_vitac,
+      {"vitac", "3D-ViTac: one line of text per row", 2'000'000, 16, encode_vitac, parse_vitac,
        square_glove(16, 8, 1, 20.0)},
       {"jq20", "JQ20-XL: two packets per frame", 921'600, 8, encode_jq20, parse_jq20,
        square_glove(16, 8, 1, 100.0), 256},

@@ -16,16 +16,29 @@ constexpr const char* epoch_name = "epoch_unix_s";
 constexpr std::size_t max_counted_rows = 1000;
 constexpr double min_text_share = 0.9;
 
-/// Whether a column has neither taxels nor times: numbers of frames, and time as text.
+/// Whether a column has neither taxels nor times: numbers of frames, time as text, labels.
 bool is_other(const std::string& name) {
   static const std::vector<std::string> others{
-      "time_str", "datetime", "date", "frame", "frame_id",  "frame_index", "index",
-      "sequence", "packet",   "clip", "",      "unnamed_0", epoch_name};
+      "time_str", "datetime", "date", "frame",     "frame_id", "frame_index", "index",   "sequence",
+      "packet",   "clip",     "",     "unnamed_0", "label",    "class",       epoch_name};
   return std::ranges::find(others, name) != others.end();
 }
 
-std::optional<TableColumn> time_column_of(const TextTable& table, double rate_hz) {
-  if (table.names().empty()) return TableColumn{0, 1.0, "column 1"};
+/// Whether as many values are a frame.
+bool is_layout(std::size_t values, const GloveFileOptions& options) {
+  const auto rows = static_cast<std::size_t>(options.rows),
+             cols = static_cast<std::size_t>(options.cols),
+             side = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(values))));
+  if (rows > 0 && cols > 0) return values == rows * cols;
+  return rows + cols > 0 ? values % (rows + cols) == 0 : values == side * side;
+}
+
+std::optional<TableColumn> time_column_of(const TextTable& table, const GloveFileOptions& options) {
+  const double rate_hz = options.rate_hz;
+  if (table.names().empty()) {
+    if (rate_hz > 0.0 && is_layout(table.num_columns(), options)) return std::nullopt;
+    return TableColumn{0, 1.0, "column 1"};
+  }
   const auto time = find_column(table, table.names(), {"time", "t", "timestamp", "host_time", "ts"},
                                 time_units());
   if (!time && rate_hz == 0.0)
@@ -92,8 +105,8 @@ void drop_text(TextTable& table, std::vector<TableColumn>& taxels) {
 
 }  // namespace
 
-GloveColumns columns_of_glove(TextTable& table, double rate_hz) {
-  GloveColumns columns{time_column_of(table, rate_hz),
+GloveColumns columns_of_glove(TextTable& table, const GloveFileOptions& options) {
+  GloveColumns columns{time_column_of(table, options),
                        column_named(table, "sequence"),
                        column_named(table, epoch_name),
                        {}};

@@ -19,9 +19,10 @@ struct GloveColumns {
 };
 
 /// Columns by their names. Leaves out columns of text, with a warning: those whose first 1000 rows
-/// have text in 90 % of the fields that are not empty. Throws data_error if there is no time,
-/// unless frames have a rate.
-GloveColumns columns_of_glove(TextTable& table, double rate_hz);
+/// have text in 90 % of the fields that are not empty. Without names, the first column is the time
+/// unless frames have a rate and all columns fit the layout. Throws data_error if there is no time
+/// and no rate.
+GloveColumns columns_of_glove(TextTable& table, const GloveFileOptions& options);
 
 /// Options with the layout that the columns' names tell. Throws data_error if they contradict it.
 GloveFileOptions with_named_layout(GloveFileOptions options, const GloveColumns& columns);

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <fstream>
 
 #include "engine/base/error.h"
 
@@ -15,11 +16,27 @@ constexpr std::array<GloveFileKind, 3> glove_file_kinds{{
     {"table (.csv, .txt) with a time and all taxels in each row", is_glove_table, read_glove_table},
 }};
 
+/// Text that Git LFS leaves in place of a file.
+bool is_lfs_pointer(const std::filesystem::path& file) {
+  std::string line;
+  std::getline(std::ifstream(file), line);
+  return line.starts_with("version https://git-lfs");
+}
+
 }  // namespace
+
+void require_no_stream(const GloveFileOptions& options) {
+  if (!options.stream.empty())
+    throw data_error(fmt::format("the file has one glove, without the name '{}'", options.stream),
+                     "leave out --glove-stream");
+}
 
 GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOptions& options) {
   if (!std::filesystem::is_regular_file(file))
     throw data_error(fmt::format("{} is not a file", file.string()), "check the path");
+  if (is_lfs_pointer(file))
+    throw data_error(fmt::format("{} is a pointer of Git LFS, not the data", file.string()),
+                     "run `git lfs pull` in its repository");
   std::string names;
   for (const GloveFileKind& kind : glove_file_kinds) {
     if (kind.is_kind(file)) {

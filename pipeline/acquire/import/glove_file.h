@@ -37,6 +37,9 @@ struct GloveFileKind {
 /// data_error.
 GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOptions& options);
 
+/// Throws data_error if the user chose one of several gloves, but the file has one.
+void require_no_stream(const GloveFileOptions& options);
+
 /// Sets rows and cols from `options`, else a square layout. Throws data_error unless they give
 /// `values` per frame.
 void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& options);

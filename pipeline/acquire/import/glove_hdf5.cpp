@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <climits>
+#include <cmath>
 #include <fstream>
 
+#include "engine/base/progress.h"
 #include "pipeline/acquire/import/glove_file.h"
 #include "pipeline/recording/h5_file.h"
 
@@ -13,6 +15,7 @@ namespace {
 using h5::unknown_length;
 
 constexpr h5::DatasetInfo no_unit{"1", ""};
+constexpr double min_unix_s = 1e8;  ///< 1973
 const h5::Axis any_length{"any", unknown_length};
 
 void set_layout(GloveFile& glove, const std::vector<hsize_t>& shape, const std::string& path) {
@@ -29,25 +32,54 @@ void read_frames(const h5::Loader& group, const std::string& times, const std::s
   group.padded_array(values, glove.values, {any_length, any_length, any_length}, no_unit);
 }
 
-/// Drops rows that were never written: they have no time. They pad the end, stand for frames that
-/// were shown but not recorded, or are the first row of early writers of MIT's gloves.
+/// Tells rows that were never written by their time of 0 or NaN. They pad the end, stand for frames
+/// that were shown but not recorded, or are the first row of early writers of MIT's gloves. Times
+/// that are not since 1970 may begin at 0.
+class WrittenRows {
+ public:
+  explicit WrittenRows(const std::vector<double>& time_s) : time_s_(time_s), end_(time_s.size()) {
+    is_since_1970_ = std::ranges::any_of(time_s, [](double stamp) { return stamp > min_unix_s; });
+    while (end_ > 0 && !(time_s[end_ - 1] > 0.0 || time_s[end_ - 1] < 0.0)) --end_;
+  }
+  bool operator[](std::size_t row) const {
+    return row < end_ && (is_since_1970_ ? time_s_[row] > 0.0 : !std::isnan(time_s_[row]));
+  }
+  /// End of the rows before the padding.
+  std::size_t end() const { return end_; }
+
+ private:
+  const std::vector<double>& time_s_;
+  std::size_t end_;
+  bool is_since_1970_;
+};
+
+/// Drops rows that were never written.
 void drop_unwritten(GloveFile& glove) {
-  const std::size_t taxels = glove.taxels(),
-                    rows = std::min(glove.time_s.size(), glove.values.size() / taxels);
+  const std::size_t taxels = glove.taxels(), num_values = glove.values.size() / taxels,
+                    rows = std::min(glove.time_s.size(), num_values);
+  if (num_values != glove.time_s.size())
+    Progress::warn(fmt::format("glove: {} frames have {} times; the rest is left out", num_values,
+                               glove.time_s.size()));
+  const std::vector<double> time_s = glove.time_s;
+  const WrittenRows is_written(time_s);
   std::size_t frames = 0;
   for (std::size_t row = 0; row < rows; ++row) {
-    if (!(glove.time_s[row] > 0.0)) continue;
+    if (!is_written[row]) continue;
     glove.time_s[frames] = glove.time_s[row];
     std::copy_n(&glove.values[row * taxels], taxels, &glove.values[frames * taxels]);
     ++frames;
   }
+  if (const std::size_t known = std::min(is_written.end(), rows); frames < known)
+    Progress::report(
+        fmt::format("glove: left out {} of {} rows, which have no time", known - frames, known));
   glove.time_s.resize(frames);
   glove.values.resize(frames * taxels);
 }
 
 /// WiReSens toolkit (Sensor.py of WiReSensPy). `frame_count` is the index of the last frame or the
 /// number of frames, depending on the writer: it is not used.
-void read_wiresens(const h5::Loader& root, GloveFile& glove) {
+void read_wiresens(const h5::Loader& root, const GloveFileOptions& options, GloveFile& glove) {
+  require_no_stream(options);
   set_layout(glove, root.shape("pressure"), root.path("pressure"));
   read_frames(root, "ts", "pressure", glove);
 }
@@ -77,7 +109,7 @@ GloveFile read_glove(const h5::Loader& root, const GloveFileOptions& options) {
   if (!devices.empty())
     read_actionsense(root, devices, options.stream, glove);
   else if (root.has("pressure") && root.has("ts"))
-    read_wiresens(root, glove);
+    read_wiresens(root, options, glove);
   else
     throw h5::H5Error(
         "expected /pressure and /ts (WiReSens), or /tactile-glove-left/tactile_data (ActionSense)");

@@ -9,7 +9,8 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-const Names time_names{"time_s", "host_time_s", "times", "timestamps", "timestamp", "ts"};
+const Names time_names{"time_s",    "host_time_s", "times", "timestamps",
+                       "timestamp", "time",        "ts",    "t"};
 const Names value_names{"counts", "pressure", "tactile_data", "tactile", "data", "values"};
 
 constexpr const char* sequence_name = "sequence";
@@ -44,6 +45,18 @@ void require_shape(const NumpyArray& times, const NumpyArray& values) {
                      "times are [frames], counts are [frames, rows, cols] or [frames, taxels]");
 }
 
+/// Options with the shape of an array of frames. Throws data_error if they contradict it.
+GloveFileOptions layout_of(const NumpyArray& values, GloveFileOptions options) {
+  if (values.shape.size() != 3) return options;
+  const auto rows = static_cast<int>(values.shape[1]), cols = static_cast<int>(values.shape[2]);
+  if ((options.rows > 0 && options.rows != rows) || (options.cols > 0 && options.cols != cols))
+    throw data_error(fmt::format("the array has {} x {} taxels, not {} x {}", rows, cols,
+                                 options.rows, options.cols),
+                     "leave out --rows and --cols");
+  options.rows = rows, options.cols = cols;
+  return options;
+}
+
 /// Frame numbers; empty if the array has another length.
 std::vector<std::uint64_t> sequence_of(const NumpyArray& array, std::size_t frames) {
   std::vector<std::uint64_t> sequence;
@@ -62,6 +75,7 @@ bool is_glove_numpy(const std::filesystem::path& file) { return is_numpy_file(fi
 
 GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOptions& options) {
   require_archive(file);
+  require_no_stream(options);
   Names wanted = time_names;
   wanted.insert(wanted.end(), {sequence_name, epoch_name});
   wanted.insert(wanted.end(), value_names.begin(), value_names.end());
@@ -70,13 +84,10 @@ GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOpt
                    &values = find_array(arrays, value_names, file);
   require_shape(times, values);
   GloveFile glove;
-  GloveFileOptions layout = options;
-  if (values.shape.size() == 3)
-    layout.rows = static_cast<int>(values.shape[1]),
-    layout.cols = static_cast<int>(values.shape[2]);
-  set_layout(glove, values.size() / times.size(), layout);
+  set_layout(glove, values.size() / times.size(), layout_of(values, options));
   for (std::size_t i = 0; i < times.size(); ++i) glove.time_s.push_back(times.at(i));
-  glove.has_time_unit = times.per_second > 0.0;
+  glove.has_time_unit =
+      times.per_second > 0.0 || arrays.contains("time_s") || arrays.contains("host_time_s");
   if (const auto numbers = arrays.find(sequence_name); numbers != arrays.end())
     glove.sequence = sequence_of(numbers->second, times.size());
   if (const auto epoch = arrays.find(epoch_name); epoch != arrays.end() && epoch->second.size() > 0)

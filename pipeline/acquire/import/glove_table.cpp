@@ -1,12 +1,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <climits>
 #include <cmath>
 #include <limits>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "engine/base/text.h"
 #include "pipeline/acquire/import/glove_columns.h"
 #include "pipeline/acquire/import/glove_file.h"
 #include "pipeline/acquire/import/iso_time.h"
@@ -16,6 +18,7 @@ namespace touchtrace {
 namespace {
 
 constexpr std::size_t max_frames = 10'000'000, min_clock_rows = 20;
+constexpr double max_incomplete = 0.1;  ///< of the rows
 
 /// Stamp of the current row. Text must be a date and a time.
 double stamp_of(const TextTable& table, const TableColumn& time, bool& has_dates) {
@@ -44,22 +47,40 @@ class FrameReader {
       : table_(table),
         columns_(columns),
         rate_hz_(rate_hz),
+        values_(columns.taxels.size()),
         last_(columns.taxels.size(), -std::numeric_limits<double>::infinity()),
         increases_(columns.taxels.size(), true) {}
 
+  /// Leaves out a row in which a taxel has no value.
   void append_row(GloveFile& glove) {
-    const auto row = static_cast<double>(glove.time_s.size());
+    const auto row = static_cast<double>(num_rows_++);
+    for (std::size_t i = 0; i < values_.size(); ++i)
+      values_[i] = value_of<double>(table_, columns_.taxels[i]);
+    if (std::ranges::any_of(values_, [](double value) { return std::isnan(value); })) {
+      ++num_incomplete_;
+      return;
+    }
     glove.time_s.push_back(columns_.time ? stamp_of(table_, *columns_.time, glove.has_time_unit)
                                          : row / rate_hz_);
     if (columns_.sequence)
       glove.sequence.push_back(static_cast<std::uint64_t>(number_of(table_, *columns_.sequence)));
     if (columns_.epoch) glove.epoch_unix_s = number_of(table_, *columns_.epoch);
-    for (std::size_t i = 0; i < columns_.taxels.size(); ++i) {
-      const auto value = value_of<double>(table_, columns_.taxels[i]);
-      increases_[i] = increases_[i] && value > last_[i];
-      last_[i] = value;
-      glove.values.push_back(static_cast<float>(value));
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      increases_[i] = increases_[i] && values_[i] > last_[i];
+      glove.values.push_back(static_cast<float>(values_[i]));
     }
+    last_ = values_;
+  }
+
+  /// Reports rows that were left out. Throws data_error if they are more than a tenth.
+  void report_incomplete() const {
+    if (num_incomplete_ == 0) return;
+    const auto text =
+        fmt::format("{} of {} rows have no value for some taxel", num_incomplete_, num_rows_);
+    if (static_cast<double>(num_incomplete_) > max_incomplete * static_cast<double>(num_rows_))
+      throw data_error(fmt::format("{}: {}", table_.file().string(), text),
+                       "fill them in, or leave out columns that are no taxels");
+    Progress::warn(fmt::format("glove: {} and are left out", text));
   }
 
   /// Whether the values of a taxel increased in each row, as those of clocks and counters do.
@@ -69,8 +90,9 @@ class FrameReader {
   const TextTable& table_;
   const GloveColumns& columns_;
   double rate_hz_;
-  std::vector<double> last_;
+  std::vector<double> values_, last_;  ///< [taxels] of this row and of the one before
   std::vector<bool> increases_;
+  std::size_t num_rows_ = 0, num_incomplete_ = 0;
 };
 
 /// Leaves out clocks and counters, unless the layout needs all columns.
@@ -115,22 +137,26 @@ void require_times(const GloveFile& glove, const TextTable& table) {
 }  // namespace
 
 bool is_glove_table(const std::filesystem::path& file) {
-  return file.extension() == ".csv" || file.extension() == ".txt" || file.extension() == ".tsv";
+  const std::string extension = lower_case(file.extension().string());
+  return std::ranges::any_of(std::array{".csv", ".txt", ".tsv", ".log", ".dat"},
+                             [&](const char* other) { return extension == other; });
 }
 
 GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOptions& options) {
+  require_no_stream(options);
   TextTable table(file);
-  GloveColumns columns = columns_of_glove(table, options.rate_hz);
+  GloveColumns columns = columns_of_glove(table, options);
   const GloveFileOptions layout = with_named_layout(options, columns);
   GloveFile glove;
-  glove.has_time_unit = !columns.time || columns.time->per_unit != 1.0;
+  glove.has_time_unit = !columns.time || columns.time->has_unit;
   if (columns.taxels.empty()) set_layout(glove, 0, layout);
   FrameReader reader(table, columns, options.rate_hz);
   for_each_row(table, max_frames, glove_table_hint, [&] { reader.append_row(glove); });
+  reader.report_incomplete();
   drop_clocks(reader, layout, columns, glove);
   report_columns(columns, options);
   set_layout(glove, columns.taxels.size(), layout);
-  require_times(glove, table);
+  if (columns.time) require_times(glove, table);
   return glove;
 }
 
@@ -139,10 +165,12 @@ void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& op
   const auto side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(count))));
   glove.rows = options.rows > 0 ? options.rows : options.cols > 0 ? count / options.cols : side;
   glove.cols = options.cols > 0 ? options.cols : options.rows > 0 ? count / options.rows : side;
-  if (values == 0 || glove.taxels() != values)
-    throw data_error(fmt::format("{} values per frame do not fit {} rows and {} columns", values,
-                                 glove.rows, glove.cols),
-                     fmt::format("give --rows and --cols whose product is {}", values));
+  if (values > 0 && glove.taxels() == values) return;
+  const bool is_guess = options.rows == 0 && options.cols == 0;
+  throw data_error(is_guess ? fmt::format("{} values per frame are not a square of taxels", values)
+                            : fmt::format("{} values per frame do not fit {} rows and {} columns",
+                                          values, glove.rows, glove.cols),
+                   fmt::format("give --rows and --cols whose product is {}", values));
 }
 
 }  // namespace touchtrace

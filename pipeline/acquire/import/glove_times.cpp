@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -18,6 +18,7 @@ namespace {
 constexpr double default_glove_rate_hz = 15.0, min_glove_rate_hz = 0.5, max_glove_rate_hz = 1000.0;
 constexpr double min_pause_s = 0.5, min_pause_frames = 5.0;  // as `record`
 constexpr double max_span_s = 1e6;                           // of a recording
+constexpr std::size_t max_wrong_stamps = 5;                  // in a row
 constexpr const char* hint =
     "check which column or array has the times, and name it with its unit, such as time_ms";
 
@@ -28,32 +29,69 @@ constexpr const char* hint =
                    hint);
 }
 
+/// Continues counters of 32 bits that start again at 0, as Arduino's micros() does after 71
+/// minutes.
+void unwrap(std::vector<double>& stamps) {
+  for (const double per_unit : {1.0, 1e3, 1e6}) {
+    const double period = 4294967296.0 / per_unit;
+    if (std::ranges::any_of(stamps, [&](double stamp) { return stamp >= period; })) continue;
+    double turns = 0.0;
+    for (std::size_t i = 1, last = 0; i < stamps.size(); last = i++) {
+      const bool restarts =
+          stamps[last] - turns * period > 0.9 * period && stamps[i] < 0.1 * period;
+      stamps[i] += period * (turns += restarts);
+    }
+    if (turns == 0.0) continue;
+    Progress::report("glove: the stamps start again at 0 after 2^32: continued");
+    return;
+  }
+}
+
 /// Seconds of all stamps.
 std::vector<double> seconds_of(const GloveFile& file) {
   std::vector<double> time_s = file.time_s;
+  unwrap(time_s);
   if (file.has_time_unit) return time_s;
   const auto unit = stamp_unit(time_s, min_glove_rate_hz);
   if (!unit) reject_rate(frames_per_stamp(time_s));
-  if (unit->per_second == 1.0) return time_s;
-  Progress::report(fmt::format("glove: stamps are taken as {}, {:.3g} frames per second",
-                               unit->name, frames_per_stamp(time_s) * unit->per_second));
+  const double rate_hz = frames_per_stamp(time_s) * unit->per_second;
+  const bool could_be_other = 1e3 * rate_hz <= max_glove_rate_hz;  // the next smaller unit
+  if (unit->per_second == 1.0 && !could_be_other) return time_s;
+  Progress::report(
+      fmt::format("glove: stamps are taken as {}, {:.3g} frames per second", unit->name, rate_hz));
   for (double& stamp : time_s) stamp /= unit->per_second;
   return time_s;
 }
 
-/// Frames whose stamp is not before that of the previous one.
+/// Number of last frames to leave out, so that a stamp is not before the last one; nullopt if there
+/// are too many: then this stamp is the wrong one.
+std::optional<std::size_t> frames_before(const std::vector<std::size_t>& frames,
+                                         const std::vector<double>& time_s, double stamp_s) {
+  for (std::size_t count = 0; count <= max_wrong_stamps; ++count)
+    if (count >= frames.size() || stamp_s >= time_s[frames[frames.size() - 1 - count]])
+      return std::min(count, frames.size());
+  return std::nullopt;
+}
+
+/// Frames in the order of their stamps, without those with a missing or wrong stamp: one that is
+/// before the previous ones, or up to five that are after the next one.
 std::vector<std::size_t> ordered_frames(const std::vector<double>& time_s) {
   std::vector<std::size_t> frames;
-  double last_s = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < time_s.size(); ++i) {
-    if (!(time_s[i] >= last_s) || !std::isfinite(time_s[i])) continue;
-    last_s = time_s[i];
+    if (!std::isfinite(time_s[i])) continue;
+    const auto wrong = frames_before(frames, time_s, time_s[i]);
+    if (!wrong) continue;
+    frames.resize(frames.size() - *wrong);
     frames.push_back(i);
   }
-  if (frames.size() < time_s.size())
-    Progress::warn(
-        fmt::format("left out {} of {} glove frames: their stamps run backward or are missing",
-                    time_s.size() - frames.size(), time_s.size()));
+  if (frames.size() < time_s.size()) {
+    std::size_t first = 0;
+    while (first < frames.size() && frames[first] == first) ++first;
+    Progress::warn(fmt::format(
+        "left out {} of {} glove frames, the first one is frame {}: their stamps run backward or "
+        "are missing",
+        time_s.size() - frames.size(), time_s.size(), first));
+  }
   if (2 * frames.size() < time_s.size())
     throw data_error("most stamps of the glove run backward or are missing", hint);
   return frames;

@@ -14,17 +14,12 @@ namespace {
 constexpr double max_count = 65535.0;
 constexpr double min_fraction = 1.0 / 16.0;  // largest value of pressures from 0 to 1
 
-[[noreturn]] void reject(const GloveFile& glove, std::size_t index, const char* hint) {
-  throw data_error(fmt::format("frame {} of the glove has the value {}", index / glove.taxels(),
-                               glove.values[index]),
-                   hint);
-}
-
 void require_finite(const GloveFile& glove) {
   const auto bad = std::ranges::find_if_not(glove.values, [](float v) { return std::isfinite(v); });
-  if (bad != glove.values.end())
-    reject(glove, static_cast<std::size_t>(bad - glove.values.begin()),
-           "leave out frames without a value of each taxel");
+  if (bad == glove.values.end()) return;
+  const auto frame = static_cast<std::size_t>(bad - glove.values.begin()) / glove.taxels();
+  throw data_error(fmt::format("frame {} of the glove has the value {}", frame, *bad),
+                   "leave out frames without a value of each taxel");
 }
 
 /// Least power of two that is not below a positive number.
@@ -43,13 +38,8 @@ ValueScale scale_of_real(double low, double high) {
   return scale;
 }
 
-ValueScale scale_of_whole(const GloveFile& glove, double low, double high) {
-  if (high - std::min(low, 0.0) > max_count)
-    reject(glove,
-           static_cast<std::size_t>((low < 0.0 ? std::ranges::min_element(glove.values)
-                                               : std::ranges::max_element(glove.values)) -
-                                    glove.values.begin()),
-           "give counts of at most 16 bits, or divide them: values with fractions are scaled");
+ValueScale scale_of_whole(double low, double high) {
+  if (high - std::min(low, 0.0) > max_count) return scale_of_real(low, high);
   if (low >= 0.0) return {};
   Progress::report(fmt::format("glove: values from {:g} are shifted: count 0 is {:g}", low, low));
   return {low, 1.0};
@@ -67,7 +57,7 @@ ValueScale value_scale(const GloveFile& glove, bool is_counts) {
   const bool is_whole =
       std::ranges::all_of(glove.values, [](float v) { return v == std::floor(v); });
   const bool is_binary = is_whole && low >= 0.0 && high == 1.0 && !is_counts;
-  return is_whole && !is_binary ? scale_of_whole(glove, low, high) : scale_of_real(low, high);
+  return is_whole && !is_binary ? scale_of_whole(low, high) : scale_of_real(low, high);
 }
 
 std::vector<std::uint16_t> counts_of(const GloveFile& glove, const ValueScale& scale) {

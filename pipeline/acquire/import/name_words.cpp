@@ -5,14 +5,10 @@
 #include <initializer_list>
 #include <string>
 
+#include "engine/base/text.h"
+
 namespace touchtrace {
 namespace {
-
-std::string lower_case(std::string_view name) {
-  std::string result(name);
-  std::ranges::transform(result, result.begin(), [](unsigned char c) { return std::tolower(c); });
-  return result;
-}
 
 bool contains_any(std::string_view name, std::initializer_list<const char*> parts) {
   const std::string lower = lower_case(name);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 #include <regex>
+#include <set>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -64,6 +65,18 @@ void report(const NamedLayout& layout, int first) {
                                is_ordered ? "" : ", which are not row by row"));
 }
 
+/// Whether names ROW_COL name each taxel of a rectangle once.
+bool is_complete(const std::vector<TaxelName>& taxels) {
+  std::set<std::pair<int, int>> places;
+  for (const TaxelName& taxel : taxels) places.insert({taxel.row, taxel.col});
+  const auto [min_row, max_row] = std::ranges::minmax(taxels, {}, &TaxelName::row);
+  const auto [min_col, max_col] = std::ranges::minmax(taxels, {}, &TaxelName::col);
+  const auto count = [](int from, int to) { return static_cast<std::size_t>(to - from + 1); };
+  return places.size() == taxels.size() &&
+         places.size() == count(min_row.row, max_row.row) * count(min_col.col, max_col.col) &&
+         std::max(min_row.row, min_col.col) <= 1;
+}
+
 NamedLayout grid(const std::vector<TaxelName>& taxels, const std::filesystem::path& file) {
   const auto [min_row, max_row] = std::ranges::minmax(taxels, {}, &TaxelName::row);
   const auto [min_col, max_col] = std::ranges::minmax(taxels, {}, &TaxelName::col);
@@ -81,8 +94,8 @@ NamedLayout grid(const std::vector<TaxelName>& taxels, const std::filesystem::pa
 NamedLayout named_layout(const std::vector<std::string>& names, const std::filesystem::path& file) {
   const auto taxels = parse_names(names);
   const bool is_grid = !taxels.empty() && taxels[0].row >= 0;
-  if (is_grid && (taxels[0].words.empty() || taxels[0].words == "counts_"))
-    return grid(taxels, file);
+  const bool is_ours = is_grid && (taxels[0].words.empty() || taxels[0].words == "counts_");
+  if (is_ours || (is_grid && is_complete(taxels))) return grid(taxels, file);
   NamedLayout layout{0, 0, std::vector<std::size_t>(names.size())};
   std::iota(layout.column.begin(), layout.column.end(), std::size_t{0});
   if (!taxels.empty() && !is_grid)

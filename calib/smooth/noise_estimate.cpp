@@ -12,6 +12,8 @@ namespace touchtrace {
 namespace {
 
 constexpr std::size_t min_points_for_noise = 6;
+/// Points that are looked at, in stretches: they tell the noise to a percent.
+constexpr std::size_t max_points = 20'000, stretch_points = 1000;
 constexpr double numeric_step = 1e-3;  // of logarithms
 constexpr int max_iterations = 60;
 
@@ -37,6 +39,8 @@ constexpr double wide = 2.3;
 constexpr double very_wide = 6.9;
 /// Tracks come with standard deviations: these are held near what is stated.
 constexpr double scale_sigma = 0.5;
+/// Measurements without any error would make it 0.
+constexpr double min_scale = 0.01;
 constexpr double fraction_sigma = 0.5;
 /// Prior median of the bandwidth, in radians per interval between measurements.
 constexpr double bandwidth_per_point = 0.2;
@@ -99,6 +103,7 @@ class NoiseCost {
     auto noise = centre_;
     for (std::size_t i = 0; i < parameters_.size(); ++i)
       noise.*parameters_[i].value = parameters_[i].from_search(x[i], centre_);
+    noise.measurement_scale = std::max(noise.measurement_scale, min_scale);
     return noise;
   }
 
@@ -108,6 +113,37 @@ class NoiseCost {
   std::vector<Parameter> parameters_;
   std::vector<ScaledTrack> tracks_;
 };
+
+std::size_t count_points(const std::vector<WeightedTrack>& tracks) {
+  std::size_t count = 0;
+  for (const auto& track : tracks) count += track.points.size();
+  return count;
+}
+
+WeightedTrack stretch_of(const WeightedTrack& track, std::size_t first) {
+  const std::size_t end = std::min(first + stretch_points, track.points.size());
+  WeightedTrack stretch{{&track.points[first], &track.points[0] + end},
+                        {&track.weights[first], &track.weights[0] + end},
+                        {},
+                        track.curve};
+  const double start_s = stretch.points.front().time_s, end_s = stretch.points.back().time_s;
+  std::ranges::copy_if(track.flights, std::back_inserter(stretch.flights), [&](const Flight& f) {
+    return f.landing_s > start_s && f.release_s < end_s;
+  });
+  return stretch;
+}
+
+/// Stretches of long tracks, evenly spaced: `max_points` or a few more of `count`.
+std::vector<WeightedTrack> stretches_of(const std::vector<WeightedTrack>& tracks,
+                                        std::size_t count) {
+  const double spacing = static_cast<double>(stretch_points) * static_cast<double>(count) /
+                         static_cast<double>(max_points);
+  std::vector<WeightedTrack> stretches;
+  for (const auto& track : tracks)
+    for (double first = 0.0; first < static_cast<double>(track.points.size()); first += spacing)
+      stretches.push_back(stretch_of(track, static_cast<std::size_t>(first)));
+  return stretches;
+}
 
 /// `x` with the best decade of the jerk density, as the start: the likelihood has several maxima.
 std::vector<double> with_best_density(const NoiseCost& cost, std::vector<double> x,
@@ -128,11 +164,11 @@ std::vector<double> with_best_density(const NoiseCost& cost, std::vector<double>
 
 std::optional<MotionNoise> estimate_noise(const std::vector<WeightedTrack>& tracks,
                                           const MotionNoise& start, const SmoothOptions& options) {
-  std::size_t count = 0;
-  bool has_curves = false;
-  for (const auto& track : tracks)
-    count += track.points.size(), has_curves |= !track.curve.log_variance.empty();
+  const std::size_t count = count_points(tracks);
   if (count < min_points_for_noise) return std::nullopt;
+  if (count > 2 * max_points) return estimate_noise(stretches_of(tracks, count), start, options);
+  const bool has_curves = std::ranges::any_of(
+      tracks, [](const auto& track) { return !track.curve.log_variance.empty(); });
   const NoiseCost cost(tracks, options);
   auto x = cost.to_search(start);
   if (!has_curves) x = with_best_density(cost, std::move(x), options.num_threads);

@@ -19,13 +19,31 @@ constexpr double knot_spacing_s = 0.1, min_points_per_knot = 2.0;
 /// the velocities' variance in bursts; without the pull to 0 the variance in rests is too small.
 constexpr double step_scale = 0.12, value_weight = 0.1;
 constexpr int max_iterations = 60;
+constexpr double knots_beside_pause = 5.0;
+
+/// Gaps between measurements, less a few knots on either side.
+std::vector<ProcessNoiseCurve::Pause> pauses_of(const Track& points, double spacing_s) {
+  const double margin_s = knots_beside_pause * spacing_s;
+  std::vector<ProcessNoiseCurve::Pause> pauses;
+  double before_s = 0.0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double length_s = points[i].time_s - points[i - 1].time_s - 2.0 * margin_s;
+    if (length_s <= 0.0) continue;
+    pauses.push_back({points[i - 1].time_s + margin_s, length_s, before_s});
+    before_s += length_s;
+  }
+  return pauses;
+}
 
 ProcessNoiseCurve constant_curve(const Track& points) {
-  const double start_s = points.front().time_s, duration_s = points.back().time_s - start_s,
-               spacing_s =
-                   std::max(knot_spacing_s, min_points_per_knot * MotionUnits::of({points}).time_s);
-  const auto num_knots = static_cast<std::size_t>(std::ceil(duration_s / spacing_s)) + 1;
-  return {start_s, spacing_s, std::vector<double>(std::max<std::size_t>(num_knots, 2), 0.0)};
+  ProcessNoiseCurve curve{
+      points.front().time_s,
+      std::max(knot_spacing_s, min_points_per_knot * MotionUnits::of({points}).time_s)};
+  curve.pauses = pauses_of(points, curve.knot_spacing_s);
+  const double elapsed_s = curve.elapsed_s(points.back().time_s);
+  const auto num_knots = static_cast<std::size_t>(std::ceil(elapsed_s / curve.knot_spacing_s)) + 1;
+  curve.log_variance.resize(std::max<std::size_t>(num_knots, 2), 0.0);
+  return curve;
 }
 
 /// Negative logarithm of the curve's prior. Adds its derivatives to `gradient`.

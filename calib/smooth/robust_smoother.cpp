@@ -8,7 +8,7 @@ namespace touchtrace {
 namespace {
 
 constexpr double cauchy_scale = 4.0, weight_tolerance = 1e-4;
-constexpr int max_passes = 100;
+constexpr int max_passes = 1000;
 
 }  // namespace
 

@@ -39,9 +39,16 @@ MotionNoise in_units(const MotionNoise& noise, double length, double time) {
 
 }  // namespace
 
+double ProcessNoiseCurve::elapsed_s(double time_s) const {
+  const auto next = std::ranges::upper_bound(pauses, time_s, {}, &Pause::start_s);
+  if (next == pauses.begin()) return time_s - start_s;
+  const Pause& last = *(next - 1);
+  return time_s - start_s - last.before_s - std::min(time_s - last.start_s, last.length_s);
+}
+
 std::pair<std::size_t, double> ProcessNoiseCurve::position(double time_s) const {
   const double last = static_cast<double>(log_variance.size() - 1),
-               knot = std::clamp((time_s - start_s) / knot_spacing_s, 0.0, last);
+               knot = std::clamp(elapsed_s(time_s) / knot_spacing_s, 0.0, last);
   const auto before = std::min(static_cast<std::size_t>(knot), log_variance.size() - 2);
   return {before, knot - static_cast<double>(before)};
 }

@@ -10,14 +10,22 @@
 namespace touchtrace {
 
 /// Logarithm of a track's process noise over its constant value, linear between knots. Without
-/// knots: zero.
+/// knots: zero. Long pauses between measurements have no knots.
 struct ProcessNoiseCurve {
+  struct Pause {
+    double start_s, length_s;
+    double before_s;  ///< sum of the pauses before it
+  };
+
   double start_s = 0.0, knot_spacing_s = 1.0;
   std::vector<double> log_variance;  ///< [knots]
+  std::vector<Pause> pauses = {};    ///< in the order of time
 
   double at(double time_s) const;
   /// Last knot but one, or an earlier one, before a time, and the part of the way to the next.
   std::pair<std::size_t, double> position(double time_s) const;
+  /// Time since the start, without pauses.
+  double elapsed_s(double time_s) const;
 };
 
 /// What else than its residual decides a measurement's weight (`judge_points`).

@@ -23,6 +23,8 @@ constexpr double earth_m_per_s2 = 9.81, max_gravity_error = 0.05;
 /// Positions that are rounded to millimetres, of a body at rest with noise of 1 mm, are the same
 /// five times in a row by chance once in 10^6 samples.
 constexpr std::size_t min_repeats = 4;
+constexpr double max_repeated_times = 0.1;  ///< of the samples
+constexpr double min_slow_step_s = 1.0, max_gap_s = 3600.0;
 
 double median_speed(const Track& track) {
   std::vector<double> speeds;
@@ -69,6 +71,28 @@ std::size_t count_repeats(const Track& track) {
   return count;
 }
 
+void warn_of_times(const Track& track, const std::string& file) {
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < track.size(); ++i)
+    steps_s.push_back(track[i].time_s - track[i - 1].time_s);
+  if (steps_s.empty()) return;
+  const auto repeated = static_cast<std::size_t>(std::ranges::count(steps_s, 0.0));
+  const double largest_s = std::ranges::max(steps_s), typical_s = median(std::move(steps_s));
+  if (static_cast<double>(repeated) > max_repeated_times * static_cast<double>(track.size()))
+    Progress::warn(fmt::format(
+        "{}: {} of {} samples have the time of the one before them; hint: check which column has "
+        "the times, and rows that are in the file twice",
+        file, repeated, track.size()));
+  if (typical_s >= min_slow_step_s)
+    Progress::warn(fmt::format(
+        "{}: samples are {:g} s apart; hint: name times in milliseconds time_ms, and divide frame "
+        "numbers by the rate",
+        file, typical_s));
+  else if (largest_s > max_gap_s)
+    Progress::warn(fmt::format("{}: a gap of {:.3g} s between samples; hint: check the time stamps",
+                               file, largest_s));
+}
+
 std::string text_of(const Eigen::Vector3d& v) {
   return fmt::format("{:g} {:g} {:g}", v.x(), v.y(), v.z());
 }
@@ -100,6 +124,7 @@ void warn_of_axis(const Eigen::Vector3d& gravity, const std::vector<SmoothInput>
 void warn_of_implausible(const SmoothInput& input) {
   const Track& track = input.track.track;
   const auto file = input.track.file.string();
+  warn_of_times(track, file);
   if (const double speed = median_speed(track); speed > max_speed_m_per_s)
     Progress::warn(
         fmt::format("{}: half of the positions move faster than {:.2g} m/s; hint: if "

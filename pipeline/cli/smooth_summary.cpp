@@ -34,6 +34,13 @@ double residual_rms(const Track& track, const SmoothedTrack& smoothed) {
   return std::sqrt(squares / (3.0 * static_cast<double>(track.size())));
 }
 
+/// Measurements with hardly any weight.
+std::size_t count_outliers(const SmoothedTrack& smoothed) {
+  constexpr double max_weight = 0.1;  // a residual of 12 standard deviations
+  return static_cast<std::size_t>(
+      std::ranges::count_if(smoothed.weights, [](double weight) { return weight < max_weight; }));
+}
+
 json summary_of(const SmoothInput& input, const SmoothedTrack& smoothed) {
   const Track& track = input.track.track;
   json summary{{"name", input.files.name},
@@ -45,8 +52,12 @@ json summary_of(const SmoothInput& input, const SmoothedTrack& smoothed) {
                {"duration_s", track.back().time_s - track.front().time_s},
                {"sigma_m", sigmas_of(track)},
                {"sigma_source", input.sigma_source}};
-  if (smoothed.status != SmoothStatus::converged) return summary;
+  const bool has_states = smoothed.status == SmoothStatus::converged;
+  for (const char* name : {"residual_rms", "outliers", "flights", "output", "flights_output"})
+    summary[name] = nullptr;
+  if (!has_states) return summary;
   summary["residual_rms"] = residual_rms(track, smoothed);
+  summary["outliers"] = count_outliers(smoothed);
   summary["flights"] = smoothed.flights.size();
   summary["output"] = input.files.states.string();
   if (!smoothed.flights.empty()) summary["flights_output"] = input.files.flights.string();
@@ -82,13 +93,15 @@ std::size_t name_width(const json& tracks) {
 }
 
 void print_track(const json& track, std::size_t width) {
-  const bool has_failed = !track.contains("output");
+  const bool has_failed = track["output"].is_null();
   const auto residual =
       has_failed ? "-" : fmt::format("{:.2f}", track["residual_rms"].get<double>());
   const auto flights = has_failed ? "-" : fmt::format("{}", track["flights"].get<std::size_t>());
-  fmt::print("{:<{}} {:>8} {:>8} {:>9.1f} {:>9} {:>8}  {}\n", track["name"].get<std::string>(),
-             width, track["samples"].get<std::size_t>(), track["skipped_rows"].get<std::size_t>(),
-             track["duration_s"].get<double>(), residual, flights,
+  const auto outliers = has_failed ? "-" : fmt::format("{}", track["outliers"].get<std::size_t>());
+  fmt::print("{:<{}} {:>8} {:>8} {:>9.1f} {:>9} {:>8} {:>8}  {}\n",
+             track["name"].get<std::string>(), width, track["samples"].get<std::size_t>(),
+             track["skipped_rows"].get<std::size_t>(), track["duration_s"].get<double>(), residual,
+             outliers, flights,
              has_failed ? "failed: " + track["status"].get<std::string>()
                         : track["output"].get<std::string>());
   fmt::print("{:<{}} sigma {}\n", "", width, sigma_text(track));
@@ -109,8 +122,8 @@ json smooth_summary(const std::vector<SmoothInput>& inputs, const SmoothedTracks
 
 void print_smooth_summary(const json& summary) {
   const auto width = name_width(summary["tracks"]);
-  fmt::print("{:<{}} {:>8} {:>8} {:>9} {:>9} {:>8}  {}\n", "track", width, "samples", "skipped",
-             "seconds", "residual", "flights", "output");
+  fmt::print("{:<{}} {:>8} {:>8} {:>9} {:>9} {:>8} {:>8}  {}\n", "track", width, "samples",
+             "skipped", "seconds", "residual", "outliers", "flights", "output");
   for (const auto& track : summary["tracks"]) print_track(track, width);
   const auto& noise = summary["noise"];
   fmt::print("residual: RMS over sigma; noise: errors {:.2f} sigma, jerk density {:.3g} m^2/s^5\n",

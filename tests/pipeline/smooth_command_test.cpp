@@ -206,6 +206,53 @@ TEST_F(SmoothCommand, EstimatesFlights) {
   EXPECT_FALSE(fs::exists(folder_ / "out/ball.flights.csv"));  // of the previous run
 }
 
+/// Knots of the process noise throughout a year would take gigabytes.
+TEST_F(SmoothCommand, AGapOfAYearIsNamedAndCostsNothing) {
+  Track track = sine(2.0, 4);
+  for (auto point : sine(2.0, 5)) point.time_s += 3.2e7, track.push_back(point);
+  put(folder_ / "gap.csv", csv(track));
+  ::testing::internal::CaptureStderr();
+  ASSERT_EQ(run({path("gap.csv"), "--sigma", "0.001", "-o", path("out")}), 0);
+  const auto text = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(text.find("a gap of 3.2e+07 s"), std::string::npos) << text;
+  EXPECT_NEAR(summary()["tracks"][0]["residual_rms"].get<double>(), 1.0, 0.3);
+}
+
+TEST_F(SmoothCommand, ABodyAtRestNeedsNoNoise) {
+  Track track = sine(2.0, 4);
+  for (auto& point : track) point.position_m.setConstant(0.25);
+  put(folder_ / "rest.csv", csv(track));
+  ASSERT_EQ(run({path("rest.csv"), "--sigma", "0.001", "-o", path("out")}), 0);
+  auto columns = columns_of(folder_ / "out/rest.csv");
+  for (const double v : numbers(columns["vx_m_per_s"])) EXPECT_NEAR(v, 0.0, 1e-9);
+}
+
+TEST_F(SmoothCommand, CountsMeasurementsThatItDoesNotBelieve) {
+  Track track = sine(4.0, 4);
+  track[150].position_m.x() += 0.5;
+  put(folder_ / "a.csv", csv(track));
+  ASSERT_EQ(run({path("a.csv"), "--sigma", "0.001", "-o", path("out")}), 0);
+  EXPECT_EQ(summary()["tracks"][0]["outliers"], 1);
+  EXPECT_TRUE(summary()["tracks"][0]["flights_output"].is_null());
+}
+
+TEST_F(SmoothCommand, WarnsOfTimesThatAreHardlySeconds) {
+  const auto warnings = [&](double factor, int repeats) {
+    std::string text = "time_s,x_m,y_m,z_m\n";
+    for (const auto& point : sine(1.0, 4))
+      for (int i = 0; i < repeats; ++i)
+        text += fmt::format("{},{},{},{}\n", factor * point.time_s, point.position_m.x(),
+                            point.position_m.y(), point.position_m.z());
+    put(folder_ / "a.csv", text);
+    ::testing::internal::CaptureStderr();
+    run({path("a.csv"), "--sigma", "0.001", "-o", path("out"), "--overwrite"});
+    return ::testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(warnings(1.0, 1), "");
+  EXPECT_NE(warnings(1000.0, 1).find("samples are 10 s apart"), std::string::npos);
+  EXPECT_NE(warnings(1.0, 2).find("101 of 202 samples have the time"), std::string::npos);
+}
+
 TEST_F(SmoothCommand, WarnsOfImplausibleInputs) {
   const auto warnings = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"-o", path("out"), "--overwrite"});

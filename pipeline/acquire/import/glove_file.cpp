@@ -25,12 +25,6 @@ bool is_lfs_pointer(const std::filesystem::path& file) {
 
 }  // namespace
 
-void require_no_stream(const GloveFileOptions& options) {
-  if (!options.stream.empty())
-    throw data_error(fmt::format("the file has one glove, without the name '{}'", options.stream),
-                     "leave out --glove-stream");
-}
-
 GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOptions& options) {
   if (!std::filesystem::is_regular_file(file))
     throw data_error(fmt::format("{} is not a file", file.string()), "check the path");

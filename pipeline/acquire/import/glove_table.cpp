@@ -160,6 +160,12 @@ GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOpt
   return glove;
 }
 
+void require_no_stream(const GloveFileOptions& options) {
+  if (!options.stream.empty())
+    throw data_error(fmt::format("the file has one glove, without the name '{}'", options.stream),
+                     "leave out --glove-stream");
+}
+
 void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& options) {
   const auto count = static_cast<int>(std::min<std::size_t>(values, INT_MAX));
   const auto side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(count))));

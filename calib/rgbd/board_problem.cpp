@@ -1,11 +1,9 @@
 #include "calib/rgbd/board_problem.h"
 
 #include <ceres/ceres.h>
-#include <glog/logging.h>
 
 #include <algorithm>
 #include <limits>
-#include <mutex>
 
 #include "calib/rgbd/ceres_problem.h"
 #include "calib/rgbd/cost_functions.h"
@@ -105,13 +103,6 @@ void fix_parameters(const BoardProblem& problem, RgbdParameters& p, ceres::Probl
       ceres_problem.SetParameterBlockConstant(p.camera_from_board[view].data());
 }
 
-/// Ceres warns on stderr about rejected steps, which are normal. Its level is read by all threads:
-/// it is set once.
-void silence_ceres_warnings() {
-  static std::once_flag is_silent;
-  std::call_once(is_silent, [] { FLAGS_minloglevel = google::GLOG_ERROR; });
-}
-
 ceres::Problem::Options problem_options(ViewRotations& rotations) {
   ceres::Problem::Options options;
   options.disable_all_safety_checks = true;  // the blocks are members of one struct
@@ -175,7 +166,6 @@ Eigen::Isometry3d pose_of(const std::array<double, 6>& p) {
 }
 
 bool minimize(ceres::Problem& problem, const SolverLimits& limits) {
-  silence_ceres_warnings();
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.max_num_iterations = limits.max_iterations;

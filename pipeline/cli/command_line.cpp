@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <new>
@@ -134,6 +135,7 @@ int report(const Program& program, ExitCode code, const std::string& problem,
 }  // namespace
 
 int run_command_line(const Program& program, int argc, const char* const* argv) {
+  FLAGS_minloglevel = google::GLOG_ERROR;  // Ceres warns of rejected steps, which are normal
   catch_interrupts();
   try {
     const Arguments arguments(argv + std::min(argc, 1), argv + argc);

@@ -41,12 +41,22 @@ void print_summary(const nlohmann::json& s, const std::string& output) {
   if (s.contains("glove")) print_glove(s["glove"], output);
 }
 
-ExitCode run(const ImportCommandOptions& options, const Invocation& invocation) {
-  if (options.source.empty() && options.import.glove.file.empty())
+/// Refuses options that would have no effect.
+void require_used(const ImportCommandOptions& options) {
+  const auto& import = options.import;
+  const auto& glove = import.glove;
+  if (options.source.empty() && glove.file.empty())
     throw usage_error("nothing to import", "give SOURCE with images, --glove FILE, or both");
-  if (options.source.empty() &&
-      !(options.import.masks.empty() && options.import.camera.camera_info.empty()))
+  if (options.source.empty() && !(import.masks.empty() && import.camera.camera_info.empty()))
     throw usage_error("--masks and --camera-info need images", "give SOURCE, or leave them out");
+  const bool has_layout =
+      glove.layout.rows > 0 || glove.layout.cols > 0 || !glove.layout.stream.empty();
+  if (glove.file.empty() && (has_layout || glove.bits > 0 || glove.polarity != 0))
+    throw usage_error("options of a glove without --glove", "give --glove FILE, or leave them out");
+}
+
+ExitCode run(const ImportCommandOptions& options, const Invocation& invocation) {
+  require_used(options);
   const Stopwatch stopwatch;
   { const OutputFile writable(options.output, invocation.overwrite); }
   auto provenance = start_provenance("touchtrace/recording/2", "import");

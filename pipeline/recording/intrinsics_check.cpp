@@ -10,7 +10,7 @@ namespace {
 
 // Distance of the principal point from the centre, over the image's size. Images that are cropped
 // along one axis have a larger one along that axis alone.
-constexpr double max_offset = 0.4, max_offset_of_both = 0.2;
+constexpr double max_offset = 0.4, max_offset_of_both = 0.12;
 // Focal length over the image's longer side: views of 136 and 6 degrees.
 constexpr double min_focal_ratio = 0.2, max_focal_ratio = 10.0;
 constexpr double max_focal_difference = 1.5;  // ratio of fx and fy

@@ -132,6 +132,26 @@ TEST_F(ImportFolder, ReadsIntrinsicsAndDepthScales) {
   }
 }
 
+TEST_F(ImportFolder, LensDistortionHasManyNames) {
+  for (int i = 0; i < import_frames; ++i) {
+    const std::string name = std::to_string(i) + ".png";
+    write_file(folder_ / "in" / "rgb" / name, encoded(import_color(i)), true);
+    write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, 1000)), true);
+  }
+  for (const char* distortion :
+       {R"("dist_coeffs": [[0.1, 0.2, 0.01, 0.02, 0.3]])",
+        R"("dist_coeff": [0.1, 0.2, 0.01, 0.02, 0.3])",
+        R"("distortion_coefficients": {"data": [0.1, 0.2, 0.01, 0.02, 0.3]})",
+        R"("k1": 0.1, "k2": 0.2, "p1": 0.01, "p2": 0.02, "k3": 0.3)"}) {
+    write_file(folder_ / "in" / "intrinsics.json",
+               fmt::format(R"({{"fx": 7, "fy": 7, "cx": 4, "cy": 3, {}}})", distortion), true);
+    fs::remove(folder_ / "out.h5");
+    const auto camera = import("in", at_30_hz()).recording().camera.color_camera;
+    ASSERT_TRUE(camera);
+    EXPECT_EQ(camera->distortion[4], 0.3) << distortion;
+  }
+}
+
 TEST_F(ImportFolder, NamesIntrinsicsThatItCannotRead) {
   write_file(folder_ / "in" / "rgb" / "0.png", encoded(import_color(0)), true);
   write_file(folder_ / "in" / "depth" / "0.png", encoded(import_depth(0, 1000)), true);

@@ -80,9 +80,21 @@ TEST_F(ImportMasks, MayHaveOtherLeadingZeros) {
                                                     {"b_007.50.png"},
                                                     {"b_7.050.png"}});
   ASSERT_EQ(files.size(), 3u);
-  EXPECT_EQ(files.at(0).filename(), "1.png");
-  EXPECT_EQ(files.at(1).filename(), "0010.png");
-  EXPECT_EQ(files.at(3).filename(), "b_7.50.png");
+  EXPECT_EQ(files.at(0).instances.filename(), "1.png");
+  EXPECT_EQ(files.at(1).instances.filename(), "0010.png");
+  EXPECT_EQ(files.at(3).instances.filename(), "b_7.50.png");
+}
+
+TEST_F(ImportMasks, MayHaveAFileForEachBody) {
+  cv::Mat hand(import_height, import_width, CV_8UC1, cv::Scalar(0)), object = hand.clone();
+  hand.at<std::uint8_t>(0, 2) = 255, object.at<std::uint8_t>(1, 3) = 1;
+  write_file(folder_ / "masks" / "hand" / "0.png", encoded(hand), true);
+  write_file(folder_ / "masks" / "object" / "0.png", encoded(object), true);
+  output();
+  const auto masks = RecordingReader(folder_ / "out.h5").read_mask(0);
+  EXPECT_EQ(masks.at(2), mask_hand);
+  EXPECT_EQ(masks.at(import_width + 3), mask_object);
+  EXPECT_EQ(std::ranges::count(masks, mask_other), std::ptrdiff_t(masks.size() - 2));
 }
 
 TEST_F(ImportMasks, AreNotNeededForAWarningOfIntrinsics) {

@@ -1,4 +1,5 @@
 // Numbers in the names of image files.
+#include "pipeline/acquire/import/named_images.h"
 #include "tests/pipeline/import_samples.h"
 
 namespace touchtrace {
@@ -73,6 +74,59 @@ TEST_F(ImportNumbers, EvenTimesInNamesAreNamedIfTheyFitTheRate) {
   EXPECT_FALSE(warns_of("milliseconds")) << warnings_;
   import_times(10.0);
   EXPECT_TRUE(warns_of("as times in milliseconds do at 10 Hz")) << warnings_;
+}
+
+/// Names in the order that they tell, from the reverse order.
+NamedImages ordered(std::vector<std::string> names) {
+  std::ranges::reverse(names);
+  return order_by_name({names.begin(), names.end()});
+}
+
+std::vector<std::string> names_of(const NamedImages& images) {
+  return {images.files.begin(), images.files.end()};
+}
+
+TEST(NamedImages, NumbersThatAreTheSameInAllNamesDoNotCount) {
+  const std::vector<std::string> names{"frame_2_640x480.png", "frame_10_640x480.png"};
+  const NamedImages images = ordered(names);
+  EXPECT_EQ(names_of(images), names);
+  EXPECT_EQ(images.numbers, (std::vector<double>{2, 10}));
+}
+
+TEST(NamedImages, DatesAreTimes) {
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"2026-03-04_10-15-59_313.png", "2026-03-04_10-16-00_013.png"},
+        {"2026-03-04 10:15:59.313000.png", "2026-03-04 10:16:00.013000.png"},
+        {"rgb_20260304T101559.313.png", "rgb_20260304T101600.013.png"},
+        {"20260304101559313000.png", "20260304101600013000.png"}}) {
+    const NamedImages images = ordered(names);
+    EXPECT_EQ(names_of(images), names);
+    ASSERT_EQ(images.stamps.size(), 2u) << names[0];
+    EXPECT_NEAR(images.stamps[0], 1772619359.313, 1e-6) << names[0];
+    EXPECT_NEAR(images.stamps[1] - images.stamps[0], 0.7, 1e-6) << names[0];
+  }
+}
+
+TEST(NamedImages, NumbersThatDisagreeAreNotNumbersOfFrames) {
+  const std::vector<std::string> names{"10_59_313.png", "10_59_346.png", "11_00_013.png"};
+  const NamedImages images = ordered(names);
+  EXPECT_EQ(names_of(images), names);
+  EXPECT_TRUE(images.numbers.empty());
+  EXPECT_TRUE(images.stamps.empty());
+}
+
+TEST(NamedImages, StampsAreNoDates) {
+  EXPECT_EQ(ordered({"1700000000123.png", "1700000000456.png"}).stamps[1], 1700000000456.0);
+  EXPECT_EQ(ordered({"7_1700000000.123.png", "8_1700000000.456.png"}).stamps[0], 1700000000.123);
+  EXPECT_TRUE(ordered({"a.png", "b.png"}).numbers.empty());
+  EXPECT_EQ(ordered({"1.png"}).numbers, std::vector<double>{1});
+}
+
+TEST_F(ImportNumbers, AListMayCountItsLines) {
+  write_images("rgb", {0, 1, 2}), write_images("depth", {0, 1, 2});
+  testing::put(folder_ / "in" / "times.txt", "0 7.00\n1 7.05\n2 7.10\n");
+  const CameraTimes times = import_times(0.0);
+  EXPECT_NEAR(times.host_time_s[2] - times.host_time_s[0], 0.1, 1e-9);
 }
 
 }  // namespace

@@ -6,18 +6,17 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
-#include <regex>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "engine/base/statistics.h"
+#include "pipeline/acquire/import/named_images.h"
 #include "pipeline/acquire/stamp_unit.h"
 #include "pipeline/recording/frame_pairs.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t min_stamp_digits = 13;
 constexpr std::uint64_t max_counted_frames = 10'000'000;
 constexpr double min_stamp_step = 10.0;  // of numbers that may be times
 constexpr double min_image_rate_hz = 1.0;
@@ -82,24 +81,14 @@ void warn_of_stamps(const Numbers& numbers, const char* kind, double rate_hz) {
 
 }  // namespace
 
-std::string number_in_name(const std::filesystem::path& file) {
-  static const std::regex last_number("([0-9]+(\\.[0-9]+)?)[^0-9]*$");
-  const std::string stem = file.stem();
-  std::smatch match;
-  return std::regex_search(stem, match, last_number) ? match[1].str() : "";
-}
-
-bool has_stamp(const std::filesystem::path& file) {
-  const std::string number = number_in_name(file);
-  return number.find('.') != std::string::npos || number.size() >= min_stamp_digits;
-}
-
 std::vector<std::uint64_t> frame_numbers(const std::vector<StampedFile>& files) {
+  std::vector<std::filesystem::path> paths;
+  for (const StampedFile& file : files) paths.push_back(file.path);
+  const NamedImages named = order_by_name(paths);
+  if (named.files != paths) return {};
   Numbers numbers;
-  for (const StampedFile& file : files) {
-    const std::string number = number_in_name(file.path);
-    if (number.empty() || has_stamp(file.path)) return {};
-    numbers.push_back(std::stoull(number));
+  for (const double number : named.numbers) {
+    numbers.push_back(static_cast<std::uint64_t>(number));
     if (numbers.size() > 1 && numbers.back() <= numbers[numbers.size() - 2]) return {};
   }
   return numbers;

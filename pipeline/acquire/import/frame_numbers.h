@@ -1,8 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <string>
 #include <vector>
 
 #include "pipeline/acquire/import/source.h"
@@ -10,15 +8,8 @@
 
 namespace touchtrace {
 
-/// Last number in a file's name, with its fraction; empty if there is none.
-std::string number_in_name(const std::filesystem::path& file);
-
-/// Whether the last number in a file's name is a time stamp: it has a fraction, or 13 digits or
-/// more.
-bool has_stamp(const std::filesystem::path& file);
-
-/// Last number in each file's name. Empty if a file has none or a stamp, or if the numbers do not
-/// increase.
+/// Numbers of frames in the files' names (order_by_name). Empty if there are none, or if they do
+/// not increase.
 std::vector<std::uint64_t> frame_numbers(const std::vector<StampedFile>& files);
 
 /// Counter of a camera's frames: the numbers in units of their greatest common step. Empty if fewer

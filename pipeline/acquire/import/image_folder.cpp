@@ -59,7 +59,8 @@ bool has_file(const fs::path& folder, const char* extension) {
 /// Conversion of depth images to arrays in metres.
 std::string exr_hint(const fs::path& folder) {
   return fmt::format(
-      "convert depth to .npy, in metres: OPENCV_IO_ENABLE_OPENEXR=1 python3 -c \"import cv2, glob, "
+      "convert depth to .npy, in metres, with python3-opencv of Debian or opencv-python 4: "
+      "OPENCV_IO_ENABLE_OPENEXR=1 python3 -c \"import cv2, glob, "
       "numpy; [numpy.save(f[:-4], cv2.imread(f, cv2.IMREAD_ANYDEPTH)) for f in "
       "glob.glob('{}/*.exr')]\"",
       folder.string());

@@ -7,7 +7,8 @@
 #include <string>
 
 #include "engine/base/error.h"
-#include "pipeline/acquire/import/frame_numbers.h"
+#include "engine/base/progress.h"
+#include "pipeline/acquire/import/named_images.h"
 #include "pipeline/acquire/stamp_unit.h"
 #include "pipeline/acquire/table_columns.h"
 #include "pipeline/acquire/time_order.h"
@@ -18,11 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t max_images = 10'000'000;
-
-double number_of(const fs::path& image) {
-  const std::string text = number_in_name(image);
-  return text.empty() ? 0.0 : std::stod(text);
-}
 
 std::optional<fs::path> find_list(const fs::path& folder) {
   for (const fs::path& where : {folder, folder.parent_path()})
@@ -41,9 +37,15 @@ TableColumn time_column(const TextTable& table) {
   throw LineFault{"no number"};
 }
 
-std::vector<double> read_times(const fs::path& list) {
+/// Whether values count the lines, as the first of several columns may do.
+bool count_lines(const std::vector<double>& values) {
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i] - values[i - 1] != 1.0) return false;
+  return values.size() > 1;
+}
+
+std::vector<double> read_column(const fs::path& list, std::optional<TableColumn> column) {
   TextTable table(list);
-  std::optional<TableColumn> column;
   std::vector<double> times_s;
   for_each_row(table, max_images, "give one line per image, its time in seconds first", [&] {
     if (!column) column = time_column(table);
@@ -51,6 +53,15 @@ std::vector<double> read_times(const fs::path& list) {
     if (!(time_s >= 0.0)) throw LineFault{"the time is missing or negative"};
     times_s.push_back(time_s);
   });
+  return times_s;
+}
+
+/// Times of a list; without names of its columns, of the second one if the first counts the lines.
+std::vector<double> read_times(const fs::path& list) {
+  auto times_s = read_column(list, {});
+  const TextTable table(list);
+  if (table.names().empty() && table.num_columns() > 1 && count_lines(times_s))
+    times_s = read_column(list, TableColumn{1, 1.0, "time"});
   return in_seconds(std::move(times_s), list.string());
 }
 
@@ -76,37 +87,32 @@ std::string times_hint(const fs::path& folder) {
          "stamps";
 }
 
-std::vector<double> image_times(const fs::path& folder, const std::vector<fs::path>& images,
-                                double rate_hz) {
-  std::vector<double> times_s;
-  if (std::ranges::all_of(images, has_stamp)) {
-    for (const fs::path& image : images) times_s.push_back(number_of(image));
-    times_s = in_seconds(std::move(times_s), folder.string());
-  } else if (const auto list = find_list(folder)) {
-    times_s = listed_times(*list, images.size(), folder);
-  } else if (rate_hz > 0.0) {
-    for (const fs::path& image : images) times_s.push_back(number_of(image) / rate_hz);
-  } else {
+std::vector<double> image_times(const fs::path& folder, const NamedImages& images, double rate_hz) {
+  if (!images.stamps.empty()) {
+    if (rate_hz > 0.0)
+      Progress::warn(
+          fmt::format("--rate is not used: file names in {} have times", folder.string()));
+    return in_seconds(images.stamps, folder.string());
+  }
+  if (const auto list = find_list(folder)) return listed_times(*list, images.files.size(), folder);
+  if (rate_hz <= 0.0)
     throw data_error(fmt::format("the images in {} have no times", folder.string()),
                      times_hint(folder));
-  }
+  std::vector<double> times_s;
+  for (std::size_t i = 0; i < images.files.size(); ++i)
+    times_s.push_back((images.numbers.empty() ? static_cast<double>(i) : images.numbers[i]) /
+                      rate_hz);
   return times_s;
 }
 
 }  // namespace
 
-void sort_by_number(std::vector<fs::path>& images) {
-  std::ranges::sort(images, {}, [](const fs::path& image) {
-    return std::pair(number_of(image), image.filename().string());
-  });
-}
-
 std::vector<StampedFile> stamped_images(const fs::path& folder, std::vector<fs::path> images,
                                         double rate_hz) {
-  sort_by_number(images);
-  const auto times_s = image_times(folder, images, rate_hz);
+  const NamedImages named = order_by_name(std::move(images));
+  const auto times_s = image_times(folder, named, rate_hz);
   std::vector<StampedFile> files;
-  for (std::size_t i = 0; i < images.size(); ++i) files.push_back({times_s[i], images[i]});
+  for (std::size_t i = 0; i < times_s.size(); ++i) files.push_back({times_s[i], named.files[i]});
   return in_time_order(std::move(files), &StampedFile::time_s, folder.string());
 }
 

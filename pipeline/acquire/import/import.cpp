@@ -110,13 +110,13 @@ class MaskFiles {
  public:
   explicit MaskFiles(const MaskIds& ids) : reader_(ids) {}
 
-  std::optional<std::vector<std::uint8_t>> try_read(const fs::path& file, cv::Size size) {
+  std::optional<std::vector<std::uint8_t>> try_read(const MaskFile& file, cv::Size size) {
     ++num_files_;
     try {
       return reader_.read(file, size);
     } catch (const std::exception& error) {
       if (++num_left_out_ <= max_reported)
-        Progress::warn(fmt::format("left out mask {}: {}", file.string(), error.what()));
+        Progress::warn(fmt::format("left out mask {}: {}", file.any().string(), error.what()));
       return std::nullopt;
     }
   }
@@ -133,7 +133,7 @@ class MaskFiles {
   std::size_t num_files_ = 0, num_left_out_ = 0;
 };
 
-void append_masks(RecordingWriter& writer, const std::map<std::size_t, fs::path>& files,
+void append_masks(RecordingWriter& writer, const std::map<std::size_t, MaskFile>& files,
                   const MaskIds& ids, const StreamCopy& color, cv::Size size) {
   Progress progress("importing masks", files.size());
   MaskFiles masks(ids);
@@ -234,7 +234,7 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
     recording.gloves.push_back(std::move(glove));
     move_to_clock(recording.gloves[0], time, options.glove.offset_s);
   }
-  const auto masks = options.masks.empty() ? std::map<std::size_t, fs::path>{}
+  const auto masks = options.masks.empty() ? std::map<std::size_t, MaskFile>{}
                                            : mask_files(options.masks, source.color.images);
   RecordingWriter writer(output, camera.info, overwrite);
   append_background(writer, options, source, camera);

@@ -10,6 +10,8 @@
 #include "calib/rgbd/foreign_calibration.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
+#include "engine/base/text.h"
 #include "pipeline/acquire/import/name_words.h"
 
 namespace touchtrace {
@@ -65,6 +67,26 @@ json matrix_of(const json& j) {
   return camera_matrix({j.at("fx"), j.at("fy"), j.at(cx), j.at(cy)});
 }
 
+constexpr std::array distortion_keys{"D",          "coeffs",           "dist",
+                                     "distortion", "dist_coeff",       "dist_coeffs",
+                                     "distCoeffs", "dist_coefs",       "distortion_coefficients",
+                                     "D1",         "distortion_coeffs"};
+
+/// k1, k2, p1, p2, k3 and so on, in OpenCV's order; empty: none.
+std::vector<double> distortion_of(const json& j) {
+  for (const char* key : distortion_keys)
+    if (j.contains(key) && !j.at(key).is_null()) return numbers_of(j.at(key));
+  if (!j.contains("k1") || !j.contains("p1")) {
+    for (const auto& [key, value] : j.items())
+      if (lower_case(key).starts_with("dist") && key != "distortion_model")
+        Progress::warn(fmt::format("'{}' of the intrinsics is not read: no lens distortion", key));
+    return {};
+  }
+  std::vector<double> coefficients;
+  for (const char* key : {"k1", "k2", "p1", "p2", "k3"}) coefficients.push_back(j.value(key, 0.0));
+  return coefficients;
+}
+
 /// Camera.fx, Camera1.fx, ... of ORB-SLAM as fx, ...
 json without_prefix(const json& j) {
   json flat = json::object();
@@ -117,11 +139,10 @@ std::optional<json> camera_info(const fs::path& file, int width, int height) {
   if (is_calibration(document)) return std::nullopt;
   const json j = color_entry(document);
   info["K"] = matrix_of(j);
-  for (const char* key : {"width", "height", "distortion_model", "D"})
-    if (j.is_object() && j.contains(key)) info[key] = j.at(key);
-  for (const char* key : {"coeffs", "dist", "distortion"})
-    if (j.is_object() && j.contains(key)) info["D"] = j.at(key);
-  if (j.is_object() && j.contains("M1") && j.contains("D1")) info["D"] = numbers_of(j.at("D1"));
+  if (!j.is_object()) return info;
+  for (const char* key : {"width", "height", "distortion_model"})
+    if (j.contains(key)) info[key] = j.at(key);
+  if (auto distortion = distortion_of(j); !distortion.empty()) info["D"] = std::move(distortion);
   return info;
 }
 

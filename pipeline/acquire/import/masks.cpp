@@ -12,7 +12,7 @@
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/acquire/decode_image.h"
-#include "pipeline/acquire/import/image_times.h"
+#include "pipeline/acquire/import/named_images.h"
 #include "pipeline/recording/recording.h"
 
 namespace touchtrace {
@@ -104,10 +104,9 @@ std::string text_of(const std::set<int>& ids) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-}  // namespace
-
-std::map<std::size_t, fs::path> mask_files(const fs::path& folder,
-                                           const std::vector<SourceImage>& images) {
+/// Masks of a folder by the index of their colour image.
+std::map<std::size_t, fs::path> files_by_image(const fs::path& folder,
+                                               const std::vector<SourceImage>& images) {
   auto files = images_in_folder(folder);
   std::map<std::string, fs::path> by_name;
   for (const fs::path& file : files) by_name[file.stem()] = file;
@@ -119,25 +118,70 @@ std::map<std::size_t, fs::path> mask_files(const fs::path& folder,
   if (files.size() != images.size())
     throw data_error(fmt::format("{} has {} masks for {} colour images, with other names",
                                  folder.string(), files.size(), images.size()),
-                     "give masks the file names of their colour images, or one for each image");
-  sort_by_number(files);
+                     "give masks the file names of their colour images, or one for each image; "
+                     "masks of one body each belong into the folders hand and object");
+  files = order_by_name(std::move(files)).files;
   for (std::size_t i = 0; i < files.size(); ++i) masks[i] = files[i];
   return masks;
 }
 
-std::vector<std::uint8_t> InstanceMaskReader::read(const fs::path& file, const cv::Size& size) {
+void require_size(const cv::Mat& mask, const cv::Size& size) {
+  if (mask.size() != size)
+    throw std::runtime_error(fmt::format("{}x{} pixels instead of {}x{}", mask.cols, mask.rows,
+                                         size.width, size.height));
+}
+
+/// 255 where a body is.
+cv::Mat read_body(const fs::path& file, const cv::Size& size) {
+  const cv::Mat mask = decode_image(file, cv::IMREAD_GRAYSCALE);
+  if (mask.empty()) throw std::runtime_error("not a readable image");
+  require_size(mask, size);
+  double most = 0.0;
+  cv::minMaxLoc(mask, nullptr, &most);
+  return mask > 0.5 * most;
+}
+
+}  // namespace
+
+std::map<std::size_t, MaskFile> mask_files(const fs::path& folder,
+                                           const std::vector<SourceImage>& images) {
+  std::map<std::size_t, MaskFile> masks;
+  const fs::path hand = folder / "hand", object = folder / "object";
+  if (fs::is_directory(hand) && fs::is_directory(object)) {
+    for (auto& [image, file] : files_by_image(hand, images)) masks[image].hand = file;
+    for (auto& [image, file] : files_by_image(object, images)) masks[image].object = file;
+    return masks;
+  }
+  for (auto& [image, file] : files_by_image(folder, images)) masks[image].instances = file;
+  return masks;
+}
+
+std::vector<std::uint8_t> InstanceMaskReader::read(const MaskFile& mask, const cv::Size& size) {
+  const cv::Mat values =
+      mask.instances.empty() ? read_bodies(mask, size) : read_instances(mask.instances, size);
+  return {values.begin<std::uint8_t>(), values.end<std::uint8_t>()};
+}
+
+cv::Mat InstanceMaskReader::read_bodies(const MaskFile& mask, const cv::Size& size) {
+  cv::Mat values(size, CV_8U, cv::Scalar(mask_other));
+  if (!mask.hand.empty()) values.setTo(mask_hand, read_body(mask.hand, size));
+  if (!mask.object.empty()) values.setTo(mask_object, read_body(mask.object, size));
+  if (cv::countNonZero(values == mask_hand) > 0) found_.insert(ids_.hand);
+  if (cv::countNonZero(values == mask_object) > 0) found_.insert(ids_.object);
+  return values;
+}
+
+cv::Mat InstanceMaskReader::read_instances(const fs::path& file, const cv::Size& size) {
   const cv::Mat mask = decode_image(file, cv::IMREAD_UNCHANGED);
   if (mask.empty() || mask.channels() == 2 || mask.channels() > 3 ||
       (mask.channels() == 3 && mask.depth() != CV_8U))
     throw std::runtime_error("not a mask of one channel or of palette colours");
-  if (mask.size() != size)
-    throw std::runtime_error(fmt::format("{}x{} pixels instead of {}x{}", mask.cols, mask.rows,
-                                         size.width, size.height));
+  require_size(mask, size);
   found_.merge(ids_in(mask));
   cv::Mat values(size, CV_8U, cv::Scalar(mask_other));
   values.setTo(mask_hand, pixels_of(mask, ids_.hand));
   values.setTo(mask_object, pixels_of(mask, ids_.object));
-  return {values.begin<std::uint8_t>(), values.end<std::uint8_t>()};
+  return values;
 }
 
 void InstanceMaskReader::require_ids() const {

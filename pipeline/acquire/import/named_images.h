@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace touchtrace {
+
+/// Image files of one camera in the order that their names tell.
+struct NamedImages {
+  std::vector<std::filesystem::path> files;
+  /// [files] times in the names: seconds since 1970 of dates, or stamps of an unknown unit, which
+  /// have a fraction or 13 digits or more. Empty: the names have none.
+  std::vector<double> stamps;
+  std::vector<double> numbers;  ///< [files] of frames; empty: none, or the names have stamps
+};
+
+/// Orders files by the dates in their names, else by the last number that differs between the
+/// names ("frame_12_640x480": 12). If several differ and disagree about the order, the first ones
+/// decide, and none counts frames. Files without numbers are ordered by their names.
+NamedImages order_by_name(std::vector<std::filesystem::path> files);
+
+}  // namespace touchtrace

@@ -144,15 +144,17 @@ TargetCorners find_aprilgrid_corners(const GreyImage& image, const CalibrationTa
   return {};
 }
 
-const TargetKind aprilgrid_kind{"aprilgrid",
-                                "tags",
-                                2,
-                                dictionary,
-                                tag_corner_m,
-                                [](const CalibrationTarget&) { return false; },
-                                find_aprilgrid_corners,
-                                find_other,
-                                recognize,
-                                find_other_tag_spacing};
+const TargetKind aprilgrid_kind{
+    .name = "aprilgrid",
+    .element = "tags",
+    .element_corners = 2,
+    .dictionary = dictionary,
+    .place_m = tag_corner_m,
+    .is_symmetric = [](const CalibrationTarget&) { return false; },
+    .find_corners = find_aprilgrid_corners,
+    .find_other = find_other,
+    .recognize = recognize,
+    .find_other_proportions = find_other_tag_spacing,
+};
 
 }  // namespace touchtrace

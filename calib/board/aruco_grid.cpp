@@ -54,15 +54,17 @@ TargetCorners find_aruco_grid_corners(const GreyImage& image, const CalibrationT
   return determine_pose(corners.second, grid) ? corners : TargetCorners{};
 }
 
-const TargetKind aruco_grid_kind{"aruco-grid",
-                                 "tags",
-                                 2,
-                                 any_dictionary,
-                                 tag_corner_m,
-                                 [](const CalibrationTarget&) { return false; },
-                                 find_aruco_grid_corners,
-                                 find_other,
-                                 recognize,
-                                 find_other_tag_spacing};
+const TargetKind aruco_grid_kind{
+    .name = "aruco-grid",
+    .element = "tags",
+    .element_corners = 2,
+    .dictionary = any_dictionary,
+    .place_m = tag_corner_m,
+    .is_symmetric = [](const CalibrationTarget&) { return false; },
+    .find_corners = find_aruco_grid_corners,
+    .find_other = find_other,
+    .recognize = recognize,
+    .find_other_proportions = find_other_tag_spacing,
+};
 
 }  // namespace touchtrace

@@ -24,13 +24,6 @@ std::optional<OtherTarget> recognize_target(const GreyImage& image, const Target
   return {};
 }
 
-std::optional<OtherTarget> find_other_target(const GreyImage& image,
-                                             const CalibrationTarget& asked) {
-  if (asked.kind->find_other)
-    if (const auto other = asked.kind->find_other(image, asked)) return other;
-  return recognize_target(image, *asked.kind);
-}
-
 Eigen::Vector2d square_lattice_m(const CalibrationTarget& target, int column, int row) {
   return target.square_m * Eigen::Vector2d(column, row);
 }

@@ -30,7 +30,7 @@ struct TargetKind {
   const char* element;  ///< what a user counts, e.g. "tags"
   int element_corners;  ///< corners of an element in a row
   /// Dictionary of its markers; any_dictionary: the user's; nullptr: it has none.
-  const char* dictionary;
+  const char* dictionary = nullptr;
   /// Place of a corner in the target's frame.
   Eigen::Vector2d (*place_m)(const CalibrationTarget& target, int column, int row);
   /// Whether the target looks the same after half a turn, so that a view does not tell its order.
@@ -52,10 +52,7 @@ extern const TargetKind chessboard_kind, charuco_kind, aprilgrid_kind, aruco_gri
 /// All kinds. A new one is added here.
 std::span<const TargetKind* const> target_kinds();
 
-/// Another target that an image shows: of the kind that was asked for, or else of another.
-std::optional<OtherTarget> find_other_target(const GreyImage& image,
-                                             const CalibrationTarget& asked);
-/// A target of any kind but `except`.
+/// A target of any kind but `except` that an image shows. It may take seconds in large images.
 std::optional<OtherTarget> recognize_target(const GreyImage& image, const TargetKind& except);
 
 /// Flat calibration target by its corners: inner corners of a chessboard, four of each tag of a

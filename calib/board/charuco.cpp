@@ -200,14 +200,16 @@ TargetCorners find_charuco_corners(const GreyImage& image, const CalibrationTarg
   return determine_pose(found.second, board) ? found : TargetCorners{};
 }
 
-const TargetKind charuco_kind{"charuco",
-                              "inner corners",
-                              1,
-                              any_dictionary,
-                              square_lattice_m,
-                              [](const CalibrationTarget&) { return false; },
-                              find_charuco_corners,
-                              find_other,
-                              recognize};
+const TargetKind charuco_kind{
+    .name = "charuco",
+    .element = "inner corners",
+    .element_corners = 1,
+    .dictionary = any_dictionary,
+    .place_m = square_lattice_m,
+    .is_symmetric = [](const CalibrationTarget&) { return false; },
+    .find_corners = find_charuco_corners,
+    .find_other = find_other,
+    .recognize = recognize,
+};
 
 }  // namespace touchtrace

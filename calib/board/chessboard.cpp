@@ -161,17 +161,19 @@ std::optional<OtherTarget> recognize(const GreyImage& image) {
 }  // namespace
 
 const TargetKind chessboard_kind{
-    "chessboard",
-    "inner corners",
-    1,
-    nullptr,
-    square_lattice_m,
-    [](const CalibrationTarget& board) { return (board.columns + board.rows) % 2 == 0; },
-    [](const GreyImage& image, const CalibrationTarget& board) {
-      return TargetCorners{find_chessboard(image, board), {}};
-    },
-    find_other,
-    recognize};
+    .name = "chessboard",
+    .element = "inner corners",
+    .element_corners = 1,
+    .place_m = square_lattice_m,
+    .is_symmetric =
+        [](const CalibrationTarget& board) { return (board.columns + board.rows) % 2 == 0; },
+    .find_corners =
+        [](const GreyImage& image, const CalibrationTarget& board) {
+          return TargetCorners{find_chessboard(image, board), {}};
+        },
+    .find_other = find_other,
+    .recognize = recognize,
+};
 
 std::optional<BoardSize> find_board_size(const GreyImage& image) {
   const auto part = find_chessboard_part(ReducedImage(image).image);

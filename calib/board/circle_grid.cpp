@@ -167,21 +167,22 @@ TargetCorners find_circle_centres(const GreyImage& image, const CalibrationTarge
   return {centres.first, {}};
 }
 
-const TargetKind circles_kind{"circles",
-                              "circles",
-                              1,
-                              nullptr,
-                              square_lattice_m,
-                              [](const CalibrationTarget&) { return true; },
-                              find_circle_centres};
+const TargetKind circles_kind{
+    .name = "circles",
+    .element = "circles",
+    .element_corners = 1,
+    .place_m = square_lattice_m,
+    .is_symmetric = [](const CalibrationTarget&) { return true; },
+    .find_corners = find_circle_centres,
+};
 
 const TargetKind asymmetric_circles_kind{
-    "asymmetric-circles",
-    "circles",
-    1,
-    nullptr,
-    asymmetric_place_m,
-    [](const CalibrationTarget& target) { return target.rows % 2 == 0; },
-    find_circle_centres};
+    .name = "asymmetric-circles",
+    .element = "circles",
+    .element_corners = 1,
+    .place_m = asymmetric_place_m,
+    .is_symmetric = [](const CalibrationTarget& target) { return target.rows % 2 == 0; },
+    .find_corners = find_circle_centres,
+};
 
 }  // namespace touchtrace

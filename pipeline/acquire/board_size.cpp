@@ -67,18 +67,24 @@ BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
 void OtherTargetCheck::add(const GreyImage& image, BoardFound found,
                            const std::filesystem::path& path) {
   ++(found == BoardFound::nothing ? missed_ : found_);
-  if (found != BoardFound::whole && !other_ && ++probed_ <= num_probed_images) {
-    other_ = find_other_target(image, asked_);
-    image_ = path.string();
-  }
+  if (found != BoardFound::whole && !other_ && ++probed_ <= num_probed_images) probe(image, path);
   if (missed_ > num_probed_images + 4 * found_) require_no_other();
 }
 
-void OtherTargetCheck::finish(std::size_t views) const {
+void OtherTargetCheck::probe(const GreyImage& image, const std::filesystem::path& path) {
+  if (asked_.kind->find_other) other_ = asked_.kind->find_other(image, asked_);
+  if (other_ || !missed_image_) image_ = path.string();
+  if (!other_ && !missed_image_) missed_image_ = image;
+}
+
+void OtherTargetCheck::finish(std::size_t views) {
   if (views < static_cast<std::size_t>(min_views)) require_no_other();
 }
 
-void OtherTargetCheck::require_no_other() const {
+void OtherTargetCheck::require_no_other() {
+  if (!other_ && missed_image_ && !is_recognized_)
+    other_ = recognize_target(*missed_image_, *asked_.kind);
+  is_recognized_ = true;
   if (other_) throw data_error(fmt::format("{} shows {}", image_, other_->seen), other_->hint);
 }
 

@@ -23,14 +23,17 @@ class OtherTargetCheck {
   void add(const GreyImage& image, BoardFound found, const std::filesystem::path& path);
   /// `views`: those that can be used. Throws data_error if there are too few, and an image shows
   /// another target.
-  void finish(std::size_t views) const;
+  void finish(std::size_t views);
 
  private:
-  void require_no_other() const;
+  void probe(const GreyImage& image, const std::filesystem::path& path);
+  void require_no_other();
 
   CalibrationTarget asked_;
   std::optional<OtherTarget> other_;
-  std::string image_;
+  std::string image_;                      ///< that shows the other target
+  std::optional<GreyImage> missed_image_;  ///< in which other kinds are looked for if need be
+  bool is_recognized_ = false;             ///< whether they were
   int found_ = 0, missed_ = 0, probed_ = 0;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <numeric>
 #include <optional>
 #include <regex>
 #include <string>
@@ -101,31 +100,39 @@ void use_last_numbers(std::vector<ParsedName>& names) {
   for (ParsedName& name : names) name.numbers = {name.numbers.empty() ? "0" : name.numbers.back()};
 }
 
+/// Sorts by dates; returns all but the files.
+NamedImages sort_by_dates(std::vector<ParsedName>& names) {
+  NamedImages images;
+  std::ranges::sort(names, {}, &ParsedName::date_s);
+  for (const ParsedName& name : names) images.stamps.push_back(*name.date_s);
+  return images;
+}
+
+/// Sorts by numbers; returns all but the files.
+NamedImages sort_by_numbers(std::vector<ParsedName>& names) {
+  NamedImages images;
+  const bool has_numbers =
+      std::ranges::any_of(names, [](const ParsedName& name) { return !name.numbers.empty(); });
+  std::vector<std::size_t> varying = varying_numbers(names);
+  if (varying.empty()) use_last_numbers(names), varying = {0};
+  sort_by_numbers(names, varying);
+  const std::size_t last = varying.back();
+  const auto value = [&](const ParsedName& name) { return name.number(last); };
+  if (!has_numbers || !std::ranges::is_sorted(names, {}, value)) return images;
+  const bool are_stamps = std::ranges::all_of(
+      names, [&](const ParsedName& name) { return is_stamp(name.numbers[last]); });
+  for (const ParsedName& name : names)
+    (are_stamps ? images.stamps : images.numbers).push_back(value(name));
+  return images;
+}
+
 }  // namespace
 
 NamedImages order_by_name(std::vector<fs::path> files) {
   if (files.empty()) return {};
   std::vector<ParsedName> names;
   for (const fs::path& file : files) names.push_back(parse(file));
-  NamedImages images;
-  if (have_dates(names)) {
-    std::ranges::sort(names, {}, &ParsedName::date_s);
-    for (const ParsedName& name : names) images.stamps.push_back(*name.date_s);
-  } else {
-    const bool has_numbers =
-        std::ranges::any_of(names, [](const auto& n) { return !n.numbers.empty(); });
-    std::vector<std::size_t> varying = varying_numbers(names);
-    if (varying.empty()) use_last_numbers(names), varying = {0};
-    sort_by_numbers(names, varying);
-    const std::size_t last = varying.back();
-    const auto value = [&](const ParsedName& name) { return name.number(last); };
-    const bool agree = std::ranges::is_sorted(names, {}, value),
-               are_stamps = std::ranges::all_of(
-                   names, [&](const ParsedName&name) { return is_stamp(name.numbers[last]); });
-    if (has_numbers && agree)
-      for (const ParsedName& name : names)
-        (are_stamps ? images.stamps : images.numbers).push_back(value(name));
-  }
+  NamedImages images = have_dates(names) ? sort_by_dates(names) : sort_by_numbers(names);
   for (ParsedName& name : names) images.files.push_back(std::move(name.file));
   return images;
 }

@@ -113,6 +113,7 @@ TEST(NamedImages, NumbersThatDisagreeAreNotNumbersOfFrames) {
   EXPECT_EQ(names_of(images), names);
   EXPECT_TRUE(images.numbers.empty());
   EXPECT_TRUE(images.stamps.empty());
+  EXPECT_TRUE(images.numbers_disagree);
 }
 
 TEST(NamedImages, StampsAreNoDates) {

@@ -88,6 +88,14 @@ std::string times_hint(const fs::path& folder) {
 }
 
 std::vector<double> image_times(const fs::path& folder, const NamedImages& images, double rate_hz) {
+  if (images.has_dates)
+    Progress::report(fmt::format("{}: times are the dates in the file names", folder.string()));
+  if (images.numbers_disagree)
+    Progress::warn(
+        fmt::format("{}: several numbers in the file names differ; the first ones order the "
+                    "images, and none is "
+                    "taken for the number of a frame",
+                    folder.string()));
   if (!images.stamps.empty()) {
     if (rate_hz > 0.0)
       Progress::warn(

@@ -102,7 +102,7 @@ void use_last_numbers(std::vector<ParsedName>& names) {
 
 /// Sorts by dates; returns all but the files.
 NamedImages sort_by_dates(std::vector<ParsedName>& names) {
-  NamedImages images;
+  NamedImages images{.files = {}, .stamps = {}, .numbers = {}, .has_dates = true};
   std::ranges::sort(names, {}, &ParsedName::date_s);
   for (const ParsedName& name : names) images.stamps.push_back(*name.date_s);
   return images;
@@ -118,7 +118,8 @@ NamedImages sort_by_numbers(std::vector<ParsedName>& names) {
   sort_by_numbers(names, varying);
   const std::size_t last = varying.back();
   const auto value = [&](const ParsedName& name) { return name.number(last); };
-  if (!has_numbers || !std::ranges::is_sorted(names, {}, value)) return images;
+  images.numbers_disagree = !std::ranges::is_sorted(names, {}, value);
+  if (!has_numbers || images.numbers_disagree) return images;
   const bool are_stamps = std::ranges::all_of(
       names, [&](const ParsedName& name) { return is_stamp(name.numbers[last]); });
   for (const ParsedName& name : names)

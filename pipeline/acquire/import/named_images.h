@@ -12,6 +12,8 @@ struct NamedImages {
   /// have a fraction or 13 digits or more. Empty: the names have none.
   std::vector<double> stamps;
   std::vector<double> numbers;  ///< [files] of frames; empty: none, or the names have stamps
+  bool has_dates = false;       ///< the stamps are dates
+  bool numbers_disagree = false;
 };
 
 /// Orders files by the dates in their names, else by the last number that differs between the

@@ -12,7 +12,7 @@ namespace touchtrace {
 namespace {
 
 constexpr std::size_t min_points_for_noise = 6;
-/// Points that are looked at, in stretches: they tell the noise to a percent.
+/// Points of long tracks from which the noise is estimated, and their number in each stretch.
 constexpr std::size_t max_points = 20'000, stretch_points = 1000;
 constexpr double numeric_step = 1e-3;  // of logarithms
 constexpr int max_iterations = 60;

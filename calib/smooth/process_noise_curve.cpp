@@ -19,11 +19,11 @@ constexpr double knot_spacing_s = 0.1, min_points_per_knot = 2.0;
 /// the velocities' variance in bursts; without the pull to 0 the variance in rests is too small.
 constexpr double step_scale = 0.12, value_weight = 0.1;
 constexpr int max_iterations = 60;
-constexpr double knots_beside_pause = 5.0;
+constexpr double knots_around_pause = 5.0;
 
 /// Gaps between measurements, less a few knots on either side.
 std::vector<ProcessNoiseCurve::Pause> pauses_of(const Track& points, double spacing_s) {
-  const double margin_s = knots_beside_pause * spacing_s;
+  const double margin_s = knots_around_pause * spacing_s;
   std::vector<ProcessNoiseCurve::Pause> pauses;
   double before_s = 0.0;
   for (std::size_t i = 1; i < points.size(); ++i) {

@@ -145,41 +145,45 @@ void check_repetitions(const Frames& frames, TactileCheck& check) {
       static_cast<double>(repeated) / std::max(1.0, static_cast<double>(frames.size()));
 }
 
-/// Sums over the frames of each phase of squared differences to the previous frame, and to the mean
-/// of both neighbours.
-struct Changes {
-  std::vector<double> repetition, interpolation;  ///< [phases]
+/// Sums over the taxels of a frame of squared differences to the previous frame, and to the mean of
+/// both neighbours.
+struct FrameChange {
+  std::uint64_t sequence;
+  double repetition = 0.0, interpolation = 0.0;
 };
 
-Changes sum_changes(const Frames& frames, std::size_t num_phases) {
-  Changes changes{std::vector<double>(num_phases), std::vector<double>(num_phases)};
+std::vector<FrameChange> frame_changes(const Frames& frames) {
+  std::vector<FrameChange> changes;
   for (std::size_t i = 1; i + 1 < frames.size(); ++i) {
     if (!frames.has_neighbours(i)) continue;
-    const std::size_t phase = frames.glove().sequence[i] % num_phases;
+    FrameChange sums{frames.glove().sequence[i]};
     for (std::size_t t = 0; t < frames.taxels(); ++t) {
       const double change = frames[i][t] - frames[i - 1][t],
                    middle = frames[i][t] - 0.5 * (frames[i - 1][t] + frames[i + 1][t]);
-      changes.repetition[phase] += change * change;
-      changes.interpolation[phase] += middle * middle;
+      sums.repetition += change * change, sums.interpolation += middle * middle;
     }
+    changes.push_back(sums);
   }
   return changes;
 }
 
-/// Whether one phase has nearly all changes.
-bool is_concentrated(std::vector<double> changes) {
-  std::ranges::sort(changes, std::greater());
-  return changes[1] < upsampled_ratio * changes[0];
+/// Whether one of every `factor` frames has nearly all changes.
+bool is_concentrated(const std::vector<FrameChange>& changes, std::size_t factor,
+                     double FrameChange::*of) {
+  std::vector<double> sums(factor);
+  for (const FrameChange& change : changes) sums[change.sequence % factor] += change.*of;
+  std::ranges::sort(sums, std::greater());
+  return sums[1] < upsampled_ratio * sums[0];
 }
 
 /// Number of frames of which all but one are interpolated or repetitions; 1: none are.
 int upsampling_of(const Frames& frames) {
   if (frames.size() < min_upsampled_frames) return 1;
-  for (const int factor : {2, 3, 5, 7}) {
-    const Changes changes = sum_changes(frames, static_cast<std::size_t>(factor));
-    if (is_concentrated(changes.repetition) || is_concentrated(changes.interpolation))
-      return factor;
-  }
+  const auto changes = frame_changes(frames);
+  for (const std::size_t factor : {2, 3, 5, 7})
+    if (is_concentrated(changes, factor, &FrameChange::repetition) ||
+        is_concentrated(changes, factor, &FrameChange::interpolation))
+      return static_cast<int>(factor);
   return 1;
 }
 

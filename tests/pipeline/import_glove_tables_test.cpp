@@ -179,6 +179,42 @@ TEST_F(ImportGlove, TextAmongNumbersIsAFault) {
   expect_glove_rejected(alone("a.csv", 2, 2), "line 31: column 5 'bad' is not a number");
 }
 
+TEST_F(ImportGlove, LargeWholeValuesAreScaled) {
+  std::string table = "time_s,0_0\n";
+  for (int i = 0; i < num_rows; ++i) table += fmt::format("{:.2f},{}\n", 0.02 * i, 5000 * i);
+  testing::put(folder_ / "a.csv", table);
+  const GloveStream stream = import_alone(alone("a.csv", 1, 1));  // up to 195000, below 2^18
+  EXPECT_EQ(stream.info.bits, 16);
+  EXPECT_NEAR(stream.counts[39], 195000.0 * 65535.0 / 262144.0, 1.0);
+}
+
+TEST_F(ImportGlove, OptionsWithoutEffectAreRefused) {
+  const auto refusal = [&](auto set) -> std::string {
+    ImportOptions options = alone("wiresens.hdf5", 0, 0);
+    set(options.glove);
+    try {
+      import_alone(options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal([](GloveOptions&) {}), "accepted");
+  EXPECT_EQ(refusal([](GloveOptions& o) { o.baseline_counts = -0.5; }),
+            "--baseline -0.5 is no count");
+  EXPECT_EQ(refusal([](GloveOptions& o) { o.rest_s = 0.0; }),
+            "a glove that is never at rest needs a baseline");
+  EXPECT_NE(refusal([](GloveOptions& o) { o.layout.stream = "right"; }).find("has one glove"),
+            std::string::npos);
+  EXPECT_NE(refusal([&](GloveOptions& o) {
+              o.file = folder_ / "fraction.npz", o.layout.rows = 3, o.layout.cols = 4;
+            }).find("has 4 x 3 taxels, not 3 x 4"),
+            std::string::npos);
+  testing::put(folder_ / "lfs.csv", "version https://git-lfs.github.com/spec/v1\noid sha256:0\n");
+  EXPECT_NE(refusal([&](GloveOptions& o) { o.file = folder_ / "lfs.csv"; }).find("Git LFS"),
+            std::string::npos);
+}
+
 TEST_F(ImportGlove, TimesFromZeroLoseNoFrame) {
   const GloveStream stream = import_alone(with_glove("relative.hdf5"));
   EXPECT_EQ(stream.frames(), 1500u);

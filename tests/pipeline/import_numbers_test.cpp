@@ -125,9 +125,27 @@ TEST(NamedImages, StampsAreNoDates) {
 
 TEST_F(ImportNumbers, AListMayCountItsLines) {
   write_images("rgb", {0, 1, 2}), write_images("depth", {0, 1, 2});
-  testing::put(folder_ / "in" / "times.txt", "0 7.00\n1 7.05\n2 7.10\n");
-  const CameraTimes times = import_times(0.0);
+  for (const auto& [list, duration_s] :
+       {std::pair{"0 7.00\n1 7.05\n2 7.10\n", 0.1},  // numbers, times
+        {"0 0.01\n1 0.01\n2 0.01\n", 2.0},           // times, exposures
+        {"0 a.png\n1 b.png\n2 c.png\n", 2.0}}) {
+    testing::put(folder_ / "in" / "times.txt", list);
+    fs::remove(folder_ / "out.h5");
+    const CameraTimes times = import_times(0.0);
+    EXPECT_NEAR(times.host_time_s[2] - times.host_time_s[0], duration_s, 1e-9) << list;
+  }
+}
+
+TEST_F(ImportNumbers, ACounterBehindADateIsNoTimeIfThereIsARate) {
+  for (const char* kind : {"rgb", "depth"})
+    for (int i = 0; i < 3; ++i)
+      write_file(folder_ / "in" / kind / fmt::format("20240101_{:06}.png", i),
+                 encoded(kind[0] == 'r' ? import_color(0) : import_depth(0, 1000)), true);
+  CameraTimes times = import_times(20.0);
   EXPECT_NEAR(times.host_time_s[2] - times.host_time_s[0], 0.1, 1e-9);
+  fs::remove(folder_ / "out.h5");
+  times = import_times(0.0);
+  EXPECT_NEAR(times.host_time_s[2] - times.host_time_s[0], 2.0, 1e-6);
 }
 
 }  // namespace

@@ -85,9 +85,6 @@ void estimate_info(GloveStream& glove, const GloveOptions& options, const ValueS
   info.bits = checked_bits(glove, options, scale.is_scaled());
   info.polarity =
       options.polarity != 0 ? options.polarity : learned_polarity(glove, options.rest_s);
-  if (options.baseline_counts < 0.0 && options.rest_s == 0.0)
-    throw usage_error("a glove that is never at rest needs a baseline",
-                      "give --baseline, the counts without contact, or --rest-seconds");
   if (options.baseline_counts >= 0.0)
     info.baseline_counts.assign(static_cast<std::size_t>(info.taxels()),
                                 static_cast<float>(scale.scaled(options.baseline_counts)));
@@ -101,12 +98,20 @@ void estimate_info(GloveStream& glove, const GloveOptions& options, const ValueS
                   options.baseline_counts >= 0.0 ? "given" : "of the time at rest"));
 }
 
+void require_baseline(const GloveOptions& options) {
+  if (options.baseline_counts >= 0.0) return;
+  if (options.baseline_counts != -1.0)
+    throw usage_error(fmt::format("--baseline {:g} is no count", options.baseline_counts),
+                      "give the counts without contact; -1: medians of the time at rest");
+  if (options.rest_s == 0.0)
+    throw usage_error("a glove that is never at rest needs a baseline",
+                      "give --baseline, the counts without contact, or --rest-seconds");
+}
+
 }  // namespace
 
 ImportedGlove import_glove(const GloveOptions& options) {
-  if (options.baseline_counts < 0.0 && options.baseline_counts != -1.0)
-    throw usage_error(fmt::format("--baseline {:g} is no count", options.baseline_counts),
-                      "give the counts without contact; -1: medians of the time at rest");
+  require_baseline(options);
   const GloveFile file = read_glove_file(options.file, options.layout);
   const ValueScale scale = value_scale(file, options.bits > 0);
   GloveStream glove = stream_of(file, scale, options.offset_s);

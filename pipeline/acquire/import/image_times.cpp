@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -37,32 +38,30 @@ TableColumn time_column(const TextTable& table) {
   throw LineFault{"no number"};
 }
 
-/// Whether values count the lines, as the first of several columns may do.
-bool count_lines(const std::vector<double>& values) {
-  for (std::size_t i = 1; i < values.size(); ++i)
-    if (values[i] - values[i - 1] != 1.0) return false;
-  return values.size() > 1;
+/// Whether the first column of a list without names counts its lines, and the second increases as
+/// times do.
+bool has_times_behind_numbers(const std::vector<double>& first, const std::vector<double>& second) {
+  const auto counts = [](double a, double b) { return b - a != 1.0; };
+  return first.size() > 1 && second.size() == first.size() &&
+         std::ranges::adjacent_find(first, counts) == first.end() &&
+         std::ranges::adjacent_find(second, std::greater_equal()) == second.end();
 }
 
-std::vector<double> read_column(const fs::path& list, std::optional<TableColumn> column) {
+std::vector<double> read_times(const fs::path& list) {
   TextTable table(list);
-  std::vector<double> times_s;
+  std::optional<TableColumn> column;
+  std::vector<double> times_s, second;
   for_each_row(table, max_images, "give one line per image, its time in seconds first", [&] {
     if (!column) column = time_column(table);
     const double time_s = value_of<double>(table, *column);
     if (!(time_s >= 0.0)) throw LineFault{"the time is missing or negative"};
     times_s.push_back(time_s);
+    if (!table.names().empty() || column->index != 0 || table.num_columns() < 2) return;
+    if (const auto next = parse_number<double>(table.fields()[1], table.has_decimal_comma()))
+      second.push_back(*next);
   });
-  return times_s;
-}
-
-/// Times of a list; without names of its columns, of the second one if the first counts the lines.
-std::vector<double> read_times(const fs::path& list) {
-  auto times_s = read_column(list, {});
-  const TextTable table(list);
-  if (table.names().empty() && table.num_columns() > 1 && count_lines(times_s))
-    times_s = read_column(list, TableColumn{1, 1.0, "time"});
-  return in_seconds(std::move(times_s), list.string());
+  const bool has_numbers = has_times_behind_numbers(times_s, second);
+  return in_seconds(std::move(has_numbers ? second : times_s), list.string());
 }
 
 std::vector<double> listed_times(const fs::path& list, std::size_t num_images,
@@ -87,21 +86,26 @@ std::string times_hint(const fs::path& folder) {
          "stamps";
 }
 
-std::vector<double> image_times(const fs::path& folder, const NamedImages& images, double rate_hz) {
+/// Times in the names. Whole seconds give way to a rate: "20240101_000012" may be frame 12.
+bool has_named_times(const NamedImages& images, double rate_hz) {
+  return !images.stamps.empty() && !(images.has_whole_seconds && rate_hz > 0.0);
+}
+
+std::vector<double> named_times(const fs::path& folder, const NamedImages& images, double rate_hz) {
   if (images.has_dates)
     Progress::report(fmt::format("{}: times are the dates in the file names", folder.string()));
+  if (rate_hz > 0.0)
+    Progress::warn(fmt::format("--rate is not used: file names in {} have times", folder.string()));
+  return in_seconds(images.stamps, folder.string());
+}
+
+std::vector<double> image_times(const fs::path& folder, const NamedImages& images, double rate_hz) {
+  if (has_named_times(images, rate_hz)) return named_times(folder, images, rate_hz);
   if (images.numbers_disagree)
-    Progress::warn(
-        fmt::format("{}: several numbers in the file names differ; the first ones order the "
-                    "images, and none is "
-                    "taken for the number of a frame",
-                    folder.string()));
-  if (!images.stamps.empty()) {
-    if (rate_hz > 0.0)
-      Progress::warn(
-          fmt::format("--rate is not used: file names in {} have times", folder.string()));
-    return in_seconds(images.stamps, folder.string());
-  }
+    Progress::warn(fmt::format(
+        "{}: several numbers differ between the file names. The first ones order the images, and "
+        "none counts frames",
+        folder.string()));
   if (const auto list = find_list(folder)) return listed_times(*list, images.files.size(), folder);
   if (rate_hz <= 0.0)
     throw data_error(fmt::format("the images in {} have no times", folder.string()),

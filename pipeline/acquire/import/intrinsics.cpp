@@ -78,7 +78,7 @@ std::vector<double> distortion_of(const json& j) {
     if (j.contains(key) && !j.at(key).is_null()) return numbers_of(j.at(key));
   if (!j.contains("k1") || !j.contains("p1")) {
     for (const auto& [key, value] : j.items())
-      if (lower_case(key).starts_with("dist") && key != "distortion_model")
+      if ((lower_case(key).starts_with("dist") && key != "distortion_model") || key == "k1")
         Progress::warn(fmt::format("'{}' of the intrinsics is not read: no lens distortion", key));
     return {};
   }

@@ -15,7 +15,8 @@ struct MaskIds {
   int hand = 1, object = 2;
 };
 
-/// Mask of one image: a file with instances, or one for each body, which is not 0 where it is.
+/// Mask of one image: a file with instances, or one for each body, brighter than half of its
+/// maximum where the body is.
 struct MaskFile {
   std::filesystem::path instances, hand, object;
 

@@ -1,10 +1,13 @@
 #include "pipeline/acquire/import/named_images.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <regex>
 #include <string>
+
+#include "pipeline/acquire/import/iso_time.h"
 
 namespace touchtrace {
 namespace {
@@ -33,18 +36,14 @@ void parse_date(const std::string& stem, ParsedName& name) {
   std::smatch match;
   if (!std::regex_search(stem, match, pattern)) return;
   const auto number = [&](std::size_t group) { return std::stoi(match[group]); };
-  const std::chrono::year_month_day date{std::chrono::year(number(1)),
-                                         std::chrono::month(static_cast<unsigned>(number(2))),
-                                         std::chrono::day(static_cast<unsigned>(number(3)))};
-  if (!date.ok() || number(1) < first_year || number(1) > last_year || number(4) > 23 ||
-      number(5) > 59 || number(6) > 60)
+  if (number(1) < first_year || number(1) > last_year || number(4) > 23 || number(5) > 59 ||
+      number(6) > 60)
     return;
-  const auto days = std::chrono::sys_days(date).time_since_epoch().count();
-  name.date_s =
-      86400.0 * static_cast<double>(days) + 3600.0 * number(4) + 60.0 * number(5) + number(6);
-  if (!match[7].matched) return;
+  const std::string fraction = match[7].matched ? "." + match[7].str() : "";
+  name.date_s = parse_iso_time(fmt::format("{}-{}-{}T{}:{}:{}{}", match[1].str(), match[2].str(),
+                                           match[3].str(), match[4].str(), match[5].str(),
+                                           match[6].str(), fraction));
   name.fraction_digits = static_cast<std::size_t>(match[7].length());
-  *name.date_s += std::stod("0." + match[7].str());
 }
 
 ParsedName parse(const fs::path& file) {
@@ -102,7 +101,9 @@ void use_last_numbers(std::vector<ParsedName>& names) {
 
 /// Sorts by dates; returns all but the files.
 NamedImages sort_by_dates(std::vector<ParsedName>& names) {
-  NamedImages images{.files = {}, .stamps = {}, .numbers = {}, .has_dates = true};
+  NamedImages images;
+  images.has_dates = true;
+  images.has_whole_seconds = names.front().fraction_digits == 0;
   std::ranges::sort(names, {}, &ParsedName::date_s);
   for (const ParsedName& name : names) images.stamps.push_back(*name.date_s);
   return images;

@@ -11,9 +11,10 @@ struct NamedImages {
   /// [files] times in the names: seconds since 1970 of dates, or stamps of an unknown unit, which
   /// have a fraction or 13 digits or more. Empty: the names have none.
   std::vector<double> stamps;
-  std::vector<double> numbers;  ///< [files] of frames; empty: none, or the names have stamps
-  bool has_dates = false;       ///< the stamps are dates
-  bool numbers_disagree = false;
+  std::vector<double> numbers;     ///< [files] of frames; empty: none, or the names have stamps
+  bool has_dates = false;          ///< the stamps are dates
+  bool has_whole_seconds = false;  ///< dates without a fraction, which a counter may look like
+  bool numbers_disagree = false;   ///< about the order
 };
 
 /// Orders files by the dates in their names, else by the last number that differs between the

@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::array window_durations_s{0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5};
 constexpr std::size_t min_samples = 5;
+/// Flights before and after a hit overlap by this at most: noise hides the hit for a moment.
+constexpr double max_overlap_s = 0.05;
 constexpr std::size_t starts_per_window = 16;  // at most: bounds the work for dense samples
 constexpr double normal_quantile = 3.0902;     // of 0.999
 constexpr double max_misfit = 22.5;            // chi-square quantile of 0.999, 6 degrees of freedom
@@ -132,10 +134,15 @@ std::vector<Flight> find_flights(const Track& track, const Eigen::Vector3d& grav
     const auto window = flight_from(track, first, gravity_m_per_s2);
     if (!window) continue;
     const double release_s = window->front().time_s, landing_s = window->back().time_s;
-    if (!flights.empty() && release_s <= flights.back().landing_s)
-      flights.back().landing_s = std::max(flights.back().landing_s, landing_s);
-    else
+    if (flights.empty() || release_s > flights.back().landing_s)
       flights.push_back({release_s, landing_s});
+    else if (release_s < flights.back().landing_s - max_overlap_s)
+      flights.back().landing_s = std::max(flights.back().landing_s, landing_s);
+    else {
+      const double hit_s = 0.5 * (release_s + flights.back().landing_s);
+      flights.back().landing_s = hit_s;
+      flights.push_back({hit_s, landing_s});
+    }
   }
   return flights;
 }

@@ -7,12 +7,13 @@
 #include <optional>
 #include <utility>
 
-#include "calib/smooth/likelihood.h"
+#include "calib/smooth/flight_cost.h"
+#include "calib/smooth/join_flights.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr double grid_step_s = 0.02, margin_s = 0.35, min_flight_s = 0.04, min_step_s = 2e-4;
+constexpr double grid_step_s = 0.02, min_step_s = 2e-4;
 constexpr int grid_half = 3, max_moves = 5;
 constexpr std::size_t min_points_per_flight = 3;  // in a flight and its margins
 /// Steps of scans over the times of an event. The first one spans +-150 ms, in which a release
@@ -23,75 +24,6 @@ constexpr int scan_half = 30;
 /// Grid spacing of EventTimeDistribution in standard deviations. Of a normal distribution, 0.07 %
 /// are beyond the grid, and the bins add 2 % to the standard deviation.
 constexpr double spacing_sigmas = 0.75;
-
-/// Part of a track around one flight, without its process noise curve: it was estimated with
-/// the current event times and would confirm them.
-WeightedTrack window_around(const WeightedTrack& track, const Flight& flight) {
-  WeightedTrack window;
-  for (std::size_t i = 0; i < track.points.size(); ++i) {
-    const double t = track.points[i].time_s;
-    if (t < flight.release_s - margin_s || t > flight.landing_s + margin_s) continue;
-    window.points.push_back(track.points[i]);
-    window.weights.push_back(track.weights[i]);
-  }
-  return window;
-}
-
-/// Negative log-likelihood of a window as a function of one flight's release and landing, in time
-/// units from the window's first point. The other flights are fixed, except that one which begins
-/// with this one's landing keeps doing so. If this flight itself begins with a hit, its release is
-/// fixed to the landing before.
-class FlightCost {
- public:
-  FlightCost(const WeightedTrack& window, const MotionUnits& units, const Flight& flight,
-             const std::vector<Flight>& before, const std::vector<Flight>& after,
-             const MotionNoise& noise, const SmoothOptions& options)
-      : track_(window, units),
-        noise_(units.scaled(noise)),
-        gravity_(options.gravity_m_per_s2 / units.acceleration()),
-        before_(contact_events(before, track_.origin_s, units.time_s)),
-        after_(contact_events(after, track_.origin_s, units.time_s)),
-        begins_with_hit_(!before.empty() && flight.release_s <= before.back().landing_s),
-        ends_with_hit_(!after.empty() && after.front().release_s <= flight.landing_s) {}
-
-  bool is_release_free() const { return !begins_with_hit_; }
-  bool is_last() const { return after_.empty(); }
-
-  /// Infinite if the times are out of order.
-  double operator()(const double* times) const {
-    const double release = begins_with_hit_ ? before_.back().time : times[0], landing = times[1];
-    const auto next = static_cast<std::size_t>(ends_with_hit_);
-    if (landing < release + min_flight_s / track_.units.time_s ||
-        (!before_.empty() && release < before_.back().time) ||
-        (next < after_.size() && after_[next].time < landing))
-      return std::numeric_limits<double>::infinity();
-    return with_events({{release, true}, {landing, false}}, landing);
-  }
-
-  double without_flight() const {
-    return with_events({}, after_.empty() ? 0.0 : after_.front().time);
-  }
-  /// Penalty of a flight in the Bayesian information criterion.
-  double penalty() const { return std::log(3.0 * static_cast<double>(track_.points.size())); }
-  double scaled_time(double time_s) const { return track_.to_scaled_time(time_s); }
-  double time_s(double scaled) const { return track_.origin_s + scaled * track_.units.time_s; }
-
- private:
-  double with_events(const std::vector<ContactEvent>& own, double next_hit) const {
-    ScaledTrack track = track_;
-    track.events = before_;
-    track.events.insert(track.events.end(), own.begin(), own.end());
-    track.events.insert(track.events.end(), after_.begin(), after_.end());
-    if (ends_with_hit_) track.events[before_.size() + own.size()].time = next_hit;
-    return negative_log_likelihood(track, noise_, gravity_);
-  }
-
-  ScaledTrack track_;
-  MotionNoise noise_;
-  Eigen::Vector3d gravity_;
-  std::vector<ContactEvent> before_, after_;
-  bool begins_with_hit_, ends_with_hit_;
-};
 
 /// Moves `times` to the best point of a square grid around them, if it is below `lowest`, and
 /// returns its cost.
@@ -141,7 +73,7 @@ void move_outside(const FlightCost& cost, const Track& points, double lowest, do
     if (!(event == 0 ? cost.is_release_free() : cost.is_last())) continue;
     double at[] = {times[0], times[1]};
     at[event] = outside[event];
-    if (cost(at) < lowest + 0.5 * cost.penalty()) times[event] = outside[event];
+    if (cost(at) < lowest + cost.penalty()) times[event] = outside[event];
   }
 }
 
@@ -220,7 +152,7 @@ std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& unit
   const FlightCost cost(window, units, guess, before, after, noise, options);
   double times[2];
   const double max_cost =
-      cost.without_flight() + (doubtful == DoubtfulFlights::keep ? 1.0 : -1.0) * cost.penalty();
+      cost.without_flight() + (doubtful == DoubtfulFlights::keep ? 2.0 : -2.0) * cost.penalty();
   const double lowest = search(cost, guess, units.time_s, times);
   if (!(lowest < max_cost)) return std::nullopt;
   move_outside(cost, track.points, lowest, times);
@@ -246,7 +178,7 @@ std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoi
     found.push_back(*flight);
     if (ends_with_hit) remaining.front().release_s = flight->landing_s;
   }
-  return found;
+  return join_flights(track, std::move(found), noise, options);
 }
 
 void estimate_event_distributions(WeightedTrack& track, const MotionNoise& noise,

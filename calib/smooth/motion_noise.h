@@ -15,7 +15,8 @@ struct MotionNoise {
   double throw_density_ratio = 4.0;
   double flight_drag_per_s = 0.05;                   ///< linear drag: deceleration over velocity
   double flight_acceleration_sigma_m_per_s2 = 0.15;  ///< around gravity and drag; covers tilt
-  double flight_velocity_sigma_m_per_s = 5.0;        ///< around 0, where a track begins in flight
+  /// Standard deviation of the velocity around 0 after a hit and where a track begins in flight.
+  double flight_velocity_sigma_m_per_s = 5.0;
   double flight_jerk_density = 0.01;  ///< of white noise in flight, besides drag [m^2/s^5]
   /// Mean ratio of the velocities after and before a landing, and standard deviation of the
   /// velocity about it: a hand gives way.

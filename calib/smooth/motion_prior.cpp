@@ -19,13 +19,22 @@ MotionPrior<model>::MotionPrior(const MotionNoise& noise, const std::vector<Cont
     return i == 0 || i == events.size() ||
            events[i - 1].time + throw_duration < events[i].time - throw_duration;
   };
+  const auto is_hit = [&](std::size_t i) {
+    return !events[i].is_release && i + 1 < events.size() && events[i + 1].time <= events[i].time;
+  };
   for (std::size_t i = 0; i < events.size(); ++i) {
     const auto& [time, is_release] = events[i];
+    if (is_hit(i)) {
+      changes_.push_back({time, Mode::flight, Jump::hit});
+      ++i;  // its release
+      continue;
+    }
     if (is_release && has_rest_before(i))
-      changes_.push_back({time - throw_duration, Mode::throwing, false});
-    changes_.push_back({time, is_release ? Mode::flight : Mode::throwing, true});
+      changes_.push_back({time - throw_duration, Mode::throwing, Jump::none});
+    changes_.push_back({time, is_release ? Mode::flight : Mode::throwing,
+                        is_release ? Jump::release : Jump::landing});
     if (!is_release && has_rest_before(i + 1))
-      changes_.push_back({time + throw_duration, Mode::contact, false});
+      changes_.push_back({time + throw_duration, Mode::contact, Jump::none});
   }
 }
 
@@ -50,7 +59,7 @@ typename MotionPrior<model>::Step MotionPrior<model>::between(double from, doubl
   for (; change != changes_.end() && change->time <= to; ++change) {
     total = total.then(during(mode, change->time - now));
     mode = change->mode, now = change->time;
-    if (change->jumps) total = total.then(mode == Mode::flight ? release() : landing());
+    if (change->jump != Jump::none) total = total.then(jump(change->jump));
   }
   return total.then(during(mode, to - now));
 }
@@ -88,6 +97,11 @@ typename MotionPrior<model>::Step MotionPrior<model>::free_flight(double h) cons
 }
 
 template <StateModel model>
+typename MotionPrior<model>::Step MotionPrior<model>::jump(Jump kind) const {
+  return kind == Jump::release ? release() : kind == Jump::landing ? landing() : hit();
+}
+
+template <StateModel model>
 typename MotionPrior<model>::Step MotionPrior<model>::release() const {
   Step step;
   step.F(2, 1) = -noise_.flight_drag_per_s, step.F(2, 2) = 0.0;
@@ -108,6 +122,18 @@ typename MotionPrior<model>::Step MotionPrior<model>::landing() const {
   step.Q_fixed(1, 1) = square(noise_.landing_velocity_sigma_m_per_s);
   step.Q_fixed(2, 2) = square(noise_.landing_acceleration_sigma_m_per_s2);
   if constexpr (model == StateModel::with_flights) step.F(motion_size + 1, motion_size + 1) = 0.0;
+  return step;
+}
+
+template <StateModel model>
+typename MotionPrior<model>::Step MotionPrior<model>::hit() const {
+  Step velocity;
+  velocity.F(1, 1) = noise_.is_bouncing() ? noise_.landing_velocity_fraction : 0.0;
+  velocity.Q_fixed(1, 1) = square(noise_.is_bouncing() ? noise_.landing_velocity_sigma_m_per_s
+                                                       : noise_.flight_velocity_sigma_m_per_s);
+  Step step = velocity.then(release());
+  if constexpr (model == StateModel::with_flights)
+    step.F(motion_size, motion_size) = 1.0, step.Q_fixed(motion_size, motion_size) = 0.0;
   return step;
 }
 

@@ -41,6 +41,8 @@ Transition<motion_size> contact_step(double h, double density, double bandwidth)
 
 /// Release, after which the acceleration is gravity and drag and the measured point wanders, or
 /// landing, which keeps a fraction of the velocity, resets the acceleration and ends the wander.
+/// A landing and a release at one time are a hit, such as a bounce: it gives the body any velocity
+/// and any spin and leaves the position of the measured point on it.
 struct ContactEvent {
   double time;
   bool is_release;
@@ -74,18 +76,21 @@ class MotionPrior {
 
  private:
   enum class Mode { contact, throwing, flight };
+  enum class Jump { none, release, landing, hit };
   /// Change of the motion's mode. Flights begin and end with a jump of the state.
   struct ModeChange {
     double time;
     Mode mode;
-    bool jumps;
+    Jump jump;
   };
 
   Mode mode_at(double time) const;
   Step during(Mode mode, double duration) const;
   Step free_flight(double duration) const;
+  Step jump(Jump kind) const;
   Step release() const;
   Step landing() const;
+  Step hit() const;
   void add_wander(Step& step, double duration) const;
 
   MotionNoise noise_;

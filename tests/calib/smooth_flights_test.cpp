@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "calib/smooth/find_flights.h"
 #include "calib/smooth/smooth.h"
 #include "tests/verify/calib/synthetic_track.h"
 
@@ -93,6 +95,50 @@ TEST(SmoothFlights, EstimatesTheLandingVelocitySigma) {
   const auto hits = static_cast<double>(motion.flights.size());
   // mostly along one axis: standard error 1 / sqrt(2 * 85) = 8 %; 3 of these
   EXPECT_NEAR(noise.landing_velocity_sigma_m_per_s / std::sqrt(squares / (3.0 * hits)), 1.0, 0.24);
+}
+
+/// A ball that bounces is in no hand between its flights. About 40 hits: standard error
+/// sqrt(2 / 40) = 0.22 of the ratio of variances; 3 of these.
+TEST(SmoothFlights, FlightsThatFollowAtOnceAreJoinedByHits) {
+  const Eigen::Vector3d gravity = SmoothOptions().gravity_m_per_s2;
+  for (const double rate_hz : {20.0, 60.0}) {
+    const auto motion = synthetic_pingpong(20.0, 1);
+    const auto track = measure(motion, rate_hz, 0.002, 1);
+    const auto found = smooth({track}, {find_flights(track, gravity)}, {}).tracks.front();
+    ASSERT_EQ(found.status, SmoothStatus::converged);
+    double position_nees = 0.0, time_nees = 0.0;
+    std::size_t hits = 0;
+    for (std::size_t i = 0; i + 1 < found.flights.size(); ++i) {
+      const auto& flight = found.flights[i];
+      if (found.flights[i + 1].release_s > flight.landing_s) continue;
+      const auto truth = std::ranges::min_element(motion.flights, {}, [&](const Flight& f) {
+        return std::abs(f.landing_s - flight.landing_s);
+      });
+      time_nees += std::pow(
+          (flight.landing_s - truth->landing_s) / flight.landing_distribution.sigma_s(), 2);
+      ++hits;
+    }
+    for (const auto& point : track) {
+      const auto state = found.smoothed(point.time_s);
+      const Eigen::Vector3d error = state.position_m - motion.position_at(point.time_s);
+      position_nees += error.dot(state.covariance.topLeftCorner<3, 3>().inverse() * error) / 3.0;
+    }
+    EXPECT_GE(hits, motion.flights.size() - 3) << rate_hz;
+    EXPECT_LT(time_nees / static_cast<double>(hits), 1.7) << rate_hz;
+    EXPECT_LT(position_nees / static_cast<double>(track.size()), 1.5) << rate_hz;
+  }
+}
+
+TEST(SmoothFlights, AWrongMeasurementDoesNotSplitAFlight) {
+  const auto motion = synthetic_throw(15.0, 3);
+  auto track = measure(motion, 60.0, 0.002, 3);
+  const auto& longest = *std::ranges::max_element(
+      motion.flights, {}, [](const Flight& f) { return f.landing_s - f.release_s; });
+  const double middle_s = 0.5 * (longest.release_s + longest.landing_s);
+  std::ranges::lower_bound(track, middle_s, {}, &TrackPoint::time_s)->position_m.x() += 0.1;
+  const auto guess = find_flights(track, SmoothOptions().gravity_m_per_s2);
+  ASSERT_EQ(guess.size(), motion.flights.size() + 1);
+  EXPECT_EQ(smooth({track}, {guess}, {}).tracks.front().flights.size(), motion.flights.size());
 }
 
 TEST(SmoothFlights, DropsImplausibleFlights) {

@@ -1,5 +1,5 @@
-// GPU variant of layer_norm.cl; equations and arrays: there. 16 work-items share a row, of which each adds every 16th
-// value: the order of the sums is that of the CPU variant.
+// GPU variant of layer_norm.cl; equations and arrays: see there. 16 work-items share a row; each adds every 16th value:
+// the order of the sums is that of the CPU variant.
 //
 // -D COLUMNS: multiple of 16, no default
 // -D EXACT: the sums over a work-item's values are compensated
@@ -10,7 +10,8 @@
 #define EACH_COLUMN(n) for (int n = LANE; n < COLUMNS; n += ROW_ITEMS)
 #define BARRIER barrier(CLK_LOCAL_MEM_FENCE);
 
-// Row of the work-item; past the end, the last row.
+// Row of the work-item; past the end, the last row. Input and output must not be one buffer: work-items past the end
+// repeat the last row.
 static size_t row_of(int rows) {
   return min((int)(get_group_id(0) * GROUP_ROWS + get_local_id(0) / ROW_ITEMS), rows - 1);
 }

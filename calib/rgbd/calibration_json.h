@@ -1,6 +1,8 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
+#include <string>
 
 #include "calib/rgbd/calibration.h"
 

@@ -26,7 +26,8 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& r) {
   const double angle = r.norm();
   const Eigen::Matrix3d cross = cross_matrix(r);
   if (angle < small_rad) return Eigen::Matrix3d::Identity() + 0.5 * cross;
-  return Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / (angle * angle) * cross +
+  const double half_chord = std::sin(0.5 * angle) / angle;  // 1 - cos loses digits
+  return Eigen::Matrix3d::Identity() + 2.0 * half_chord * half_chord * cross +
          (angle - std::sin(angle)) / (angle * angle * angle) * cross * cross;
 }
 

@@ -54,7 +54,8 @@ std::optional<Evaluation> evaluate(const RigProblem& problem, RigParameters para
 std::vector<std::string> rig_parameter_names(const RigProblem& problem, const RigParameters& p,
                                              const std::vector<std::string>& camera_names);
 
-/// Derivative of rig_parameter_names() with rotations perturbed from the left, by the parameters.
+/// Jacobian of the parameters of rig_parameter_names(), rotations perturbed from the left, with
+/// respect to the angle-axis parameters.
 Eigen::MatrixXd left_rotation_jacobian(const RigProblem& problem, const RigParameters& p);
 
 /// Angle-axis, then translation: the inverse of pose_of().
@@ -63,7 +64,7 @@ std::array<double, 6> angle_axis_pose(const Eigen::Isometry3d& pose);
 /// Parameters of one camera, with its poses in the views that belong to a frame.
 RgbdParameters single_camera(const RigProblem& problem, const RigParameters& p, std::size_t camera);
 
-/// Residuals of a frame over corner_sigma_px, of all its views.
+/// Residuals of all views of a frame, divided by corner_sigma_px.
 std::vector<Eigen::Vector2d> frame_residuals(const RigProblem& problem, const RigParameters& p,
                                              std::size_t frame);
 

@@ -16,6 +16,14 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+double quantile(std::vector<double> values, double probability) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto last = static_cast<double>(values.size() - 1);
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(probability * last);
+  std::ranges::nth_element(values, at);
+  return *at;
+}
+
 double robust_sigma(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
   constexpr double median_of_abs_normal = 0.6744897501960817;

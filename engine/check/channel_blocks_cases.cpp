@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/check/host_arrays.h"
 #include "engine/check/rows.h"
@@ -95,7 +96,8 @@ OperationCase block_order_case(const ChannelBlocksShape& s) {
 }  // namespace
 
 Operation channel_blocks_operation() {
-  Operation operation{"channel_blocks", {}, 1, true};
+  Operation operation{
+      .name = "channel_blocks", .cases = {}, .small_cases = 1, .has_gpu_variant = true};
   for (const ChannelBlocksShape& shape :
        {ChannelBlocksShape{2, 16, 2, 3}, {3, 128, 4, 4}, {1, 32, 1, 8, 2}}) {
     operation.cases.push_back(gradient_case(shape));

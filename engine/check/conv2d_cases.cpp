@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <span>
 
 #include "engine/check/conv2d_reference.h"
@@ -155,6 +157,7 @@ static Conv2dShape compact(Conv2dShape s) {
 }
 
 Operation conv2d_operation() {
+  // images, in_channels, rows, cols, out_channels, in_planes, kernel, stride
   const Conv2dShape with_dead[] = {
       {2, 3, 9, 10, 32, true}, {2, 2, 7, 5, 32, true, 5, 1}, {3, 10, 32, 32, 32, true}};
   const Conv2dShape shapes[] = {{1, 32, 3, 4, 32, false},
@@ -178,7 +181,10 @@ Operation conv2d_operation() {
                                 {7, 32, 1, 2, 64, false, 5, 2},
                                 compact({3, 64, 8, 8, 128, false}),
                                 compact({2, 32, 5, 6, 64, false, 5, 1})};
-  Operation operation{"conv2d", {conv2d_case(shapes[0], {Conv2dMethod::direct})}, 7, true};
+  Operation operation{.name = "conv2d",
+                      .cases = {conv2d_case(shapes[0], {Conv2dMethod::direct})},
+                      .small_cases = 7,
+                      .has_gpu_variant = true};
   for (const auto& shape : with_dead) operation.cases.push_back(case_with_dead_pixels(shape));
   for (const auto& shape : std::span(shapes).subspan(1))
     operation.cases.push_back(conv2d_case(shape, {Conv2dMethod::direct}));
@@ -186,7 +192,7 @@ Operation conv2d_operation() {
 }
 
 Operation winograd_operation() {
-  Operation operation{"winograd", {}};
+  Operation operation{.name = "winograd", .cases = {}};
   const Conv2dShape shapes[] = {{1, 32, 3, 4, 64, false},    {2, 32, 16, 16, 64, false},
                                 {1, 32, 7, 13, 64, false},   {5, 64, 8, 8, 128, false},
                                 {9, 32, 2, 1, 64, false},    {1, 96, 17, 9, 64, false},

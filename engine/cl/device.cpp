@@ -16,6 +16,17 @@ std::string type_name(cl_device_type type) {
   return type & CL_DEVICE_TYPE_CPU ? "cpu" : "accelerator";
 }
 
+/// Empty if the driver reports an error.
+std::vector<cl::Device> devices_of(const cl::Platform& platform) {
+  std::vector<cl::Device> devices;
+  try {
+    platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
+  } catch (const cl::Error&) {
+    devices.clear();
+  }
+  return devices;
+}
+
 DeviceInfo describe(int number, const cl::Platform& platform, const cl::Device& device) {
   DeviceInfo info;
   info.number = number;
@@ -30,12 +41,6 @@ DeviceInfo describe(int number, const cl::Platform& platform, const cl::Device& 
   info.is_pocl = info.platform.find("Portable Computing Language") != std::string::npos;
   info.handle = device;
   return info;
-}
-
-bool matches(const DeviceInfo& info, const std::string& selector) {
-  return selector == std::to_string(info.number) || selector == info.type ||
-         lower_case(info.name + " " + info.platform).find(lower_case(selector)) !=
-             std::string::npos;
 }
 
 /// GPUs before accelerators before CPUs, then by compute units.
@@ -64,16 +69,30 @@ std::vector<DeviceInfo> list_devices() {
     return found;
   }
   for (const auto& platform : platforms) {
-    std::vector<cl::Device> devices;
-    try {
-      platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
-      for (const auto& device : devices)
+    for (const auto& device : devices_of(platform)) {
+      try {
         found.push_back(describe(static_cast<int>(found.size()), platform, device));
-    } catch (const cl::Error&) {
-      continue;
+      } catch (const cl::Error&) {
+        continue;
+      }
     }
   }
   return found;
+}
+
+const DeviceInfo* find_device(const std::vector<DeviceInfo>& devices, const std::string& selector) {
+  const auto find = [&](auto matches) {
+    const auto found = std::ranges::find_if(devices, matches);
+    return found == devices.end() ? nullptr : &*found;
+  };
+  if (selector.find_first_not_of("0123456789") == std::string::npos)
+    return find([&](const auto& info) { return selector == std::to_string(info.number); });
+  if (const auto* info = find([&](const auto& i) { return i.type == lower_case(selector); }))
+    return info;
+  return find([&](const auto& info) {
+    return lower_case(info.name + " " + info.platform).find(lower_case(selector)) !=
+           std::string::npos;
+  });
 }
 
 ChosenDevice choose_device(const std::string& selector) {
@@ -86,8 +105,8 @@ ChosenDevice choose_device(const std::string& selector) {
     return {best,
             best.type == "cpu" ? "no OpenCL GPU found, using the CPU" : "fastest OpenCL device"};
   }
-  for (const auto& info : devices)
-    if (matches(info, selector)) return {info, fmt::format("selected by --device {}", selector)};
+  if (const auto* info = find_device(devices, selector))
+    return {*info, fmt::format("selected by --device {}", selector)};
   throw device_error(fmt::format("no OpenCL device matches '{}'", selector),
                      "pass a number, a type or a part of a name to --device:" + list_text(devices));
 }

@@ -18,17 +18,21 @@ struct DeviceInfo {
   cl::Device handle;
 };
 
-/// All devices of all platforms; empty without OpenCL. Skips platforms whose driver reports an
-/// error.
+/// All devices of all platforms; empty without OpenCL. Skips platforms and devices whose driver
+/// reports an error.
 std::vector<DeviceInfo> list_devices();
+
+/// The device that a number, or else a type ("cpu", "gpu"), or else a part of a name selects;
+/// nullptr: none.
+const DeviceInfo* find_device(const std::vector<DeviceInfo>& devices, const std::string& selector);
 
 struct ChosenDevice {
   DeviceInfo info;
   std::string reason;  ///< why it was chosen, for the user
 };
 
-/// Chooses a device. `selector`: a number, a type ("cpu", "gpu") or a part of a name; empty: GPUs
-/// before accelerators before CPUs, then by compute units. Throws device_error, which lists the
+/// Chooses a device. `selector`: as of find_device(); empty: GPUs before accelerators before CPUs,
+/// then by compute units. Throws device_error, which lists the
 /// devices, if none matches.
 ChosenDevice choose_device(const std::string& selector);
 

@@ -9,14 +9,14 @@ namespace {
 // Minimum number of work-items. Independent of the number of cores, so that the order of sums is,
 // too.
 constexpr int min_items = 32;
-// Usable part of a first-level cache.
+// Assumed usable part of a first-level cache; `tune` also measures half and twice the group.
 constexpr int cache_bytes = 40 * 1024;
 
 int blocks_of_input(const Conv2dShape& shape) {
   return shape.in_planes ? 1 : shape.in_channels / 16;
 }
 
-/// Images of which one input block and two output blocks fit into the first-level cache.
+/// Number of images whose input block and two output blocks fit into the first-level cache.
 int default_group(const Conv2dShape& shape) {
   const std::size_t in = shape.in_size() / shape.images / blocks_of_input(shape);
   const std::size_t out = shape.out_size() / shape.images / (shape.out_channels / 32);

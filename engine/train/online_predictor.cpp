@@ -18,7 +18,7 @@ namespace {
 void check_argument(const char* what, std::size_t size, std::size_t expected) {
   if (size != expected)
     throw failure(fmt::format("{} of {} values; expected {}", what, size, expected),
-                  "report this as a bug");
+                  "see OnlinePredictor for the sizes");
 }
 
 }  // namespace
@@ -128,8 +128,8 @@ struct OnlinePredictor::Impl {
 
   void check_object() const {
     if (has_object() && !knows_object)
-      throw failure("step of a model with an object encoder before set_object",
-                    "call set_object first");
+      throw failure("step() called before set_object()",
+                    "a model with an object encoder needs set_object() or set_object_embedding()");
   }
 
   void step() {

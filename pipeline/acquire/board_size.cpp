@@ -29,7 +29,7 @@ bool is_clear(const std::map<BoardSize, int>& corners_of) {
   return most - second >= clear_lead;
 }
 
-/// nullopt if the file is no image.
+/// nullopt if the file is not an image.
 std::optional<GreyImage> decode_grey(const std::filesystem::path& path) {
   const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
   if (pixels.empty()) return {};

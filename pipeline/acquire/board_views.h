@@ -21,7 +21,7 @@ BoardObservations detect_board_views(const CameraInfo& camera, const BoardInfo& 
 
 /// Detects the board in images: files, folders and patterns such as `photos/left*.jpg`; no depth.
 /// Pixels are used as stored, because a camera's sensor does not turn with the orientation in EXIF.
-/// Files that are no image, and images of another size than most, are listed as skipped. Throws
+/// Files that are not images, and images of another size than most, are listed as skipped. Throws
 /// data_error if there is no image.
 BoardObservations board_views_from_images(const std::vector<std::string>& folders_or_patterns,
                                           const CalibrationTarget& board);

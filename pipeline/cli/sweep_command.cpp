@@ -103,6 +103,9 @@ void print_results(json results, const sweep::SweepSummary& summary, const std::
 ExitCode run(const SweepOptions& options, const Invocation& invocation) {
   if (options.launcher == "slurm" && !options.shard.empty())
     throw usage_error("--launcher slurm cannot be combined with --shard", "give --tasks N");
+  if (options.launcher != "slurm" && (options.tasks != 1 || !options.sbatch.empty()))
+    throw usage_error("--tasks and --sbatch need --launcher slurm",
+                      "give --launcher slurm, or --jobs N for parallel cells on this machine");
   const auto commands = command_table();
   const auto cells = sweep::expand(sweep::read_study(options.study, options.changes, commands),
                                    commands, options.output);

@@ -246,9 +246,8 @@ class ClipTracker {
   }
 
   void start_hidden(const Observation& hand, Observation& object) {
-    const auto& box = clip_.object_box;
-    const Eigen::Vector3d ray = scene_.segmenter->color_camera().unproject(
-        {box.x + 0.5 * box.width, box.y + 0.5 * box.height});
+    const Eigen::Vector3d ray =
+        scene_.segmenter->color_camera().unproject(centre_px(clip_.object_box));
     object = hidden_object_at((hand.position_m.z() + shape_.radius_m) * ray);
     object_.start(object.position_m, first_box_sigma_m, {}, {});
     object_.set_hidden(object.position_m, first_box_sigma_m);

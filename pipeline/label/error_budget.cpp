@@ -1,15 +1,19 @@
 #include "pipeline/label/error_budget.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace touchtrace::label {
 namespace {
 
 // README.md has the sources of these constants.
-constexpr double hand_shape_m = 0.005;    // of the visible part's centroid about the palm's
-constexpr double hidden_object_m = 0.02;  // of a hidden object about its place in the hand
-constexpr double hidden_object_s = 0.4;   // in which that place changes as the hand turns
+// Standard deviation per axis of the visible centroid about the palm's centre.
+constexpr double hand_shape_m = 0.005;
+// Standard deviation per axis of a hidden object's position in the hand.
+constexpr double hidden_object_m = 0.02;
+// Correlation time of that position as the hand turns.
+constexpr double hidden_object_s = 0.4;
 
 double square(double value) { return value * value; }
 
@@ -71,7 +75,7 @@ ErrorBudget ErrorModel::object(const SmoothedTrack& smoothed, double time_s, con
   shape.head<3>().setConstant(square(track.object_centre_sigma_m));
   const Observation* nearest = nearest_found(time_s, track);
   if (!nearest) return budget;
-  // the smoother's covariance has the rest
+  // The smoother's covariance contains the correlated part.
   budget[ErrorSource::correlated].diagonal().head<3>() =
       (noise.unexplained_variance_fraction() - noise.correlated_variance_fraction()) *
       nearest->sigma_m.cwiseAbs2();

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "engine/base/statistics.h"
 
 namespace touchtrace::label {
 namespace {

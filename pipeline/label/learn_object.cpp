@@ -5,6 +5,7 @@
 
 #include "engine/base/integer_math.h"
 #include "engine/base/parallel.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/estimate/box_planes.h"
 
 namespace touchtrace::label {

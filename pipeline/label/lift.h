@@ -18,8 +18,7 @@ struct Patch {
 
 /// Radius of a disc with a hand's visible area.
 inline constexpr double hand_disc_radius_m = 0.05;
-/// Least visible part of that disc that is taken for a hand: fringes of a sleeve have less, at any
-/// resolution.
+/// Minimum visible fraction of that disc for a hand; a sleeve's edge has less.
 inline constexpr double min_hand_fraction = 0.07;
 /// Radius of the ball that contains a hand's patch, and that of an object over its own radius.
 inline constexpr double hand_patch_radius_m = 0.12, object_patch_radius_factor = 1.6;

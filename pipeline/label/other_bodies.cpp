@@ -231,6 +231,7 @@ bool OtherBodies::update(const std::optional<Patch>& hand) {
   bodies_.front().is_visible = false;
   if (!hand) return true;
   const auto [own, apart] = hand_cells(*hand);
+  if (own.empty()) return false;
   for (const auto& component : apart) {
     const auto* hidden = before.is_visible ? hidden_near(owned_.centroid_m(component)) : nullptr;
     if (!hidden || log_ratio(before, owned_.place_of(own), *hidden, owned_.place_of(component)) >=

@@ -10,7 +10,7 @@ namespace touchtrace::label {
 
 using CellIndices = std::vector<std::size_t>;
 
-/// Where cells are.
+/// Position and visible size of a set of cells.
 struct Place {
   Eigen::Vector3d centroid_m;
   double visible_fraction;  ///< area over that of a hand's disc
@@ -27,7 +27,7 @@ class OwnedCells {
   /// Finds cells of width `cell_m` within `radius_m` of a centre; none has an owner.
   void find(const Surface& surface, float cell_m, const Eigen::Vector3d& centre_m, double radius_m);
 
-  /// Gives the cells of an owner to the owners, counted from 0, of the cells nearest to them.
+  /// Reassigns each cell of `owner` to the body of the nearest cell that a body owns.
   void give_to_nearest(int owner);
 
   CellIndices of(int owner) const;
@@ -38,6 +38,7 @@ class OwnedCells {
   std::set<std::set<std::size_t>> touching() const;
   /// Mean over the points.
   Eigen::Vector3d centroid_m(const CellIndices& indices) const;
+  /// Area over that of a hand's disc; 0 without cells.
   double visible_fraction(const CellIndices& indices) const;
   Place place_of(const CellIndices& indices) const;
   /// Whether cells of both touch, also at corners.

@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/statistics.h"
+#include "pipeline/label/estimate/box_planes.h"
 
 namespace touchtrace::label {
 namespace {
@@ -75,14 +76,15 @@ BoxedObject boxed_object(const Camera& color, const std::string& object,
     const double z = sample.hand_m->z(), half_pixel_m = 0.5 * z / color.fx;
     radii.push_back(half_pixel_m * std::sqrt(static_cast<double>(box.width * box.height)));
     uneven_m2 += std::pow(half_pixel_m * 0.5 * (box.width - box.height), 2);
-    const Eigen::Vector2d centre(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
-    distances.push_back((z * color.unproject(centre) - *sample.hand_m).norm());
+    distances.push_back((z * color.unproject(centre_px(box)) - *sample.hand_m).norm());
   }
   if (radii.empty()) {
     const bool are_masks = !samples.empty() && samples.front().clip->has_mask_boxes;
     throw data_error(fmt::format("hand {} of the clips with '{}' contain no hand",
                                  are_masks ? "masks" : "boxes", object),
-                     "draw the box on the hand; run: touchtrace mark RECORDING");
+                     are_masks
+                         ? "check the hand's number in the masks: touchtrace import --hand-id"
+                         : "draw the box on the hand; run: touchtrace mark RECORDING");
   }
   return {median(radii), std::sqrt(uneven_m2 / static_cast<double>(radii.size())),
           median(std::move(distances))};
@@ -110,11 +112,6 @@ std::vector<Sighting> sightings_of(const SampledFrames& samples, const BoxedObje
   for (const auto& sample : samples)
     if (auto sighting = sighting_of(sample, boxed)) result.push_back(std::move(*sighting));
   return result;
-}
-
-double quantile(std::vector<double> values, double part) {
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
 }
 
 double visible_disc_fraction(const Segmenter& segmenter, const std::vector<Sighting>& sightings,

@@ -61,9 +61,6 @@ std::vector<Sighting> sightings_of(const SampledFrames& samples, const BoxedObje
 /// Quantile that stands for an object that nothing hides.
 inline constexpr double unhidden_quantile = 0.8;
 
-/// Value that the fraction `part` of the values does not exceed, without interpolation.
-double quantile(std::vector<double> values, double part);
-
 /// Unhidden quantile over the sightings of the visible fraction of the object's disc.
 double visible_disc_fraction(const Segmenter& segmenter, const std::vector<Sighting>& sightings,
                              double radius_m);

@@ -15,7 +15,7 @@ struct SmoothedBodies {
   SmoothedTracks hand, object;
 };
 
-/// Initial flights: none, guess_flights or guess_bounces (the object flies except at hits).
+/// How initial flights are found: not at all, guess_flights(), guess_bounces().
 enum class FlightSearch { none, throws, bounces };
 
 /// Smooths both bodies. `num_threads` 0: one per core.

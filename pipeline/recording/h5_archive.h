@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -36,8 +38,8 @@ std::span<std::uint8_t> bytes_of(std::vector<T>& values) {
   return {reinterpret_cast<std::uint8_t*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// Writes a group. Saver and Loader have the same member functions, so that one template
-/// `serialize(archive, value)` per struct both writes it and reads it. Throws H5Error.
+/// Writes a group. Saver and Loader share the member functions that `serialize(archive, value)`
+/// uses, so that one template per struct writes and reads it. Throws H5Error.
 class Saver {
  public:
   explicit Saver(Handle group);
@@ -82,6 +84,7 @@ class Saver {
   }
   void texts(const std::string& name, const std::vector<std::string>& values, const Axis& axis,
              const DatasetInfo& info);
+  /// Writes the texts also if there are none.
   void optional_texts(const std::string& name, const std::vector<std::string>& values,
                       const Axis& axis, const DatasetInfo& info) {
     texts(name, values, axis, info);

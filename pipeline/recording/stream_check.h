@@ -36,11 +36,12 @@ struct TactileCheck {
   double frozen_s = 0.0;          ///< longest time without a change of any taxel
   int stuck_taxels = 0, stuck_rows = 0, stuck_cols = 0;  ///< saturated in nearly all frames
   int dead_rows = 0, dead_cols = 0;                      ///< with constant counts
-  int upsampling = 1;             ///< of n frames, all but one are interpolated or repetitions
-  double used_range = 0.0;        ///< largest count, fraction of the range
-  double against_polarity = 0.0;  ///< share of pressures below the baseline in all squared ones
+  int upsampling = 1;       ///< of n frames, all but one are interpolated or repeated
+  double used_range = 0.0;  ///< largest count, fraction of the range
+  /// Fraction of the squared pressure that negative pressures have.
+  double negative_pressure_fraction = 0.0;
 
-  /// Reasons why the glove is useless for training.
+  /// Reasons why the glove cannot be used for training.
   std::vector<std::string> faults() const;
   /// Values that hint at a wrong baseline, polarity or rate, or at a defect.
   std::vector<std::string> warnings() const;

@@ -97,8 +97,8 @@ void check_taxels(const Frames& frames, TactileCheck& check) {
   check.stuck_cols = count_lines(frames, stuck, info.cols, col_of);
 }
 
-/// Sums squared pressures of clear contact; noise about the baseline does not count.
-double share_against_polarity(const Frames& frames) {
+/// Fraction of the squared pressure. Noise about the baseline does not count.
+double negative_pressure_fraction(const Frames& frames) {
   const GloveInfo& info = frames.glove().info;
   const double min_change = min_contact * frames.max_count();
   double above = 0.0, below = 0.0;
@@ -176,7 +176,7 @@ bool is_concentrated(const std::vector<FrameChange>& changes, std::size_t factor
   return sums[1] < upsampled_ratio * sums[0];
 }
 
-/// Number of frames of which all but one are interpolated or repetitions; 1: none are.
+/// Number of frames of which all but one are interpolated or repeated; 1: none are.
 int upsampling_of(const Frames& frames) {
   if (frames.size() < min_upsampled_frames) return 1;
   const auto changes = frame_changes(frames);
@@ -210,7 +210,7 @@ TactileCheck check_tactile(const GloveStream& glove) {
   check.rest_level = rest_level(frames, check.taxels);
   check_repetitions(frames, check);
   check.upsampling = upsampling_of(frames);
-  check.against_polarity = share_against_polarity(frames);
+  check.negative_pressure_fraction = negative_pressure_fraction(frames);
   if (!glove.counts.empty())
     check.used_range =
         static_cast<double>(*std::ranges::max_element(glove.counts)) / frames.max_count();

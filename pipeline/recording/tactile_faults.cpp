@@ -7,8 +7,9 @@
 namespace touchtrace {
 namespace {
 
-/// Fraction of faulty frames or taxels from which on a glove is useless.
-constexpr double useless_fraction = 0.9;
+/// Minimum fraction of faulty frames or taxels that makes a glove unusable.
+constexpr double unusable_fraction = 0.9;
+// Limits of the warnings, chosen by judgement.
 constexpr double max_rest_level = 0.2, max_repeated_frames = 0.1, max_frozen_s = 1.0;
 constexpr double min_used_range = 0.125;  ///< 3 bits
 constexpr double max_faulty_taxels = 0.1;
@@ -22,8 +23,11 @@ void add_faulty_taxels(const char* how, const FaultyTaxels& faulty, int taxels,
                        std::vector<std::string>& warnings) {
   if (faulty.rows == 0 && faulty.cols == 0 && faulty.taxels <= max_faulty_taxels * taxels) return;
   std::string text = fmt::format("{} of {} taxels {}", faulty.taxels, taxels, how);
-  if (faulty.rows > 0) text += fmt::format(", {} whole rows", faulty.rows);
-  if (faulty.cols > 0) text += fmt::format(", {} whole columns", faulty.cols);
+  const auto add_lines = [&](int count, const char* line) {
+    if (count > 0) text += fmt::format(", {} whole {}{}", count, line, count > 1 ? "s" : "");
+  };
+  add_lines(faulty.rows, "row");
+  add_lines(faulty.cols, "column");
   warnings.push_back(std::move(text));
 }
 
@@ -31,12 +35,12 @@ void add_faulty_taxels(const char* how, const FaultyTaxels& faulty, int taxels,
 
 std::vector<std::string> TactileCheck::faults() const {
   std::vector<std::string> faults;
-  if (zero_frames >= useless_fraction)
+  if (zero_frames >= unusable_fraction)
     faults.push_back(fmt::format("{:.0f} % of the tactile frames are all zero", 100 * zero_frames));
-  if (saturated_frames >= useless_fraction)
+  if (saturated_frames >= unusable_fraction)
     faults.push_back(
         fmt::format("{:.0f} % of the tactile frames are saturated", 100 * saturated_frames));
-  if (faults.empty() && dead_taxels >= useless_fraction * taxels)
+  if (faults.empty() && dead_taxels >= unusable_fraction * taxels)
     faults.push_back(fmt::format("{} of {} taxels have constant counts", dead_taxels, taxels));
   return faults;
 }
@@ -58,14 +62,14 @@ std::vector<std::string> TactileCheck::warnings() const {
   add_faulty_taxels("never change", {dead_taxels, dead_rows, dead_cols}, taxels, warnings);
   if (upsampling > 1)
     warnings.push_back(
-        fmt::format("of {} frames, {} are interpolated or repetitions: give the native frames and "
-                    "rate",
-                    upsampling, upsampling - 1));
-  if (against_polarity > 0.5)
+        fmt::format("{} of every {} frames are interpolated or repeated: import the glove's own "
+                    "frames at their own rate",
+                    upsampling - 1, upsampling));
+  if (negative_pressure_fraction > 0.5)
     warnings.push_back(
-        fmt::format("{:.0f} % of the squared changes are against the polarity: polarity or "
-                    "baseline is wrong",
-                    100 * against_polarity));
+        fmt::format("{:.0f} % of the squared pressure is negative pressure: polarity or baseline "
+                    "is wrong",
+                    100 * negative_pressure_fraction));
   if (used_range < min_used_range)
     warnings.push_back(
         fmt::format("the largest count is {:.1f} % of the range: attribute 'bits' is "
@@ -88,7 +92,7 @@ nlohmann::json to_json(const TactileCheck& check) {
           {"stuck_taxels", check.stuck_taxels},
           {"dead_rows", check.dead_rows},
           {"dead_cols", check.dead_cols},
-          {"against_polarity", check.against_polarity},
+          {"against_polarity", check.negative_pressure_fraction},
           {"used_range", check.used_range}};
 }
 

@@ -14,8 +14,8 @@ struct Interval {
 };
 
 /// Mean over runs and roll-outs. The interval holds the middle 95 % of 2000 hierarchical bootstrap
-/// samples: whole clips and runs are drawn with replacement. With one run it tells nothing about
-/// other seeds; with one clip there is none. `clip` [roll-outs].
+/// samples: whole clips and runs are drawn with replacement. With one run it does not cover other
+/// seeds. With one clip it is NaN. `clip` [roll-outs].
 Interval bootstrap_mean(const RunValues& values, const std::vector<int>& clip, std::uint64_t seed);
 
 /// Mean of a - b over roll-outs that are defined in all runs of both. Samples share their clips;

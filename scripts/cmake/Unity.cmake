@@ -1,6 +1,6 @@
 # touchtrace_unity(NAME source...)
-# Compiles the sources of a target in groups, which takes some 60 % of the time of a whole build. Two files that
-# define the same name in their anonymous namespaces never share a group, so the setting asks nothing
+# Compiles the sources of a target in groups. A whole build then takes about 60 % of the time of one file by file.
+# Two files that define one name in their anonymous namespaces are never in one group, so the setting asks nothing
 # of the names. A file that is changed costs its group: switch it off to work on the code.
 option(TOUCHTRACE_UNITY "Compile source files in groups" ON)
 set(touchtrace_unity_files 16)  # at most, in a group

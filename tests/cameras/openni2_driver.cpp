@@ -54,6 +54,8 @@ class SimulatedStream : public oni::driver::StreamBase {
   ~SimulatedStream() override { stop(); }
 
   OniStatus start() override {
+    stop();
+    is_stopped_ = false;
     thread_ = std::thread([this] { send_all(); });
     return ONI_STATUS_OK;
   }

@@ -1,5 +1,5 @@
 // usage: consumer MODEL LABELS
-// Predicts one step with a trained model, smooths a track, and reads labels.
+// Predicts one step with a trained model without object encoder, smooths a track, and reads labels.
 #include <cstdio>
 #include <vector>
 
@@ -8,8 +8,12 @@
 #include "engine/train/online_predictor.h"
 #include "pipeline/recording/labels.h"
 
-int main(int, char** argv) {
+int main(int argc, char** argv) {
   using namespace touchtrace;
+  if (argc != 3) {
+    std::fputs("usage: consumer MODEL LABELS\n", stderr);
+    return 2;
+  }
 
   Runtime runtime(choose_device_for_small_steps());
   OnlinePredictor predictor(runtime, argv[1]);

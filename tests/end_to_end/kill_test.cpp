@@ -37,7 +37,8 @@ std::string tensors(const fs::path& path) {
   return bytes.substr(sizeof header_bytes + header_bytes);
 }
 
-/// Identity of a file, which changes whenever it is replaced; 0 if it does not exist.
+/// Inode number of a file; 0 if it does not exist. Usually differs after a replacement; file
+/// systems reuse numbers.
 ino_t inode(const fs::path& path) {
   struct stat status {};
   return stat(path.c_str(), &status) == 0 ? status.st_ino : 0;

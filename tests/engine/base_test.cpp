@@ -85,6 +85,9 @@ TEST(Median, IsTheMiddleOrUpperMiddleValue) {
   EXPECT_EQ(median({3, 1, 2}), 2);
   EXPECT_EQ(median({4, 1, 3, 2}), 3);
   EXPECT_TRUE(std::isnan(median({})));
+  EXPECT_EQ(quantile({3, 1, 2, 5}, 0.7), 3);
+  EXPECT_EQ(quantile({3, 1, 2}, 1.0), 3);
+  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
 }
 
 /// Quantiles as tabulated.

@@ -41,6 +41,19 @@ TEST(Device, IsSelectedByNumberTypeOrPartOfItsName) {
   EXPECT_EQ(choose_device(last.name.substr(1, 6)).info.name, last.name);
 }
 
+TEST(Device, ANumberIsNotAPartOfAName) {
+  DeviceInfo first{}, second{};
+  first.name = "H100", first.type = "gpu";
+  second.name = "cpu of the gpu's host", second.type = "cpu", second.number = 1;
+  const std::vector devices{first, second};
+  EXPECT_EQ(find_device(devices, "0"), &devices[0]);
+  EXPECT_EQ(find_device(devices, "1"), &devices[1]);
+  EXPECT_EQ(find_device(devices, "100"), nullptr);
+  EXPECT_EQ(find_device(devices, "GPU"), &devices[0]);
+  EXPECT_EQ(find_device(devices, "h1"), &devices[0]);
+  EXPECT_EQ(find_device(devices, "GPU's"), &devices[1]);
+}
+
 TEST(Device, UnknownSelectorIsAnErrorThatListsTheDevices) {
   const auto error = error_of([] { choose_device("abacus"); });
   EXPECT_EQ(error.code(), ExitCode::no_device);

@@ -56,7 +56,7 @@ TEST_F(ImportGlove, TablesWithoutTimesNeedARate) {
 }
 
 TEST_F(ImportGlove, TablesWithoutNamesAndTimesNeedARateAndALayout) {
-  std::string table, line;  // as numpy.savetxt and spreadsheets write them
+  std::string table;  // as numpy.savetxt and spreadsheets write them
   for (int i = 0; i < num_rows; ++i) table += fmt::format("5\t6\t7\t{}\t\n", i % 3);
   testing::put(folder_ / "a.txt", table);
   auto options = alone("a.txt", 2, 2);
@@ -92,7 +92,7 @@ TEST_F(ImportGlove, RowsMayEndWithASeparatorAndTheLastOneMayBeCutOff) {
   EXPECT_EQ(import_alone(alone("a.LOG", 0, 0)).frames(), std::size_t(num_rows));
 }
 
-TEST_F(ImportGlove, ARowOfUnitsIsNoFrame) {
+TEST_F(ImportGlove, ARowOfUnitsIsNotAFrame) {
   std::string table = "time_s,0_0,0_1,1_0,1_1\ns,kPa,kPa,kPa,kPa\n";
   for (int i = 0; i < num_rows; ++i) table += fmt::format("{:.2f},5,6,7,{}\n", 0.02 * i, i % 3);
   testing::put(folder_ / "a.csv", table);
@@ -201,7 +201,7 @@ TEST_F(ImportGlove, OptionsWithoutEffectAreRefused) {
   };
   EXPECT_EQ(refusal([](GloveOptions&) {}), "accepted");
   EXPECT_EQ(refusal([](GloveOptions& o) { o.baseline_counts = -0.5; }),
-            "--baseline -0.5 is no count");
+            "--baseline -0.5 is not a count");
   EXPECT_EQ(refusal([](GloveOptions& o) { o.rest_s = 0.0; }),
             "a glove that is never at rest needs a baseline");
   EXPECT_NE(refusal([](GloveOptions& o) { o.layout.stream = "right"; }).find("has one glove"),

@@ -97,14 +97,15 @@ TEST_F(ImportGlove, RateIsThatOfFramesInPacketsAndOfLostFrames) {
 
 TEST_F(ImportGlove, LocalTimeIsRecognised) {
   write_import_tum(folder_ / "tum");
-  std::string table;  // at a place two hours east of Greenwich
-  for (int i = 0; i < 60; ++i) table += fmt::format("{},5\n", glove_start_s + 7200.0 + 0.05 * i);
+  std::string table;  // at a place two hours east of Greenwich, from eight minutes before the images
+  for (int i = 0; i < 6000; ++i)
+    table += fmt::format("{},5\n", glove_start_s + 7200.0 - 480.0 + 0.1 * i);
   testing::put(folder_ / "local.csv", table);
   auto options = with_glove("local.csv");
   options.glove.polarity = 1;
   expect_rejected("tum", "give --glove-offset -7200", options);
   options.glove.offset_s = -7200.0;
-  EXPECT_EQ(import("tum", options).recording().gloves.at(0).frames(), 60u);
+  EXPECT_EQ(import("tum", options).recording().gloves.at(0).frames(), 6000u);
 }
 
 TEST_F(ImportGlove, PolarityIsLearntAlsoIfTheGloveIsSqueezedInHalfOfTheTimeAtRest) {

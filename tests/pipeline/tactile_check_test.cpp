@@ -47,13 +47,13 @@ TEST(TactileCheck, WarnsOfImplausibleGloves) {
                          for (std::size_t i = 5; i < g.counts.size(); i += 30)
                            std::fill_n(g.counts.begin() + static_cast<std::ptrdiff_t>(i), 5, 1023);
                        }),
-                       "5 of 30 taxels are stuck at saturation, 1 whole rows"));
+                       "5 of 30 taxels are stuck at saturation, 1 whole row"));
   EXPECT_TRUE(mentions(warnings_after([](auto& g) {
                          for (std::size_t i = 30; i + 30 < g.counts.size(); i += 60)
                            for (std::size_t t = i; t < i + 30; ++t)
                              g.counts[t] = (g.counts[t - 30] + g.counts[t + 30]) / 2;
                        }),
-                       "of 2 frames, 1 are interpolated or repetitions"));
+                       "1 of every 2 frames are interpolated or repeated"));
   EXPECT_TRUE(mentions(warnings_after([](auto& g) {
                          for (std::size_t i = 0; i < g.counts.size(); i += 30)
                            std::fill_n(g.counts.begin() + static_cast<std::ptrdiff_t>(i), 4, 20);
@@ -62,7 +62,7 @@ TEST(TactileCheck, WarnsOfImplausibleGloves) {
   EXPECT_TRUE(mentions(warnings_after([](auto& g) {
                          for (std::size_t i = 0; i < g.counts.size(); i += 5) g.counts[i] = 22;
                        }),
-                       "6 of 30 taxels never change, 1 whole columns"));
+                       "6 of 30 taxels never change, 1 whole column"));
   EXPECT_TRUE(mentions(warnings_after([](auto& g) {
                          for (std::size_t i = 0; i + 120 < g.counts.size(); i += 90)
                            for (std::size_t t = i; t < i + 30; ++t) {
@@ -73,7 +73,7 @@ TEST(TactileCheck, WarnsOfImplausibleGloves) {
                                  static_cast<std::uint16_t>(g.counts[t] + 2 * change / 3);
                            }
                        }),
-                       "of 3 frames, 2 are interpolated or repetitions"));
+                       "2 of every 3 frames are interpolated or repeated"));
   EXPECT_TRUE(mentions(warnings_after([](auto& g) {
                          for (auto& baseline : g.info.baseline_counts) baseline = 500.0f;
                          g.info.polarity = -1;
@@ -81,7 +81,7 @@ TEST(TactileCheck, WarnsOfImplausibleGloves) {
                            g.counts[t] = static_cast<std::uint16_t>(
                                t % 30 < 5 && t > 3000 ? 900 : g.counts[t] + 480);
                        }),
-                       "are against the polarity"));
+                       "of the squared pressure is negative pressure"));
   EXPECT_TRUE(mentions(warnings_after([](auto& g) { g.info.bits = 16; }),
                        "the largest count is 1.4 % of the range"));
 }

@@ -132,6 +132,12 @@ TEST(Structure, OnlyTheTopLayerIncludesItself) {
   });
 }
 
+TEST(Structure, NoSourceIsEmpty) {
+  for_each_source([&](const fs::path& file, const std::string& name) {
+    EXPECT_GT(fs::file_size(file), 0u) << name;
+  });
+}
+
 TEST(Structure, CalibrationDoesNotUseOpenCl) {
   for_each_source([&](const fs::path& file, const std::string& name) {
     if (!name.starts_with("calib/")) return;

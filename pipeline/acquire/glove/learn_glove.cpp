@@ -26,10 +26,6 @@ std::vector<double> sorted_counts(const std::vector<std::uint16_t>& frames, std:
   return counts;
 }
 
-double quantile(const std::vector<double>& sorted, double fraction) {
-  return sorted[static_cast<std::size_t>(fraction * static_cast<double>(sorted.size() - 1))];
-}
-
 double noise_of(std::vector<double> counts, double baseline) {
   for (double& count : counts) count -= baseline;
   return std::max(min_noise_counts, robust_sigma(std::move(counts)));

@@ -1,6 +1,7 @@
 #include "pipeline/acquire/import/decompress.h"
 
 #include <bzlib.h>
+#include <fmt/core.h>
 #include <lz4frame.h>
 #include <zstd.h>
 
@@ -12,7 +13,14 @@ namespace touchtrace {
 namespace {
 
 constexpr unsigned long long max_message_bytes = 256u << 20;
-constexpr std::size_t max_ratio = 1000;  // of images; a larger size is not allocated
+constexpr std::size_t max_size_bytes = 1u << 30;
+
+/// Ratio of sizes that the format cannot exceed: LZ4 adds 255 bytes per byte of a length; a zstd
+/// block of 4 bytes holds 128 KiB; a bz2 block of 40 bytes holds 46 MB of one value.
+std::size_t max_ratio(Compression compression) {
+  if (compression == Compression::lz4) return 255;
+  return compression == Compression::zstd ? 40'000 : 1'500'000;
+}
 
 /// Returns the number of bytes written to `to`.
 std::size_t decompress_lz4(ByteSpan stored, std::vector<std::uint8_t>& to) {
@@ -67,8 +75,9 @@ std::optional<Compression> find_compression(const std::string& name) {
 
 std::vector<std::uint8_t> decompress(Compression compression, ByteSpan stored, std::size_t size) {
   if (compression == Compression::none) return {stored.begin(), stored.end()};
-  if (size / max_ratio > stored.size())
-    throw std::runtime_error("compressed data state a wrong size");
+  if (size > max_size_bytes || size / max_ratio(compression) > stored.size())
+    throw std::runtime_error(
+        fmt::format("{} compressed bytes claim to hold {}", stored.size(), size));
   std::vector<std::uint8_t> bytes(size);
   if (decompress_to(compression, stored, bytes) != size)
     throw std::runtime_error("compressed data state a wrong size");

@@ -67,9 +67,8 @@ bool may_be_millimetres(const std::vector<double>& values) {
 /// ones.
 void leave_out(const DepthCode& code, DepthScale& scale, std::vector<double>& values) {
   Progress::warn(fmt::format(
-      "{:.0f} % of the depth pixels with a value have the value {:g}, which would be {:.3g} m. It "
-      "is "
-      "taken for a code of missing depth: pixels of {:g} or more are left out",
+      "{:.0f} % of the depth pixels with a value have the value {:g}, which would be {:.3g} m. "
+      "It is taken for a code of missing depth: pixels of {:g} or more are left out",
       100.0 * code.share, code.value, code.value * scale.metres_per_value(), code.value));
   scale.invalid_from = code.value;
   std::erase_if(values, [&](double value) { return value >= code.value; });

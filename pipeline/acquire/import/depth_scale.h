@@ -27,10 +27,11 @@ struct DepthScale {
 /// `values_per_m`: as the user states it; 0: the source's, or metres of floating-point numbers.
 DepthScale depth_scale(const ImportSource& source, int type, double values_per_m);
 
-/// Returns `scale`, with the value that marks missing depth if over 10 % of the pixels have one
-/// that is beyond 20 m. Throws data_error, with other scales, if the median depth of some images is
-/// implausible for a camera, or if images in the TUM format may be in millimetres. `is_given`: the
-/// user stated the scale.
+/// Returns `scale` with `invalid_from` set if over 10 % of the pixels have one value beyond 20 m.
+/// Warns of that, of a median depth above 6 m, and if over 75 % of the pixels exceed 16 bits.
+/// Throws data_error, which proposes scales, if the median depth is implausible or counts of the
+/// TUM format may be millimetres, and if no pixel has depth. `is_given`: the user stated the scale,
+/// which then may give any possible depth.
 DepthScale plausible_scale(DepthScale scale, const SourceStream& depth, bool is_given);
 
 }  // namespace touchtrace

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "engine/base/error.h"
 #include "pipeline/acquire/import/glove_import.h"
@@ -10,17 +9,24 @@
 namespace touchtrace {
 namespace {
 
-constexpr double time_zone_step_s = 900.0;  // time zones differ by quarters of an hour
-
-/// Offset of a time zone that makes the intervals overlap; 0: none.
-double time_zone_offset_s(const GloveStream& glove, const RecordedTime& images) {
-  const double first_s = glove.host_time_s.front(), last_s = glove.host_time_s.back();
+/// The only offset of a time zone, a multiple of `step_s`, with which the glove's times overlap the
+/// images'; 0: none or several.
+double time_zone_offset_s(const GloveStream& glove, const RecordedTime& images, double step_s) {
   constexpr double max_offset_s = 14 * 3600.0;
-  const double difference_s = images.epoch_s + images.first_s - first_s;
-  const double offset_s = time_zone_step_s * std::round(difference_s / time_zone_step_s);
-  const bool overlaps = first_s + offset_s <= images.epoch_s + images.last_s &&
-                        last_s + offset_s >= images.epoch_s + images.first_s;
-  return overlaps && std::abs(offset_s) <= max_offset_s ? offset_s : 0.0;
+  double only_s = 0.0;
+  for (double offset_s = -max_offset_s; offset_s <= max_offset_s; offset_s += step_s) {
+    const bool overlaps = glove.host_time_s.front() + offset_s <= images.epoch_s + images.last_s &&
+                          glove.host_time_s.back() + offset_s >= images.epoch_s + images.first_s;
+    if (overlaps && only_s != 0.0) return 0.0;
+    if (overlaps) only_s = offset_s;
+  }
+  return only_s;
+}
+
+/// Time zones differ by whole hours, some by quarters.
+double time_zone_offset_s(const GloveStream& glove, const RecordedTime& images) {
+  const double hours_s = time_zone_offset_s(glove, images, 3600.0);
+  return hours_s != 0.0 ? hours_s : time_zone_offset_s(glove, images, 900.0);
 }
 
 }  // namespace
@@ -44,15 +50,15 @@ void move_to_clock(GloveStream& glove, const RecordedTime& images, double offset
   const double images_first_s = images.epoch_s + images.first_s,
                images_last_s = images.epoch_s + images.last_s;
   if (!(first_s <= images_last_s && last_s >= images_first_s)) {
-    const double missing_s = time_zone_offset_s(glove, images);
+    const double time_zone_s = time_zone_offset_s(glove, images);
     throw data_error(
         fmt::format("the glove's times, {:.3f} to {:.3f} s, do not overlap the images', {:.3f} to "
                     "{:.3f} s",
                     first_s, last_s, images_first_s, images_last_s),
-        missing_s != 0.0
+        time_zone_s != 0.0
             ? fmt::format("if the glove's file has local time, as WiReSens writes it, give "
                           "--glove-offset {:.0f}",
-                          offset_s + missing_s)
+                          offset_s + time_zone_s)
             : "times of both must come from one computer; --glove-offset SECONDS corrects a known "
               "difference");
   }

@@ -15,7 +15,7 @@ inline constexpr const char* glove_table_hint =
 struct GloveColumns {
   std::optional<TableColumn> time, sequence, epoch;
   std::vector<TableColumn> taxels;  ///< row by row of the glove
-  int rows = 0, cols = 0;           ///< 0: the names do not tell
+  int rows = 0, cols = 0;           ///< 0: not in the names
 };
 
 /// Columns by their names. Leaves out columns of text, with a warning: those whose first 1000 rows

@@ -101,7 +101,7 @@ void estimate_info(GloveStream& glove, const GloveOptions& options, const ValueS
 void require_baseline(const GloveOptions& options) {
   if (options.baseline_counts >= 0.0) return;
   if (options.baseline_counts != -1.0)
-    throw usage_error(fmt::format("--baseline {:g} is no count", options.baseline_counts),
+    throw usage_error(fmt::format("--baseline {:g} is not a count", options.baseline_counts),
                       "give the counts without contact; -1: medians of the time at rest");
   if (options.rest_s == 0.0)
     throw usage_error("a glove that is never at rest needs a baseline",

@@ -17,10 +17,10 @@ struct ValueScale {
   bool is_scaled() const { return counts_per_unit != 1.0; }
 };
 
-/// Whole numbers that fit 16 bits stay as they are, negative ones are shifted. Other values are
-/// scaled to 16 bits, pressures from 0 to 1 by 65535. So are contacts, values that are all 0 or 1,
-/// unless `is_counts`. The conversion is reported. Throws data_error for values that are not finite
-/// and for whole numbers with a wider range.
+/// Whole numbers from 0 to 65535 stay as they are. Negative whole numbers are shifted if their
+/// range fits 16 bits. All other values are scaled to 16 bits; pressures from 0 to 1, and contacts
+/// (all 0 or 1) unless `is_counts`, by 65535. Reports the conversion. Throws data_error for values
+/// that are not finite.
 ValueScale value_scale(const GloveFile& glove, bool is_counts);
 
 std::vector<std::uint16_t> counts_of(const GloveFile& glove, const ValueScale& scale);

@@ -23,7 +23,8 @@ void describe(OptionSet& set, ImportOptions& o) {
       .value("SECONDS");
   set.numbers("gravity", o.camera.gravity_m_per_s2,
               "gravity in the colour camera's frame (x right, y down, z forward) [m/s^2]", 3, -20.0,
-              20.0);
+              20.0)
+      .value("X Y Z");
   set.group("Images");
   set.number("rate", o.source.rate_hz,
              "rate of images and glove tables without time stamps; 0: they have stamps", 0.0, 1e4)

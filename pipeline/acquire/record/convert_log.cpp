@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -24,7 +25,7 @@ SessionInfo read_session(LogReader& reader, const fs::path& log) {
   while (const auto record = reader.next())
     if (record->kind == RecordKind::description) return parse_session(record->payload);
   throw data_error(fmt::format("{} has no description of its recording", log.string()),
-                   "it ends before the first frame, or its start is damaged");
+                   "record again: the log ends before its first frame, or its start is damaged");
 }
 
 /// True if the stamp continues a stream.
@@ -157,7 +158,7 @@ void RecordingBuilder::finish_glove(const std::vector<Clip>& clips) {
 Recording RecordingBuilder::finish() {
   if (glove_.frames() + color_times_.frames() + depth_times_.frames() == 0)
     throw data_error("the log has no frames",
-                     "nothing was recorded; check the glove and --protocol");
+                     "check that the glove or camera sends data, and --protocol");
   Recording recording;
   recording.activity = session_.activity;
   recording.epoch_unix_s = session_.epoch_unix_s;
@@ -198,8 +199,9 @@ void report(const LogConversion& conversion, const fs::path& log) {
     Progress::warn(fmt::format("{} is damaged: {} records and {} bytes are left out", log.string(),
                                damage.lost_records, damage.damaged_bytes));
   if (conversion.unusable_records > 0)
-    Progress::warn(fmt::format("{} records of {} have an unknown kind, size or order",
-                               conversion.unusable_records, log.string()));
+    Progress::warn(
+        fmt::format("{} records of {} are left out: unknown kind, wrong size or wrong order",
+                    conversion.unusable_records, log.string()));
 }
 
 }  // namespace
@@ -235,7 +237,7 @@ LogConversion convert_log(const fs::path& log, const fs::path& output, bool over
   }
   LogConversion conversion = summarize(builder.finish(), reader.damage());
   conversion.unusable_records = unusable;
-  conversion.color_images = builder.color_images(),
+  conversion.color_images = builder.color_images();
   conversion.depth_images = builder.depth_images();
   report(conversion, log);
   return conversion;

@@ -32,8 +32,9 @@ double parse_factor(const std::string& text) {
 std::string expected_form(const Parameter& parameter) {
   static const std::map<std::size_t, std::string> forms{
       {1, "VALUE"}, {2, "FROM:TO"}, {6, "FROM:TO:FROM:TO:FROM:TO along x, y and z"}};
-  return fmt::format("give {}={}, each from {:g} to {:g} {}", parameter.name,
-                     forms.at(parameter.values().size()), parameter.min, parameter.max,
+  const std::size_t count = parameter.values().size();
+  return fmt::format("give {}={}, {} from {:g} to {:g} {}", parameter.name, forms.at(count),
+                     count == 1 ? "a number" : "numbers", parameter.min, parameter.max,
                      parameter.unit);
 }
 
@@ -65,7 +66,7 @@ ParameterTable make_registry() {
   return table;
 }
 
-/// Names that --assume took, by the present ones.
+/// Current names by the names that `simulate --assume` accepted.
 const std::map<std::string, std::string>& renamed_parameters() {
   static const std::map<std::string, std::string> names{
       {"contact-clamp", "contact-max-depth"},

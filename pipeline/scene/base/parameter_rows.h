@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +25,7 @@ class ParameterRows {
   ParameterRows(ParameterTable& table, std::string group, Group SceneParameters::*member)
       : table_(table), group_(std::move(group)), member_(member) {}
 
-  /// `source` may be empty; then, or if it ends with "(form only)", `reason` may not.
+  /// A row needs `source` or `reason`; if `source` ends with "(form only)", both.
   template <class Value>
   void operator()(const char* name, Value Group::*value, const char* unit, double min, double max,
                   const char* description, const char* source, const char* reason) {

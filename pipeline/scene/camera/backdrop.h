@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "pipeline/scene/camera/renderer.h"
 
 namespace touchtrace::scene {

@@ -30,19 +30,20 @@ def load_model(path):
 def load_clips(recording, labels):
     """Usable clips: object, index among the clips of its object, pressure [n, rows, cols], states [n, 12], filtered states, trusted."""
     with h5py.File(recording) as r, h5py.File(labels) as l:
-        glove, sign = r["glove0"], r["glove0"].attrs["polarity"]
-        scale = 2 ** int(glove.attrs["bits"]) - 1
-        pressure = np.clip(sign * (glove["counts"][:] - glove["baseline"][:].astype(float)) / scale, 0, 1) * glove["mask"][:]
+        glove = r["glove0"]
+        sign, scale = glove.attrs.get("polarity", 1), 2 ** int(glove.attrs.get("bits", 16)) - 1
+        baseline = glove["baseline"][:].astype(float) if "baseline" in glove else 0.0
+        pressure = np.clip(sign * (glove["counts"][:] - baseline) / scale, 0, 1) * (glove["mask"][:] if "mask" in glove else 1)
         def states(prefix=""):
             return np.hstack([l[f"{body}/{prefix}{quantity}"][:] for body in ("object", "hand")
                               for quantity in ("position_m", "velocity_m_per_s")])
         label, filtered = states(), states("causal_")
-        trusted = (l["object/quality"][:] == 0) & (l["hand/quality"][:] == 0)
+        trusted = (l["object/quality"][:] == 0) & (l["hand/quality"][:] == 0) & np.isfinite(label + filtered).all(1)
         frame, clip, objects = l["label/glove_frame"][:], l["label/clip"][:], l["clips/object"][:].astype(str)
         for number, name in enumerate(objects):
             rows = np.flatnonzero(clip == number)
             rows = rows[np.cumsum(frame[rows] >= 0) > 0]  # from the first frame that the glove sent
-            if l["clips/dropped"][number] or not len(rows) or not np.isfinite(label[rows] + filtered[rows]).all():
+            if l["clips/dropped"][number] or not len(rows):
                 continue
             last = np.maximum.accumulate(frame[rows])  # a lost frame repeats the previous one
             yield name, int((objects[:number] == name).sum()), pressure[last], label[rows], filtered[rows], trusted[rows]

@@ -63,14 +63,17 @@ bool ends_after(const Track& points, const Flight& flight) {
   return flight.landing_s > points.back().time_s;
 }
 
-/// Moves release and landing to before and after the track's `points` if that explains them, which
-/// cost `lowest`, as well as `times` do, by the Bayesian information criterion: an event outside
-/// has no time to estimate.
-void move_outside(const FlightCost& cost, const Track& points, double lowest, double* times) {
+/// Moves release and landing to before and after the track's `points` if that explains the points
+/// of `window`, which cost `lowest`, as well as `times` do, by the Bayesian information criterion:
+/// an event outside has no time to estimate. The window must reach that end of the track.
+void move_outside(const FlightCost& cost, const Track& window, const Track& points, double lowest,
+                  double* times) {
+  const bool reaches[] = {window.front().time_s <= points.front().time_s,
+                          window.back().time_s >= points.back().time_s};
   const double outside[] = {cost.scaled_time(points.front().time_s),
                             cost.scaled_time(points.back().time_s) + 1.0};
   for (const int event : {0, 1}) {
-    if (!(event == 0 ? cost.is_release_free() : cost.is_last())) continue;
+    if (!reaches[event] || !(event == 0 ? cost.is_release_free() : cost.is_last())) continue;
     double at[] = {times[0], times[1]};
     at[event] = outside[event];
     if (cost(at) < lowest + cost.penalty()) times[event] = outside[event];
@@ -155,7 +158,7 @@ std::optional<Flight> refine(const WeightedTrack& track, const MotionUnits& unit
       cost.without_flight() + (doubtful == DoubtfulFlights::keep ? 2.0 : -2.0) * cost.penalty();
   const double lowest = search(cost, guess, units.time_s, times);
   if (!(lowest < max_cost)) return std::nullopt;
-  move_outside(cost, track.points, lowest, times);
+  move_outside(cost, window.points, track.points, lowest, times);
   const Flight flight{cost.is_release_free() ? cost.time_s(times[0]) : before.back().landing_s,
                       cost.time_s(times[1])};
   if (window_around(track, flight).points.size() < min_points_per_flight) return std::nullopt;

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <map>
 
 #include "engine/base/files.h"
 #include "pipeline/cli/commands.h"
@@ -73,8 +74,19 @@ Provenance make_provenance(const study::EvaluationOptions& options, const Invoca
   return provenance;
 }
 
+void require_distinct_models(const std::vector<std::string>& paths) {
+  std::map<std::string, std::string> path_of;
+  for (const auto& path : paths) {
+    const auto [first, is_new] = path_of.emplace(sha256_of_file(path), path);
+    if (!is_new)
+      throw usage_error(fmt::format("{} and {} are the same model", first->second, path),
+                        "give each model once: a copy is not another seed");
+  }
+}
+
 ExitCode run(const study::EvaluationOptions& options, const Invocation& invocation) {
   const Stopwatch watch;
+  require_distinct_models(options.models);
   if (!options.output.empty()) OutputFile(options.output, invocation.overwrite);
   Runtime runtime(usable_device(invocation.device), accuracy_of(options.accuracy));
   Provenance provenance = make_provenance(options, invocation, runtime.device().name);

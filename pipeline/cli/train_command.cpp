@@ -1,14 +1,39 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/usable_device.h"
+#include "pipeline/recording/check.h"
 #include "pipeline/study/sessions.h"
 #include "pipeline/study/training.h"
 
 namespace touchtrace::cli {
 namespace {
+
+/// Resolution for load_dataset().
+int resolution_of(const study::TrainingOptions& options, const LabelledRecording& first) {
+  constexpr int smallest = 6, default_resolution = 32;
+  if (options.resolution > 0 && options.resolution < smallest)
+    throw usage_error(fmt::format("--resolution {} is too small", options.resolution),
+                      fmt::format("give {} to 64", smallest));
+  if (options.resolution > 0) return options.resolution;
+  const RecordingReader reader(first.recording);
+  const auto& gloves = reader.recording().gloves;
+  return !gloves.empty() && std::min(gloves[0].info.rows, gloves[0].info.cols) < default_resolution
+             ? 0
+             : default_resolution;
+}
+
+/// Doubtful values of the gloves, on stderr: a wrong baseline or polarity makes touch useless.
+void warn_of_gloves(const std::vector<LabelledRecording>& files) {
+  for (const auto& pair : files) {
+    const RecordingReader reader(pair.recording);
+    for (const auto& warning : glove_warnings(reader.recording()))
+      fmt::print(stderr, "warning: {}: {}\n", pair.recording.string(), warning);
+  }
+}
 
 ExitCode run(const study::TrainingOptions& options, const Invocation& invocation) {
   Runtime runtime(usable_device(invocation.device), accuracy_of(options.accuracy));
@@ -19,19 +44,21 @@ ExitCode run(const study::TrainingOptions& options, const Invocation& invocation
     provenance.add_input(pair.recording);
     provenance.add_input(pair.labels);
   }
-  const Dataset data = load_dataset(files, options.resolution);
+  warn_of_gloves(files);
+  const Dataset data = load_dataset(files, resolution_of(options, files.front()));
   const auto card =
       study::train_model(runtime, data, options, std::move(provenance), invocation.overwrite);
   const auto* saved = card.saved_entry();
-  const double l1_at_20 = saved ? saved->validation_l1_at_20 : std::nan("");
   if (invocation.json)
     fmt::print(
         "{}\n",
         nlohmann::json{{"output", options.output}, {"model", card.name()}, {"card", card}}.dump(2));
   else
-    fmt::print("{}: {} model of {}, {} updates on {} in {:.1f} s, validation L1@20 {:.3f}\n",
-               options.output, card.name(), card.activity, options.optimizer.updates,
-               runtime.device().name, card.provenance.wall_seconds, l1_at_20);
+    fmt::print("{}: {} model of {}, {} updates on {} in {:.1f} s, {}\n", options.output,
+               card.name(), card.activity, options.optimizer.updates, runtime.device().name,
+               card.provenance.wall_seconds,
+               saved ? fmt::format("validation L1@20 {:.3f}", saved->validation_l1_at_20)
+                     : "without validation, as there are too few clips: the last weights");
   return ExitCode::done;
 }
 

@@ -20,8 +20,8 @@ struct Sequence {
   int first_frame = 0, frames = 0;  ///< into Dataset's arrays
   std::string object;
   Split split = Split::train;
-  int recording = 0, clip = 0;  ///< index of the recording, and of the clip within it
-  std::string fingerprint;      ///< hash of the clip's raw touch; tells whether a model has seen it
+  int recording = 0, clip = 0;            ///< index of the recording, and of the clip within it
+  std::vector<std::string> fingerprints;  ///< of the clip's touch (fingerprint.h)
 };
 
 /// Training and evaluation data of one or more labelled recordings.
@@ -30,9 +30,9 @@ struct Dataset {
   int rows = 32, cols = 32;
   double rate_hz = 15.0;
   std::vector<float> tactile;         ///< [frames, rows, cols], pressure 0..1 above the baseline
-  std::vector<State> label;           ///< [frames], smoothed
+  std::vector<State> label;           ///< [frames], smoothed; 0 where not finite
   std::vector<State> causal_label;    ///< [frames], filtered: initial states of roll-outs
-  std::vector<std::uint8_t> trusted;  ///< [frames], 1: both labels have quality_good
+  std::vector<std::uint8_t> trusted;  ///< [frames], 1: labels are finite and have quality_good
   std::vector<State> truth;           ///< [frames], filled by attach_truth, else empty
   std::vector<double> time_s;         ///< [frames], when the glove measured the frame, host clock
   std::vector<Sequence> sequences;

@@ -9,18 +9,16 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/provenance.h"
+#include "pipeline/dataset/fingerprint.h"
+#include "pipeline/dataset/label_frames.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/recording/check.h"
-#include "pipeline/recording/clip_range.h"
 #include "pipeline/recording/recording_file.h"
 
 namespace touchtrace {
 namespace {
 
-/// Largest difference between a label's time and the arrival of its frame. Clocks are aligned to
-/// milliseconds, so a larger one means labels of another recording.
-constexpr double max_alignment_s = 1.0;
-constexpr std::size_t fingerprint_digits = 16;
+constexpr double max_rate_difference = 0.01;
 
 [[noreturn]] void reject(const LabelledRecording& source, const std::string& fault) {
   throw data_error(fmt::format("{} does not match {}: {}", source.labels.string(),
@@ -78,7 +76,6 @@ class RecordingLoader {
   void check_compatible(int resolution);
   void add_clip(int clip, std::size_t first, std::size_t last);
   Split split_of(int clip) const;
-  std::string fingerprint(int clip) const;
   void add_image(std::int64_t glove_frame);
   State label(std::size_t i) const {
     return state_of(labels_.object.position_m, labels_.object.velocity_m_per_s,
@@ -103,21 +100,11 @@ void RecordingLoader::check_labels() const {
   if (labels_.activity != recording.activity)
     reject(source_,
            fmt::format("activity '{}' instead of '{}'", labels_.activity, recording.activity));
-  if (labels_.clips.size() != recording.clips.size())
-    reject(source_,
-           fmt::format("{} clips instead of {}", labels_.clips.size(), recording.clips.size()));
   const auto hash = labels_.provenance.input_hash(source_.recording);
   if (!hash.empty() && hash != sha256_of_file(source_.recording))
     reject(source_, "they were made from another file of this name");
-  const auto frames = static_cast<std::int64_t>(glove().frames());
-  for (std::size_t i = 0; i < labels_.time_s.size(); ++i) {
-    const std::int64_t frame = labels_.glove_frame[i];
-    if (frame < 0) continue;
-    if (frame >= frames ||
-        !(std::abs(labels_.time_s[i] - glove().host_time_s[static_cast<std::size_t>(frame)]) <=
-          max_alignment_s))
-      reject(source_, fmt::format("label {} does not match glove frame {}", i, frame));
-  }
+  const auto fault = label_frame_fault(labels_, recording);
+  if (!fault.empty()) reject(source_, fault);
 }
 
 void RecordingLoader::check_compatible(int resolution) {
@@ -129,7 +116,8 @@ void RecordingLoader::check_compatible(int resolution) {
   kind.rate_hz = info.rate_hz;
   if (number_ == 0) dataset_ = kind;
   if (kind.activity != dataset_.activity || kind.rows != dataset_.rows ||
-      kind.cols != dataset_.cols || kind.rate_hz != dataset_.rate_hz)
+      kind.cols != dataset_.cols ||
+      !(std::abs(kind.rate_hz / dataset_.rate_hz - 1.0) <= max_rate_difference))
     throw data_error(fmt::format("{} has {}, the previous recordings have {}",
                                  source_.recording.string(), kind_of(kind), kind_of(dataset_)),
                      "use recordings of one activity and one kind of glove");
@@ -161,33 +149,20 @@ Split RecordingLoader::split_of(int clip) const {
       labels_.clips.begin(), end, [&](const Clip& other) { return other.object == end->object; })));
 }
 
-/// Independent of file, boxes and labels, so that a copy of a recording is recognised.
-std::string RecordingLoader::fingerprint(int clip) const {
-  const auto range =
-      arrived_in(reader_.recording().clips[static_cast<std::size_t>(clip)], glove().host_time_s);
-  const auto taxels = static_cast<std::size_t>(glove().info.taxels());
-  const auto counts =
-      std::as_bytes(std::span(glove().counts).subspan(range.first * taxels, range.size() * taxels));
-  const auto times =
-      std::as_bytes(std::span(glove().host_time_s).subspan(range.first, range.size()));
-  std::string bytes(reinterpret_cast<const char*>(counts.data()), counts.size());
-  bytes.append(reinterpret_cast<const char*>(times.data()), times.size());
-  return sha256_of(bytes).substr(0, fingerprint_digits);
-}
-
 void RecordingLoader::add_clip(int clip, std::size_t first, std::size_t last) {
   const Clip& info = labels_.clips[static_cast<std::size_t>(clip)];
   while (first < last && labels_.glove_frame[first] < 0) ++first;
   if (info.object_fell || first == last) return;
-  for (std::size_t i = first; i < last; ++i)
-    if (!is_finite(label(i)) || !is_finite(causal_label(i))) return;
-  dataset_.sequences.push_back({dataset_.frames(), static_cast<int>(last - first), info.object,
-                                split_of(clip), number_, clip, fingerprint(clip)});
+  dataset_.sequences.push_back(
+      {dataset_.frames(), static_cast<int>(last - first), info.object, split_of(clip), number_,
+       clip,
+       clip_fingerprints(glove(), reader_.recording().clips[static_cast<std::size_t>(clip)])});
   for (std::size_t i = first; i < last; ++i) {
     add_image(labels_.glove_frame[i]);
-    dataset_.label.push_back(label(i));
-    dataset_.causal_label.push_back(causal_label(i));
-    dataset_.trusted.push_back(labels_.hand.quality[i] == quality_good &&
+    const bool is_known = is_finite(label(i)) && is_finite(causal_label(i));
+    dataset_.label.push_back(is_known ? label(i) : State{});
+    dataset_.causal_label.push_back(is_known ? causal_label(i) : State{});
+    dataset_.trusted.push_back(is_known && labels_.hand.quality[i] == quality_good &&
                                labels_.object.quality[i] == quality_good);
     dataset_.time_s.push_back(labels_.time_s[i]);
   }

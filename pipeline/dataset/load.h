@@ -17,10 +17,11 @@ struct LabelledRecording {
 ///
 /// - `resolution`: rows and columns to which tactile images are averaged by area; 0: the glove's.
 /// - A lost glove frame repeats the previous image; a sequence starts with a received frame.
-/// - Skips clips in which the object fell, and clips with a label that is not finite.
+/// - Skips clips in which the object fell. Labels that are not finite are not trusted.
 ///
-/// Throws data_error if a file is invalid, labels belong to another recording, activities, rates or
-/// gloves differ, or no clip remains; usage_error if `resolution` exceeds the glove's.
+/// Throws data_error if a file is invalid, labels belong to another recording, activities, gloves
+/// or (by over 1 %) rates differ, or no clip remains; usage_error if `resolution` exceeds the
+/// glove's.
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution = 0);
 /// The same for one recording and labels in memory.
 Dataset load_dataset(const std::filesystem::path& recording, Labels labels, int resolution = 0);

@@ -24,7 +24,7 @@ AreaAverage::Axis AreaAverage::divide(int taxels, int cells) {
     throw usage_error(
         fmt::format("a resolution of {} does not fit the glove, which has {} taxels along an axis",
                     cells, taxels),
-        fmt::format("use a model that was trained with a --resolution of at most {}", taxels));
+        fmt::format("give --resolution {} or less, or a model that was trained with it", taxels));
   Axis axis;
   const double width = static_cast<double>(taxels) / cells;
   for (int cell = 0; cell < cells; ++cell) {

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "engine/base/error.h"
+#include "engine/base/interrupt.h"
 #include "engine/base/files.h"
 #include "pipeline/export/tables.h"
 
@@ -70,6 +71,7 @@ void write_table(const std::filesystem::path& path, const DataTable& table) {
   for (std::size_t row = 0; row < table.rows; ++row) {
     append_row(text, table, row);
     if (text.size() < flush_bytes) continue;
+    throw_if_interrupted();
     stream << text;
     text.clear();
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "engine/base/interrupt.h"
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "pipeline/export/mcap_writer.h"
@@ -61,6 +62,7 @@ void write_messages(McapWriter& mcap, const MessageStreams& all) {
   const auto messages = sorted_messages(all);
   Progress progress("writing messages", messages.size());
   for (const PendingMessage& next : messages) {
+    throw_if_interrupted();
     const MessageStream& stream = all.streams[next.stream];
     mcap.write(channels[next.stream], static_cast<std::uint64_t>(next.time_ns),
                stream.message({next.time_ns, stream.frame_id}, next.index));

@@ -42,14 +42,15 @@ class ClipTracker {
         hand_(Body::hand, hand_disc_radius_m, hand_patch_radius_m, min_hand_points, kind),
         object_(Body::object, shape_.radius_m, object_patch_radius_factor * shape_.radius_m,
                 min_object_points, kind) {
-    if (!scene.objects_with_hand_color.contains(clip.object))
+    if (!scene.objects_with_hand_color.contains(clip.object) && scene.only_masked_body != mask_hand)
       others_.emplace(*scene.segmenter, scene.depth_noise_at_1m);
     if (shape_.body) pose_.emplace(*shape_.body);
   }
 
   void step(SegmentedFrame segmented, double seconds, ClipTrack& track) {
     auto& [frame, surface, image] = segmented;
-    const bool is_masked = scene_.has_some_masks && !frame.mask.empty();
+    const bool has_mask = scene_.has_some_masks && !frame.mask.empty(),
+               is_masked = has_mask && scene_.only_masked_body != mask_object;
     if (is_started_ && !others_) scene_.split_object(surface, clip_.object, hand_.predicted_m());
     std::optional<Patch> hand, object;
     if (!is_started_) {
@@ -67,7 +68,7 @@ class ClipTracker {
                        : find_hand(surface, image, hand_box, seconds);
       if (hand && hand_.is_lost() && object_.is_lost()) assume_in_hand(*hand);
       object = object_.find(surface, image, object_box, *scene_.segmenter, position_in_hand(hand));
-      if (!object && is_masked)
+      if (!object && has_mask && scene_.only_masked_body != mask_hand)
         object = object_.find_in_box(surface, mask_box(frame, mask_object, image_width()));
     }
     frame_ = track.hand.size();

@@ -44,7 +44,8 @@ std::vector<ClipFrames> boxed_clips(const Recording& recording, const FrameSourc
   for (auto& clip : clips) {
     if (clip.is_usable() && !clip.has_boxes()) set_mask_boxes(frames, recording.camera.width, clip);
     if (clip.is_usable() && !clip.has_boxes())
-      clip.problem = "neither boxes nor a mask of hand and object";
+      clip.problem =
+          "no boxes, and no mask of both hand and object; run: touchtrace mark RECORDING";
   }
   return clips;
 }
@@ -63,9 +64,23 @@ bool are_mostly_masked(const FrameSource& frames, const std::vector<ClipFrames>&
 /// What masks are used for.
 enum class MaskUse {
   none,
+  one_body,     ///< hand or object where there are masks; colours elsewhere
   some_frames,  ///< hand and object where there are masks; colours elsewhere
   all_frames,   ///< they replace background and colours
 };
+
+/// Masks of which none shows both bodies.
+MaskUse use_of_one_body(const FrameSource& frames) {
+  const auto body = only_masked_body(frames);
+  if (!body) {
+    Progress::warn("no mask shows both hand and object: colours are used instead of masks");
+    return MaskUse::none;
+  }
+  const bool is_hand = *body == mask_hand;
+  Progress::warn(fmt::format("masks show the {} only: colours show the {}",
+                             is_hand ? "hand" : "object", is_hand ? "object" : "hand"));
+  return MaskUse::one_body;
+}
 
 MaskUse choose_masks(const FrameSource& frames, int width, const std::vector<ClipFrames>& clips,
                      const LabelOptions& options) {
@@ -74,10 +89,7 @@ MaskUse choose_masks(const FrameSource& frames, int width, const std::vector<Cli
   const bool show_both = std::ranges::any_of(clips, [&](const ClipFrames& clip) {
     return clip.is_usable() && has_mask_of_both(frames, width, clip);
   });
-  if (!show_both) {
-    Progress::warn("no mask shows both hand and object: colours are used instead of masks");
-    return MaskUse::none;
-  }
+  if (!show_both) return use_of_one_body(frames);
   return are_mostly_masked(frames, clips) ? MaskUse::all_frames : MaskUse::some_frames;
 }
 
@@ -231,6 +243,7 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   const bool use_masks = mask_use == MaskUse::all_frames;
   auto frames = normalized(recorded, clips);
   if (mask_use == MaskUse::none) frames.masked_frames.clear();
+  if (mask_use == MaskUse::one_body) frames.only_masked_body = only_masked_body(frames);
   const Stopwatch learning;
   const auto scene =
       learn_scene(calibration, recording.camera, frames, clips, use_masks, options.num_threads);
@@ -251,6 +264,8 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   const Stopwatch smoothing;
   const auto search = flight_search(tracks, down, options);
   auto bodies = smooth_bodies(tracks, down, search, options.num_threads);
+  if (raise_sigmas(tracks, bodies))
+    bodies = smooth_bodies(tracks, down, search, options.num_threads);
   if (search == FlightSearch::throws && correct_latency(recording, bodies, timeline, tracks))
     bodies = smooth_bodies(tracks, down, search, options.num_threads);
   drop_unsmoothed_clips(clips, tracks, bodies);

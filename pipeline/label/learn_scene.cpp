@@ -148,6 +148,13 @@ void warn_of_large_hands(const Camera& color, const SampledFrames& samples) {
   }
 }
 
+/// Replaces the points of frames with a mask by those that masks and colours show.
+void observe_again(const Observer& observer, const FrameSource& frames, SampledFrames& samples) {
+  for (auto& sample : samples)
+    if (auto frame = frames.camera_frame(sample.index); !frame.mask.empty())
+      sample.surface = observer.observe(frame, sample.clip->object);
+}
+
 /// Calls `learn` for every object. Where it throws, all clips of the object have a problem.
 template <class Learn>
 void learn_objects(std::vector<ClipFrames>& clips, ObjectSamples& samples, Learn&& learn) {
@@ -175,12 +182,14 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
   SceneModel model{.segmenter = segmenter,
                    .observer = nullptr,
                    .depth_noise_at_1m = depth_noise_at_1m(depths, camera.depth_unit_m),
-                   .has_some_masks = !use_masks && !frames.masked_frames.empty()};
+                   .has_some_masks = !use_masks && !frames.masked_frames.empty(),
+                   .only_masked_body = frames.only_masked_body};
   const auto colors = std::make_shared<DepthColorObserver>(segmenter);
   if (use_masks)
     model.observer = std::make_shared<MaskObserver>(segmenter);
   else if (model.has_some_masks)
-    model.observer = std::make_shared<MaskedColorObserver>(colors, without_background);
+    model.observer =
+        std::make_shared<MaskedColorObserver>(colors, without_background, frames.only_masked_body);
   else
     model.observer = colors;
   auto samples = usable_samples(
@@ -193,6 +202,7 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
       auto learnt = learn_colors(*segmenter, object, of_object);
       if (!learnt.separates_object) model.objects_with_hand_color.insert(object);
       colors->set_colors(object, std::move(learnt.classes));
+      if (frames.only_masked_body) observe_again(*model.observer, frames, of_object);
     }
     warn_of_large_hands(segmenter->color_camera(), of_object);
     learn_object(model, frames, object, of_object, num_threads);

@@ -79,6 +79,20 @@ std::span<const std::size_t> masked_frames(const FrameSource& frames, const Clip
           std::ranges::lower_bound(all, clip.first + clip.count)};
 }
 
+std::optional<MaskValue> only_masked_body(const FrameSource& frames) {
+  bool hand = false, object = false;
+  const auto& masked = frames.masked_frames;
+  const std::size_t stride = std::max<std::size_t>(1, ceil_div(masked.size(), max_compared_masks));
+  for (std::size_t i = 0; i < masked.size(); i += stride) {
+    const auto mask = frames.camera_frame(masked[i]).mask;
+    hand = hand || std::ranges::count(mask, mask_hand) > 0;
+    object = object || std::ranges::count(mask, mask_object) > 0;
+    if (hand && object) break;
+  }
+  if (hand == object) return std::nullopt;
+  return hand ? mask_hand : mask_object;
+}
+
 bool has_mask_of_both(const FrameSource& frames, int width, const ClipFrames& clip) {
   return std::ranges::any_of(masked_frames(frames, clip), [&](std::size_t i) {
     return bodies_in(frames.camera_frame(i), i, width).has_both();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "pipeline/label/scene_model.h"
@@ -8,6 +9,9 @@ namespace touchtrace::label {
 
 /// Camera frames of a clip that have a mask, in increasing order.
 std::span<const std::size_t> masked_frames(const FrameSource& frames, const ClipFrames& clip);
+
+/// The only body that up to 64 of the masks show; nullopt: none, or both.
+std::optional<MaskValue> only_masked_body(const FrameSource& frames);
 
 /// Whether the mask of a frame of the clip shows both bodies. `width` [px]: of the masks.
 bool has_mask_of_both(const FrameSource& frames, int width, const ClipFrames& clip);

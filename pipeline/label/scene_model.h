@@ -20,6 +20,8 @@ struct FrameSource {
   std::function<RgbdFrame(std::size_t)> camera_frame, background;
   std::size_t background_frames = 0;
   std::vector<std::size_t> masked_frames = {};  ///< camera frames with a mask, in increasing order
+  /// The only body that the masks show; nullopt: both.
+  std::optional<MaskValue> only_masked_body = std::nullopt;
 };
 
 /// Camera frames [first, first + count) of a clip, and the boxes drawn in one of them.
@@ -59,6 +61,8 @@ struct SceneModel {
   std::map<std::string, ObjectShape> object_shape = {};
   std::set<std::string> objects_with_hand_color = {};  ///< not separable from the hand by colour
   bool has_some_masks = false;  ///< masks show the bodies in some frames, colours in the others
+  /// The only body that masks show, while colours show the other one; nullopt: masks show both.
+  std::optional<MaskValue> only_masked_body = std::nullopt;
 
   /// For an object of the hand's colour: reclassifies the parts that are apart from the hand near
   /// `hand_m` as object (split_from_hand).

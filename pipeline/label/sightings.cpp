@@ -82,9 +82,8 @@ BoxedObject boxed_object(const Camera& color, const std::string& object,
     const bool are_masks = !samples.empty() && samples.front().clip->has_mask_boxes;
     throw data_error(fmt::format("hand {} of the clips with '{}' contain no hand",
                                  are_masks ? "masks" : "boxes", object),
-                     are_masks
-                         ? "check the hand's number in the masks: touchtrace import --hand-id"
-                         : "draw the box on the hand; run: touchtrace mark RECORDING");
+                     are_masks ? "check the hand's number in the masks: touchtrace import --hand-id"
+                               : "draw the box on the hand; run: touchtrace mark RECORDING");
   }
   return {median(radii), std::sqrt(uneven_m2 / static_cast<double>(radii.size())),
           median(std::move(distances))};

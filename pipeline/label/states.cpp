@@ -1,10 +1,15 @@
 #include "pipeline/label/states.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/base/parallel.h"
+#include "engine/base/progress.h"
+#include "engine/base/statistics.h"
 #include "pipeline/label/flights.h"
 #include "pipeline/recording/frame_pairs.h"
 
@@ -129,6 +134,36 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
       bodies.hand = smooth(hand, std::vector<std::vector<Flight>>(tracks.size()), hand_options);
   });
   return bodies;
+}
+
+namespace {
+
+bool raise_sigmas(std::vector<ClipTrack>& tracks, std::vector<Observation> ClipTrack::*body,
+                  const char* name, const SmoothedTracks& smoothed) {
+  constexpr double min_scale = 2.0, max_raised_m = 0.03;
+  const double scale = smoothed.noise.measurement_scale;
+  std::vector<double> sigmas_m;
+  for (std::size_t i = 0; i < tracks.size(); ++i)
+    if (smoothed.tracks[i].status == SmoothStatus::inconsistent)
+      for (const auto& observation : tracks[i].*body)
+        if (observation.found) sigmas_m.push_back(scale * observation.sigma_m.maxCoeff());
+  const double raised_m = median(std::move(sigmas_m));
+  if (!(scale > min_scale && raised_m < max_raised_m)) return false;
+  Progress::warn(
+      fmt::format("positions of the {} scatter {:.0f} times more than their fits state: standard "
+                  "deviations are raised to {:.0f} mm; look at them with --preview",
+                  name, scale, 1e3 * raised_m));
+  for (auto& track : tracks)
+    for (auto& observation : track.*body) observation.sigma_m *= scale;
+  return true;
+}
+
+}  // namespace
+
+bool raise_sigmas(std::vector<ClipTrack>& tracks, const SmoothedBodies& bodies) {
+  const bool hand = raise_sigmas(tracks, &ClipTrack::hand, "hand", bodies.hand),
+             object = raise_sigmas(tracks, &ClipTrack::object, "object", bodies.object);
+  return hand || object;
 }
 
 void resample(const std::vector<LabelTime>& times, const std::vector<ClipTrack>& tracks,

@@ -23,6 +23,11 @@ SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
                              const Eigen::Vector3d& gravity_m_per_s2, FlightSearch search,
                              int num_threads = 1);
 
+/// Multiplies a body's standard deviations by the scale of its errors that smoothing found, if they
+/// are too small for its motion in a clip and then at most 30 mm. Small or distant objects show too
+/// little for a stable fit. Returns whether any changed; then smooth again.
+bool raise_sigmas(std::vector<ClipTrack>& tracks, const SmoothedBodies& bodies);
+
 /// Appends states, covariances, error budgets and quality flags of both bodies at every label time
 /// to `labels`.
 void resample(const std::vector<LabelTime>& times, const std::vector<ClipTrack>& tracks,

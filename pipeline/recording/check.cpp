@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -130,6 +131,23 @@ bool FileCheck::is_usable() const {
                                        [](const auto& command) { return command.second.empty(); });
 }
 
+std::vector<std::string> glove_warnings(const Recording& recording) {
+  constexpr double max_rate_difference = 0.05;
+  std::vector<std::string> warnings;
+  for (const auto& glove : recording.gloves) {
+    const auto warn = [&](const std::string& warning) {
+      warnings.push_back(fmt::format("glove '{}': {}", glove.info.name, warning));
+    };
+    std::ranges::for_each(check_tactile(glove).warnings(), warn);
+    const double rate_hz =
+        measure_stream_timing(glove.sequence, glove.host_time_s, recording.clips).rate_hz;
+    if (std::abs(rate_hz / glove.info.rate_hz - 1.0) > max_rate_difference)
+      warn(fmt::format("frames arrive at {:.4g} Hz, rate_hz is {:.4g}", rate_hz,
+                       glove.info.rate_hz));
+  }
+  return warnings;
+}
+
 FileCheck check_recording(const RecordingReader& reader, bool images, bool has_calibration) {
   const Recording& recording = reader.recording();
   FileCheck check;
@@ -143,9 +161,8 @@ FileCheck check_recording(const RecordingReader& reader, bool images, bool has_c
     const TactileCheck tactile = check_tactile(glove);
     for (const auto& fault : tactile.faults())
       check.faults.push_back(fmt::format("glove '{}': {}", glove.info.name, fault));
-    for (const auto& warning : tactile.warnings())
-      check.warnings.push_back(fmt::format("glove '{}': {}", glove.info.name, warning));
   }
+  std::ranges::move(glove_warnings(recording), std::back_inserter(check.warnings));
   std::ranges::move(implausible_intrinsics(recording.camera), std::back_inserter(check.warnings));
   if (const auto unpaired = unpaired_warning(reader)) check.warnings.push_back(*unpaired);
   for (std::size_t i = 0; i < recording.clips.size(); ++i)

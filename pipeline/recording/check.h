@@ -24,6 +24,10 @@ std::vector<std::string> box_faults(const Clip& clip, const Recording& recording
 /// Throws data_error that lists `missing`, if not empty. `name`: of the recording.
 void require_usable(const std::vector<std::string>& missing, const std::string& name);
 
+/// Implausible values of the gloves' frames and rates, of which training tells nothing: they make
+/// touch useless.
+std::vector<std::string> glove_warnings(const Recording& recording);
+
 /// Result of `touchtrace check`.
 struct FileCheck {
   nlohmann::json contents;          ///< activity, clips, streams and their timing

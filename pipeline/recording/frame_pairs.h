@@ -20,7 +20,10 @@ std::vector<FramePair> pair_frames(const std::vector<double>& color_s,
 /// than 2 different stamps.
 double rate_of(const std::vector<double>& time_s, double fallback);
 
-/// Fills an empty counter with 0, 1, ...
-void fill_sequence(std::vector<std::uint64_t>& sequence, std::size_t frames);
+/// Fills an empty counter of frames with these times: 0, 1, ..., and over a pause as many numbers
+/// as frames at `rate_hz` would have. A pause lasts 0.5 s and 5 frames or more, as for `record`; at
+/// a rate of 0 there is none.
+void fill_sequence(std::vector<std::uint64_t>& sequence, const std::vector<double>& time_s,
+                   double rate_hz);
 
 }  // namespace touchtrace

@@ -52,7 +52,7 @@ void read_times(const h5::Loader& group, const std::string& images, double shift
                          "the dataset is missing");
   for (double& time_s : times.host_time_s) time_s -= shift_s;
   if (times.device_time_s.empty()) times.device_time_s = times.host_time_s;
-  fill_sequence(times.sequence, times.host_time_s.size());
+  fill_sequence(times.sequence, times.host_time_s, 0.0);
   validate(times, group.path(), group.faults());
 }
 

@@ -92,7 +92,7 @@ GloveStream read_glove(const h5::Loader& group) {
   if (group.faults().contains(group.path())) return glove;
   const auto taxels = static_cast<std::size_t>(info.rows) * static_cast<std::size_t>(info.cols);
   if (!group.has_attribute("rate_hz")) info.rate_hz = rate_of(glove.host_time_s, info.rate_hz);
-  fill_sequence(glove.sequence, glove.host_time_s.size());
+  fill_sequence(glove.sequence, glove.host_time_s, info.rate_hz);
   if (info.baseline_counts.empty()) info.baseline_counts.assign(taxels, 0.0f);
   if (info.mask.empty()) info.mask.assign(taxels, 1);
   if (info.taxel_position_m.empty()) info.taxel_position_m.assign(3 * taxels, std::nanf(""));

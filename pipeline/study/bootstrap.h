@@ -14,8 +14,9 @@ struct Interval {
 };
 
 /// Mean over runs and roll-outs. The interval holds the middle 95 % of 2000 hierarchical bootstrap
-/// samples: whole clips and runs are drawn with replacement. With one run it does not cover other
-/// seeds. With one clip it is NaN. `clip` [roll-outs].
+/// samples: whole clips and runs are drawn with replacement. It is widened about the mean as
+/// Student's interval for the number of clips is: samples of few clips vary too little. With one
+/// run it does not cover other seeds. With one clip it is NaN. `clip` [roll-outs].
 Interval bootstrap_mean(const RunValues& values, const std::vector<int>& clip, std::uint64_t seed);
 
 /// Mean of a - b over roll-outs that are defined in all runs of both. Samples share their clips;

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "engine/base/error.h"
+#include "engine/base/interrupt.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/study/baselines.h"
 
@@ -91,6 +92,7 @@ Rollout predict(const LoadedModel& model, const RolloutBatch& batch, const Sessi
 Rollout roll_out(const LoadedModel& model, const Comparison& comparison, int stride) {
   Rollout all;
   for (const Session* session : comparison.sessions) {
+    throw_if_interrupted();
     const auto cases = make_cases(session->data, grid_of(comparison, Split::evaluation, stride),
                                   model.card.scaling, Reference::labels);
     const Rollout rollout = predict(model, cases.batch, *session);

@@ -5,12 +5,13 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "pipeline/dataset/fingerprint.h"
 
 namespace touchtrace::study {
 namespace {
 
 bool has_seen(const LoadedModel& model, const Sequence& clip) {
-  return std::ranges::binary_search(model.card.seen_clips, clip.fingerprint);
+  return is_known_touch(clip.fingerprints, model.card.seen_clips);
 }
 
 /// Whether the models of the session's activity have seen a clip of it.
@@ -30,10 +31,27 @@ void require_unseen(const Session& session, const LoadedModel& model) {
                        "evaluate it on other recordings, or train it again");
 }
 
+/// Copies are no further evidence, but would narrow the intervals.
+void require_distinct(const std::vector<Session>& sessions) {
+  std::vector<std::string> known;  // sorted
+  for (const Session& session : sessions) {
+    for (const Sequence& clip : session.data.sequences)
+      if (is_known_touch(clip.fingerprints, known))
+        throw data_error(
+            fmt::format("clip {} of {} is also in another of the recordings, whole or in part",
+                        clip.clip, session.name),
+            "give each recording once");
+    for (const Sequence& clip : session.data.sequences)
+      std::ranges::copy(clip.fingerprints, std::back_inserter(known));
+    std::ranges::sort(known);
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> choose_evaluation_clips(std::vector<Session>& sessions,
                                                  const std::vector<LoadedModel>& models) {
+  require_distinct(sessions);
   std::vector<std::string> whole;
   for (Session& session : sessions) {
     if (!is_seen(session, models)) {

@@ -34,6 +34,15 @@ const std::array<const char*, state_size> state_dimensions{
     "object vy [m/s]", "object vz [m/s]", "hand x [m]",    "hand y [m]",
     "hand z [m]",      "hand vx [m/s]",   "hand vy [m/s]", "hand vz [m/s]"};
 
+const TrainingLogEntry& best_entry(const std::vector<TrainingLogEntry>& log) {
+  const TrainingLogEntry* best = nullptr;
+  for (const auto& entry : log)
+    if (!std::isnan(entry.validation_l1_at_50) &&
+        (!best || entry.validation_l1_at_50 < best->validation_l1_at_50))
+      best = &entry;
+  return best ? *best : log.back();
+}
+
 std::string ModelCard::name() const {
   if (!spec.touch) return "without_touch";
   return objects.size() > 1 && spec.object == ObjectEncoder::none ? "without_embedding" : "full";

@@ -20,6 +20,9 @@ struct TrainingLogEntry {
   double validation_loss = 0.0, validation_l1_at_20 = 0.0, validation_l1_at_50 = 0.0;
 };
 
+/// First entry with the smallest validation L1@50; the last one if it is undefined in all.
+const TrainingLogEntry& best_entry(const std::vector<TrainingLogEntry>& log);
+
 /// Names and units of the 12 state dimensions; the frame is that of the colour camera.
 extern const std::array<const char*, state_size> state_dimensions;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "engine/base/interrupt.h"
 #include "engine/train/predictor.h"
 #include "pipeline/dataset/load.h"
 #include "pipeline/recording/recording_file.h"
@@ -88,6 +89,7 @@ class Prediction {
   void emit_segment(const Sequence& clip, const Segment& segment,
                     const std::function<void(const json&)>& emit) {
     const Rollout rollout = roll_out(clip, segment);
+    throw_if_interrupted();
     for (int step = 1; step <= segment.steps; ++step) {
       const std::size_t at = std::size_t(step - 1) * state_size;
       json row = prediction_row(card_, segment.from_label, step,

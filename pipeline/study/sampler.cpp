@@ -20,6 +20,10 @@ Sampler::Sampler(const Dataset& data, const Normalization& scaling, const ModelS
       segments_(seed, "segments of batches") {
   const RolloutGrid every_start{Split::train, steps, 1, required_history(spec)};
   starts_ = find_starts(data, every_start);
+  std::erase_if(starts_, [&](const Start& start) {  // nothing to learn from
+    const auto first = data.trusted.begin() + start.frame + 1;
+    return std::find(first, first + steps, 1) == first + steps;
+  });
   if (starts_.empty())
     throw data_error(fmt::format("no training clip has {} frames of touch followed by {} steps",
                                  required_history(spec), steps),

@@ -48,11 +48,6 @@ class ScratchWeights {
   std::filesystem::path path_;
 };
 
-/// First entry with the smallest validation L1@50.
-const TrainingLogEntry& best_entry(const std::vector<TrainingLogEntry>& log) {
-  return *std::ranges::min_element(log, {}, &TrainingLogEntry::validation_l1_at_50);
-}
-
 /// Options and input hashes that a resumed run must share with its checkpoint.
 nlohmann::json identity(const Provenance& provenance) {
   nlohmann::json same{{"options", provenance.options}, {"inputs", nlohmann::json::array()}};
@@ -81,7 +76,8 @@ ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provena
   card.spec.activation = activation_of(options.activation);
   card.scaling = fit_normalization(data);
   for (const Sequence& clip : data.sequences)
-    if (clip.split != Split::evaluation) card.seen_clips.push_back(clip.fingerprint);
+    if (clip.split != Split::evaluation)
+      std::ranges::copy(clip.fingerprints, std::back_inserter(card.seen_clips));
   std::ranges::sort(card.seen_clips);
   card.activity = data.activity;
   card.rate_hz = data.rate_hz;

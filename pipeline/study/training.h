@@ -19,7 +19,8 @@ struct TrainingOptions {
   std::vector<std::string> recordings, labels;  ///< pairs, in the same order
   std::string output, accuracy = "fast";
   bool without_touch = false, resume = false;
-  int window = 10, resolution = 32;
+  int window = 10;
+  int resolution = 0;  ///< rows and columns; 0: 32, or the glove's own if it has fewer
   ConvolutionOptions convolutions;
   int sequences = 8, steps = 20;
   std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": see plan.h

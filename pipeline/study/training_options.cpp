@@ -18,7 +18,8 @@ void describe_model(OptionSet& set, TrainingOptions& o) {
   set.group("Model");
   set.flag("without-touch", o.without_touch, "baseline without tactile input");
   set.integer("window", o.window, "tactile frames per window, 1-32", 1, 32);
-  set.integer("resolution", o.resolution, "tactile rows and columns, 6-64", 6, 64);
+  set.integer("resolution", o.resolution,
+              "tactile rows and columns, 6-64; 0: 32, or the glove's own if it has fewer", 0, 64);
   describe(set, o.convolutions);
   set.choice("dynamics", o.dynamics, "state transition model", {"mlp", "gru"});
   set.choice("activation", o.activation, "MLP activation", {"relu", "silu", "tanh"});

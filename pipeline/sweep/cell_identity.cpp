@@ -12,11 +12,24 @@ namespace touchtrace::sweep {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+namespace {
+
+/// Hash of the labels that commands read for a recording X.h5 by default, X.labels.h5; empty: none.
+std::string labels_hash(const fs::path& recording) {
+  std::error_code error;
+  const auto labels = fs::path(recording).replace_extension(".labels.h5");
+  return recording.extension() == ".h5" && fs::is_regular_file(labels, error)
+             ? "+" + sha256_of_file(labels)
+             : "";
+}
+
+}  // namespace
+
 json outside_identity(const json& value) {
   std::error_code error;  // text that cannot be a path is not one
   if (!value.is_string()) return value;
   const fs::path path = value.get<std::string>();
-  if (fs::is_regular_file(path, error)) return "sha256:" + sha256_of_file(path);
+  if (fs::is_regular_file(path, error)) return "sha256:" + sha256_of_file(path) + labels_hash(path);
   if (!fs::is_directory(path, error)) return value;
   std::set<std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(path))

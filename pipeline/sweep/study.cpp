@@ -79,8 +79,14 @@ void add_entry(Stage& stage, const std::string& key, const json& value,
     stage.options[key] = value;
     return;
   }
-  if (stage.axes.back().values.empty())
+  const auto& values = stage.axes.back().values;
+  if (values.empty())
     throw usage_error(fmt::format("axis '{}' has no values", key), "give at least one value");
+  std::set<json> labels;
+  for (const auto& value : values)
+    if (!labels.insert(value.label).second)
+      throw usage_error(fmt::format("axis '{}' has {} twice", key, value.label.dump()),
+                        "give each value once: equal cells are one run");
 }
 
 Stage stage_of(const std::string& name, const json& table, const CommandTable& commands) {

@@ -8,6 +8,7 @@
 
 #include "calib/smooth/find_flights.h"
 #include "calib/smooth/smooth.h"
+#include "engine/base/random.h"
 #include "tests/verify/calib/synthetic_track.h"
 
 namespace touchtrace {
@@ -157,6 +158,25 @@ TEST(SmoothFlights, OneWrongFlightDoesNotHideTheOthers) {
   const auto smoothed = smooth({measure(motion, 60.0, 0.005, 1)}, {guess}, {});
   EXPECT_EQ(smoothed.tracks.front().flights.size(), motion.flights.size() - 2);
   EXPECT_LT(smoothed.noise.wander_sigma_m, 0.003);
+}
+
+/// A ball whose landing nobody saw, as it was hidden, lies on the floor afterwards.
+TEST(SmoothFlights, AFlightEndsInAGapNotAtTheEndOfTheTrack) {
+  Track track;
+  RandomStream random(1, "noise");
+  for (int i = 0; i < 180; ++i) {
+    const double t = i / 60.0;
+    if (t > 0.7 && t < 1.6) continue;
+    const Eigen::Vector3d noise_m(random.normal(), random.normal(), random.normal());
+    const Eigen::Vector3d position_m(std::min(t, 0.8), t < 1.0 ? 4.9 * t * t - 3.0 * t : 0.75, 0.0);
+    track.push_back({t, position_m + 0.002 * noise_m, Eigen::Vector3d::Constant(0.002)});
+  }
+  const auto found =
+      smooth({track}, {find_flights(track, SmoothOptions().gravity_m_per_s2)}, {}).tracks.front();
+  ASSERT_EQ(found.status, SmoothStatus::converged) << name_of(found.status);
+  ASSERT_EQ(found.flights.size(), 1u);
+  EXPECT_GT(found.flights[0].landing_s, 0.65);
+  EXPECT_LT(found.flights[0].landing_s, 1.65);
 }
 
 /// A track that is cut out of the flights at both ends: there is no release and no landing to find.

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "engine/base/error.h"
+#include "pipeline/dataset/fingerprint.h"
 #include "pipeline/dataset/load.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "tests/pipeline/recording_samples.h"
@@ -49,7 +50,7 @@ TEST(AreaAverage, GloveWithTooFewTaxelsIsRefused) {
     ADD_FAILURE() << "accepted";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("13 taxels along an axis"), std::string::npos);
-    EXPECT_NE(error.hint().find("--resolution of at most 13"), std::string::npos);
+    EXPECT_NE(error.hint().find("give --resolution 13 or less"), std::string::npos);
   }
 }
 
@@ -110,7 +111,7 @@ TEST(Dataset, FingerprintIsThatOfTheTouch) {
   Files files;
   const auto fingerprints = [&] {
     const Dataset data = load_dataset({files.write_files()});
-    return std::pair(data.sequences[0].fingerprint, data.sequences[1].fingerprint);
+    return std::pair(data.sequences[0].fingerprints, data.sequences[1].fingerprints);
   };
   const auto first = fingerprints();
   EXPECT_NE(first.first, first.second);
@@ -121,6 +122,54 @@ TEST(Dataset, FingerprintIsThatOfTheTouch) {
   files.sample.recording.gloves[0].counts[3] ^= 1;
   EXPECT_NE(fingerprints().first, first.first);
   EXPECT_EQ(fingerprints().second, first.second);
+}
+
+TEST(Fingerprints, OfAShiftedOrTrimmedCopyAreKnown) {
+  RandomStream random(1, "touch");
+  const auto glove_at = [&](double start_s) {
+    GloveStream glove;
+    glove.info.rows = 2, glove.info.cols = 3;
+    for (int i = 0; i < 100; ++i) {
+      glove.host_time_s.push_back(start_s + 0.1 * i);
+      for (int taxel = 0; taxel < 6; ++taxel)
+        glove.counts.push_back(static_cast<std::uint16_t>(random.below(1000)));
+    }
+    return glove;
+  };
+  const GloveStream glove = glove_at(0.0);
+  auto known = clip_fingerprints(glove, {0.0, 9.95, "ball"});
+  EXPECT_EQ(known.size(), 9u);
+  std::ranges::sort(known);
+  GloveStream shifted = glove, changed = glove;
+  for (double& time_s : shifted.host_time_s) time_s += 5.0;
+  changed.counts[300] ^= 1;
+  EXPECT_TRUE(is_known_touch(clip_fingerprints(shifted, {5.0, 14.95, "box"}), known));
+  EXPECT_TRUE(is_known_touch(clip_fingerprints(changed, {0.0, 9.95, "ball"}), known));
+  EXPECT_TRUE(is_known_touch(clip_fingerprints(glove, {2.0, 9.95, "ball"}), known));
+  EXPECT_FALSE(is_known_touch(clip_fingerprints(glove_at(0.0), {0.0, 9.95, "ball"}), known));
+  // nothing but rest: only an exact copy is known
+  GloveStream rest = glove;
+  std::ranges::fill(rest.counts, std::uint16_t{7});
+  known = clip_fingerprints(rest, {0.0, 9.95, "ball"});
+  EXPECT_EQ(known.size(), 1u);
+  EXPECT_FALSE(is_known_touch(clip_fingerprints(rest, {2.0, 9.95, "ball"}), known));
+}
+
+TEST(Dataset, RejectsLabelsThatAreNotOnePerFrame) {
+  const auto expect_fault = [](const std::string& fault, auto change) {
+    Files files;
+    change(files.labels);
+    try {
+      load_dataset({files.write_files()});
+      ADD_FAILURE() << "accepted: " << fault;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(fault), std::string::npos) << error.what();
+    }
+  };
+  expect_fault("one label for each frame", [](Labels& l) { l.glove_frame[5] = l.glove_frame[4]; });
+  expect_fault("one label for each frame",
+               [](Labels& l) { std::swap(l.glove_frame[5], l.glove_frame[6]); });
+  expect_fault("clip 1 is from", [](Labels& l) { l.clips[1].start_s += 0.3; });
 }
 
 TEST(Dataset, LostFrameRepeatsThePreviousImage) {
@@ -144,7 +193,7 @@ TEST(Dataset, StatesAreObjectThenHand) {
             static_cast<float>(files.labels.hand.causal_velocity_m_per_s[10]));
 }
 
-TEST(Dataset, SkipsFallenObjectsAndNaN) {
+TEST(Dataset, SkipsFallenObjectsAndDoesNotTrustNaN) {
   Files files;
   files.labels.object.quality[2] = quality_follows_hand;
   files.labels.clips[1].object_fell = true;
@@ -157,8 +206,10 @@ TEST(Dataset, SkipsFallenObjectsAndNaN) {
   files.labels.hand.quality[5] = quality_lost;
   files.labels.hand.position_m[15] = std::nan("");
   const Dataset other = load_dataset({files.write_files()});
-  ASSERT_EQ(other.sequences.size(), 1u);
-  EXPECT_EQ(other.sequences[0].clip, 1);
+  EXPECT_EQ(other.sequences.size(), 2u);
+  EXPECT_EQ(std::ranges::count(other.trusted, 1), 38);
+  EXPECT_EQ(other.trusted[5], 0);
+  EXPECT_EQ(other.label[5], State{});
 }
 
 TEST(Dataset, RejectsLabelsOfAnotherRecording) {

@@ -105,7 +105,7 @@ label::FrameSource masks_of_one(const Stage& stage, std::uint8_t body, std::size
 
 /// Masks of the hand alone do not hide an object that has its colour and a box, nor do those of
 /// objects, of which whole data sets have nothing else, hide the hand.
-TEST(Label, IgnoresMasksWithoutOneOfTheBodies) {
+TEST(Label, MasksOfOneBodyDoNotHideTheOther) {
   const Stage stage(false);
   label::LabelOptions options;
   options.tracker = "component";
@@ -118,6 +118,27 @@ TEST(Label, IgnoresMasksWithoutOneOfTheBodies) {
                   labels.summary["object_lost_share"].get<double>(),
               0.05);
   }
+}
+
+/// Data sets of object poses have masks of the object alone. Here its colour is soon that of the
+/// hand.
+TEST(Label, UsesMasksOfTheObjectAlone) {
+  const Stage stage(false);
+  auto frames =
+      masks_of_one(stage, mask_object, static_cast<std::size_t>(seconds * camera_rate_hz));
+  frames.camera_frame = [read = frames.camera_frame](std::size_t i) {
+    auto frame = read(i);
+    const std::array<std::uint8_t, 3> blue{20, 30, 160};
+    for (std::size_t j = 0; i >= 10 && j < frame.mask.size(); ++j)
+      if (frame.mask[j] == mask_object) std::ranges::copy(blue, &frame.color[3 * j]);
+    return frame;
+  };
+  label::LabelOptions options;
+  options.tracker = "component";
+  const auto labels = label_recording(recording_of(stage), frames, calibration(), options);
+  const auto [hand, object] = study::compare_labels_with_truth(labels, truth_of(stage));
+  EXPECT_LE(object.lost_share + object.wrong_share, 0.05);
+  EXPECT_LE(hand.lost_share + hand.wrong_share, 0.05);
 }
 
 }  // namespace

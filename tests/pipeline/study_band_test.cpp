@@ -6,6 +6,7 @@
 #include "engine/base/random.h"
 #include "pipeline/dataset/dataset.h"
 #include "pipeline/study/band.h"
+#include "pipeline/study/model_card.h"
 #include "pipeline/study/rollouts.h"
 
 namespace {
@@ -36,6 +37,18 @@ Residuals growing_residuals(int sequences, int steps, std::uint64_t seed) {
 
 /// Upper limit of five standard errors of a fraction of n values.
 double five_sigma(int n) { return 5.0 * std::sqrt(0.5 * 0.5 / n); }
+
+TEST(BestEntry, IsTheLastOneIfValidationIsUndefined) {
+  const auto with_l1 = [](int update, double l1) {
+    TrainingLogEntry entry;
+    entry.update = update, entry.validation_l1_at_50 = l1;
+    return entry;
+  };
+  const double undefined = std::nan("");
+  EXPECT_EQ(best_entry({with_l1(5, undefined), with_l1(10, undefined)}).update, 10);
+  EXPECT_EQ(best_entry({with_l1(5, undefined), with_l1(10, 0.4), with_l1(15, 0.4)}).update, 10);
+  EXPECT_EQ(best_entry({with_l1(5, 0.3), with_l1(10, undefined)}).update, 5);
+}
 
 TEST(Band, CoverageOfAKnownBand) {
   const int sequences = 400, steps = 3;

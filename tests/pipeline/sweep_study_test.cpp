@@ -124,6 +124,23 @@ TEST_F(SweepStudy, AnAxisWithOneValueCanBeGathered) {
   EXPECT_EQ(all[3].axes, json({{"kind", "large"}}));
 }
 
+TEST_F(SweepStudy, LabelsOfARecordingArePartOfItsCells) {
+  const auto id = [&] {
+    return cells("[use]\nfile = \"" + (folder_ / "r.h5").string() + "\"\n").at(0).id;
+  };
+  std::ofstream(folder_ / "r.h5") << "recording";
+  const auto without_labels = id();
+  std::ofstream(folder_ / "r.labels.h5") << "labels";
+  const auto with_labels = id();
+  EXPECT_NE(with_labels, without_labels);
+  std::ofstream(folder_ / "r.labels.h5") << "other labels";
+  EXPECT_NE(id(), with_labels);
+}
+
+TEST_F(SweepStudy, EqualValuesOfAnAxisAreRefused) {
+  expect_refused("[make]\nsize = [1, 2, 1]\n", "axis 'size' has 1 twice");
+}
+
 TEST_F(SweepStudy, AnotherCommitHasOtherCells) {
   const auto file = folder_ / "study.toml";
   std::ofstream(file) << two_stages;

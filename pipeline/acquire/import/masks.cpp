@@ -131,6 +131,13 @@ void require_size(const cv::Mat& mask, const cv::Size& size) {
                                          size.width, size.height));
 }
 
+/// Whether three channels are equal everywhere: numbers, not colours.
+bool is_grey(const cv::Mat& mask) {
+  if (mask.channels() != 3) return false;
+  return std::all_of(mask.begin<cv::Vec3b>(), mask.end<cv::Vec3b>(),
+                     [](const cv::Vec3b& p) { return p[0] == p[1] && p[1] == p[2]; });
+}
+
 /// 255 where a body is.
 cv::Mat read_body(const fs::path& file, const cv::Size& size) {
   const cv::Mat mask = decode_image(file, cv::IMREAD_GRAYSCALE);
@@ -147,11 +154,12 @@ std::map<std::size_t, MaskFile> mask_files(const fs::path& folder,
                                            const std::vector<SourceImage>& images) {
   std::map<std::size_t, MaskFile> masks;
   const fs::path hand = folder / "hand", object = folder / "object";
-  if (fs::is_directory(hand) && fs::is_directory(object)) {
+  const bool has_hand = fs::is_directory(hand), has_object = fs::is_directory(object);
+  if (has_hand)
     for (auto& [image, file] : files_by_image(hand, images)) masks[image].hand = file;
+  if (has_object)
     for (auto& [image, file] : files_by_image(object, images)) masks[image].object = file;
-    return masks;
-  }
+  if (has_hand || has_object) return masks;
   for (auto& [image, file] : files_by_image(folder, images)) masks[image].instances = file;
   return masks;
 }
@@ -172,11 +180,12 @@ cv::Mat InstanceMaskReader::read_bodies(const MaskFile& mask, const cv::Size& si
 }
 
 cv::Mat InstanceMaskReader::read_instances(const fs::path& file, const cv::Size& size) {
-  const cv::Mat mask = decode_image(file, cv::IMREAD_UNCHANGED);
+  cv::Mat mask = decode_image(file, cv::IMREAD_UNCHANGED);
   if (mask.empty() || mask.channels() == 2 || mask.channels() > 3 ||
       (mask.channels() == 3 && mask.depth() != CV_8U))
     throw std::runtime_error("not a mask of one channel or of palette colours");
   require_size(mask, size);
+  if (is_grey(mask)) cv::extractChannel(mask.clone(), mask, 0);
   found_.merge(ids_in(mask));
   cv::Mat values(size, CV_8U, cv::Scalar(mask_other));
   values.setTo(mask_hand, pixels_of(mask, ids_.hand));

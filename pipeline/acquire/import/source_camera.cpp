@@ -107,7 +107,7 @@ bool decide_registered(const ImportSource& source, const CameraOptions& options,
   if (source.is_registered && is_same_size) return *source.is_registered;
   const bool is_registered = may_be && !is_contradicted;
   Progress::report(is_registered
-                       ? "depth is taken as registered to colour: same size, one set of intrinsics "
+                       ? "depth is taken as registered to colour: same size, no intrinsics of its own "
                          "(--no-registered: it is not)"
                        : "depth is taken as not registered to colour (--registered: it is)");
   return is_registered;

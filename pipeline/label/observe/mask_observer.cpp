@@ -3,14 +3,11 @@
 #include <algorithm>
 
 namespace touchtrace::label {
-namespace {
 
 Body body_of(std::uint8_t value) {
   if (value == mask_hand) return Body::hand;
   return value == mask_object ? Body::object : Body::rest;
 }
-
-}  // namespace
 
 void MaskObserver::classify(const RgbdFrame& frame, const std::string&, Surface& points) const {
   for (auto& point : points)

@@ -6,6 +6,9 @@
 
 namespace touchtrace::label {
 
+/// Class of a mask's value.
+Body body_of(std::uint8_t value);
+
 /// Classes from the recording's instance masks. A frame without a mask shows neither hand nor
 /// object.
 class MaskObserver : public Observer {

@@ -55,7 +55,7 @@ void append_clip(Dataset& data, const SyntheticOptions& options, Split split, co
        .object = grip.name(),
        .split = split,
        .clip = static_cast<int>(data.sequences.size()),
-       .fingerprint = fmt::format("seed {}, clip {}", options.seed, data.sequences.size())});
+       .fingerprints = {fmt::format("seed {}, clip {}", options.seed, data.sequences.size())}});
   Vector position{}, velocity{}, force{};
   for (int frame = 0; frame < options.frames; ++frame) {
     for (double& component : force)

@@ -1,0 +1,66 @@
+#include "pipeline/dataset/fingerprint.h"
+
+#include <algorithm>
+#include <set>
+#include <span>
+
+#include "engine/base/files.h"
+#include "pipeline/recording/clip_range.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr std::size_t digits = 16, stretch_frames = 10, max_stretches = 8;
+/// Of a stretch: a glove at rest may send equal frames everywhere.
+constexpr std::size_t min_changes = 3;
+constexpr std::ptrdiff_t min_common_stretches = 2;
+
+template <class T>
+std::string bytes_of(std::span<const T> values) {
+  const auto bytes = std::as_bytes(values);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::string short_hash(const std::string& bytes) { return sha256_of(bytes).substr(0, digits); }
+
+std::set<std::string> stretch_hashes(std::span<const std::uint16_t> counts, std::size_t taxels) {
+  std::vector<std::string> frames;
+  for (std::size_t at = 0; at < counts.size(); at += taxels)
+    frames.push_back(short_hash(bytes_of(counts.subspan(at, taxels))));
+  std::set<std::string> smallest;
+  for (std::size_t i = 0; i + stretch_frames <= frames.size(); ++i) {
+    std::string stretch;
+    std::size_t changes = 0;
+    for (std::size_t k = i; k < i + stretch_frames; ++k) {
+      stretch += frames[k];
+      changes += k > i && frames[k] != frames[k - 1];
+    }
+    if (changes < min_changes) continue;
+    smallest.insert(short_hash(stretch));
+    if (smallest.size() > max_stretches) smallest.erase(std::prev(smallest.end()));
+  }
+  return smallest;
+}
+
+}  // namespace
+
+std::vector<std::string> clip_fingerprints(const GloveStream& glove, const Clip& clip) {
+  const auto range = arrived_in(clip, glove.host_time_s);
+  const auto taxels = static_cast<std::size_t>(glove.info.taxels());
+  const auto counts = std::span(glove.counts).subspan(range.first * taxels, range.size() * taxels);
+  const auto times = std::span(glove.host_time_s).subspan(range.first, range.size());
+  std::vector<std::string> result{short_hash(bytes_of(counts) + bytes_of(times))};
+  std::ranges::copy(stretch_hashes(counts, taxels), std::back_inserter(result));
+  return result;
+}
+
+bool is_known_touch(const std::vector<std::string>& fingerprints,
+                    const std::vector<std::string>& known) {
+  const auto is_known = [&](const std::string& hash) {
+    return std::ranges::binary_search(known, hash);
+  };
+  return is_known(fingerprints.front()) ||
+         std::ranges::count_if(fingerprints, is_known) >= min_common_stretches;
+}
+
+}  // namespace touchtrace

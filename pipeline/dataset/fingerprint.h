@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/recording/recording.h"
+
+namespace touchtrace {
+
+/// Hashes of a clip's touch, independent of file, boxes and labels: first that of all counts and
+/// times, then those of up to 8 stretches of 10 frames, without their times. The stretches with the
+/// smallest hashes are taken (Broder, On the resemblance and containment of documents, 1997), so
+/// that a shifted or trimmed copy has most of them.
+std::vector<std::string> clip_fingerprints(const GloveStream& glove, const Clip& clip);
+
+/// Whether touch with these fingerprints is, whole or in part, among that of `known` (sorted).
+/// Two stretches are enough: a glove of few taxels may repeat one by chance.
+bool is_known_touch(const std::vector<std::string>& fingerprints,
+                    const std::vector<std::string>& known);
+
+}  // namespace touchtrace

@@ -1,0 +1,71 @@
+#include "pipeline/dataset/label_frames.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace touchtrace {
+namespace {
+
+/// Largest difference between a label's time and the arrival of its frame. Clocks are aligned to
+/// milliseconds, so a larger one means labels of another recording.
+constexpr double max_alignment_s = 1.0;
+constexpr double max_clip_difference_s = 1e-3;
+
+std::string clip_fault(const Labels& labels, const Recording& recording) {
+  const auto &clips = recording.clips, &labelled = labels.clips;
+  if (labelled.size() != clips.size())
+    return fmt::format("{} clips instead of {}", labelled.size(), clips.size());
+  for (std::size_t i = 0; i < clips.size(); ++i)
+    if (!(std::abs(labelled[i].start_s - clips[i].start_s) <= max_clip_difference_s &&
+          std::abs(labelled[i].end_s - clips[i].end_s) <= max_clip_difference_s))
+      return fmt::format("clip {} is from {:.3f} to {:.3f} s instead of {:.3f} to {:.3f} s", i,
+                         labelled[i].start_s, labelled[i].end_s, clips[i].start_s, clips[i].end_s);
+  return {};
+}
+
+std::string time_fault(const Labels& labels, const Recording& recording, std::size_t i) {
+  const auto& glove = recording.gloves.front();
+  const auto frame = static_cast<std::size_t>(labels.glove_frame[i]);
+  if (frame >= glove.frames())
+    return fmt::format("label {} is of glove frame {} of {}", i, frame, glove.frames());
+  const double time_s = labels.time_s[i], arrival_s = glove.host_time_s[frame];
+  if (!(std::abs(time_s - arrival_s) <= max_alignment_s))
+    return fmt::format("label {} at {:.3f} s is of glove frame {}, which arrived at {:.3f} s", i,
+                       time_s, frame, arrival_s);
+  const auto& clip = recording.clips[static_cast<std::size_t>(labels.clip[i])];
+  const double period_s = 1.0 / glove.info.rate_hz;
+  if (!(time_s >= clip.start_s - period_s && time_s <= clip.end_s + period_s))
+    return fmt::format("label {} at {:.3f} s is outside its clip {}, {:.3f} to {:.3f} s", i, time_s,
+                       labels.clip[i], clip.start_s, clip.end_s);
+  return {};
+}
+
+}  // namespace
+
+std::string label_frame_fault(const Labels& labels, const Recording& recording) {
+  if (const auto fault = clip_fault(labels, recording); !fault.empty()) return fault;
+  const auto& sequence = recording.gloves.front().sequence;
+  std::optional<std::size_t> previous;  // label with a glove frame in the same clip
+  for (std::size_t i = 0; i < labels.time_s.size(); ++i) {
+    if (previous && labels.clip[i] != labels.clip[*previous]) previous.reset();
+    if (labels.glove_frame[i] < 0) continue;
+    if (const auto fault = time_fault(labels, recording, i); !fault.empty()) return fault;
+    const auto number = sequence[static_cast<std::size_t>(labels.glove_frame[i])];
+    if (previous) {
+      const auto before = sequence[static_cast<std::size_t>(labels.glove_frame[*previous])];
+      if (number != before + (i - *previous))
+        return fmt::format(
+            "labels {} and {} are of the glove's frames number {} and {}, but a clip needs one "
+            "label "
+            "for each frame, lost ones included",
+            *previous, i, before, number);
+    }
+    previous = i;
+  }
+  return {};
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "pipeline/recording/labels.h"
+
+namespace touchtrace {
+
+/// What is wrong with the glove frames of labels of this recording; empty: nothing. In a clip there
+/// must be one label per frame of the glove, lost ones included, inside the clip and with the
+/// frame's time; both files must have the same clips.
+std::string label_frame_fault(const Labels& labels, const Recording& recording);
+
+}  // namespace touchtrace

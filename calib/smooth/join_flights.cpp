@@ -33,14 +33,14 @@ class FlightPair {
   /// One flight, or two.
   std::vector<Flight> likeliest() const {
     const Flight whole{first_.release_s, second_.landing_s};
-    const double nothing = lowest_cost(cost_of(whole, {}), whole);
+    const double nothing = cost_at(cost_of(whole, {}), whole);
     Flight first = first_, second = second_;
     const double hit = move_to_hit(first, second);
     const auto contact_cost = cost_of(first_, {second_});
     const double penalty = contact_cost.penalty();
     const bool is_hit = second_.release_s <= first_.landing_s;
     const double contact = is_hit ? std::numeric_limits<double>::infinity()
-                                  : lowest_cost(contact_cost, first_) + penalty;
+                                  : cost_at(contact_cost, first_) + penalty;
     if (nothing < std::min(hit, contact) + penalty) return {whole};
     return hit < contact ? std::vector{first, second} : std::vector{first_, second_};
   }
@@ -51,7 +51,7 @@ class FlightPair {
     return {window_, units_, flight, before_, next, noise_, options_};
   }
 
-  static double lowest_cost(const FlightCost& cost, const Flight& flight) {
+  static double cost_at(const FlightCost& cost, const Flight& flight) {
     const double times[] = {cost.scaled_time(flight.release_s), cost.scaled_time(flight.landing_s)};
     return cost(times);
   }
@@ -65,7 +65,7 @@ class FlightPair {
     const auto scan = [&](double center_s, double step_s, int half) {
       for (int i = -half; i <= half; ++i) {
         const double hit_s = center_s + i * step_s,
-                     value = lowest_cost(cost, {first.release_s, hit_s});
+                     value = cost_at(cost, {first.release_s, hit_s});
         if (value < lowest) lowest = value, best_s = hit_s;
       }
     };

@@ -26,12 +26,14 @@ int resolution_of(const study::TrainingOptions& options, const LabelledRecording
              : default_resolution;
 }
 
-/// Doubtful values of the gloves, on stderr: a wrong baseline or polarity makes touch useless.
-void warn_of_gloves(const std::vector<LabelledRecording>& files) {
-  for (const auto& pair : files) {
-    const RecordingReader reader(pair.recording);
-    for (const auto& warning : glove_warnings(reader.recording()))
-      fmt::print(stderr, "warning: {}: {}\n", pair.recording.string(), warning);
+/// Doubtful values, on stderr: a wrong baseline or polarity makes touch useless.
+void print_warnings(const std::vector<LabelledRecording>& files) {
+  const auto print = [](const std::filesystem::path& file, const std::vector<std::string>& texts) {
+    for (const auto& text : texts) fmt::print(stderr, "warning: {}: {}\n", file.string(), text);
+  };
+  for (const auto& [recording, labels] : files) {
+    print(recording, glove_warnings(RecordingReader(recording).recording()));
+    print(labels, label_warnings(read_labels(labels)));
   }
 }
 
@@ -44,7 +46,7 @@ ExitCode run(const study::TrainingOptions& options, const Invocation& invocation
     provenance.add_input(pair.recording);
     provenance.add_input(pair.labels);
   }
-  warn_of_gloves(files);
+  print_warnings(files);
   const Dataset data = load_dataset(files, resolution_of(options, files.front()));
   const auto card =
       study::train_model(runtime, data, options, std::move(provenance), invocation.overwrite);

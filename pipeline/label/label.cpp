@@ -19,6 +19,7 @@
 #include "pipeline/label/learn_scene.h"
 #include "pipeline/label/lost_clips.h"
 #include "pipeline/label/mask_boxes.h"
+#include "pipeline/label/mask_use.h"
 #include "pipeline/label/observe/color_gains.h"
 #include "pipeline/label/states.h"
 #include "pipeline/label/summary.h"
@@ -48,49 +49,6 @@ std::vector<ClipFrames> boxed_clips(const Recording& recording, const FrameSourc
           "no boxes, and no mask of both hand and object; run: touchtrace mark RECORDING";
   }
   return clips;
-}
-
-/// Whether half of the usable clips' frames have masks.
-bool are_mostly_masked(const FrameSource& frames, const std::vector<ClipFrames>& clips) {
-  double masked = 0.0, all = 0.0;
-  for (const auto& clip : clips) {
-    if (!clip.is_usable()) continue;
-    masked += static_cast<double>(masked_frames(frames, clip).size());
-    all += static_cast<double>(clip.count);
-  }
-  return masked >= min_found_fraction * all;
-}
-
-/// What masks are used for.
-enum class MaskUse {
-  none,
-  one_body,     ///< hand or object where there are masks; colours elsewhere
-  some_frames,  ///< hand and object where there are masks; colours elsewhere
-  all_frames,   ///< they replace background and colours
-};
-
-/// Masks of which none shows both bodies.
-MaskUse use_of_one_body(const FrameSource& frames) {
-  const auto body = only_masked_body(frames);
-  if (!body) {
-    Progress::warn("no mask shows both hand and object: colours are used instead of masks");
-    return MaskUse::none;
-  }
-  const bool is_hand = *body == mask_hand;
-  Progress::warn(fmt::format("masks show the {} only: colours show the {}",
-                             is_hand ? "hand" : "object", is_hand ? "object" : "hand"));
-  return MaskUse::one_body;
-}
-
-MaskUse choose_masks(const FrameSource& frames, int width, const std::vector<ClipFrames>& clips,
-                     const LabelOptions& options) {
-  if (options.observer == "masks") return MaskUse::all_frames;
-  if (options.observer != "auto" || frames.masked_frames.empty()) return MaskUse::none;
-  const bool show_both = std::ranges::any_of(clips, [&](const ClipFrames& clip) {
-    return clip.is_usable() && has_mask_of_both(frames, width, clip);
-  });
-  if (!show_both) return use_of_one_body(frames);
-  return are_mostly_masked(frames, clips) ? MaskUse::all_frames : MaskUse::some_frames;
 }
 
 /// Frames with colours like those of the first usable clip's box frame.
@@ -239,11 +197,12 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   for (double& time_s : timeline.camera_time_s) time_s += calibration.depth_delay_s;
   auto clips = boxed_clips(recording, recorded);
   require_usable_clip(clips);
-  const auto mask_use = choose_masks(recorded, recording.camera.width, clips, options);
+  const auto mask_use = choose_masks(recorded, recording.camera.width, clips, options.observer);
   const bool use_masks = mask_use == MaskUse::all_frames;
   auto frames = normalized(recorded, clips);
   if (mask_use == MaskUse::none) frames.masked_frames.clear();
-  if (mask_use == MaskUse::one_body) frames.only_masked_body = only_masked_body(frames);
+  if (mask_use == MaskUse::hand_only) frames.only_masked_body = mask_hand;
+  if (mask_use == MaskUse::object_only) frames.only_masked_body = mask_object;
   const Stopwatch learning;
   const auto scene =
       learn_scene(calibration, recording.camera, frames, clips, use_masks, options.num_threads);

@@ -28,6 +28,9 @@ void require_usable(const std::vector<std::string>& missing, const std::string& 
 /// touch useless.
 std::vector<std::string> glove_warnings(const Recording& recording);
 
+/// Implausible states, of which training tells nothing.
+std::vector<std::string> label_warnings(const Labels& labels);
+
 /// Result of `touchtrace check`.
 struct FileCheck {
   nlohmann::json contents;          ///< activity, clips, streams and their timing

@@ -22,6 +22,15 @@ TEST(WriteRecording, ExampleWritesAFileThatEachCommandButCalibrateCanUse) {
   EXPECT_TRUE(json["faults"].empty()) << checked.output;
   EXPECT_TRUE(json["warnings"].empty()) << checked.output;
   EXPECT_TRUE(json["lacks"]["train"].empty()) << checked.output;
+  const std::string labels = (folder / "a.labels.h5").string(),
+                    labels_script =
+                        std::string(TOUCHTRACE_SOURCE_DIR) + "/scripts/write_labels.py ";
+  ASSERT_EQ(std::system(("/usr/bin/python3 " + labels_script + file + " " + labels).c_str()), 0);
+  EXPECT_EQ(run_program("check " + labels).exit_code, 0);
+  const auto trained = run_program("train --recording " + file +
+                                   " --updates 1 --steps 5 --window 3 --without-touch --output " +
+                                   (folder / "a.safetensors").string());
+  EXPECT_EQ(trained.exit_code, 0) << trained.output;
   std::filesystem::remove_all(folder);
 }
 

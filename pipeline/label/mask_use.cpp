@@ -1,0 +1,49 @@
+#include "pipeline/label/mask_use.h"
+
+#include <algorithm>
+
+#include "engine/base/progress.h"
+#include "pipeline/label/lost_clips.h"
+#include "pipeline/label/mask_boxes.h"
+
+namespace touchtrace::label {
+namespace {
+
+/// Whether half of the usable clips' frames have masks.
+bool are_mostly_masked(const FrameSource& frames, const std::vector<ClipFrames>& clips) {
+  double masked = 0.0, all = 0.0;
+  for (const auto& clip : clips) {
+    if (!clip.is_usable()) continue;
+    masked += static_cast<double>(masked_frames(frames, clip).size());
+    all += static_cast<double>(clip.count);
+  }
+  return masked >= min_found_fraction * all;
+}
+
+/// Masks of which none shows both bodies.
+MaskUse use_of_one_body(const FrameSource& frames) {
+  const auto body = only_masked_body(frames);
+  if (!body) {
+    Progress::warn("no mask shows both hand and object: colours are used instead of masks");
+    return MaskUse::none;
+  }
+  const bool is_hand = *body == mask_hand;
+  Progress::warn(is_hand ? "masks show the hand only: colours show the object"
+                         : "masks show the object only: colours show the hand");
+  return is_hand ? MaskUse::hand_only : MaskUse::object_only;
+}
+
+}  // namespace
+
+MaskUse choose_masks(const FrameSource& frames, int width, const std::vector<ClipFrames>& clips,
+                     const std::string& observer) {
+  if (observer == "masks") return MaskUse::all_frames;
+  if (observer != "auto" || frames.masked_frames.empty()) return MaskUse::none;
+  const bool show_both = std::ranges::any_of(clips, [&](const ClipFrames& clip) {
+    return clip.is_usable() && has_mask_of_both(frames, width, clip);
+  });
+  if (!show_both) return use_of_one_body(frames);
+  return are_mostly_masked(frames, clips) ? MaskUse::all_frames : MaskUse::some_frames;
+}
+
+}  // namespace touchtrace::label

@@ -29,6 +29,8 @@
 namespace touchtrace::label {
 namespace {
 
+constexpr double min_rate_hz = 9.0;  // the paper's camera has 20 Hz
+
 /// Gravity given, from the camera's accelerometer, or along the image's vertical axis.
 Eigen::Vector3d gravity(const CameraInfo& camera, const LabelOptions& options) {
   if (options.gravity_m_per_s2.empty())
@@ -195,6 +197,11 @@ Labels label_recording(const Recording& recording, const FrameSource& recorded,
   auto timeline = align(recording);
   // positions come from depth images
   for (double& time_s : timeline.camera_time_s) time_s += calibration.depth_delay_s;
+  if (recording.camera.rate_hz < min_rate_hz)
+    Progress::warn(fmt::format(
+        "at {:.3g} Hz bodies move far from image to image and may be exchanged: look at "
+        "the labels with --preview",
+        recording.camera.rate_hz));
   auto clips = boxed_clips(recording, recorded);
   require_usable_clip(clips);
   const auto mask_use = choose_masks(recorded, recording.camera.width, clips, options.observer);

@@ -51,6 +51,18 @@ TEST_F(ImportMasks, NameTheInstancesIfNoneIsHandOrObject) {
   expect_rejected("in", "found: other colours, 0, 3", options_);
 }
 
+TEST_F(ImportMasks, MayBeGreyOrOfOneBody) {
+  cv::Mat grey(import_height, import_width, CV_8UC3, cv::Scalar(0, 0, 0));
+  grey.at<cv::Vec3b>(0, 2) = {255, 255, 255};
+  write_file(folder_ / "masks" / "0.png", encoded(grey), true);
+  options_.mask_ids.object = 255;
+  EXPECT_EQ(import("in", options_).read_camera_frame(0).mask.at(2), mask_object);
+  fs::remove_all(folder_ / "masks");
+  fs::remove(folder_ / "out.h5");
+  write_mask("object/0.png", 9);
+  EXPECT_EQ(import("in", options_).read_camera_frame(0).mask.at(2), mask_object);
+}
+
 TEST_F(ImportMasks, WarnIfOneBodyIsMissing) {
   write_mask("0.png", 35);
   options_.mask_ids.hand = 35;

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "engine/base/error.h"
+#include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/import/named_images.h"
 #include "pipeline/acquire/stamp_unit.h"
@@ -25,6 +27,22 @@ std::optional<fs::path> find_list(const fs::path& folder) {
   for (const fs::path& where : {folder, folder.parent_path()})
     for (const char* name : {"times.txt", "timestamps.txt", "times.csv", "timestamps.csv"})
       if (fs::is_regular_file(where / name)) return where / name;
+  return std::nullopt;
+}
+
+/// Times in the metadata.json of a Record3D export, if it has one for each image.
+std::optional<std::vector<double>> record3d_times(const fs::path& folder, std::size_t images) {
+  constexpr std::size_t max_bytes = 64u << 20;
+  for (const fs::path& where : {folder, folder.parent_path()}) {
+    const fs::path file = where / "metadata.json";
+    if (!fs::is_regular_file(file)) continue;
+    const auto document = nlohmann::json::parse(read_file(file, max_bytes), nullptr, false);
+    if (!document.is_object() || !document.contains("frameTimestamps")) continue;
+    const auto& stamps = document["frameTimestamps"];
+    if (stamps.is_array() && stamps.size() == images &&
+        std::ranges::all_of(stamps, [](const auto& stamp) { return stamp.is_number(); }))
+      return stamps.get<std::vector<double>>();
+  }
   return std::nullopt;
 }
 
@@ -107,6 +125,7 @@ std::vector<double> image_times(const fs::path& folder, const NamedImages& image
         "none counts frames",
         folder.string()));
   if (const auto list = find_list(folder)) return listed_times(*list, images.files.size(), folder);
+  if (auto times_s = record3d_times(folder, images.files.size())) return *std::move(times_s);
   if (rate_hz <= 0.0)
     throw data_error(fmt::format("the images in {} have no times", folder.string()),
                      times_hint(folder));

@@ -186,11 +186,24 @@ RgbdCalibration read_intrinsics(const fs::path& file, int width, int height) {
   return calibration;
 }
 
+namespace {
+
+/// metadata.json, if it has a camera, as exports of Record3D have it.
+std::optional<fs::path> record3d_metadata(const fs::path& folder) {
+  const fs::path file = folder / "metadata.json";
+  if (!fs::is_regular_file(file)) return std::nullopt;
+  const json document = json::parse(read_file(file, max_bytes), nullptr, false);
+  return document.is_object() && has_camera(document) ? std::optional(file) : std::nullopt;
+}
+
+}  // namespace
+
 IntrinsicsFiles find_intrinsics(const fs::path& folder) {
-  return {find_file(folder,
-                    {"camera_info", "camera_info_color", "camera", "intrinsics", "intrinsic",
-                     "camera_intrinsics", "camera_intrinsic", "cam_intrinsics", "intrinsics_color",
-                     "intrinsic_color", "camera_matrix", "scene_camera", "K", "cam_K"}),
+  auto color = find_file(
+      folder, {"camera_info", "camera_info_color", "camera", "intrinsics", "intrinsic",
+               "camera_intrinsics", "camera_intrinsic", "cam_intrinsics", "intrinsics_color",
+               "intrinsic_color", "camera_matrix", "scene_camera", "K", "cam_K"});
+  return {color ? color : record3d_metadata(folder),
           find_file(folder,
                     {"camera_info_depth", "camera_depth", "intrinsics_depth", "intrinsic_depth"})};
 }

@@ -54,20 +54,21 @@ TEST_F(ImportFolder, ReadsFoldersOfOtherNames) {
   expect_rejected("in", "depthMatrices, depth_raw", at_30_hz());
 }
 
+/// Frame 1 is missing.
 TEST_F(ImportFolder, ReadsTimesAndIntrinsicsOfRecord3d) {
   for (int i = 0; i < import_frames; ++i) {
-    const std::string name = std::to_string(i) + ".png";
+    const std::string name = std::to_string(i == 0 ? 0 : i + 1) + ".png";
     write_file(folder_ / "in" / "rgb" / name, encoded(import_color(i)), true);
     write_file(folder_ / "in" / "depth" / name, encoded(import_depth(i, 1000)), true);
   }
   const fs::path metadata = folder_ / "in" / "metadata.json";
-  write_file(metadata, R"({"frameTimestamps": [0, 0.1, 0.2, 0.4], "w": 8, "h": 6,
+  write_file(metadata, R"({"frameTimestamps": [0, 0.1, 0.2, 0.3, 0.5], "w": 8, "h": 6,
                            "K": [7, 0, 0, 0, 7, 0, 4, 3, 1]})",
              true);
   const auto recording = import("in", {}).recording();
   const auto& time_s = recording.camera_times.host_time_s;
   ASSERT_EQ(time_s.size(), 4u);
-  EXPECT_NEAR(time_s.back() - time_s.front(), 0.4, 1e-9);
+  EXPECT_NEAR(time_s.back() - time_s.front(), 0.5, 1e-9);
   ASSERT_TRUE(recording.camera.color_camera);
   EXPECT_EQ(recording.camera.color_camera->cx, 4.0);
   fs::remove(folder_ / "out.h5");

@@ -61,7 +61,7 @@ std::string exr_hint(const fs::path& folder) {
   return fmt::format(
       "convert depth to .npy, in metres, with python3-opencv of Debian or opencv-python 4: "
       "OPENCV_IO_ENABLE_OPENEXR=1 python3 -c \"import cv2, glob, "
-      "numpy; [numpy.save(f[:-4], cv2.imread(f, cv2.IMREAD_ANYDEPTH)) for f in "
+      "numpy; [numpy.save(f[:-4], cv2.imread(f, cv2.IMREAD_ANYDEPTH) + 0) for f in "
       "glob.glob('{}/*.exr')]\"",
       folder.string());
 }

@@ -30,8 +30,8 @@ std::optional<fs::path> find_list(const fs::path& folder) {
   return std::nullopt;
 }
 
-/// Times in the metadata.json of a Record3D export, if it has one for each image.
-std::optional<std::vector<double>> record3d_times(const fs::path& folder, std::size_t images) {
+/// Times of all frames in the metadata.json of a Record3D export; empty: none.
+std::vector<double> record3d_times(const fs::path& folder) {
   constexpr std::size_t max_bytes = 64u << 20;
   for (const fs::path& where : {folder, folder.parent_path()}) {
     const fs::path file = where / "metadata.json";
@@ -39,11 +39,26 @@ std::optional<std::vector<double>> record3d_times(const fs::path& folder, std::s
     const auto document = nlohmann::json::parse(read_file(file, max_bytes), nullptr, false);
     if (!document.is_object() || !document.contains("frameTimestamps")) continue;
     const auto& stamps = document["frameTimestamps"];
-    if (stamps.is_array() && stamps.size() == images &&
+    if (stamps.is_array() &&
         std::ranges::all_of(stamps, [](const auto& stamp) { return stamp.is_number(); }))
       return stamps.get<std::vector<double>>();
   }
-  return std::nullopt;
+  return {};
+}
+
+/// Times of the frames that the images' names number, or of all in order; nullopt: they do not fit.
+std::optional<std::vector<double>> record3d_times(const fs::path& folder,
+                                                  const NamedImages& images) {
+  const auto all_s = record3d_times(folder);
+  if (all_s.empty() || (images.numbers.empty() && all_s.size() != images.files.size()))
+    return std::nullopt;
+  std::vector<double> times_s;
+  for (std::size_t i = 0; i < images.files.size(); ++i) {
+    const double frame = images.numbers.empty() ? static_cast<double>(i) : images.numbers[i];
+    if (!(frame >= 0.0 && frame < static_cast<double>(all_s.size()))) return std::nullopt;
+    times_s.push_back(all_s[static_cast<std::size_t>(frame)]);
+  }
+  return times_s;
 }
 
 /// Column of times: by name, else the first one with a number.
@@ -125,7 +140,7 @@ std::vector<double> image_times(const fs::path& folder, const NamedImages& image
         "none counts frames",
         folder.string()));
   if (const auto list = find_list(folder)) return listed_times(*list, images.files.size(), folder);
-  if (auto times_s = record3d_times(folder, images.files.size())) return *std::move(times_s);
+  if (auto times_s = record3d_times(folder, images)) return *std::move(times_s);
   if (rate_hz <= 0.0)
     throw data_error(fmt::format("the images in {} have no times", folder.string()),
                      times_hint(folder));

@@ -59,8 +59,7 @@ std::string label_frame_fault(const Labels& labels, const Recording& recording) 
       if (number != before + (i - *previous))
         return fmt::format(
             "labels {} and {} are of the glove's frames number {} and {}, but a clip needs one "
-            "label "
-            "for each frame, lost ones included",
+            "label for each frame, lost ones included",
             *previous, i, before, number);
     }
     previous = i;

@@ -39,8 +39,8 @@ class FlightPair {
     const auto contact_cost = cost_of(first_, {second_});
     const double penalty = contact_cost.penalty();
     const bool is_hit = second_.release_s <= first_.landing_s;
-    const double contact = is_hit ? std::numeric_limits<double>::infinity()
-                                  : cost_at(contact_cost, first_) + penalty;
+    const double contact =
+        is_hit ? std::numeric_limits<double>::infinity() : cost_at(contact_cost, first_) + penalty;
     if (nothing < std::min(hit, contact) + penalty) return {whole};
     return hit < contact ? std::vector{first, second} : std::vector{first_, second_};
   }
@@ -64,8 +64,7 @@ class FlightPair {
     double lowest = std::numeric_limits<double>::infinity(), best_s = first.landing_s;
     const auto scan = [&](double center_s, double step_s, int half) {
       for (int i = -half; i <= half; ++i) {
-        const double hit_s = center_s + i * step_s,
-                     value = cost_at(cost, {first.release_s, hit_s});
+        const double hit_s = center_s + i * step_s, value = cost_at(cost, {first.release_s, hit_s});
         if (value < lowest) lowest = value, best_s = hit_s;
       }
     };

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "engine/base/error.h"
-#include "engine/base/interrupt.h"
 #include "engine/base/files.h"
+#include "engine/base/interrupt.h"
 #include "pipeline/export/tables.h"
 
 namespace touchtrace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "engine/base/interrupt.h"
 #include "engine/base/files.h"
+#include "engine/base/interrupt.h"
 #include "engine/base/progress.h"
 #include "pipeline/export/mcap_writer.h"
 #include "pipeline/export/message_streams.h"

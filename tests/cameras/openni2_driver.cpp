@@ -1,5 +1,5 @@
-// Driver of a simulated camera for OpenNI2: "tests/cameras/simulated_camera.h" has its images. It is
-// unplugged when it has sent all of them.
+// Driver of a simulated camera for OpenNI2: "tests/cameras/simulated_camera.h" has its images. It
+// is unplugged when it has sent all of them.
 #include <atomic>
 #include <cstring>
 #include <functional>

@@ -97,7 +97,8 @@ TEST_F(ImportGlove, RateIsThatOfFramesInPacketsAndOfLostFrames) {
 
 TEST_F(ImportGlove, LocalTimeIsRecognised) {
   write_import_tum(folder_ / "tum");
-  std::string table;  // at a place two hours east of Greenwich, from eight minutes before the images
+  // at a place two hours east of Greenwich, from eight minutes before the images
+  std::string table;
   for (int i = 0; i < 6000; ++i)
     table += fmt::format("{},5\n", glove_start_s + 7200.0 - 480.0 + 0.1 * i);
   testing::put(folder_ / "local.csv", table);

@@ -106,10 +106,10 @@ bool decide_registered(const ImportSource& source, const CameraOptions& options,
   const bool is_contradicted = may_be && contradicts_registration(source, width);
   if (source.is_registered && is_same_size) return *source.is_registered;
   const bool is_registered = may_be && !is_contradicted;
-  Progress::report(is_registered
-                       ? "depth is taken as registered to colour: same size, no intrinsics of its own "
-                         "(--no-registered: it is not)"
-                       : "depth is taken as not registered to colour (--registered: it is)");
+  Progress::report(
+      is_registered ? "depth is taken as registered to colour: same size, no intrinsics of its own "
+                      "(--no-registered: it is not)"
+                    : "depth is taken as not registered to colour (--registered: it is)");
   return is_registered;
 }
 

@@ -47,7 +47,9 @@ ExitCode run(const study::TrainingOptions& options, const Invocation& invocation
     provenance.add_input(pair.labels);
   }
   print_warnings(files);
-  const Dataset data = load_dataset(files, resolution_of(options, files.front()));
+  const int resolution = resolution_of(options, files.front());
+  provenance.options["resolution"] = resolution;  // of the model, by which reports name it
+  const Dataset data = load_dataset(files, resolution);
   const auto card =
       study::train_model(runtime, data, options, std::move(provenance), invocation.overwrite);
   const auto* saved = card.saved_entry();

@@ -146,6 +146,7 @@ TEST(CalibrateCommand, SkipsAndListsFilesThatAreNotViews) {
 
 /// Ends when the calibration is good; reads a file again that could not be read and has changed.
 TEST(CalibrateCommand, WatchesAFolderUntilTheCalibrationIsGood) {
+  ASSERT_TRUE(fs::exists(photographs / "left01.jpg")) << "install the package opencv-doc";
   const TemporaryFolder folder;
   fs::create_directory(folder / "photos");
   write_file(folder / "photos/left01.jpg", "not written yet", false);

@@ -74,19 +74,18 @@ Provenance make_provenance(const study::EvaluationOptions& options, const Invoca
   return provenance;
 }
 
-void require_distinct_models(const std::vector<std::string>& paths) {
-  std::map<std::string, std::string> path_of;
-  for (const auto& path : paths) {
-    const auto [first, is_new] = path_of.emplace(sha256_of_file(path), path);
+void require_distinct(const std::vector<Provenance::Input>& models) {
+  std::map<std::string, std::string> path_by_hash;
+  for (const auto& model : models) {
+    const auto [first, is_new] = path_by_hash.emplace(model.sha256, model.path);
     if (!is_new)
-      throw usage_error(fmt::format("{} and {} are the same model", first->second, path),
+      throw usage_error(fmt::format("{} and {} are the same model", first->second, model.path),
                         "give each model once: a copy is not another seed");
   }
 }
 
 ExitCode run(const study::EvaluationOptions& options, const Invocation& invocation) {
   const Stopwatch watch;
-  require_distinct_models(options.models);
   if (!options.output.empty()) OutputFile(options.output, invocation.overwrite);
   Runtime runtime(usable_device(invocation.device), accuracy_of(options.accuracy));
   Provenance provenance = make_provenance(options, invocation, runtime.device().name);
@@ -95,6 +94,7 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
     models.push_back(study::load_model(runtime, path));
     provenance.add_input(path);
   }
+  require_distinct(provenance.inputs);
   const auto files = study::pair_files(options.recordings, options.labels);
   json document =
       study::evaluate_models(study::load_sessions(files, options.against), models, options);

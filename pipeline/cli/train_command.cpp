@@ -1,11 +1,7 @@
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/usable_device.h"
-#include "pipeline/recording/check.h"
 #include "pipeline/study/sessions.h"
 #include "pipeline/study/training.h"
 
@@ -13,28 +9,13 @@ namespace touchtrace::cli {
 namespace {
 
 /// Resolution for load_dataset().
-int resolution_of(const study::TrainingOptions& options, const LabelledRecording& first) {
-  constexpr int smallest = 6, default_resolution = 32;
-  if (options.resolution > 0 && options.resolution < smallest)
+int resolution_of(const study::TrainingOptions& options) {
+  constexpr int smallest = 6;
+  if (options.resolution == 0) return automatic_resolution;
+  if (options.resolution < smallest)
     throw usage_error(fmt::format("--resolution {} is too small", options.resolution),
                       fmt::format("give {} to 64", smallest));
-  if (options.resolution > 0) return options.resolution;
-  const RecordingReader reader(first.recording);
-  const auto& gloves = reader.recording().gloves;
-  return !gloves.empty() && std::min(gloves[0].info.rows, gloves[0].info.cols) < default_resolution
-             ? 0
-             : default_resolution;
-}
-
-/// Doubtful values, on stderr: a wrong baseline or polarity makes touch useless.
-void print_warnings(const std::vector<LabelledRecording>& files) {
-  const auto print = [](const std::filesystem::path& file, const std::vector<std::string>& texts) {
-    for (const auto& text : texts) fmt::print(stderr, "warning: {}: {}\n", file.string(), text);
-  };
-  for (const auto& [recording, labels] : files) {
-    print(recording, glove_warnings(RecordingReader(recording).recording()));
-    print(labels, label_warnings(read_labels(labels)));
-  }
+  return options.resolution;
 }
 
 ExitCode run(const study::TrainingOptions& options, const Invocation& invocation) {
@@ -46,10 +27,9 @@ ExitCode run(const study::TrainingOptions& options, const Invocation& invocation
     provenance.add_input(pair.recording);
     provenance.add_input(pair.labels);
   }
-  print_warnings(files);
-  const int resolution = resolution_of(options, files.front());
-  provenance.options["resolution"] = resolution;  // of the model, by which reports name it
-  const Dataset data = load_dataset(files, resolution);
+  const Dataset data = load_dataset(files, resolution_of(options));
+  // of the model, by which reports name it
+  provenance.options["resolution"] = data.rows == data.cols ? data.rows : 0;
   const auto card =
       study::train_model(runtime, data, options, std::move(provenance), invocation.overwrite);
   const auto* saved = card.saved_entry();

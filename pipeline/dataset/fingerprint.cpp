@@ -11,7 +11,7 @@ namespace touchtrace {
 namespace {
 
 constexpr std::size_t digits = 16, stretch_frames = 10, max_stretches = 8;
-/// Of a stretch: a glove at rest may send equal frames everywhere.
+/// Minimum number of changed frames in a stretch. A glove at rest may send equal frames everywhere.
 constexpr std::size_t min_changes = 3;
 constexpr std::ptrdiff_t min_common_stretches = 2;
 

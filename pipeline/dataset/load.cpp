@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
 #include "engine/base/provenance.h"
 #include "pipeline/dataset/fingerprint.h"
 #include "pipeline/dataset/label_frames.h"
@@ -56,6 +57,7 @@ class RecordingLoader {
         reader_(source.recording),
         labels_(std::move(labels)) {
     check_labels();
+    warn();
     check_compatible(resolution);
   }
 
@@ -73,6 +75,7 @@ class RecordingLoader {
   const GloveStream& glove() const { return reader_.recording().gloves.front(); }
 
   void check_labels() const;
+  void warn() const;
   void check_compatible(int resolution);
   void add_clip(int clip, std::size_t first, std::size_t last);
   Split split_of(int clip) const;
@@ -107,8 +110,18 @@ void RecordingLoader::check_labels() const {
   if (!fault.empty()) reject(source_, fault);
 }
 
+void RecordingLoader::warn() const {
+  for (const auto& warning : glove_warnings(reader_.recording()))
+    Progress::warn(fmt::format("{}: {}", source_.recording.string(), warning));
+  for (const auto& warning : label_warnings(labels_))
+    Progress::warn(fmt::format("{}: {}", source_.labels.string(), warning));
+}
+
 void RecordingLoader::check_compatible(int resolution) {
+  constexpr int default_resolution = 32;
   const GloveInfo& info = glove().info;
+  if (resolution == automatic_resolution)
+    resolution = std::min(info.rows, info.cols) < default_resolution ? 0 : default_resolution;
   Dataset kind;
   kind.activity = labels_.activity;
   kind.rows = resolution > 0 ? resolution : info.rows;

@@ -13,11 +13,16 @@ struct LabelledRecording {
   std::filesystem::path recording, labels;
 };
 
+/// 32 rows and columns, or the glove's own if it has fewer.
+inline constexpr int automatic_resolution = -1;
+
 /// Loads recordings of one activity with their labels; one sequence per clip.
 ///
-/// - `resolution`: rows and columns to which tactile images are averaged by area; 0: the glove's.
+/// - `resolution`: rows and columns to which tactile images are averaged by area; 0: the glove's; or
+///   automatic_resolution.
 /// - A lost glove frame repeats the previous image; a sequence starts with a received frame.
 /// - Skips clips in which the object fell. Labels that are not finite are not trusted.
+/// - Warns of implausible frames of the gloves and of implausible labels.
 ///
 /// Throws data_error if a file is invalid, labels belong to another recording, activities, gloves
 /// or (by over 1 %) rates differ, or no clip remains; usage_error if `resolution` exceeds the

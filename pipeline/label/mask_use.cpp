@@ -20,14 +20,8 @@ bool are_mostly_masked(const FrameSource& frames, const std::vector<ClipFrames>&
   return masked >= min_found_fraction * all;
 }
 
-/// Masks of which none shows both bodies.
-MaskUse use_of_one_body(const FrameSource& frames) {
-  const auto body = only_masked_body(frames);
-  if (!body) {
-    Progress::warn("no mask shows both hand and object: colours are used instead of masks");
-    return MaskUse::none;
-  }
-  const bool is_hand = *body == mask_hand;
+MaskUse use_of_one_body(MaskValue body) {
+  const bool is_hand = body == mask_hand;
   Progress::warn(is_hand ? "masks show the hand only: colours show the object"
                          : "masks show the object only: colours show the hand");
   return is_hand ? MaskUse::hand_only : MaskUse::object_only;
@@ -39,10 +33,14 @@ MaskUse choose_masks(const FrameSource& frames, int width, const std::vector<Cli
                      const std::string& observer) {
   if (observer == "masks") return MaskUse::all_frames;
   if (observer != "auto" || frames.masked_frames.empty()) return MaskUse::none;
+  if (const auto body = only_masked_body(frames)) return use_of_one_body(*body);
   const bool show_both = std::ranges::any_of(clips, [&](const ClipFrames& clip) {
     return clip.is_usable() && has_mask_of_both(frames, width, clip);
   });
-  if (!show_both) return use_of_one_body(frames);
+  if (!show_both) {
+    Progress::warn("no mask shows both hand and object: colours are used instead of masks");
+    return MaskUse::none;
+  }
   return are_mostly_masked(frames, clips) ? MaskUse::all_frames : MaskUse::some_frames;
 }
 

@@ -35,7 +35,8 @@ nlohmann::json describe_clips(const std::vector<Clip>& clips) {
           {"objects", objects}};
 }
 
-nlohmann::json describe_glove(const GloveStream& glove, const std::vector<Clip>& clips) {
+nlohmann::json describe_glove(const GloveStream& glove, const TactileCheck& tactile,
+                              const std::vector<Clip>& clips) {
   const GloveInfo& info = glove.info;
   nlohmann::json json = to_json(measure_stream_timing(glove.sequence, glove.host_time_s, clips));
   json.update({{"name", info.name},
@@ -44,7 +45,7 @@ nlohmann::json describe_glove(const GloveStream& glove, const std::vector<Clip>&
                {"bits", info.bits},
                {"polarity", info.polarity},
                {"nominal_hz", info.rate_hz}});
-  json.update(to_json(check_tactile(glove)));
+  json.update(to_json(tactile));
   if (glove.inertial) {
     const InertialStream& unit = *glove.inertial;
     json["inertial"] = to_json(measure_stream_timing(unit.sequence, unit.host_time_s, clips));
@@ -158,8 +159,8 @@ FileCheck check_recording(const RecordingReader& reader, bool images, bool has_c
                     {"camera", describe_camera(reader)},        {"truth", reader.has_truth()},
                     {"provenance", recording.provenance}};
   for (const auto& glove : recording.gloves) {
-    check.contents["gloves"].push_back(describe_glove(glove, recording.clips));
     const TactileCheck tactile = check_tactile(glove);
+    check.contents["gloves"].push_back(describe_glove(glove, tactile, recording.clips));
     for (const auto& fault : tactile.faults())
       check.faults.push_back(fmt::format("glove '{}': {}", glove.info.name, fault));
   }

@@ -24,11 +24,11 @@ std::vector<std::string> box_faults(const Clip& clip, const Recording& recording
 /// Throws data_error that lists `missing`, if not empty. `name`: of the recording.
 void require_usable(const std::vector<std::string>& missing, const std::string& name);
 
-/// Implausible values of the gloves' frames and rates, of which training tells nothing: they make
-/// touch useless.
+/// Warnings of implausible frames and rates of the gloves. Training with them may not learn from
+/// touch.
 std::vector<std::string> glove_warnings(const Recording& recording);
 
-/// Implausible states, of which training tells nothing.
+/// Warnings of implausible states.
 std::vector<std::string> label_warnings(const Labels& labels);
 
 /// Result of `touchtrace check`.

@@ -46,18 +46,21 @@ double rate_of(const std::vector<double>& time_s, double fallback) {
   return span_s > 0.0 ? static_cast<double>(time_s.size() - 1) / span_s : fallback;
 }
 
+bool is_pause(double gap_s, double rate_hz) {
+  constexpr double min_pause_s = 0.5, min_pause_frames = 5.0;
+  return gap_s > std::max(min_pause_s, min_pause_frames / rate_hz);
+}
+
 void fill_sequence(std::vector<std::uint64_t>& sequence, const std::vector<double>& time_s,
                    double rate_hz) {
-  constexpr double min_pause_s = 0.5, min_pause_frames = 5.0;
   constexpr double max_step = 2e8;  // is refused as a counter
   if (!sequence.empty() || time_s.empty()) return;
   sequence.push_back(0);
   for (std::size_t i = 1; i < time_s.size(); ++i) {
     const double gap_s = time_s[i] - time_s[i - 1];
-    const bool is_pause = gap_s > std::max(min_pause_s, min_pause_frames / rate_hz);
-    sequence.push_back(sequence.back() + (is_pause ? static_cast<std::uint64_t>(std::min(
-                                                         max_step, std::round(gap_s * rate_hz)))
-                                                   : 1));
+    const double step =
+        is_pause(gap_s, rate_hz) ? std::min(max_step, std::round(gap_s * rate_hz)) : 1.0;
+    sequence.push_back(sequence.back() + static_cast<std::uint64_t>(step));
   }
 }
 

@@ -20,9 +20,11 @@ std::vector<FramePair> pair_frames(const std::vector<double>& color_s,
 /// than 2 different stamps.
 double rate_of(const std::vector<double>& time_s, double fallback);
 
+/// Whether frames that are this far apart have a pause between them: 0.5 s and 5 frames at least.
+bool is_pause(double gap_s, double rate_hz);
+
 /// Fills an empty counter of frames with these times: 0, 1, ..., and over a pause as many numbers
-/// as frames at `rate_hz` would have. A pause lasts 0.5 s and 5 frames or more, as for `record`; at
-/// a rate of 0 there is none.
+/// as frames at `rate_hz` would have. At a rate of 0 there are no pauses.
 void fill_sequence(std::vector<std::uint64_t>& sequence, const std::vector<double>& time_s,
                    double rate_hz);
 

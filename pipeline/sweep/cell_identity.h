@@ -8,8 +8,8 @@
 
 namespace touchtrace::sweep {
 
-/// Hash of the contents if `value` is the path of a file or folder, else `value`. The labels
-/// X.labels.h5 beside a recording X.h5 are part of its contents.
+/// Hash of the contents if `value` is the path of a file or folder, else `value`. Labels
+/// X.labels.h5 next to a recording X.h5 are part of its contents.
 nlohmann::json outside_identity(const nlohmann::json& value);
 
 /// "train-" and the start of the SHA-256 of command, option values (defaults included) and program

@@ -4,7 +4,7 @@
 
 #include "engine/base/error.h"
 #include "pipeline/acquire/import/glove_import.h"
-#include "pipeline/acquire/import/glove_times.h"
+#include "pipeline/recording/frame_pairs.h"
 
 namespace touchtrace {
 namespace {

@@ -16,9 +16,8 @@ namespace touchtrace {
 namespace {
 
 constexpr double default_glove_rate_hz = 15.0, min_glove_rate_hz = 0.5, max_glove_rate_hz = 1000.0;
-constexpr double min_pause_s = 0.5, min_pause_frames = 5.0;  // as `record`
-constexpr double max_span_s = 1e6;                           // of a recording
-constexpr std::size_t max_wrong_stamps = 5;                  // in a row
+constexpr double max_span_s = 1e6;           // of a recording
+constexpr std::size_t max_wrong_stamps = 5;  // in a row
 constexpr const char* hint =
     "check which column or array has the times, and name it with its unit, such as time_ms";
 
@@ -157,10 +156,6 @@ std::vector<std::uint64_t> sequence_of(const GloveFile& file, const GloveTimes& 
 }
 
 }  // namespace
-
-bool is_pause(double gap_s, double rate_hz) {
-  return gap_s > std::max(min_pause_s, min_pause_frames / rate_hz);
-}
 
 GloveTimes glove_times(const GloveFile& file) {
   GloveTimes times;

@@ -15,9 +15,6 @@ struct GloveTimes {
   double rate_hz = 0.0;                 ///< mean, without lost frames
 };
 
-/// Whether frames that are this far apart have a pause between them, as `record` defines it.
-bool is_pause(double gap_s, double rate_hz);
-
 /// Converts the stamps of a file to seconds; see stamp_unit(). Frames that share a stamp are spread
 /// evenly over the time until the next one, if that is over 10 % of them. Reports what is not
 /// obvious. Throws data_error for stamps without a plausible rate and for more than 10^6 s.

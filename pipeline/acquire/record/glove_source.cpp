@@ -8,12 +8,12 @@
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
 #include "pipeline/acquire/record/session.h"
+#include "pipeline/recording/frame_pairs.h"
 
 namespace touchtrace {
 namespace {
 
 constexpr double read_timeout_s = 0.1, max_answer_s = 1.0;
-constexpr double min_pause_s = 0.5;  // of a glove whose frames have no numbers
 
 ParserCounts sum(const ParserCounts& a, const ParserCounts& b) {
   return {a.frames + b.frames,
@@ -114,7 +114,7 @@ void GloveSource::pass_on(const GloveFrame& arrived) {
   if (parser_->counts().restarts != restarts_) is_gap_ = true;
   restarts_ = parser_->counts().restarts;
   if (!protocol_.has_numbers && is_started_ &&
-      frame.host_time_s - last_.host_time_s > std::max(min_pause_s, 5.0 / info_.rate_hz))
+      is_pause(frame.host_time_s - last_.host_time_s, info_.rate_hz))
     is_gap_ = true;
   if (is_gap_ || !is_started_) begin_segment(frame);
   last_ = {frame.sequence + offset_, frame.host_time_s, {}};

@@ -18,9 +18,8 @@ inline constexpr int automatic_resolution = -1;
 
 /// Loads recordings of one activity with their labels; one sequence per clip.
 ///
-/// - `resolution`: rows and columns to which tactile images are averaged by area; 0: the glove's;
-/// or
-///   automatic_resolution.
+/// - `resolution`: rows and columns to which tactile images are averaged by area, or
+///   automatic_resolution; 0: the glove's.
 /// - A lost glove frame repeats the previous image; a sequence starts with a received frame.
 /// - Skips clips in which the object fell. Labels that are not finite are not trusted.
 /// - Warns of implausible frames of the gloves and of implausible labels.

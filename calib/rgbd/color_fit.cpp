@@ -109,7 +109,7 @@ LensFit fit_lens(BoardProblem& problem, const LensChoice& choice, const RgbdPara
   return fitted;
 }
 
-/// What the choice among lenses depends on besides their fits.
+/// Input of the lens choice other than the fits.
 struct ChoiceRule {
   double count;  ///< of independent residuals
   /// Whether the lens that is best for independent corners determines most of the image.

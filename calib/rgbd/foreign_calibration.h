@@ -26,8 +26,8 @@ std::vector<ChainCamera> read_camchain(const std::filesystem::path& file);
 /// cv::FileStorage with the keys of OpenCV's calibration sample.
 std::string file_storage_yaml(const Camera& camera);
 
-/// Content of a YAML or JSON text, also of a cv::FileStorage. Throws std::exception if it is invalid,
-/// too large or nested too deeply.
+/// Content of a YAML or JSON text, also of a cv::FileStorage. Throws std::exception if it is
+/// invalid, too large or nested too deeply.
 nlohmann::json parse_yaml(std::string text);
 
 /// Camera of a sensor_msgs/CameraInfo message, by its fields' names. Throws std::exception if it is

@@ -24,7 +24,7 @@ constexpr double tilt = std::numbers::pi * 2 / 9;  ///< 40 degrees
 constexpr std::array<std::array<double, 2>, 5> tilts{
     {{0.0, 0.0}, {tilt, 0.0}, {-tilt, 0.0}, {0.0, tilt}, {0.0, -tilt}}};
 
-/// What a view tells about the calibration.
+/// Information of a view about the calibration.
 class ViewInformation {
  public:
   ViewInformation(const RgbdCalibration& calibration, const CalibrationTarget& board)

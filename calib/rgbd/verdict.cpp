@@ -65,7 +65,7 @@ void assess_sharpness(Verdict& verdict, double relative_edge_width) {
                   1e2 * relative_edge_width));
 }
 
-/// Views that contradict each other: details.views tells which.
+/// Views that contradict each other: `details.views` lists them.
 void assess_agreement(Verdict& verdict, double view_inflation) {
   apply_limits(verdict, view_inflation, 4.0, std::numeric_limits<double>::infinity(),
                fmt::format("the views contradict each other: they scatter {:.1f} times as much as "

@@ -21,7 +21,7 @@ struct Verdict {
   std::vector<std::string> advice;  ///< one entry per criterion that is not good
 };
 
-/// What a verdict depends on besides the calibration.
+/// Properties of the views that a verdict uses in addition to the calibration.
 struct ViewQuality {
   int used = 0;            ///< number of views
   double inflation = 1.0;  ///< ViewCovariance::inflation

@@ -11,8 +11,8 @@ namespace touchtrace {
 WeightedTrack window_around(const WeightedTrack& track, const Flight& flight);
 
 /// Negative log-likelihood of a window as a function of one flight's release and landing, in time
-/// units from the window's first point. The other flights are fixed, except that one which begins
-/// with this one's landing keeps doing so. If this flight itself begins with a hit, its release is
+/// units from the window's first point. The other flights are fixed; one that begins
+/// at this landing moves with it. If this flight itself begins with a hit, its release is
 /// fixed to the landing before.
 class FlightCost {
  public:

@@ -4,11 +4,12 @@
 
 namespace touchtrace {
 
-/// Treatment of flights that explain the data neither better nor worse than no flight does, by the
-/// Bayesian information criterion. Those that explain them worse are dropped.
+/// Whether flights that the Bayesian information criterion neither supports nor rejects are kept.
+/// Rejected ones are dropped.
 enum class DoubtfulFlights { keep, drop };
 
-/// Returns the track's flights with maximum-likelihood times, by grids of 20 to 0.3 ms.
+/// Returns the track's flights with maximum-likelihood times, by grids of 20 to 0.3 ms, joined by
+/// join_flights().
 std::vector<Flight> estimate_flights(const WeightedTrack& track, const MotionNoise& noise,
                                      const SmoothOptions& options, DoubtfulFlights doubtful);
 

@@ -19,7 +19,7 @@ struct MotionNoise {
   double flight_velocity_sigma_m_per_s = 5.0;
   double flight_jerk_density = 0.01;  ///< of white noise in flight, besides drag [m^2/s^5]
   /// Mean ratio of the velocities after and before a landing, and standard deviation of the
-  /// velocity about it: a hand gives way.
+  /// velocity about it: a hand yields as it catches.
   double landing_velocity_fraction = 0.5, landing_velocity_sigma_m_per_s = 0.7;
   double landing_acceleration_sigma_m_per_s2 = 10.0;  ///< around 0, after a landing
   /// Standard deviation of the measured point about the flying body (a marker or a visible surface

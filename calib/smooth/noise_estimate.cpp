@@ -133,15 +133,20 @@ WeightedTrack stretch_of(const WeightedTrack& track, std::size_t first) {
   return stretch;
 }
 
-/// Stretches of long tracks, evenly spaced: `max_points` or a few more of `count`.
+/// Tracks or stretches of long ones, evenly spaced: `max_points` or a few more of `count`.
 std::vector<WeightedTrack> stretches_of(const std::vector<WeightedTrack>& tracks,
                                         std::size_t count) {
-  const double spacing = static_cast<double>(stretch_points) * static_cast<double>(count) /
-                         static_cast<double>(max_points);
   std::vector<WeightedTrack> stretches;
+  std::size_t seen = 0, kept = 0;
   for (const auto& track : tracks)
-    for (double first = 0.0; first < static_cast<double>(track.points.size()); first += spacing)
-      stretches.push_back(stretch_of(track, static_cast<std::size_t>(first)));
+    for (std::size_t first = 0; first < track.points.size(); first += stretch_points) {
+      const std::size_t size = std::min(stretch_points, track.points.size() - first);
+      if (kept * count <= seen * max_points) {
+        stretches.push_back(stretch_of(track, first));
+        kept += size;
+      }
+      seen += size;
+    }
   return stretches;
 }
 

@@ -36,9 +36,10 @@ std::vector<ProcessNoiseCurve::Pause> pauses_of(const Track& points, double spac
 }
 
 ProcessNoiseCurve constant_curve(const Track& points) {
-  ProcessNoiseCurve curve{
-      points.front().time_s,
-      std::max(knot_spacing_s, min_points_per_knot * MotionUnits::of({points}).time_s)};
+  ProcessNoiseCurve curve;
+  curve.start_s = points.front().time_s;
+  curve.knot_spacing_s =
+      std::max(knot_spacing_s, min_points_per_knot * MotionUnits::of({points}).time_s);
   curve.pauses = pauses_of(points, curve.knot_spacing_s);
   const double elapsed_s = curve.elapsed_s(points.back().time_s);
   const auto num_knots = static_cast<std::size_t>(std::ceil(elapsed_s / curve.knot_spacing_s)) + 1;

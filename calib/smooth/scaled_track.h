@@ -22,13 +22,14 @@ struct ProcessNoiseCurve {
   std::vector<Pause> pauses = {};    ///< in the order of time
 
   double at(double time_s) const;
-  /// Last knot but one, or an earlier one, before a time, and the part of the way to the next.
+  /// Index of the knot before a time (at most the last but one), and the fraction of the interval
+  /// to the next knot.
   std::pair<std::size_t, double> position(double time_s) const;
   /// Time since the start, without pauses.
   double elapsed_s(double time_s) const;
 };
 
-/// What else than its residual decides a measurement's weight (`judge_points`).
+/// Decision of judge_points() that replaces the weight computed from a measurement's residual.
 enum class Judgement : char { none, right, wrong };
 
 /// Track with its current estimates of weights, flights and process noise.

@@ -29,7 +29,7 @@ SmoothStatus check(const Track& track) {
   return SmoothStatus::converged;
 }
 
-/// One trajectory per grid time of the events' distributions. All flights move together, as they
+/// One trajectory per grid time of the events' distributions. All events move together: they
 /// are too far apart to interact.
 std::vector<Trajectory> trajectories_of(WeightedTrack track, const MotionNoise& noise,
                                         const SmoothOptions& options) {

@@ -55,8 +55,8 @@ struct Part {
   PointRange range;  ///< first to last suspected point of `with`
 };
 
-/// `is_suspected` tells of the points in `range`. nullopt where too little is around them: at an
-/// end of the track nothing shows what the motion was.
+/// `is_suspected(i)`: whether point i of `range` is suspected. nullopt where too little is around
+/// them: at an end of the track nothing shows what the motion was.
 std::optional<Part> part_around(const WeightedTrack& track, const PointRange& range,
                                 const std::function<bool(std::size_t)>& is_suspected) {
   const double start_s = track.points[range.first].time_s - margin_s,

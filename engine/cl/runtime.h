@@ -24,8 +24,8 @@ namespace touchtrace {
 /// `exact`: denormals are kept; convolutions never use Winograd's method; long sums are compensated
 /// (Kahan): those of matrix products, convolutions and their gradients, roll-outs, LayerNorm, the
 /// optimiser (which also accumulates steps below a parameter's last place) and the loss. Not
-/// compensated: sums of a fixed number of terms (16, on GPUs up to 256), and adding the partial sums
-/// of micro-batches.
+/// compensated: sums of a fixed number of terms (16, on GPUs up to 256), and adding the partial
+/// sums of micro-batches.
 enum class Accuracy { fast, exact };
 /// Parses "fast" or "exact".
 inline Accuracy accuracy_of(std::string_view name) {
@@ -87,9 +87,9 @@ class Runtime {
   /// kernel names if its module does not build; other modules remain usable.
   cl::Kernel create(const Kernel& kernel);
 
-  /// Throws device_error if less than this much device memory is left, or on other devices than CPUs
-  /// if the device has less: their drivers report what is left when they allocate. Called before
-  /// many allocations, so that a model that is too large fails at once.
+  /// Throws device_error if less than this much device memory is left, or on other devices than
+  /// CPUs if the device has less: their drivers report what is left when they allocate. Called
+  /// before many allocations, so that a model that is too large fails at once.
   void check_memory(std::size_t bytes);
   /// Alignment of sub-buffers [bytes], sufficient for all known devices.
   static constexpr std::size_t sub_buffer_alignment = 512;
@@ -154,15 +154,6 @@ class Runtime {
     guarded("copying on the device", [&] {
       return queue().enqueueCopyBuffer(buffer.handle(), buffer.handle(), from * sizeof(T),
                                        to * sizeof(T), size * sizeof(T));
-    });
-  }
-  /// Reads without waiting: `values` are valid once the command has completed.
-  template <class T>
-  void enqueue_read(const Buffer<T>& buffer, std::span<std::type_identity_t<T>> values,
-                    std::size_t offset = 0) {
-    guarded("reading from the device", [&] {
-      return queue().enqueueReadBuffer(buffer.handle(), CL_FALSE, offset * sizeof(T),
-                                       values.size_bytes(), values.data());
     });
   }
   /// Reads and waits.

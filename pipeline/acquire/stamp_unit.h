@@ -16,8 +16,8 @@ struct StampUnit {
 /// fewer than two.
 double frames_per_stamp(std::vector<double> stamps);
 
-/// Unit of all stamps of a file. The size of the stamps tells it if they are since 1970; otherwise,
-/// or if that size gives an implausible rate, it is the first of seconds, milliseconds,
+/// Unit of all stamps of a file. Inferred from the magnitude of Unix times; otherwise,
+/// or if that gives an implausible rate, it is the first of seconds, milliseconds,
 /// microseconds and nanoseconds that gives a rate from `min_rate_hz` to 1000 Hz. Returns nullopt if
 /// none does.
 std::optional<StampUnit> stamp_unit(const std::vector<double>& stamps, double min_rate_hz);

@@ -6,7 +6,7 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/label/camera_calibration.h"
 #include "pipeline/label/label.h"
-#include "pipeline/label/preview.h"
+#include "pipeline/label/preview/preview.h"
 #include "pipeline/recording/tum_trajectory.h"
 
 namespace touchtrace::cli {

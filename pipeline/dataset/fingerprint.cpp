@@ -1,5 +1,7 @@
 #include "pipeline/dataset/fingerprint.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <set>
 #include <span>
@@ -11,8 +13,9 @@ namespace touchtrace {
 namespace {
 
 constexpr std::size_t digits = 16, stretch_frames = 10, max_stretches = 8;
-/// Minimum number of changed frames in a stretch. A glove at rest may send equal frames everywhere.
-constexpr std::size_t min_changes = 3;
+/// Minimum number of different frames in a stretch. At rest a glove may send equal frames, or the
+/// four of two taxels that flicker, everywhere.
+constexpr std::size_t min_different_frames = 5;
 constexpr std::ptrdiff_t min_common_stretches = 2;
 
 template <class T>
@@ -29,14 +32,9 @@ std::set<std::string> stretch_hashes(std::span<const std::uint16_t> counts, std:
     frames.push_back(short_hash(bytes_of(counts.subspan(at, taxels))));
   std::set<std::string> smallest;
   for (std::size_t i = 0; i + stretch_frames <= frames.size(); ++i) {
-    std::string stretch;
-    std::size_t changes = 0;
-    for (std::size_t k = i; k < i + stretch_frames; ++k) {
-      stretch += frames[k];
-      changes += k > i && frames[k] != frames[k - 1];
-    }
-    if (changes < min_changes) continue;
-    smallest.insert(short_hash(stretch));
+    const auto stretch = std::span(frames).subspan(i, stretch_frames);
+    if (std::set(stretch.begin(), stretch.end()).size() < min_different_frames) continue;
+    smallest.insert(short_hash(fmt::format("{}", fmt::join(stretch, ""))));
     if (smallest.size() > max_stretches) smallest.erase(std::prev(smallest.end()));
   }
   return smallest;

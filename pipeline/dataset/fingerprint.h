@@ -13,8 +13,8 @@ namespace touchtrace {
 /// that a shifted or trimmed copy has most of them.
 std::vector<std::string> clip_fingerprints(const GloveStream& glove, const Clip& clip);
 
-/// Whether touch with these fingerprints is, whole or in part, among that of `known` (sorted).
-/// Two stretches are enough: a glove of few taxels may repeat one by chance.
+/// Whether `fingerprints` contain the hash of a whole known clip, or two known stretches. `known`:
+/// those of all known clips, sorted. Stretches of a glove at rest have no hash.
 bool is_known_touch(const std::vector<std::string>& fingerprints,
                     const std::vector<std::string>& known);
 

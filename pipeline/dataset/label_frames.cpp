@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <limits>
 
 namespace touchtrace {
 namespace {
@@ -48,19 +48,20 @@ std::string time_fault(const Labels& labels, const Recording& recording, std::si
 std::string label_frame_fault(const Labels& labels, const Recording& recording) {
   if (const auto fault = clip_fault(labels, recording); !fault.empty()) return fault;
   const auto& sequence = recording.gloves.front().sequence;
-  std::optional<std::size_t> previous;  // label with a glove frame in the same clip
+  constexpr auto none = std::numeric_limits<std::size_t>::max();
+  std::size_t previous = none;  // label with a glove frame in the same clip
   for (std::size_t i = 0; i < labels.time_s.size(); ++i) {
-    if (previous && labels.clip[i] != labels.clip[*previous]) previous.reset();
+    if (previous != none && labels.clip[i] != labels.clip[previous]) previous = none;
     if (labels.glove_frame[i] < 0) continue;
     if (const auto fault = time_fault(labels, recording, i); !fault.empty()) return fault;
     const auto number = sequence[static_cast<std::size_t>(labels.glove_frame[i])];
-    if (previous) {
-      const auto before = sequence[static_cast<std::size_t>(labels.glove_frame[*previous])];
-      if (number != before + (i - *previous))
+    if (previous != none) {
+      const auto before = sequence[static_cast<std::size_t>(labels.glove_frame[previous])];
+      if (number != before + (i - previous))
         return fmt::format(
             "labels {} and {} are of the glove's frames number {} and {}, but a clip needs one "
             "label for each frame, lost ones included",
-            *previous, i, before, number);
+            previous, i, before, number);
     }
     previous = i;
   }

@@ -28,7 +28,7 @@ inline constexpr int automatic_resolution = -1;
 /// or (by over 1 %) rates differ, or no clip remains; usage_error if `resolution` exceeds the
 /// glove's.
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution = 0);
-/// The same for one recording and labels in memory.
+/// Loads one recording with labels that are in memory.
 Dataset load_dataset(const std::filesystem::path& recording, Labels labels, int resolution = 0);
 
 /// Split by whole clips, counted from 0 for each object of a recording: 1, 6, 11, ... evaluation

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <memory>
 
+#include "engine/base/csv_field.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/interrupt.h"
@@ -35,13 +36,7 @@ void append_names(std::string& header, const std::string& name, std::span<const 
 template <class Value>
 void append_value(std::string& text, const Value& value) {
   if constexpr (std::is_same_v<Value, std::string>) {
-    if (value.find_first_of(",\"\r\n") == std::string::npos) {
-      text += value;
-      return;
-    }
-    text += '"';
-    for (const char c : value) text += c == '"' ? std::string("\"\"") : std::string(1, c);
-    text += '"';
+    text += csv_field(value);
   } else {
     fmt::format_to(std::back_inserter(text), "{}", value);
   }

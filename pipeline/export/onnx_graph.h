@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "pipeline/export/protobuf_writer.h"
+#include "engine/base/protobuf_writer.h"
 
 namespace touchtrace {
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "engine/base/error.h"
+#include "engine/base/json_text.h"
 #include "engine/model/dynamics.h"
 #include "engine/model/tactile_encoder.h"
 #include "engine/train/weight_file.h"
@@ -58,8 +59,7 @@ class NetworkGraph {
 
   std::string bytes(const nlohmann::json& metadata) const {
     std::map<std::string, std::string> texts;
-    for (const auto& [key, value] : metadata.items())
-      texts[key] = value.is_string() ? value.get<std::string>() : value.dump();
+    for (const auto& [key, value] : metadata.items()) texts[key] = json_text(value);
     return graph_.model(texts);
   }
 

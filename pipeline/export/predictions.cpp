@@ -28,6 +28,7 @@ void append_vectors(const nlohmann::json& body, const std::string& name, Predict
 void append_line(const std::string& line, Predictions& predictions) {
   if (line.size() > max_line_bytes) throw std::runtime_error("the line is too long");
   const auto row = nlohmann::json::parse(line);
+  if (row.at("object").is_null()) return;  // a glove's frames before the first window is full
   predictions.time_s.push_back(row.at("time_s").get<double>());
   predictions.clip.push_back(row.at("clip").get<std::int64_t>());
   predictions.step.push_back(row.at("step").get<std::int64_t>());

@@ -5,25 +5,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/board/opencv_threads.h"
 #include "engine/base/error.h"
-#include "engine/base/parallel.h"
 #include "engine/base/progress.h"
-#include "pipeline/label/box_centre.h"
-#include "pipeline/label/box_tracker.h"
 #include "pipeline/label/camera_calibration.h"
-#include "pipeline/label/clip_tracker.h"
-#include "pipeline/label/contact_latency.h"
-#include "pipeline/label/contact_sheet.h"
-#include "pipeline/label/flights.h"
-#include "pipeline/label/learn_scene.h"
-#include "pipeline/label/lost_clips.h"
-#include "pipeline/label/mask_boxes.h"
+#include "pipeline/label/learn/learn_scene.h"
+#include "pipeline/label/learn/mask_boxes.h"
 #include "pipeline/label/mask_use.h"
 #include "pipeline/label/observe/color_gains.h"
-#include "pipeline/label/states.h"
-#include "pipeline/label/summary.h"
-#include "pipeline/label/timeline.h"
+#include "pipeline/label/preview/contact_sheet.h"
+#include "pipeline/label/states/contact_latency.h"
+#include "pipeline/label/states/flights.h"
+#include "pipeline/label/states/lost_clips.h"
+#include "pipeline/label/states/states.h"
+#include "pipeline/label/states/summary.h"
+#include "pipeline/label/states/timeline.h"
+#include "pipeline/label/states/touch_latency.h"
+#include "pipeline/label/track/box_centre.h"
+#include "pipeline/label/track/track_clips.h"
 #include "pipeline/recording/check.h"
 
 namespace touchtrace::label {
@@ -66,56 +64,6 @@ FrameSource normalized(const FrameSource& frames, const std::vector<ClipFrames>&
   return result;
 }
 
-SegmentedFrame segment(const SceneModel& scene, const FrameSource& frames, const TrackerKind& kind,
-                       const ClipFrames& clip, std::size_t index) {
-  SegmentedFrame result{frames.camera_frame(index), {}, {}};
-  result.surface = scene.observer->observe(result.frame, clip.object);
-  const auto& camera = scene.segmenter->color_camera();
-  if (kind.create)
-    result.image = masked_image(result.frame, result.surface, camera.width, camera.height);
-  return result;
-}
-
-std::vector<TrackingPass> passes_of(const std::vector<ClipFrames>& clips) {
-  std::vector<TrackingPass> passes;
-  for (const auto& clip : clips) {
-    if (!clip.is_usable()) continue;
-    passes.push_back({&clip, false});
-    if (clip.box_frame > clip.first) passes.push_back({&clip, true});
-  }
-  return passes;
-}
-
-/// Tracks clips in parallel. Threads without a pass segment frames for the others.
-std::vector<ClipTrack> track_clips(const SceneModel& scene, const FrameSource& frames,
-                                   const std::vector<ClipFrames>& clips, const Timeline& timeline,
-                                   const Eigen::Vector3d& gravity_m_per_s2,
-                                   const LabelOptions& options) {
-  const auto& kind = find_tracker(options.tracker);
-  const auto passes = passes_of(clips);
-  std::size_t total = 0;
-  for (const auto& pass : passes) total += pass.count();
-  Progress progress("tracking hand and object", total);
-  FramePrefetcher prefetcher(passes, [&](const ClipFrames& clip, std::size_t index) {
-    progress.advance();
-    return segment(scene, frames, kind, clip, index);
-  });
-  std::vector<ClipTrack> tracked(passes.size()), tracks(clips.size());
-  const OpenCvThreads single_threaded(1);  // passes are the parallel work
-  const std::size_t workers = thread_count(options.num_threads);
-  parallel_for(passes.size() + workers, options.num_threads, [&](std::size_t i) {
-    if (i >= passes.size()) return prefetcher.run_worker();
-    FramePrefetcher::Reader reader(prefetcher, i);
-    tracked[i] =
-        track_pass(scene, reader, passes[i], timeline.camera_time_s, gravity_m_per_s2, kind);
-  });
-  for (std::size_t i = 0; i < passes.size(); ++i) {
-    auto& track = tracks[static_cast<std::size_t>(passes[i].clip - clips.data())];
-    track = passes[i].is_backward ? join(std::move(tracked[i]), track) : std::move(tracked[i]);
-  }
-  return tracks;
-}
-
 /// Adds the uncertainty of the objects' centres according to the clips' boxes.
 void add_box_uncertainty(const SceneModel& scene, const std::vector<ClipFrames>& clips,
                          std::vector<ClipTrack>& tracks) {
@@ -125,33 +73,11 @@ void add_box_uncertainty(const SceneModel& scene, const std::vector<ClipFrames>&
         tracks[i].object_centre_sigma_m, box_centre_sigma_m(color, clips[i].object, clips, tracks));
 }
 
-std::vector<std::string> tracker_names() {
-  std::vector<std::string> names;
-  for (const auto& kind : tracker_kinds()) names.push_back(kind.name);
-  return names;
-}
-
 FlightSearch flight_search(const std::vector<ClipTrack>& tracks,
                            const Eigen::Vector3d& gravity_m_per_s2, const LabelOptions& options) {
   if (options.no_flights) return FlightSearch::none;
   return free_fall_fraction(tracks, gravity_m_per_s2) > min_bounce_fraction ? FlightSearch::bounces
                                                                             : FlightSearch::throws;
-}
-
-/// Corrects the times of timeline and tracks by the latency that catches show. False: they do not.
-bool correct_latency(const Recording& recording, const SmoothedBodies& bodies, Timeline& timeline,
-                     std::vector<ClipTrack>& tracks) {
-  if (!timeline.glove) return false;
-  const auto latency = estimate_latency(recording.gloves.front(), timeline, bodies.object.tracks);
-  if (!latency) return false;
-  Progress::report(fmt::format(
-      "latency of the camera: {:.0f} +- {:.0f} ms, by {} catches (without them: {:.0f} +- {:.0f})",
-      1e3 * latency->latency_s, 1e3 * latency->sigma_s, latency->num_catches,
-      1e3 * timeline.latency_s, 1e3 * timeline.latency_sigma_s));
-  for (ClipTrack& track : tracks)
-    for (double& time_s : track.time_s) time_s -= latency->latency_s - timeline.latency_s;
-  timeline.set_latency(latency->latency_s, latency->sigma_s);
-  return true;
 }
 
 /// Measured positions of a recording that cannot be labelled.
@@ -168,96 +94,177 @@ Labels measured_alone(const Recording& recording, const std::vector<ClipTrack>& 
   return labels;
 }
 
-}  // namespace
-
-Option& describe_tracker(OptionSet& set, LabelOptions& o) {
-  return set.choice("tracker", o.tracker, "component: fastest", tracker_names());
-}
-
-void describe(OptionSet& set, LabelOptions& o) {
-  describe_tracker(set, o);
-  set.choice(
-      "observer", o.observer,
-      "what shows hand and object; auto: masks where there are some, colours elsewhere, or masks "
-      "alone if half of the frames have one",
-      {"auto", "depth-color", "masks"});
-  set.flag("no-flights", o.no_flights, "the object never leaves the hand");
-  set.numbers("gravity", o.gravity_m_per_s2,
-              "gravity in the colour camera's frame [m/s^2]; default: recorded, else 0 9.81 0", 3,
-              -100.0, 100.0)
-      .value("X Y Z");
-  set.integer("threads", o.num_threads, "clips in parallel; 0: one per core", 0, 1024);
-}
-
-Labels label_recording(const Recording& recording, const FrameSource& recorded,
-                       const std::optional<RgbdCalibration>& given, const LabelOptions& options,
-                       const std::function<void(const Labels&)>& on_refusal) {
-  const auto calibration = camera_calibration(given, recording.camera);
-  const Eigen::Vector3d down = gravity(recording.camera, options);
+/// Camera times at which the depth images were taken.
+Timeline depth_timeline(const Recording& recording, const RgbdCalibration& calibration,
+                        const LabelOptions& options) {
   auto timeline = align(recording);
-  // positions come from depth images
+  if (!options.camera_latency_s.empty())
+    timeline.set_latency(options.camera_latency_s[0], options.camera_latency_s[1]);
   for (double& time_s : timeline.camera_time_s) time_s += calibration.depth_delay_s;
-  if (recording.camera.rate_hz < min_rate_hz)
+  return timeline;
+}
+
+FrameSource with_masks(FrameSource frames, MaskUse use) {
+  if (use == MaskUse::none) frames.masked_frames.clear();
+  if (use == MaskUse::hand_only) frames.only_masked_body = mask_hand;
+  if (use == MaskUse::object_only) frames.only_masked_body = mask_object;
+  return frames;
+}
+
+/// Moves all times of labels to `by_s` earlier.
+void advance(Labels& labels, double by_s) {
+  for (auto* times_s : {&labels.time_s, &labels.raw.time_s})
+    for (double& time_s : *times_s) time_s -= by_s;
+  for (auto& flight : labels.summary["flights"])
+    for (const char* event : {"release_s", "landing_s"})
+      flight[event] = flight[event].get<double>() - by_s;
+}
+
+/// One labelling: learn_and_track(), smooth(), labels(), in this order.
+class LabelRun {
+ public:
+  LabelRun(const Recording& recording, const FrameSource& recorded,
+           const std::optional<RgbdCalibration>& given, const LabelOptions& options)
+      : recording_(recording),
+        recorded_(recorded),
+        options_(options),
+        calibration_(camera_calibration(given, recording.camera)),
+        gravity_m_per_s2_(gravity(recording.camera, options)),
+        timeline_(depth_timeline(recording, calibration_, options)),
+        clips_(boxed_clips(recording, recorded)) {
+    require_usable_clip(clips_);
+  }
+
+  void learn_and_track();
+  /// `on_refusal` gets the measured positions before an exception.
+  void smooth(const std::function<void(const Labels&)>& on_refusal);
+  Labels labels() const;
+
+ private:
+  void smooth_bodies();
+  std::optional<LatencyEstimate> estimate_latency() const;
+  /// Corrects the timeline by the latency that the glove shows, if it shows one.
+  void correct_latency();
+  ErrorModel errors() const { return {calibration_, timeline_.latency_sigma_s}; }
+
+  const Recording& recording_;
+  const FrameSource& recorded_;
+  const LabelOptions& options_;
+  RgbdCalibration calibration_;
+  Eigen::Vector3d gravity_m_per_s2_;
+  Timeline timeline_;
+  std::vector<ClipFrames> clips_;
+  SceneModel scene_;
+  MaskUse mask_use_ = MaskUse::none;
+  std::vector<ClipTrack> tracks_;
+  FlightSearch search_ = FlightSearch::none;
+  SmoothedBodies bodies_;
+  double late_s_ = 0.0;     ///< times of tracks_ and bodies_ minus those of timeline_
+  nlohmann::json seconds_;  ///< by stage
+};
+
+void LabelRun::learn_and_track() {
+  mask_use_ = choose_masks(recorded_, recording_.camera.width, clips_, options_.observer);
+  const auto frames = with_masks(normalized(recorded_, clips_), mask_use_);
+  const Stopwatch learning;
+  scene_ = learn_scene(calibration_, recording_.camera, frames, clips_,
+                       mask_use_ == MaskUse::all_frames, options_.num_threads);
+  require_usable_clip(clips_);
+  seconds_["learn_scene"] = learning.wall_seconds();
+  const Stopwatch tracking;
+  tracks_ = track_clips(scene_, frames, clips_, timeline_.camera_time_s, gravity_m_per_s2_,
+                        find_tracker(options_.tracker), options_.num_threads);
+  seconds_["track"] = tracking.wall_seconds(), seconds_["track_cpu"] = tracking.cpu_seconds();
+}
+
+void LabelRun::smooth_bodies() {
+  bodies_ = label::smooth_bodies(tracks_, gravity_m_per_s2_, search_, options_.num_threads);
+}
+
+std::optional<LatencyEstimate> LabelRun::estimate_latency() const {
+  if (!timeline_.glove || !options_.camera_latency_s.empty()) return std::nullopt;
+  const GloveStream& glove = recording_.gloves.front();
+  if (search_ == FlightSearch::throws)
+    if (auto by_catches = latency_from_catches(glove, timeline_, bodies_.object.tracks))
+      return by_catches;
+  return latency_from_touch(glove, timeline_, label_times(recording_, timeline_), tracks_,
+                            bodies_.hand.tracks, gravity_m_per_s2_);
+}
+
+void LabelRun::correct_latency() {
+  const auto latency = estimate_latency();
+  if (!latency) return;
+  Progress::report(
+      fmt::format("latency of the camera: {:.0f} +- {:.0f} ms, by {} (without: {:.0f} +- {:.0f})",
+                  1e3 * latency->latency_s, 1e3 * latency->sigma_s, latency->source,
+                  1e3 * timeline_.latency_s, 1e3 * timeline_.latency_sigma_s));
+  late_s_ = latency->latency_s - timeline_.latency_s;
+  timeline_.set_latency(latency->latency_s, latency->sigma_s);
+}
+
+void LabelRun::smooth(const std::function<void(const Labels&)>& on_refusal) {
+  const auto measured = on_refusal ? tracks_ : std::vector<ClipTrack>{};
+  const auto require_clip = [&] {
+    if (on_refusal && std::ranges::none_of(clips_, &ClipFrames::is_usable))
+      on_refusal(measured_alone(recording_, measured, errors()));
+    require_usable_clip(clips_);
+  };
+  drop_lost_clips(clips_, tracks_);
+  require_clip();
+  add_box_uncertainty(scene_, clips_, tracks_);
+  const Stopwatch smoothing;
+  search_ = flight_search(tracks_, gravity_m_per_s2_, options_);
+  smooth_bodies();
+  if (raise_sigmas(tracks_, bodies_)) smooth_bodies();
+  correct_latency();
+  drop_unsmoothed_clips(clips_, tracks_, bodies_);
+  require_clip();
+  seconds_["smooth"] = smoothing.wall_seconds();
+}
+
+Labels LabelRun::labels() const {
+  Labels labels;
+  labels.activity = recording_.activity;
+  labels.clips = recording_.clips;
+  auto times = label_times(recording_, timeline_);
+  for (LabelTime& time : times) time.time_s += late_s_;
+  resample(times, tracks_, bodies_, errors(), labels);
+  labels.raw = raw_track(tracks_, bodies_, errors());
+  labels.summary = summarize(scene_, timeline_, clips_, tracks_, bodies_, labels);
+  advance(labels, late_s_);
+  labels.summary["tracker"] = options_.tracker;
+  labels.summary["observer"] = name_of(mask_use_);
+  labels.summary["error_sources"] = error_source_names;
+  labels.summary["latency_s"] = timeline_.latency_s;
+  labels.summary["latency_sigma_s"] = timeline_.latency_sigma_s;
+  labels.summary["object_bounces"] = search_ == FlightSearch::bounces;
+  labels.summary["gravity_m_per_s2"] = {gravity_m_per_s2_.x(), gravity_m_per_s2_.y(),
+                                        gravity_m_per_s2_.z()};
+  labels.summary["seconds"] = seconds_;
+  const LabelOverlay overlay(recording_, calibration_, labels);
+  labels.contact_sheet_jpeg = contact_sheet_jpeg(overlay, recorded_);
+  return labels;
+}
+
+void warn_of_low_rate(const CameraInfo& camera) {
+  if (camera.rate_hz < min_rate_hz)
     Progress::warn(fmt::format(
         "at {:.3g} Hz bodies move far from image to image and may be exchanged: look at "
         "the labels with --preview",
-        recording.camera.rate_hz));
-  auto clips = boxed_clips(recording, recorded);
-  require_usable_clip(clips);
-  const auto mask_use = choose_masks(recorded, recording.camera.width, clips, options.observer);
-  const bool use_masks = mask_use == MaskUse::all_frames;
-  auto frames = normalized(recorded, clips);
-  if (mask_use == MaskUse::none) frames.masked_frames.clear();
-  if (mask_use == MaskUse::hand_only) frames.only_masked_body = mask_hand;
-  if (mask_use == MaskUse::object_only) frames.only_masked_body = mask_object;
-  const Stopwatch learning;
-  const auto scene =
-      learn_scene(calibration, recording.camera, frames, clips, use_masks, options.num_threads);
-  require_usable_clip(clips);
-  const double learning_s = learning.wall_seconds();
-  const Stopwatch tracking;
-  auto tracks = track_clips(scene, frames, clips, timeline, down, options);
-  const auto measured = on_refusal ? tracks : std::vector<ClipTrack>{};
-  const auto require_clip = [&] {
-    if (on_refusal && std::ranges::none_of(clips, &ClipFrames::is_usable))
-      on_refusal(measured_alone(recording, measured, {calibration, timeline.latency_sigma_s}));
-    require_usable_clip(clips);
-  };
-  drop_lost_clips(clips, tracks);
-  require_clip();
-  add_box_uncertainty(scene, clips, tracks);
-  const double tracking_s = tracking.wall_seconds(), tracking_cpu_s = tracking.cpu_seconds();
-  const Stopwatch smoothing;
-  const auto search = flight_search(tracks, down, options);
-  auto bodies = smooth_bodies(tracks, down, search, options.num_threads);
-  if (raise_sigmas(tracks, bodies))
-    bodies = smooth_bodies(tracks, down, search, options.num_threads);
-  if (search == FlightSearch::throws && correct_latency(recording, bodies, timeline, tracks))
-    bodies = smooth_bodies(tracks, down, search, options.num_threads);
-  drop_unsmoothed_clips(clips, tracks, bodies);
-  require_clip();
+        camera.rate_hz));
+}
 
-  Labels labels;
-  labels.activity = recording.activity;
-  labels.clips = recording.clips;
-  const ErrorModel errors(calibration, timeline.latency_sigma_s);
-  resample(label_times(recording, timeline), tracks, bodies, errors, labels);
-  labels.raw = raw_track(tracks, bodies, errors);
-  labels.summary = summarize(scene, timeline, clips, tracks, bodies, labels);
-  labels.summary["tracker"] = options.tracker;
-  labels.summary["observer"] = use_masks ? "masks" : "depth-color";
-  labels.summary["error_sources"] = error_source_names;
-  labels.summary["latency_s"] = timeline.latency_s;
-  labels.summary["latency_sigma_s"] = timeline.latency_sigma_s;
-  labels.summary["object_bounces"] = search == FlightSearch::bounces;
-  labels.summary["gravity_m_per_s2"] = {down.x(), down.y(), down.z()};
-  labels.summary["seconds"] = {{"learn_scene", learning_s},
-                               {"track", tracking_s},
-                               {"track_cpu", tracking_cpu_s},
-                               {"smooth", smoothing.wall_seconds()}};
-  const LabelOverlay overlay(recording, calibration, labels);
-  labels.contact_sheet_jpeg = contact_sheet_jpeg(overlay, recorded);
-  return labels;
+}  // namespace
+
+Labels label_recording(const Recording& recording, const FrameSource& frames,
+                       const std::optional<RgbdCalibration>& calibration,
+                       const LabelOptions& options,
+                       const std::function<void(const Labels&)>& on_refusal) {
+  LabelRun run(recording, frames, calibration, options);
+  warn_of_low_rate(recording.camera);
+  run.learn_and_track();
+  run.smooth(on_refusal);
+  return run.labels();
 }
 
 Labels label_recording(const RecordingReader& reader,

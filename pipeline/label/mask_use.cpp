@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "engine/base/progress.h"
-#include "pipeline/label/lost_clips.h"
-#include "pipeline/label/mask_boxes.h"
+#include "pipeline/label/learn/mask_boxes.h"
+#include "pipeline/label/states/lost_clips.h"
 
 namespace touchtrace::label {
 namespace {
@@ -28,6 +28,11 @@ MaskUse use_of_one_body(MaskValue body) {
 }
 
 }  // namespace
+
+const char* name_of(MaskUse use) {
+  if (use == MaskUse::none) return "depth-color";
+  return use == MaskUse::all_frames ? "masks" : "depth-color and masks";
+}
 
 MaskUse choose_masks(const FrameSource& frames, int width, const std::vector<ClipFrames>& clips,
                      const std::string& observer) {

@@ -7,7 +7,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
-#include "pipeline/dataset/tactile_image.h"
+#include "pipeline/study/averaged_images.h"
 #include "pipeline/study/baselines.h"
 
 namespace touchtrace::study {
@@ -61,32 +61,9 @@ void add_targets(Comparison& comparison, Reference reference, int stride) {
   }
 }
 
-bool has_resolution_of(const Dataset& data, const ModelSpec& spec) {
-  return !spec.touch || (spec.rows == data.rows && spec.cols == data.cols);
-}
-
-/// Tactile images of a session, averaged to a model's resolution.
-std::vector<float> averaged_images(const LoadedModel& model, const Session& session) {
-  const ModelSpec& spec = model.card.spec;
-  const Dataset& data = session.data;
-  if (spec.rows > data.rows || spec.cols > data.cols)
-    throw data_error(fmt::format("{} needs frames of {} x {}, {} has {} x {}", model.path,
-                                 spec.rows, spec.cols, session.name, data.rows, data.cols),
-                     "evaluate on recordings of a glove with at least as many taxels");
-  const AreaAverage average(data.rows, data.cols, spec.rows, spec.cols);
-  const std::size_t in = std::size_t(data.rows) * data.cols,
-                    out = std::size_t(spec.rows) * spec.cols;
-  std::vector<float> images(static_cast<std::size_t>(data.frames()) * out);
-  for (std::size_t frame = 0; frame < static_cast<std::size_t>(data.frames()); ++frame)
-    average.apply(std::span(data.tactile).subspan(frame * in, in),
-                  std::span(images).subspan(frame * out, out));
-  return images;
-}
-
 Rollout predict(const LoadedModel& model, const RolloutBatch& batch, const Session& session) {
-  return has_resolution_of(session.data, model.card.spec)
-             ? model.predictor->predict(batch, session.data.tactile)
-             : model.predictor->predict(batch, averaged_images(model, session));
+  const auto images = averaged_images(model.card.spec, model.path, session.data, session.name);
+  return model.predictor->predict(batch, images ? *images : session.data.tactile);
 }
 
 Rollout roll_out(const LoadedModel& model, const Comparison& comparison, int stride) {

@@ -16,7 +16,7 @@ namespace touchtrace::study {
 namespace {
 
 constexpr double impact_m_per_s2 = 40.0, wrong_m = 0.060, sigmas_of_80_percent = 1.2815515655446004;
-constexpr double max_delay_s = 0.064, delay_step_s = 0.008, min_delay_step_s = 0.00025;
+constexpr double max_delay_s = 0.16, delay_step_s = 0.008, min_delay_step_s = 0.00025;
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;

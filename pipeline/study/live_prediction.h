@@ -42,7 +42,8 @@ class LivePrediction {
   ///   "sequence": number of the last frame that the prediction uses
   ///   "time_s": time of the state, one period after that frame
   ///   "received": false for a lost frame
-  ///   "embedding": "segment" or "mean"; "none" for a model without object encoder
+  ///   "embedding": "segment" or "mean"; "none" for a model without object encoder, and
+  ///      until the window is full
   ///   "touch": touch_summary() of the frame; null for a lost frame
   /// Until the window is full: "step" 0, "start" "window", "object" and "hand" null.
   using Emit = std::function<void(nlohmann::json row)>;

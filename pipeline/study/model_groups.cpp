@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "engine/base/json_text.h"
+
 namespace touchtrace::study {
 namespace {
 
@@ -41,7 +43,7 @@ json distinction(const json& own, const std::vector<json>& others) {
 std::string text_of(const json& options) {
   std::string text;
   for (const auto& [key, value] : options.items())
-    text += fmt::format(" {}={}", key, value.is_string() ? value.get<std::string>() : value.dump());
+    text += fmt::format(" {}={}", key, json_text(value));
   return text;
 }
 

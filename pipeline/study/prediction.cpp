@@ -9,6 +9,7 @@
 #include "engine/train/predictor.h"
 #include "pipeline/dataset/load.h"
 #include "pipeline/recording/recording_file.h"
+#include "pipeline/study/averaged_images.h"
 #include "pipeline/study/model_card.h"
 #include "pipeline/study/prediction_row.h"
 #include "pipeline/study/rollouts.h"
@@ -47,6 +48,8 @@ class Prediction {
         card_(read_card(predictor_.metadata(), options.model)),
         data_(load(options)) {
     require_rate(card_, options.model, data_.rate_hz, options.recording);
+    if (auto images = averaged_images(card_.spec, options.model, data_, options.recording))
+      data_.tactile = std::move(*images);
   }
 
   void run(int restart_steps, const std::function<void(const json&)>& emit) {
@@ -65,13 +68,11 @@ class Prediction {
   }
 
  private:
-  Dataset load(const PredictionOptions& options) const {
-    const int resolution = card_.spec.touch ? card_.spec.rows : 0;
+  static Dataset load(const PredictionOptions& options) {
     if (!options.labels.empty())
-      return load_dataset(std::vector<LabelledRecording>{{options.recording, options.labels}},
-                          resolution);
+      return load_dataset(std::vector<LabelledRecording>{{options.recording, options.labels}}, 0);
     return load_dataset(options.recording,
-                        unlabelled(RecordingReader(options.recording).recording()), resolution);
+                        unlabelled(RecordingReader(options.recording).recording()), 0);
   }
 
   Rollout roll_out(const Sequence& clip, const Segment& segment) {

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "pipeline/label/observe/color_classes.h"
-#include "pipeline/label/timeline.h"
+#include "pipeline/label/states/timeline.h"
 
 namespace touchtrace::study {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "pipeline/label/scene_model.h"
+#include "pipeline/label/learn/scene_model.h"
 #include "pipeline/recording/recording.h"
 
 namespace touchtrace::study {

@@ -1,6 +1,6 @@
 #include "pipeline/study/unlabelled.h"
 
-#include "pipeline/label/timeline.h"
+#include "pipeline/label/states/timeline.h"
 
 namespace touchtrace::study {
 namespace {

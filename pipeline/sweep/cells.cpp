@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "engine/base/json_text.h"
 #include "engine/base/text.h"
 #include "pipeline/sweep/cell_identity.h"
 
@@ -220,8 +221,7 @@ class Expansion {
 std::string Cell::name() const {
   std::string text = stage;
   for (const auto& [axis, value] : axes.items())
-    text +=
-        fmt::format(" {}={}", axis, value.is_string() ? value.get<std::string>() : value.dump());
+    text += fmt::format(" {}={}", axis, json_text(value));
   return text;
 }
 

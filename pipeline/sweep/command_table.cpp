@@ -6,15 +6,12 @@
 #include <map>
 
 #include "engine/base/error.h"
+#include "engine/base/json_text.h"
 
 namespace touchtrace::sweep {
 namespace {
 
 using nlohmann::json;
-
-std::string text_of(const json& value) {
-  return value.is_string() ? value.get<std::string>() : value.dump();
-}
 
 void require_type(const Option& option, const json& value) {
   const bool fits = option.is_flag()   ? value.is_boolean()
@@ -44,9 +41,9 @@ std::vector<std::string> arguments_of(const std::vector<Option>& options, const 
     }
     for (const json& item : value->is_array() ? *value : json::array({*value}))
       if (option.positional)
-        positional.push_back(text_of(item));
+        positional.push_back(json_text(item));
       else
-        arguments.push_back(fmt::format("{}={}", option.label(), text_of(item)));
+        arguments.push_back(fmt::format("{}={}", option.label(), json_text(item)));
   }
   if (!positional.empty()) arguments.emplace_back("--");
   arguments.insert(arguments.end(), positional.begin(), positional.end());

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "engine/base/crc32c.h"
+#include "engine/base/protobuf_writer.h"
 
 // Records: tensorflow/core/lib/io/record_writer.cc; messages: tensorflow/core/util/event.proto.
 namespace touchtrace::sweep {
@@ -32,36 +33,27 @@ std::string record(const std::string& data) {
   return length + masked_crc(length) + data + masked_crc(data);
 }
 
-std::string varint(std::uint64_t value) {
-  std::string bytes;
-  for (; value > 127; value >>= 7) bytes += static_cast<char>((value & 127) | 128);
-  return bytes + static_cast<char>(value);
-}
-
-// Fields of a protocol buffer message.
-std::string field_key(int field, int wire_type) {
-  return varint(static_cast<std::uint64_t>(field << 3 | wire_type));
-}
-std::string bytes_field(int field, const std::string& bytes) {
-  return field_key(field, 2) + varint(bytes.size()) + bytes;
-}
-std::string double_field(int field, double value) {
-  return field_key(field, 1) + little_endian(value);
-}
-std::string float_field(int field, float value) {
-  return field_key(field, 5) + little_endian(value);
-}
-
 std::string event(const ordered_json& entry) {
-  std::string values;
-  for (const auto& [name, value] : entry.items())
-    if (value.is_number() && name != "update" && name != "seconds")
-      values += bytes_field(1, bytes_field(1, name) + float_field(2, value.get<float>()));
-  const double seconds = entry.contains("seconds") && entry["seconds"].is_number()
-                             ? entry["seconds"].get<double>()
-                             : 0.0;
-  return double_field(1, seconds) + field_key(2, 0) + varint(entry["update"].get<std::uint64_t>()) +
-         bytes_field(5, values);
+  ProtobufWriter summary, event;
+  for (const auto& [name, value] : entry.items()) {
+    if (!value.is_number() || name == "update" || name == "seconds") continue;
+    ProtobufWriter scalar;
+    scalar.add(1, std::string_view(name));
+    scalar.add(2, value.get<float>());
+    summary.add(1, std::string_view(scalar.bytes()));
+  }
+  const bool has_time = entry.contains("seconds") && entry["seconds"].is_number();
+  event.add(1, has_time ? entry["seconds"].get<double>() : 0.0);
+  event.add(2, entry["update"].get<std::int64_t>());
+  event.add(5, std::string_view(summary.bytes()));
+  return event.bytes();
+}
+
+std::string version_event() {
+  ProtobufWriter event;
+  event.add(1, 0.0);
+  event.add(3, std::string_view("brain.Event:2"));
+  return event.bytes();
 }
 
 bool is_log(const ordered_json& value) {
@@ -85,7 +77,7 @@ const ordered_json* find_log(const ordered_json& value) {
 std::string event_file_of(const ordered_json& result) {
   const auto* log = find_log(result);
   if (!log) return "";
-  std::string bytes = record(double_field(1, 0.0) + bytes_field(3, "brain.Event:2"));
+  std::string bytes = record(version_event());
   for (const auto& entry : *log) bytes += record(event(entry));
   return bytes;
 }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <set>
 
+#include "engine/base/csv_field.h"
+#include "engine/base/json_text.h"
+
 namespace touchtrace::sweep {
 namespace {
 
@@ -45,16 +48,9 @@ bool has_results(const FinishedCell& cell) {
          cell.result["results"].is_array();
 }
 
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
-  return result + "\"";
-}
-
 std::string line_of(const std::vector<std::string>& texts) {
   std::string line;
-  for (const auto& text : texts) line += (&text == texts.data() ? "" : ",") + quoted(text);
+  for (const auto& text : texts) line += (&text == texts.data() ? "" : ",") + csv_field(text);
   return line + "\n";
 }
 
@@ -85,7 +81,7 @@ std::vector<std::string> columns_of(const std::vector<Row>& rows) {
 
 std::string text_of(const ordered_json& value) {
   if (value.is_null()) return "";
-  return value.is_string() ? value.get<std::string>() : value.dump();
+  return json_text(value);
 }
 
 std::string csv_of(const std::vector<Row>& rows) {

@@ -28,11 +28,12 @@ std::string quoted(const std::string& text) {
 
 struct ShellResult {
   int exit_code = -1;
-  std::string output;  ///< stdout and stderr
+  std::string output, errors;  ///< stdout, stderr
 };
 
-ShellResult run_shell(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1 </dev/null").c_str(), "r");
+/// `errors`: file for stderr.
+ShellResult run_shell(const std::string& command, const fs::path& errors) {
+  FILE* pipe = popen((command + " </dev/null 2>" + quoted(errors.string())).c_str(), "r");
   if (!pipe) throw failure("cannot start " + command, "check the limits of processes (ulimit -a)");
   ShellResult result;
   std::array<char, 4096> buffer;
@@ -40,23 +41,27 @@ ShellResult run_shell(const std::string& command) {
     result.output.append(buffer.data(), n);
   const int status = pclose(pipe);
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
+  result.errors = read_file(errors);
   return result;
 }
 
 /// Returns the number of the job.
-std::string submit(const fs::path& script) {
-  auto result = run_shell("sbatch --parsable " + quoted(script.string()));
-  if (result.exit_code != 0)
-    throw failure(fmt::format("sbatch refused {}: {}", script.string(), result.output),
-                  "correct --sbatch, or see `sinfo`");
-  return result.output.substr(0, result.output.find_first_of(";\n"));
+std::string submit(const fs::path& script, const fs::path& errors) {
+  const auto result = run_shell("sbatch --parsable " + quoted(script.string()), errors);
+  auto job = result.output.substr(0, result.output.find_first_of(";\n"));
+  const bool is_number = !job.empty() && job.find_first_not_of("0123456789") == std::string::npos;
+  if (result.exit_code != 0 || !is_number)
+    throw failure(
+        fmt::format("sbatch refused {}: {}{}", script.string(), result.output, result.errors),
+        "correct --sbatch, or see `sinfo`");
+  return job;
 }
 
 /// Whether tasks of the job are pending or running. An unreachable controller counts as yes.
-bool is_queued(const std::string& job) {
-  const auto result = run_shell("squeue --noheader --format=%T --jobs=" + quoted(job));
+bool is_queued(const std::string& job, const fs::path& errors) {
+  const auto result = run_shell("squeue --noheader --format=%T --jobs=" + job, errors);
   if (result.exit_code == 0) return !result.output.empty();
-  return result.output.find("Invalid job id") == std::string::npos;
+  return result.errors.find("Invalid job id") == std::string::npos;
 }
 
 std::size_t count_done(const std::vector<Cell>& cells) {
@@ -64,17 +69,17 @@ std::size_t count_done(const std::vector<Cell>& cells) {
       std::ranges::count_if(cells, [](const Cell& cell) { return cell.is_done(); }));
 }
 
-void follow(const std::string& job, const std::vector<Cell>& cells, std::size_t& done,
-            Progress& progress) {
+void follow(const std::string& job, const fs::path& errors, const std::vector<Cell>& cells,
+            std::size_t& done, Progress& progress) {
   try {
-    while (is_queued(job)) {
+    while (is_queued(job, errors)) {
       std::this_thread::sleep_for(poll_period);
       const auto now_done = count_done(cells);
       progress.advance(now_done - done, "job " + job);
       done = now_done;
     }
   } catch (...) {
-    run_shell("scancel " + quoted(job));
+    run_shell("scancel " + job, errors);
     throw;
   }
 }
@@ -109,7 +114,7 @@ std::string job_script(const SlurmArray& array) {
 }
 
 SweepSummary run_on_slurm(const std::vector<Cell>& cells, const SlurmArray& array) {
-  const fs::path script = array.root / "slurm.sh";
+  const fs::path script = array.root / "slurm.sh", errors = array.root / "slurm.err";
   write_file(script, job_script(array), true);
   for (const Cell& cell : cells) fs::remove(cell.failure());  // tried again
   std::size_t done = count_done(cells);
@@ -118,7 +123,7 @@ SweepSummary run_on_slurm(const std::vector<Cell>& cells, const SlurmArray& arra
   SweepSummary summary;
   for (int fruitless = 0; done + summary.failed + summary.skipped < cells.size();) {
     const std::size_t before = done;
-    follow(submit(script), cells, done, progress);
+    follow(submit(script, errors), errors, cells, done, progress);
     done = count_done(cells);
     summary = settled(cells);
     fruitless = done > before ? 0 : fruitless + 1;

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "engine/base/error.h"
+#include "engine/base/json_text.h"
 #include "engine/base/text.h"
 #include "engine/base/toml_file.h"
 
@@ -55,7 +56,7 @@ json selected(const json& cases, const json& names) {
   std::vector<std::string> known;
   for (const auto& [name, options] : cases.items()) known.push_back(name);
   for (const json& name : names) {
-    const auto text = name.is_string() ? name.get<std::string>() : name.dump();
+    const auto text = json_text(name);
     if (!cases.contains(text))
       throw usage_error(fmt::format("unknown case '{}'", text), suggestion(text, known));
     kept[text] = cases[text];

@@ -159,6 +159,14 @@ assert o['hand_velocity_m_per_s_high'].tolist() == [[34 / 8, 35 / 8, 36 / 8]] * 
       lines_of(folder_ / "o.csv")[0].starts_with("time_s,clip,step,start,hand_position_m_x"));
 }
 
+TEST_F(Tables, PredictionsOfALiveGloveBeginWithItsFirstWindow) {
+  put(folder_ / "live.jsonl",
+      "{\"time_s\":0.25,\"step\":0,\"start\":\"window\",\"object\":null,\"hand\":null}\n" +
+          prediction_line(0.5));
+  run("csv", "live.jsonl", "o.csv");
+  EXPECT_EQ(lines_of(folder_ / "o.csv").size(), 2u);
+}
+
 TEST_F(Tables, MessagesOfPredictions) {
   export_file("rosbag2", {FileKind::predictions, folder_ / "p.jsonl", folder_ / "bag"});
   const std::string text = read_file(folder_ / "bag/metadata.yaml");

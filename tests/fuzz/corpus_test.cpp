@@ -3,7 +3,7 @@
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
-#include "pipeline/acquire/import/zip_file.h"
+#include "pipeline/acquire/import/formats/zip_file.h"
 #include "tests/fuzz/fuzz_targets.h"
 
 namespace touchtrace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/acquire/import/byte_reader.h"
+#include "pipeline/acquire/import/formats/byte_reader.h"
 
 namespace touchtrace {
 

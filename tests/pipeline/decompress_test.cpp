@@ -1,4 +1,4 @@
-#include "pipeline/acquire/import/decompress.h"
+#include "pipeline/acquire/import/bags/decompress.h"
 
 #include <bzlib.h>
 #include <gtest/gtest.h>

@@ -109,6 +109,20 @@ TEST_F(ImportMasks, MayHaveAFileForEachBody) {
   EXPECT_EQ(std::ranges::count(masks, mask_other), std::ptrdiff_t(masks.size() - 2));
 }
 
+TEST_F(ImportMasks, OfBodiesMayHaveSixteenBits) {
+  cv::Mat hand(import_height, import_width, CV_16UC1, cv::Scalar(0));
+  hand.at<std::uint16_t>(0, 2) = 1;
+  write_file(folder_ / "masks" / "hand" / "0.png", encoded(hand), true);
+  output();
+  EXPECT_EQ(RecordingReader(folder_ / "out.h5").read_mask(0).at(2), mask_hand);
+}
+
+TEST_F(ImportMasks, MayNotAllBeEmpty) {
+  const cv::Mat empty(import_height, import_width, CV_8UC1, cv::Scalar(0));
+  write_file(folder_ / "masks" / "hand" / "0.png", encoded(empty), true);
+  expect_rejected("in", "all pixels of all masks are 0", options_);
+}
+
 TEST_F(ImportMasks, AreNotNeededForAWarningOfIntrinsics) {
   options_.masks.clear();
   write_file(folder_ / "in" / "K.txt", "14 0 8\n0 14 6\n0 0 1\n", true);  // of 16x12

@@ -1,5 +1,5 @@
 // Numbers in the names of image files.
-#include "pipeline/acquire/import/named_images.h"
+#include "pipeline/acquire/import/images/named_images.h"
 #include "tests/pipeline/import_samples.h"
 
 namespace touchtrace {

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "engine/base/random.h"
-#include "pipeline/label/error_budget.h"
-#include "pipeline/label/flights.h"
-#include "pipeline/label/states.h"
+#include "pipeline/label/states/error_budget.h"
+#include "pipeline/label/states/flights.h"
+#include "pipeline/label/states/states.h"
 
 namespace touchtrace::label {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "pipeline/label/box_centre.h"
+#include "pipeline/label/track/box_centre.h"
 
 namespace touchtrace::label {
 namespace {

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 
 #include "engine/base/random.h"
-#include "pipeline/label/calibration_error.h"
+#include "pipeline/label/states/calibration_error.h"
 
 namespace touchtrace::label {
 namespace {

@@ -21,7 +21,7 @@ TEST(LabelError, OfExactPositionsComesFromTheFrameRateAlone) {
   EXPECT_LT(error.object.aligned_velocity_rms_m_per_s, 0.05);
 }
 
-constexpr double latency_s = 0.5 / camera_rate_hz;  // taken for the camera's, which has none
+constexpr double latency_s = 2.0 / camera_rate_hz;  // taken for the camera's, which has none
 
 /// Labels whose raw positions have white noise and an error with a period of 4 s, and whose time
 /// stamps are late.

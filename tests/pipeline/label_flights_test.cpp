@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
-#include "pipeline/label/flights.h"
+#include "pipeline/label/states/flights.h"
 
 namespace touchtrace::label {
 namespace {

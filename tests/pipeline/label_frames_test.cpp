@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "pipeline/label/frame_prefetcher.h"
+#include "pipeline/label/track/frame_prefetcher.h"
 
 namespace touchtrace::label {
 namespace {

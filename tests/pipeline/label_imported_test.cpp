@@ -143,7 +143,7 @@ TEST(Label, FewMasksReplaceTheBoxes) {
   const Stage stage(false);
   const auto frames = masked(without_background(stage), [](std::size_t i) { return i == 47; });
   const auto labels = label_without_boxes(stage, frames);
-  EXPECT_EQ(labels.summary["observer"], "depth-color");
+  EXPECT_EQ(labels.summary["observer"], "depth-color and masks");
   const auto error = study::compare_labels_with_truth(labels, truth_of(stage)).object;
   EXPECT_LE(error.lost_share, 0.05);
   EXPECT_LE(error.wrong_share, 0.02);

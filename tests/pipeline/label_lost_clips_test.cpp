@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/error.h"
-#include "pipeline/label/lost_clips.h"
+#include "pipeline/label/states/lost_clips.h"
 #include "tests/pipeline/label_stage.h"
 
 namespace touchtrace::label {

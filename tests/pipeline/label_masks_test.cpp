@@ -1,7 +1,7 @@
 // Masks of some or all frames.
 #include <gtest/gtest.h>
 
-#include "pipeline/label/mask_boxes.h"
+#include "pipeline/label/learn/mask_boxes.h"
 #include "pipeline/study/label_error.h"
 #include "tests/pipeline/label_stage.h"
 
@@ -81,7 +81,7 @@ TEST(Label, UsesTheMasksOfSomeFrames) {
   options.tracker = "component";
   const auto labels =
       label_recording(recording_of(stage), misleading_colors(stage), calibration(), options);
-  EXPECT_EQ(labels.summary["observer"], "depth-color");
+  EXPECT_EQ(labels.summary["observer"], "depth-color and masks");
   const auto [hand, object] = study::compare_labels_with_truth(labels, truth_of(stage));
   EXPECT_LE(object.lost_share + object.wrong_share, 0.05);
   EXPECT_LE(hand.lost_share + hand.wrong_share, 0.05);
@@ -113,7 +113,7 @@ TEST(Label, MasksOfOneBodyDoNotHideTheOther) {
   for (const auto& frames :
        {masks_of_one(stage, mask_hand, 40), masks_of_one(stage, mask_object, all)}) {
     const auto labels = label_recording(recording_of(stage), frames, calibration(), options);
-    EXPECT_EQ(labels.summary["observer"], "depth-color");
+    EXPECT_EQ(labels.summary["observer"], "depth-color and masks");
     EXPECT_LE(labels.summary["object_follows_share"].get<double>() +
                   labels.summary["object_lost_share"].get<double>(),
               0.05);

@@ -5,8 +5,8 @@
 #include <opencv2/videoio.hpp>
 
 #include "engine/base/error.h"
-#include "pipeline/label/contact_sheet.h"
-#include "pipeline/label/preview.h"
+#include "pipeline/label/preview/contact_sheet.h"
+#include "pipeline/label/preview/preview.h"
 #include "tests/pipeline/label_stage.h"
 #include "tests/pipeline/recording_samples.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
-#include "pipeline/label/states.h"
+#include "pipeline/label/states/states.h"
 
 namespace touchtrace::label {
 namespace {

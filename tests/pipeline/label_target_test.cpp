@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "pipeline/label/target.h"
+#include "pipeline/label/track/target.h"
 
 namespace touchtrace::label {
 namespace {

@@ -27,6 +27,7 @@ TEST_P(LabelTest, TracksHandAndObject) {
   const Stage stage(thrown);
   LabelOptions options;
   options.tracker = tracker;
+  options.camera_latency_s = {0.0, 0.001};
   const auto labels =
       label_recording(recording_of(stage), frame_source(stage), calibration(), options);
   ASSERT_EQ(labels.time_s.size(), 88u);  // every counter value, the lost frame included
@@ -183,6 +184,7 @@ TEST(Label, KeepsTheOtherClipsIfOneCannotBeLabelled) {
   recording.clips[1].hand_box = {1, 1, 9, 9};
   LabelOptions options;
   options.tracker = "component";
+  options.camera_latency_s = {0.0, 0.001};
   const auto labels = label_recording(recording, frame_source(stage), calibration(), options);
   ASSERT_EQ(labels.summary["problems"].size(), 1u);
   EXPECT_EQ(labels.summary["problems"][0]["clip"], 1);

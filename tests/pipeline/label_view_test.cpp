@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/random.h"
+#include "pipeline/label/learn/scene_model.h"
 #include "pipeline/label/observe/background.h"
 #include "pipeline/label/observe/depth_color_observer.h"
-#include "pipeline/label/scene_model.h"
 
 namespace touchtrace::label {
 namespace {
@@ -45,7 +45,7 @@ SceneModel model() {
   CameraInfo info;
   info.width = width, info.height = height, info.depth_unit_m = unit_m;
   const auto segmenter = std::make_shared<Segmenter>(calibration, info);
-  segmenter->set_background(wall());
+  segmenter->set_background(wall(), std::nullopt);
   ColorClasses colors;
   colors.learn(segmenter->foreground_surface(frame()), hand_box, object_box);
   colors.build_table();

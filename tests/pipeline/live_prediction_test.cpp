@@ -141,6 +141,7 @@ TEST_F(LivePredictionTest, BridgesLostFramesWithTheLastImage) {
 }
 
 TEST_F(LivePredictionTest, EqualsPredictionsOfARecordingWithLostFrames) {
+  glove_ = wavy_glove(16, 12, 300, rate_hz);
   prepare(spec(ObjectEncoder::joint));
   Recording recording;
   recording.activity = "noise";

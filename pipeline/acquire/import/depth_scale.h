@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "pipeline/acquire/import/source.h"
+#include "pipeline/acquire/import/source/source.h"
 
 namespace touchtrace {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "pipeline/acquire/import/source.h"
+#include "pipeline/acquire/import/source/source.h"
 
 namespace touchtrace {
 

@@ -9,8 +9,8 @@
 #include "engine/base/progress.h"
 #include "pipeline/acquire/glove/baseline.h"
 #include "pipeline/acquire/glove/learn_glove.h"
-#include "pipeline/acquire/import/glove_times.h"
-#include "pipeline/acquire/import/glove_values.h"
+#include "pipeline/acquire/import/gloves/glove_times.h"
+#include "pipeline/acquire/import/gloves/glove_values.h"
 
 namespace touchtrace {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "engine/base/options.h"
 #include "pipeline/acquire/import/clip_file.h"
-#include "pipeline/acquire/import/glove_file.h"
+#include "pipeline/acquire/import/gloves/glove_file.h"
 #include "pipeline/recording/recording.h"
 
 namespace touchtrace {

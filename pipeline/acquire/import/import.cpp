@@ -8,7 +8,7 @@
 #include "engine/base/progress.h"
 #include "pipeline/acquire/import/background.h"
 #include "pipeline/acquire/import/clip_file.h"
-#include "pipeline/acquire/import/frame_numbers.h"
+#include "pipeline/acquire/import/images/frame_numbers.h"
 #include "pipeline/acquire/import/stream_copy.h"
 #include "pipeline/recording/frame_pairs.h"
 #include "pipeline/recording/recording_file.h"

@@ -12,7 +12,7 @@
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "engine/base/text.h"
-#include "pipeline/acquire/import/name_words.h"
+#include "pipeline/acquire/import/formats/name_words.h"
 
 namespace touchtrace {
 namespace {

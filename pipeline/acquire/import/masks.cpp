@@ -12,7 +12,7 @@
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/acquire/decode_image.h"
-#include "pipeline/acquire/import/named_images.h"
+#include "pipeline/acquire/import/images/named_images.h"
 #include "pipeline/recording/recording.h"
 
 namespace touchtrace {
@@ -140,7 +140,7 @@ bool is_grey(const cv::Mat& mask) {
 
 /// 255 where a body is.
 cv::Mat read_body(const fs::path& file, const cv::Size& size) {
-  const cv::Mat mask = decode_image(file, cv::IMREAD_GRAYSCALE);
+  const cv::Mat mask = decode_image(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
   if (mask.empty()) throw std::runtime_error("not a readable image");
   require_size(mask, size);
   double most = 0.0;
@@ -172,6 +172,7 @@ std::vector<std::uint8_t> InstanceMaskReader::read(const MaskFile& mask, const c
 
 cv::Mat InstanceMaskReader::read_bodies(const MaskFile& mask, const cv::Size& size) {
   cv::Mat values(size, CV_8U, cv::Scalar(mask_other));
+  found_.insert(0);
   if (!mask.hand.empty()) values.setTo(mask_hand, read_body(mask.hand, size));
   if (!mask.object.empty()) values.setTo(mask_object, read_body(mask.object, size));
   if (cv::countNonZero(values == mask_hand) > 0) found_.insert(ids_.hand);
@@ -195,6 +196,8 @@ cv::Mat InstanceMaskReader::read_instances(const fs::path& file, const cv::Size&
 
 void InstanceMaskReader::require_ids() const {
   if (found_.empty()) return;
+  if (found_ == std::set{0})
+    throw data_error("all pixels of all masks are 0", "give masks that show hand or object");
   const bool has_hand = found_.contains(ids_.hand), has_object = found_.contains(ids_.object);
   const std::string found = text_of(found_);
   if (!has_hand && !has_object)

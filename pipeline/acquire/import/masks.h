@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "pipeline/acquire/import/source.h"
+#include "pipeline/acquire/import/source/source.h"
 
 namespace touchtrace {
 

@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "pipeline/acquire/import/source.h"
+#include "pipeline/acquire/import/source/source.h"
 
 namespace touchtrace {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "pipeline/acquire/import/depth_scale.h"
-#include "pipeline/acquire/import/source.h"
+#include "pipeline/acquire/import/source/source.h"
 #include "pipeline/acquire/import/stream_copy.h"
 #include "pipeline/recording/recording.h"
 

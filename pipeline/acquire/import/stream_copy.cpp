@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/progress.h"
-#include "pipeline/acquire/import/frame_numbers.h"
+#include "pipeline/acquire/import/images/frame_numbers.h"
 
 namespace touchtrace {
 namespace {

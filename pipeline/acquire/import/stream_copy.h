@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/acquire/import/source.h"
+#include "pipeline/acquire/import/source/source.h"
 #include "pipeline/recording/recording.h"
 
 namespace touchtrace {

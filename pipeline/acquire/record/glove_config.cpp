@@ -42,7 +42,7 @@ GloveConfig parse(const nlohmann::json& json) {
     throw data_error(fmt::format("schema {}, expected \"{}\"", json["schema"].dump(), glove_schema),
                      "");
   GloveConfig config;
-  // Earlier versions wrote the file of a protocol of one's own as it was typed.
+  // Earlier versions stored the path of a custom protocol file as the user typed it.
   config.protocol = std::filesystem::path(json.at("protocol").get<std::string>()).stem().string();
   config.rows = static_cast<int>(number_between(json, "rows", 1, 255));
   config.cols = static_cast<int>(number_between(json, "cols", 1, 255));

@@ -146,6 +146,21 @@ std::vector<BodyFit> global_pose_candidates(const BodyView& view, const RoundedB
   return fits;
 }
 
+BodyFit fit_body_near(const BodyView& view, const RoundedBody& body,
+                      const Eigen::Isometry3d& start) {
+  const auto refit = [&](const Eigen::Isometry3d& pose) {
+    return optimize_pose(view, body, {pose, unknown_rotation_sigma_rad, negligible_position_weight},
+                         fine_loss_width_m, max_fine_steps);
+  };
+  auto best = refit(start);
+  const Eigen::Matrix3d rotation = best.camera_from_body.linear();
+  for (const Eigen::Quaterniond& permutation : axis_permutations()) {
+    const auto fit = refit(pose_behind_centroid(view, body, rotation * permutation));
+    if (fit.cost_m2 < best.cost_m2) best = fit;
+  }
+  return best;
+}
+
 BodyFit fit_body_globally(const BodyView& view, const RoundedBody& body) {
   return global_pose_candidates(view, body, negligible_position_weight).front();
 }

@@ -62,4 +62,9 @@ std::vector<BodyFit> global_pose_candidates(const BodyView& view, const RoundedB
 /// much as ten outliers and the body would be learnt too short.
 BodyFit fit_body_globally(const BodyView& view, const RoundedBody& body);
 
+/// Best fit from `start` and from those of its turns that exchange the body's axes, with a
+/// negligible position prior.
+BodyFit fit_body_near(const BodyView& view, const RoundedBody& body,
+                      const Eigen::Isometry3d& start);
+
 }  // namespace touchtrace::label

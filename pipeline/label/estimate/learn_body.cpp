@@ -52,26 +52,17 @@ struct FittedBody {
   double box_cost_m2 = 0.0;   ///< part of the box planes
 };
 
-/// The better of a global fit and one near the guess.
+/// A fit near the guess or its turns, or a global one without a guess.
 BodyFit fit_view(const BodyView& view, const RoundedBody& body, const Eigen::Isometry3d* guess) {
-  const auto global = fit_body_globally(view, body);
-  if (!guess) return global;
-  const auto near = refit_body(view, body, *guess, unknown_rotation_sigma_rad);
-  return near.cost_m2 < global.cost_m2 ? near : global;
+  return guess ? fit_body_near(view, body, *guess) : fit_body_globally(view, body);
 }
 
 double box_cost_m2(const BodyView& view, const RoundedBody& body,
                    const Eigen::Isometry3d& camera_from_body) {
-  const residuals::Shape shape{body.inner_m.x(), body.inner_m.y(), body.inner_m.z(), body.radius_m};
-  const Eigen::Quaterniond rotation(camera_from_body.linear());
-  const Eigen::Vector3d position_m = camera_from_body.translation();
   double cost_m2 = 0.0;
-  for (const auto& outward : view.box.outward) {
-    double residual_m = 0.0;
-    residuals::PlaneDistance{view.box, body.core, outward}(shape.data(), rotation.coeffs().data(),
-                                                           position_m.data(), &residual_m);
-    cost_m2 += plane_loss.cost(residual_m);
-  }
+  for (const auto& outward : view.box.outward)
+    cost_m2 += plane_loss.cost(extent_beyond_plane_m(body, camera_from_body, outward) /
+                               view.box.sigma_ratio);
   return cost_m2;
 }
 

@@ -1,11 +1,14 @@
 #include "pipeline/label/estimate/rounded_body.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace touchtrace::label {
 namespace {
 
 constexpr int bisections = 9;  // of the segment inside the bounding sphere: to about 0.1 mm
+// Keeps points off a cylinder's axis, where the gradient is undefined.
+constexpr double axis_offset_m = 1e-15;
 constexpr double certain_miss_ratio = 1.0 + 1e-6;  // squared distance over squared radius
 
 /// Range of a segment's parameter (0 to 1) inside a sphere about the origin; nullopt if the line
@@ -39,11 +42,30 @@ SurfaceDistance distance_from_box(const RoundedBody& body, const Eigen::Vector3d
 
 SurfaceDistance surface_distance(const RoundedBody& body, const Eigen::Vector3d& point_m) {
   if (body.core == Core::box) return distance_from_box(body, point_m);
-  const Eigen::Vector3d section = to_section(body.core, point_m);
-  auto surface = distance_from_box(body, section);
+  // In the half-plane through its axis and the point, a cylinder is a box.
   const Eigen::Vector2d radial(point_m.x() + axis_offset_m, point_m.y());
-  surface.outward.head<2>() = surface.outward.x() / section.x() * radial;
+  const double radius_m = radial.norm();
+  auto surface = distance_from_box(body, {radius_m, 0.0, point_m.z()});
+  surface.outward.head<2>() = surface.outward.x() / radius_m * radial;
   return surface;
+}
+
+Eigen::Vector3d core_support_point(Core core, const Eigen::Vector3d& direction,
+                                   const Eigen::Vector3d& inner_m) {
+  Eigen::Vector3d point;
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    point[axis] = direction[axis] < 0.0 ? -inner_m[axis] : inner_m[axis];
+  if (core == Core::box) return point;
+  const Eigen::Vector2d radial(direction.x() + axis_offset_m, direction.y());
+  point.head<2>() = inner_m.x() * radial.normalized();
+  return point;
+}
+
+double extent_beyond_plane_m(const RoundedBody& body, const Eigen::Isometry3d& camera_from_body,
+                             const Eigen::Vector3d& outward) {
+  const Eigen::Vector3d direction = camera_from_body.linear().transpose() * outward;
+  return outward.dot(camera_from_body.translation()) +
+         core_support_point(body.core, direction, body.inner_m).dot(direction) + body.radius_m;
 }
 
 double symmetric_rotation_distance(Core core, const Eigen::Quaterniond& from,

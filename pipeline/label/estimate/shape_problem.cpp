@@ -8,19 +8,9 @@ namespace {
 
 constexpr int max_iterations = 25;
 constexpr double min_radius_m = 0.002;
-constexpr int shape_size = 4;
 /// Tikhonov regularisation, relative to the largest diagonal element: a cylinder's rotation about
 /// its axis is unobservable.
 constexpr double regularisation = 1e-9;
-
-/// Jacobian [3, 4] of the half extents with respect to the shape parameters.
-Eigen::MatrixXd half_extent_jacobian(Core core) {
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3, shape_size);
-  jacobian(0, 0) = jacobian(2, 2) = 1.0;
-  jacobian(1, static_cast<Eigen::Index>(residuals::second_width(core))) = 1.0;
-  jacobian.col(3).setOnes();
-  return jacobian;
-}
 
 }  // namespace
 
@@ -30,31 +20,25 @@ ShapeProblem::ShapeProblem(const std::vector<BodyView>& views, const RoundedBody
       shape_{body.inner_m.x(), body.inner_m.y(), body.inner_m.z(), body.radius_m},
       poses_(poses.begin(), poses.end()) {
   for (std::size_t i = 0; i < views.size(); ++i) add_view(views[i], poses_[i], loss_width_m);
-  using residuals::Compactness;
-  problem_.AddResidualBlock(
-      new ceres::AutoDiffCostFunction<Compactness, 3, 4>(new Compactness{core_, compactness}),
-      nullptr, shape_.data());
+  problem_.AddResidualBlock(new residuals::Compactness(core_, compactness), nullptr, shape_.data());
   for (int i = 0; i < 3; ++i) problem_.SetParameterLowerBound(shape_.data(), i, 0.0);
   problem_.SetParameterLowerBound(shape_.data(), 3, min_radius_m);
 }
 
-template <class Residual>
-void ShapeProblem::add(Residual* residual, ceres::LossFunction* loss, Pose& pose) {
-  problem_.AddResidualBlock(
-      new ceres::AutoDiffCostFunction<Residual, 1, shape_size, 4, 3>(residual), loss, shape_.data(),
-      pose.rotation.coeffs().data(), pose.position_m.data());
-}
-
 void ShapeProblem::add_view(const BodyView& view, Pose& pose, double loss_width_m) {
+  const auto add = [&](residuals::BodyResidual* residual, ceres::LossFunction* loss) {
+    problem_.AddResidualBlock(residual, loss, shape_.data(), pose.rotation.coeffs().data(),
+                              pose.position_m.data());
+  };
   for (const auto& point : view.surface_points)
-    add(new residuals::PointDistance{view, core_, point.cast<double>()},
-        new residuals::SquaredGemanMcClureLoss(loss_width_m), pose);
+    add(new residuals::PointDistance(view, core_, point.cast<double>()),
+        new residuals::SquaredGemanMcClureLoss(loss_width_m));
   for (const auto& end : view.free_space_endpoints)
-    add(new residuals::RayDepth{core_, view.origin_m, end.cast<double>()},
-        new residuals::SquaredGemanMcClureLoss(loss_width_m), pose);
+    add(new residuals::RayDepth(core_, view.origin_m, end.cast<double>()),
+        new residuals::SquaredGemanMcClureLoss(loss_width_m));
   for (const auto& outward : view.box.outward)
-    add(new residuals::PlaneDistance{view.box, core_, outward},
-        new ceres::HuberLoss(plane_loss.width_m), pose);
+    add(new residuals::PlaneDistance(view.box, core_, outward),
+        new ceres::HuberLoss(plane_loss.width_m));
   problem_.SetManifold(pose.rotation.coeffs().data(), new ceres::EigenQuaternionManifold);
 }
 
@@ -96,7 +80,7 @@ Eigen::Vector3d ShapeProblem::half_extent_sigma_m() {
   Eigen::MatrixXd normal = normal_matrix();
   normal.diagonal().array() += regularisation * normal.diagonal().maxCoeff();
   Eigen::MatrixXd half_extents = Eigen::MatrixXd::Zero(normal.rows(), 3);
-  half_extents.topRows<shape_size>() = half_extent_jacobian(core_).transpose();
+  half_extents.topRows<4>() = residuals::half_extent_jacobian(core_).transpose();
   const Eigen::MatrixXd covariance = half_extents.transpose() * normal.ldlt().solve(half_extents);
   return point_sigma_m * covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
 }

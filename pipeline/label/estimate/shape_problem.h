@@ -25,7 +25,7 @@ class ShapeProblem {
   ShapeProblem& operator=(const ShapeProblem&) = delete;
 
   void solve();
-  RoundedBody body() const { return residuals::body_of(core_, shape_); }
+  RoundedBody body() const { return residuals::body_of(core_, shape_.data()); }
   Poses poses() const;
   /// Standard deviations of the half extents, poses marginalised; first order, for independent
   /// points of `point_sigma_m`.
@@ -41,8 +41,6 @@ class ShapeProblem {
   };
 
   void add_view(const BodyView& view, Pose& pose, double loss_width_m);
-  template <class Residual>
-  void add(Residual* residual, ceres::LossFunction* loss, Pose& pose);
   /// J' J; the shape comes first.
   Eigen::MatrixXd normal_matrix();
 

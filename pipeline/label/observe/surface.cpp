@@ -9,8 +9,8 @@
 namespace touchtrace::label {
 namespace {
 
-// A foreground point is nearer than the background by the larger of the two.
-constexpr double background_gap_m = 0.06, background_gap_fraction = 0.04;
+constexpr double background_gap_m = 0.06, background_gap_fraction = 0.04;  // the larger of the two
+constexpr double min_gap_m = 0.02, gap_sigmas = 6.0;
 // A point so far behind another one of the same colour pixel is occluded in the colour image.
 constexpr float occlusion_m = 0.05f;
 constexpr float min_depth_m = 0.05f;
@@ -60,11 +60,17 @@ double Segmenter::background_gap(double background) const {
   return std::max(background_gap_m / depth_unit_m_, background_gap_fraction * background);
 }
 
-void Segmenter::set_background(std::vector<std::uint16_t> depth) {
+void Segmenter::set_background(std::vector<std::uint16_t> depth,
+                               std::optional<double> noise_at_1m) {
   limit_ = std::move(depth);
   limit_.resize(rays_.size());
-  for (auto& limit : limit_)
-    limit = static_cast<std::uint16_t>(std::max(0.0, limit - background_gap(limit)));
+  for (auto& limit : limit_) {
+    const double noise_m = noise_at_1m ? *noise_at_1m * std::pow(depth_unit_m_ * limit, 2)
+                                       : std::numeric_limits<double>::infinity();
+    const double gap =
+        std::min(background_gap(limit), std::max(min_gap_m, gap_sigmas * noise_m) / depth_unit_m_);
+    limit = static_cast<std::uint16_t>(std::max(0.0, limit - gap));
+  }
 }
 
 std::vector<std::size_t> Segmenter::depth_pixels_in(const RgbdFrame& frame,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,8 +45,10 @@ class Segmenter {
   /// Without a background: every measurement is in front of it.
   Segmenter(const RgbdCalibration& calibration, const CameraInfo& camera);
 
-  /// `depth` [depth height, depth width]: counts of the empty scene; 0: unknown.
-  void set_background(std::vector<std::uint16_t> depth);
+  /// `depth` [depth height, depth width]: counts of the empty scene; 0: unknown. Points in front of
+  /// it by six standard deviations of its noise (20 mm at least), or by background_gap() if that is
+  /// less, are foreground. `noise_at_1m` [m]: see depth_noise_at_1m().
+  void set_background(std::vector<std::uint16_t> depth, std::optional<double> noise_at_1m);
   /// Indices of the depth pixels with a measurement whose points are inside a box of the colour
   /// image.
   std::vector<std::size_t> depth_pixels_in(const RgbdFrame& frame, const PixelBox& box) const;
@@ -73,7 +76,8 @@ class Segmenter {
   std::size_t color_pixel(const SurfacePoint& point) const {
     return static_cast<std::size_t>(point.v * width_ + point.u);
   }
-  /// Least depth [counts] by which a point is in front of the background at `background` counts.
+  /// Depth [counts] by which a point is certainly in front of the background at `background`
+  /// counts, whatever the noise.
   double background_gap(double background) const;
 
  private:

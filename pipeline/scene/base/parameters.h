@@ -159,7 +159,7 @@ struct CameraParameters {
   double height_m = 1.35, place_std_m = 0.02, pitch_std_deg = 1.0;
   double gravity_std_deg = 0.3;
   double clock_ppm = 30.0, jitter_s = 0.003, dropped_fraction = 0.005;
-  Interval latency_s{0.010, 0.040};
+  Interval latency_periods{1.0, 3.0};
 };
 
 struct SceneParameters {

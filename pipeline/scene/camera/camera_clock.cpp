@@ -36,7 +36,7 @@ CameraClock make_camera_clock(const SceneOptions& options) {
   CameraClock clock;
   clock.offset_s = random.uniform(5.0, 50.0);
   clock.drift = random.normal(0.0, 1e-6 * p.clock_ppm);
-  clock.latency_s = random.uniform(p.latency_s[0], p.latency_s[1]);
+  clock.latency_s = clock.period_s * random.uniform(p.latency_periods[0], p.latency_periods[1]);
   clock.jitter_s = p.jitter_s, clock.drop_share = p.dropped_fraction;
   clock.seed = options.seed;
   return clock;

@@ -6,9 +6,9 @@
 
 #include "engine/base/random.h"
 #include "engine/base/statistics.h"
-#include "pipeline/label/flights.h"
-#include "pipeline/label/states.h"
-#include "pipeline/label/timeline.h"
+#include "pipeline/label/states/flights.h"
+#include "pipeline/label/states/states.h"
+#include "pipeline/label/states/timeline.h"
 #include "pipeline/scene/camera/visible.h"
 #include "pipeline/study/truth_samples.h"
 

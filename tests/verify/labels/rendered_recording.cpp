@@ -6,7 +6,7 @@
 #include "calib/rgbd/calibrate.h"
 #include "engine/cl/runtime.h"
 #include "pipeline/acquire/board_views.h"
-#include "pipeline/label/timeline.h"
+#include "pipeline/label/states/timeline.h"
 #include "pipeline/scene/simulate/simulate.h"
 
 namespace touchtrace::study {

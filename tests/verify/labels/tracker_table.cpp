@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "pipeline/label/box_tracker.h"
+#include "pipeline/label/track/box_tracker.h"
 #include "pipeline/scene/person/activity.h"
 #include "pipeline/study/label_error.h"
 #include "tests/verify/labels/rendered_recording.h"

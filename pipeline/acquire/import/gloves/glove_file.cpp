@@ -1,0 +1,48 @@
+#include "pipeline/acquire/import/gloves/glove_file.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <fstream>
+
+#include "engine/base/error.h"
+
+namespace touchtrace {
+namespace {
+
+constexpr std::array<GloveFileKind, 3> glove_file_kinds{{
+    {"HDF5 of the WiReSens toolkit or of ActionSense", is_glove_hdf5, read_glove_hdf5},
+    {"NumPy archive (.npz with time_s and counts)", is_glove_numpy, read_glove_numpy},
+    {"table (.csv, .txt) with a time and all taxels in each row", is_glove_table, read_glove_table},
+}};
+
+/// Text that Git LFS leaves in place of a file.
+bool is_lfs_pointer(const std::filesystem::path& file) {
+  std::string line;
+  std::getline(std::ifstream(file), line);
+  return line.starts_with("version https://git-lfs");
+}
+
+}  // namespace
+
+GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOptions& options) {
+  if (!std::filesystem::is_regular_file(file))
+    throw data_error(fmt::format("{} is not a file", file.string()), "check the path");
+  if (is_lfs_pointer(file))
+    throw data_error(fmt::format("{} is a pointer of Git LFS, not the data", file.string()),
+                     "run `git lfs pull` in its repository");
+  std::string names;
+  for (const GloveFileKind& kind : glove_file_kinds) {
+    if (kind.is_kind(file)) {
+      GloveFile glove = kind.read(file, options);
+      if (glove.time_s.empty())
+        throw data_error(fmt::format("{} has no frames", file.string()), "record again");
+      return glove;
+    }
+    names += fmt::format("{}{}", names.empty() ? "" : "; ", kind.name);
+  }
+  throw data_error(fmt::format("{} is not a file of a tactile glove", file.string()),
+                   "give one of: " + names);
+}
+
+}  // namespace touchtrace

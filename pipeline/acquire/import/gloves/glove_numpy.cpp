@@ -1,0 +1,100 @@
+#include <fmt/core.h>
+
+#include "engine/base/error.h"
+#include "pipeline/acquire/import/formats/numpy_file.h"
+#include "pipeline/acquire/import/gloves/glove_file.h"
+
+namespace touchtrace {
+namespace {
+
+using Names = std::vector<std::string>;
+
+const Names time_names{"time_s",    "host_time_s", "times", "timestamps",
+                       "timestamp", "time",        "ts",    "t"};
+const Names value_names{"counts", "pressure", "tactile_data", "tactile", "data", "values"};
+
+constexpr const char* sequence_name = "sequence";
+constexpr const char* epoch_name = "epoch_unix_s";
+constexpr double max_number = 9e15;
+
+/// First of `names` that exists.
+const NumpyArray& find_array(const std::map<std::string, NumpyArray>& arrays, const Names& names,
+                             const std::filesystem::path& file) {
+  for (const auto& name : names)
+    if (const auto found = arrays.find(name); found != arrays.end()) return found->second;
+  std::string list;
+  for (const auto& name : names) list += (list.empty() ? "" : ", ") + name;
+  throw data_error(fmt::format("{} has no array {}", file.string(), names[0]),
+                   "it may have one of the names " + list);
+}
+
+void require_archive(const std::filesystem::path& file) {
+  if (file.extension() == ".npz") return;
+  throw data_error(
+      fmt::format("{} is a single array: it has no times", file.string()),
+      fmt::format("join them in Python: numpy.savez('glove.npz', counts=numpy.load('{}'), "
+                  "time_s=...)",
+                  file.filename().string()));
+}
+
+void require_shape(const NumpyArray& times, const NumpyArray& values) {
+  const std::size_t axes = values.shape.size();
+  if ((axes != 2 && axes != 3) || values.size() == 0 || values.shape[0] != times.size())
+    throw data_error(fmt::format("the arrays of the glove have {} times and {} frames of {} axes",
+                                 times.size(), axes > 0 ? values.shape[0] : 0, axes),
+                     "times are [frames], counts are [frames, rows, cols] or [frames, taxels]");
+}
+
+/// Options with the shape of an array of frames. Throws data_error if they contradict it.
+GloveFileOptions layout_of(const NumpyArray& values, GloveFileOptions options) {
+  if (values.shape.size() != 3) return options;
+  const auto rows = static_cast<int>(values.shape[1]), cols = static_cast<int>(values.shape[2]);
+  if ((options.rows > 0 && options.rows != rows) || (options.cols > 0 && options.cols != cols))
+    throw data_error(fmt::format("the array has {} x {} taxels, not {} x {}", rows, cols,
+                                 options.rows, options.cols),
+                     "leave out --rows and --cols");
+  options.rows = rows, options.cols = cols;
+  return options;
+}
+
+/// Frame numbers; empty if the array has another length.
+std::vector<std::uint64_t> sequence_of(const NumpyArray& array, std::size_t frames) {
+  std::vector<std::uint64_t> sequence;
+  if (array.size() != frames) return sequence;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const double number = array.at(i);
+    const bool is_number = number >= 0.0 && number <= max_number;
+    sequence.push_back(is_number ? static_cast<std::uint64_t>(number) : 0);
+  }
+  return sequence;
+}
+
+}  // namespace
+
+bool is_glove_numpy(const std::filesystem::path& file) { return is_numpy_file(file); }
+
+GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOptions& options) {
+  require_archive(file);
+  require_no_stream(options);
+  Names wanted = time_names;
+  wanted.insert(wanted.end(), {sequence_name, epoch_name});
+  wanted.insert(wanted.end(), value_names.begin(), value_names.end());
+  const auto arrays = read_numpy_archive(file, wanted);
+  const NumpyArray &times = find_array(arrays, time_names, file),
+                   &values = find_array(arrays, value_names, file);
+  require_shape(times, values);
+  GloveFile glove;
+  set_layout(glove, values.size() / times.size(), layout_of(values, options));
+  for (std::size_t i = 0; i < times.size(); ++i) glove.time_s.push_back(times.at(i));
+  glove.has_time_unit =
+      times.per_second > 0.0 || arrays.contains("time_s") || arrays.contains("host_time_s");
+  if (const auto numbers = arrays.find(sequence_name); numbers != arrays.end())
+    glove.sequence = sequence_of(numbers->second, times.size());
+  if (const auto epoch = arrays.find(epoch_name); epoch != arrays.end() && epoch->second.size() > 0)
+    glove.epoch_unix_s = epoch->second.at(0);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    glove.values.push_back(static_cast<float>(values.at(i)));
+  return glove;
+}
+
+}  // namespace touchtrace

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/acquire/import/gloves/glove_file.h"
+
+namespace touchtrace {
+
+/// Frames of a file in the order of their times.
+struct GloveTimes {
+  std::vector<std::size_t> frames;      ///< indices in the file, without those that run backward
+  std::vector<double> time_s;           ///< [frames], the file's clock
+  std::vector<std::uint64_t> sequence;  ///< [frames], the file's numbers, else counted
+  double rate_hz = 0.0;                 ///< mean, without lost frames
+};
+
+/// Converts the stamps of a file to seconds; see stamp_unit(). Frames that share a stamp are spread
+/// evenly over the time until the next one, if that is over 10 % of them. Reports what is not
+/// obvious. Throws data_error for stamps without a plausible rate and for more than 10^6 s.
+GloveTimes glove_times(const GloveFile& file);
+
+}  // namespace touchtrace

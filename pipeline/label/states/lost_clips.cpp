@@ -1,0 +1,94 @@
+#include "pipeline/label/states/lost_clips.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "engine/base/error.h"
+#include "pipeline/label/states/summary.h"
+
+namespace touchtrace::label {
+namespace {
+
+/// Longest stretch of frames in which hand and object were found: first frame and number.
+std::pair<std::size_t, std::size_t> longest_found(const ClipTrack& track) {
+  std::pair<std::size_t, std::size_t> longest{0, 0};
+  for (std::size_t i = 0, count = 0; i < track.time_s.size(); ++i) {
+    count = track.hand[i].found && track.object[i].found ? count + 1 : 0;
+    if (count > longest.second) longest = {i + 1 - count, count};
+  }
+  return longest;
+}
+
+/// What helps, with the longest span of time in which both were found.
+std::string remedy(const ClipTrack& track, bool has_mask_boxes) {
+  const std::string boxes =
+      has_mask_boxes ? "check the masks, or draw boxes (`touchtrace mark`)"
+                     : "draw boxes in a frame that shows both better (`touchtrace mark`)";
+  const auto [first, count] = longest_found(track);
+  if (count < 2) return boxes;
+  return fmt::format(
+      "both are found longest from {:.2f} to {:.2f} s: cut the clip there (`import --clips`), or "
+      "{}",
+      track.time_s[first], track.time_s[first + count - 1], boxes);
+}
+
+std::string lost_problem(const char* body, double lost_fraction, const ClipTrack& track,
+                         bool has_mask_boxes) {
+  return fmt::format(
+      "{} lost in {:.0f} % of the camera frames; {}; check calibration and that background frames "
+      "show no person",
+      body, 100.0 * lost_fraction, remedy(track, has_mask_boxes));
+}
+
+std::string unsmoothed_problem(const char* body, SmoothStatus status) {
+  return fmt::format(
+      "the measured positions of the {} do not fit a smooth motion ({}): another body may have "
+      "been taken for it; look at them with --preview, draw boxes in another frame, or cut the "
+      "clip (`import --clips`)",
+      body, name_of(status));
+}
+
+}  // namespace
+
+void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tracks) {
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (!clips[i].is_usable()) continue;
+    const auto statistics = frame_statistics(tracks[i]);
+    for (const auto& [body, lost] :
+         {std::pair{"hand", statistics.hand_lost}, {"object", statistics.object_lost}})
+      if (lost > 1.0 - min_found_fraction)
+        clips[i].problem = lost_problem(body, lost, tracks[i], clips[i].has_mask_boxes);
+    if (!clips[i].problem.empty()) tracks[i] = {};
+  }
+}
+
+void drop_unsmoothed_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tracks,
+                           SmoothedBodies& bodies) {
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (!clips[i].is_usable()) continue;
+    for (const auto& [name, smoothed] :
+         {std::pair{"hand", &bodies.hand}, {"object", &bodies.object}})
+      if (const auto status = smoothed->tracks[i].status; status != SmoothStatus::converged)
+        clips[i].problem = unsmoothed_problem(name, status);
+    if (clips[i].is_usable()) continue;
+    tracks[i] = {};
+    bodies.hand.tracks[i] = bodies.object.tracks[i] = {};
+  }
+}
+
+void require_usable_clip(const std::vector<ClipFrames>& clips) {
+  if (std::ranges::any_of(clips, &ClipFrames::is_usable)) return;
+  const auto faulty =
+      std::ranges::find_if(clips, [](const ClipFrames& c) { return !c.problem.empty(); });
+  throw data_error(
+      faulty == clips.end() ? std::string("no clip has camera frames")
+                            : fmt::format("no clip can be labelled; clip {}: {}",
+                                          faulty - clips.begin(), faulty->problem),
+      faulty != clips.end() && faulty->has_mask_boxes
+          ? "run: touchtrace check RECORDING; check the masks and, of `import`, "
+            "--hand-id and --object-id"
+          : "run: touchtrace check RECORDING; draw boxes by: touchtrace mark RECORDING");
+}
+
+}  // namespace touchtrace::label

@@ -1,0 +1,311 @@
+#include "pipeline/label/track/clip_tracker.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/interrupt.h"
+#include "pipeline/label/estimate/box_planes.h"
+#include "pipeline/label/estimate/pose_tracker.h"
+#include "pipeline/label/estimate/sphere_fit.h"
+#include "pipeline/label/observe/lift.h"
+#include "pipeline/label/observe/mask_observer.h"
+#include "pipeline/label/track/box_tracker.h"
+#include "pipeline/label/track/grip.h"
+#include "pipeline/label/track/other_bodies.h"
+#include "pipeline/label/track/target_filter.h"
+
+namespace touchtrace::label {
+namespace {
+
+// Standard deviations of a hidden object's position for the filter: from the hand; from the first
+// box.
+constexpr double in_hand_sigma_m = 0.02, first_box_sigma_m = 0.03;
+constexpr double min_occluded_fraction = 0.5;  // of a hidden object's rays
+constexpr double released_m = 0.07;          // grown distance to the hand of an object that left it
+constexpr double max_unseen_flight_s = 1.0;  // an object unseen for longer has been caught
+constexpr double view_reach_factor = 2.0;    // from a visible end of an object to its other end
+constexpr double max_misfit_m = 0.01;        // median distance of an object's points from its body
+constexpr std::size_t max_misfit_points = 200;
+constexpr std::size_t min_hand_points = 30, min_object_points = 6;
+
+class ClipTracker {
+ public:
+  ClipTracker(const SceneModel& scene, FramePrefetcher::Reader& frames, const ClipFrames& clip,
+              const Eigen::Vector3d& gravity, const TrackerKind& kind)
+      : scene_(scene),
+        frames_(frames),
+        clip_(clip),
+        gravity_(gravity),
+        shape_(scene.object_shape.at(clip.object)),
+        hand_(Body::hand, hand_disc_radius_m, hand_patch_radius_m, min_hand_points, kind),
+        object_(Body::object, shape_.radius_m, object_patch_radius_factor * shape_.radius_m,
+                min_object_points, kind) {
+    if (!scene.objects_with_hand_color.contains(clip.object) && scene.only_masked_body != mask_hand)
+      others_.emplace(*scene.segmenter, scene.depth_noise_at_1m);
+    if (shape_.body) pose_.emplace(*shape_.body);
+  }
+
+  void step(SegmentedFrame segmented, double seconds, ClipTrack& track) {
+    auto& [frame, surface, image] = segmented;
+    const bool has_mask = scene_.has_some_masks && !frame.mask.empty(),
+               is_masked = has_mask && scene_.only_masked_body != mask_object;
+    if (is_started_ && !others_) scene_.split_object(surface, clip_.object, hand_.predicted_m());
+    std::optional<Patch> hand, object;
+    if (!is_started_) {
+      // a box excludes the other hand and the bare arm
+      hand = is_masked ? find_masked_hand(frame, surface, image, {})
+                       : hand_.find_in_box(points_in(surface, clip_.hand_box), clip_.hand_box);
+      if (hand && others_ && !is_masked)
+        others_->start(surface, clip_.hand_box, clip_.object_box, *hand);
+      object = object_.find_in_box(surface, clip_.object_box);
+    } else {
+      hand_.predict(seconds, false, gravity_);
+      object_.predict(seconds, is_away_, gravity_);
+      const auto [hand_box, object_box] = update_trackers(image);
+      hand = is_masked ? find_masked_hand(frame, surface, image, hand_box)
+                       : find_hand(surface, image, hand_box, seconds);
+      if (hand && hand_.is_lost() && object_.is_lost()) assume_in_hand(*hand);
+      object = object_.find(surface, image, object_box, *scene_.segmenter, position_in_hand(hand));
+      if (!object && has_mask && scene_.only_masked_body != mask_hand)
+        object = object_.find_in_box(surface, mask_box(frame, mask_object, image_width()));
+    }
+    frame_ = track.hand.size();
+    track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
+    unseen_s_ += seconds;
+    track.object.push_back(object ? observe_object(*object, frame) : Observation{});
+    update(track.hand.back(), track.object.back(), frame, image);
+  }
+
+  /// Replaces the object's poses by the most likely ones given all frames.
+  void smooth_poses(ClipTrack& track) const {
+    if (!pose_) return;
+    const auto fits = pose_->viterbi_path();
+    const auto ambiguity_m2 = pose_->ambiguity_m2(fits);
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+      Observation& object = track.object[posed_frames_[i].frame];
+      set_position(object, fits[i], posed_frames_[i].num_points);
+      add_misfit(fits[i], posed_frames_[i].surface_points, object);
+      object.sigma_m = (object.sigma_m.cwiseAbs2() + ambiguity_m2[i]).cwiseSqrt();
+    }
+  }
+
+  int tracker_starts() const { return hand_.tracker_starts() + object_.tracker_starts(); }
+
+ private:
+  /// Boxes of the image trackers on hand and object.
+  std::array<std::optional<PixelBox>, 2> update_trackers(const MaskedImage& image) {
+    const auto& camera = scene_.segmenter->color_camera();
+    std::array<std::optional<PixelBox>, 2> boxes;
+    frames_.run_in_parallel([&] { boxes[0] = hand_.update_tracker(image, camera); },
+                            [&] { boxes[1] = object_.update_tracker(image, camera); });
+    return boxes;
+  }
+
+  std::optional<Patch> find_hand(Surface& surface, const MaskedImage& image,
+                                 const std::optional<PixelBox>& box, double seconds) {
+    if (others_) others_->exclude_from(surface, seconds);
+    auto hand = hand_.find(surface, image, box, *scene_.segmenter, std::nullopt, hand_reach());
+    if (!others_ || others_->update(hand)) return hand;
+    hand_.lose();
+    return std::nullopt;
+  }
+
+  int image_width() const { return scene_.segmenter->color_camera().width; }
+
+  /// Finds the hand among the mask's points, which no other body has. Other points of its
+  /// colour belong to other bodies and become `rest`.
+  std::optional<Patch> find_masked_hand(const RgbdFrame& frame, Surface& surface,
+                                        const MaskedImage& image,
+                                        const std::optional<PixelBox>& box) {
+    const Surface colored = surface;
+    scene_.observer->classify(frame, clip_.object, surface);
+    const PixelBox hand_box = mask_box(frame, mask_hand, image_width());
+    std::optional<Patch> hand;
+    if (is_started_) hand = hand_.find(surface, image, box, *scene_.segmenter, std::nullopt);
+    if (!hand) hand = hand_.find_in_box(surface, hand_box);
+    if (hand && others_)
+      others_->start(colored, hand_box, mask_box(frame, mask_object, image_width()), *hand);
+    return hand;
+  }
+
+  Observation observe_object(const Patch& patch, const RgbdFrame& frame) {
+    auto view = scene_.view_object(frame, clip_.object, patch, view_reach_factor * shape_.reach_m(),
+                                   pose_.has_value());
+    if (frame_ == 0 && !clip_.has_mask_boxes)
+      view.box = box_planes(scene_.segmenter->color_camera(), clip_.object_box, patch.centroid_m);
+    const double unseen_s = std::exchange(unseen_s_, 0.0);
+    Observation object{true, false, {}, {}, patch.box};
+    const std::size_t points = view.surface_points.size();
+    if (pose_) {
+      posed_frames_.push_back({frame_, points, every_nth(view.surface_points, max_misfit_points)});
+      set_position(object, pose_->update(view, unseen_s), points);
+    } else {
+      const auto fit = fit_sphere(view, shape_.radius_m);
+      set_position(object, fit.centre_m, fit.information, points);
+    }
+    return object;
+  }
+
+  void set_position(Observation& object, const BodyFit& fit, std::size_t points) const {
+    set_position(object, fit.centre_m(), fit.centre_information(), points);
+  }
+
+  /// Sets position and standard deviation from a fit to so many points.
+  void set_position(Observation& object, const Eigen::Vector3d& centre_m,
+                    const Eigen::Matrix3d& information, std::size_t points) const {
+    const double visible =
+        static_cast<double>(points) / scene_.segmenter->disc_pixels(shape_.radius_m, centre_m.z());
+    object.position_m = centre_m;
+    object.sigma_m =
+        position_sigma(information, visible, pose_ ? point_sigma_m : sphere_point_sigma_m);
+  }
+
+  /// Adds the points' distance from the body to the standard deviation of a pose that most of them
+  /// contradict.
+  void add_misfit(const BodyFit& fit, const std::vector<Eigen::Vector3f>& points,
+                  Observation& object) const {
+    const double misfit_m = median_distance_m(points, *shape_.body, fit.camera_from_body);
+    if (misfit_m > max_misfit_m)
+      object.sigma_m = (object.sigma_m.array().square() + misfit_m * misfit_m).sqrt();
+  }
+
+  /// Position of the object if the hand holds it; nullopt if it has left the hand.
+  std::optional<Eigen::Vector3d> position_in_hand(const std::optional<Patch>& hand) const {
+    if (!hand || is_away_) return std::nullopt;
+    return hand->centroid_m + grip_.object_from_hand_m();
+  }
+
+  /// Where the hand is that holds a visible object. Bare, it has the colour of its arm, and its
+  /// patch would slide along the arm.
+  std::optional<Ball> hand_reach() const {
+    if (is_away_ || unseen_s_ > 0.0) return std::nullopt;
+    return Ball{object_.predicted_m(),
+                grip_.initial_distance_m() + released_m + hand_patch_radius_m};
+  }
+
+  /// After both were lost, the object is assumed to be in the hand again.
+  void assume_in_hand(const Patch& hand) {
+    is_away_ = false;
+    object_.set_hidden(hand.centroid_m + grip_.object_from_hand_m(), first_box_sigma_m);
+  }
+
+  /// Updates filters, grip and is_away_. An object hidden in the hand moves with the hand.
+  void update(const Observation& hand, Observation& object, const RgbdFrame& frame,
+              const MaskedImage& image) {
+    if (!is_started_) {
+      start(hand, object, image);
+      return;
+    }
+    if (hand.found) hand_.measure(hand.position_m, hand_sigma_m);
+    if (!object.found && hand.found) {
+      is_away_ = is_away_ && !is_back(hand);
+      if (!is_away_) follow_hand(hand, frame, object);
+    }
+    if (object.follows_hand)
+      object_.set_hidden(object.position_m, in_hand_sigma_m);
+    else if (object.found)
+      object_.measure(object.position_m, object.sigma_m.maxCoeff());
+    if (hand.found && object.found && !object.follows_hand) {
+      const Eigen::Vector3d offset = object.position_m - hand.position_m;
+      is_away_ = offset.norm() > grip_.initial_distance_m() + released_m;
+      if (!is_away_) grip_.add(offset);
+    }
+  }
+
+  /// Whether an object that was away must be in the hand again.
+  bool is_back(const Observation& hand) const {
+    return unseen_s_ > max_unseen_flight_s || (object_.predicted_m() - hand.position_m).norm() <
+                                                  grip_.initial_distance_m() + released_m;
+  }
+
+  /// Places an invisible object in the hand, if something occludes it there and it was not about to
+  /// leave the image.
+  void follow_hand(const Observation& hand, const RgbdFrame& frame, Observation& object) {
+    if (!scene_.segmenter->is_in_image(object_.predicted_m())) return;
+    // from the grip's offset towards the hand: the first position that is occluded
+    for (const double part : {1.0, 0.67, 0.33, 0.0}) {
+      const Eigen::Vector3d position = hand.position_m + part * grip_.object_from_hand_m();
+      if (scene_.occluded_fraction(frame, position, shape_.radius_m) < min_occluded_fraction)
+        continue;
+      object = hidden_object_at(position);
+      return;
+    }
+  }
+
+  /// An object that is not visible in its first box is behind the visible part of the hand.
+  void start(const Observation& hand, Observation& object, const MaskedImage& image) {
+    if (!hand.found) return;
+    hand_.start(hand.position_m, hand_sigma_m, hand.box, image);
+    if (object.found)
+      object_.start(object.position_m, object.sigma_m.maxCoeff(), object.box, image);
+    else
+      start_hidden(hand, object);
+    grip_.add(object.position_m - hand.position_m);
+    is_started_ = true;
+  }
+
+  void start_hidden(const Observation& hand, Observation& object) {
+    const Eigen::Vector3d ray =
+        scene_.segmenter->color_camera().unproject(centre_px(clip_.object_box));
+    object = hidden_object_at((hand.position_m.z() + shape_.radius_m) * ray);
+    object_.start(object.position_m, first_box_sigma_m, {}, {});
+    object_.set_hidden(object.position_m, first_box_sigma_m);
+  }
+
+  /// Frame with a pose, its number of surface points, and some of these.
+  struct PosedFrame {
+    std::size_t frame, num_points;
+    std::vector<Eigen::Vector3f> surface_points;
+  };
+
+  const SceneModel& scene_;
+  FramePrefetcher::Reader& frames_;
+  const ClipFrames& clip_;
+  Eigen::Vector3d gravity_;
+  Grip grip_;
+  const ObjectShape& shape_;
+  std::optional<PoseTracker> pose_;  ///< for objects that are not spheres
+  std::vector<PosedFrame> posed_frames_;
+  std::size_t frame_ = 0;
+  double unseen_s_ = 0.0;  ///< since the object was last visible
+  Target hand_, object_;
+  std::optional<OtherBodies> others_;  ///< null for an object of the hand's colour
+  bool is_started_ = false, is_away_ = false;
+};
+
+}  // namespace
+
+ClipTrack track_pass(const SceneModel& scene, FramePrefetcher::Reader& frames,
+                     const TrackingPass& pass, const std::vector<double>& frame_time_s,
+                     const Eigen::Vector3d& gravity_m_per_s2, const TrackerKind& kind) {
+  ClipTracker tracker(scene, frames, *pass.clip, gravity_m_per_s2, kind);
+  ClipTrack track;
+  for (std::size_t i = 0; i < pass.count(); ++i) {
+    throw_if_interrupted();
+    track.time_s.push_back(frame_time_s[pass.frame(i)]);
+    // free fall is the same in both directions of time
+    const double seconds = i > 0 ? std::abs(track.time_s[i] - track.time_s[i - 1]) : 0.0;
+    tracker.step(frames.next(), seconds, track);
+  }
+  tracker.smooth_poses(track);
+  track.object_centre_sigma_m = scene.object_shape.at(pass.clip->object).centre_sigma_m;
+  track.tracker_starts = tracker.tracker_starts();
+  return track;
+}
+
+ClipTrack join(ClipTrack backward, const ClipTrack& forward) {
+  const auto prepend = [](auto& reversed, const auto& rest) {
+    std::ranges::reverse(reversed);
+    reversed.pop_back();  // the box frame, also in `forward`
+    reversed.insert(reversed.end(), rest.begin(), rest.end());
+  };
+  prepend(backward.time_s, forward.time_s);
+  prepend(backward.hand, forward.hand);
+  prepend(backward.object, forward.object);
+  backward.tracker_starts += forward.tracker_starts;
+  return backward;
+}
+
+}  // namespace touchtrace::label

@@ -15,7 +15,7 @@ namespace touchtrace::label {
 std::vector<ClipTrack> track_clips(const SceneModel& scene, const FrameSource& frames,
                                    const std::vector<ClipFrames>& clips,
                                    const std::vector<double>& camera_time_s,
-                                   const Eigen::Vector3d& gravity_m_per_s2,
-                                   const TrackerKind& kind, int num_threads);
+                                   const Eigen::Vector3d& gravity_m_per_s2, const TrackerKind& kind,
+                                   int num_threads);
 
 }  // namespace touchtrace::label

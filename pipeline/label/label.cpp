@@ -183,6 +183,8 @@ void LabelRun::smooth_bodies() {
 
 std::optional<LatencyEstimate> LabelRun::estimate_latency() const {
   if (!timeline_.glove || !options_.camera_latency_s.empty()) return std::nullopt;
+  if (timeline_.latency_s + std::sqrt(3.0) * timeline_.latency_sigma_s > max_latency_s)
+    return std::nullopt;  // a slow camera's may be beyond what is looked for
   const GloveStream& glove = recording_.gloves.front();
   if (search_ == FlightSearch::throws)
     if (auto by_catches = latency_from_catches(glove, timeline_, bodies_.object.tracks))

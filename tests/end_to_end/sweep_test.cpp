@@ -132,8 +132,8 @@ TEST_F(Sweep, SlurmArraysAreSubmittedUntilAllCellsAreSettled) {
                                          "\nfor id in 1 $([ $(wc -l <" + at("submitted") +
                                          ") -gt 1 ] && echo 2); do\n"
                                          "  SLURM_ARRAY_TASK_ID=$id sh $2 >/dev/null 2>&1\n"
-                                         "done\necho '42;cluster'\n";
-  std::ofstream(at("bin/squeue")) << "#!/bin/sh\n[ \"$3\" = --jobs=42 ]\n";
+                                         "done\necho 'sbatch: warning' >&2\necho '42;cluster'\n";
+  std::ofstream(at("bin/squeue")) << "#!/bin/sh\necho warning >&2\n[ \"$3\" = --jobs=42 ]\n";
   for (const char* name : {"bin/sbatch", "bin/squeue"})
     fs::permissions(at(name), fs::perms::owner_all);
   const auto path = "PATH=" + at("bin") + ":$PATH ";

@@ -10,7 +10,7 @@ namespace touchtrace::label {
 namespace {
 
 // README.md has the sources of these constants.
-constexpr double max_latency_s = 0.35, latency_step_s = 0.001;
+constexpr double latency_step_s = 0.001;
 constexpr double rise_s = 0.35;           // in which contact becomes firm
 constexpr double begun_fraction = 0.1;    // of that rise
 constexpr double sensor_delay_s = 0.003;  // standard deviation of what is left of the sensor's lag

@@ -10,6 +10,9 @@
 
 namespace touchtrace::label {
 
+/// Largest latency of the camera that is looked for.
+inline constexpr double max_latency_s = 0.35;
+
 /// Estimate of the camera's latency.
 struct LatencyEstimate {
   double latency_s, sigma_s;

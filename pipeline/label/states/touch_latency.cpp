@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 // README.md has the sources of these constants.
-constexpr double max_latency_s = 0.35, latency_step_s = 0.005;
+constexpr double latency_step_s = 0.005;
 constexpr double lag_s = 0.02, lag_sigma_s = 0.0115;  // of the sensor
 constexpr double max_sigma_ratio = 0.75;              // of the timeline's
 constexpr double segment_s = 20.0, min_segment_s = 4.0;
@@ -119,9 +119,10 @@ class SegmentLikelihood {
     memory_ = std::exp(-1.0 / (info.rate_hz * memory_s));
     read_offset_s_ = read_offset_s(by_row, info.scan_s);
     touch_ = standardized(whitened(touch));
+    touch_square_ = touch_.transpose() * touch_;
   }
 
-  /// Of all latencies, given that the times were computed with `assumed_latency_s`.
+  /// Log-likelihood of each latency. The segment's times were computed with `assumed_latency_s`.
   VectorXd of_latencies(const Velocities& hand, double assumed_latency_s,
                         const Vector3d& gravity_m_per_s2) const {
     VectorXd result(num_latencies);
@@ -148,7 +149,8 @@ class SegmentLikelihood {
     const VectorXd place = VectorXd::LinSpaced(variance.size(), 0.5 / rows, 1.0 - 0.5 / rows);
     return scan_s * (variance.dot(place) / variance.sum() - 0.5);
   }
-  /// Differences of successive frames, less what is remembered, about their mean.
+  /// Each frame minus `memory_` times the one before, without the mean over the frames: errors of
+  /// first order become independent. Frames after a lost one are left out.
   MatrixXd whitened(const MatrixXd& values) const {
     MatrixXd result(std::ranges::count(is_pair_, true), values.cols());
     for (Eigen::Index i = 1, to = 0; i < values.rows(); ++i)
@@ -165,12 +167,12 @@ class SegmentLikelihood {
         result.col(count++) = values.col(i) * std::sqrt(double(values.rows()) / square);
     return result.leftCols(count);
   }
-  /// Of touch as a linear function of the inputs, coefficients and covariance at their maximum.
+  /// Of a linear model from the inputs to touch, maximised over its coefficients and covariance.
   double log_likelihood(const MatrixXd& inputs) const {
     const auto count = static_cast<double>(touch_.rows());
     const MatrixXd across = inputs.transpose() * touch_;
     const MatrixXd coefficients = (inputs.transpose() * inputs).ldlt().solve(across);
-    MatrixXd residual = (touch_.transpose() * touch_ - across.transpose() * coefficients) / count;
+    MatrixXd residual = (touch_square_ - across.transpose() * coefficients) / count;
     residual.diagonal().array() += min_variance;
     const VectorXd diagonal = residual.llt().matrixLLT().diagonal();
     return -count * diagonal.array().log().sum();
@@ -178,9 +180,9 @@ class SegmentLikelihood {
 
   const Segment& segment_;
   std::vector<bool> is_pair_;  ///< whether the frame follows the one before
-  double memory_ = 0.0;        ///< part of a frame's error that the next one has
+  double memory_ = 0.0;        ///< autocorrelation of the errors of consecutive frames
   double read_offset_s_ = 0.0;
-  MatrixXd touch_;
+  MatrixXd touch_, touch_square_;
 };
 
 struct Posterior {

@@ -57,7 +57,7 @@ void add_camera_parameters(ParameterTable& table) {
       "data sheets of quartz: 20-100 ppm", "");
   row("latency-periods", &P::latency_periods, "frame periods", 0.0, 10.0,
       "shortest delay from the middle of the exposure to the arrival, drawn per session",
-      "Stereolabs: 2-3 periods for ZED at 15-100 Hz; Azure Kinect SDK, issue 1446: 68 ms at 30 Hz; "
+      "Stereolabs: 2-3 periods for ZED at 15-100 Hz; Azure Kinect SDK, issue 1446: 68 ms at 720p; "
       "librealsense, issue 1242: depth 60-70 ms",
       "cameras differ in read-out, processing and transfer");
   row("jitter", &P::jitter_s, "s", 0.0, 0.5, "mean of the exponential part of the delay", "",

@@ -13,14 +13,14 @@ constexpr double focal_px = 150.0, unit_m = 0.001;
 constexpr std::uint16_t near_mm = 1000, wall_mm = 2000;
 constexpr PixelBox hand_box{20, 40, 30, 30}, object_box{90, 40, 30, 30};
 
-std::vector<std::uint16_t> wall() {
-  return std::vector<std::uint16_t>(static_cast<std::size_t>(width * height), wall_mm);
+std::vector<std::uint16_t> wall(std::uint16_t distance_mm = wall_mm) {
+  return std::vector<std::uint16_t>(static_cast<std::size_t>(width * height), distance_mm);
 }
 
 /// A red hand and a yellow object in front of a wall of the object's colour.
-RgbdFrame frame() {
+RgbdFrame frame(std::uint16_t distance_mm = wall_mm) {
   RgbdFrame frame;
-  frame.depth = wall();
+  frame.depth = wall(distance_mm);
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u) {
       const bool hand =
@@ -36,7 +36,8 @@ RgbdFrame frame() {
   return frame;
 }
 
-SceneModel model() {
+/// Without a background.
+std::shared_ptr<Segmenter> segmenter_of_camera() {
   Camera camera;
   camera.width = width, camera.height = height;
   camera.fx = camera.fy = focal_px, camera.cx = 79.5, camera.cy = 59.5;
@@ -44,26 +45,54 @@ SceneModel model() {
   calibration.color = calibration.depth.emplace(camera);
   CameraInfo info;
   info.width = width, info.height = height, info.depth_unit_m = unit_m;
-  const auto segmenter = std::make_shared<Segmenter>(calibration, info);
-  segmenter->set_background(wall(), std::nullopt);
+  return std::make_shared<Segmenter>(calibration, info);
+}
+
+SceneModel model(std::uint16_t distance_mm = wall_mm) {
+  const auto segmenter = segmenter_of_camera();
+  segmenter->set_background(wall(distance_mm), std::nullopt);
   ColorClasses colors;
-  colors.learn(segmenter->foreground_surface(frame()), hand_box, object_box);
+  colors.learn(segmenter->foreground_surface(frame(distance_mm)), hand_box, object_box);
   colors.build_table();
   const auto observer = std::make_shared<DepthColorObserver>(segmenter);
   observer->set_colors("ball", std::move(colors));
   return {segmenter, observer, 0.002};
 }
 
+/// The wall is at 2 m, where noise of 1 mm at 1 m is 4 mm: six standard deviations are 24 mm.
+TEST(Segmenter, ForegroundBeginsSixStandardDeviationsBeforeTheBackground) {
+  const auto has_foreground = [](std::optional<double> noise_at_1m, int before_mm) {
+    const auto segmenter = segmenter_of_camera();
+    segmenter->set_background(wall(), noise_at_1m);
+    auto seen = frame();
+    for (auto& depth : seen.depth)
+      if (depth == near_mm) depth = static_cast<std::uint16_t>(wall_mm - before_mm);
+    return !segmenter->foreground_surface(seen).empty();
+  };
+  EXPECT_TRUE(has_foreground(0.001, 30));
+  EXPECT_FALSE(has_foreground(0.001, 22));
+  EXPECT_TRUE(has_foreground(0.0001, 22)) << "at least 20 mm";
+  EXPECT_FALSE(has_foreground(0.0001, 18));
+  // 4 % of the distance are enough whatever the noise
+  EXPECT_FALSE(has_foreground(std::nullopt, 78));
+  EXPECT_TRUE(has_foreground(std::nullopt, 90));
+  EXPECT_TRUE(has_foreground(0.01, 90));
+}
+
+/// At 1.1 m the wall is within reach of the object.
 TEST(ViewObject, ExcludesAWallOfTheObjectsColor) {
-  const SceneModel scene = model();
-  const auto seen = scene.observer->observe(frame(), "ball");
-  const auto patch = find_patch(seen, Body::object, {0.17, -0.03, 1.0}, 0.15, 12);
-  ASSERT_TRUE(patch);
-  for (const bool whole : {false, true}) {
-    const auto view = scene.view_object(frame(), "ball", *patch, 0.25, whole);
-    EXPECT_GT(view.surface_points.size(), 500u);
-    EXPECT_GT(view.free_space_endpoints.size(), 500u);
-    for (const auto& point : view.surface_points) EXPECT_NEAR(point.z(), 1.0, 1e-3);
+  for (const std::uint16_t distance_mm : {wall_mm, std::uint16_t{1100}}) {
+    const SceneModel scene = model(distance_mm);
+    const auto seen = frame(distance_mm);
+    const auto patch = find_patch(scene.observer->observe(seen, "ball"), Body::object,
+                                  {0.17, -0.03, 1.0}, 0.15, 12);
+    ASSERT_TRUE(patch);
+    for (const bool whole : {false, true}) {
+      const auto view = scene.view_object(seen, "ball", *patch, 0.25, whole);
+      EXPECT_GT(view.surface_points.size(), 500u);
+      EXPECT_GT(view.free_space_endpoints.size(), 500u);
+      for (const auto& point : view.surface_points) EXPECT_NEAR(point.z(), 1.0, 1e-3);
+    }
   }
 }
 

@@ -8,7 +8,7 @@
 
 namespace touchtrace::label {
 
-/// Classes from colours of points in front of the background.
+/// Classes from colours of points in front of the background. Those of the background are the rest.
 class DepthColorObserver : public Observer {
  public:
   explicit DepthColorObserver(std::shared_ptr<const Segmenter> segmenter)
@@ -24,6 +24,8 @@ class DepthColorObserver : public Observer {
   }
   void classify(const RgbdFrame&, const std::string& object, Surface& points) const override {
     colors_.at(object).assign(points);
+    for (auto& point : points)
+      if (!point.is_foreground) point.body = Body::rest;
   }
 
  private:

@@ -91,16 +91,21 @@ void Segmenter::lift(const RgbdFrame& frame, std::span<const std::size_t> pixels
   constexpr std::size_t block = 64;
   std::array<Eigen::Vector3f, block> points;
   std::array<Eigen::Vector2d, block> projected;
+  std::array<std::size_t, block> depth_pixels;
   for (; !pixels.empty(); pixels = pixels.subspan(std::min(block, pixels.size()))) {
     std::size_t count = 0;
     for (const auto pixel : pixels.first(std::min(block, pixels.size()))) {
       points[count] = depth_origin_m_ +
                       static_cast<float>(corrected_depth_m(frame.depth[pixel])) * rays_[pixel];
+      depth_pixels[count] = pixel;
       count += points[count].z() > min_depth_m;
     }
     color_.project(std::span(points).first(count), std::span(projected).first(count));
     for (std::size_t i = 0; i < count; ++i)
-      if (has_color(projected[i])) to.push_back(colored(frame, points[i], projected[i]));
+      if (has_color(projected[i])) {
+        to.push_back(colored(frame, points[i], projected[i]));
+        to.back().is_foreground = is_foreground(frame, depth_pixels[i]);
+      }
   }
 }
 

@@ -23,6 +23,7 @@ struct SurfacePoint {
   std::int16_t u, v;           ///< nearest pixel of the colour image
   std::array<std::uint8_t, 3> rgb;
   Body body = Body::rest;
+  bool is_foreground = true;  ///< in front of the background, or the background is unknown
   /// Logarithm of the colour's frequency in its class over a usual one's; 0: not known.
   float likeness = 0.0f;
 };
@@ -57,8 +58,8 @@ class Segmenter {
   /// cannot see. `filter` gets the points of one image row; it may change and erase them.
   Surface foreground_surface(
       const RgbdFrame& frame, const std::function<void(Surface&)>& filter = [](Surface&) {}) const;
-  /// All points, background included, whose depth pixels are within `radius_m` of the projection of
-  /// `centre_m` along each image axis. Occluded points are kept.
+  /// All points, background included (is_foreground), whose depth pixels are within `radius_m` of
+  /// the projection of `centre_m` along each image axis. Occluded points are kept.
   Surface surface_around(const RgbdFrame& frame, const Eigen::Vector3d& centre_m,
                          double radius_m) const;
   /// Area of a disc of `radius_m` facing the camera at `depth_m`, in depth pixels.
@@ -81,6 +82,9 @@ class Segmenter {
   double background_gap(double background) const;
 
  private:
+  bool is_foreground(const RgbdFrame& frame, std::size_t pixel) const {
+    return limit_[pixel] == 0 || frame.depth[pixel] < limit_[pixel];
+  }
   /// Appends the points of depth pixels that project into the colour image.
   void lift(const RgbdFrame& frame, std::span<const std::size_t> pixels, Surface& to) const;
   /// Whether the nearest pixel belongs to the colour image.

@@ -38,6 +38,11 @@ void print_summary(const Labels& labels, const std::string& output) {
              100.0 * s["hand_lost_share"].get<double>(),
              100.0 * s["object_lost_share"].get<double>(),
              100.0 * s["object_follows_share"].get<double>());
+  const auto millimetres = [](const nlohmann::json& m) {
+    return m.is_null() ? std::string("-") : fmt::format("{:.1f} mm", 1e3 * m.get<double>());
+  };
+  fmt::print("standard deviation of a position (median): hand {}, object {}\n",
+             millimetres(s["hand_sigma_m"]), millimetres(s["object_sigma_m"]));
   fmt::print("flights: {}\n", s["flights"].size());
 }
 

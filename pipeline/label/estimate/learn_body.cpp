@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "engine/base/parallel.h"
 #include "engine/base/progress.h"
@@ -31,6 +32,9 @@ constexpr double view_reach_radii = 2.0;
 /// Small enough that box planes alone can reveal a hidden end. Large enough that a small cube does
 /// not grow behind the fingers that hide it.
 constexpr double compactness_m = 0.025;
+/// Standard deviation of a half extent that nothing shows: evenly distributed from 0.3 to 1.5
+/// radii.
+constexpr double unseen_half_extent_radii = 0.35;
 
 struct LearningData {
   std::vector<BodyView> views;
@@ -80,15 +84,16 @@ FittedBody fit_views(const LearningData& data, const Guess& guess) {
   return fitted;
 }
 
-ShapeProblem problem_at(const LearningData& data, const FittedBody& at, double loss_width_m) {
+ShapeProblem problem_at(const LearningData& data, const FittedBody& at, double loss_width_m,
+                        double compactness) {
   ShapeProblem::Poses poses;
   for (const auto& fit : at.fits) poses.push_back(fit.camera_from_body);
-  return {data.views, at.body, poses, loss_width_m, data.compactness()};
+  return {data.views, at.body, poses, loss_width_m, compactness};
 }
 
 /// Optimises shape and poses jointly.
 Guess refine(const LearningData& data, const FittedBody& start, double loss_width_m) {
-  auto problem = problem_at(data, start, loss_width_m);
+  auto problem = problem_at(data, start, loss_width_m, data.compactness());
   problem.solve();
   return {problem.body(), problem.poses()};
 }
@@ -146,15 +151,18 @@ using Bodies = std::vector<FittedBody>;
 
 double bounding_volume(const FittedBody& at) { return at.body.half_extents_m().prod(); }
 
-/// The smallest of the bodies that the best one does not refute; there must be one. What lies
-/// behind the visible side is free: the front of a bar also fits a plank with a rounded edge.
-const FittedBody& smallest_of(const Bodies& bodies) {
+/// The bodies that the best one does not refute. What lies behind the visible side is free: the
+/// front of a bar also fits a plank with a rounded edge.
+Bodies plausible_of(const Bodies& bodies) {
   const auto best = std::ranges::min_element(bodies, {}, &FittedBody::cost_m2);
-  auto smallest = best;
-  for (auto body = bodies.begin(); body != bodies.end(); ++body)
-    if (!is_refuted(*body, *best) && bounding_volume(*body) < bounding_volume(*smallest))
-      smallest = body;
-  return *smallest;
+  Bodies plausible;
+  std::ranges::copy_if(bodies, std::back_inserter(plausible),
+                       [&](const FittedBody& body) { return !is_refuted(body, *best); });
+  return plausible;
+}
+
+FittedBody smallest_of(const Bodies& bodies) {
+  return *std::ranges::min_element(bodies, {}, bounding_volume);
 }
 
 /// Searches from all start shapes; after each round only those with the smallest costs continue.
@@ -183,11 +191,12 @@ RoundedBody shrunk(RoundedBody body, Eigen::Index axis) {
   return body;
 }
 
-/// Tries to shrink the smallest body along each axis until it does not change. Searches end in
-/// bodies that reach behind the hand; smaller ones need other poses, so that no step leads there.
-FittedBody shrink(const LearningData& data, Bodies bodies, Progress& progress) {
+/// Adds bodies shrunk along each axis from the smallest one until that does not change. Searches
+/// end in bodies that reach behind the hand; smaller ones need other poses, so that no step leads
+/// there.
+void shrink(const LearningData& data, Bodies& bodies, Progress& progress) {
   for (int round = 0; round < max_shrinking_rounds; ++round) {
-    const FittedBody start = smallest_of(bodies);
+    const FittedBody start = smallest_of(plausible_of(bodies));
     const std::vector<Eigen::Index> axes = start.body.core == Core::box
                                                ? std::vector<Eigen::Index>{0, 1, 2}
                                                : std::vector<Eigen::Index>{0, 2};
@@ -198,9 +207,35 @@ FittedBody shrink(const LearningData& data, Bodies bodies, Progress& progress) {
       progress.advance();
     });
     std::ranges::move(smaller, std::back_inserter(bodies));
-    if (smallest_of(bodies).cost_m2 == start.cost_m2) break;
+    if (smallest_of(plausible_of(bodies)).cost_m2 == start.cost_m2) break;
   }
-  return smallest_of(bodies);
+}
+
+Eigen::Vector3d sorted_half_extents_m(const FittedBody& at) {
+  Eigen::Vector3d half_m = at.body.half_extents_m();
+  std::ranges::sort(half_m);
+  return half_m;
+}
+
+/// The body whose half extents are nearest to the medians.
+const FittedBody& typical_of(const Bodies& bodies) {
+  Eigen::Vector3d middle_m;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    std::vector<double> half_m;
+    for (const auto& body : bodies) half_m.push_back(sorted_half_extents_m(body)[axis]);
+    middle_m[axis] = median(std::move(half_m));
+  }
+  return *std::ranges::min_element(bodies, {}, [&](const FittedBody& body) {
+    return (sorted_half_extents_m(body) - middle_m).norm();
+  });
+}
+
+/// RMS difference of the half extents from those of `learnt`, over bodies and axes.
+double half_extent_spread_m(const Bodies& bodies, const FittedBody& learnt) {
+  double sum_m2 = 0.0;
+  for (const auto& body : bodies)
+    sum_m2 += (sorted_half_extents_m(body) - sorted_half_extents_m(learnt)).squaredNorm();
+  return std::sqrt(sum_m2 / (3.0 * static_cast<double>(bodies.size())));
 }
 
 /// Refines until the cost stops falling.
@@ -240,10 +275,17 @@ LearntBody learn_body(const std::vector<BodyView>& views, double radius_m, int n
   Progress progress("learning the object's shape", start_shapes.size() +
                                                        (search_rounds - 1) * kept_searches +
                                                        3 * max_shrinking_rounds + max_refinements);
-  const auto smallest = shrink(data, best_of_searches(data, progress), progress);
-  const auto best = converge(data, smallest, progress);
+  auto bodies = best_of_searches(data, progress);
+  shrink(data, bodies, progress);
+  bodies = plausible_of(bodies);
+  const auto learnt = converge(data, typical_of(bodies), progress);
   weigh_boxes(data, 1.0 / box_weight);  // standard deviations are those of the boxes as drawn
-  return {best.body, problem_at(data, best, fine_loss_width_m).half_extent_sigma_m()};
+  const double prior_sigma_m = unseen_half_extent_radii * data.radius_m;
+  const Eigen::Vector3d sigma_m =
+      problem_at(data, learnt, fine_loss_width_m, point_sigma_m / prior_sigma_m)
+          .half_extent_sigma_m();
+  return {learnt.body,
+          std::hypot(sigma_m.norm() / std::numbers::sqrt3, half_extent_spread_m(bodies, learnt))};
 }
 
 }  // namespace touchtrace::label

@@ -10,9 +10,10 @@ namespace touchtrace::label {
 
 struct LearntBody {
   RoundedBody body;
-  /// Standard deviations of the half extents, from noise and from surfaces that no view shows. A
-  /// wrong extent shifts the centre of a body seen from one side.
-  Eigen::Vector3d half_extent_sigma_m;
+  /// Standard deviation of the half extents, RMS over the axes: from noise, and from the other
+  /// bodies that the views do not refute. A wrong extent shifts the centre of a body seen from one
+  /// side.
+  double half_extent_sigma_m;
 };
 
 /// Learns the rounded box or cylinder that fits all views of a rigid body best, with one pose per

@@ -6,22 +6,25 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr int bisections = 9;  // of the segment inside the bounding sphere: to about 0.1 mm
+constexpr double deepest_point_m = 1e-4;  // accuracy of its position along the segment
 // Keeps points off a cylinder's axis, where the gradient is undefined.
 constexpr double axis_offset_m = 1e-15;
-constexpr double certain_miss_ratio = 1.0 + 1e-6;  // squared distance over squared radius
 
-/// Range of a segment's parameter (0 to 1) inside a sphere about the origin; nullopt if the line
-/// clearly misses the sphere.
-std::optional<std::pair<double, double>> within_sphere(const Eigen::Vector3d& from,
-                                                       const Eigen::Vector3d& along,
-                                                       double radius) {
-  const double square = along.squaredNorm();
-  const double nearest = -from.dot(along) / square;
-  const double off2 = (from + nearest * along).squaredNorm();
-  if (off2 > certain_miss_ratio * radius * radius) return std::nullopt;
-  const double half = std::sqrt(std::max(0.0, (radius * radius - off2) / square));
-  return std::pair{std::clamp(nearest - half, 0.0, 1.0), std::clamp(nearest + half, 0.0, 1.0)};
+/// Range of a segment's parameter (0 to 1) inside a box about the origin; nullopt if it misses it.
+std::optional<std::pair<double, double>> within_box(const Eigen::Vector3d& from_m,
+                                                    const Eigen::Vector3d& along_m,
+                                                    const Eigen::Vector3d& half_extents_m) {
+  double near = 0.0, far = 1.0;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (along_m[axis] == 0.0) {
+      if (std::abs(from_m[axis]) > half_extents_m[axis]) return std::nullopt;
+      continue;
+    }
+    const double middle = -from_m[axis] / along_m[axis],
+                 half = half_extents_m[axis] / std::abs(along_m[axis]);
+    near = std::max(near, middle - half), far = std::min(far, middle + half);
+  }
+  return near < far ? std::optional(std::pair{near, far}) : std::nullopt;
 }
 
 SurfaceDistance distance_from_box(const RoundedBody& body, const Eigen::Vector3d& point_m) {
@@ -80,11 +83,11 @@ double symmetric_rotation_distance(Core core, const Eigen::Quaterniond& from,
 std::optional<Eigen::Vector3d> deepest_point(const RoundedBody& body, const Eigen::Vector3d& from_m,
                                              const Eigen::Vector3d& to_m) {
   const Eigen::Vector3d along = to_m - from_m;
-  const double length = along.norm();
-  const auto range = within_sphere(from_m, along, body.circumradius_m());
+  const auto range = within_box(from_m, along, body.half_extents_m());
   if (!range) return std::nullopt;
   auto [near, far] = *range;
-  for (int i = 0; i < bisections; ++i) {
+  const double length = along.norm();
+  while ((far - near) * length > 2.0 * deepest_point_m) {
     const double half_way = 0.5 * (near + far);
     const auto surface = surface_distance(body, from_m + half_way * along);
     if (surface.distance_m > (far - half_way) * length) return std::nullopt;

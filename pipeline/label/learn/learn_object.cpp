@@ -12,8 +12,6 @@ namespace touchtrace::label {
 namespace {
 
 constexpr std::size_t max_boxed_views = 16, max_other_views = 48;
-/// Visible fraction of the object's disc below which the shape is taken from the boxes.
-constexpr double min_shape_fraction = 0.25;
 constexpr double view_reach_silhouettes = 2.5;
 
 /// Visible fraction of the part of a sphere's disc that no background is seen through.
@@ -43,11 +41,16 @@ std::vector<const Sighting*> select_sightings(const std::vector<Sighting>& sight
   return some;
 }
 
-/// Shape from the sightings, or a sphere as large as the boxes if the hand hides most of the
-/// object.
-ObjectShape shape_from(const SceneModel& model, const FrameSource& frames,
+/// Views of an object for shape learning.
+struct ShapeViews {
+  std::vector<BodyView> views;
+  double silhouette_m;  ///< radius
+  double fraction;      ///< visible_sphere_fraction()
+};
+
+ShapeViews shape_views(const SceneModel& model, const FrameSource& frames,
                        const std::string& object, const std::vector<Sighting>& sightings,
-                       const BoxedObject& boxed, int num_threads) {
+                       double radius_m, int num_threads) {
   std::vector<double> radii;
   for (const auto& sighting : sightings) radii.push_back(silhouette_radius_m(sighting.patch));
   const double silhouette_m = quantile(std::move(radii), unhidden_quantile);
@@ -57,18 +60,21 @@ ObjectShape shape_from(const SceneModel& model, const FrameSource& frames,
   parallel_for(views.size(), num_threads, [&](std::size_t i) {
     const auto& [index, patch, box] = *some[i];
     const auto frame = frames.camera_frame(index);
-    fractions[i] = visible_sphere_fraction(model, frame, patch, boxed.radius_m);
+    fractions[i] = visible_sphere_fraction(model, frame, patch, radius_m);
     views[i] = model.view_object(frame, object, patch, view_reach_silhouettes * silhouette_m, true);
     views[i].pixel_angular_size = model.segmenter->pixel_angular_size_rad();
     if (box) views[i].box = box_planes(model.segmenter->color_camera(), *box, patch.centroid_m);
   });
-  const double fraction = quantile(std::move(fractions), unhidden_quantile);
-  const auto boxed_sphere = boxed.sphere();
-  if (fraction < min_shape_fraction) return boxed_sphere;
-  auto shape = learn_shape(views, silhouette_m, num_threads);
-  if (shape.body) return shape;
-  shape.centre_sigma_m = hidden_sphere_centre_sigma_m(shape, fraction, boxed.radius_m);
-  return shape.centre_sigma_m < boxed_sphere.centre_sigma_m ? shape : boxed_sphere;
+  return {std::move(views), silhouette_m, quantile(std::move(fractions), unhidden_quantile)};
+}
+
+/// The learnt shape, or a sphere as large as the boxes if they show the centre better.
+ObjectShape shape_from(const ShapeViews& seen, const BoxedObject& boxed, int num_threads) {
+  auto shape = learn_shape(seen.views, seen.silhouette_m, num_threads);
+  if (!shape.body)
+    shape.centre_sigma_m = hidden_sphere_centre_sigma_m(shape, seen.fraction, boxed.radius_m);
+  const auto sphere = boxed.sphere();
+  return shape.centre_sigma_m < sphere.centre_sigma_m ? shape : sphere;
 }
 
 }  // namespace
@@ -81,7 +87,9 @@ void learn_object(SceneModel& model, const FrameSource& frames, const std::strin
     for (auto& sample : samples)
       if (sample.hand_m) model.split_object(sample.surface, object, *sample.hand_m);
   const auto sightings = sightings_of(samples, boxed);
-  if (!sightings.empty()) shape = shape_from(model, frames, object, sightings, boxed, num_threads);
+  if (sightings.empty()) return;
+  shape = shape_from(shape_views(model, frames, object, sightings, boxed.radius_m, num_threads),
+                     boxed, num_threads);
 }
 
 }  // namespace touchtrace::label

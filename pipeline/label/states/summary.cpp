@@ -1,6 +1,9 @@
 #include "pipeline/label/states/summary.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "engine/base/statistics.h"
 
 namespace touchtrace::label {
 namespace {
@@ -66,6 +69,21 @@ double flagged_fraction(const LabelledBody& body, std::uint8_t flag) {
   return static_cast<double>(flagged) / std::max(1.0, static_cast<double>(body.quality.size()));
 }
 
+/// Median over the labels without flags of the RMS over the axes of the position's standard
+/// deviation; null if all have flags.
+nlohmann::json median_sigma_m(const LabelledBody& body) {
+  std::vector<double> sigmas_m;
+  for (std::size_t i = 0; i < body.quality.size(); ++i)
+    if (body.quality[i] == quality_good)
+      sigmas_m.push_back(
+          std::sqrt(Eigen::Map<const Eigen::Matrix<double, 6, 6>>(&body.covariance[36 * i])
+                        .diagonal()
+                        .head<3>()
+                        .mean()));
+  if (sigmas_m.empty()) return nullptr;
+  return median(std::move(sigmas_m));
+}
+
 }  // namespace
 
 FrameStatistics frame_statistics(const ClipTrack& track) {
@@ -86,6 +104,8 @@ nlohmann::json summarize(const SceneModel& scene, const Timeline& timeline,
       {"hand_lost_share", flagged_fraction(labels.hand, quality_lost)},
       {"object_lost_share", flagged_fraction(labels.object, quality_lost)},
       {"object_follows_share", flagged_fraction(labels.object, quality_follows_hand)},
+      {"hand_sigma_m", median_sigma_m(labels.hand)},
+      {"object_sigma_m", median_sigma_m(labels.object)},
       {"tracker_restarts", tracker_starts},
       {"problems", problems_summary(clips)},
       {"object_shape", shapes_summary(scene)},

@@ -78,15 +78,19 @@ class ClipTracker {
     update(track.hand.back(), track.object.back(), frame, image);
   }
 
-  /// Replaces the object's poses by the most likely ones given all frames.
+  /// Replaces the object's poses by the most likely ones given all frames. Where the points
+  /// contradict them, the object is lost.
   void smooth_poses(ClipTrack& track) const {
     if (!pose_) return;
     const auto fits = pose_->viterbi_path();
     const auto ambiguity_m2 = pose_->ambiguity_m2(fits);
     for (std::size_t i = 0; i < fits.size(); ++i) {
       Observation& object = track.object[posed_frames_[i].frame];
+      if (contradict(posed_frames_[i].surface_points, fits[i])) {
+        object = {};
+        continue;
+      }
       set_position(object, fits[i], posed_frames_[i].num_points);
-      add_misfit(fits[i], posed_frames_[i].surface_points, object);
       object.sigma_m = (object.sigma_m.cwiseAbs2() + ambiguity_m2[i]).cwiseSqrt();
     }
   }
@@ -162,13 +166,9 @@ class ClipTracker {
         position_sigma(information, visible, pose_ ? point_sigma_m : sphere_point_sigma_m);
   }
 
-  /// Adds the points' distance from the body to the standard deviation of a pose that most of them
-  /// contradict.
-  void add_misfit(const BodyFit& fit, const std::vector<Eigen::Vector3f>& points,
-                  Observation& object) const {
-    const double misfit_m = median_distance_m(points, *shape_.body, fit.camera_from_body);
-    if (misfit_m > max_misfit_m)
-      object.sigma_m = (object.sigma_m.array().square() + misfit_m * misfit_m).sqrt();
+  /// Whether most points are far from the body: a wrong pose, or another body of its colour.
+  bool contradict(const std::vector<Eigen::Vector3f>& points, const BodyFit& fit) const {
+    return median_distance_m(points, *shape_.body, fit.camera_from_body) > max_misfit_m;
   }
 
   /// Position of the object if the hand holds it; nullopt if it has left the hand.

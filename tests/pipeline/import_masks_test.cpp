@@ -66,7 +66,9 @@ TEST_F(ImportMasks, MayBeGreyOrOfOneBody) {
 TEST_F(ImportMasks, WarnIfOneBodyIsMissing) {
   write_mask("0.png", 35);
   options_.mask_ids.hand = 35;
-  EXPECT_TRUE(has(output(), "warning: no mask has the id 2 of the object (--object-id); found: 0"));
+  EXPECT_TRUE(
+      has(output(),
+          "warning: the masks show the hand only: none has the id 2 of the object (--object-id)"));
 }
 
 TEST_F(ImportMasks, WarnOfThoseWithoutAnImage) {

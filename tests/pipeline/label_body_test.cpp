@@ -305,6 +305,20 @@ TEST(LearnShape, UsesTheSilhouetteOfABallInDepthNoise) {
   EXPECT_LT(std::abs(error.z()), 0.002);
 }
 
+/// Nothing shows the thickness of soap that never turns.
+TEST(LearnShape, CentreSigmaCoversAThicknessThatNoViewShows) {
+  std::vector<BodyView> lying;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+    lying.push_back(draw(soap, pose_of(M_PI / 2, 0.0, 0.0), nothing_hidden, seed));
+  const auto shape = learn_shape(lying, 0.035, 2);
+  ASSERT_TRUE(shape.body);
+  const double error_m =
+      (fit_body_globally(lying.front(), *shape.body).centre_m() - drawn_at).norm();
+  EXPECT_GT(error_m, 0.01);
+  EXPECT_LT(error_m, 2.0 * std::sqrt(3.0) * shape.centre_sigma_m);
+  EXPECT_LT(learn_shape(views_of(soap, nothing_hidden, 8), 0.035, 2).centre_sigma_m, 0.002);
+}
+
 TEST(LearnShape, DoesNotDependOnThreads) {
   const auto views = views_of(soap, behind_fingers, 6);
   const auto one = learn_shape(views, 0.035, 1), three = learn_shape(views, 0.035, 3);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "pipeline/label/track/observation.h"
 #include "pipeline/label/track/target.h"
 
 namespace touchtrace::label {
@@ -96,6 +97,28 @@ TEST(Target, TakesNoFringeForTheHand) {
 }
 
 TEST(Target, FindsNothingInAnEmptySurface) { EXPECT_FALSE(is_found(held_m, 0.0)); }
+
+/// A fist, or a forearm that goes on beyond it.
+TEST(Hand, IsOnAnArmThatGoesOnBeyondIt) {
+  Surface surface;
+  for (int along_mm = -40; along_mm <= 40; along_mm += 5)
+    for (int across_mm = -40; across_mm <= 40; across_mm += 5)
+      surface.push_back(
+          {{0.001f * float(along_mm), 0.001f * float(across_mm), 1.0f}, 0, 0, {}, Body::hand});
+  const auto is_arm = [&] {
+    const auto hand = find_patch(surface, Body::hand, held_m, hand_patch_radius_m, 30);
+    return hand && is_on_arm(*hand, surface);
+  };
+  EXPECT_FALSE(is_arm());
+  for (int along_mm = 45; along_mm <= 250; along_mm += 5)
+    for (int across_mm = -30; across_mm <= 30; across_mm += 5)
+      surface.push_back(
+          {{0.001f * float(along_mm), 0.001f * float(across_mm), 1.0f}, 0, 0, {}, Body::hand});
+  EXPECT_TRUE(is_arm());
+  for (auto& point : surface)
+    if (point.position_m.x() > 0.1f) point.body = Body::rest;
+  EXPECT_FALSE(is_arm()) << "in a sleeve";
+}
 
 }  // namespace
 }  // namespace touchtrace::label

@@ -205,9 +205,10 @@ void InstanceMaskReader::require_ids() const {
                                  ids_.hand, ids_.object, found),
                      "give --hand-id and --object-id");
   if (!has_hand || !has_object)
-    Progress::warn(fmt::format("no mask has the id {} of the {} (--{}-id); found: {}",
-                               has_hand ? ids_.object : ids_.hand, has_hand ? "object" : "hand",
-                               has_hand ? "object" : "hand", found));
+    Progress::warn(
+        fmt::format("the masks show the {} only: none has the id {} of the {} (--{}-id); found: {}",
+                    has_hand ? "hand" : "object", has_hand ? ids_.object : ids_.hand,
+                    has_hand ? "object" : "hand", has_hand ? "object" : "hand", found));
 }
 
 }  // namespace touchtrace

@@ -9,6 +9,7 @@
 #include "engine/base/progress.h"
 #include "engine/base/statistics.h"
 #include "pipeline/label/estimate/body_fit.h"
+#include "pipeline/label/estimate/fitted_bodies.h"
 #include "pipeline/label/estimate/shape_problem.h"
 
 namespace touchtrace::label {
@@ -17,14 +18,9 @@ namespace {
 constexpr int search_rounds = 3, max_shrinking_rounds = 3, max_refinements = 6;
 constexpr std::size_t kept_searches = 3;  // after the first round
 constexpr double max_cost_ratio = 0.995;  // of a refinement that is worth another one
-/// Standard deviations of the sum of cost differences over the views, above which they tell two
-/// bodies apart.
-constexpr double significant_difference = 2.0;
 /// Weight of box sides, which err independently, against points, which share errors within a view
 /// but count as independent. Chosen on simulated foam; boxes drawn too large spoil shapes at 15.
 constexpr double box_weight = 5.0;
-/// Box cost over that of the best body [point_sigma_m^2] above which the boxes refute a body.
-constexpr double significant_box_cost = 6.0;
 constexpr double shrinking_factor = 0.7;
 constexpr std::size_t points_per_view = 300;
 constexpr double view_reach_radii = 2.0;
@@ -32,9 +28,9 @@ constexpr double view_reach_radii = 2.0;
 /// Small enough that box planes alone can reveal a hidden end. Large enough that a small cube does
 /// not grow behind the fingers that hide it.
 constexpr double compactness_m = 0.025;
-/// Standard deviation of a half extent that nothing shows: evenly distributed from 0.3 to 1.5
-/// radii.
-constexpr double unseen_half_extent_radii = 0.35;
+/// Error of a half extent that nothing shows, which compactness makes small, in radii: RMS of what
+/// is evenly distributed from 0.3 to 1.5 about 0.3.
+constexpr double unseen_half_extent_radii = 0.7;
 
 struct LearningData {
   std::vector<BodyView> views;
@@ -47,13 +43,6 @@ struct LearningData {
 struct Guess {
   RoundedBody body;
   ShapeProblem::Poses poses;  ///< of the views; empty: unknown
-};
-
-struct FittedBody {
-  RoundedBody body;
-  std::vector<BodyFit> fits;  ///< of the views
-  double cost_m2 = 0.0;       ///< of all views and of compactness
-  double box_cost_m2 = 0.0;   ///< part of the box planes
 };
 
 /// A fit near the guess or its turns, or a global one without a guess.
@@ -84,16 +73,15 @@ FittedBody fit_views(const LearningData& data, const Guess& guess) {
   return fitted;
 }
 
-ShapeProblem problem_at(const LearningData& data, const FittedBody& at, double loss_width_m,
-                        double compactness) {
+ShapeProblem::Poses poses_of(const FittedBody& at) {
   ShapeProblem::Poses poses;
   for (const auto& fit : at.fits) poses.push_back(fit.camera_from_body);
-  return {data.views, at.body, poses, loss_width_m, compactness};
+  return poses;
 }
 
 /// Optimises shape and poses jointly.
 Guess refine(const LearningData& data, const FittedBody& start, double loss_width_m) {
-  auto problem = problem_at(data, start, loss_width_m, data.compactness());
+  ShapeProblem problem(data.views, start.body, poses_of(start), loss_width_m, data.compactness());
   problem.solve();
   return {problem.body(), problem.poses()};
 }
@@ -133,40 +121,8 @@ Search begin_search(const StartShape& start, const LearningData& data) {
   return {fit_views(data, {body, {}}), start.loss_width_m};
 }
 
-/// Whether the views or their boxes refute a body, given one of smaller cost. Points of one view
-/// err together, so the views are the independent observations; so are the sides of boxes.
-bool is_refuted(const FittedBody& body, const FittedBody& better) {
-  if (body.box_cost_m2 - better.box_cost_m2 > significant_box_cost * point_sigma_m * point_sigma_m)
-    return true;
-  double sum_m2 = 0.0, square_m4 = 0.0;
-  for (std::size_t i = 0; i < body.fits.size(); ++i) {
-    const double difference_m2 = body.fits[i].cost_m2 - better.fits[i].cost_m2;
-    sum_m2 += difference_m2;
-    square_m4 += difference_m2 * difference_m2;
-  }
-  return sum_m2 > significant_difference * std::sqrt(square_m4);
-}
-
-using Bodies = std::vector<FittedBody>;
-
-double bounding_volume(const FittedBody& at) { return at.body.half_extents_m().prod(); }
-
-/// The bodies that the best one does not refute. What lies behind the visible side is free: the
-/// front of a bar also fits a plank with a rounded edge.
-Bodies plausible_of(const Bodies& bodies) {
-  const auto best = std::ranges::min_element(bodies, {}, &FittedBody::cost_m2);
-  Bodies plausible;
-  std::ranges::copy_if(bodies, std::back_inserter(plausible),
-                       [&](const FittedBody& body) { return !is_refuted(body, *best); });
-  return plausible;
-}
-
-FittedBody smallest_of(const Bodies& bodies) {
-  return *std::ranges::min_element(bodies, {}, bounding_volume);
-}
-
 /// Searches from all start shapes; after each round only those with the smallest costs continue.
-Bodies best_of_searches(const LearningData& data, Progress& progress) {
+FittedBodies best_of_searches(const LearningData& data, Progress& progress) {
   std::vector<Search> searches(start_shapes.size());
   for (int round = 0; round < search_rounds; ++round) {
     // nested parallelism: threads whose search is done help with the last one
@@ -177,7 +133,7 @@ Bodies best_of_searches(const LearningData& data, Progress& progress) {
     std::ranges::sort(searches, {}, [](const Search& search) { return search.at.cost_m2; });
     searches.resize(std::min(searches.size(), kept_searches));
   }
-  Bodies bodies;
+  FittedBodies bodies;
   for (auto& search : searches) bodies.push_back(std::move(search.at));
   return bodies;
 }
@@ -194,13 +150,13 @@ RoundedBody shrunk(RoundedBody body, Eigen::Index axis) {
 /// Adds bodies shrunk along each axis from the smallest one until that does not change. Searches
 /// end in bodies that reach behind the hand; smaller ones need other poses, so that no step leads
 /// there.
-void shrink(const LearningData& data, Bodies& bodies, Progress& progress) {
+void shrink(const LearningData& data, FittedBodies& bodies, Progress& progress) {
   for (int round = 0; round < max_shrinking_rounds; ++round) {
     const FittedBody start = smallest_of(plausible_of(bodies));
     const std::vector<Eigen::Index> axes = start.body.core == Core::box
                                                ? std::vector<Eigen::Index>{0, 1, 2}
                                                : std::vector<Eigen::Index>{0, 2};
-    Bodies smaller(axes.size());
+    FittedBodies smaller(axes.size());
     parallel_for(axes.size(), data.num_threads, [&](std::size_t i) {
       const auto from = fit_views(data, {shrunk(start.body, axes[i]), {}});
       smaller[i] = fit_views(data, refine(data, from, fine_loss_width_m));
@@ -209,33 +165,6 @@ void shrink(const LearningData& data, Bodies& bodies, Progress& progress) {
     std::ranges::move(smaller, std::back_inserter(bodies));
     if (smallest_of(plausible_of(bodies)).cost_m2 == start.cost_m2) break;
   }
-}
-
-Eigen::Vector3d sorted_half_extents_m(const FittedBody& at) {
-  Eigen::Vector3d half_m = at.body.half_extents_m();
-  std::ranges::sort(half_m);
-  return half_m;
-}
-
-/// The body whose half extents are nearest to the medians.
-const FittedBody& typical_of(const Bodies& bodies) {
-  Eigen::Vector3d middle_m;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    std::vector<double> half_m;
-    for (const auto& body : bodies) half_m.push_back(sorted_half_extents_m(body)[axis]);
-    middle_m[axis] = median(std::move(half_m));
-  }
-  return *std::ranges::min_element(bodies, {}, [&](const FittedBody& body) {
-    return (sorted_half_extents_m(body) - middle_m).norm();
-  });
-}
-
-/// RMS difference of the half extents from those of `learnt`, over bodies and axes.
-double half_extent_spread_m(const Bodies& bodies, const FittedBody& learnt) {
-  double sum_m2 = 0.0;
-  for (const auto& body : bodies)
-    sum_m2 += (sorted_half_extents_m(body) - sorted_half_extents_m(learnt)).squaredNorm();
-  return std::sqrt(sum_m2 / (3.0 * static_cast<double>(bodies.size())));
 }
 
 /// Refines until the cost stops falling.
@@ -247,6 +176,30 @@ FittedBody converge(const LearningData& data, FittedBody at, Progress& progress)
     at = std::move(next);
   }
   return at;
+}
+
+/// A view without the points nearest to a side that faces away from the camera: noise puts points
+/// of a thin body there, which would seem to show its thickness.
+BodyView facing_camera(BodyView view, const RoundedBody& body,
+                       const Eigen::Isometry3d& camera_from_body) {
+  const Eigen::Isometry3d body_from_camera = camera_from_body.inverse();
+  const Eigen::Vector3d origin = body_from_camera * view.origin_m;
+  std::erase_if(view.surface_points, [&](const Eigen::Vector3f& measured) {
+    const Eigen::Vector3d point = body_from_camera * measured.cast<double>();
+    return surface_distance(body, point).outward.dot(point - origin) > 0.0;
+  });
+  return view;
+}
+
+/// Standard deviation of the half extents, RMS over the axes, from noise and unseen sides.
+double half_extent_sigma_m(const LearningData& data, const FittedBody& learnt) {
+  const auto poses = poses_of(learnt);
+  std::vector<BodyView> views;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    views.push_back(facing_camera(data.views[i], learnt.body, poses[i]));
+  const double prior_sigma_m = unseen_half_extent_radii * data.radius_m;
+  ShapeProblem problem(views, learnt.body, poses, fine_loss_width_m, point_sigma_m / prior_sigma_m);
+  return problem.half_extent_sigma_m().norm() / std::numbers::sqrt3;
 }
 
 void weigh_boxes(LearningData& data, double weight) {
@@ -280,12 +233,8 @@ LearntBody learn_body(const std::vector<BodyView>& views, double radius_m, int n
   bodies = plausible_of(bodies);
   const auto learnt = converge(data, typical_of(bodies), progress);
   weigh_boxes(data, 1.0 / box_weight);  // standard deviations are those of the boxes as drawn
-  const double prior_sigma_m = unseen_half_extent_radii * data.radius_m;
-  const Eigen::Vector3d sigma_m =
-      problem_at(data, learnt, fine_loss_width_m, point_sigma_m / prior_sigma_m)
-          .half_extent_sigma_m();
   return {learnt.body,
-          std::hypot(sigma_m.norm() / std::numbers::sqrt3, half_extent_spread_m(bodies, learnt))};
+          std::hypot(half_extent_sigma_m(data, learnt), half_extent_spread_m(bodies, learnt))};
 }
 
 }  // namespace touchtrace::label

@@ -33,12 +33,16 @@ std::string remedy(const ClipTrack& track, bool has_mask_boxes) {
       track.time_s[first], track.time_s[first + count - 1], boxes);
 }
 
-std::string lost_problem(const char* body, double lost_fraction, const ClipTrack& track,
+std::string lost_problem(std::string_view body, double lost_fraction, const ClipTrack& track,
                          bool has_mask_boxes) {
   return fmt::format(
-      "{} lost in {:.0f} % of the camera frames; {}; check calibration and that background frames "
+      "{} lost in {:.0f} % of the camera frames{}; {}; check calibration and that background "
+      "frames "
       "show no person",
-      body, 100.0 * lost_fraction, remedy(track, has_mask_boxes));
+      body, 100.0 * lost_fraction,
+      body == "hand" ? " (also where it cannot be told from a bare arm: masks or a sleeve help)"
+                     : "",
+      remedy(track, has_mask_boxes));
 }
 
 std::string unsmoothed_problem(const char* body, SmoothStatus status) {

@@ -19,6 +19,9 @@ inline constexpr double hand_sigma_m = 0.004;
 
 Observation observe_hand(const Patch& patch);
 
+/// Whether a hand goes on into an arm of its colour, so that its place along the arm is unknown.
+bool is_on_arm(const Patch& hand, const Surface& surface);
+
 /// Object that is not visible and moves with the hand.
 Observation hidden_object_at(const Eigen::Vector3d& position_m);
 

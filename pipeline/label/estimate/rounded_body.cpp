@@ -6,7 +6,9 @@
 namespace touchtrace::label {
 namespace {
 
-constexpr double deepest_point_m = 1e-4;  // accuracy of its position along the segment
+// Of the deepest point's position along the segment. Endless segments end by the number of steps.
+constexpr double deepest_point_m = 1e-4;
+constexpr int max_bisections = 20;
 // Keeps points off a cylinder's axis, where the gradient is undefined.
 constexpr double axis_offset_m = 1e-15;
 
@@ -87,7 +89,7 @@ std::optional<Eigen::Vector3d> deepest_point(const RoundedBody& body, const Eige
   if (!range) return std::nullopt;
   auto [near, far] = *range;
   const double length = along.norm();
-  while ((far - near) * length > 2.0 * deepest_point_m) {
+  for (int i = 0; i < max_bisections && (far - near) * length > 2.0 * deepest_point_m; ++i) {
     const double half_way = 0.5 * (near + far);
     const auto surface = surface_distance(body, from_m + half_way * along);
     if (surface.distance_m > (far - half_way) * length) return std::nullopt;

@@ -185,6 +185,7 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
   SceneModel model{.segmenter = segmenter,
                    .observer = nullptr,
                    .depth_noise_at_1m = noise_at_1m,
+                   .has_all_masks = use_masks,
                    .has_some_masks = !use_masks && !frames.masked_frames.empty(),
                    .only_masked_body = frames.only_masked_body};
   const auto colors = std::make_shared<DepthColorObserver>(segmenter);

@@ -60,6 +60,7 @@ struct SceneModel {
   std::optional<double> depth_noise_at_1m = std::nullopt;  ///< [m]; see depth_noise_at_1m()
   std::map<std::string, ObjectShape> object_shape = {};
   std::set<std::string> objects_with_hand_color = {};  ///< not separable from the hand by colour
+  bool has_all_masks = false;                          ///< masks alone show the bodies
   bool has_some_masks = false;  ///< masks show the bodies in some frames, colours in the others
   /// The only body that masks show, while colours show the other one; nullopt: masks show both.
   std::optional<MaskValue> only_masked_body = std::nullopt;

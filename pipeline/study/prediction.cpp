@@ -48,9 +48,10 @@ class Prediction {
         card_(read_card(predictor_.metadata(), options.model)),
         data_(load(options)) {
     require_rate(card_, options.model, data_.rate_hz, options.recording);
-    if (auto images = averaged_images(card_.spec, options.model, data_, options.recording))
-      data_.tactile = std::move(*images), data_.rows = card_.spec.rows,
-      data_.cols = card_.spec.cols;
+    if (auto images = averaged_images(card_.spec, options.model, data_, options.recording)) {
+      data_.tactile = std::move(*images);
+      data_.rows = card_.spec.rows, data_.cols = card_.spec.cols;
+    }
   }
 
   void run(int restart_steps, const std::function<void(const json&)>& emit) {

@@ -172,7 +172,7 @@ TEST(Smooth, NoiseOfALongTrackIsThatOfItsStretches) {
   EXPECT_NEAR(all.jerk_density / first.jerk_density, 1.0, 0.15);
 }
 
-/// Of the 45,000 points 20,000 are looked at.
+/// The noise is estimated from 20,000 of the 45,000 points.
 TEST(Smooth, NoiseOfManyShortTracks) {
   std::vector<Track> tracks;
   for (std::uint64_t seed = 1; seed <= 150; ++seed)

@@ -6,9 +6,8 @@
 namespace touchtrace::label {
 namespace {
 
-// Of the deepest point's position along the segment. Endless segments end by the number of steps.
-constexpr double deepest_point_m = 1e-4;
-constexpr int max_bisections = 20;
+constexpr double deepest_point_m = 1e-4;  // accuracy of the deepest point along the segment
+constexpr int max_bisections = 20;        // where rounding of a long segment exceeds it
 // Keeps points off a cylinder's axis, where the gradient is undefined.
 constexpr double axis_offset_m = 1e-15;
 

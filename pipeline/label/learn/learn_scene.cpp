@@ -142,9 +142,8 @@ void warn_of_large_hands(const Camera& color, const SampledFrames& samples) {
                  height_m = box.height * sample.hand_m->z() / color.fy;
     if (std::max(width_m, height_m) < max_hand_m) continue;
     Progress::warn(fmt::format(
-        "the hand's {} in camera frame {} is {:.2f} x {:.2f} m, larger than a "
-        "hand: the depth's unit may be wrong (import --depth-scale), or the labels may be "
-        "of another part",
+        "the hand's {} in camera frame {} is {:.2f} x {:.2f} m, larger than a hand: the depth's "
+        "unit may be wrong (import --depth-scale), or the labels may be of another part",
         sample.clip->has_mask_boxes ? "mask" : "box", sample.index, width_m, height_m));
   }
 }

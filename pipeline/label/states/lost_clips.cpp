@@ -37,8 +37,7 @@ std::string lost_problem(std::string_view body, double lost_fraction, const Clip
                          bool has_mask_boxes) {
   return fmt::format(
       "{} lost in {:.0f} % of the camera frames{}; {}; check calibration and that background "
-      "frames "
-      "show no person",
+      "frames show no person",
       body, 100.0 * lost_fraction,
       body == "hand" ? " (also where it cannot be told from a bare arm: masks or a sleeve help)"
                      : "",

@@ -167,7 +167,8 @@ class SegmentLikelihood {
         result.col(count++) = values.col(i) * std::sqrt(double(values.rows()) / square);
     return result.leftCols(count);
   }
-  /// Of a linear model from the inputs to touch, maximised over its coefficients and covariance.
+  /// Log-likelihood of a linear model from the inputs to touch, at its best coefficients and
+  /// covariance.
   double log_likelihood(const MatrixXd& inputs) const {
     const auto count = static_cast<double>(touch_.rows());
     const MatrixXd across = inputs.transpose() * touch_;

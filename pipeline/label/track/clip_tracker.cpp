@@ -76,8 +76,9 @@ class ClipTracker {
     unseen_s_ += seconds;
     track.object.push_back(object ? observe_object(*object, frame) : Observation{});
     update(track.hand.back(), track.object.back(), frame, image);
-    if (hand && !scene_.has_all_masks && !is_masked && is_on_arm(*hand, surface))
-      track.hand.back() = {};
+    // boxes and masks show where the hand ends
+    const bool is_shown = frame_ == 0 || scene_.has_all_masks || is_masked;
+    if (hand && !is_shown && is_on_arm(*hand, surface)) track.hand.back() = {};
   }
 
   /// Replaces the object's poses by the most likely ones given all frames. Where the points

@@ -1,7 +1,7 @@
 # Velocity from the positions of a track: touchtrace's smoothing, Savitzky-Golay, Butterworth, a quintic spline and
 # Kalman smoothers on the same synthetic tracks, interleaved, each peer tuned by an oracle: error against run time.
-# With --real: labels of real clips against their references (real_labels).
-# needs: numpy scipy simdkalman h5py
+# With --real: labels of public recordings against references (real_labels).
+# needs: numpy scipy simdkalman h5py opencv-python-headless
 import argparse
 import json
 import os
@@ -80,9 +80,9 @@ def main():
     parser = argparse.ArgumentParser(prog="scripts/bench labels", description="touchtrace's smoothing and its peers on the same tracks")
     parser.add_argument("--smoothing-tracks", default="build/release/tests/smoothing_tracks")
     parser.add_argument("--rounds", type=int, default=3, help="alternating runs of a timing")
-    parser.add_argument("--real", metavar="FOLDER", help="label the clips in this folder instead: layout in real_labels")
+    parser.add_argument("--real", metavar="FOLDER", help="label public recordings instead, of which this folder has clones: real_labels/__init__.py")
+    parser.add_argument("--match", metavar="TEXT", default="", help="of --real: only recordings with this text in their names")
     parser.add_argument("--touchtrace", default="build/release/touchtrace")
-    parser.add_argument("--tracker", default="component", help="of --real")
     parser.add_argument("--json", action="store_true", help="print all rows as one JSON object")
     options = parser.parse_args()
     program = options.touchtrace if options.real else options.smoothing_tracks

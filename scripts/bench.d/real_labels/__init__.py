@@ -1,115 +1,108 @@
-"""Labels of real clips: `touchtrace import`, `mark` and `label` on folders in TUM layout, and their errors.
+"""Labels of public recordings: `touchtrace import`, `mark` and `label`, and their errors.
 
-A clip is a folder with rgb.txt, depth.txt and their images (depth in mm, on the colour camera's pixels), camera_info.yaml,
-boxes.json and, if there is one, reference.csv:
-    boxes.json     {"frame_index": i, "hand": [x, y, width, height], "object": [...]}, pixels of colour image i
-    reference.csv  time_s, x_m, y_m, z_m, sigma_m: the object's centre in the colour camera's frame"""
+recordings.toml says what is read and which boxes are drawn; sources.py makes it a folder of images. The folder that is
+given has clones of the repositories: `git clone https://github.com/OWNER/NAME FOLDER/OWNER/NAME`.
+References are in references/*.csv: body, frame (index of the colour image), x_m, y_m, z_m in the colour camera's frame,
+sigma_m per axis. They were made by a person without touchtrace: colour segmentation, SAM 2 masks or clicks, with depth."""
 
-import json
 import pathlib
 import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 
 import h5py
 import numpy as np
 
 from figures import row
+from real_labels import sources
 
-WRONG_M, MAX_INTERVAL_S = 0.06, 0.012
-WINDOW_PX, BEHIND_M, IN_FRONT_M = 4, 0.02, 0.10  # of the object's surface about its centre
+HERE = pathlib.Path(__file__).parent
+WRONG_M, FAR_M = 0.06, 0.15
+MAX_INTERVALS = 0.6  # between a frame and its label, in frame periods
 
 
-def touchtrace(options, *arguments):
-    done = subprocess.run([options.touchtrace, *map(str, arguments)], capture_output=True, text=True)
+def touchtrace(program, *arguments):
+    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True)
     if done.returncode:
         raise RuntimeError(f"touchtrace {arguments[0]}: {done.stderr.strip()}")
 
 
-def make_labels(options, clip, folder):
+def make_labels(options, recording, clone, folder):
     """Paths of the recording and of its labels."""
-    recording, labels = folder / "clip.h5", folder / "clip.labels.h5"
-    boxes = json.loads((clip / "boxes.json").read_text())
-    drawn = [f"--box={body}={','.join(map(str, boxes[body]))}" for body in ("hand", "object")]
-    touchtrace(options, "import", clip, "--camera-info", clip / "camera_info.yaml", "--registered", "--depth-scale", 1000,
-               "--output", recording)
-    touchtrace(options, "mark", recording, *drawn, "--frame", boxes["frame_index"], "--overwrite")
-    touchtrace(options, "label", recording, "--output", labels, "--tracker", options.tracker)
-    return recording, labels
+    images, file, labels = folder / "images", folder / "clip.h5", folder / "clip.labels.h5"
+    images.mkdir()
+    sources.write_images(recording, clone, images)
+    scale = ["--depth-scale", recording["depth_scale"]] if "depth_scale" in recording else []
+    masks = ["--masks", images / "masks"] if "object_masks" in recording else []
+    boxes = [f"--box={body}={','.join(map(str, recording[body]))}" for body in ("hand", "object")]
+    touchtrace(options.touchtrace, "import", images, *recording["options"], *scale, *masks, "--output", file)
+    touchtrace(options.touchtrace, "mark", file, *boxes, "--frame", recording["frame"])
+    touchtrace(options.touchtrace, "label", file, "--output", labels)
+    return file, labels
 
 
-def read_labels(file, clock_shift_s):
-    """Labels that have a position."""
-    with h5py.File(file) as labels:
-        body = labels["object"]
-        states = dict(time_s=labels["label/time_s"][:] + clock_shift_s, position_m=body["position_m"][:],
-                      covariance=body["covariance"][:, :3, :3], is_good=body["quality"][:] == 0)
-    has_position = np.isfinite(states["position_m"]).all(axis=1)
-    return len(has_position), {name: values[has_position] for name, values in states.items()}
+def read_references(name):
+    table = np.genfromtxt(HERE / "references" / f"{name}.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    return {body: table[table["body"] == body] for body in ("object", "hand")}
 
 
-def nearest(sorted_times_s, times_s):
-    """Indices of the nearest times, and whether they are near enough."""
-    after = np.clip(np.searchsorted(sorted_times_s, times_s), 1, len(sorted_times_s) - 1)
-    is_before = times_s - sorted_times_s[after - 1] < sorted_times_s[after] - times_s
-    index = np.where(is_before, after - 1, after)
-    return index, abs(sorted_times_s[index] - times_s) <= MAX_INTERVAL_S
+def good_at(reference, frame_time_s, label_time_s, label):
+    """Errors [m] of good labels at references, NEES of each, and the number of flagged labels at references."""
+    times_s = frame_time_s[reference["frame"]]
+    index = np.abs(label_time_s[None] - times_s[:, None]).argmin(axis=1)
+    is_near = np.abs(label_time_s[index] - times_s) < MAX_INTERVALS * np.median(np.diff(frame_time_s))
+    reference, index = reference[is_near], index[is_near]
+    is_good = label["quality"][:][index] == 0
+    reference, index = reference[is_good], index[is_good]
+    error_m = label["position_m"][:][index] - np.stack([reference[f"{axis}_m"] for axis in "xyz"], axis=1)
+    covariance = label["covariance"][:][index, :3, :3] + reference["sigma_m"][:, None, None] ** 2 * np.eye(3)
+    nees = np.einsum("ni,ni->n", error_m, np.linalg.solve(covariance, error_m[..., None])[..., 0]) / 3
+    return np.linalg.norm(error_m, axis=1), nees, (~is_good).sum()
 
 
-def reference_rows(name, labels, file):
-    reference = np.genfromtxt(file, delimiter=",", names=True)
-    index, is_near = nearest(reference["time_s"], labels["time_s"])
-    true_m = np.stack([reference[f"{axis}_m"] for axis in "xyz"], axis=1)[index]
-    error_m = labels["position_m"] - true_m
-    distance_m, good = np.linalg.norm(error_m, axis=1), is_near & labels["is_good"]
-    covariance = labels["covariance"] + reference["sigma_m"][index, None, None] ** 2 * np.eye(3)
-    chi2 = np.einsum("ni,ni->n", error_m[good], np.linalg.solve(covariance[good], error_m[good][..., None])[..., 0])
-    yield row(f"{name}: median error", 1e3 * np.median(distance_m[good]), "mm")
-    yield row(f"{name}: 95 % of errors below", 1e3 * np.percentile(distance_m[good], 95), "mm")
-    yield row(f"{name}: chi-square / 3", chi2.mean() / 3, "")
-    yield row(f"{name}: wrong (> 60 mm) and not flagged", 100 * (distance_m[good] > WRONG_M).sum() / is_near.sum(), "%")
+def rows_of_body(name, error_m, nees, flagged):
+    yield row(f"{name}: good labels at references", len(error_m), "")
+    yield row(f"{name}: flagged labels at references", flagged, "")
+    yield row(f"{name}: good labels over 60 mm off", (error_m > WRONG_M).sum(), "")
+    yield row(f"{name}: good labels over 150 mm off", (error_m > FAR_M).sum(), "")
+    if len(error_m):
+        yield row(f"{name}: median error of good labels", 1e3 * np.median(error_m), "mm")
+        yield row(f"{name}: largest error of good labels", 1e3 * error_m.max(), "mm")
+        yield row(f"{name}: NEES of good labels, with the reference's sigma", nees.mean(), "")
 
 
-def agreement(depth_m, intrinsics, position_m):
-    """Fraction of the measured depth pixels around a position that fit an object there; NaN without any."""
-    fx, fy, cx, cy = intrinsics
-    x, y, z = position_m
-    u, v = round(fx * x / z + cx), round(fy * y / z + cy)
-    window = depth_m[max(0, v - WINDOW_PX):max(0, v + WINDOW_PX + 1), max(0, u - WINDOW_PX):max(0, u + WINDOW_PX + 1)]
-    measured = window[window > 0]
-    return ((measured > z - IN_FRONT_M) & (measured < z + BEHIND_M)).mean() if measured.size else np.nan
-
-
-def agreement_rows(name, labels, recording):
-    with h5py.File(recording) as file:
-        times_s, unit_m = file["depth/host_time_s"][:], file["depth"].attrs["depth_unit_m"]
-        intrinsics = np.ravel(file["color"].attrs["intrinsics"])
-        index, is_near = nearest(times_s, labels["time_s"])
-        shares = [agreement(file["depth/image"][index[i]] * unit_m, intrinsics, labels["position_m"][i])
-                  for i in np.flatnonzero(is_near & labels["is_good"])]
-    yield row(f"{name}: depth near the label that agrees", 100 * np.nanmean(shares), "%")
-
-
-def figures_of_clip(options, clip):
+def rows_of_recording(options, name, recording, clone, errors):
+    """Appends the errors of good labels to `errors`, by body."""
     start = time.time()
+    references = read_references(recording.get("references", name))
     with tempfile.TemporaryDirectory() as folder:
-        recording, file = make_labels(options, clip, pathlib.Path(folder))
-        with h5py.File(recording) as images:
-            first_s = images["color/host_time_s"][0]
-        count, labels = read_labels(file, first_s if first_s > 1e6 else 0.0)
-        yield row(f"{clip.name}: found and not flagged", 100 * labels["is_good"].sum() / count, "%", seconds=time.time() - start)
-        if (clip / "reference.csv").exists():
-            yield from reference_rows(clip.name, labels, clip / "reference.csv")
-        else:
-            yield from agreement_rows(clip.name, labels, recording)
+        file, labels = make_labels(options, recording, clone, pathlib.Path(folder))
+        with h5py.File(file) as images, h5py.File(labels) as states:
+            frame_time_s, label_time_s = images["color/host_time_s"][:], states["label/time_s"][:]
+            judged = {body: good_at(reference, frame_time_s, label_time_s, states[body])
+                      for body, reference in references.items()}
+    yield row(f"{name}: labelled", 1, "", seconds=time.time() - start)
+    for body, of_body in judged.items():
+        errors[body].append(of_body[0])
+        yield from rows_of_body(f"{name}, {body}", *of_body)
 
 
 def figures(options):
-    """Rows of all clips below the folder. A clip that cannot be labelled is named on stderr and fails."""
-    for boxes in sorted(pathlib.Path(options.real).glob("*/boxes.json")):
+    """Rows of the recordings of which the folder has a clone, and sums. Those that `label` refuses are named on stderr."""
+    errors = dict(object=[], hand=[])
+    for name, recording in tomllib.loads((HERE / "recordings.toml").read_text()).items():
+        clone = pathlib.Path(options.real) / recording["repository"]
+        if options.match not in name or not clone.is_dir():
+            continue
         try:
-            yield from figures_of_clip(options, boxes.parent)
-        except (RuntimeError, KeyError, ValueError) as error:
-            print(f"{boxes.parent.name}: {error}", file=sys.stderr)
-            yield row(f"{boxes.parent.name}: found and not flagged", float("nan"), "%")
+            yield from rows_of_recording(options, name, recording, clone, errors)
+        except RuntimeError as refusal:
+            print(f"{name}: {refusal}", file=sys.stderr)
+            yield row(f"{name}: labelled", 0, "")
+    for body, of_body in errors.items():
+        error_m = np.concatenate([*of_body, []])
+        yield row(f"all, {body}: good labels at references", len(error_m), "")
+        yield row(f"all, {body}: good labels over 60 mm off", (error_m > WRONG_M).sum(), "")
+        yield row(f"all, {body}: good labels over 150 mm off", (error_m > FAR_M).sum(), "")

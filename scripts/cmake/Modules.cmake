@@ -23,13 +23,16 @@ function(touchtrace_library name)
 endfunction()
 
 # touchtrace_tests(folder LINKS target...): one GoogleTest executable test_<folder> of tests/<folder>/*_test.cpp
+# Optimised little: compiling tests takes longer than what they compute themselves.
 function(touchtrace_tests folder)
   cmake_parse_arguments(TESTS "" "" "LINKS" ${ARGN})
   set(name test_${folder})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${folder}/*_test.cpp)
   add_executable(${name} ${sources})
+  touchtrace_unity(${name} ${sources})
   target_link_libraries(${name} PRIVATE ${TESTS_LINKS} GTest::gtest GTest::gtest_main)
   target_precompile_headers(${name} PRIVATE <gtest/gtest.h> <algorithm> <cmath> <filesystem> <fmt/core.h>)
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE TOUCHTRACE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              TOUCHTRACE_PROGRAM="$<TARGET_FILE:touchtrace>")
   # Tests neither read nor write the user's tuning file.

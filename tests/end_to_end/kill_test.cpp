@@ -63,7 +63,7 @@ class InterruptedTraining : public ::testing::Test {
   }
   std::string train(const std::string& output) const {
     return "train --recording " + at("scene.h5") + " --labels " + at("labels.h5") +
-           " --updates 400 --sequences 2 --steps 10 --resolution 12 --window 4 "
+           " --updates 150 --sequences 2 --steps 10 --resolution 12 --window 4 "
            "--checkpoint-seconds 0 --output " +
            at(output);
   }
@@ -93,8 +93,8 @@ class InterruptedTraining : public ::testing::Test {
     const unsigned seed = std::random_device()();
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::minstd_rand random(seed);
-    // 400 updates with a checkpoint each: at least six runs, unless polling misses checkpoints.
-    std::uniform_int_distribution<int> num_checkpoints(1, 60), coin(0, 1);
+    // 150 updates with a checkpoint each: at least six runs, unless polling misses checkpoints.
+    std::uniform_int_distribution<int> num_checkpoints(1, 22), coin(0, 1);
     int kills = 0;
     while (!fs::exists(at("killed"))) {
       const int exit_code = train_and_kill(num_checkpoints(random), coin(random) == 1);

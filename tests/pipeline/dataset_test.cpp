@@ -124,6 +124,12 @@ TEST(Dataset, FingerprintIsThatOfTheTouch) {
   EXPECT_EQ(fingerprints().second, first.second);
 }
 
+Clip clip_of(double start_s, double end_s, const std::string& object) {
+  Clip clip;
+  clip.start_s = start_s, clip.end_s = end_s, clip.object = object;
+  return clip;
+}
+
 TEST(Fingerprints, OfAShiftedOrTrimmedCopyAreKnown) {
   RandomStream random(1, "touch");
   const auto glove_at = [&](double start_s) {
@@ -137,23 +143,23 @@ TEST(Fingerprints, OfAShiftedOrTrimmedCopyAreKnown) {
     return glove;
   };
   const GloveStream glove = glove_at(0.0);
-  auto known = clip_fingerprints(glove, {0.0, 9.95, "ball"});
+  auto known = clip_fingerprints(glove, clip_of(0.0, 9.95, "ball"));
   EXPECT_EQ(known.size(), 9u);
   std::ranges::sort(known);
   GloveStream shifted = glove, changed = glove;
   for (double& time_s : shifted.host_time_s) time_s += 5.0;
   changed.counts[300] ^= 1;
-  EXPECT_TRUE(is_known_touch(clip_fingerprints(shifted, {5.0, 14.95, "box"}), known));
-  EXPECT_TRUE(is_known_touch(clip_fingerprints(changed, {0.0, 9.95, "ball"}), known));
-  EXPECT_TRUE(is_known_touch(clip_fingerprints(glove, {2.0, 9.95, "ball"}), known));
-  EXPECT_FALSE(is_known_touch(clip_fingerprints(glove_at(0.0), {0.0, 9.95, "ball"}), known));
+  EXPECT_TRUE(is_known_touch(clip_fingerprints(shifted, clip_of(5.0, 14.95, "box")), known));
+  EXPECT_TRUE(is_known_touch(clip_fingerprints(changed, clip_of(0.0, 9.95, "ball")), known));
+  EXPECT_TRUE(is_known_touch(clip_fingerprints(glove, clip_of(2.0, 9.95, "ball")), known));
+  EXPECT_FALSE(is_known_touch(clip_fingerprints(glove_at(0.0), clip_of(0.0, 9.95, "ball")), known));
   // nothing but rest, in which two taxels flicker: only an exact copy is known
   GloveStream rest = glove;
   for (std::size_t i = 0; i < rest.counts.size(); ++i)
     rest.counts[i] = i % 6 < 2 ? static_cast<std::uint16_t>(random.below(2)) : 7;
-  known = clip_fingerprints(rest, {0.0, 9.95, "ball"});
+  known = clip_fingerprints(rest, clip_of(0.0, 9.95, "ball"));
   EXPECT_EQ(known.size(), 1u);
-  EXPECT_FALSE(is_known_touch(clip_fingerprints(rest, {2.0, 9.95, "ball"}), known));
+  EXPECT_FALSE(is_known_touch(clip_fingerprints(rest, clip_of(2.0, 9.95, "ball")), known));
 }
 
 TEST(Dataset, RejectsLabelsThatAreNotOnePerFrame) {

@@ -71,7 +71,7 @@ TEST_F(ImportGlove, TheFirstRowMayNumberTheColumns) {
   std::string names, table;  // as pandas writes a table without names
   for (int i = 0; i < 12; ++i) names += fmt::format(",{}", i);
   for (int i = 0; i < num_rows; ++i) table += fmt::format("{:.2f}", 0.02 * i) + row_of_values(i);
-  for (const std::string header : {"time_s" + names, "time_s" + names + ",", std::string()}) {
+  for (const std::string& header : {"time_s" + names, "time_s" + names + ",", std::string()}) {
     testing::put(folder_ / "a.csv", header + "\n" + table);
     const GloveStream stream = import_alone(alone("a.csv", 4, 3));
     EXPECT_EQ(stream.frames(), std::size_t(num_rows)) << header;

@@ -28,15 +28,15 @@ class ImportNumbers : public Import {
   std::string warnings_;
 };
 
-using Sequence = std::vector<std::uint64_t>;
+using Numbers = std::vector<std::uint64_t>;
 
 TEST_F(ImportNumbers, EqualNumbersArePairedAndOthersNamed) {
   write_images("rgb", {0, 1, 2, 3}), write_images("depth", {1, 2, 3, 4});
-  EXPECT_EQ(import_times().sequence, (Sequence{1, 2, 3}));
+  EXPECT_EQ(import_times().sequence, (Numbers{1, 2, 3}));
   EXPECT_TRUE(warns_of("1 of 4 colour images have no depth image of their number")) << warnings_;
   EXPECT_TRUE(warns_of("numbers 0 to 3 and 1 to 4")) << warnings_;
   write_images("rgb", {4}), write_images("depth", {0});
-  EXPECT_EQ(import_times().sequence, (Sequence{0, 1, 2, 3, 4}));
+  EXPECT_EQ(import_times().sequence, (Numbers{0, 1, 2, 3, 4}));
   EXPECT_FALSE(warns_of("number")) << warnings_;
 }
 
@@ -50,20 +50,20 @@ TEST_F(ImportNumbers, MissingImagesAreLostFrames) {
   const std::vector<int> numbers{3, 4, 6, 7, 10, 11, 12};
   write_images("rgb", numbers), write_images("depth", numbers);
   const CameraTimes times = import_times();
-  EXPECT_EQ(times.sequence, Sequence(numbers.begin(), numbers.end()));
+  EXPECT_EQ(times.sequence, Numbers(numbers.begin(), numbers.end()));
   EXPECT_NEAR(times.host_time_s[6] - times.host_time_s[0], 9 / 30.0, 1e-9);
 }
 
 TEST_F(ImportNumbers, EveryFifthImageIsAFrame) {
   write_images("rgb", {5, 10, 15, 25}), write_images("depth", {5, 10, 15, 25});
-  EXPECT_EQ(import_times().sequence, (Sequence{1, 2, 3, 5}));
+  EXPECT_EQ(import_times().sequence, (Numbers{1, 2, 3, 5}));
   EXPECT_FALSE(warns_of("number")) << warnings_;
 }
 
 TEST_F(ImportNumbers, TimesInNamesAreNamed) {
   const std::vector<int> stamps{0, 66, 133, 200, 266};
   write_images("rgb", stamps), write_images("depth", stamps);
-  EXPECT_EQ(import_times(15.0).sequence, (Sequence{0, 1, 2, 3, 4}));
+  EXPECT_EQ(import_times(15.0).sequence, (Numbers{0, 1, 2, 3, 4}));
   EXPECT_TRUE(warns_of("colour images increase by 67, as times in milliseconds do at 14.9 Hz"))
       << warnings_;
 }

@@ -64,7 +64,7 @@ BoardFound BoardDetector::add(BoardView view, const GreyImage& image) {
 
 BoardFound BoardDetector::add_whole(BoardView view, const GreyImage& image) {
   const CalibrationTarget& board = observations_.board;
-  if (board.kind == &chessboard_kind) {
+  if (board.kind == &chessboard_kind && view.corner_ids.empty()) {
     view.relative_edge_width = relative_edge_width(image, view.corners_px, board);
     if (!is_main_dark_) is_main_dark_ = is_corner_0_main_dark(image, board, view.corners_px);
   }

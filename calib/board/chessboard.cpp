@@ -21,6 +21,8 @@ namespace {
 constexpr int large_image_px = 2000;
 constexpr int min_corners_per_side = 3;
 constexpr int num_profile_steps = 64;
+/// Of a board's corners. In public photographs 1 or 2 of 54 had no saddle, from glare or blur.
+constexpr double min_saddle_fraction = 0.75;
 constexpr double min_contrast = 20.0;  ///< [grey levels] of an edge whose width can be measured
 
 std::vector<Eigen::Vector2d> find_in_upscaled(const UpscaledImage& image,
@@ -80,12 +82,27 @@ double rise_width(std::vector<double> profile) {
   return (crossing(0.9) - crossing(0.1)) / num_profile_steps;
 }
 
-/// Detects on a reduced image and refines each corner in the large one; {} if one has no saddle.
-std::vector<Eigen::Vector2d> find_in_large_image(const GreyImage& image,
-                                                 const CalibrationTarget& board) {
-  const ReducedImage reduced(image);
-  auto corners = find_chessboard(reduced.image, board);
-  if (!refine_in_original(corners, reduced, image)) return {};
+/// The corners that are saddle points, refined, with their indices on the board; {} if many are
+/// none: what was found is not the board. `factor`: by which the image was reduced.
+TargetCorners saddle_corners(const std::vector<Eigen::Vector2d>& corners, int factor,
+                             const GreyImage& image) {
+  const auto refined = refined_corners(corners, factor, image);
+  TargetCorners found;
+  for (std::size_t i = 0; i < refined.size(); ++i)
+    if (refined[i]) {
+      found.first.push_back(*refined[i]);
+      found.second.push_back(static_cast<int>(i));
+    }
+  if (found.first.size() < min_saddle_fraction * static_cast<double>(corners.size())) return {};
+  if (found.first.size() == corners.size()) found.second.clear();
+  return found;
+}
+
+/// findChessboardCornersSB() in an upscaled image, in the board's order.
+std::vector<Eigen::Vector2d> find_by_sectors(const GreyImage& image,
+                                             const CalibrationTarget& board) {
+  auto corners = find_in_upscaled({image, default_upscale_factor(image)}, board);
+  if (!corners.empty()) order_by_colors(corners, image, board);
   return corners;
 }
 
@@ -113,8 +130,7 @@ double relative_edge_width(const GreyImage& image, const std::vector<Eigen::Vect
   return widths.empty() ? std::numeric_limits<double>::quiet_NaN() : median(std::move(widths));
 }
 
-std::vector<Eigen::Vector2d> find_chessboard_by_squares(const GreyImage& image,
-                                                        const CalibrationTarget& board) {
+TargetCorners find_chessboard_by_squares(const GreyImage& image, const CalibrationTarget& board) {
   const ReducedImage reduced(image);
   std::vector<cv::Point2f> points;
   if (!cv::findChessboardCorners(as_matrix(reduced.image), {board.columns, board.rows}, points,
@@ -122,19 +138,22 @@ std::vector<Eigen::Vector2d> find_chessboard_by_squares(const GreyImage& image,
     return {};
   std::vector<Eigen::Vector2d> corners;
   for (const auto& p : points) corners.emplace_back(p.x, p.y);
-  if (!refine_in_original(corners, reduced, image)) return {};
+  corners = to_original(std::move(corners), reduced);
   order_by_colors(corners, image, board);
-  return corners;
+  return saddle_corners(corners, reduced.factor, image);
 }
 
-std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image,
-                                             const CalibrationTarget& board) {
-  if (std::max(image.width, image.height) > large_image_px)
-    return find_in_large_image(image, board);
-  auto corners = find_in_upscaled({image, default_upscale_factor(image)}, board);
-  if (corners.empty()) return find_chessboard_by_squares(image, board);
-  order_by_colors(corners, image, board);
-  return corners;
+TargetCorners find_chessboard(const GreyImage& image, const CalibrationTarget& board) {
+  const bool is_large = std::max(image.width, image.height) > large_image_px;
+  const ReducedImage reduced(image);
+  auto corners = is_large ? to_original(find_by_sectors(reduced.image, board), reduced)
+                          : find_by_sectors(image, board);
+  auto saddles = saddle_corners(corners, is_large ? reduced.factor : 1, image);
+  if (saddles.first.size() == corners.size() && !corners.empty())
+    return is_large ? saddles : TargetCorners{std::move(corners), {}};
+  // a grid that is shifted or turned has corners on the board's outer edge
+  if (auto found = find_chessboard_by_squares(image, board); !found.first.empty()) return found;
+  return is_large ? saddles : TargetCorners{std::move(corners), {}};
 }
 
 namespace {
@@ -167,10 +186,7 @@ const TargetKind chessboard_kind{
     .place_m = square_lattice_m,
     .is_symmetric =
         [](const CalibrationTarget& board) { return (board.columns + board.rows) % 2 == 0; },
-    .find_corners =
-        [](const GreyImage& image, const CalibrationTarget& board) {
-          return TargetCorners{find_chessboard(image, board), {}};
-        },
+    .find_corners = find_chessboard,
     .find_other = find_other,
     .recognize = recognize,
 };

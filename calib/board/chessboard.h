@@ -10,20 +10,20 @@ double relative_edge_width(const GreyImage& image, const std::vector<Eigen::Vect
                            const CalibrationTarget& board);
 
 /// Returns the inner corners in the board's order, or {} if the image does not show all of them.
+/// Those that are no saddle points, from glare or blur, are left out.
 ///
 /// findChessboardCornersSB (Duda and Frese, BMVC 2018) on an image upscaled to about 1280 pixels:
 /// on rendered 320x240 boards this lowers the corner error from 0.12 to 0.02 px. In an image of
 /// more than 2000 pixels it looks on a reduced one and refines the corners by
-/// refine_saddle_point(). Where it finds nothing: find_chessboard_by_squares().
-std::vector<Eigen::Vector2d> find_chessboard(const GreyImage& image,
-                                             const CalibrationTarget& board);
+/// refine_saddle_point(). Where it finds nothing, or corners that are no saddle points:
+/// find_chessboard_by_squares().
+TargetCorners find_chessboard(const GreyImage& image, const CalibrationTarget& board);
 
 /// The same by findChessboardCorners() in a reduced image, refined by refine_saddle_point(). In the
 /// first photographs of 14 public sets, 166 in all, findChessboardCorners() finds 140 boards,
 /// findChessboardCornersSB() 103, and 120 with CALIB_CB_EXHAUSTIVE, of which none is missed by both
 /// others.
-std::vector<Eigen::Vector2d> find_chessboard_by_squares(const GreyImage& image,
-                                                        const CalibrationTarget& board);
+TargetCorners find_chessboard_by_squares(const GreyImage& image, const CalibrationTarget& board);
 
 /// Inner corners per row and per column.
 struct BoardSize {

@@ -16,10 +16,10 @@ constexpr int min_refinement_px = 3, max_refinement_px = 20;
 /// held-out residuals of seven public sets of photographs are 36 % smaller to 4 % larger.
 constexpr int final_refinement_px = 5, final_refinement_of_large_px = 8;
 
-double min_distance_px(const std::vector<Eigen::Vector2d>& corners) {
+double distance_to_nearest_px(const std::vector<Eigen::Vector2d>& corners, std::size_t corner) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < corners.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) least = std::min(least, (corners[i] - corners[j]).norm());
+    if (i != corner) least = std::min(least, (corners[i] - corners[corner]).norm());
   return least;
 }
 
@@ -33,18 +33,27 @@ ReducedImage::ReducedImage(const GreyImage& original)
   image = {small.cols, small.rows, {small.datastart, small.dataend}};
 }
 
-bool refine_in_original(std::vector<Eigen::Vector2d>& corners, const ReducedImage& reduced,
-                        const GreyImage& original) {
+std::vector<Eigen::Vector2d> to_original(std::vector<Eigen::Vector2d> corners,
+                                         const ReducedImage& reduced) {
   for (auto& corner : corners) corner = reduced.factor * (corner.array() + 0.5) - 0.5;
-  const int radius_px = std::clamp(static_cast<int>(0.3 * min_distance_px(corners)),
-                                   min_refinement_px, max_refinement_px);
-  const int final_px = reduced.factor == 1 ? final_refinement_px : final_refinement_of_large_px;
-  for (auto& corner : corners) {
-    const auto refined = refine_saddle_point(original, corner, radius_px, final_px);
-    if (!refined) return false;
-    corner = *refined;
+  return corners;
+}
+
+std::vector<std::optional<Eigen::Vector2d>> refined_corners(
+    const std::vector<Eigen::Vector2d>& corners, int factor, const GreyImage& original) {
+  const int final_px = factor == 1 ? final_refinement_px : final_refinement_of_large_px;
+  std::vector<int> radii_px;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    radii_px.push_back(std::clamp(static_cast<int>(0.3 * distance_to_nearest_px(corners, i)),
+                                  min_refinement_px, max_refinement_px));
+  std::vector<std::optional<Eigen::Vector2d>> refined;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    refined.push_back(refine_saddle_point(original, corners[i], radii_px[i], final_px));
+    if (!refined[i])
+      refined[i] =
+          refine_saddle_point(original, corners[i], *std::ranges::min_element(radii_px), final_px);
   }
-  return true;
+  return refined;
 }
 
 }  // namespace touchtrace

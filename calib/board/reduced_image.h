@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "calib/board/board_view.h"
 
 namespace touchtrace {
@@ -13,9 +15,13 @@ struct ReducedImage {
   explicit ReducedImage(const GreyImage& original);
 };
 
-/// Refines corners that were found in the reduced image by refine_saddle_point() in the original.
-/// Returns false if one has no saddle there.
-bool refine_in_original(std::vector<Eigen::Vector2d>& corners, const ReducedImage& reduced,
-                        const GreyImage& original);
+/// Moves corners from the reduced image to the original.
+std::vector<Eigen::Vector2d> to_original(std::vector<Eigen::Vector2d> corners,
+                                         const ReducedImage& reduced);
+
+/// Refines corners by refine_saddle_point() in the original of an image that was reduced by
+/// `factor`. [corners] nullopt: no saddle there.
+std::vector<std::optional<Eigen::Vector2d>> refined_corners(
+    const std::vector<Eigen::Vector2d>& corners, int factor, const GreyImage& original);
 
 }  // namespace touchtrace

@@ -38,6 +38,10 @@ std::optional<GreyImage> decode_grey(const std::filesystem::path& path) {
 
 /// Error that says what the first images show instead.
 Error no_chessboard(const std::vector<std::filesystem::path>& images) {
+  if (std::ranges::none_of(images, [](const auto& path) { return decode_grey(path).has_value(); }))
+    return data_error(fmt::format("none of {} files is an image that can be read, such as {}",
+                                  images.size(), images.front().string()),
+                      "convert videos, HEIC and raw files to JPEG or PNG");
   for (const auto& path : images | std::views::take(num_probed_images))
     if (const auto image = decode_grey(path))
       if (const auto other = recognize_target(*image, chessboard_kind))

@@ -51,6 +51,9 @@ void require_same_size(const GreyImage& first, const GreyImage& image,
 /// Images in a folder, by their extension, sorted; may be empty.
 std::vector<std::filesystem::path> images_in_folder(const std::filesystem::path& folder);
 
+/// Whether a path is a folder or has the extension of an image.
+bool may_be_images(const std::filesystem::path& path);
+
 /// Files that board_views_from_images or board_views_from_tum reads.
 std::vector<std::filesystem::path> image_files(const std::vector<std::string>& folders_or_patterns);
 

@@ -1,4 +1,4 @@
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <glob.h>
 
 #include <algorithm>
@@ -38,6 +38,21 @@ std::vector<fs::path> matches(const std::string& pattern) {
   if (glob(pattern.c_str(), 0, nullptr, &found) == 0)
     paths.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   return paths;
+}
+
+/// What is at a path instead of images, such as "9 files of .heic".
+std::string contents_of(const fs::path& path) {
+  std::error_code unreadable;
+  if (!fs::is_directory(path, unreadable)) return "nothing has this name";
+  std::map<std::string, int> count_of;
+  for (const auto& entry : fs::directory_iterator(path, unreadable))
+    ++count_of[entry.is_directory(unreadable) ? "folders"
+               : entry.path().has_extension()
+                   ? "files of " + lower_case(entry.path().extension().string())
+                   : "files without an extension"];
+  std::vector<std::string> counts;
+  for (const auto& [kind, count] : count_of) counts.push_back(fmt::format("{} {}", count, kind));
+  return counts.empty() ? "it is empty" : fmt::format("it has {}", fmt::join(counts, ", "));
 }
 
 GreyImage grey_image(const cv::Mat& pixels) {
@@ -83,6 +98,8 @@ void require_same_size(const GreyImage& first, const GreyImage& image, const fs:
         "give images of one camera and one size");
 }
 
+bool may_be_images(const fs::path& path) { return fs::is_directory(path) || is_image(path); }
+
 std::vector<fs::path> images_in_folder(const fs::path& folder) {
   auto images = matches((folder / "*").string());
   std::erase_if(images, [](const fs::path& path) { return !is_image(path); });
@@ -95,8 +112,10 @@ std::vector<fs::path> image_files(const std::vector<std::string>& folders_or_pat
     if (is_tum_folder(source)) return tum_files(source);
     auto found = fs::is_directory(source) ? images_in_folder(source) : matches(source);
     if (found.empty())
-      throw data_error(fmt::format("no images in '{}'", source),
-                       "give a folder, files, or a pattern such as 'photos/left*.jpg'");
+      throw data_error(
+          fmt::format("no images in '{}': {}", source, contents_of(source)),
+          "give a folder, files, or a pattern such as 'photos/left*.jpg'; videos, HEIC "
+          "and raw files have to be converted to JPEG or PNG");
     std::ranges::move(found, std::back_inserter(files));
   }
   return files;

@@ -144,6 +144,10 @@ void require_one_input(const CalibrateOptions& o) {
                           ? "missing RECORDING, --images PATH, --corners FILE or --camera NAME=PATH"
                           : "RECORDING, --images, --corners and --camera cannot be combined",
                       "give exactly one of them; touchtrace calibrate --help describes them");
+  if (may_be_images(o.recording))
+    throw usage_error(
+        fmt::format("{} is no recording", o.recording),
+        fmt::format("for photographs: touchtrace calibrate --images {}", o.recording));
   if (o.watch && o.images.size() != 1)
     throw usage_error("--watch takes one folder",
                       "run `touchtrace calibrate --images FOLDER --watch`");

@@ -83,7 +83,7 @@ TEST(ChessboardPart, WithAllCornersIsAFullView) {
   const auto pose = board_pose(board_8x6, tilt, {0.0, 0.0, 0.5});
   const GreyImage image =
       testing::render({drawing, Eigen::Vector2d::Constant(2.0 * board_8x6.square_m)}, pose);
-  ASSERT_TRUE(find_chessboard(image, board_8x6).empty());
+  ASSERT_TRUE(find_chessboard(image, board_8x6).first.empty());
   BoardDetector detector(board_8x6);
   EXPECT_EQ(detector.add({.name = "only"}, image), BoardFound::whole);
   const BoardObservations found = std::move(detector).finish();
@@ -121,7 +121,7 @@ TEST(Chessboard, CornersHaveTheSameOrderHoweverTheBoardIsTurned) {
         SCOPED_TRACE(::testing::Message()
                      << board.columns << "x" << board.rows << ", " << turn_rad);
         const auto pose = board_pose(board, {0.3, -0.2, turn_rad}, {0.0, 0.0, 0.6});
-        const auto corners = find(render(board, pose), board);
+        const auto corners = find(render(board, pose), board).first;
         ASSERT_EQ(corners.size(), static_cast<std::size_t>(board.num_corners()));
         std::vector<int> ids(corners.size());
         std::iota(ids.begin(), ids.end(), 0);
@@ -131,6 +131,22 @@ TEST(Chessboard, CornersHaveTheSameOrderHoweverTheBoardIsTurned) {
           rms_px = std::min(rms_px, corner_rms_px(board, pose, corners, ids));
         EXPECT_LT(rms_px, 0.05);
       }
+}
+
+TEST(Chessboard, LeavesOutACornerUnderGlare) {
+  constexpr int under_glare = 20;
+  const auto pose = board_pose(board_9x6, {0.3, -0.2, 0.1}, {0.0, 0.0, 0.6});
+  GreyImage image = render(board_9x6, pose);
+  const auto all = find_chessboard_by_squares(image, board_9x6).first;
+  ASSERT_EQ(all.size(), 54u);
+  cv::Mat pixels(image.height, image.width, CV_8U, image.pixels.data());
+  cv::circle(pixels,
+             {int(std::lround(all[under_glare].x())), int(std::lround(all[under_glare].y()))}, 6,
+             255, cv::FILLED);
+  const auto [corners, ids] = find_chessboard_by_squares(image, board_9x6);
+  ASSERT_EQ(corners.size(), 53u);
+  EXPECT_EQ(std::ranges::find(ids, under_glare), ids.end());
+  EXPECT_LT(corner_rms_px(board_9x6, pose, corners, ids), 0.05);
 }
 
 TEST(Chessboard, ItsSizeIsFound) {
@@ -193,7 +209,7 @@ TEST(ChessboardPart, CalibratesFromPartialViews) {
 TEST(Chessboard, WidthOfEdgesIsThatOfTheBlur) {
   const Eigen::Vector3d facing(0.0, 0.0, 0.05);
   const GreyImage sharp = render(board_9x6, board_pose(board_9x6, facing, {0.0, 0.0, 0.5}));
-  const auto corners = find_chessboard(sharp, board_9x6);
+  const auto corners = find_chessboard(sharp, board_9x6).first;
   ASSERT_EQ(corners.size(), 54u);
   const double spacing_px = 600.0 * 0.03 / 0.5;
   EXPECT_LT(relative_edge_width(sharp, corners, board_9x6) * spacing_px, 2.0);

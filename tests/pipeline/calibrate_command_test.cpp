@@ -48,6 +48,29 @@ TEST(CalibrateCommand, PhotographsOfOpenCv) {
   EXPECT_FALSE(fs::exists(folder / "left" / "camera_depth.yaml"));
 }
 
+TEST(CalibrateCommand, NamesWhatIsThereInsteadOfImages) {
+  const TemporaryFolder folder;
+  const auto message = [](std::vector<std::string> arguments, int exit_code) {
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(run(std::move(arguments)), exit_code);
+    return ::testing::internal::GetCapturedStderr();
+  };
+  const auto expect = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  const std::string path = (folder / "photos").string();
+  expect(message({"--images", path}, 3), "nothing has this name");
+  fs::create_directory(path);
+  expect(message({"--images", path}, 3), "it is empty");
+  expect(message({path}, 2), "touchtrace calibrate --images " + path);
+  write_file(folder / "photos" / "a.HEIC", "not an image", false);
+  write_file(folder / "photos" / "b.heic", "not an image", false);
+  expect(message({"--images", path}, 3), "it has 2 files of .heic");
+  expect(message({"--images", path + "/*"}, 3), "none of 2 files is an image");
+  write_grey(folder / "grey.pgm", 320, 240);
+  expect(message({(folder / "grey.pgm").string()}, 2), "touchtrace calibrate --images");
+}
+
 TEST(CalibrateCommand, RejectsInvalidMarkers) {
   const TemporaryFolder folder;
   write_grey(folder / "grey.pgm", 320, 240);
@@ -235,9 +258,11 @@ TEST(CalibrateCommand, FindsTheBoardInALargeImage) {
                          const_cast<std::uint8_t*>(small.pixels.data()));
   cv::Mat enlarged;
   cv::resize(original, enlarged, {}, 4.0, 4.0, cv::INTER_CUBIC);
-  const auto expected = find_chessboard(small, CalibrationTarget{});
-  const auto found = find_chessboard(
-      {enlarged.cols, enlarged.rows, {enlarged.datastart, enlarged.dataend}}, CalibrationTarget{});
+  const auto expected = find_chessboard(small, CalibrationTarget{}).first;
+  const auto found =
+      find_chessboard({enlarged.cols, enlarged.rows, {enlarged.datastart, enlarged.dataend}},
+                      CalibrationTarget{})
+          .first;
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Eigen::Vector2d in_original = (found[i].array() + 0.5) / 4.0 - 0.5;
@@ -246,7 +271,7 @@ TEST(CalibrateCommand, FindsTheBoardInALargeImage) {
   cv::Mat without(enlarged.size(), CV_8U, cv::Scalar(128));
   EXPECT_TRUE(find_chessboard({without.cols, without.rows, {without.datastart, without.dataend}},
                               CalibrationTarget{})
-                  .empty());
+                  .first.empty());
 }
 
 TEST(CalibrateCommand, NamesTheSizeOfTheBoardThatTheImagesShow) {

@@ -3,6 +3,7 @@
 
 #include "engine/base/error.h"
 #include "pipeline/label/states/lost_clips.h"
+#include "pipeline/label/states/summary.h"
 #include "tests/pipeline/label_stage.h"
 
 namespace touchtrace::label {
@@ -29,12 +30,32 @@ bool mentions(const std::string& text, const std::string& part) {
 TEST(LostClips, NameTheLongestTimeWithBothBodies) {
   SampleClip sample;
   for (const int i : {0, 2, 3, 6, 7, 8, 9}) sample.tracks[0].object[i].found = false;
+  for (const int i : {0, 1, 2, 3, 6, 7}) sample.tracks[0].hand[i].found = false;
   drop_lost_clips(sample.clips, sample.tracks);
   const auto& problem = sample.clips[0].problem;
-  EXPECT_TRUE(mentions(problem, "object lost in 70 %")) << problem;
+  EXPECT_TRUE(mentions(problem, "hand lost in 60 %, object lost in 70 %")) << problem;
   EXPECT_TRUE(mentions(problem, "from 0.40 to 0.50 s")) << problem;
   EXPECT_TRUE(mentions(problem, "import --clips")) << problem;
   EXPECT_TRUE(sample.tracks[0].time_s.empty());
+}
+
+TEST(LostClips, KeepTheBodyThatIsFound) {
+  SampleClip sample;
+  for (int i = 0; i < 6; ++i) sample.tracks[0].hand[i].found = false;
+  ::testing::internal::CaptureStderr();
+  drop_lost_clips(sample.clips, sample.tracks);
+  EXPECT_TRUE(mentions(::testing::internal::GetCapturedStderr(), "clip 0: hand lost in 60 %"));
+  EXPECT_TRUE(sample.clips[0].is_usable());
+  EXPECT_EQ(lost_fraction(sample.tracks[0].hand), 1.0);
+  EXPECT_EQ(lost_fraction(sample.tracks[0].object), 0.0);
+}
+
+TEST(LostClips, IncludeAnObjectThatMovesWithALostHand) {
+  SampleClip sample;
+  for (int i = 0; i < 6; ++i) sample.tracks[0].hand[i].found = false;
+  for (int i = 2; i < 8; ++i) sample.tracks[0].object[i].follows_hand = true;
+  drop_lost_clips(sample.clips, sample.tracks);
+  EXPECT_TRUE(mentions(sample.clips[0].problem, "hand lost in 60 %, object lost in 60 %"));
 }
 
 TEST(LostClips, IncludeThoseWithoutSmoothedMotion) {

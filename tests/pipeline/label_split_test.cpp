@@ -8,10 +8,11 @@ namespace touchtrace::label {
 namespace {
 
 /// Adds a flat square grid of points 5 mm apart, `half_m` to each side of `centre_m`.
-void add_square(Surface& surface, const Eigen::Vector3f& centre_m, float half_m) {
+void add_square(Surface& surface, const Eigen::Vector3f& centre_m, float half_m,
+                Body body = Body::hand) {
   for (float x = -half_m; x <= half_m; x += 0.005f)
     for (float y = -half_m; y <= half_m; y += 0.005f)
-      surface.push_back({centre_m + Eigen::Vector3f(x, y, 0.0f), 0, 0, {}, Body::hand});
+      surface.push_back({centre_m + Eigen::Vector3f(x, y, 0.0f), 0, 0, {}, body});
 }
 
 const Eigen::Vector3f hand_m(0.0f, 0.0f, 1.0f);
@@ -49,6 +50,17 @@ TEST(SplitFromHand, AcceptsAnEmptySurface) {
   Surface surface;
   split_from_hand(surface, hand_m.cast<double>(), 0.03, 50);
   EXPECT_TRUE(surface.empty());
+}
+
+TEST(RemoveLargeComponents, KeepsWhatMayBeTheObject) {
+  Surface surface;
+  add_square(surface, hand_m, 0.03f, Body::object);
+  const auto object = std::ssize(surface);
+  add_square(surface, hand_m + Eigen::Vector3f(0.3f, 0.0f, 0.0f), 0.15f, Body::object);
+  remove_large_components(surface, 0.04);
+  EXPECT_TRUE(std::all_of(surface.begin(), surface.begin() + object,
+                          [](const SurfacePoint& point) { return point.body == Body::object; }));
+  EXPECT_EQ(std::ranges::count(surface, Body::object, &SurfacePoint::body), object);
 }
 
 }  // namespace

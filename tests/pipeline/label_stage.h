@@ -25,7 +25,7 @@ inline Camera camera() {
 /// a noise-free depth camera registered to the colour camera.
 class Stage {
  public:
-  enum class Ball { red, hand_colored, hidden_at_first };
+  enum class Ball { red, hand_colored, torso_colored, hidden_at_first };
 
   explicit Stage(bool thrown, Ball kind = Ball::red)
       : motion_(thrown ? synthetic_throw(seconds + 1.0, 3) : synthetic_wave(seconds + 1.0, 3)),
@@ -79,6 +79,7 @@ class Stage {
   }
   /// A ball that is wholly in the glove has the glove's colour.
   std::array<int, 3> ball_color(double time_s) const {
+    if (kind_ == Ball::torso_colored) return torso_color(time_s);
     const bool is_blue =
         kind_ == Ball::hand_colored || (kind_ == Ball::hidden_at_first && time_s < hidden_s);
     return is_blue ? std::array<int, 3>{20, 30, 160} : std::array<int, 3>{200, 40, 20};

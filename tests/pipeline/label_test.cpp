@@ -114,6 +114,18 @@ TEST(Label, TracksAnObjectOfTheHandsColorInFlightAndFlagsItElsewhere) {
   EXPECT_LE(held.lost_share + held.wrong_share, 0.05);
 }
 
+/// With the torso's colour as the rest's alone, the ball is never seen.
+TEST(Label, TracksAnObjectOfTheTorsosColor) {
+  for (const bool thrown : {false, true}) {
+    SCOPED_TRACE(thrown ? "thrown" : "waved");
+    const auto error = error_with_component(Stage(thrown, Stage::Ball::torso_colored));
+    EXPECT_LE(error.lost_share, 0.05);
+    EXPECT_EQ(error.wrong_unsaid_share, 0.0);
+    EXPECT_LE(error.follows_share, 0.1);
+    EXPECT_LT(error.position_spread_m.maxCoeff(), 0.005);
+  }
+}
+
 /// Colours that are new near the hand are the object's only if they cover no more than its disc.
 TEST(Label, DoesNotTakeTheTorsoForAnObjectOfTheHandsColor) {
   Stage stage(false, Stage::Ball::hand_colored);

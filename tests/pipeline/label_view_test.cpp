@@ -55,7 +55,7 @@ SceneModel model(std::uint16_t distance_mm = wall_mm) {
   colors.learn(segmenter->foreground_surface(frame(distance_mm)), hand_box, object_box);
   colors.build_table();
   const auto observer = std::make_shared<DepthColorObserver>(segmenter);
-  observer->set_colors("ball", std::move(colors));
+  observer->set_colors("ball", std::move(colors), std::nullopt);
   return {segmenter, observer, 0.002};
 }
 

@@ -6,6 +6,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/statistics.h"
+#include "pipeline/label/observe/split.h"
 
 namespace touchtrace::label {
 namespace {
@@ -16,6 +17,8 @@ constexpr double min_learnt_color_fraction = 0.4;
 // Points of these colours, over the pixels of the object's disc, above which they are not the
 // object's alone: sleeve and torso also have them.
 constexpr double max_learnt_color_fraction = 2.0;
+// Part of the object in its boxes that has the object's class, at least.
+constexpr double min_boxed_fraction = 0.5;
 // Mean likeness of a patch: colours twice as rare as usual are another body's, not the hand's.
 constexpr double min_hand_likeness = -0.7;
 
@@ -29,10 +32,41 @@ void learn_boxes(const SampledFrame& sample, const std::string& object, ColorCla
   colors.learn(sample.surface, hand_box, object_box);
 }
 
-void classify(ColorClasses& colors, SampledFrames& samples) {
-  colors.build_table();
-  for (auto& sample : samples) colors.assign(sample.surface);
+void classify(LearntColors& learnt, SampledFrames& samples) {
+  learnt.classes.build_table();
+  for (auto& sample : samples) {
+    learnt.classes.assign(sample.surface);
+    if (learnt.shared_radius_m) remove_large_components(sample.surface, *learnt.shared_radius_m);
+  }
   find_hands(samples);
+}
+
+/// Part of the points in the object's boxes and not in the hand's that are the object's; 1 where
+/// the hand's boxes contain most.
+double boxed_object_fraction(const SampledFrames& samples) {
+  double all = 0.0, outside_hand = 0.0, of_object = 0.0;
+  for (const auto& sample : samples) {
+    if (!sample.has_boxes()) continue;
+    for (const auto& point : points_in(sample.surface, sample.clip->object_box)) {
+      all += 1.0;
+      if (contains(sample.clip->hand_box, point)) continue;
+      outside_hand += 1.0;
+      of_object += point.body == Body::object;
+    }
+  }
+  return outside_hand < 0.5 * all ? 1.0 : of_object / outside_hand;
+}
+
+/// Where most of the object has colours of the rest, lets it share them.
+void share_rest_if_needed(LearntColors& learnt, double radius_m, SampledFrames& samples) {
+  if (boxed_object_fraction(samples) >= min_boxed_fraction) return;
+  const auto alone = learnt;
+  learnt.classes.let_object_share_rest(true);
+  learnt.shared_radius_m = radius_m;
+  classify(learnt, samples);
+  if (boxed_object_fraction(samples) >= min_boxed_fraction) return;
+  learnt = alone;
+  classify(learnt, samples);
 }
 
 Surface all_near_hand(const SampledFrames& samples, const BoxedObject& boxed) {
@@ -83,10 +117,11 @@ LearntColors learn_colors(const Segmenter& segmenter, const std::string& object,
   auto& colors = learnt.classes;
   for (const auto& sample : samples)
     if (sample.has_boxes()) learn_boxes(sample, object, colors);
-  classify(colors, samples);
+  classify(learnt, samples);
   const auto boxed = boxed_object(segmenter.color_camera(), object, samples);
+  share_rest_if_needed(learnt, boxed.radius_m, samples);
   colors.learn_hand_from(points_on_hand(samples, boxed));
-  classify(colors, samples);
+  classify(learnt, samples);
   const auto is_visible = [&](double min_fraction) {
     const auto sightings = sightings_of(samples, boxed);
     return static_cast<double>(sightings.size()) >=
@@ -95,12 +130,12 @@ LearntColors learn_colors(const Segmenter& segmenter, const std::string& object,
   };
   if (is_visible(0.0)) return learnt;
   colors.learn_object_from(all_near_hand(samples, boxed));
-  classify(colors, samples);
+  classify(learnt, samples);
   if (is_visible(min_learnt_color_fraction) &&
       class_disc_fraction(segmenter, samples, boxed.radius_m) <= max_learnt_color_fraction)
     return learnt;
   colors.learn_object_from({});
-  classify(colors, samples);
+  classify(learnt, samples);
   learnt.separates_object = false;
   return learnt;
 }

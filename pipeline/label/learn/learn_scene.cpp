@@ -204,7 +204,8 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
     } else {
       auto learnt = learn_colors(*segmenter, object, of_object);
       if (!learnt.separates_object) model.objects_with_hand_color.insert(object);
-      colors->set_colors(object, std::move(learnt.classes));
+      if (learnt.shared_radius_m) model.objects_with_rest_color.insert(object);
+      colors->set_colors(object, std::move(learnt.classes), learnt.shared_radius_m);
       if (frames.only_masked_body) observe_again(*model.observer, frames, of_object);
     }
     warn_of_large_hands(segmenter->color_camera(), of_object);

@@ -33,7 +33,8 @@ BodyView SceneModel::view_object(const RgbdFrame& frame, const std::string& obje
   BodyView view{segmenter->depth_origin_m(), patch.points_m, {}};
   view.noise_ratio = noise_ratio(depth_noise_at_1m, patch.centroid_m.z());
   const Body own = objects_with_hand_color.contains(object) ? Body::hand : Body::object;
-  const bool gather = whole_object && own == Body::object;
+  const bool gather =
+      whole_object && own == Body::object && !objects_with_rest_color.contains(object);
   if (gather) view.surface_points.clear();
   for (const auto& point : around) {
     const Eigen::Vector3f ray = point.position_m - view.origin_m.cast<float>();

@@ -60,6 +60,7 @@ struct SceneModel {
   std::optional<double> depth_noise_at_1m = std::nullopt;  ///< [m]; see depth_noise_at_1m()
   std::map<std::string, ObjectShape> object_shape = {};
   std::set<std::string> objects_with_hand_color = {};  ///< not separable from the hand by colour
+  std::set<std::string> objects_with_rest_color = {};  ///< not separable from a sleeve by colour
   bool has_all_masks = false;                          ///< masks alone show the bodies
   bool has_some_masks = false;  ///< masks show the bodies in some frames, colours in the others
   /// The only body that masks show, while colours show the other one; nullopt: masks show both.
@@ -72,7 +73,7 @@ struct SceneModel {
   /// Depth points [m, colour camera's frame] around a patch, for shape and pose fitting.
   /// surface_points: the patch; if `whole_object`, all of the object's points within `reach_m` of
   ///   its centroid, since a long object shows on both sides of the hand (not for
-  ///   objects_with_hand_color).
+  ///   objects_with_hand_color and objects_with_rest_color).
   /// free_space_endpoints: points farther away or of other classes; rays to them do not enter the
   ///   object. Hand's and object's are moved 15 mm, a finger, along the ray. Those of the class
   ///   `rest` are not moved: they may be the object's rim.

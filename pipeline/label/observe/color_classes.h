@@ -23,6 +23,9 @@ class ColorClasses {
   void learn_object_from(const Surface& near_hand);
   /// Adds points of the hand in other frames to its histogram.
   void learn_hand_from(const Surface& on_hand);
+  /// Whether colours of the rest are the object's, too, if the hand does not have them. Then
+  /// colours alone do not separate the object from a sleeve: see remove_large_components().
+  void let_object_share_rest(bool shares) { shares_rest_ = shares; }
   /// Builds the lookup table. Call after learning and before classifying.
   void build_table();
 
@@ -50,6 +53,7 @@ class ColorClasses {
   std::array<std::vector<double>, 3> counts_{std::vector<double>(bins), std::vector<double>(bins),
                                              std::vector<double>(bins)};  ///< by Body
   std::vector<double> far_rest_ = std::vector<double>(bins);              ///< beyond an arm's reach
+  bool shares_rest_ = false;
   std::vector<Body> table_ = std::vector<Body>(bins, Body::rest);
   std::vector<float> likeness_ = std::vector<float>(bins);
 };

@@ -10,6 +10,7 @@ namespace {
 
 constexpr float cell_m = 0.015f;  // points in neighbouring cells are connected
 constexpr double max_extent_radii = 1.5, hand_reach_m = 0.12;
+constexpr double max_object_extent_radii = 4.0;  // a long object and what touches it
 
 using Indices = std::vector<std::size_t>;
 
@@ -52,6 +53,12 @@ void split_from_hand(Surface& surface, const Eigen::Vector3d& hand_m, double rad
     if (&component != &*hand && component.size() >= min_points &&
         fits_in(surface, component, max_extent_radii * radius_m))
       for (const auto i : component) surface[i].body = Body::object;
+}
+
+void remove_large_components(Surface& surface, double radius_m) {
+  for (const auto& component : components_of(surface, Body::object))
+    if (!fits_in(surface, component, max_object_extent_radii * radius_m))
+      for (const auto i : component) surface[i].body = Body::rest;
 }
 
 }  // namespace touchtrace::label

@@ -11,4 +11,8 @@ namespace touchtrace::label {
 void split_from_hand(Surface& surface, const Eigen::Vector3d& hand_m, double radius_m,
                      std::size_t min_points);
 
+/// Makes connected components of the object's points that do not fit into a ball of 4 `radius_m`
+/// the rest: a sleeve or a shirt of the object's colour, and an object that touches it.
+void remove_large_components(Surface& surface, double radius_m);
+
 }  // namespace touchtrace::label

@@ -1,10 +1,11 @@
 #include "pipeline/label/states/lost_clips.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
 #include "pipeline/label/states/summary.h"
 
 namespace touchtrace::label {
@@ -33,15 +34,34 @@ std::string remedy(const ClipTrack& track, bool has_mask_boxes) {
       track.time_s[first], track.time_s[first + count - 1], boxes);
 }
 
-std::string lost_problem(std::string_view body, double lost_fraction, const ClipTrack& track,
+/// Drops the observations of bodies that were mostly lost, and says which. An object that moves
+/// with a hand that was lost is lost, too.
+std::vector<std::string> drop_lost_bodies(ClipTrack& track) {
+  std::vector<std::string> lost;
+  const auto drop_if_lost = [&](const char* body, std::vector<Observation>& observations) {
+    const double fraction = lost_fraction(observations);
+    if (!(fraction > 1.0 - min_found_fraction)) return;
+    lost.push_back(fmt::format("{} lost in {:.0f} %", body, 100.0 * fraction));
+    observations.assign(observations.size(), {});
+  };
+  drop_if_lost("hand", track.hand);
+  if (!lost.empty())
+    for (auto& object : track.object)
+      if (object.follows_hand) object = {};
+  drop_if_lost("object", track.object);
+  return lost;
+}
+
+std::string lost_problem(const std::vector<std::string>& lost, const ClipTrack& measured,
                          bool has_mask_boxes) {
+  const bool is_hand_lost = lost.front().starts_with("hand");
   return fmt::format(
-      "{} lost in {:.0f} % of the camera frames{}; {}; check calibration and that background "
-      "frames show no person",
-      body, 100.0 * lost_fraction,
-      body == "hand" ? " (also where it cannot be told from a bare arm: masks or a sleeve help)"
-                     : "",
-      remedy(track, has_mask_boxes));
+      "{} of the camera frames{}{}; {}; check the calibration, and that no background image, if "
+      "there are any, shows a person",
+      fmt::join(lost, ", "),
+      is_hand_lost ? " (also where it cannot be told from a bare arm: masks or a sleeve help)" : "",
+      lost.size() == 1 ? ": all labels of that body are flagged as lost" : "",
+      remedy(measured, has_mask_boxes));
 }
 
 std::string unsmoothed_problem(const char* body, SmoothStatus status) {
@@ -57,12 +77,16 @@ std::string unsmoothed_problem(const char* body, SmoothStatus status) {
 void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tracks) {
   for (std::size_t i = 0; i < clips.size(); ++i) {
     if (!clips[i].is_usable()) continue;
-    const auto statistics = frame_statistics(tracks[i]);
-    for (const auto& [body, lost] :
-         {std::pair{"hand", statistics.hand_lost}, {"object", statistics.object_lost}})
-      if (lost > 1.0 - min_found_fraction)
-        clips[i].problem = lost_problem(body, lost, tracks[i], clips[i].has_mask_boxes);
-    if (!clips[i].problem.empty()) tracks[i] = {};
+    const auto measured = tracks[i];
+    const auto lost = drop_lost_bodies(tracks[i]);
+    if (lost.empty()) continue;
+    const auto problem = lost_problem(lost, measured, clips[i].has_mask_boxes);
+    if (lost.size() == 1) {
+      Progress::warn(fmt::format("clip {}: {}", i, problem));
+      continue;
+    }
+    clips[i].problem = problem;
+    tracks[i] = {};
   }
 }
 
@@ -72,7 +96,8 @@ void drop_unsmoothed_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack
     if (!clips[i].is_usable()) continue;
     for (const auto& [name, smoothed] :
          {std::pair{"hand", &bodies.hand}, {"object", &bodies.object}})
-      if (const auto status = smoothed->tracks[i].status; status != SmoothStatus::converged)
+      if (const auto status = smoothed->tracks[i].status;
+          status != SmoothStatus::converged && status != SmoothStatus::no_samples)
         clips[i].problem = unsmoothed_problem(name, status);
     if (clips[i].is_usable()) continue;
     tracks[i] = {};

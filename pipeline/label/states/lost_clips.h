@@ -5,9 +5,10 @@
 
 namespace touchtrace::label {
 
-inline constexpr double min_found_fraction = 0.5;  ///< of a clip's frames; less: not labelled
+inline constexpr double min_found_fraction = 0.5;  ///< of a clip's frames; less: mostly lost
 
-/// Sets the problem of clips in which hand or object were mostly lost, and drops their tracks.
+/// Sets the problem of clips in which hand and object were mostly lost, and drops their tracks.
+/// Where one of them was, drops its observations and warns: what was found may be another body.
 void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tracks);
 
 /// Sets the problem of clips of which a body has measurements but no smoothed motion, hence no

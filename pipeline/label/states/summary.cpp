@@ -86,13 +86,9 @@ nlohmann::json median_sigma_m(const LabelledBody& body) {
 
 }  // namespace
 
-FrameStatistics frame_statistics(const ClipTrack& track) {
-  const auto fraction = [&](const std::vector<Observation>& observations, auto&& is_counted) {
-    return static_cast<double>(std::ranges::count_if(observations, is_counted)) /
-           std::max(1.0, static_cast<double>(observations.size()));
-  };
-  const auto is_lost = [](const Observation& o) { return !o.found; };
-  return {fraction(track.hand, is_lost), fraction(track.object, is_lost)};
+double lost_fraction(const std::vector<Observation>& observations) {
+  return static_cast<double>(std::ranges::count(observations, false, &Observation::found)) /
+         std::max(1.0, static_cast<double>(observations.size()));
 }
 
 nlohmann::json summarize(const SceneModel& scene, const Timeline& timeline,

@@ -6,12 +6,8 @@
 
 namespace touchtrace::label {
 
-/// Fractions of a clip's camera frames without a position, 0..1.
-struct FrameStatistics {
-  double hand_lost = 0.0, object_lost = 0.0;
-};
-
-FrameStatistics frame_statistics(const ClipTrack& track);
+/// Fraction of a clip's camera frames without a position of a body, 0..1.
+double lost_fraction(const std::vector<Observation>& observations);
 
 /// Contents of Labels::summary that come from the tracks. Fractions of lost states are those of the
 /// flags in `labels`, clips without labels included.

@@ -59,7 +59,15 @@ BoardFound BoardDetector::add(BoardView view, const GreyImage& image) {
   update_lit(image);
   std::tie(view.corners_px, view.corner_ids) = board.kind->find_corners(image, board);
   if (view.corners_px.empty()) return add_part(std::move(view), image);
+  if (board.kind == &chessboard_kind && !view.corner_ids.empty()) complete(view, image);
   return add_whole(std::move(view), image);
+}
+
+void BoardDetector::complete(BoardView& view, const GreyImage& image) const {
+  const auto part = find_chessboard_part(image);
+  if (!part) return;
+  auto all = corners_of_whole_board(*part, observations_.board, is_main_dark_);
+  if (!all.empty()) view.corners_px = std::move(all), view.corner_ids.clear();
 }
 
 BoardFound BoardDetector::add_whole(BoardView view, const GreyImage& image) {

@@ -33,6 +33,9 @@ class BoardDetector {
     BoardView view;
     ChessboardPart part;
   };
+  /// Replaces the corners of a chessboard, of which some were left out, by all of them if they are
+  /// found as a part.
+  void complete(BoardView& view, const GreyImage& image) const;
   BoardFound add_whole(BoardView view, const GreyImage& image);
   BoardFound add_part(BoardView view, const GreyImage& image);
   void update_lit(const GreyImage& image);

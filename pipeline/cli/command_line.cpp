@@ -135,8 +135,8 @@ int report(const Program& program, ExitCode code, const std::string& problem,
 }  // namespace
 
 int run_command_line(const Program& program, int argc, const char* const* argv) {
-  FLAGS_minloglevel =
-      google::GLOG_FATAL;  // Ceres logs rejected steps and failed fits, which are handled
+  // Ceres logs rejected steps and failed fits, which are handled.
+  FLAGS_minloglevel = google::GLOG_FATAL;
   catch_interrupts();
   try {
     const Arguments arguments(argv + std::min(argc, 1), argv + argc);

@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
                       PartialView{"OneEndAndAllColumns", board_8x6, tilt, {0.0, 0.16, 0.5}}),
     [](const auto& view) { return view.param.name; });
 
-/// Lit from one side: OpenCV finds the corners only if it is not told how many there are.
+/// Lit from one side: OpenCV finds all corners only if it is not told how many there are.
 TEST(ChessboardPart, WithAllCornersIsAFullView) {
   cv::Mat drawing = cv::max(draw(board_8x6), 20);
   for (int x = 0; x < drawing.cols; ++x)
@@ -83,7 +83,7 @@ TEST(ChessboardPart, WithAllCornersIsAFullView) {
   const auto pose = board_pose(board_8x6, tilt, {0.0, 0.0, 0.5});
   const GreyImage image =
       testing::render({drawing, Eigen::Vector2d::Constant(2.0 * board_8x6.square_m)}, pose);
-  ASSERT_TRUE(find_chessboard(image, board_8x6).first.empty());
+  ASSERT_LT(find_chessboard(image, board_8x6).first.size(), 48u);
   BoardDetector detector(board_8x6);
   EXPECT_EQ(detector.add({.name = "only"}, image), BoardFound::whole);
   const BoardObservations found = std::move(detector).finish();

@@ -93,7 +93,7 @@ const cli::Program& verify_program() {
          area("engine", "operations, gradients, training, prediction (10 min)",
               verify_whole_engine()),
          area("first-step", "the first training step of a process", verify_first_step()),
-         area("labels", "smoothing, clocks, labels of rendered scenes (17 min)",
+         area("labels", "smoothing, clocks, labels of rendered scenes (40 min)",
               study::verify_labels()),
          area("record", "live predictions, crashes while recording, damaged files, load (7 min)",
               verify_record()),

@@ -142,7 +142,9 @@ void ColorClasses::build_table() {
   auto rest = density(counts_[0], object_points);
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = std::max(rest[i], far_rest[i]);
   for (std::size_t i = 0; i < table_.size(); ++i) {
-    const double others = std::max({shares_rest_ ? 0.0 : rest[i], hand[i], min_density});
+    // the hand's box, too, contains some of the rest
+    const double others = shares_rest_ ? std::max(hand[i] / object_ratio, min_density)
+                                       : std::max({rest[i], hand[i], min_density});
     table_[i] = object[i] > object_ratio * others          ? Body::object
                 : hand[i] > std::max(rest[i], min_density) ? Body::hand
                                                            : Body::rest;

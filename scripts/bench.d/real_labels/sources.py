@@ -21,7 +21,7 @@ def extract(clone, commit, pattern, folder):
     """Writes the files of a commit that match a pattern. Returns their paths, sorted by number."""
     tree = f"{commit}:{pathlib.PurePath(pattern).parent}".removesuffix(":.")
     listed = subprocess.run(["git", "-C", clone, "ls-tree", "--name-only", tree], check=True, capture_output=True, text=True)
-    names = fnmatch.filter(listed.stdout.split("\n"), pathlib.PurePath(pattern).name)
+    names = fnmatch.filter(listed.stdout.splitlines(), pathlib.PurePath(pattern).name)
     folder.mkdir()
     archive = subprocess.run(["git", "-C", clone, "archive", tree, *names], check=True, capture_output=True).stdout
     subprocess.run(["tar", "--extract", "--directory", folder], input=archive, check=True)

@@ -11,6 +11,8 @@ namespace touchtrace::label {
 namespace {
 
 constexpr double object_ratio = 3.0;  // of the densities of object and others
+/// The same for an object with colours of the rest, over the hand, whose box shows some of the rest.
+constexpr double shared_object_ratio = 2.0;
 constexpr double min_density = 1e-4;  // colours rarer than this belong to the rest
 constexpr float arm_length_m = 0.7f;  // what is farther from the hand is not the hand's arm
 
@@ -142,10 +144,9 @@ void ColorClasses::build_table() {
   auto rest = density(counts_[0], object_points);
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = std::max(rest[i], far_rest[i]);
   for (std::size_t i = 0; i < table_.size(); ++i) {
-    // the hand's box, too, contains some of the rest
-    const double others = shares_rest_ ? std::max(hand[i] / object_ratio, min_density)
-                                       : std::max({rest[i], hand[i], min_density});
-    table_[i] = object[i] > object_ratio * others          ? Body::object
+    const double others = shares_rest_ ? std::max(shared_object_ratio * hand[i], min_density)
+                                       : object_ratio * std::max({rest[i], hand[i], min_density});
+    table_[i] = object[i] > others                         ? Body::object
                 : hand[i] > std::max(rest[i], min_density) ? Body::hand
                                                            : Body::rest;
   }

@@ -23,7 +23,7 @@ class ColorClasses {
   void learn_object_from(const Surface& near_hand);
   /// Adds points of the hand in other frames to its histogram.
   void learn_hand_from(const Surface& on_hand);
-  /// Whether colours of the rest are the object's, too, if they are more frequent in its box than
+  /// Whether colours of the rest are the object's, too, if they are twice as frequent in its box as
   /// in the hand's. Then colours alone do not separate the object from a sleeve: see
   /// remove_large_components().
   void let_object_share_rest(bool shares) { shares_rest_ = shares; }

@@ -11,7 +11,8 @@ namespace touchtrace::label {
 namespace {
 
 constexpr double object_ratio = 3.0;  // of the densities of object and others
-/// The same for an object with colours of the rest, over the hand, whose box shows some of the rest.
+/// The same for an object with colours of the rest, over the hand, whose box shows some of the
+/// rest.
 constexpr double shared_object_ratio = 2.0;
 constexpr double min_density = 1e-4;  // colours rarer than this belong to the rest
 constexpr float arm_length_m = 0.7f;  // what is farther from the hand is not the hand's arm

@@ -21,7 +21,7 @@ namespace {
 constexpr int large_image_px = 2000;
 constexpr int min_corners_per_side = 3;
 constexpr int num_profile_steps = 64;
-/// Of a board's corners. In public photographs 1 or 2 of 54 had no saddle, from glare or blur.
+/// Fraction of a board's corners. In public photographs 1 or 2 of 54 had no saddle.
 constexpr double min_saddle_fraction = 0.75;
 constexpr double min_contrast = 20.0;  ///< [grey levels] of an edge whose width can be measured
 
@@ -144,16 +144,21 @@ TargetCorners find_chessboard_by_squares(const GreyImage& image, const Calibrati
 }
 
 TargetCorners find_chessboard(const GreyImage& image, const CalibrationTarget& board) {
-  const bool is_large = std::max(image.width, image.height) > large_image_px;
-  const ReducedImage reduced(image);
-  auto corners = is_large ? to_original(find_by_sectors(reduced.image, board), reduced)
-                          : find_by_sectors(image, board);
-  auto saddles = saddle_corners(corners, is_large ? reduced.factor : 1, image);
-  if (saddles.first.size() == corners.size() && !corners.empty())
-    return is_large ? saddles : TargetCorners{std::move(corners), {}};
+  std::vector<Eigen::Vector2d> corners;
+  TargetCorners saddles, found;
+  if (std::max(image.width, image.height) > large_image_px) {
+    const ReducedImage reduced(image);
+    corners = to_original(find_by_sectors(reduced.image, board), reduced);
+    found = saddles = saddle_corners(corners, reduced.factor, image);
+  } else {
+    corners = find_by_sectors(image, board);
+    saddles = saddle_corners(corners, 1, image);
+    found = {corners, {}};
+  }
+  if (!corners.empty() && saddles.first.size() == corners.size()) return found;
   // a grid that is shifted or turned has corners on the board's outer edge
-  if (auto found = find_chessboard_by_squares(image, board); !found.first.empty()) return found;
-  return is_large ? saddles : TargetCorners{std::move(corners), {}};
+  auto by_squares = find_chessboard_by_squares(image, board);
+  return by_squares.first.empty() ? found : by_squares;
 }
 
 namespace {

@@ -27,7 +27,8 @@ constexpr std::array image_extensions{".png",  ".jpg", ".jpeg", ".bmp", ".tif",
 
 bool is_image(const fs::path& path) {
   const std::string extension = lower_case(path.extension().string());
-  return fs::is_regular_file(path) &&
+  std::error_code unreadable;
+  return fs::is_regular_file(path, unreadable) &&
          std::ranges::find(image_extensions, extension) != image_extensions.end();
 }
 
@@ -98,7 +99,10 @@ void require_same_size(const GreyImage& first, const GreyImage& image, const fs:
         "give images of one camera and one size");
 }
 
-bool may_be_images(const fs::path& path) { return fs::is_directory(path) || is_image(path); }
+bool may_be_images(const fs::path& path) {
+  std::error_code unreadable;
+  return fs::is_directory(path, unreadable) || is_image(path);
+}
 
 std::vector<fs::path> images_in_folder(const fs::path& folder) {
   auto images = matches((folder / "*").string());

@@ -23,7 +23,7 @@ function(touchtrace_library name)
 endfunction()
 
 # touchtrace_tests(folder LINKS target...): one GoogleTest executable test_<folder> of tests/<folder>/*_test.cpp
-# Optimised little: compiling tests takes longer than what they compute themselves.
+# In groups and optimised little, to compile faster.
 function(touchtrace_tests folder)
   cmake_parse_arguments(TESTS "" "" "LINKS" ${ARGN})
   set(name test_${folder})

@@ -10,33 +10,21 @@
 #include "calib/rig/rig.h"
 #include "engine/base/files.h"
 #include "pipeline/acquire/board_views.h"
+#include "tests/pipeline/calibrate_runs.h"
 #include "tests/pipeline/recording_samples.h"
-#include "tests/support/command_line.h"
 
 namespace touchtrace {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::photographs, testing::run_calibrate, testing::write_grey;
 using testing::put, testing::TemporaryFolder;
-
-const fs::path photographs = "/usr/share/doc/opencv-doc/examples/data";
-
-int run(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "calibrate");
-  return testing::run_touchtrace(std::move(arguments));
-}
-
-/// A grey picture in PGM, without a board.
-void write_grey(const fs::path& path, int width, int height) {
-  const std::string pixels(static_cast<std::size_t>(width * height), '\x80');
-  write_file(path, fmt::format("P5\n{} {}\n255\n", width, height) + pixels, false);
-}
 
 TEST(CalibrateCommand, PhotographsOfOpenCv) {
   ASSERT_TRUE(fs::exists(photographs / "left01.jpg")) << "install the package opencv-doc";
   const TemporaryFolder folder;
-  ASSERT_EQ(run({"--images", (photographs / "left0?.jpg").string(), "--columns", "9", "--rows", "6",
-                 "--square-mm", "25", "-o", (folder / "left").string()}),
+  ASSERT_EQ(run_calibrate({"--images", (photographs / "left0?.jpg").string(), "--columns", "9",
+                           "--rows", "6", "--square-mm", "25", "-o", (folder / "left").string()}),
             0);
   const RgbdCalibration c = read_calibration(folder / "left");
   EXPECT_LE(c.rms_px, 0.24);
@@ -52,7 +40,7 @@ TEST(CalibrateCommand, NamesWhatIsThereInsteadOfImages) {
   const TemporaryFolder folder;
   const auto message = [](std::vector<std::string> arguments, int exit_code) {
     ::testing::internal::CaptureStderr();
-    EXPECT_EQ(run(std::move(arguments)), exit_code);
+    EXPECT_EQ(run_calibrate(std::move(arguments)), exit_code);
     return ::testing::internal::GetCapturedStderr();
   };
   const auto expect = [](const std::string& text, const std::string& part) {
@@ -75,8 +63,8 @@ TEST(CalibrateCommand, RejectsInvalidMarkers) {
   const TemporaryFolder folder;
   write_grey(folder / "grey.pgm", 320, 240);
   const auto with = [&](const char* markers, const char* marker_mm) {
-    return run({"--images", (folder / "*.pgm").string(), "--markers", markers, "--marker-mm",
-                marker_mm, "-o", (folder / "out").string()});
+    return run_calibrate({"--images", (folder / "*.pgm").string(), "--markers", markers,
+                          "--marker-mm", marker_mm, "-o", (folder / "out").string()});
   };
   EXPECT_EQ(with("5x5_99", "18"), 2);
   EXPECT_EQ(with("5x5_100", "25"), 2);
@@ -87,8 +75,8 @@ TEST(CalibrateCommand, RejectsInvalidTargets) {
   const TemporaryFolder folder;
   write_grey(folder / "grey.pgm", 320, 240);
   const auto with = [&](const char* target, const char* columns) {
-    return run({"--images", (folder / "*.pgm").string(), "--target", target, "--columns", columns,
-                "--rows", "6", "-o", (folder / "out").string()});
+    return run_calibrate({"--images", (folder / "*.pgm").string(), "--target", target, "--columns",
+                          columns, "--rows", "6", "-o", (folder / "out").string()});
   };
   EXPECT_EQ(with("circles", "2"), 2);
   EXPECT_EQ(with("aprilgrid", "100"), 2);  // more tags than there are
@@ -101,14 +89,14 @@ TEST(CalibrateCommand, RejectsInvalidTargets) {
 TEST(CalibrateCommand, NeverOverwritesSilently) {
   const TemporaryFolder folder;
   write_file(folder / "out/calibration.json", "precious", false);
-  EXPECT_EQ(run({"--images", photographs.string(), "-o", (folder / "out").string()}), 2);
+  EXPECT_EQ(run_calibrate({"--images", photographs.string(), "-o", (folder / "out").string()}), 2);
   EXPECT_EQ(read_file(folder / "out/calibration.json"), "precious");
 }
 
 TEST(CalibrateCommand, SaysWhatIsWrongWithTheImages) {
   const TemporaryFolder folder;
   const auto calibrate_folder = [&](const std::string& name) {
-    return run({"--images", (folder / name).string(), "-o", (folder / "out").string()});
+    return run_calibrate({"--images", (folder / name).string(), "-o", (folder / "out").string()});
   };
   EXPECT_EQ(calibrate_folder("missing"), 3);
   fs::create_directory(folder / "empty");
@@ -131,7 +119,7 @@ TEST(CalibrateCommand, SaysWhatIsWrongWithTheImages) {
 TEST(CalibrateCommand, SaysWhatIsWrongWithTheRecording) {
   const TemporaryFolder folder;
   const auto calibrate_recording = [&](const std::string& name) {
-    return run({(folder / name).string(), "-o", (folder / "out").string()});
+    return run_calibrate({(folder / name).string(), "-o", (folder / "out").string()});
   };
   EXPECT_EQ(calibrate_recording("missing.h5"), 3);
   auto sample = testing::sample_recording();
@@ -144,9 +132,11 @@ TEST(CalibrateCommand, SaysWhatIsWrongWithTheRecording) {
 
 TEST(CalibrateCommand, RequiresEitherARecordingOrImages) {
   const TemporaryFolder folder;
-  EXPECT_EQ(run({"-o", (folder / "out").string()}), 2);
-  EXPECT_EQ(run({"recording.h5", "--images", "photos", "-o", (folder / "out").string()}), 2);
-  EXPECT_EQ(run({"--images", "photos"}), 3);  // into the default folder, but there are none
+  EXPECT_EQ(run_calibrate({"-o", (folder / "out").string()}), 2);
+  EXPECT_EQ(run_calibrate({"recording.h5", "--images", "photos", "-o", (folder / "out").string()}),
+            2);
+  EXPECT_EQ(run_calibrate({"--images", "photos"}),
+            3);  // into the default folder, but there are none
 }
 
 /// Nine photographs, an empty file, a text file, and an image of another size.
@@ -159,7 +149,8 @@ TEST(CalibrateCommand, SkipsAndListsFilesThatAreNotViews) {
   put(folder / "empty.jpg", "");
   put(folder / "text.png", "this is no picture");
   write_grey(folder / "thumbnail.pgm", 64, 48);
-  ASSERT_EQ(run({"--images", folder.path().string(), "-o", (folder / "out").string()}), 0);
+  ASSERT_EQ(run_calibrate({"--images", folder.path().string(), "-o", (folder / "out").string()}),
+            0);
   const auto details = read_calibration(folder / "out").details;
   std::vector<std::string> skipped;
   for (const auto& image : details["skipped_images"]) skipped.push_back(image["name"]);
@@ -182,8 +173,8 @@ TEST(CalibrateCommand, WatchesAFolderUntilTheCalibrationIsGood) {
     fs::copy_file(photographs / "left01.jpg", folder / "photos/left01.jpg",
                   fs::copy_options::overwrite_existing);
   });
-  EXPECT_EQ(run({"--images", (folder / "photos").string(), "--watch", "--output",
-                 (folder / "camera").string()}),
+  EXPECT_EQ(run_calibrate({"--images", (folder / "photos").string(), "--watch", "--output",
+                           (folder / "camera").string()}),
             0);
   photographer.join();
   EXPECT_EQ(read_calibration(folder / "camera").details["verdict"], "GOOD");
@@ -192,18 +183,18 @@ TEST(CalibrateCommand, WatchesAFolderUntilTheCalibrationIsGood) {
 TEST(CalibrateCommand, WatchTakesOneFolder) {
   const TemporaryFolder folder;
   const std::string photos = folder / "photos";
-  EXPECT_EQ(run({"--watch", "--corners", photos}), 2);
-  EXPECT_EQ(run({"--watch", "--camera", "a=" + photos, "b=" + photos}), 2);
-  EXPECT_EQ(run({"--watch", "--images", photos, "--output", folder / "camera"}), 3);
+  EXPECT_EQ(run_calibrate({"--watch", "--corners", photos}), 2);
+  EXPECT_EQ(run_calibrate({"--watch", "--camera", "a=" + photos, "b=" + photos}), 2);
+  EXPECT_EQ(run_calibrate({"--watch", "--images", photos, "--output", folder / "camera"}), 3);
 }
 
 /// cv::stereoCalibrate on the same corners: 83.16 mm, or 83.18 mm without the frame 08.
 TEST(CalibrateCommand, CalibratesTheStereoPairOfOpenCv) {
   const TemporaryFolder folder;
   const auto calibrate_pair = [&](const std::string& output) {
-    return run({"--camera", "left=" + (photographs / "left[01]?.jpg").string(),
-                "right=" + (photographs / "right[01]?.jpg").string(), "--lens", "radtan4",
-                "--output", (folder / output).string()});
+    return run_calibrate({"--camera", "left=" + (photographs / "left[01]?.jpg").string(),
+                          "right=" + (photographs / "right[01]?.jpg").string(), "--lens", "radtan4",
+                          "--output", (folder / output).string()});
   };
   ASSERT_EQ(calibrate_pair("stereo"), 0);
   EXPECT_EQ(calibrate_pair("stereo"), 2);  // does not overwrite
@@ -217,9 +208,9 @@ TEST(CalibrateCommand, CalibratesTheStereoPairOfOpenCv) {
             rig.cameras[1].color.parameters());
   for (const char* name : {"camchain.yaml", "left_right_opencv.yaml", "left/camera.yaml"})
     EXPECT_TRUE(fs::exists(folder / "stereo" / name)) << name;
-  EXPECT_EQ(
-      run({"--compare", (folder / "stereo").string(), (folder / "stereo/camchain.yaml").string()}),
-      0);
+  EXPECT_EQ(run_calibrate({"--compare", (folder / "stereo").string(),
+                           (folder / "stereo/camchain.yaml").string()}),
+            0);
 }
 
 TEST(CalibrateCommand, SaysWhatIsWrongWithTheCameras) {
@@ -230,7 +221,7 @@ TEST(CalibrateCommand, SaysWhatIsWrongWithTheCameras) {
   const auto with = [&](std::vector<std::string> cameras) {
     cameras.insert(cameras.begin(), "--camera");
     cameras.insert(cameras.end(), {"--output", out});
-    return run(cameras);
+    return run_calibrate(cameras);
   };
   EXPECT_EQ(with({a}), 2);
   EXPECT_EQ(with({"x=" + a, "x=" + b}), 2);
@@ -247,7 +238,7 @@ TEST(CalibrateCommand, AcceptsAnExpandedPattern) {
   std::vector<std::string> arguments{"-o", (folder / "out").string(), "--images"};
   for (int i = 1; i <= 5; ++i)
     arguments.push_back((photographs / ("left0" + std::to_string(i) + ".jpg")).string());
-  EXPECT_EQ(run(arguments), 0);
+  EXPECT_EQ(run_calibrate(arguments), 0);
 }
 
 /// A photograph enlarged four times: the corners are those of the photograph, within the error of
@@ -277,8 +268,8 @@ TEST(CalibrateCommand, FindsTheBoardInALargeImage) {
 TEST(CalibrateCommand, NamesTheSizeOfTheBoardThatTheImagesShow) {
   const TemporaryFolder folder;
   ::testing::internal::CaptureStderr();
-  const int code = run({"--images", (photographs / "left0?.jpg").string(), "--columns", "8",
-                        "--rows", "5", "-o", (folder / "out").string()});
+  const int code = run_calibrate({"--images", (photographs / "left0?.jpg").string(), "--columns",
+                                  "8", "--rows", "5", "-o", (folder / "out").string()});
   const std::string message = ::testing::internal::GetCapturedStderr();
   EXPECT_EQ(code, 3);
   EXPECT_NE(message.find("--columns 9 --rows 6"), std::string::npos) << message;
@@ -286,88 +277,15 @@ TEST(CalibrateCommand, NamesTheSizeOfTheBoardThatTheImagesShow) {
 
 TEST(CalibrateCommand, FindsTheSizeOfTheBoardInTheImages) {
   const TemporaryFolder folder;
-  ASSERT_EQ(run({"--images", (photographs / "left0?.jpg").string(), "-o", folder.path().string()}),
+  ASSERT_EQ(run_calibrate(
+                {"--images", (photographs / "left0?.jpg").string(), "-o", folder.path().string()}),
             0);
   const auto board = read_calibration(folder.path()).details["board"];
   EXPECT_EQ(board["columns"], 9);
   EXPECT_EQ(board["rows"], 6);
-  EXPECT_EQ(run({"--images", photographs.string(), "--columns", "9", "-o", folder.path().string(),
-                 "--overwrite"}),
+  EXPECT_EQ(run_calibrate({"--images", photographs.string(), "--columns", "9", "-o",
+                           folder.path().string(), "--overwrite"}),
             2);
-}
-
-/// The corners of calibration.json, and the same as text of mrcal with one view partly seen.
-TEST(CalibrateCommand, ReadsCornersFromAFile) {
-  const TemporaryFolder folder;
-  const auto out = [&](const char* name) { return (folder / name).string(); };
-  ASSERT_EQ(run({"--images", (photographs / "left0?.jpg").string(), "-o", out("images")}), 0);
-  const RgbdCalibration images = read_calibration(folder / "images");
-  ASSERT_EQ(run({"--corners", out("images/calibration.json"), "-o", out("json")}), 0);
-  EXPECT_EQ(read_calibration(folder / "json").color.parameters(), images.color.parameters());
-
-  std::string lines = "# filename x y level\n";
-  for (const auto& view : images.details["views"]) {
-    const std::string name = view["name"];
-    put(folder / name, read_file(photographs / name));
-    for (std::size_t i = 0; i < view["corners_px"].size(); ++i) {
-      const auto& corner = view["corners_px"][i];
-      lines += name == "left01.jpg" && i < 9
-                   ? name + " - - -\n"
-                   : fmt::format("{} {:.17g} {:.17g} 0\n", name, corner[0].get<double>(),
-                                 corner[1].get<double>());
-    }
-  }
-  put(folder / "corners.vnl", lines);
-  ASSERT_EQ(run({"--corners", out("corners.vnl"), "-o", out("vnl")}), 0);
-  const RgbdCalibration vnl = read_calibration(folder / "vnl");
-  EXPECT_EQ(vnl.details["views"][0]["corners_px"].size(), 45u);
-  EXPECT_NEAR(vnl.color.fx, images.color.fx, 3.0);
-  put(folder / "corners.vnl", "left01.jpg 1 2 x\nleft01.jpg here there 0\n");
-  EXPECT_EQ(run({"--corners", out("corners.vnl"), "-o", out("broken")}), 3);
-  put(folder / "corners.json", "{\"color\": 3}");
-  EXPECT_EQ(run({"--corners", out("corners.json"), "-o", out("broken")}), 3);
-}
-
-/// Eight views of 6x4 tags, circles or corners, 640x480 pixels, each without its first corner.
-std::string projected_corners(const CalibrationTarget& target) {
-  std::string lines;
-  for (int view = 0; view < 8; ++view) {
-    const Eigen::Vector3d turn(0.5 * (view % 3 - 1) + 0.1, view % 2 ? 0.5 : -0.4, 0.2 * view);
-    const Eigen::Matrix3d rotation =
-        Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-    const Eigen::Vector3d centre_m = 0.5 * target.corner_m(target.num_corners() - 1);
-    for (int id = 0; id < target.num_corners(); ++id) {
-      const Eigen::Vector3d at_m = rotation * (target.corner_m(id) - centre_m) +
-                                   Eigen::Vector3d(0.02 * (view % 3 - 1), 0.0, 0.6);
-      lines += id == 0 ? fmt::format("{}.pgm - - -\n", view)
-                       : fmt::format("{}.pgm {:.9g} {:.9g} 0\n", view,
-                                     600.0 * at_m.x() / at_m.z() + 320.0,
-                                     600.0 * at_m.y() / at_m.z() + 240.0);
-    }
-  }
-  return lines;
-}
-
-TEST(CalibrateCommand, ReadsCornersOfEveryKindOfTarget) {
-  const TemporaryFolder folder;
-  for (int view = 0; view < 8; ++view)
-    write_grey(folder / (std::to_string(view) + ".pgm"), 640, 480);
-  for (const TargetKind* kind : target_kinds()) {
-    CalibrationTarget target{6, 4, 0.03, CalibrationTarget::Markers{"5x5_100", 0.02}, kind};
-    target.columns *= kind->element_corners, target.rows *= kind->element_corners;
-    const auto corners = folder / "corners.vnl", out = folder / kind->name;
-    put(corners, projected_corners(target));
-    SCOPED_TRACE(kind->name);
-    const int code =
-        run({"--corners", corners.string(), "--target", kind->name, "--columns", "6", "--rows", "4",
-             "--square-mm", "30", "--marker-mm", "20", "--tag-spacing", "0.5", "--markers",
-             kind->dictionary == any_dictionary ? "5x5_100" : "none", "-o", out.string()});
-    ASSERT_EQ(code, 0);
-    const RgbdCalibration found = read_calibration(out);
-    EXPECT_NEAR(found.color.fx, 600.0, 0.01);
-    EXPECT_NEAR(found.color.cx, 320.0, 0.01);
-    EXPECT_EQ(found.details["views"][0]["corner_ids"][0], 1);
-  }
 }
 
 }  // namespace

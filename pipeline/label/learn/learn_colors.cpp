@@ -17,7 +17,7 @@ constexpr double min_learnt_color_fraction = 0.4;
 // Points of these colours, over the pixels of the object's disc, above which they are not the
 // object's alone: sleeve and torso also have them.
 constexpr double max_learnt_color_fraction = 2.0;
-// Part of the object in its boxes that has the object's class, at least.
+// Least fraction of the points in the object's boxes, outside the hand's, that are the object's.
 constexpr double min_boxed_fraction = 0.5;
 // Mean likeness of a patch: colours twice as rare as usual are another body's, not the hand's.
 constexpr double min_hand_likeness = -0.7;
@@ -60,12 +60,12 @@ double boxed_object_fraction(const SampledFrames& samples) {
 /// Where most of the object has colours of the rest, lets it share them.
 void share_rest_if_needed(LearntColors& learnt, double radius_m, SampledFrames& samples) {
   if (boxed_object_fraction(samples) >= min_boxed_fraction) return;
-  const auto alone = learnt;
   learnt.classes.let_object_share_rest(true);
   learnt.shared_radius_m = radius_m;
   classify(learnt, samples);
   if (boxed_object_fraction(samples) >= min_boxed_fraction) return;
-  learnt = alone;
+  learnt.classes.let_object_share_rest(false);
+  learnt.shared_radius_m.reset();
   classify(learnt, samples);
 }
 

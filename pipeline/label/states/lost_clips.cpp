@@ -52,16 +52,14 @@ std::vector<std::string> drop_lost_bodies(ClipTrack& track) {
   return lost;
 }
 
-std::string lost_problem(const std::vector<std::string>& lost, const ClipTrack& measured,
-                         bool has_mask_boxes) {
+std::string lost_problem(const std::vector<std::string>& lost, const std::string& remedy) {
   const bool is_hand_lost = lost.front().starts_with("hand");
   return fmt::format(
       "{} of the camera frames{}{}; {}; check the calibration, and that no background image, if "
       "there are any, shows a person",
       fmt::join(lost, ", "),
       is_hand_lost ? " (also where it cannot be told from a bare arm: masks or a sleeve help)" : "",
-      lost.size() == 1 ? ": all labels of that body are flagged as lost" : "",
-      remedy(measured, has_mask_boxes));
+      lost.size() == 1 ? ": all labels of that body are flagged as lost" : "", remedy);
 }
 
 std::string unsmoothed_problem(const char* body, SmoothStatus status) {
@@ -77,10 +75,10 @@ std::string unsmoothed_problem(const char* body, SmoothStatus status) {
 void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tracks) {
   for (std::size_t i = 0; i < clips.size(); ++i) {
     if (!clips[i].is_usable()) continue;
-    const auto measured = tracks[i];
+    const auto advice = remedy(tracks[i], clips[i].has_mask_boxes);
     const auto lost = drop_lost_bodies(tracks[i]);
     if (lost.empty()) continue;
-    const auto problem = lost_problem(lost, measured, clips[i].has_mask_boxes);
+    const auto problem = lost_problem(lost, advice);
     if (lost.size() == 1) {
       Progress::warn(fmt::format("clip {}: {}", i, problem));
       continue;

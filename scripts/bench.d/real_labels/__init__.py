@@ -65,8 +65,8 @@ def good_at(reference, frame_time_s, label_time_s, label):
 def rows_of_body(name, error_m, nees, flagged):
     yield row(f"{name}: good labels at references", len(error_m), "")
     yield row(f"{name}: flagged labels at references", flagged, "")
-    yield row(f"{name}: good labels over 60 mm off", (error_m > WRONG_M).sum(), "")
-    yield row(f"{name}: good labels over 150 mm off", (error_m > FAR_M).sum(), "")
+    yield row(f"{name}: good labels over 60 mm off", (~(error_m <= WRONG_M)).sum(), "")
+    yield row(f"{name}: good labels over 150 mm off", (~(error_m <= FAR_M)).sum(), "")
     if len(error_m):
         yield row(f"{name}: median error of good labels", 1e3 * np.median(error_m), "mm")
         yield row(f"{name}: largest error of good labels", 1e3 * error_m.max(), "mm")
@@ -91,18 +91,23 @@ def rows_of_recording(options, name, recording, clone, errors):
 
 def figures(options):
     """Rows of the recordings of which the folder has a clone, and sums. Those that `label` refuses are named on stderr."""
-    errors = dict(object=[], hand=[])
-    for name, recording in tomllib.loads((HERE / "recordings.toml").read_text()).items():
-        clone = pathlib.Path(options.real) / recording["repository"]
-        if options.match not in name or not clone.is_dir():
-            continue
+    folder, errors = pathlib.Path(options.real), dict(object=[], hand=[])
+    recordings = {name: recording for name, recording in tomllib.loads((HERE / "recordings.toml").read_text()).items()
+                  if options.match in name and (folder / recording["repository"]).is_dir()}
+    if not recordings:
+        sys.exit(f"no clone below {folder}; hint: git clone https://github.com/OWNER/NAME {folder}/OWNER/NAME, "
+                 f"repositories are in {HERE / 'recordings.toml'}")
+    for name, recording in recordings.items():
         try:
-            yield from rows_of_recording(options, name, recording, clone, errors)
+            yield from rows_of_recording(options, name, recording, folder / recording["repository"], errors)
         except RuntimeError as refusal:
             print(f"{name}: {refusal}", file=sys.stderr)
             yield row(f"{name}: labelled", 0, "")
+        except subprocess.CalledProcessError as missing:
+            print(f"{name}: {missing.stderr}", file=sys.stderr)
+            yield row(f"{name}: labelled", float("nan"), "")
     for body, of_body in errors.items():
         error_m = np.concatenate([*of_body, []])
         yield row(f"all, {body}: good labels at references", len(error_m), "")
-        yield row(f"all, {body}: good labels over 60 mm off", (error_m > WRONG_M).sum(), "")
-        yield row(f"all, {body}: good labels over 150 mm off", (error_m > FAR_M).sum(), "")
+        yield row(f"all, {body}: good labels over 60 mm off", (~(error_m <= WRONG_M)).sum(), "")
+        yield row(f"all, {body}: good labels over 150 mm off", (~(error_m <= FAR_M)).sum(), "")

@@ -156,15 +156,25 @@ void refine_centres(const GreyImage& image, const CalibrationTarget& target,
   }
 }
 
-}  // namespace
-
-TargetCorners find_circle_centres(const GreyImage& image, const CalibrationTarget& target) {
+TargetCorners find_dark_circles(const GreyImage& image, const CalibrationTarget& target) {
   TargetCorners centres{order_circles(detect_blobs(image, target), target), {}};
   if (centres.first.empty()) return {};
   centres.second.resize(centres.first.size());
   std::iota(centres.second.begin(), centres.second.end(), 0);
   for (int i = 0; i < num_refinements; ++i) refine_centres(image, target, centres);
   return {centres.first, {}};
+}
+
+GreyImage negative(GreyImage image) {
+  for (auto& grey : image.pixels) grey = static_cast<std::uint8_t>(~grey);
+  return image;
+}
+
+}  // namespace
+
+TargetCorners find_circle_centres(const GreyImage& image, const CalibrationTarget& target) {
+  const TargetCorners dark = find_dark_circles(image, target);
+  return dark.first.empty() ? find_dark_circles(negative(image), target) : dark;
 }
 
 const TargetKind circles_kind{

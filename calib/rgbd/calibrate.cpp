@@ -12,6 +12,7 @@
 #include "calib/rgbd/board_models.h"
 #include "calib/rgbd/board_motion.h"
 #include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/cross_validation.h"
 #include "calib/rgbd/depth_fit.h"
 #include "calib/rgbd/details.h"
@@ -152,6 +153,31 @@ RgbdCalibration assemble_calibration(const BoardProblem& problem, const RgbdPara
   return c;
 }
 
+/// Solution for the colour camera and the board.
+struct BoardFit {
+  BoardProblem problem;
+  RgbdParameters parameters;
+  BoardModels models;
+};
+
+BoardFit fit_board_with_lens(const BoardObservations& observations, const ColorFit& color,
+                             const CalibrationOptions& options) {
+  BoardFit fit{color_problem(observations, color), color.parameters, {}};
+  fit.models = fit_board(fit.problem, fit.parameters, options.target_deformation);
+  return fit;
+}
+
+/// Fits the board's deformation, with which the lens of `color` is chosen again.
+BoardFit fit_color_and_board(const BoardObservations& observations, ColorFit& color,
+                             const CalibrationOptions& options) {
+  const BoardFit fit = fit_board_with_lens(observations, color, options);
+  if (!fit.models.free_corners || color.trials.size() < 2 ||
+      !choose_lens_again(fit.problem, fit.parameters, color))
+    return fit;
+  if (!color.converged) throw no_convergence();
+  return fit_board_with_lens(observations, color, options);
+}
+
 }  // namespace
 
 RgbdCalibration calibrate(BoardObservations observations, const CalibrationOptions& options) {
@@ -163,12 +189,10 @@ RgbdCalibration calibrate(BoardObservations observations, const CalibrationOptio
   align_symmetric_views(observations);
   const auto different = different_views(observations);
   require_views(observations, std::ranges::count(different, true), "different");
-  const ColorFit color = fit_color(observations, different, options.lenses);
+  ColorFit color = fit_color(observations, different, options.lenses);
   if (!color.converged) throw no_convergence();
   require_views(observations, std::ranges::count(color.used, true), "usable");
-  BoardProblem problem = color_problem(observations, color);
-  RgbdParameters parameters = color.parameters;
-  const BoardModels boards = fit_board(problem, parameters, options.target_deformation);
+  auto [problem, parameters, boards] = fit_color_and_board(observations, color, options);
   add_depth_prior(observations, parameters, problem.prior);
   parameters.depth = problem.prior.depth_mean;
   problem.free_delay = is_delay_observable(board_motions(observations, color.used, parameters));

@@ -4,21 +4,9 @@
 
 #include "calib/camera/camera.h"
 #include "calib/rgbd/board_problem.h"
+#include "calib/rgbd/lens_trials.h"
 
 namespace touchtrace {
-
-/// Lower bound of the estimated corner noise: weights of noise-free data stay finite.
-inline constexpr double min_corner_sigma_px = 1e-6;
-/// Differences of BIC that are positive and very strong evidence (Kass and Raftery, JASA 1995).
-inline constexpr double bic_positive_evidence = 2.0, bic_very_strong_evidence = 10.0;
-
-/// Fit of one candidate lens.
-struct LensTrial {
-  std::string name;  ///< lens_name(); "none": no radial coefficients
-  double bic = 0.0;  ///< relative to the chosen lens; infinite if it did not converge
-  /// Unobservable coefficients, fixed at 0, and the reason.
-  std::vector<std::pair<std::string, std::string>> removed;
-};
 
 /// Calibration of the colour camera alone.
 struct ColorFit {
@@ -33,37 +21,26 @@ struct ColorFit {
 
 /// Calibrates the colour camera from the views in `usable`.
 ///
-/// Fits robustly, removes outlier views, then chooses the lens among `names` (empty: all) by the
-/// Bayesian information criterion. A later lens must be better by 2, one of the other ideal
-/// projection (perspective, fisheye) by 10, unless it has fewer coefficients and the first choice
-/// leaves much of the image unknown. The criterion counts independent residuals: corners of a view
-/// err together, by view_covariance() of the lens that is best for independent ones. Unobservable
-/// coefficients are removed, the last first, and the remaining ones fitted again.
+/// Fits robustly, removes outlier views, then chooses the lens among `names` (empty: all) by
+/// choose_lens(). The criterion counts independent residuals: corners of a view err together, by
+/// view_covariance() of the lens that is best for independent ones.
 ///
 /// "none" and the radial-tangential lenses estimate tangential coefficients under their prior.
 /// Fixed at zero, they would rotate every pose, by more than the covariance says.
 ColorFit fit_color(const BoardObservations& observations, const std::vector<bool>& usable,
                    const std::vector<std::string>& names);
 
+/// Chooses the lens again, given a solution whose corner offsets are free. A board that is not
+/// ideal hides, or looks like, lens distortion: fit_color() compares lenses on the ideal one. The
+/// offsets of each lens are its own, under the prior of `problem`. Returns false, and changes
+/// nothing but the criteria of the trials, if the lens stays.
+bool choose_lens_again(const BoardProblem& problem, const RgbdParameters& parameters,
+                       ColorFit& fit);
+
 /// Colour camera with the intrinsics of `parameters`.
 Camera color_camera(const BoardObservations& observations, const RgbdParameters& parameters);
 
 /// Problem of the used views with the chosen lens, without per-corner deformation.
 BoardProblem color_problem(const BoardObservations& observations, const ColorFit& fit);
-
-/// Twice the number of corners in the used views.
-double num_corner_coordinates(const BoardObservations& observations, const std::vector<bool>& used);
-
-/// Noise of one corner coordinate [px], from the residuals of the used views and the degrees of
-/// freedom without per-corner deformation.
-double corner_noise_px(const BoardObservations& observations, const std::vector<bool>& used,
-                       std::size_t free_color, const RgbdParameters& parameters);
-
-/// RMS length of the residuals [px], as OpenCV reports it. 0 if there are none.
-double rms(const std::vector<Eigen::Vector2d>& residuals);
-
-/// rms() over all corners of the used views.
-double rms_of_used_views(const BoardObservations& observations, const std::vector<bool>& used,
-                         const RgbdParameters& parameters);
 
 }  // namespace touchtrace

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "calib/rgbd/ceres_problem.h"
-#include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/corner_error.h"
 
 namespace touchtrace {
 namespace {

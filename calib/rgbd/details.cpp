@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "calib/rgbd/ceres_problem.h"
+#include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/projection_map.h"
 #include "calib/rgbd/verdict.h"
 #include "engine/base/statistics.h"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <opencv2/calib3d.hpp>
 
-#include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/lens_choice.h"
 #include "engine/base/statistics.h"
 

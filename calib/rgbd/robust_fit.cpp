@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/initial_guess.h"
 #include "calib/rgbd/prior.h"
 #include "engine/base/interrupt.h"

@@ -6,7 +6,8 @@
 #include <limits>
 
 #include "calib/rgbd/ceres_problem.h"
-#include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/corner_error.h"
+#include "calib/rgbd/lens_trials.h"
 #include "calib/rgbd/normal_equations.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/parabola.h"

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "calib/board/view_order.h"
-#include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/prior.h"
 #include "calib/rgbd/projection_map.h"
 #include "calib/rgbd/robust_fit.h"

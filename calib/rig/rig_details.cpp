@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/details.h"
 #include "calib/rgbd/verdict.h"
 

@@ -8,7 +8,7 @@
 
 #include "calib/board/view_order.h"
 #include "calib/rgbd/calibrate.h"
-#include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/initial_guess.h"
 #include "calib/rgbd/prior.h"
 #include "calib/rgbd/target_deformation.h"

@@ -20,11 +20,18 @@ constexpr int num_probed_images = 3;
 /// background or of a part of the board, need more images.
 constexpr int clear_lead = 150;
 
-bool is_clear(const std::map<BoardSize, int>& corners_of) {
+/// Number of images that show a rectangle of corners of each size.
+using SizeCounts = std::map<BoardSize, int>;
+
+int num_corners(const SizeCounts::value_type& entry) {
+  return entry.first.columns * entry.first.rows * entry.second;
+}
+
+bool is_clear(const SizeCounts& images_of) {
   int most = 0, second = 0;
-  for (const auto& [size, corners] : corners_of) {
-    second = std::max(second, std::min(most, corners));
-    most = std::max(most, corners);
+  for (const auto& entry : images_of) {
+    second = std::max(second, std::min(most, num_corners(entry)));
+    most = std::max(most, num_corners(entry));
   }
   return most - second >= clear_lead;
 }
@@ -54,18 +61,22 @@ Error no_chessboard(const std::vector<std::filesystem::path>& images) {
 }  // namespace
 
 BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
-  std::map<BoardSize, int> corners_of;  ///< in all images
+  SizeCounts images_of;
   Progress progress("looking for the size of the board", images.size());
   for (const auto& path : images) {
     progress.advance();
     const auto image = decode_grey(path);
-    const auto size = image ? find_board_size(*image) : std::nullopt;
-    if (size) corners_of[*size] += size->columns * size->rows;
-    if (is_clear(corners_of)) break;
+    if (const auto size = image ? find_board_size(*image) : std::nullopt) ++images_of[*size];
+    if (is_clear(images_of)) break;
   }
-  if (corners_of.empty()) throw no_chessboard(images);
-  return std::ranges::max_element(corners_of, {}, [](const auto& entry) { return entry.second; })
-      ->first;
+  if (images_of.empty()) throw no_chessboard(images);
+  const auto& [size, shown_in] = *std::ranges::max_element(images_of, {}, num_corners);
+  if (shown_in < min_views)
+    throw data_error(fmt::format("the size of the chessboard is not clear: {} by {} inner corners "
+                                 "are seen in only {} of {} images",
+                                 size.columns, size.rows, shown_in, images.size()),
+                     "give --columns and --rows, which count inner corners");
+  return size;
 }
 
 void OtherTargetCheck::add(const GreyImage& image, BoardFound found,

@@ -11,7 +11,8 @@
 namespace touchtrace {
 
 /// Size of the chessboard in the images: the one with the most corners in all of them. Reads images
-/// until it is clear. Throws data_error if none shows a chessboard.
+/// until it is clear. Throws data_error if none shows a chessboard, or too few show one of that
+/// size.
 BoardSize find_board_size(const std::vector<std::filesystem::path>& images);
 
 /// Notices early that the images show another target than was asked for.

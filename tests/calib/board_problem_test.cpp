@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "calib/rgbd/ceres_problem.h"
-#include "calib/rgbd/color_fit.h"
+#include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/rotation.h"
 #include "tests/verify/calib/simulated_boards.h"
 

@@ -187,6 +187,14 @@ INSTANTIATE_TEST_SUITE_P(CircleGrid, CircleGridCalibration,
                            return target.param == &symmetric ? "Symmetric" : "Asymmetric";
                          });
 
+TEST(CircleGrid, LightCirclesOnADarkBoardAreFoundAtTheSamePlaces) {
+  GreyImage image = render(asymmetric, board_pose(asymmetric, {0.3, -0.2, 0.1}, {0.0, 0.0, 0.6}));
+  const TargetCorners dark = find_circle_centres(image, asymmetric);
+  ASSERT_EQ(dark.first.size(), std::size_t(asymmetric.num_corners()));
+  for (auto& grey : image.pixels) grey = static_cast<std::uint8_t>(~grey);
+  EXPECT_EQ(find_circle_centres(image, asymmetric).first, dark.first);
+}
+
 TEST(CircleGrid, FindsNothingWithoutATarget) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
   EXPECT_TRUE(find_circle_centres(plain, symmetric).first.empty());

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "engine/base/error.h"
 #include "engine/base/scratch_folder.h"
 
 namespace touchtrace {
@@ -43,12 +44,23 @@ void expect_size(const BoardSize& size, int columns, int rows) {
 
 TEST(FindBoardSize, SmallBoardsInTheBackgroundDoNotDecide) {
   const BoardSize board{9, 6}, background{4, 3};
-  expect_size(size_in_photographs({background, background, background, background, board, board}),
-              9, 6);
+  expect_size(
+      size_in_photographs({background, background, background, background, board, board, board}), 9,
+      6);
 }
 
 TEST(FindBoardSize, SmallBoardsAreFound) {
   expect_size(size_in_photographs({{4, 3}, {4, 3}, {4, 3}}), 4, 3);
+}
+
+TEST(FindBoardSize, OfTwoImagesIsNotClear) {
+  try {
+    size_in_photographs({{8, 3}, {8, 3}, {4, 3}});
+    FAIL() << "found a size";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("seen in only 2 of 3 images"), std::string::npos);
+    EXPECT_NE(error.hint().find("--columns"), std::string::npos);
+  }
 }
 
 }  // namespace

@@ -17,6 +17,9 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uintmax_t max_bytes = 64u << 20;
+/// Largest deviation of R R' from the identity: rotations that are printed with three decimals have
+/// up to 0.002. Above that of doubles, the nearest rotation replaces the one in the file.
+constexpr double max_rotation_deviation = 0.005, rounding_deviation = 1e-12;
 
 json numbers(const double* values, Eigen::Index count) {
   return std::vector<double>(values, values + count);
@@ -118,10 +121,14 @@ Eigen::Isometry3d pose_from_json(const json& value, const std::string& name) {
   Eigen::Isometry3d pose;
   pose.matrix() = matrix_from_json(value, 4, 4);
   const Eigen::Matrix3d rotation = pose.linear();
-  require((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-6 &&
-              rotation.determinant() > 0.0 &&
+  const double deviation =
+      (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  require(deviation <= max_rotation_deviation && rotation.determinant() > 0.0 &&
               pose.matrix().row(3) == Eigen::RowVector4d(0, 0, 0, 1),
-          name + " is not a rigid motion");
+          fmt::format("{} is not a rigid motion: R R' is off the identity by {:.2g} (at most {}), "
+                      "or the last row is not 0 0 0 1",
+                      name, deviation, max_rotation_deviation));
+  if (deviation > rounding_deviation) pose.linear() = Eigen::Affine3d(pose.matrix()).rotation();
   return pose;
 }
 
@@ -196,6 +203,8 @@ RgbdCalibration read_calibration(const std::filesystem::path& folder_or_file) {
   const bool is_file = std::filesystem::is_regular_file(folder_or_file);
   if (is_file && folder_or_file.extension() != ".json")
     return read_foreign_calibration(folder_or_file);
+  if (!std::filesystem::exists(folder_or_file))
+    throw data_error(fmt::format("{} does not exist", folder_or_file.string()), "check the path");
   const auto path = is_file ? folder_or_file : folder_or_file / "calibration.json";
   const std::string text = read_file(path, max_bytes);
   if (is_file && is_foreign_json(text)) return read_foreign_calibration(path);

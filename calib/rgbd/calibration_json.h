@@ -18,7 +18,8 @@ nlohmann::json matrix_json(const Eigen::MatrixXd& matrix);
 Eigen::MatrixXd matrix_from_json(const nlohmann::json& rows, Eigen::Index height,
                                  Eigen::Index width);
 
-/// Rigid motion from a 4x4 matrix. `name`: for messages.
+/// Rigid motion from a 4x4 matrix, whose rotation may be rounded to three decimals. `name`: for
+/// messages.
 Eigen::Isometry3d pose_from_json(const nlohmann::json& value, const std::string& name);
 
 /// Text of a JSON document with its checksum.

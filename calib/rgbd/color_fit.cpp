@@ -31,13 +31,15 @@ LensRule rule_given(const BoardProblem& problem, const RgbdParameters& parameter
           unknown_px <= good_projection_sigma * problem.observations.width};
 }
 
+void take(const LensTrial& trial, ColorFit& fit) {
+  fit.chosen = trial.name, fit.parameters = trial.parameters, fit.free_color = trial.free_color;
+}
+
 /// Replaces lens and parameters by those that `rule` prefers. Returns false if no trial converged.
 bool choose(const LensRule& rule, ColorFit& fit) {
   const auto chosen = choose_lens(fit.trials, rule);
-  if (!chosen) return false;
-  const LensTrial& trial = fit.trials[*chosen];
-  fit.chosen = trial.name, fit.parameters = trial.parameters, fit.free_color = trial.free_color;
-  return true;
+  if (chosen) take(fit.trials[*chosen], fit);
+  return chosen.has_value();
 }
 
 void solve_for_chosen(const BoardObservations& observations, ColorFit& fit) {
@@ -85,13 +87,21 @@ ColorFit fit_color(const BoardObservations& observations, const std::vector<bool
 bool choose_lens_again(const BoardProblem& problem, const RgbdParameters& parameters,
                        ColorFit& fit) {
   std::vector<LensStart> starts;
+  std::size_t before = 0;
   for (const LensTrial& trial : fit.trials) {
+    if (is_perspective(trial.parameters.lens) != is_perspective(parameters.lens)) continue;
+    if (trial.name == fit.chosen) before = starts.size();
     starts.push_back({lens_choice(trial.name), trial.parameters});
     starts.back().parameters.corner_offsets_m = parameters.corner_offsets_m;
   }
-  const std::string before = fit.chosen;
   fit.trials = fit_lenses(problem, starts);
-  if (!choose(rule_given(problem, parameters), fit) || fit.chosen == before) return false;
+  const auto chosen = choose_lens(fit.trials, rule_given(problem, parameters));
+  if (!chosen) return false;
+  if (!(fit.trials[before].bic >= bic_very_strong_evidence)) {
+    make_bic_relative(fit.trials, before);
+    return false;
+  }
+  take(fit.trials[*chosen], fit);
   fit.parameters.corner_offsets_m.clear();
   solve_for_chosen(problem.observations, fit);
   return true;

@@ -30,10 +30,11 @@ struct ColorFit {
 ColorFit fit_color(const BoardObservations& observations, const std::vector<bool>& usable,
                    const std::vector<std::string>& names);
 
-/// Chooses the lens again, given a solution whose corner offsets are free. A board that is not
-/// ideal hides, or looks like, lens distortion: fit_color() compares lenses on the ideal one. The
-/// offsets of each lens are its own, under the prior of `problem`. Returns false, and changes
-/// nothing but the criteria of the trials, if the lens stays.
+/// Chooses again among lenses of the same ideal projection, given a solution whose corner offsets
+/// are free: a board that is not ideal hides, or looks like, lens distortion, and fit_color()
+/// compares lenses on the ideal one. The offsets of each lens are its own, under the prior of
+/// `problem`. Replaces the trials; the rest of `fit` only if BIC is very strong evidence for
+/// another lens, and then returns true.
 bool choose_lens_again(const BoardProblem& problem, const RgbdParameters& parameters,
                        ColorFit& fit);
 

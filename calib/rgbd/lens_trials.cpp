@@ -128,10 +128,13 @@ std::optional<std::size_t> choose_lens(std::vector<LensTrial>& trials, const Len
         trials[i].bic < trials[*chosen].bic - required_bic_gain(trials[i], trials[*chosen], rule))
       chosen = i;
   }
-  if (!chosen) return {};
-  const double best = trials[*chosen].bic;
-  for (auto& trial : trials) trial.bic -= best;
+  if (chosen) make_bic_relative(trials, *chosen);
   return chosen;
+}
+
+void make_bic_relative(std::vector<LensTrial>& trials, std::size_t chosen) {
+  const double reference = trials[chosen].bic;
+  for (auto& trial : trials) trial.bic -= reference;
 }
 
 }  // namespace touchtrace

@@ -52,4 +52,7 @@ struct LensRule {
 /// nullopt if no fit converged.
 std::optional<std::size_t> choose_lens(std::vector<LensTrial>& trials, const LensRule& rule);
 
+/// Makes LensTrial::bic relative to that of one of the trials.
+void make_bic_relative(std::vector<LensTrial>& trials, std::size_t chosen);
+
 }  // namespace touchtrace

@@ -13,9 +13,11 @@ struct ImportCommandOptions {
 };
 
 void describe(OptionSet& set, ImportCommandOptions& o) {
-  set.optional_input("source", o.source,
-                     "TUM RGB-D folder, folder with colour and depth images, ROS 1 or 2 bag, or "
-                     ".npz with color, depth, time_s; none: the glove alone");
+  set.optional_input(
+      "source", o.source,
+      "TUM RGB-D folder, folder with colour images (PNG, JPEG, ...) and depth images "
+      "(PNG, TIFF, .npy, .mat), ROS 1 or 2 bag, or .npz with color, depth, time_s; "
+      "none: the glove alone");
   set.path("output", o.output, "recording (.h5)").value("FILE");
   describe(set, o.import);
 }

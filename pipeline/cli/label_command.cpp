@@ -1,5 +1,7 @@
 #include <fmt/core.h>
 
+#include <array>
+
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/import/intrinsics.h"
@@ -31,6 +33,15 @@ void describe(OptionSet& set, LabelCommandOptions& o) {
   label::describe(set, o.label);
 }
 
+/// Shape of an object in `summary`, with its full extents.
+std::string describe_shape(const nlohmann::json& shape) {
+  if (shape.contains("radius_m"))
+    return fmt::format("sphere of {:.0f} mm", 2e3 * shape["radius_m"].get<double>());
+  const auto half_m = shape["half_extents_m"].get<std::array<double, 3>>();
+  return fmt::format("{} of {:.0f} x {:.0f} x {:.0f} mm", shape["core"].get<std::string>(),
+                     2e3 * half_m[0], 2e3 * half_m[1], 2e3 * half_m[2]);
+}
+
 void print_summary(const Labels& labels, const std::string& output) {
   const auto& s = labels.summary;
   fmt::print("{} labels of {} clips in {}\n", labels.time_s.size(), labels.clips.size(), output);
@@ -43,6 +54,8 @@ void print_summary(const Labels& labels, const std::string& output) {
   };
   fmt::print("standard deviation of a position (median): hand {}, object {}\n",
              millimetres(s["hand_sigma_m"]), millimetres(s["object_sigma_m"]));
+  for (const auto& [object, shape] : s["object_shape"].items())
+    fmt::print("shape of {}: {}\n", object, describe_shape(shape));
   fmt::print("flights: {}\n", s["flights"].size());
 }
 

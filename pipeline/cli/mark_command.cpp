@@ -21,8 +21,10 @@ void describe(OptionSet& set, MarkOptions& o) {
   set.texts("box", o.boxes, "hand=X,Y,WIDTH,HEIGHT and object=... [px]; default: draw on a page")
       .value("BOX");
   set.integer("clip", o.clip, "clip of --box, counted from 0", 0, 1'000'000);
-  set.integer("frame", o.frame, "camera frame of --box, counted from 0; -1: the clip's first", -1,
-              100'000'000);
+  set.integer(
+      "frame", o.frame,
+      "camera frame of --box, counted from 0 at the recording's start; -1: the clip's first", -1,
+      100'000'000);
   set.integer("port", o.port, "of the page on 127.0.0.1; 0: any free one", 0, 65535);
 }
 

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "calib/rgbd/calibration.h"
+#include "calib/rgbd/calibration_json.h"
 #include "calib/rgbd/camera_info.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
@@ -141,11 +142,34 @@ TEST_F(CalibrationFile, RejectsEveryFlippedBitButAcceptsTextWithoutChecksum) {
 }
 
 TEST_F(CalibrationFile, RejectsTruncatedAndMissingFiles) {
-  EXPECT_THROW(read_calibration(folder_), Error);
+  try {
+    read_calibration(folder_ / "chain.yaml");
+    FAIL() << "read a file that does not exist";
+  } catch (const Error& error) {
+    EXPECT_TRUE(std::string(error.what()).ends_with("chain.yaml does not exist")) << error.what();
+  }
   write_calibration(folder_, example(), false);
   const auto whole = read_file(folder_ / "calibration.json");
   write_file(folder_ / "calibration.json", whole.substr(0, whole.size() / 2), true);
   EXPECT_THROW(read_calibration(folder_), Error);
+}
+
+/// Extrinsics that people copy from a page have few decimals.
+TEST(PoseFromJson, ReplacesARoundedRotationByTheNearestOne) {
+  const Eigen::Matrix3d exact =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
+  Eigen::Matrix4d rounded = Eigen::Matrix4d::Identity();
+  rounded.topLeftCorner<3, 3>() = (1000.0 * exact).array().round() / 1000.0;
+  const Eigen::Matrix3d read = pose_from_json(matrix_json(rounded), "pose").linear();
+  EXPECT_TRUE(read.isUnitary(1e-12));
+  // the rounded matrix is at most 3 x 0.0005 from the exact rotation, hence from the nearest one
+  EXPECT_LT((read - exact).norm(), 2.0 * 3.0 * 0.0005);
+}
+
+TEST(PoseFromJson, RejectsAScaledRotation) {
+  Eigen::Matrix4d scaled = Eigen::Matrix4d::Identity();
+  scaled.topLeftCorner<3, 3>() *= 1.01;
+  EXPECT_THROW(pose_from_json(matrix_json(scaled), "pose"), std::exception);
 }
 
 }  // namespace

@@ -9,14 +9,14 @@
 namespace touchtrace::label {
 namespace {
 
-/// Clip of 10 frames at 10 Hz.
+/// Clip of 10 frames.
 struct SampleClip {
   std::vector<ClipFrames> clips = std::vector<ClipFrames>(1);
   std::vector<ClipTrack> tracks = std::vector<ClipTrack>(1);
 
-  SampleClip() {
+  explicit SampleClip(double period_s = 0.1) {
     clips[0].count = 10;
-    for (int i = 0; i < 10; ++i) tracks[0].time_s.push_back(0.1 * i);
+    for (int i = 0; i < 10; ++i) tracks[0].time_s.push_back(period_s * i);
     Observation found;
     found.found = true;
     tracks[0].hand.assign(10, found), tracks[0].object.assign(10, found);
@@ -27,16 +27,29 @@ bool mentions(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(LostClips, NameTheLongestTimeWithBothBodies) {
-  SampleClip sample;
+/// Both bodies are found in frames 4 and 5.
+SampleClip mostly_lost(double period_s) {
+  SampleClip sample(period_s);
   for (const int i : {0, 2, 3, 6, 7, 8, 9}) sample.tracks[0].object[i].found = false;
   for (const int i : {0, 1, 2, 3, 6, 7}) sample.tracks[0].hand[i].found = false;
+  return sample;
+}
+
+TEST(LostClips, NameTheLongestTimeWithBothBodies) {
+  SampleClip sample = mostly_lost(2.0);
   drop_lost_clips(sample.clips, sample.tracks);
   const auto& problem = sample.clips[0].problem;
   EXPECT_TRUE(mentions(problem, "hand lost in 60 %, object lost in 70 %")) << problem;
-  EXPECT_TRUE(mentions(problem, "from 0.40 to 0.50 s")) << problem;
+  EXPECT_TRUE(mentions(problem, "from 8.00 to 10.00 s")) << problem;
   EXPECT_TRUE(mentions(problem, "import --clips")) << problem;
   EXPECT_TRUE(sample.tracks[0].time_s.empty());
+}
+
+TEST(LostClips, OfUnderTwoSecondsAreNotProposed) {
+  SampleClip sample = mostly_lost(0.1);
+  drop_lost_clips(sample.clips, sample.tracks);
+  EXPECT_TRUE(mentions(sample.clips[0].problem, "touchtrace mark")) << sample.clips[0].problem;
+  EXPECT_FALSE(mentions(sample.clips[0].problem, "import --clips")) << sample.clips[0].problem;
 }
 
 TEST(LostClips, KeepTheBodyThatIsFound) {

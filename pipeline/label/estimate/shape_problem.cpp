@@ -46,6 +46,7 @@ void ShapeProblem::solve() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.max_num_iterations = max_iterations;
+  options.max_num_line_search_step_size_iterations = 0;  // steps are projected onto the bounds
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);

@@ -11,6 +11,8 @@
 namespace touchtrace::label {
 namespace {
 
+constexpr double min_proposed_s = 2.0;  // of a clip to be cut out
+
 /// Longest stretch of frames in which hand and object were found: first frame and number.
 std::pair<std::size_t, std::size_t> longest_found(const ClipTrack& track) {
   std::pair<std::size_t, std::size_t> longest{0, 0};
@@ -28,10 +30,12 @@ std::string remedy(const ClipTrack& track, bool has_mask_boxes) {
                      : "draw boxes in a frame that shows both better (`touchtrace mark`)";
   const auto [first, count] = longest_found(track);
   if (count < 2) return boxes;
+  const double start_s = track.time_s[first], end_s = track.time_s[first + count - 1];
+  if (end_s - start_s < min_proposed_s) return boxes;
   return fmt::format(
       "both are found longest from {:.2f} to {:.2f} s: cut the clip there (`import --clips`), or "
       "{}",
-      track.time_s[first], track.time_s[first + count - 1], boxes);
+      start_s, end_s, boxes);
 }
 
 /// Drops the observations of bodies that were mostly lost, and says which. An object that moves

@@ -6,13 +6,11 @@
 #include <utility>
 
 #include "engine/base/interrupt.h"
-#include "pipeline/label/estimate/box_planes.h"
-#include "pipeline/label/estimate/pose_tracker.h"
-#include "pipeline/label/estimate/sphere_fit.h"
 #include "pipeline/label/observe/lift.h"
 #include "pipeline/label/observe/mask_observer.h"
 #include "pipeline/label/track/box_tracker.h"
 #include "pipeline/label/track/grip.h"
+#include "pipeline/label/track/object_estimator.h"
 #include "pipeline/label/track/other_bodies.h"
 #include "pipeline/label/track/target_filter.h"
 
@@ -25,9 +23,6 @@ constexpr double in_hand_sigma_m = 0.02, first_box_sigma_m = 0.03;
 constexpr double min_occluded_fraction = 0.5;  // of a hidden object's rays
 constexpr double released_m = 0.07;          // grown distance to the hand of an object that left it
 constexpr double max_unseen_flight_s = 1.0;  // an object unseen for longer has been caught
-constexpr double view_reach_factor = 2.0;    // from a visible end of an object to its other end
-constexpr double max_misfit_m = 0.01;        // median distance of an object's points from its body
-constexpr std::size_t max_misfit_points = 200;
 constexpr std::size_t min_hand_points = 30, min_object_points = 6;
 
 class ClipTracker {
@@ -39,12 +34,12 @@ class ClipTracker {
         clip_(clip),
         gravity_(gravity),
         shape_(scene.object_shape.at(clip.object)),
+        estimator_(scene, clip),
         hand_(Body::hand, hand_disc_radius_m, hand_patch_radius_m, min_hand_points, kind),
         object_(Body::object, shape_.radius_m, object_patch_radius_factor * shape_.radius_m,
                 min_object_points, kind) {
     if (!scene.objects_with_hand_color.contains(clip.object) && scene.only_masked_body != mask_hand)
       others_.emplace(*scene.segmenter, scene.depth_noise_at_1m);
-    if (shape_.body) pose_.emplace(*shape_.body);
   }
 
   void step(SegmentedFrame segmented, double seconds, ClipTrack& track) {
@@ -71,32 +66,20 @@ class ClipTracker {
       if (!object && has_mask && scene_.only_masked_body != mask_hand)
         object = object_.find_in_box(surface, mask_box(frame, mask_object, image_width()));
     }
-    frame_ = track.hand.size();
+    const std::size_t index = track.hand.size();
     track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
     unseen_s_ += seconds;
-    track.object.push_back(object ? observe_object(*object, frame) : Observation{});
+    track.object.push_back(
+        object ? estimator_.observe(frame, index, *object, std::exchange(unseen_s_, 0.0))
+               : Observation{});
     update(track.hand.back(), track.object.back(), frame, image);
     // boxes and masks show where the hand ends
-    const bool is_shown = frame_ == 0 || scene_.has_all_masks || is_masked;
+    const bool is_shown = index == 0 || scene_.has_all_masks || is_masked;
     if (hand && !is_shown && is_on_arm(*hand, surface)) track.hand.back() = {};
   }
 
-  /// Replaces the object's poses by the most likely ones given all frames. Where the points
-  /// contradict them, the object is lost.
-  void smooth_poses(ClipTrack& track) const {
-    if (!pose_) return;
-    const auto fits = pose_->viterbi_path();
-    const auto ambiguity_m2 = pose_->ambiguity_m2(fits);
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-      Observation& object = track.object[posed_frames_[i].frame];
-      if (contradict(posed_frames_[i].surface_points, fits[i])) {
-        object = {};
-        continue;
-      }
-      set_position(object, fits[i], posed_frames_[i].num_points);
-      object.sigma_m = (object.sigma_m.cwiseAbs2() + ambiguity_m2[i]).cwiseSqrt();
-    }
-  }
+  /// Observations of the object, given all frames.
+  void smooth_poses(ClipTrack& track) const { estimator_.smooth_poses(track.object); }
 
   int tracker_starts() const { return hand_.tracker_starts() + object_.tracker_starts(); }
 
@@ -135,43 +118,6 @@ class ClipTracker {
     if (hand && others_)
       others_->start(colored, hand_box, mask_box(frame, mask_object, image_width()), *hand);
     return hand;
-  }
-
-  Observation observe_object(const Patch& patch, const RgbdFrame& frame) {
-    auto view = scene_.view_object(frame, clip_.object, patch, view_reach_factor * shape_.reach_m(),
-                                   pose_.has_value());
-    if (frame_ == 0 && !clip_.has_mask_boxes)
-      view.box = box_planes(scene_.segmenter->color_camera(), clip_.object_box, patch.centroid_m);
-    const double unseen_s = std::exchange(unseen_s_, 0.0);
-    Observation object{true, false, {}, {}, patch.box};
-    const std::size_t points = view.surface_points.size();
-    if (pose_) {
-      posed_frames_.push_back({frame_, points, every_nth(view.surface_points, max_misfit_points)});
-      set_position(object, pose_->update(view, unseen_s), points);
-    } else {
-      const auto fit = fit_sphere(view, shape_.radius_m);
-      set_position(object, fit.centre_m, fit.information, points);
-    }
-    return object;
-  }
-
-  void set_position(Observation& object, const BodyFit& fit, std::size_t points) const {
-    set_position(object, fit.centre_m(), fit.centre_information(), points);
-  }
-
-  /// Sets position and standard deviation from a fit to so many points.
-  void set_position(Observation& object, const Eigen::Vector3d& centre_m,
-                    const Eigen::Matrix3d& information, std::size_t points) const {
-    const double visible =
-        static_cast<double>(points) / scene_.segmenter->disc_pixels(shape_.radius_m, centre_m.z());
-    object.position_m = centre_m;
-    object.sigma_m =
-        position_sigma(information, visible, pose_ ? point_sigma_m : sphere_point_sigma_m);
-  }
-
-  /// Whether most points are far from the body: a wrong pose, or another body of its colour.
-  bool contradict(const std::vector<Eigen::Vector3f>& points, const BodyFit& fit) const {
-    return median_distance_m(points, *shape_.body, fit.camera_from_body) > max_misfit_m;
   }
 
   /// Position of the object if the hand holds it; nullopt if it has left the hand.
@@ -257,21 +203,13 @@ class ClipTracker {
     object_.set_hidden(object.position_m, first_box_sigma_m);
   }
 
-  /// Frame with a pose, its number of surface points, and some of these.
-  struct PosedFrame {
-    std::size_t frame, num_points;
-    std::vector<Eigen::Vector3f> surface_points;
-  };
-
   const SceneModel& scene_;
   FramePrefetcher::Reader& frames_;
   const ClipFrames& clip_;
   Eigen::Vector3d gravity_;
   Grip grip_;
   const ObjectShape& shape_;
-  std::optional<PoseTracker> pose_;  ///< for objects that are not spheres
-  std::vector<PosedFrame> posed_frames_;
-  std::size_t frame_ = 0;
+  ObjectEstimator estimator_;
   double unseen_s_ = 0.0;  ///< since the object was last visible
   Target hand_, object_;
   std::optional<OtherBodies> others_;  ///< null for an object of the hand's colour

@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 
 import figures
-from calibration_peers import real_rigs, real_sets
+from calibration_peers import public_sets, real_rigs, real_sets
 from figures import at_most, row
 
 PHOTOGRAPHS = "/usr/share/doc/opencv-doc/examples/data"
@@ -128,8 +128,11 @@ def main():
     parser.add_argument("--touchtrace", default="build/release/touchtrace")
     parser.add_argument("--rounds", type=int, default=5, help="alternating runs of a timing")
     parser.add_argument("--real", metavar="FOLDER", help="sets of photographs, one folder each, instead: calibration_peers/real_sets.py, real_rigs.py")
+    parser.add_argument("--clones", metavar="FOLDER", help="clones of which the sets of calibration_peers/public_sets.toml are written below --real first")
     parser.add_argument("--json", action="store_true", help="print all rows as one JSON object")
     options = parser.parse_args()
+    if options.clones:
+        public_sets.write_sets(options.clones, options.real or parser.error("--clones needs --real FOLDER"))
     if options.real:
         return figures.emit(figures_of_sets(options.real, options.touchtrace), 80, options.json)
     if not glob.glob(f"{PHOTOGRAPHS}/left0?.jpg"):

@@ -43,7 +43,7 @@ def load_clips(recording, labels):
         for number, name in enumerate(objects):
             rows = np.flatnonzero(clip == number)
             rows = rows[np.cumsum(frame[rows] >= 0) > 0]  # from the first frame that the glove sent
-            if l["clips/dropped"][number] or not len(rows):
+            if ("clips/dropped" in l and l["clips/dropped"][number]) or not len(rows):
                 continue
             last = np.maximum.accumulate(frame[rows])  # a lost frame repeats the previous one
             yield name, int((objects[:number] == name).sum()), pressure[last], label[rows], filtered[rows], trusted[rows]

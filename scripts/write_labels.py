@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Writes labels for touchtrace from states that another program measured.
+"""Writes labels for touchtrace from states that another program measured, such as motion capture.
 
-usage: write_labels.py RECORDING.h5 OUTPUT.labels.h5    labels of a hand and an object at rest, for every frame of the glove
+usage: write_labels.py RECORDING.h5 OUTPUT.labels.h5 HAND.csv OBJECT.csv    states of `touchtrace smooth`, times on the recording's clock
+       write_labels.py RECORDING.h5 OUTPUT.labels.h5                        a hand and an object at rest
 
-Import write_labels() to write your own. pipeline/recording/README.md lists everything that labels may contain.
+Import write_labels() to write states of your own. pipeline/recording/README.md lists everything that labels may contain.
+The clock of a recording of `import` starts at 0; its attribute epoch_unix_s, if there is one, is the Unix time of that.
 """
 
 import sys
@@ -11,36 +13,77 @@ import sys
 import h5py
 import numpy as np
 
+AXES = "xyz"
+
+
+def frame_numbers(glove):
+    """The counter of the glove's frames; if it has none, one that skips pauses, as touchtrace counts."""
+    if "sequence" in glove:
+        return glove["sequence"][:].astype(int)
+    gap_s = np.diff(glove["host_time_s"][:])
+    rate_hz = glove.attrs.get("rate_hz", 1 / np.median(gap_s))
+    steps = np.where(gap_s > max(0.5, 5 / rate_hz), np.round(gap_s * rate_hz), 1).astype(int)
+    return np.concatenate([[0], np.cumsum(steps)])
+
+
+def glove_frames(source, clip):
+    """Index of each frame of the glove in a clip, -1 for a lost one, and its time [s]."""
+    number, time_s = frame_numbers(source["glove0"]), source["glove0/host_time_s"][:]
+    received = np.flatnonzero((time_s >= source["clips/start_s"][clip]) & (time_s < source["clips/end_s"][clip]))
+    if not len(received):
+        return received, time_s[received]
+    numbers = np.arange(number[received[0]], number[received[-1]] + 1)
+    frame = np.full(len(numbers), -1)
+    frame[number[received] - numbers[0]] = received
+    return frame, np.interp(numbers, number[received], time_s[received])
+
 
 def write_labels(path, recording, hand, object):
-    """Writes labels of a recording of which no frame of the glove was lost.
+    """Writes labels of all frames of the glove, lost ones included.
 
     hand, object: functions of the time [n] in s, as stamped in the recording, that return
-      position [n, 3] in m and velocity [n, 3] in m/s in the colour camera's frame, smoothed,
+      position [n, 3] in m and velocity [n, 3] in m/s in one fixed frame, e.g. the colour camera's, smoothed,
       the same from earlier measurements only (roll-outs start from it),
       covariance [n, 6, 6] of position and velocity, and whether the body was visible [n].
     """
     with h5py.File(recording) as source, h5py.File(path, "w") as file:
         file.attrs.update(schema="touchtrace/labels/1", summary="{}", provenance="{}",
                           activity=source.attrs.get("activity", ""))
-        first_s = min(source[f"{stream}/host_time_s"][0] for stream in ("color", "depth", "glove0") if stream in source)
+        stamps = [f"{stream}/host_time_s" for stream in ("color", "depth", "glove0")]
+        first_s = min(source[name][0] for name in stamps if name in source and len(source[name]))
         origin_s = first_s if first_s > 1e6 else 0.0  # labels have no Unix time
         for name in ("start_s", "end_s"):
             file[f"clips/{name}"] = source[f"clips/{name}"][:] - origin_s
         file["clips/object"] = source["clips/object"][:]
-        time_s = source["glove0/host_time_s"][:]
-        rows = [(frame, clip) for clip, (start_s, end_s) in enumerate(zip(source["clips/start_s"][:], source["clips/end_s"][:]))
-                for frame in np.flatnonzero((time_s >= start_s) & (time_s < end_s))]
-        frame, file["label/clip"] = np.array(rows).T
-        file["label/glove_frame"], file["label/time_s"] = frame, time_s[frame] - origin_s
+        frames = [glove_frames(source, clip) for clip in range(len(source["clips/object"]))]
+        time_s = np.concatenate([times for _, times in frames])
+        file["label/glove_frame"], file["label/time_s"] = np.concatenate([index for index, _ in frames]), time_s - origin_s
+        file["label/clip"] = np.repeat(np.arange(len(frames)), [len(index) for index, _ in frames])
         for body, states in {"hand": hand, "object": object}.items():
-            position, velocity, causal_position, causal_velocity, covariance, visible = states(time_s[frame])
+            position, velocity, causal_position, causal_velocity, covariance, visible = states(time_s)
             file[f"{body}/position_m"], file[f"{body}/velocity_m_per_s"] = position, velocity
             file[f"{body}/causal_position_m"], file[f"{body}/causal_velocity_m_per_s"] = causal_position, causal_velocity
             file[f"{body}/covariance"], file[f"{body}/quality"] = covariance, np.where(visible, 0, 1).astype(np.uint8)
         for name, shape in {"time_s": (0,), "clip": (0,), "hand_m": (0, 3), "object_m": (0, 3),
                             "hand_sigma_m": (0, 3), "object_sigma_m": (0, 3)}.items():
             file[f"raw/{name}"] = np.zeros(shape, int if name == "clip" else float)
+
+
+def smoothed(file):
+    """States of a CSV file of `touchtrace smooth`, interpolated; not visible before the first and after the last row."""
+    table = np.genfromtxt(file, delimiter=",", names=True)
+    names = [*AXES, *(f"v{axis}" for axis in AXES)]
+
+    def states(time_s):
+        def columns(pattern):
+            return np.stack([np.interp(time_s, table["time_s"], table[pattern.format(axis)]) for axis in AXES], axis=1)
+        covariance = np.empty((len(time_s), 6, 6))
+        for i, first in enumerate(names):
+            for j, second in enumerate(names[i:], i):
+                covariance[:, i, j] = covariance[:, j, i] = np.interp(time_s, table["time_s"], table[f"cov_{first}_{second}"])
+        visible = (time_s >= table["time_s"][0]) & (time_s <= table["time_s"][-1])
+        return (columns("{}_m"), columns("v{}_m_per_s"), columns("causal_{}_m"), columns("causal_v{}_m_per_s"), covariance, visible)
+    return states
 
 
 def at_rest(x):
@@ -52,6 +95,7 @@ def at_rest(x):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
+    if len(sys.argv) not in (3, 5):
         sys.exit(__doc__.split("\n\n")[1])
-    write_labels(sys.argv[2], sys.argv[1], at_rest(0.0), at_rest(0.1))
+    bodies = [smoothed(file) for file in sys.argv[3:]] or [at_rest(0.0), at_rest(0.1)]
+    write_labels(sys.argv[2], sys.argv[1], *bodies)

@@ -49,10 +49,13 @@ std::string header() {
   for (std::size_t i = 0; i < names.size(); ++i)
     for (std::size_t j = i; j < names.size(); ++j)
       text += fmt::format(",cov_{}_{}", names[i], names[j]);
-  return text + "\n";
+  return text +
+         ",causal_x_m,causal_y_m,causal_z_m,causal_vx_m_per_s,causal_vy_m_per_s,"
+         "causal_vz_m_per_s\n";
 }
 
-void append_row(std::string& text, const std::string& time, const MotionState& state) {
+void append_row(std::string& text, const std::string& time, const MotionState& state,
+                const MotionState& causal) {
   text += time;
   const auto append = [&](double value) {
     fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
@@ -62,6 +65,8 @@ void append_row(std::string& text, const std::string& time, const MotionState& s
     for (const double value : *vector) append(value);
   for (Eigen::Index i = 0; i < 6; ++i)
     for (Eigen::Index j = i; j < 6; ++j) append(state.covariance(i, j));
+  for (const auto* vector : {&causal.position_m, &causal.velocity_m_per_s})
+    for (const double value : *vector) append(value);
   text += '\n';
 }
 
@@ -106,7 +111,8 @@ void write_states(const fs::path& file, const TrackFile& track, const SmoothedTr
   Progress progress("writing " + file.string(), times_s.size());
   std::string text = header();
   for (const double time_s : times_s) {
-    append_row(text, time_text(track.origin_s, time_s), smoothed.smoothed(time_s));
+    append_row(text, time_text(track.origin_s, time_s), smoothed.smoothed(time_s),
+               smoothed.causal(time_s));
     if (text.size() > flush_bytes) stream << std::exchange(text, {});
     progress.advance();
   }

@@ -18,11 +18,15 @@ std::string clip_fault(const Labels& labels, const Recording& recording) {
   const auto &clips = recording.clips, &labelled = labels.clips;
   if (labelled.size() != clips.size())
     return fmt::format("{} clips instead of {}", labelled.size(), clips.size());
-  for (std::size_t i = 0; i < clips.size(); ++i)
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (labelled[i].object != clips[i].object)
+      return fmt::format("clip {} is of object '{}' instead of '{}'", i, labelled[i].object,
+                         clips[i].object);
     if (!(std::abs(labelled[i].start_s - clips[i].start_s) <= max_clip_difference_s &&
           std::abs(labelled[i].end_s - clips[i].end_s) <= max_clip_difference_s))
       return fmt::format("clip {} is from {:.3f} to {:.3f} s instead of {:.3f} to {:.3f} s", i,
                          labelled[i].start_s, labelled[i].end_s, clips[i].start_s, clips[i].end_s);
+  }
   return {};
 }
 

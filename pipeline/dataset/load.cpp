@@ -10,10 +10,12 @@
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "engine/base/provenance.h"
+#include "pipeline/dataset/distinct_touch.h"
 #include "pipeline/dataset/fingerprint.h"
 #include "pipeline/dataset/label_frames.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/recording/check.h"
+#include "pipeline/recording/label_check.h"
 #include "pipeline/recording/recording_file.h"
 
 namespace touchtrace {
@@ -197,10 +199,14 @@ Split split_of_clip(int clip_of_object) {
 
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution) {
   Dataset dataset;
-  for (std::size_t i = 0; i < sources.size(); ++i)
+  DistinctTouch distinct;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const std::size_t first = dataset.sequences.size();
     RecordingLoader(dataset, sources[i], read_labels(sources[i].labels), static_cast<int>(i),
                     resolution)
         .add_clips();
+    distinct.add(std::span(dataset.sequences).subspan(first), sources[i].recording.string());
+  }
   require_clips(dataset);
   return dataset;
 }

@@ -25,8 +25,8 @@ inline constexpr int automatic_resolution = -1;
 /// - Warns of implausible frames of the gloves and of implausible labels.
 ///
 /// Throws data_error if a file is invalid, labels belong to another recording, activities, gloves
-/// or (by over 1 %) rates differ, or no clip remains; usage_error if `resolution` exceeds the
-/// glove's.
+/// or (by over 1 %) rates differ, recordings have touch in common, or no clip remains; usage_error
+/// if `resolution` exceeds the glove's.
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution = 0);
 /// Loads one recording with labels that are in memory.
 Dataset load_dataset(const std::filesystem::path& recording, Labels labels, int resolution = 0);

@@ -31,8 +31,10 @@ Normalization fit_normalization(const Dataset& dataset) {
   Sums mean{}, square{};
   const auto count = sum_over_training(dataset, mean, [](int, double value) { return value; });
   if (count == 0)
-    throw data_error("no training clip has a label of good quality",
-                     "label again with another tracker or better boxes, or record more clips");
+    throw data_error(
+        "no training clip has a label of good quality",
+        "`touchtrace check` lists the flags of labels; label again with better boxes, record "
+        "more clips, or check that the times of your own labels are the recording's");
   for (double& value : mean) value /= static_cast<double>(count);
   sum_over_training(dataset, square,
                     [&](int d, double value) { return (value - mean[d]) * (value - mean[d]); });

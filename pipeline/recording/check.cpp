@@ -8,9 +8,9 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
-#include "engine/base/statistics.h"
 #include "pipeline/recording/h5_file.h"
 #include "pipeline/recording/intrinsics_check.h"
+#include "pipeline/recording/label_check.h"
 #include "pipeline/recording/recording_schema.h"
 #include "pipeline/recording/stream_check.h"
 
@@ -174,31 +174,6 @@ FileCheck check_recording(const RecordingReader& reader, bool images, bool has_c
                    {"label", missing_for_labelling(reader, has_calibration)},
                    {"train", missing_for_training(recording)}};
   return check;
-}
-
-std::vector<std::string> label_warnings(const Labels& labels) {
-  constexpr double max_distance_m = 20.0;
-  std::vector<std::string> warnings;
-  for (const auto& [name, body] : {std::pair{"hand", &labels.hand}, {"object", &labels.object}}) {
-    std::vector<double> distances_m;
-    for (std::size_t i = 0; i + 2 < body->position_m.size(); i += 3) {
-      const double* p = &body->position_m[i];
-      if (std::isfinite(p[0] + p[1] + p[2])) distances_m.push_back(std::hypot(p[0], p[1], p[2]));
-    }
-    if (const double distance_m = median(std::move(distances_m)); distance_m > max_distance_m)
-      warnings.push_back(
-          fmt::format("the {} is {:.0f} m from the camera (median): are positions in millimetres?",
-                      name, distance_m));
-    const bool moves =
-        std::ranges::any_of(body->velocity_m_per_s, [](double v) { return std::abs(v) > 0.0; });
-    if (moves && body->position_m == body->causal_position_m &&
-        body->velocity_m_per_s == body->causal_velocity_m_per_s)
-      warnings.push_back(
-          fmt::format("causal states of the {} equal the smoothed ones: roll-outs would start from "
-                      "states that know later measurements",
-                      name));
-  }
-  return warnings;
 }
 
 FileCheck check_labels(const Labels& labels) {

@@ -28,9 +28,6 @@ void require_usable(const std::vector<std::string>& missing, const std::string& 
 /// touch.
 std::vector<std::string> glove_warnings(const Recording& recording);
 
-/// Warnings of implausible states.
-std::vector<std::string> label_warnings(const Labels& labels);
-
 /// Result of `touchtrace check`.
 struct FileCheck {
   nlohmann::json contents;          ///< activity, clips, streams and their timing

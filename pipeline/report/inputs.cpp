@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
+#include "pipeline/recording/h5_file.h"
 #include "pipeline/report/report.h"
 
 namespace touchtrace::report {
@@ -23,6 +25,17 @@ std::vector<fs::path> files_of(const fs::path& folder) {
   return files;
 }
 
+/// Warns of an HDF5 file of another program.
+bool is_recording(const fs::path& file) {
+  try {
+    if (h5::schema_of(file).starts_with("touchtrace/recording/")) return true;
+    Progress::warn(fmt::format("left out {}: it is not a recording", file.string()));
+  } catch (const Error& error) {
+    Progress::warn(fmt::format("left out {}: {}", file.string(), error.what()));
+  }
+  return false;
+}
+
 void add_file(ReportInputs& inputs, const fs::path& file) {
   const std::string name = file.filename().string();
   if (name.starts_with('.')) return;
@@ -34,7 +47,7 @@ void add_file(ReportInputs& inputs, const fs::path& file) {
     inputs.calibrations.push_back(file);
   else if (name.ends_with("labels.h5"))
     inputs.labels.push_back(file);
-  else if (name.ends_with(".h5"))
+  else if (name.ends_with(".h5") && is_recording(file))
     inputs.recordings.push_back(file);
 }
 

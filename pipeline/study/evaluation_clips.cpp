@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "pipeline/dataset/distinct_touch.h"
 #include "pipeline/dataset/fingerprint.h"
 
 namespace touchtrace::study {
@@ -31,20 +32,9 @@ void require_unseen(const Session& session, const LoadedModel& model) {
                        "evaluate it on other recordings, or train it again");
 }
 
-/// Copies are no further evidence, but would narrow the intervals.
 void require_distinct(const std::vector<Session>& sessions) {
-  std::vector<std::string> known;  // sorted
-  for (const Session& session : sessions) {
-    for (const Sequence& clip : session.data.sequences)
-      if (is_known_touch(clip.fingerprints, known))
-        throw data_error(
-            fmt::format("clip {} of {} is also in another of the recordings, whole or in part",
-                        clip.clip, session.name),
-            "give each recording once");
-    for (const Sequence& clip : session.data.sequences)
-      std::ranges::copy(clip.fingerprints, std::back_inserter(known));
-    std::ranges::sort(known);
-  }
+  DistinctTouch distinct;
+  for (const Session& session : sessions) distinct.add(session.data.sequences, session.name);
 }
 
 }  // namespace

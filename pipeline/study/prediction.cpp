@@ -6,6 +6,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
+#include "engine/base/progress.h"
 #include "engine/train/predictor.h"
 #include "pipeline/dataset/load.h"
 #include "pipeline/recording/recording_file.h"
@@ -46,7 +47,8 @@ class Prediction {
   Prediction(Runtime& runtime, const PredictionOptions& options)
       : predictor_(runtime, options.model),
         card_(read_card(predictor_.metadata(), options.model)),
-        data_(load(options)) {
+        data_(load(options)),
+        has_labels_(!options.labels.empty()) {
     require_rate(card_, options.model, data_.rate_hz, options.recording);
     if (auto images = averaged_images(card_.spec, options.model, data_, options.recording)) {
       data_.tactile = std::move(*images);
@@ -55,15 +57,19 @@ class Prediction {
   }
 
   void run(int restart_steps, const std::function<void(const json&)>& emit) {
-    bool any = false;
+    std::size_t rollouts = 0, from_mean = 0;
     for (const Sequence& clip : data_.sequences) {
       const int first = clip.first_frame + required_history(card_.spec) - 1;
       for (const Segment& segment : segments_of(data_, clip, first, restart_steps)) {
         emit_segment(clip, segment, emit);
-        any = true;
+        ++rollouts, from_mean += !segment.from_label;
       }
     }
-    if (!any)
+    if (has_labels_ && from_mean > 0)
+      Progress::warn(fmt::format(
+          "{} of {} roll-outs start from the mean training state: their first label is not good",
+          from_mean, rollouts));
+    if (rollouts == 0)
       throw data_error(
           fmt::format("no clip has more than {} glove frames", required_history(card_.spec)),
           "record longer clips");
@@ -107,6 +113,7 @@ class Prediction {
   Predictor predictor_;
   ModelCard card_;
   Dataset data_;
+  bool has_labels_;
 };
 
 }  // namespace

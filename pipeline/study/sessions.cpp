@@ -61,8 +61,13 @@ std::vector<LabelledRecording> pair_files(const std::vector<std::string>& record
         "give one --labels file per --recording, in the same order, or none if the labels of "
         "wave.h5 are wave.labels.h5");
   std::vector<LabelledRecording> sources;
-  for (std::size_t i = 0; i < files.size(); ++i)
+  for (std::size_t i = 0; i < files.size(); ++i) {
     sources.push_back({files[i], labels.empty() ? labels_of(files[i]) : fs::path(labels[i])});
+    if (labels.empty() && !fs::exists(sources.back().labels))
+      throw data_error(fmt::format("labels of {} are missing: {} does not exist", files[i].string(),
+                                   sources.back().labels.string()),
+                       "make them with `touchtrace label`, or give them with --labels");
+  }
   return sources;
 }
 

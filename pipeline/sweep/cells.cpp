@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "engine/base/json_text.h"
@@ -82,11 +83,17 @@ class Expansion {
     return stage;
   }
 
-  /// Whether a stage sets the option to one value in place of an axis.
+  /// Whether a stage sets the option to one value in place of an axis, `STAGE.OPTION` or `OPTION`.
   bool has_one_value(const std::string& axis) const {
-    const std::string key = axis.substr(axis.rfind('.') + 1);
-    return std::ranges::any_of(cells_,
-                               [&](const Cell& cell) { return cell.options.contains(key); });
+    const auto dot = axis.rfind('.');
+    const std::string key = dot == std::string::npos ? axis : axis.substr(dot + 1);
+    std::map<std::string, std::set<json>> values;  // by stage
+    for (const Cell& cell : cells_)
+      if (cell.options.contains(key)) values[cell.stage].insert(cell.options.at(key));
+    return std::ranges::any_of(values, [&](const auto& entry) {
+      const bool is_meant = dot == std::string::npos || entry.first == axis.substr(0, dot);
+      return is_meant && entry.second.size() == 1;
+    });
   }
 
   /// Combinations of the referenced stages' axes, without the gathered ones.

@@ -103,7 +103,8 @@ TEST(Dataset, SequencesAreWholeClipsInOrder) {
 TEST(Dataset, SplitCountsTheClipsOfEachObject) {
   Files files;
   EXPECT_EQ(load_dataset({files.write_files()}).sequences[1].split, Split::train);
-  files.labels.clips[1].object = files.labels.clips[0].object;
+  for (auto* clips : {&files.labels.clips, &files.sample.recording.clips})
+    (*clips)[1].object = (*clips)[0].object;
   EXPECT_EQ(load_dataset({files.write_files()}).sequences[1].split, Split::evaluation);
 }
 
@@ -177,6 +178,22 @@ TEST(Dataset, RejectsLabelsThatAreNotOnePerFrame) {
   expect_fault("one label for each frame",
                [](Labels& l) { std::swap(l.glove_frame[5], l.glove_frame[6]); });
   expect_fault("clip 1 is from", [](Labels& l) { l.clips[1].start_s += 0.3; });
+  expect_fault("clip 1 is of object 'hammer' instead of",
+               [](Labels& l) { l.clips[1].object = "hammer"; });
+}
+
+TEST(Dataset, RejectsACopyOfARecording) {
+  Files files;
+  const LabelledRecording original = files.write_files(),
+                          copy{files.folder / "copy.h5", original.labels};
+  write(files.sample, copy.recording, true, true);
+  try {
+    load_dataset({original, copy});
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("copy.h5 is also in another"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(Dataset, LostFrameRepeatsThePreviousImage) {
@@ -252,7 +269,8 @@ TEST(Dataset, RejectsZeroAndSaturatedGloves) {
 TEST(Dataset, NormalizationUsesTrustedTrainingLabels) {
   Files files;
   files.labels.object.quality[4] = quality_lost;
-  files.labels.clips[1].object = files.labels.clips[0].object;
+  for (auto* clips : {&files.labels.clips, &files.sample.recording.clips})
+    (*clips)[1].object = (*clips)[0].object;
   const Dataset data = load_dataset({files.write_files()});
   const Normalization scaling = fit_normalization(data);
   std::vector<double> values;

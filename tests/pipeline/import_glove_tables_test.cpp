@@ -107,6 +107,15 @@ TEST_F(ImportGlove, AFrameWithoutAValueIsLeftOut) {
   const GloveStream stream = import_alone(alone("a.csv", 0, 0));
   EXPECT_EQ(stream.frames(), std::size_t(num_rows - 1));
   EXPECT_NEAR(stream.host_time_s[7], 0.16, 1e-9);
+  EXPECT_EQ(stream.sequence[7], 8u) << "regular stamps count missing frames";
+}
+
+TEST_F(ImportGlove, IrregularStampsCountNoMissingFrames) {
+  std::string table = "time_s,0_0,0_1,1_0,1_1\n";
+  for (int i = 0; i < num_rows; ++i)  // packets of two frames
+    table += fmt::format("{:.3f},5,6,7,{}\n", 0.02 * i + (i % 2 ? 0.0 : 0.01), i % 3);
+  testing::put(folder_ / "a.csv", table);
+  EXPECT_EQ(import_alone(alone("a.csv", 0, 0)).sequence.back(), std::uint64_t(num_rows - 1));
 }
 
 TEST_F(ImportGlove, AUnitInTheNameIsNotQuestioned) {

@@ -63,29 +63,5 @@ TEST(RemoveLargeComponents, KeepsWhatMayBeTheObject) {
   EXPECT_EQ(std::ranges::count(surface, Body::object, &SurfacePoint::body), object);
 }
 
-/// Dark trousers behind the edge of a dark bag.
-TEST(ConnectedObject, EndsAtAGapInDepth) {
-  Surface surface;
-  add_square(surface, hand_m, 0.05f, Body::object);
-  const auto bag = std::ssize(surface);
-  add_square(surface, hand_m + Eigen::Vector3f(0.08f, 0.0f, 0.1f), 0.03f, Body::object);
-  const Surface connected = connected_object(surface);
-  EXPECT_EQ(std::ssize(connected), bag);
-  EXPECT_TRUE(std::ranges::all_of(
-      connected, [](const SurfacePoint& point) { return point.position_m.z() == hand_m.z(); }));
-}
-
-/// A pipe shows on both sides of the hand that holds it.
-TEST(ConnectedObject, GoesOnBehindTheHand) {
-  Surface surface;
-  add_square(surface, hand_m, 0.05f);
-  for (const float side : {-0.1f, 0.1f})
-    add_square(surface, hand_m + Eigen::Vector3f(side, 0.0f, 0.01f), 0.045f, Body::object);
-  const auto object = std::ranges::count(surface, Body::object, &SurfacePoint::body);
-  EXPECT_EQ(std::ssize(connected_object(surface)), object);
-}
-
-TEST(ConnectedObject, AcceptsAnEmptySurface) { EXPECT_TRUE(connected_object({}).empty()); }
-
 }  // namespace
 }  // namespace touchtrace::label

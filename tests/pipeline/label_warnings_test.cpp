@@ -1,24 +1,60 @@
 #include <gtest/gtest.h>
 
-#include "pipeline/recording/check.h"
+#include "pipeline/recording/label_check.h"
 #include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
 namespace {
 
-TEST(LabelWarnings, NameMillimetresAndCausalStatesThatAreNot) {
+/// Labels of bodies that move smoothly.
+Labels plausible_labels() {
   Labels labels = testing::sample_labels(testing::sample_recording().recording);
+  for (auto* body : {&labels.hand, &labels.object}) {
+    const Truth::Body motion = testing::sample_body(labels.time_s, 0.5);
+    body->position_m = motion.position_m, body->velocity_m_per_s = motion.velocity_m_per_s;
+    body->quality.assign(labels.time_s.size(), quality_good);
+  }
+  return labels;
+}
+
+void expect_warning(const Labels& labels, const std::string& text) {
+  const auto warnings = label_warnings(labels);
+  ASSERT_EQ(warnings.size(), 1u) << text;
+  EXPECT_NE(warnings[0].find(text), std::string::npos) << warnings[0];
+}
+
+TEST(LabelWarnings, NameMillimetres) {
+  Labels labels = plausible_labels();
   EXPECT_TRUE(label_warnings(labels).empty());
+  for (auto* values : {&labels.object.position_m, &labels.object.velocity_m_per_s})
+    for (double& value : *values) value *= 1e6;
+  expect_warning(labels, "the object is");
+}
+
+TEST(LabelWarnings, NameCausalStatesThatAreNot) {
+  Labels labels = plausible_labels();
   labels.hand.causal_position_m = labels.hand.position_m;
   labels.hand.causal_velocity_m_per_s = labels.hand.velocity_m_per_s;
-  for (double& p : labels.object.position_m) p *= 1000.0;
-  const auto warnings = label_warnings(labels);
-  ASSERT_EQ(warnings.size(), 2u);
-  EXPECT_NE(warnings[0].find("causal states of the hand"), std::string::npos) << warnings[0];
-  EXPECT_NE(warnings[1].find("millimetres"), std::string::npos) << warnings[1];
-  labels.hand.velocity_m_per_s.assign(labels.hand.velocity_m_per_s.size(), 0.0);
+  expect_warning(labels, "the hand has causal states that equal the smoothed ones");
+  for (auto* values : {&labels.hand.position_m, &labels.hand.velocity_m_per_s})
+    values->assign(values->size(), 0.0);
+  labels.hand.causal_position_m = labels.hand.position_m;
   labels.hand.causal_velocity_m_per_s = labels.hand.velocity_m_per_s;
-  EXPECT_EQ(label_warnings(labels).size(), 1u) << "a body at rest";
+  EXPECT_TRUE(label_warnings(labels).empty()) << "a body at rest";
+}
+
+TEST(LabelWarnings, NameVelocitiesThatAreNotThoseOfThePositions) {
+  for (const double factor : {1000.0, -1.0, 0.0}) {
+    Labels labels = plausible_labels();
+    for (double& v : labels.hand.velocity_m_per_s) v *= factor;
+    expect_warning(labels, "the hand has velocities that are");
+  }
+}
+
+TEST(LabelWarnings, NameTimesOutsideTheClips) {
+  Labels labels = plausible_labels();
+  for (double& time_s : labels.time_s) time_s += 1000.0;
+  expect_warning(labels, "40 of 40 labels are outside their clips");
 }
 
 }  // namespace

@@ -107,6 +107,11 @@ TEST_F(ReportPage, RoundsNumbersAndListsStages) {
   EXPECT_EQ(data.at("stages")[0].at("wall_seconds"), 12.0);
 }
 
+TEST_F(ReportPage, LeavesOutHdf5FilesOfOtherPrograms) {
+  write("glove.h5", "not a recording");
+  EXPECT_TRUE(report::find_inputs(folder_.path()).empty());
+}
+
 TEST_F(ReportPage, CombinesMetricsFiles) {
   write("wave.metrics.json", metrics_document("wave").dump());
   write("throw.metrics.json", metrics_document("throw").dump());

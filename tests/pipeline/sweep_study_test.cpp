@@ -230,6 +230,8 @@ TEST_F(SweepStudy, MistakesAreNamed) {
   expect_refused("[use]\nfile = \"@use\"\n", "refers to no stage above");
   expect_refused("[make]\nsize = [1, 2]\n[use]\ngather = [\"size\"]\nfile = \"@make\"\n",
                  "stands for 2 cells, not one");
+  expect_refused("[make]\nsize = [1, 2]\n[use]\ngather = [\"make.size\"]\nfiles = \"@make\"\n",
+                 "unknown axis 'make.size'");
   expect_refused("[make]\n[use]\ngather = [\"seed\"]\nfiles = \"@make\"\n", "unknown axis 'seed'");
   expect_refused("[make]\n[use]\nfile = \"@make\"\nsize = \"@make.size\"\n", "is not given");
   expect_refused("[make]\nsize = 1\nkind = " + std::string(9000, '[') + "\n", "study.toml:");

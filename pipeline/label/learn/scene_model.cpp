@@ -35,21 +35,15 @@ BodyView SceneModel::view_object(const RgbdFrame& frame, const std::string& obje
   const Body own = objects_with_hand_color.contains(object) ? Body::hand : Body::object;
   const bool gather =
       whole_object && own == Body::object && !objects_with_rest_color.contains(object);
-  const auto is_near = [&](const SurfacePoint& point) {
-    return (point.position_m.cast<double>() - patch.centroid_m).norm() < reach_m;
-  };
-  if (gather) {
-    Surface near;
-    std::ranges::copy_if(around, std::back_inserter(near), is_near);
-    view.surface_points.clear();
-    for (const auto& point : connected_object(near))
-      view.surface_points.push_back(point.position_m);
-  }
+  if (gather) view.surface_points.clear();
   for (const auto& point : around) {
-    if (point.body == own && is_near(point)) continue;
     const Eigen::Vector3f ray = point.position_m - view.origin_m.cast<float>();
+    const bool near = (point.position_m.cast<double>() - patch.centroid_m).norm() < reach_m;
     const float thickness_m = point.body == Body::rest ? 0.0f : finger_m;
-    view.free_space_endpoints.push_back(point.position_m + thickness_m * ray.normalized());
+    if (point.body != own || !near)
+      view.free_space_endpoints.push_back(point.position_m + thickness_m * ray.normalized());
+    else if (gather)
+      view.surface_points.push_back(point.position_m);
   }
   return view;
 }

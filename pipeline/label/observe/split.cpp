@@ -55,20 +55,6 @@ void split_from_hand(Surface& surface, const Eigen::Vector3d& hand_m, double rad
       for (const auto i : component) surface[i].body = Body::object;
 }
 
-Surface connected_object(const Surface& surface) {
-  Surface joined = surface;
-  for (auto& point : joined)
-    if (point.body == Body::hand) point.body = Body::object;
-  Surface largest;
-  for (const auto& component : components_of(joined, Body::object)) {
-    Surface part;
-    for (const auto i : component)
-      if (surface[i].body == Body::object) part.push_back(surface[i]);
-    if (part.size() > largest.size()) largest = std::move(part);
-  }
-  return largest;
-}
-
 void remove_large_components(Surface& surface, double radius_m) {
   for (const auto& component : components_of(surface, Body::object))
     if (!fits_in(surface, component, max_object_extent_radii * radius_m))

@@ -15,8 +15,4 @@ void split_from_hand(Surface& surface, const Eigen::Vector3d& hand_m, double rad
 /// the rest: a sleeve or a shirt of the object's colour, and an object that touches it.
 void remove_large_components(Surface& surface, double radius_m);
 
-/// Points of the object without those that a gap in depth separates from most of them, such as dark
-/// trousers behind a dark bag. The hand's points connect the parts that show on both sides of it.
-Surface connected_object(const Surface& surface);
-
 }  // namespace touchtrace::label

@@ -18,6 +18,8 @@ namespace {
 constexpr double default_glove_rate_hz = 15.0, min_glove_rate_hz = 0.5, max_glove_rate_hz = 1000.0;
 constexpr double max_span_s = 1e6;           // of a recording
 constexpr std::size_t max_wrong_stamps = 5;  // in a row
+constexpr double max_deviation = 0.25;       // of an interval from whole periods, in periods
+constexpr double min_regular_fraction = 0.95, max_missing_fraction = 0.1;
 constexpr const char* hint =
     "check which column or array has the times, and name it with its unit, such as time_ms";
 
@@ -145,13 +147,37 @@ bool counts_frames(const std::vector<std::uint64_t>& numbers,
   return 2 * single_steps + 1 >= frames.size();
 }
 
+/// Number of periods in the interval before a frame; at least 1.
+std::uint64_t periods_before(const GloveTimes& times, std::size_t frame) {
+  const double interval_s = times.time_s[frame] - times.time_s[frame - 1];
+  return std::max<std::uint64_t>(
+      1, static_cast<std::uint64_t>(std::llround(interval_s * times.rate_hz)));
+}
+
+/// Whether the stamps show which frames are missing: nearly all intervals, pauses aside, are whole
+/// periods, and few frames are missing. Packets of several frames also have two kinds of intervals.
+bool are_regular(const GloveTimes& times) {
+  double intervals = 0.0, whole = 0.0, missing = 0.0;
+  for (std::size_t i = 1; i < times.time_s.size(); ++i) {
+    const double interval_s = times.time_s[i] - times.time_s[i - 1];
+    if (is_pause(interval_s, times.rate_hz)) continue;
+    const auto periods = static_cast<double>(periods_before(times, i));
+    whole += std::abs(interval_s * times.rate_hz - periods) < max_deviation;
+    missing += periods - 1.0;
+    ++intervals;
+  }
+  return whole >= min_regular_fraction * intervals && missing <= max_missing_fraction * intervals;
+}
+
 std::vector<std::uint64_t> sequence_of(const GloveFile& file, const GloveTimes& times) {
   const auto& numbers = file.sequence;
   const bool has_numbers = !numbers.empty() && counts_frames(numbers, times.frames);
   if (!numbers.empty() && !has_numbers)
     Progress::warn("the glove's sequence does not count its frames and is not used");
-  return counted_frames(times, [&](std::size_t i) {
-    return has_numbers ? numbers[times.frames[i]] - numbers[times.frames[i - 1]] : 1;
+  const bool is_regular = !has_numbers && are_regular(times);
+  return counted_frames(times, [&](std::size_t i) -> std::uint64_t {
+    if (has_numbers) return numbers[times.frames[i]] - numbers[times.frames[i - 1]];
+    return is_regular ? periods_before(times, i) : 1;
   });
 }
 

@@ -14,8 +14,8 @@ namespace touchtrace {
 namespace {
 
 constexpr double max_distance_m = 20.0;
-/// Bounds of the regression of velocities on differences of positions. Labels of twelve recordings
-/// at 15 to 30 Hz have 0.87 to 0.99; it falls with long intervals.
+/// Bounds of the regression of velocities on differences of positions. Labels of 16 recordings of
+/// four activities at 15 to 30 Hz have 0.83 to 0.99; it falls with long intervals.
 constexpr double min_velocity_ratio = 0.5, max_velocity_ratio = 2.0;
 constexpr double max_interval_s = 0.1;
 constexpr double min_speed_m_per_s = 0.02;  // RMS of the differences: slower motion may be noise

@@ -49,6 +49,12 @@ TEST_F(ImportGlove, NumpyAndTablesHaveTheSameFrames) {
   expect_glove_rejected(with_glove("plain.csv"), "give --rows and --cols");
 }
 
+TEST_F(ImportGlove, AFrameOfAnArchiveWithoutAValueIsLost) {
+  const GloveStream stream = glove(with_glove("gap.npz"));
+  EXPECT_EQ(stream.frames(), 299u);
+  EXPECT_EQ(stream.sequence[120], 121u);
+}
+
 TEST_F(ImportGlove, OptionsReplaceEstimates) {
   auto options = with_glove("wiresens.hdf5");
   options.glove.bits = 14, options.glove.polarity = 1, options.glove.baseline_counts = 7.0;

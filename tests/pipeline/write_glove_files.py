@@ -77,6 +77,9 @@ def main(folder):
     np.savez(os.path.join(folder, "columns.npz"), ts=stamps, counts=np.asfortranarray(swapped))
     np.savez(os.path.join(folder, "dates.npz"), ts=(stamps * 1e3).astype("datetime64[ms]"), counts=swapped)
     np.savez(os.path.join(folder, "half.npz"), ts=stamps, counts=(frames - 2000).astype(np.float16))
+    gap = frames.astype(np.float32)
+    gap[120, 0, 0] = np.nan
+    np.savez(os.path.join(folder, "gap.npz"), ts=stamps, counts=gap)
     np.savez(os.path.join(folder, "bool.npz"), ts=stamps, counts=frames > 2600)
     np.save(os.path.join(folder, "single.npy"), frames)
     np.savetxt(os.path.join(folder, "plain.csv"), np.column_stack([stamps, frames.reshape(300, -1)]), delimiter=",", fmt="%.3f")

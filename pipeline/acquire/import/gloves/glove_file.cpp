@@ -2,10 +2,13 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
 
 namespace touchtrace {
 namespace {
@@ -16,6 +19,8 @@ constexpr std::array<GloveFileKind, 3> glove_file_kinds{{
     {"table (.csv, .txt) with a time and all taxels in each row", is_glove_table, read_glove_table},
 }};
 
+constexpr double max_incomplete = 0.1;  ///< of the frames
+
 /// Text that Git LFS leaves in place of a file.
 bool is_lfs_pointer(const std::filesystem::path& file) {
   std::string line;
@@ -23,7 +28,35 @@ bool is_lfs_pointer(const std::filesystem::path& file) {
   return line.starts_with("version https://git-lfs");
 }
 
+/// Leaves out frames in which a taxel has no value.
+void leave_out_incomplete(GloveFile& glove, const std::filesystem::path& file) {
+  const std::size_t frames = glove.time_s.size(), taxels = glove.taxels();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const auto first = glove.values.begin() + static_cast<std::ptrdiff_t>(i * taxels),
+               last = first + static_cast<std::ptrdiff_t>(taxels);
+    if (std::any_of(first, last, [](float value) { return std::isnan(value); })) continue;
+    std::copy(first, last, glove.values.begin() + static_cast<std::ptrdiff_t>(kept * taxels));
+    glove.time_s[kept] = glove.time_s[i];
+    if (!glove.sequence.empty()) glove.sequence[kept] = glove.sequence[i];
+    ++kept;
+  }
+  if (kept == frames) return;
+  report_incomplete(file, frames - kept, frames);
+  glove.values.resize(kept * taxels), glove.time_s.resize(kept);
+  if (!glove.sequence.empty()) glove.sequence.resize(kept);
+}
+
 }  // namespace
+
+void report_incomplete(const std::filesystem::path& file, std::size_t incomplete, std::size_t all) {
+  if (incomplete == 0) return;
+  const auto text = fmt::format("{} of {} rows have no value for some taxel", incomplete, all);
+  if (static_cast<double>(incomplete) > max_incomplete * static_cast<double>(all))
+    throw data_error(fmt::format("{}: {}", file.string(), text),
+                     "fill them in, or leave out columns that are no taxels");
+  Progress::warn(fmt::format("glove: {} and are left out", text));
+}
 
 GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOptions& options) {
   if (!std::filesystem::is_regular_file(file))
@@ -35,6 +68,7 @@ GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOpti
   for (const GloveFileKind& kind : glove_file_kinds) {
     if (kind.is_kind(file)) {
       GloveFile glove = kind.read(file, options);
+      leave_out_incomplete(glove, file);
       if (glove.time_s.empty())
         throw data_error(fmt::format("{} has no frames", file.string()), "record again");
       return glove;

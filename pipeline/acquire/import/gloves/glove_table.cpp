@@ -18,7 +18,6 @@ namespace touchtrace {
 namespace {
 
 constexpr std::size_t max_frames = 10'000'000, min_clock_rows = 20;
-constexpr double max_incomplete = 0.1;  ///< of the rows
 
 /// Stamp of the current row. Text must be a date and a time.
 double stamp_of(const TextTable& table, const TableColumn& time, bool& has_dates) {
@@ -72,15 +71,8 @@ class FrameReader {
     last_ = values_;
   }
 
-  /// Reports rows that were left out. Throws data_error if they are more than a tenth.
   void report_incomplete() const {
-    if (num_incomplete_ == 0) return;
-    const auto text =
-        fmt::format("{} of {} rows have no value for some taxel", num_incomplete_, num_rows_);
-    if (static_cast<double>(num_incomplete_) > max_incomplete * static_cast<double>(num_rows_))
-      throw data_error(fmt::format("{}: {}", table_.file().string(), text),
-                       "fill them in, or leave out columns that are no taxels");
-    Progress::warn(fmt::format("glove: {} and are left out", text));
+    touchtrace::report_incomplete(table_.file(), num_incomplete_, num_rows_);
   }
 
   /// Whether the values of a taxel increased in each row, as those of clocks and counters do.

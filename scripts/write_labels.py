@@ -26,10 +26,9 @@ def frame_numbers(glove):
     return np.concatenate([[0], np.cumsum(steps)])
 
 
-def glove_frames(source, clip):
-    """Index of each frame of the glove in a clip, -1 for a lost one, and its time [s]."""
-    number, time_s = frame_numbers(source["glove0"]), source["glove0/host_time_s"][:]
-    received = np.flatnonzero((time_s >= source["clips/start_s"][clip]) & (time_s < source["clips/end_s"][clip]))
+def frames_between(number, time_s, start_s, end_s):
+    """Index of each frame of a clip, -1 for a lost one, and its time [s]. number, time_s: of all frames of the glove."""
+    received = np.flatnonzero((time_s >= start_s) & (time_s < end_s))
     if not len(received):
         return received, time_s[received]
     numbers = np.arange(number[received[0]], number[received[-1]] + 1)
@@ -55,7 +54,8 @@ def write_labels(path, recording, hand, object):
         for name in ("start_s", "end_s"):
             file[f"clips/{name}"] = source[f"clips/{name}"][:] - origin_s
         file["clips/object"] = source["clips/object"][:]
-        frames = [glove_frames(source, clip) for clip in range(len(source["clips/object"]))]
+        number, glove_s = frame_numbers(source["glove0"]), source["glove0/host_time_s"][:]
+        frames = [frames_between(number, glove_s, *span) for span in zip(source["clips/start_s"][:], source["clips/end_s"][:])]
         time_s = np.concatenate([times for _, times in frames])
         file["label/glove_frame"], file["label/time_s"] = np.concatenate([index for index, _ in frames]), time_s - origin_s
         file["label/clip"] = np.repeat(np.arange(len(frames)), [len(index) for index, _ in frames])

@@ -116,12 +116,6 @@ TEST(Calibrate, IsDeterministic) {
   EXPECT_EQ(a.covariance, b.covariance);
 }
 
-TEST(Calibrate, ChoosesNoneWithoutRadialDistortion) {
-  const SimulatedBoards boards = with_lens_coefficients(simulated_boards(15, false), Radtan4{}, {});
-  RandomStream random(3, "noise");
-  EXPECT_EQ(calibrate(observe(boards, random)).details["lens"], "none");
-}
-
 TEST(Calibrate, CountsABoardAsItsOptionsDo) {
   const auto message = [](const TargetKind& kind) -> std::string {
     BoardObservations o;
@@ -317,17 +311,6 @@ TEST(Calibrate, EstimatesTheBoardsWarp) {
   RandomStream random(11, "noise");
   const RgbdCalibration c = calibrate(observe(boards, random));
   expect_within_own_sigma(c, boards.truth);
-}
-
-TEST(Calibrate, RemovesUnobservableCoefficients) {
-  const SimulatedBoards boards = simulated_boards(12, false, 640);
-  RandomStream random(12, "noise");
-  const RgbdCalibration c = calibrate(observe(boards, random), {.lenses = {"rational8"}});
-  const auto& removed = c.details["lenses"][0]["removed"];
-  ASSERT_FALSE(removed.empty());
-  EXPECT_EQ(removed[0]["parameter"], "k6");
-  EXPECT_EQ(c.color.distortion[7], 0.0);
-  EXPECT_NEAR(c.color.fx, boards.truth.color[0], 4.5 * std::sqrt(c.covariance(0, 0)));
 }
 
 TEST(Calibrate, HeldOutErrorIsAboutTheTrainingError) {

@@ -142,6 +142,7 @@ TEST_F(CalibrationFile, RejectsEveryFlippedBitButAcceptsTextWithoutChecksum) {
 }
 
 TEST_F(CalibrationFile, RejectsTruncatedAndMissingFiles) {
+  EXPECT_THROW(read_calibration(folder_), Error);
   try {
     read_calibration(folder_ / "chain.yaml");
     FAIL() << "read a file that does not exist";

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "calib/rgbd/calibrate.h"
 #include "tests/verify/calib/simulated_boards.h"
 
@@ -33,6 +35,23 @@ TEST(LensChoice, DistortionThatADeformedBoardHidesIsFound) {
 
 TEST(LensChoice, DeformationIsNotTakenForDistortion) {
   for (std::uint64_t run = 0; run < 4; ++run) EXPECT_EQ(chosen_lens(0.0, run, true), "none") << run;
+}
+
+TEST(LensChoice, ChoosesNoneWithoutRadialDistortion) {
+  const SimulatedBoards boards = with_lens_coefficients(simulated_boards(15, false), Radtan4{}, {});
+  RandomStream random(3, "noise");
+  EXPECT_EQ(calibrate(observe(boards, random)).details["lens"], "none");
+}
+
+TEST(LensChoice, RemovesUnobservableCoefficients) {
+  const SimulatedBoards boards = simulated_boards(12, false, 640);
+  RandomStream random(12, "noise");
+  const RgbdCalibration c = calibrate(observe(boards, random), {.lenses = {"rational8"}});
+  const auto& removed = c.details["lenses"][0]["removed"];
+  ASSERT_FALSE(removed.empty());
+  EXPECT_EQ(removed[0]["parameter"], "k6");
+  EXPECT_EQ(c.color.distortion[7], 0.0);
+  EXPECT_NEAR(c.color.fx, boards.truth.color[0], 4.5 * std::sqrt(c.covariance(0, 0)));
 }
 
 }  // namespace

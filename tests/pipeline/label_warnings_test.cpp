@@ -27,8 +27,8 @@ TEST(LabelWarnings, NameMillimetres) {
   Labels labels = plausible_labels();
   EXPECT_TRUE(label_warnings(labels).empty());
   for (auto* values : {&labels.object.position_m, &labels.object.velocity_m_per_s})
-    for (double& value : *values) value *= 1e6;
-  expect_warning(labels, "the object is");
+    for (double& value : *values) value *= 1000.0;
+  expect_warning(labels, "positions in millimetres");
 }
 
 TEST(LabelWarnings, NameCausalStatesThatAreNot) {

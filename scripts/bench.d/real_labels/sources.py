@@ -1,32 +1,15 @@
 """Image folders for `touchtrace import`, made of the files in clones of public repositories."""
 
-import fnmatch
 import itertools
 import pathlib
-import re
-import subprocess
 
 import cv2
 import numpy as np
 import scipy.io
 
+from clones import extract
+
 DEPTH_HEADER_BYTES, DEPTH_FILE_SIZE = 12, (240, 320)  # of agpetit/RGBDTracking
-
-
-def numbers(path):
-    """Sort key: the numbers in a file name."""
-    return [int(digits) for digits in re.findall(r"\d+", pathlib.Path(path).name)]
-
-
-def extract(clone, commit, pattern, folder):
-    """Writes the files of a commit that match a pattern. Returns their paths, sorted by number."""
-    tree = f"{commit}:{pathlib.PurePath(pattern).parent}".removesuffix(":.")
-    listed = subprocess.run(["git", "-C", clone, "ls-tree", "--name-only", tree], check=True, capture_output=True, text=True)
-    names = fnmatch.filter(listed.stdout.splitlines(), pathlib.PurePath(pattern).name)
-    folder.mkdir()
-    archive = subprocess.run(["git", "-C", clone, "archive", tree, *names], check=True, capture_output=True).stdout
-    subprocess.run(["tar", "--extract", "--directory", folder], input=archive, check=True)
-    return sorted((folder / name for name in names), key=numbers)
 
 
 def read_xyzrgb(file):

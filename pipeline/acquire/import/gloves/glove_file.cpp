@@ -54,7 +54,7 @@ void report_incomplete(const std::filesystem::path& file, std::size_t incomplete
   const auto text = fmt::format("{} of {} rows have no value for some taxel", incomplete, all);
   if (static_cast<double>(incomplete) > max_incomplete * static_cast<double>(all))
     throw data_error(fmt::format("{}: {}", file.string(), text),
-                     "fill them in, or leave out columns that are no taxels");
+                     "fill them in, or leave out columns that are not taxels");
   Progress::warn(fmt::format("glove: {} and are left out", text));
 }
 

@@ -113,12 +113,10 @@ FineDistribution fine_distribution(const FlightCost& cost, const double* times, 
   return fine;
 }
 
-/// Distribution of one event's time given the other's. Any time within an event of `duration_s` may
-/// be its time, as far as position and velocity are concerned.
-EventTimeDistribution event_distribution(const FlightCost& cost, const double* times, int event,
-                                         double duration_s) {
+/// Distribution of one event's time given the other's.
+EventTimeDistribution event_distribution(const FlightCost& cost, const double* times, int event) {
   const auto fine = fine_distribution(cost, times, event);
-  const double width_s = std::hypot(fine.time_s[1] - fine.time_s[0], duration_s),
+  const double width_s = fine.time_s[1] - fine.time_s[0],
                spacing_s = spacing_sigmas * std::hypot(fine.sigma_s(), width_s / std::sqrt(12.0));
   EventTimeDistribution result;
   double below = 0.0;
@@ -196,12 +194,12 @@ void estimate_event_distributions(WeightedTrack& track, const MotionNoise& noise
                             cost.scaled_time(flight->landing_s)};
     flight->landing_distribution = ends_after(track.points, *flight)
                                        ? fixed(flight->landing_s)
-                                       : event_distribution(cost, times, 1, 0.0);
+                                       : event_distribution(cost, times, 1);
     flight->release_distribution =
         !cost.is_release_free() ? before.back().landing_distribution
         : begins_before(track.points, *flight)
             ? fixed(flight->release_s)
-            : event_distribution(cost, times, 0, options.release_duration_s);
+            : event_distribution(cost, times, 0);
   }
   for (auto& flight : flights) {  // only now: each event is given the others' likeliest times
     flight.release_s = flight.release_distribution.mean_s();

@@ -27,9 +27,6 @@ struct MotionNoise {
   /// flight alone.
   double wander_sigma_m = 0.002, wander_time_s = 0.25;
 
-  /// Whether the body is only hit, never held: landings reverse its velocity.
-  bool is_bouncing() const { return landing_velocity_fraction < 0.0; }
-
   /// Fraction of the track's stated variance that white errors leave unexplained.
   double unexplained_variance_fraction() const {
     return measurement_scale < 1.0 ? 1.0 - measurement_scale * measurement_scale : 0.0;
@@ -43,18 +40,5 @@ struct MotionNoise {
     return fraction < min_fraction ? 0.0 : fraction;
   }
 };
-
-/// Initial noise of a table-tennis ball, which has drag and reverses its velocity at every hit.
-/// Drag is quadratic in the velocity: at 2.2 m/s the linear model is off by 0.15 m/s^2, which
-/// changes by 0.2 m/s^2 during a flight of 0.45 s, as noise of 0.2^2 / 0.45 m^2/s^5 would.
-inline MotionNoise bouncing_ball() {
-  MotionNoise noise;
-  noise.flight_drag_per_s = 0.2;
-  noise.flight_jerk_density = 0.1;
-  noise.landing_velocity_fraction = -1.0;
-  noise.landing_velocity_sigma_m_per_s = 1.0;
-  noise.landing_acceleration_sigma_m_per_s2 = 15.0;
-  return noise;
-}
 
 }  // namespace touchtrace

@@ -128,9 +128,8 @@ typename MotionPrior<model>::Step MotionPrior<model>::landing() const {
 template <StateModel model>
 typename MotionPrior<model>::Step MotionPrior<model>::hit() const {
   Step velocity;
-  velocity.F(1, 1) = noise_.is_bouncing() ? noise_.landing_velocity_fraction : 0.0;
-  velocity.Q_fixed(1, 1) = square(noise_.is_bouncing() ? noise_.landing_velocity_sigma_m_per_s
-                                                       : noise_.flight_velocity_sigma_m_per_s);
+  velocity.F(1, 1) = 0.0;
+  velocity.Q_fixed(1, 1) = square(noise_.flight_velocity_sigma_m_per_s);
   Step step = velocity.then(release());
   if constexpr (model == StateModel::with_flights)
     step.F(motion_size, motion_size) = 1.0, step.Q_fixed(motion_size, motion_size) = 0.0;

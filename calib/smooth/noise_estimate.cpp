@@ -45,8 +45,7 @@ constexpr double fraction_sigma = 0.5;
 /// Prior median of the bandwidth, in radians per interval between measurements.
 constexpr double bandwidth_per_point = 0.2;
 
-/// The landing velocity fraction of a bouncing body is not estimated: a hit gives it any velocity.
-std::vector<Parameter> parameters(bool has_flights, bool is_bouncing) {
+std::vector<Parameter> parameters(bool has_flights) {
   std::vector<Parameter> all{{&MotionNoise::jerk_density, very_wide},
                              {&MotionNoise::bandwidth_rad_per_s, wide},
                              {&MotionNoise::measurement_scale, scale_sigma}};
@@ -54,9 +53,8 @@ std::vector<Parameter> parameters(bool has_flights, bool is_bouncing) {
     all.insert(all.end(), {{&MotionNoise::flight_drag_per_s, wide},
                            {&MotionNoise::wander_sigma_m, wide},
                            {&MotionNoise::throw_density_ratio, wide},
-                           {&MotionNoise::landing_velocity_sigma_m_per_s, wide}});
-  if (has_flights && !is_bouncing)
-    all.push_back({&MotionNoise::landing_velocity_fraction, fraction_sigma, false});
+                           {&MotionNoise::landing_velocity_sigma_m_per_s, wide},
+                           {&MotionNoise::landing_velocity_fraction, fraction_sigma, false}});
   return all;
 }
 
@@ -67,9 +65,8 @@ class NoiseCost {
       : units_(units_of(tracks)),
         centre_(units_.scaled(options.noise)),
         gravity_(options.gravity_m_per_s2 / units_.acceleration()),
-        parameters_(parameters(
-            std::ranges::any_of(tracks, [](const auto& track) { return !track.flights.empty(); }),
-            options.noise.is_bouncing())) {
+        parameters_(parameters(std::ranges::any_of(
+            tracks, [](const auto& track) { return !track.flights.empty(); }))) {
     for (const auto& track : tracks) tracks_.emplace_back(track, units_);
     centre_.jerk_density = 1.0, centre_.bandwidth_rad_per_s = bandwidth_per_point;
   }

@@ -7,8 +7,6 @@
 #include "pipeline/cli/update_table.h"
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/dataset/tactile_image.h"
-#include "pipeline/label/label.h"
-#include "pipeline/recording/check.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/base/scene.h"
 #include "pipeline/study/convolution_options.h"
@@ -55,8 +53,6 @@ void read_recording(const std::string& path, study::PlanRequest& request) {
   request.activity = recording.activity;
   request.objects.assign(objects.begin(), objects.end());
   request.simulated = false;
-  if (missing_for_labelling(reader, true).empty())
-    request.tracker = study::choose_tracker(recording, label::frame_source(reader));
   if (!recording.gloves.empty())
     request.live = live_cells(recording.gloves.front().info, request.rows, request.cols);
 }

@@ -77,7 +77,7 @@ void describe(OptionSet& set, SimulateOptions& o) {
   set.flag("label", o.label,
            "calibrate and label from rendered images that are not stored: X.h5, X.calibration and "
            "X.labels.h5");
-  label::describe_tracker(set, o.labelling).help = "tracker of --label; component: fastest";
+  label::describe_tracker(set, o.labelling).help = "tracker of --label; component: faster";
   set.flag("no-images", o.no_images, "glove and truth only, no images");
   set.flag("resume", o.resume, "keep existing recordings made with the same options");
   set.seed("seed", s.seed, "seed of all random numbers");

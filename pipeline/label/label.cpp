@@ -14,7 +14,6 @@
 #include "pipeline/label/observe/color_gains.h"
 #include "pipeline/label/preview/contact_sheet.h"
 #include "pipeline/label/states/contact_latency.h"
-#include "pipeline/label/states/flights.h"
 #include "pipeline/label/states/lost_clips.h"
 #include "pipeline/label/states/states.h"
 #include "pipeline/label/states/summary.h"
@@ -71,13 +70,6 @@ void add_box_uncertainty(const SceneModel& scene, const std::vector<ClipFrames>&
   for (std::size_t i = 0; i < clips.size(); ++i)
     tracks[i].object_centre_sigma_m = std::hypot(
         tracks[i].object_centre_sigma_m, box_centre_sigma_m(color, clips[i].object, clips, tracks));
-}
-
-FlightSearch flight_search(const std::vector<ClipTrack>& tracks,
-                           const Eigen::Vector3d& gravity_m_per_s2, const LabelOptions& options) {
-  if (options.no_flights) return FlightSearch::none;
-  return free_fall_fraction(tracks, gravity_m_per_s2) > min_bounce_fraction ? FlightSearch::bounces
-                                                                            : FlightSearch::throws;
 }
 
 /// Measured positions of a recording that cannot be labelled.
@@ -157,7 +149,6 @@ class LabelRun {
   SceneModel scene_;
   MaskUse mask_use_ = MaskUse::none;
   std::vector<ClipTrack> tracks_;
-  FlightSearch search_ = FlightSearch::none;
   SmoothedBodies bodies_;
   double late_s_ = 0.0;     ///< times of tracks_ and bodies_ minus those of timeline_
   nlohmann::json seconds_;  ///< by stage
@@ -178,7 +169,9 @@ void LabelRun::learn_and_track() {
 }
 
 void LabelRun::smooth_bodies() {
-  bodies_ = label::smooth_bodies(tracks_, gravity_m_per_s2_, search_, options_.num_threads);
+  bodies_ = label::smooth_bodies(tracks_, gravity_m_per_s2_,
+                                 options_.no_flights ? Flights::none : Flights::find,
+                                 options_.num_threads);
 }
 
 std::optional<LatencyEstimate> LabelRun::estimate_latency() const {
@@ -186,9 +179,8 @@ std::optional<LatencyEstimate> LabelRun::estimate_latency() const {
   if (timeline_.latency_s + std::sqrt(3.0) * timeline_.latency_sigma_s > max_latency_s)
     return std::nullopt;  // a slow camera's may be beyond what is looked for
   const GloveStream& glove = recording_.gloves.front();
-  if (search_ == FlightSearch::throws)
-    if (auto by_catches = latency_from_catches(glove, timeline_, bodies_.object.tracks))
-      return by_catches;
+  if (auto by_catches = latency_from_catches(glove, timeline_, bodies_.object.tracks))
+    return by_catches;
   return latency_from_touch(glove, timeline_, label_times(recording_, timeline_), tracks_,
                             bodies_.hand.tracks, gravity_m_per_s2_);
 }
@@ -215,7 +207,6 @@ void LabelRun::smooth(const std::function<void(const Labels&)>& on_refusal) {
   require_clip();
   add_box_uncertainty(scene_, clips_, tracks_);
   const Stopwatch smoothing;
-  search_ = flight_search(tracks_, gravity_m_per_s2_, options_);
   smooth_bodies();
   if (raise_sigmas(tracks_, bodies_)) smooth_bodies();
   correct_latency();
@@ -239,7 +230,6 @@ Labels LabelRun::labels() const {
   labels.summary["error_sources"] = error_source_names;
   labels.summary["latency_s"] = timeline_.latency_s;
   labels.summary["latency_sigma_s"] = timeline_.latency_sigma_s;
-  labels.summary["object_bounces"] = search_ == FlightSearch::bounces;
   labels.summary["gravity_m_per_s2"] = {gravity_m_per_s2_.x(), gravity_m_per_s2_.y(),
                                         gravity_m_per_s2_.z()};
   labels.summary["seconds"] = seconds_;

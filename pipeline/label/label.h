@@ -11,9 +11,7 @@
 namespace touchtrace::label {
 
 struct LabelOptions {
-  /// "csrt": OpenCV's defaults; "csrt-fast": smaller template, fewer scales; "kcf"; "component":
-  /// colour and depth only, fastest.
-  std::string tracker = "csrt-fast";
+  std::string tracker = "csrt";  ///< or "component": colour and depth alone, faster
   /// "auto": masks if half of the frames have one, else depth-color with the masks that there are.
   std::string observer = "auto";
   bool no_flights = false;  ///< the object never leaves the hand

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "engine/model/tactile_encoder.h"
-#include "pipeline/study/tracker_choice.h"
 
 namespace touchtrace::study {
 
@@ -22,7 +21,6 @@ struct PlanRequest {
   int tactile_kernel = 3;
   std::array<int, 3> tactile_strides{2, 2, 2};
   LiveTaxels live = {};  ///< empty: unknown
-  TrackerChoice tracker = default_tracker();
 };
 
 /// Part of a stage, and the reason why it is included or omitted.

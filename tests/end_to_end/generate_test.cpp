@@ -61,8 +61,8 @@ TEST_F(Generate, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_EQ(run_shell("bash -n " + file_).output, "");
   EXPECT_EQ(complete("touchtrace tr", 1), "train\n");
   EXPECT_EQ(complete("touchtrace help lab", 2), "label\n");
-  EXPECT_EQ(complete("touchtrace label --tracker \"\"", 3), "csrt csrt-fast kcf component\n");
-  EXPECT_EQ(complete("touchtrace label --tracker k", 3), "kcf\n");
+  EXPECT_EQ(complete("touchtrace label --tracker \"\"", 3), "csrt component\n");
+  EXPECT_EQ(complete("touchtrace label --tracker co", 3), "component\n");
   EXPECT_EQ(complete("touchtrace train --up", 2), "--updates\n");
   EXPECT_EQ(complete("touchtrace generate b", 2), "bash\n");
 }
@@ -96,8 +96,7 @@ TEST_F(Generate, ZshCompletionDescribesEveryOption) {
   write("zsh");
   const auto text = run_shell("cat " + file_).output;
   EXPECT_TRUE(text.starts_with("#compdef touchtrace\n"));
-  for (const char* part :
-       {"'label:label hand", "'--tracker[", ":tracker:(csrt csrt-fast kcf component)'"})
+  for (const char* part : {"'label:label hand", "'--tracker[", ":tracker:(csrt component)'"})
     EXPECT_NE(text.find(part), std::string::npos) << part;
   if (run_shell("command -v zsh").exit_code == 0) {
     EXPECT_EQ(run_shell("zsh -n " + file_).output, "");

@@ -72,7 +72,27 @@ TEST(ColorClasses, OfAHandInsideTheObjectsBox) {
   add(surface, 30, skin, beyond_the_fist, 0.8f);  // a finger outside the hand's box
   add(surface, 1000, sleeve, {100, 100, 50, 50}, 0.9f);
   ColorClasses classes;
-  classes.learn(surface, hand_box, whole_bar);
+  classes.learn(surface, hand_box, whole_bar, true);
+  classes.build_table();
+  EXPECT_EQ(classes.classify(skin), Body::hand);
+  EXPECT_EQ(classes.classify(bar), Body::object);
+  EXPECT_EQ(classes.classify(sleeve), Body::rest);
+}
+
+/// Most of the bar that is visible is in the fist, whose skin is learnt beyond the bar's box.
+TEST(ColorClasses, OfAHandMostlyInsideTheObjectsBox) {
+  constexpr Color bar{60, 60, 140};
+  constexpr PixelBox bar_box{15, 0, 45, 40}, in_both{15, 10, 15, 20},
+      beyond_the_fist{31, 0, 29, 40}, skin_alone{10, 10, 4, 20};
+  Surface surface;
+  add(surface, 60, skin, skin_alone, 0.8f);
+  add(surface, 100, skin, in_both, 0.8f);
+  add(surface, 400, bar, in_both, 0.8f);
+  add(surface, 100, bar, beyond_the_fist, 0.8f);
+  add(surface, 500, sleeve, beyond_the_fist, 0.9f);
+  add(surface, 1000, sleeve, {100, 100, 50, 50}, 0.9f);
+  ColorClasses classes;
+  classes.learn(surface, hand_box, bar_box);
   classes.build_table();
   EXPECT_EQ(classes.classify(skin), Body::hand);
   EXPECT_EQ(classes.classify(bar), Body::object);

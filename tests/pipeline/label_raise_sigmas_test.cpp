@@ -33,19 +33,19 @@ ClipTrack measured_clip(double error_m, double jump_m) {
 TEST(RaiseSigmas, WherePositionsScatterFarMoreThanStated) {
   const Eigen::Vector3d gravity(0.0, 9.81, 0.0);
   std::vector tracks{measured_clip(0.008, 0.0)};
-  auto bodies = smooth_bodies(tracks, gravity, FlightSearch::none);
+  auto bodies = smooth_bodies(tracks, gravity, Flights::none);
   ASSERT_EQ(bodies.object.tracks[0].status, SmoothStatus::inconsistent);
   ASSERT_TRUE(raise_sigmas(tracks, bodies));
   EXPECT_NEAR(tracks[0].object[0].sigma_m.x(), 0.008, 0.002);
   EXPECT_EQ(tracks[0].hand[0].sigma_m.x(), 0.0005);
-  bodies = smooth_bodies(tracks, gravity, FlightSearch::none);
+  bodies = smooth_bodies(tracks, gravity, Flights::none);
   EXPECT_EQ(bodies.object.tracks[0].status, SmoothStatus::converged);
   EXPECT_FALSE(raise_sigmas(tracks, bodies));
 }
 
 TEST(RaiseSigmas, NotWhereAnotherBodyIsMeasured) {
   std::vector tracks{measured_clip(0.0005, 0.3)};
-  const auto bodies = smooth_bodies(tracks, Eigen::Vector3d(0.0, 9.81, 0.0), FlightSearch::none);
+  const auto bodies = smooth_bodies(tracks, Eigen::Vector3d(0.0, 9.81, 0.0), Flights::none);
   EXPECT_FALSE(raise_sigmas(tracks, bodies));
 }
 

@@ -9,7 +9,6 @@
 #include "engine/base/error.h"
 #include "engine/base/random.h"
 #include "pipeline/study/label_error.h"
-#include "pipeline/study/tracker_choice.h"
 #include "tests/pipeline/label_stage.h"
 #include "tests/verify/labels/label_trials.h"
 
@@ -42,8 +41,7 @@ TEST_P(LabelTest, TracksHandAndObject) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Trackers, LabelTest,
-                         ::testing::Combine(::testing::Values("csrt", "csrt-fast", "kcf",
-                                                              "component"),
+                         ::testing::Combine(::testing::Values("csrt", "component"),
                                             ::testing::Bool()));
 
 TEST(Label, IgnoresTrousersOfTheGlovesColor) {
@@ -160,16 +158,6 @@ TEST(Label, RestoresTheNumberOfOpenCvThreads) {
   options.tracker = "component";
   label_recording(recording_of(stage), frame_source(stage), calibration(), options);
   EXPECT_EQ(cv::getNumThreads(), threads);
-}
-
-TEST(ChooseTracker, DependsOnTheColors) {
-  const auto tracker_for = [](Stage::Ball ball) {
-    const Stage stage(false, ball);
-    return study::choose_tracker(recording_of(stage), frame_source(stage)).tracker;
-  };
-  EXPECT_EQ(tracker_for(Stage::Ball::red), "component");
-  EXPECT_EQ(tracker_for(Stage::Ball::hand_colored), "csrt-fast");
-  EXPECT_EQ(tracker_for(Stage::Ball::hidden_at_first), "csrt-fast");
 }
 
 TEST(Label, RethrowsTheErrorOfAnUnreadableImage) {

@@ -128,17 +128,28 @@ TEST(SimulateCommand, ResumeLabelsARecordingWhoseLabelsAreMissing) {
   EXPECT_EQ(read_labels(folder / "ball.labels.h5").object.position_m, first.object.position_m);
 }
 
-/// A single short clip shows too little of the hand behind a dumbbell.
+/// The hand drops a marble in its only clip.
 TEST(SimulateCommand, ARecordingThatCannotBeLabelledDoesNotStopTheOthers) {
   const TemporaryFolder folder;
-  const std::vector<std::string> command{"simulate",      (folder / "out").string(),
-                                         "--quiet",       "--object",
-                                         "dumbbell,ball", "--minutes",
-                                         "0.2",           "--label",
-                                         "--tracker",     "component",
-                                         "--board-views", "8"};
+  write_file(folder / "marble.toml",
+             "summary = 'a marble'\nrole = 'seen'\nfriction = 0.7\ntoss_apex_m = [0.1, 0.4]\n"
+             "[hold]\nturns = 'any'\n[[solid]]\nshape = 'sphere'\nradius_m = 0.008\n"
+             "mass_kg = 0.17\ncolor = [0.8, 0.1, 0.1]\n",
+             false);
+  const std::vector<std::string> command{"simulate",
+                                         (folder / "out").string(),
+                                         "--quiet",
+                                         "--object",
+                                         (folder / "marble.toml").string() + ",ball",
+                                         "--minutes",
+                                         "0.2",
+                                         "--label",
+                                         "--tracker",
+                                         "component",
+                                         "--board-views",
+                                         "8"};
   EXPECT_EQ(touchtrace(command), 3);
-  EXPECT_FALSE(std::filesystem::exists(folder / "out/dumbbell.labels.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/marble.labels.h5"));
   EXPECT_GT(read_labels(folder / "out/ball.labels.h5").time_s.size(), 100u);
 }
 

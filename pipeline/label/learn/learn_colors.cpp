@@ -11,6 +11,8 @@
 namespace touchtrace::label {
 namespace {
 
+// Least fraction of the points in the hand's boxes that are outside the object's.
+constexpr double min_hand_alone = 0.01;
 constexpr double min_visible_frames = 0.1;  // an object is rarely hidden in more of the frames
 // Visible fraction of the object's disc below which colours learnt near the hand are not trusted.
 constexpr double min_learnt_color_fraction = 0.4;
@@ -22,14 +24,25 @@ constexpr double min_boxed_fraction = 0.5;
 // Mean likeness of a patch: colours twice as rare as usual are another body's, not the hand's.
 constexpr double min_hand_likeness = -0.7;
 
-void learn_boxes(const SampledFrame& sample, const std::string& object, ColorClasses& colors) {
+/// Whether the object's boxes leave too little of the hand's to learn its colours from.
+bool are_hands_inside(const SampledFrames& samples) {
+  double in_hand = 0.0, alone = 0.0;
+  for (const auto& sample : samples)
+    if (sample.has_boxes())
+      for (const auto& point : points_in(sample.surface, sample.clip->hand_box))
+        in_hand += 1.0, alone += !contains(sample.clip->object_box, point);
+  return alone < min_hand_alone * in_hand;
+}
+
+void learn_boxes(const SampledFrame& sample, const std::string& object, bool is_hand_inside,
+                 ColorClasses& colors) {
   const auto& [hand_box, object_box] = std::tie(sample.clip->hand_box, sample.clip->object_box);
   if (std::ranges::none_of(sample.surface, [&](const auto& p) { return contains(object_box, p); }))
     throw data_error(
         fmt::format("object {} of '{}' in camera frame {} contains only background",
                     sample.clip->has_mask_boxes ? "mask" : "box", object, sample.index),
         "draw the box on the object; run: touchtrace mark RECORDING");
-  colors.learn(sample.surface, hand_box, object_box);
+  colors.learn(sample.surface, hand_box, object_box, is_hand_inside);
 }
 
 void classify(LearntColors& learnt, SampledFrames& samples) {
@@ -115,8 +128,9 @@ LearntColors learn_colors(const Segmenter& segmenter, const std::string& object,
                           SampledFrames& samples) {
   LearntColors learnt;
   auto& colors = learnt.classes;
+  const bool is_hand_inside = are_hands_inside(samples);
   for (const auto& sample : samples)
-    if (sample.has_boxes()) learn_boxes(sample, object, colors);
+    if (sample.has_boxes()) learn_boxes(sample, object, is_hand_inside, colors);
   classify(learnt, samples);
   const auto boxed = boxed_object(segmenter.color_camera(), object, samples);
   share_rest_if_needed(learnt, boxed.radius_m, samples);

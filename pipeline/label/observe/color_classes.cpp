@@ -97,10 +97,7 @@ std::vector<bool> ColorClasses::object_bins_in_both(const Surface& surface,
   counts.fill(std::vector<double>(bins));
   for (const auto& point : surface)
     counts[contains(hand_box, point) + 2u * contains(object_box, point)][bin(point.rgb)] += 1.0;
-  const double in_hand = sum(counts[1]), in_object = sum(counts[2]), in_both = sum(counts[3]);
-  const bool is_hand_inside = in_both > in_hand && in_object > in_both;
-  if (!is_hand_inside) return std::vector<bool>(bins, true);
-  const auto rest = density(counts[0], in_object), object = density(counts[2], 1.0),
+  const auto rest = density(counts[0], sum(counts[2])), object = density(counts[2], 1.0),
              both = density(counts[3], 1.0);
   std::vector<bool> of_object(bins);
   for (std::size_t i = 0; i < bins; ++i)
@@ -109,9 +106,10 @@ std::vector<bool> ColorClasses::object_bins_in_both(const Surface& surface,
 }
 
 void ColorClasses::learn(const Surface& surface, const PixelBox& hand_box,
-                         const PixelBox& object_box) {
+                         const PixelBox& object_box, bool is_hand_inside) {
   const auto hand_m = median_in(surface, hand_box);
-  const auto of_object = object_bins_in_both(surface, hand_box, object_box);
+  const auto of_object = is_hand_inside ? object_bins_in_both(surface, hand_box, object_box)
+                                        : std::vector<bool>(bins, true);
   const auto body_of = [&](const SurfacePoint& point) {
     const bool in_hand = contains(hand_box, point);
     if (contains(object_box, point) && (!in_hand || of_object[bin(point.rgb)])) return Body::object;

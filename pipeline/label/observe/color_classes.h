@@ -15,8 +15,12 @@ namespace touchtrace::label {
 /// one in which it is more frequent: a large room would otherwise make the sleeve's colour rare.
 class ColorClasses {
  public:
-  /// Adds one frame's colours to the histograms.
-  void learn(const Surface& surface, const PixelBox& hand_box, const PixelBox& object_box);
+  /// Adds one frame's colours to the histograms. Points in both boxes are the object's. If
+  /// `is_hand_inside`, where the object's boxes contain the hand's (a bar through the fist), they
+  /// are so only if their colour is three times as frequent in the rest of the object's box as
+  /// outside both, and there at least a third as frequent as in both.
+  void learn(const Surface& surface, const PixelBox& hand_box, const PixelBox& object_box,
+             bool is_hand_inside = false);
   /// Replaces the object's histogram by points near the hand at other times, for an object that its
   /// boxes do not show. Colours of hand and arm are more frequent elsewhere, so what remains is the
   /// object's.
@@ -42,9 +46,7 @@ class ColorClasses {
 
   /// Sets the likeness of a class's colours, with mean 0 over the class.
   void set_likeness(Body body, const std::vector<double>& density);
-  /// Whether a colour of points in both boxes is the object's: always or, if the object's box
-  /// contains most of the hand's (a bar through the fist), if it is three times as frequent in the
-  /// rest of the object's box as outside both, and there at least a third as frequent as in both.
+  /// Whether a colour of points in both boxes is the object's; see learn().
   static std::vector<bool> object_bins_in_both(const Surface& surface, const PixelBox& hand_box,
                                                const PixelBox& object_box);
   static std::size_t bin(const std::array<std::uint8_t, 3>& rgb);

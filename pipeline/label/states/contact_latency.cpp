@@ -125,6 +125,12 @@ class LatencyLikelihood {
   std::vector<double> log_ = std::vector<double>(std::size_t(max_latency_s / latency_step_s) + 1);
 };
 
+/// Whether a flight ends in a hand, not with a hit that begins the next one: a hand with a racket
+/// touches all the time.
+bool is_caught(const Flight& flight, const std::vector<Flight>& flights) {
+  return std::ranges::find(flights, flight.landing_s, &Flight::release_s) == flights.end();
+}
+
 }  // namespace
 
 std::optional<LatencyEstimate> latency_from_catches(
@@ -136,6 +142,7 @@ std::optional<LatencyEstimate> latency_from_catches(
   int num_catches = 0;
   for (const SmoothedTrack& track : object_tracks)
     for (const Flight& flight : track.flights) {
+      if (!is_caught(flight, track.flights)) continue;
       const double stamp_s = flight.landing_s + timeline.latency_s;
       const auto contact = first_contact(touch, stamp_s);
       if (!contact) continue;

@@ -7,17 +7,15 @@
 #include <limits>
 #include <utility>
 
+#include "calib/smooth/find_flights.h"
 #include "engine/base/parallel.h"
 #include "engine/base/progress.h"
 #include "engine/base/statistics.h"
-#include "pipeline/label/states/flights.h"
 #include "pipeline/recording/frame_pairs.h"
 
 namespace touchtrace::label {
 namespace {
 
-/// Time in which fingers let go of an object.
-constexpr double hand_opens_s = 0.02;
 constexpr double max_sigma_m = 1.0;  // of an extrapolated position; more: nothing is known
 /// Rate of a single frame: no other time is near it.
 constexpr double single_frame_hz = std::numeric_limits<double>::infinity();
@@ -98,40 +96,28 @@ void append_observation(const Observation& observation, const SmoothedTrack& smo
          sigma);
 }
 
-std::vector<Flight> initial_flights(const ClipTrack& track, const Eigen::Vector3d& gravity_m_per_s2,
-                                    FlightSearch search) {
-  if (search == FlightSearch::none) return {};
-  return search == FlightSearch::bounces ? guess_bounces(track, gravity_m_per_s2)
-                                         : guess_flights(track, gravity_m_per_s2);
-}
-
 }  // namespace
 
 SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
-                             const Eigen::Vector3d& gravity_m_per_s2, FlightSearch search,
+                             const Eigen::Vector3d& gravity_m_per_s2, Flights search,
                              int num_threads) {
-  const bool bounces = search == FlightSearch::bounces;
   std::vector<Track> hand, object;
   std::vector<std::vector<Flight>> flights;
   for (const auto& track : tracks) {
     hand.push_back(track_of(track.time_s, track.hand));
     object.push_back(track_of(track.time_s, track.object));
-    flights.push_back(initial_flights(track, gravity_m_per_s2, search));
+    flights.push_back(search == Flights::find ? find_flights(object.back(), gravity_m_per_s2)
+                                              : std::vector<Flight>{});
   }
-  SmoothOptions hand_options;
-  hand_options.gravity_m_per_s2 = gravity_m_per_s2;
-  hand_options.num_threads = num_threads;
-  SmoothOptions object_options = hand_options;
-  if (bounces)
-    object_options.noise = bouncing_ball();
-  else
-    object_options.release_duration_s = hand_opens_s;
+  SmoothOptions options;
+  options.gravity_m_per_s2 = gravity_m_per_s2;
+  options.num_threads = num_threads;
   SmoothedBodies bodies;
   parallel_for(2, num_threads, [&](std::size_t body) {
     if (body == 0)
-      bodies.object = smooth(object, flights, object_options);
+      bodies.object = smooth(object, flights, options);
     else
-      bodies.hand = smooth(hand, std::vector<std::vector<Flight>>(tracks.size()), hand_options);
+      bodies.hand = smooth(hand, {}, options);
   });
   return bodies;
 }

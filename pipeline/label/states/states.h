@@ -15,12 +15,12 @@ struct SmoothedBodies {
   SmoothedTracks hand, object;
 };
 
-/// How initial flights are found: not at all, guess_flights(), guess_bounces().
-enum class FlightSearch { none, throws, bounces };
+/// Whether the object may fly. Flights are found by find_flights().
+enum class Flights { none, find };
 
 /// Smooths both bodies. `num_threads` 0: one per core.
 SmoothedBodies smooth_bodies(const std::vector<ClipTrack>& tracks,
-                             const Eigen::Vector3d& gravity_m_per_s2, FlightSearch search,
+                             const Eigen::Vector3d& gravity_m_per_s2, Flights search,
                              int num_threads = 1);
 
 /// Multiplies a body's standard deviations by the scale of its errors that smoothing found, if they

@@ -12,12 +12,9 @@ namespace {
 
 constexpr int min_crop_px = 96, min_box_px = 8;
 
-std::shared_ptr<cv::Tracker> csrt() { return cv::TrackerCSRT::create(); }
-std::shared_ptr<cv::Tracker> kcf() { return cv::TrackerKCF::create(); }
-
 /// Depth masks the background and gives the scale, so a small template, few scales and no colour
 /// names cost labels no measurable accuracy.
-std::shared_ptr<cv::Tracker> csrt_fast() {
+std::shared_ptr<cv::Tracker> csrt() {
   cv::TrackerCSRT::Params params;
   params.template_size = 48;
   params.number_of_scales = 3;
@@ -26,24 +23,6 @@ std::shared_ptr<cv::Tracker> csrt_fast() {
   params.admm_iterations = 2;
   params.use_segmentation = false;
   return cv::TrackerCSRT::create(params);
-}
-
-/// Side [cells] of the square that CSRT with default parameters Fourier-transforms for a box
-/// (initImpl in OpenCV's trackerCSRT.cpp): the box and its surroundings, scaled to the template.
-int dft_cells(const cv::Size& box) {
-  constexpr double padding = 3.0, template_px = 200.0, cell_px = 4.0, px2_per_cell_px = 400.0;
-  const double around = padding * std::sqrt(box.area());
-  const double side = 0.5 * (std::floor(box.width + around) + std::floor(box.height + around));
-  const double scale = std::min(1.0, std::sqrt(template_px * template_px / (side * side)));
-  return static_cast<int>(std::floor(side * scale) /
-                          std::min(cell_px, std::ceil(box.area() / px2_per_cell_px)));
-}
-
-/// Enlarges a box by a few pixels to a size that is fast to transform; others take up to twice as
-/// long.
-cv::Size fast_dft_size(cv::Size box) {
-  while (cv::getOptimalDFTSize(dft_cells(box)) != dft_cells(box)) ++box.width, ++box.height;
-  return box;
 }
 
 cv::Mat crop(const MaskedImage& image, int left, int top, int size) {
@@ -71,8 +50,7 @@ MaskedImage masked_image(const RgbdFrame& frame, const Surface& surface, int wid
 }
 
 const std::vector<TrackerKind>& tracker_kinds() {
-  static const std::vector<TrackerKind> kinds{
-      {"csrt", csrt}, {"csrt-fast", csrt_fast}, {"kcf", kcf}, {"component", nullptr}};
+  static const std::vector<TrackerKind> kinds{{"csrt", csrt}, {"component", nullptr}};
   return kinds;
 }
 
@@ -96,8 +74,7 @@ void BoxTracker::stop() { state_.reset(); }
 void BoxTracker::start(const MaskedImage& image, const PixelBox& box) {
   if (!kind_->create || box.empty()) return;
   ++starts_;
-  cv::Size size(std::max(box.width, min_box_px), std::max(box.height, min_box_px));
-  if (kind_->create == csrt) size = fast_dft_size(size);
+  const cv::Size size(std::max(box.width, min_box_px), std::max(box.height, min_box_px));
   state_ = std::make_unique<State>();
   state_->crop_size = std::max(min_crop_px, 3 * std::max(size.width, size.height));
   const int x = box.x + box.width / 2, y = box.y + box.height / 2, half = state_->crop_size / 2;

@@ -27,7 +27,7 @@ struct TrackerKind {
   std::shared_ptr<cv::Tracker> (*create)();  ///< null: colour and depth only
 };
 
-/// All kinds, from the most robust to the fastest.
+/// All kinds.
 const std::vector<TrackerKind>& tracker_kinds();
 /// Throws usage_error, with the known names, for an unknown one.
 const TrackerKind& find_tracker(const std::string& name);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/base/interrupt.h"
+#include "pipeline/label/estimate/box_planes.h"
 #include "pipeline/label/observe/lift.h"
 #include "pipeline/label/observe/mask_observer.h"
 #include "pipeline/label/track/box_tracker.h"
@@ -96,7 +97,7 @@ class ClipTracker {
   std::optional<Patch> find_hand(Surface& surface, const MaskedImage& image,
                                  const std::optional<PixelBox>& box, double seconds) {
     if (others_) others_->exclude_from(surface, seconds);
-    auto hand = hand_.find(surface, image, box, *scene_.segmenter, std::nullopt, hand_reach());
+    auto hand = hand_.find(surface, image, box, *scene_.segmenter, std::nullopt);
     if (!others_ || others_->update(hand)) return hand;
     hand_.lose();
     return std::nullopt;
@@ -124,14 +125,6 @@ class ClipTracker {
   std::optional<Eigen::Vector3d> position_in_hand(const std::optional<Patch>& hand) const {
     if (!hand || is_away_) return std::nullopt;
     return hand->centroid_m + grip_.object_from_hand_m();
-  }
-
-  /// Where the hand is that holds a visible object. Bare, it has the colour of its arm, and its
-  /// patch would slide along the arm.
-  std::optional<Ball> hand_reach() const {
-    if (is_away_ || unseen_s_ > 0.0) return std::nullopt;
-    return Ball{object_.predicted_m(),
-                grip_.initial_distance_m() + released_m + hand_patch_radius_m};
   }
 
   /// After both were lost, the object is assumed to be in the hand again.

@@ -80,13 +80,8 @@ std::vector<Eigen::Vector3d> Target::starts(const Surface& own,
 std::optional<Patch> Target::find(const Surface& surface, const MaskedImage& image,
                                   const std::optional<PixelBox>& tracked_box,
                                   const Segmenter& segmenter,
-                                  const std::optional<Eigen::Vector3d>& hint_m,
-                                  const std::optional<Ball>& within) {
-  Surface own = points_of(surface, body_);
-  if (within)
-    std::erase_if(own, [&](const SurfacePoint& point) {
-      return (point.position_m.cast<double>() - within->centre_m).norm() > within->radius_m;
-    });
+                                  const std::optional<Eigen::Vector3d>& hint_m) {
+  const Surface own = points_of(surface, body_);
   const auto patch = best_patch(own, segmenter, starts(own, tracked_box, hint_m), hint_m);
   if (!patch || !is_usual(*patch)) {
     tracker_.stop();

@@ -8,11 +8,6 @@
 
 namespace touchtrace::label {
 
-struct Ball {
-  Eigen::Vector3d centre_m;
-  double radius_m;
-};
-
 /// Hand or object in one clip: motion filter, image tracker and search for the surface patch.
 class Target {
  public:
@@ -43,13 +38,11 @@ class Target {
   ///    colours that are rare in the class;
   ///  - over 80 % of a disc of patch_radius_m covered: part of a larger surface;
   ///  - under 7 % of a hand's disc visible.
-  /// Ignores points outside `within`. Maximises patch_score() at d over the gate, or over
-  /// arm_reach_m if lost. Failure stops the image tracker; a patch that does not match
-  /// `tracked_box` restarts it.
+  /// Maximises patch_score() at d over the gate, or over arm_reach_m if lost. Failure stops the
+  /// image tracker; a patch that does not match `tracked_box` restarts it.
   std::optional<Patch> find(const Surface& surface, const MaskedImage& image,
                             const std::optional<PixelBox>& tracked_box, const Segmenter& segmenter,
-                            const std::optional<Eigen::Vector3d>& hint_m,
-                            const std::optional<Ball>& within = std::nullopt);
+                            const std::optional<Eigen::Vector3d>& hint_m);
 
   /// Starts the filter and, unless `box` is empty, the image tracker.
   void start(const Eigen::Vector3d& position_m, double sigma_m, const PixelBox& box,

@@ -44,10 +44,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   const auto data = smoothing_sample(activity->second);
-  SmoothOptions options;
-  if (activity->first == "pingpong") options.noise = bouncing_ball();
   const Stopwatch stopwatch;
-  const auto smoothed = smooth(data.tracks, data.flights, options);
+  const auto smoothed = smooth(data.tracks, data.flights, {});
   nlohmann::json result{{"cpu_s", stopwatch.cpu_seconds()}, {"clips", nlohmann::json::array()}};
   for (std::size_t i = 0; i < data.tracks.size(); ++i)
     result["clips"].push_back(clip(data.motions[i], data.tracks[i], smoothed.tracks[i]));

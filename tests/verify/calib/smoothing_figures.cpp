@@ -175,11 +175,9 @@ void measure_wave(const Emit& emit) {
 }
 
 void measure_flights(const std::string& name, SyntheticMotion (*make)(double, std::uint64_t),
-                     const MotionNoise& noise, double goal, const Emit& emit) {
+                     double goal, const Emit& emit) {
   const auto data = smoothing_sample(make);
-  SmoothOptions options;
-  options.noise = noise;
-  const auto smoothed = smooth(data.tracks, data.flights, options);
+  const auto smoothed = smooth(data.tracks, data.flights, {});
   const double peer = emit_errors(name + ", 2 mm, all frames", data, smoothed, true, goal, emit);
   emit_bound(name + ", 2 mm", data, smoothed.noise, peer, emit);
   emit_errors(name + ", 2 mm, 5 ms from impacts", data, smoothed, false, {}, emit);
@@ -216,11 +214,9 @@ SmoothingSample with_errors(SmoothingSample data, ErrorKind kind) {
 }
 
 void measure_with_errors(const std::string& name, const SmoothingSample& sample, ErrorKind kind,
-                         const MotionNoise& noise, const Emit& emit) {
+                         const Emit& emit) {
   const auto data = with_errors(sample, kind);
-  SmoothOptions options;
-  options.noise = noise;
-  emit_intervals(name, data, smooth(data.tracks, data.flights, options), emit);
+  emit_intervals(name, data, smooth(data.tracks, data.flights, {}), emit);
 }
 
 void measure_clock(const Emit& emit) {
@@ -259,16 +255,16 @@ void measure_speed(const std::string& name, double knots, double max_s, const Em
 
 void measure_smoothing(const Emit& emit) {
   measure_wave(emit);
-  measure_flights("throw", synthetic_throw, {}, 0.5, emit);
-  measure_flights("pingpong", synthetic_pingpong, bouncing_ball(), 0.05, emit);
+  measure_flights("throw", synthetic_throw, 0.5, emit);
+  measure_flights("pingpong", synthetic_pingpong, 0.05, emit);
   const auto wave = smoothing_sample(synthetic_wave);
-  measure_with_errors("wave, heavy tails", wave, ErrorKind::heavy_tails, {}, emit);
-  measure_with_errors("wave, correlated errors", wave, ErrorKind::correlated, {}, emit);
+  measure_with_errors("wave, heavy tails", wave, ErrorKind::heavy_tails, emit);
+  measure_with_errors("wave, correlated errors", wave, ErrorKind::correlated, emit);
   measure_with_errors("throw, correlated errors", smoothing_sample(synthetic_throw),
-                      ErrorKind::correlated, {}, emit);
+                      ErrorKind::correlated, emit);
   measure_with_errors("pingpong, correlated errors", smoothing_sample(synthetic_pingpong),
-                      ErrorKind::correlated, bouncing_ball(), emit);
-  measure_with_errors("wave, gaps", wave, ErrorKind::gaps, {}, emit);
+                      ErrorKind::correlated, emit);
+  measure_with_errors("wave, gaps", wave, ErrorKind::gaps, emit);
   measure_extremes(emit);
   measure_clock(emit);
   measure_speed("100k", 1e5, 0.2, emit);

@@ -6,7 +6,6 @@
 
 #include "engine/base/random.h"
 #include "engine/base/statistics.h"
-#include "pipeline/label/states/flights.h"
 #include "pipeline/label/states/states.h"
 #include "pipeline/label/states/timeline.h"
 #include "pipeline/scene/camera/visible.h"
@@ -71,14 +70,11 @@ LabelError error_of_tracks(const std::vector<label::ClipTrack>& tracks, const Re
                            const label::Timeline& timeline, const Truth& truth) {
   const Eigen::Vector3d gravity =
       recording.camera.gravity_m_per_s2.value_or(Eigen::Vector3d(0.0, 9.81, 0.0));
-  const auto search = label::free_fall_fraction(tracks, gravity) > label::min_bounce_fraction
-                          ? label::FlightSearch::bounces
-                          : label::FlightSearch::throws;
   Labels labels;
   labels.clips = recording.clips;
   label::resample(label::label_times(recording, timeline), tracks,
-                  label::smooth_bodies(tracks, gravity, search), label::ErrorModel({}, 0.0),
-                  labels);
+                  label::smooth_bodies(tracks, gravity, label::Flights::find),
+                  label::ErrorModel({}, 0.0), labels);
   return compare_labels_with_truth(labels, truth);
 }
 

@@ -35,9 +35,7 @@ Trial measure_tracker(const RenderedRecording& rendered, const std::string& trac
 /// Speed of all of labelling on two cores, with the trackers' goals.
 Figure speed_figure(const std::string& name, const std::string& tracker, double times) {
   const auto title = name + ": speed, all of labelling, in real time";
-  if (tracker == "component") return at_least(title, times, "x", 10.0);
-  if (tracker.starts_with("csrt")) return at_least(title, times, "x", 1.5);
-  return reported(title, times, "x");
+  return at_least(title, times, "x", tracker == "component" ? 10.0 : 1.5);
 }
 
 void measure_recording(const std::string& activity, int width, int height, Picture& picture,

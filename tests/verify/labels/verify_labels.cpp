@@ -36,7 +36,7 @@ constexpr std::array<Scene, 12> scenes{{{"wave", nullptr},
                                         {"wave", "pipe"}}};
 constexpr std::array covered_activities{"wave", "throw", "pingpong"};
 constexpr std::array gloved_activities{"wave", "throw"};
-constexpr std::array occlusion_trackers{"csrt-fast", "component"};
+constexpr std::array occlusion_trackers{"csrt", "component"};
 
 /// Goals of position RMS along x, y and depth. Lower for pingpong: the ball is never hidden.
 std::array<double, 3> goals_mm(const std::string& activity) {

@@ -13,7 +13,8 @@ std::vector<std::string> tracker_names() {
 }  // namespace
 
 Option& describe_tracker(OptionSet& set, LabelOptions& o) {
-  return set.choice("tracker", o.tracker, "component: colour and depth alone, faster", tracker_names());
+  return set.choice("tracker", o.tracker, "component: colour and depth alone, faster",
+                    tracker_names());
 }
 
 void describe(OptionSet& set, LabelOptions& o) {

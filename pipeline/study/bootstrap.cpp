@@ -61,7 +61,8 @@ RunValues sums_of(const RunValues& runs, const std::vector<Draw>& clips) {
 /// Ratio of the half width of Student's 95 % interval of a mean to that of bootstrap samples:
 /// sqrt(n / (n - 1)) t(0.975, n - 1) / 1.96, t by the expansion 26.7.5 of Abramowitz and Stegun
 /// (error below 1 % from 3 degrees of freedom on). (Hesterberg, What teachers should know about the
-/// bootstrap, 2015.)
+/// bootstrap, 2015.) Samples of two clips have three values, their middle 95 % ends at the clips:
+/// t times the standard error from the mean.
 double small_sample_factor(std::size_t clips) {
   constexpr double exact[] = {12.706, 4.303};  // t of 1 and 2 degrees of freedom
   const double z = 1.959964, degrees = static_cast<double>(clips - 1), z2 = z * z;
@@ -71,7 +72,7 @@ double small_sample_factor(std::size_t clips) {
                              z * (5.0 * z2 * z2 + 16.0 * z2 + 3.0) / (96.0 * degrees * degrees) +
                              z * (3.0 * z2 * z2 * z2 + 19.0 * z2 * z2 + 17.0 * z2 - 15.0) /
                                  (384.0 * degrees * degrees * degrees);
-  return std::sqrt(1.0 + 1.0 / degrees) * t / z;
+  return clips == 2 ? t : std::sqrt(1.0 + 1.0 / degrees) * t / z;
 }
 
 double mean_of(const RunValues& sums, const Draw& runs, const std::vector<Draw>& clips,

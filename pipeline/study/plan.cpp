@@ -70,8 +70,7 @@ class Planner {
     add("label", "contact events (release, catch)", traits_.flight,
         traits_.flight ? "the object leaves the hand" : no_flight);
     add("label", "impact events", traits_.impacts,
-        traits_.impacts ? "velocity jumps at impacts; detected if the object is in free fall in "
-                          "most frames, whatever the activity"
+        traits_.impacts ? "velocity jumps at hits between two flights"
                         : fmt::format("no impacts in {}", request_.activity));
   }
 

@@ -170,6 +170,13 @@ TEST(Bootstrap, IntervalsOfFewClipsAreWideEnough) {
   EXPECT_NEAR(covered / 600.0, 0.95, 0.03);
 }
 
+TEST(Bootstrap, IntervalOfTwoClipsIsStudents) {
+  const Interval found = bootstrap_mean({{0.0, 1.0}}, {0, 1}, 1);
+  constexpr double half_width = 12.706 * 0.5;  // the standard error of the mean is 0.5
+  EXPECT_NEAR(found.low, 0.5 - half_width, 1e-9);
+  EXPECT_NEAR(found.high, 0.5 + half_width, 1e-9);
+}
+
 TEST(Bootstrap, SeedsThatDisagreeWidenTheInterval) {
   const RunValues agree{clip_values(100, 1, 0, 1), clip_values(100, 1, 0, 1)},
       differ{clip_values(100, 1, 0, 1), clip_values(100, 1, 2, 1)};

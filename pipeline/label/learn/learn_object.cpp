@@ -68,15 +68,6 @@ ShapeViews shape_views(const SceneModel& model, const FrameSource& frames,
   return {std::move(views), silhouette_m, quantile(std::move(fractions), unhidden_quantile)};
 }
 
-/// The learnt shape, or a sphere as large as the boxes if they show the centre better.
-ObjectShape shape_from(const ShapeViews& seen, const BoxedObject& boxed, int num_threads) {
-  auto shape = learn_shape(seen.views, seen.silhouette_m, num_threads);
-  if (!shape.body)
-    shape.centre_sigma_m = hidden_sphere_centre_sigma_m(shape, seen.fraction, boxed.radius_m);
-  const auto sphere = boxed.sphere();
-  return shape.centre_sigma_m < sphere.centre_sigma_m ? shape : sphere;
-}
-
 }  // namespace
 
 void learn_object(SceneModel& model, const FrameSource& frames, const std::string& object,
@@ -88,8 +79,10 @@ void learn_object(SceneModel& model, const FrameSource& frames, const std::strin
       if (sample.hand_m) model.split_object(sample.surface, object, *sample.hand_m);
   const auto sightings = sightings_of(samples, boxed);
   if (sightings.empty()) return;
-  shape = shape_from(shape_views(model, frames, object, sightings, boxed.radius_m, num_threads),
-                     boxed, num_threads);
+  const auto seen = shape_views(model, frames, object, sightings, boxed.radius_m, num_threads);
+  shape = learn_shape(seen.views, seen.silhouette_m, num_threads);
+  if (!shape.body)
+    shape.centre_sigma_m = hidden_sphere_centre_sigma_m(shape, seen.fraction, boxed.radius_m);
 }
 
 }  // namespace touchtrace::label

@@ -117,12 +117,13 @@ TEST(ContactLatency, CatchesWithAnotherFirstContactAreOutvoted) {
   EXPECT_NEAR(found->latency_s, 0.02, 3.0 * found->sigma_s);
 }
 
-TEST(ContactLatency, HitsAreNotCatches) {
+/// A third of the hits were not found.
+TEST(ContactLatency, ABodyThatIsMostlyHitTellsNothing) {
   const auto true_catches = catches(40, 3);
   auto tracks = seen(true_catches, 0.02, 3);
   auto& flights = tracks[0].flights;
   for (std::size_t i = 0; i + 1 < flights.size(); ++i)
-    flights[i].landing_s = flights[i + 1].release_s;
+    if (i % 3 > 0) flights[i].landing_s = flights[i + 1].release_s;
   EXPECT_FALSE(latency_from_catches(glove_of(true_catches, 300.0, 3), prior_timeline(), tracks));
 }
 

@@ -125,10 +125,14 @@ class LatencyLikelihood {
   std::vector<double> log_ = std::vector<double>(std::size_t(max_latency_s / latency_step_s) + 1);
 };
 
-/// Whether a flight ends in a hand, not with a hit that begins the next one: a hand with a racket
-/// touches all the time.
-bool is_caught(const Flight& flight, const std::vector<Flight>& flights) {
-  return std::ranges::find(flights, flight.landing_s, &Flight::release_s) == flights.end();
+/// Whether most flights end with a hit that begins the next one. A hand with a racket touches all
+/// the time, and flights that seem to end otherwise are followed by one that was not found.
+bool is_hit(const std::vector<SmoothedTrack>& object_tracks) {
+  std::size_t flights = 0, hits = 0;
+  for (const SmoothedTrack& track : object_tracks)
+    for (std::size_t i = 0; i < track.flights.size(); ++i, ++flights)
+      hits += i > 0 && track.flights[i].release_s == track.flights[i - 1].landing_s;
+  return 2 * hits > flights;
 }
 
 }  // namespace
@@ -136,13 +140,12 @@ bool is_caught(const Flight& flight, const std::vector<Flight>& flights) {
 std::optional<LatencyEstimate> latency_from_catches(
     const GloveStream& glove, const Timeline& timeline,
     const std::vector<SmoothedTrack>& object_tracks) {
-  if (glove.counts.empty()) return std::nullopt;
+  if (glove.counts.empty() || is_hit(object_tracks)) return std::nullopt;
   const TouchSeries touch(glove, timeline);
   LatencyLikelihood likelihood;
   int num_catches = 0;
   for (const SmoothedTrack& track : object_tracks)
     for (const Flight& flight : track.flights) {
-      if (!is_caught(flight, track.flights)) continue;
       const double stamp_s = flight.landing_s + timeline.latency_s;
       const auto contact = first_contact(touch, stamp_s);
       if (!contact) continue;

@@ -46,7 +46,7 @@ struct Option {
 ///     struct LabelOptions { std::string tracker = "csrt"; };
 ///     void describe(OptionSet& set, LabelOptions& o) {
 ///       set.group("Tracking");
-///       set.choice("tracker", o.tracker, "component: fastest", {"csrt", "kcf", "component"});
+///       set.choice("tracker", o.tracker, "component: faster", {"csrt", "component"});
 ///     }
 ///
 /// Returned references are valid until the next call.

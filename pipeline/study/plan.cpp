@@ -65,8 +65,6 @@ class Planner {
   void plan_labels() {
     const std::string no_flight = fmt::format("no flight in {}", request_.activity);
     add("label", "hand and object tracks", true, "the state contains both (equation 2)");
-    add("label", "image tracker", true,
-        "default; --tracker component does without one: faster, as accurate where measured");
     add("label", "contact events (release, catch)", traits_.flight,
         traits_.flight ? "the object leaves the hand" : no_flight);
     add("label", "impact events", traits_.impacts,

@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "calib/smooth/find_flights.h"
 #include "calib/smooth/smooth.h"

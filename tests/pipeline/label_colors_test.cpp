@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "pipeline/label/observe/color_classes.h"
+#include "pipeline/label/learn/learn_colors.h"
+#include "tests/pipeline/label_stage.h"
 
 namespace touchtrace::label {
 namespace {
@@ -8,7 +9,7 @@ namespace {
 using Color = std::array<std::uint8_t, 3>;
 
 constexpr PixelBox hand_box{10, 10, 20, 20}, object_box{30, 10, 20, 20};
-constexpr Color skin{200, 130, 100}, sleeve{190, 180, 170}, ball{30, 160, 40};
+constexpr Color skin{200, 130, 100}, sleeve{190, 180, 170}, ball{30, 160, 40}, bar{60, 60, 140};
 
 void add(Surface& surface, int count, const Color& color, const PixelBox& box, float depth_m) {
   for (int i = 0; i < count; ++i)
@@ -30,7 +31,7 @@ Surface person() {
 
 ColorClasses learnt(const Surface& surface) {
   ColorClasses classes;
-  classes.learn(surface, hand_box, object_box);
+  classes.learn(surface, hand_box, object_box, false);
   classes.build_table();
   return classes;
 }
@@ -60,43 +61,38 @@ TEST(ColorClasses, OfTheRoomAreNotTheHands) {
   EXPECT_EQ(learnt(surface).classify(shadow), Body::rest);
 }
 
-/// A bar through the fist: its box contains the hand's and much of the sleeve.
-TEST(ColorClasses, OfAHandInsideTheObjectsBox) {
-  constexpr Color bar{60, 60, 140};
-  constexpr PixelBox whole_bar{0, 0, 60, 40}, beyond_the_fist{31, 0, 29, 40};
-  Surface surface;
-  add(surface, 300, skin, hand_box, 0.8f);
-  add(surface, 100, bar, hand_box, 0.8f);
-  add(surface, 400, bar, beyond_the_fist, 0.8f);
-  add(surface, 400, sleeve, beyond_the_fist, 0.9f);
+/// Colours learnt from a bar through the fist, whose box also contains much of the sleeve.
+/// `skin_alone`: points of skin outside it.
+ColorClasses learnt_with_bar(int skin_alone, int bar_in_fist, int bar_beyond) {
+  constexpr PixelBox bar_box{15, 0, 45, 40}, in_both{15, 10, 15, 20},
+      beyond_the_fist{31, 0, 29, 40}, left_of_the_bar{10, 10, 4, 20};
+  SampledFrames samples{{nullptr, 0, {}}};
+  Surface& surface = samples.front().surface;
+  add(surface, skin_alone, skin, left_of_the_bar, 0.8f);
+  add(surface, 300, skin, in_both, 0.8f);
+  add(surface, bar_in_fist, bar, in_both, 0.8f);
+  add(surface, bar_beyond, bar, beyond_the_fist, 0.8f);
+  add(surface, 300, sleeve, beyond_the_fist, 0.9f);
   add(surface, 30, skin, beyond_the_fist, 0.8f);  // a finger outside the hand's box
   add(surface, 1000, sleeve, {100, 100, 50, 50}, 0.9f);
-  ColorClasses classes;
-  classes.learn(surface, hand_box, whole_bar, true);
-  classes.build_table();
+  const ClipFrames clip{0, 1, hand_box, bar_box, "bar"};
+  samples.front().clip = &clip;
+  const Segmenter segmenter(staged::calibration(),
+                            staged::recording_of(staged::Stage(false)).camera);
+  return learn_colors(segmenter, "bar", samples).classes;
+}
+
+void expect_all_classes(const ColorClasses& classes) {
   EXPECT_EQ(classes.classify(skin), Body::hand);
   EXPECT_EQ(classes.classify(bar), Body::object);
   EXPECT_EQ(classes.classify(sleeve), Body::rest);
 }
 
-/// Most of the bar that is visible is in the fist, whose skin is learnt beyond the bar's box.
-TEST(ColorClasses, OfAHandMostlyInsideTheObjectsBox) {
-  constexpr Color bar{60, 60, 140};
-  constexpr PixelBox bar_box{15, 0, 45, 40}, in_both{15, 10, 15, 20},
-      beyond_the_fist{31, 0, 29, 40}, skin_alone{10, 10, 4, 20};
-  Surface surface;
-  add(surface, 60, skin, skin_alone, 0.8f);
-  add(surface, 100, skin, in_both, 0.8f);
-  add(surface, 400, bar, in_both, 0.8f);
-  add(surface, 100, bar, beyond_the_fist, 0.8f);
-  add(surface, 500, sleeve, beyond_the_fist, 0.9f);
-  add(surface, 1000, sleeve, {100, 100, 50, 50}, 0.9f);
-  ColorClasses classes;
-  classes.learn(surface, hand_box, bar_box);
-  classes.build_table();
-  EXPECT_EQ(classes.classify(skin), Body::hand);
-  EXPECT_EQ(classes.classify(bar), Body::object);
-  EXPECT_EQ(classes.classify(sleeve), Body::rest);
+TEST(LearnColors, OfAHandInsideTheObjectsBox) { expect_all_classes(learnt_with_bar(0, 100, 400)); }
+
+/// Skin outside the bar's box shows the hand's colours, although the fist shows most of the bar.
+TEST(LearnColors, OfAHandMostlyInsideTheObjectsBox) {
+  expect_all_classes(learnt_with_bar(60, 400, 60));
 }
 
 /// A ball in front of the hand: fingers are few in its box.
@@ -107,7 +103,7 @@ TEST(ColorClasses, OfAnObjectInsideTheHandsBox) {
   add(surface, 250, ball, in_hand, 0.8f);
   add(surface, 60, skin, in_hand, 0.8f);
   ColorClasses classes;
-  classes.learn(surface, hand_box, in_hand);
+  classes.learn(surface, hand_box, in_hand, false);
   classes.build_table();
   EXPECT_EQ(classes.classify(skin), Body::hand);
   EXPECT_EQ(classes.classify(ball), Body::object);

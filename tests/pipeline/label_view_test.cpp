@@ -52,7 +52,7 @@ SceneModel model(std::uint16_t distance_mm = wall_mm) {
   const auto segmenter = segmenter_of_camera();
   segmenter->set_background(wall(distance_mm), std::nullopt);
   ColorClasses colors;
-  colors.learn(segmenter->foreground_surface(frame(distance_mm)), hand_box, object_box);
+  colors.learn(segmenter->foreground_surface(frame(distance_mm)), hand_box, object_box, false);
   colors.build_table();
   const auto observer = std::make_shared<DepthColorObserver>(segmenter);
   observer->set_colors("ball", std::move(colors), std::nullopt);

@@ -11,7 +11,8 @@
 namespace touchtrace::label {
 namespace {
 
-// Least fraction of the points in the hand's boxes that are outside the object's.
+// Least fraction of the points in the hand's boxes that are outside the object's. About 2 % of the
+// boxes' area are enough for a simulated hammer.
 constexpr double min_hand_alone = 0.01;
 constexpr double min_visible_frames = 0.1;  // an object is rarely hidden in more of the frames
 // Visible fraction of the object's disc below which colours learnt near the hand are not trusted.

@@ -20,7 +20,7 @@ class ColorClasses {
   /// are so only if their colour is three times as frequent in the rest of the object's box as
   /// outside both, and there at least a third as frequent as in both.
   void learn(const Surface& surface, const PixelBox& hand_box, const PixelBox& object_box,
-             bool is_hand_inside = false);
+             bool is_hand_inside);
   /// Replaces the object's histogram by points near the hand at other times, for an object that its
   /// boxes do not show. Colours of hand and arm are more frequent elsewhere, so what remains is the
   /// object's.

@@ -127,7 +127,7 @@ class LatencyLikelihood {
 
 /// Whether most flights end with a hit that begins the next one. A hand with a racket touches all
 /// the time, and flights that seem to end otherwise are followed by one that was not found.
-bool is_hit(const std::vector<SmoothedTrack>& object_tracks) {
+bool is_mostly_hit(const std::vector<SmoothedTrack>& object_tracks) {
   std::size_t flights = 0, hits = 0;
   for (const SmoothedTrack& track : object_tracks)
     for (std::size_t i = 0; i < track.flights.size(); ++i, ++flights)
@@ -140,7 +140,7 @@ bool is_hit(const std::vector<SmoothedTrack>& object_tracks) {
 std::optional<LatencyEstimate> latency_from_catches(
     const GloveStream& glove, const Timeline& timeline,
     const std::vector<SmoothedTrack>& object_tracks) {
-  if (glove.counts.empty() || is_hit(object_tracks)) return std::nullopt;
+  if (glove.counts.empty() || is_mostly_hit(object_tracks)) return std::nullopt;
   const TouchSeries touch(glove, timeline);
   LatencyLikelihood likelihood;
   int num_catches = 0;

@@ -13,7 +13,9 @@ struct CollectOptions {
 
 void describe(OptionSet& set, CollectOptions& o) {
   set.input("folder", o.folder, "--output of `touchtrace sweep`");
-  set.texts("metrics", o.metrics, "columns of the tables, e.g. l1_at_20 l1_at_50; default: all")
+  set.texts("metrics", o.metrics,
+            "columns of the tables, e.g. l1_at_20 l1_at_50; default: main_metrics of the results, "
+            "else all")
       .value("NAME");
 }
 

@@ -108,8 +108,10 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
   if (!options.output.empty())
     write_file(options.output, document.dump(1) + "\n", invocation.overwrite);
   if (invocation.json)
-    fmt::print("{}\n",
-               json{{"results", document["results"]}, {"notes", document["notes"]}}.dump(2));
+    fmt::print("{}\n", json{{"results", document["results"]},
+                            {"main_metrics", document["main_metrics"]},
+                            {"notes", document["notes"]}}
+                           .dump(2));
   else
     print_table(document);
   return ExitCode::done;

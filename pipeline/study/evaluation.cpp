@@ -126,7 +126,10 @@ json evaluate_models(std::vector<Session> sessions, std::vector<LoadedModel>& mo
                      const EvaluationOptions& options) {
   const Reference reference = choose_reference(sessions, options.against);
   json document{{"schema", "touchtrace/metrics/2"},
-                {"against", reference == Reference::truth ? "truth" : "labels"}};
+                {"against", reference == Reference::truth ? "truth" : "labels"},
+                {"main_metrics",
+                 {"l1_at_20", "l1_at_50", "hausdorff", "coverage", "object_error_m_at_50",
+                  "object_error_m_per_s_at_50"}}};
   for (const char* key :
        {"results", "runs", "differences", "curves", "examples", "models", "label_errors", "notes"})
     document[key] = json::array();

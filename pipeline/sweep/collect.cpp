@@ -45,6 +45,24 @@ std::vector<Row> cost_rows(const std::vector<FinishedCell>& cells) {
   return rows;
 }
 
+/// Columns of the tables that commands propose, `main_metrics` in their results, if any row has
+/// numbers there; empty: all.
+std::vector<std::string> main_metrics(const std::vector<FinishedCell>& cells,
+                                      const std::vector<Row>& rows) {
+  std::vector<std::string> names;
+  for (const FinishedCell& cell : cells) {
+    if (!cell.result.is_object()) continue;
+    for (const auto& name : cell.result.value("main_metrics", ordered_json::array()))
+      if (name.is_string() && std::ranges::find(names, name.get<std::string>()) == names.end())
+        names.push_back(name);
+  }
+  std::erase_if(names, [&](const auto& name) {
+    return std::ranges::none_of(
+        rows, [&](const Row& row) { return row.fields.value(name, ordered_json()).is_number(); });
+  });
+  return names;
+}
+
 ordered_json groups_json(const Summary& summary) {
   auto groups = ordered_json::array();
   for (const auto& group : summary.groups) {
@@ -73,13 +91,13 @@ ordered_json combined(const std::vector<Row>& rows, const Summary& summary) {
 json collect(const fs::path& root, const std::vector<std::string>& metrics) {
   const auto [cells, missing] = read_finished_cells(root);
   const auto rows = rows_of(cells);
-  const auto summary = summarize(rows, metrics);
-  const auto table = markdown_of(summary);
+  const auto columns = summarize(rows, metrics.empty() ? main_metrics(cells, rows) : metrics);
+  const auto table = markdown_of(columns);
   write_file(root / "results.csv", csv_of(rows), true);
   write_file(root / "seconds.csv", csv_of(cost_rows(cells)), true);
-  write_file(root / "metrics.json", combined(rows, summary).dump(1) + "\n", true);
+  write_file(root / "metrics.json", combined(rows, summarize(rows, {})).dump(1) + "\n", true);
   write_file(root / "table.md", table, true);
-  write_file(root / "table.tex", latex_of(summary), true);
+  write_file(root / "table.tex", latex_of(columns), true);
   write_curves(root / "tensorboard", cells);
   copy_page(root, cells);
   return {{"output", root.string()},

@@ -71,6 +71,19 @@ TEST(LostClips, IncludeAnObjectThatMovesWithALostHand) {
   EXPECT_TRUE(mentions(sample.clips[0].problem, "hand lost in 60 %, object lost in 60 %"));
 }
 
+TEST(LostClips, WarnOfAnObjectThatIsMostlyHidden) {
+  for (const int num_hidden : {5, 6}) {
+    SampleClip sample;
+    for (int i = 0; i < num_hidden; ++i) sample.tracks[0].object[i].follows_hand = true;
+    ::testing::internal::CaptureStderr();
+    drop_lost_clips(sample.clips, sample.tracks);
+    EXPECT_EQ(mentions(::testing::internal::GetCapturedStderr(),
+                       "clip 0: the hand hides the object in 60 %"),
+              num_hidden == 6);
+    EXPECT_TRUE(sample.clips[0].is_usable());
+  }
+}
+
 TEST(LostClips, IncludeThoseWithoutSmoothedMotion) {
   for (const bool is_smooth : {true, false}) {
     SampleClip sample;

@@ -75,6 +75,20 @@ TEST_F(SweepCollect, OptionsOfResultsAreAxes) {
       << written("table.md");
 }
 
+TEST_F(SweepCollect, TablesHaveTheMainMetrics) {
+  json full = row("full", 1.0);
+  full["l2"] = 2.0, full["l3"] = 3.0;
+  add("evaluate", {{"seed", 3}}, {{"results", {full}}, {"main_metrics", {"l2", "l1", "l0"}}});
+  write_file(folder_ / "study.json", json{{"cells", cells_}}.dump(), true);
+  collect(folder_, {});
+  EXPECT_TRUE(written("table.md").starts_with("| model | note | l2 | l1 | n |"))
+      << written("table.md");
+  EXPECT_NE(written("results.csv").find("l3"), std::string::npos);
+  EXPECT_EQ(json::parse(written("metrics.json"))["summary"][0]["l3"]["mean"], 3.0);
+  collect(folder_, {"l3"});
+  EXPECT_TRUE(written("table.md").starts_with("| model | note | l3 | n |"));
+}
+
 TEST_F(SweepCollect, WritesCurvesForTensorBoard) {
   collect(folder_, {});
   const auto bytes = written("tensorboard/train/2/events.out.tfevents.0.touchtrace");

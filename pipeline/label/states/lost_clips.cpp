@@ -74,6 +74,18 @@ std::string unsmoothed_problem(const char* body, SmoothStatus status) {
       body, name_of(status));
 }
 
+void warn_of_hidden_object(std::size_t clip, const ClipTrack& track) {
+  const auto hidden = std::ranges::count(track.object, true, &Observation::follows_hand);
+  const double fraction =
+      static_cast<double>(hidden) / std::max(1.0, static_cast<double>(track.object.size()));
+  if (fraction > 1.0 - min_found_fraction)
+    Progress::warn(
+        fmt::format("clip {}: the hand hides the object in {:.0f} % of the camera frames: its "
+                    "labels are flagged there; if images show it, draw boxes in one that does "
+                    "(`touchtrace mark`)",
+                    clip, 100.0 * fraction));
+}
+
 }  // namespace
 
 void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tracks) {
@@ -81,7 +93,10 @@ void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tra
     if (!clips[i].is_usable()) continue;
     const auto advice = remedy(tracks[i], clips[i].has_mask_boxes);
     const auto lost = drop_lost_bodies(tracks[i]);
-    if (lost.empty()) continue;
+    if (lost.empty()) {
+      warn_of_hidden_object(i, tracks[i]);
+      continue;
+    }
     const auto problem = lost_problem(lost, advice);
     if (lost.size() == 1) {
       Progress::warn(fmt::format("clip {}: {}", i, problem));

@@ -9,6 +9,7 @@ inline constexpr double min_found_fraction = 0.5;  ///< of a clip's frames; less
 
 /// Sets the problem of clips in which hand and object were mostly lost, and drops their tracks.
 /// Where one of them was, drops its observations and warns: what was found may be another body.
+/// Warns of an object that was mostly hidden.
 void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tracks);
 
 /// Sets the problem of clips of which a body has measurements but no smoothed motion, hence no

@@ -10,7 +10,7 @@
 namespace touchtrace {
 
 struct ChildResult {
-  int exit_code = -1;      ///< -1 if ended by a signal
+  int exit_code = -1;      ///< -1 if ended by a signal or not known
   int signal = 0;          ///< that ended it
   bool timed_out = false;  ///< killed because it printed nothing for too long
   std::string output;      ///< stdout

@@ -90,11 +90,13 @@ LoggedProcess::~LoggedProcess() {
 std::optional<ChildResult> LoggedProcess::poll() {
   int status = 0;
   rusage usage{};
-  if (process_ == 0 || wait4(process_, &status, WNOHANG, &usage) != process_) return {};
+  if (process_ == 0) return {};
+  const pid_t ended = wait4(process_, &status, WNOHANG, &usage);
+  if (ended == 0 || (ended < 0 && errno == EINTR)) return {};
   process_ = 0;
   ChildResult result;
-  if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
-  if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
+  if (ended > 0 && WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
+  if (ended > 0 && WIFSIGNALED(status)) result.signal = WTERMSIG(status);
   result.wall_seconds = std::chrono::duration<double>(Clock::now() - start_).count();
   result.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   return result;

@@ -29,7 +29,7 @@ void describe(OptionSet& set, LabelCommandOptions& o) {
   set.text("trajectories", o.trajectories, "also write TUM files hand.txt, object.txt")
       .value("DIR");
   set.text("preview", o.preview, "also write a video of the labels on the images, .mp4 or .avi")
-      .value("FILE");
+      .value("VIDEO");
   label::describe(set, o.label);
 }
 

@@ -47,6 +47,15 @@ std::vector<std::string> referenced_stages(const Stage& stage) {
   return stages;
 }
 
+/// An option with a file in the help reads it; outputs are set by the sweep.
+void require_input(const Option& option, const json& value) {
+  if (!(option.positional || option.placeholder == "FILE") || !value.is_string()) return;
+  std::error_code unreadable;
+  if (const auto file = value.get<std::string>(); !std::filesystem::exists(file, unreadable))
+    throw usage_error(fmt::format("{}: there is no file or folder '{}'", option.key(), file),
+                      "paths are relative to the folder in which the sweep is started");
+}
+
 class Expansion {
  public:
   Expansion(const CommandTable& commands, std::filesystem::path root)
@@ -96,6 +105,12 @@ class Expansion {
     });
   }
 
+  void require_few(std::size_t count) const {
+    if (cells_.size() + count > max_cells)
+      throw usage_error(fmt::format("the study has more than {} cells", max_cells),
+                        "divide it into several studies");
+  }
+
   /// Combinations of the referenced stages' axes, without the gathered ones.
   std::vector<json> joined(const Stage& stage) const {
     std::vector<json> combinations{json::object()};
@@ -112,6 +127,7 @@ class Expansion {
           if (!agree(combination, axes)) continue;
           axes.update(combination);
           if (seen.insert(axes).second) next.push_back(std::move(axes));
+          require_few(next.size());
         }
       combinations = std::move(next);
     }
@@ -128,9 +144,7 @@ class Expansion {
     for (const json& axes : combinations) drafts.push_back({axes, stage.options});
     for (const Axis& axis : stage.axes) {
       const auto name = axis_names_.contains(axis.name) ? stage.name + "." + axis.name : axis.name;
-      if (cells_.size() + drafts.size() * axis.values.size() > max_cells)
-        throw usage_error(fmt::format("the study has more than {} cells", max_cells),
-                          "divide it into several studies");
+      require_few(drafts.size() * axis.values.size());
       std::vector<Draft> next;
       for (const Draft& draft : drafts)
         for (const AxisValue& value : axis.values) {
@@ -159,6 +173,7 @@ class Expansion {
   void resolve_item(Cell& cell, const Option& option, const json& item, json& paths,
                     json& ids) const {
     if (!is_reference(item)) {
+      require_input(option, item);
       paths.push_back(item);
       ids.push_back(option.choices.empty() ? outside_identity(item) : item);
       return;

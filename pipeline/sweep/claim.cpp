@@ -52,13 +52,16 @@ fs::path claim_file(const fs::path& folder, int number) {
 bool create(const fs::path& file) {
   const auto owner = fmt::format("{} {}", machine(), getpid());
   const auto unique = file.parent_path() / (".claim-" + sha256_of(owner).substr(0, 16) + ".tmp");
-  std::ofstream(unique) << owner << "\n";
-  const int error = link(unique.c_str(), file.c_str()) == 0 ? 0 : errno;
+  std::ofstream stream(unique);
+  stream << owner << "\n";
+  stream.close();
+  const int error = stream && link(unique.c_str(), file.c_str()) == 0 ? 0 : errno;
   std::error_code ignored;
   fs::remove(unique, ignored);
   if (error != 0 && error != EEXIST)
     throw failure(fmt::format("cannot create {}: {}", file.string(), std::strerror(error)),
-                  "check that the disk is not full and the folder is writable");
+                  "check that the disk is not full, and that the folder is writable and on a file "
+                  "system with hard links");
   return error == 0;
 }
 
@@ -89,7 +92,7 @@ bool Claims::is_abandoned(const fs::path& file) {
   if (has_dead_owner(file)) return true;
   std::error_code vanished;
   const auto renewed = fs::last_write_time(file, vanished);
-  const auto now = std::chrono::steady_clock::now();
+  const auto now = now_();
   const auto [sighting, is_new] = sightings_.try_emplace(file.string(), Sighting{renewed, now});
   if (!is_new && sighting->second.renewed != renewed) sighting->second = {renewed, now};
   return std::chrono::duration<double>(now - sighting->second.since).count() >= abandoned_s_;

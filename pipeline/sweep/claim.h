@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -31,7 +32,11 @@ class Claim {
 /// an abandoned "claim.N" over.
 class Claims {
  public:
-  explicit Claims(double abandoned_s = 60.0) : abandoned_s_(abandoned_s) {}
+  using Time = std::chrono::steady_clock::time_point;
+
+  explicit Claims(double abandoned_s = 60.0,
+                  std::function<Time()> now = std::chrono::steady_clock::now)
+      : abandoned_s_(abandoned_s), now_(std::move(now)) {}
 
   /// Claims the cell in `folder`, which is created; null if another process has it.
   std::unique_ptr<Claim> take(const std::filesystem::path& folder);
@@ -39,11 +44,12 @@ class Claims {
  private:
   struct Sighting {
     std::filesystem::file_time_type renewed;
-    std::chrono::steady_clock::time_point since;
+    Time since;
   };
   bool is_abandoned(const std::filesystem::path& file);
 
   double abandoned_s_;
+  std::function<Time()> now_;
   std::map<std::string, Sighting> sightings_;
 };
 

@@ -17,7 +17,8 @@ constexpr const char* schema = "touchtrace/sweep/1";
 ordered_json parse(const fs::path& file) {
   auto document = ordered_json::parse(read_file(file), nullptr, false);
   if (!document.is_discarded()) return document;
-  throw data_error(fmt::format("{} is not JSON", file.string()), "run the sweep again");
+  throw data_error(fmt::format("{} is not JSON", file.string()),
+                   "delete its folder and run the sweep again");
 }
 
 FinishedCell read_cell(const fs::path& folder, const ordered_json& entry) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -26,13 +28,18 @@ using nlohmann::json;
 
 constexpr auto poll_period = std::chrono::milliseconds(50);
 constexpr auto renewal_period = std::chrono::seconds(5);
+constexpr auto look_period = std::chrono::seconds(1);  // at cells of other processes
 constexpr std::size_t message_lines = 3;
+constexpr std::streamoff max_message_bytes = 16384;
 
 enum class State { waiting, running, done, failed, skipped };
 
-/// Last lines of a log.
+/// Last lines of a log; empty if it cannot be read.
 std::string message_of(const fs::path& log) {
-  std::vector<std::string> lines = split_text(read_file(log), '\n');
+  std::ifstream stream(log, std::ios::ate);
+  stream.seekg(std::max<std::streamoff>(0, stream.tellg() - max_message_bytes));
+  const std::string end{std::istreambuf_iterator<char>(stream), {}};
+  std::vector<std::string> lines = split_text(end, '\n');
   std::erase_if(lines, [](const auto& line) { return line.empty(); });
   if (lines.size() > message_lines) lines.erase(lines.begin(), lines.end() - message_lines);
   return fmt::format("{}", fmt::join(lines, "\n"));
@@ -87,7 +94,8 @@ class RunningCell {
         cell_.folder / "seconds.json",
         json{{"wall_seconds", result.wall_seconds}, {"cpu_seconds", result.cpu_seconds}}.dump(),
         true);
-    write_file(cell_.result(), read_file(stdout_file()), true);
+    const auto printed = read_file(stdout_file());
+    write_file(cell_.result(), printed.empty() ? "null\n" : printed, true);
     fs::remove(stdout_file());
     return State::done;
   }
@@ -123,6 +131,8 @@ class Run {
     try {
       while (!pending_.empty()) {
         throw_if_interrupted();
+        looks_ = Clock::now() >= next_look_;
+        if (looks_) next_look_ = Clock::now() + look_period;
         std::erase_if(pending_, [&](std::size_t i) { return is_settled(i, progress); });
         std::this_thread::sleep_for(poll_period);
       }
@@ -139,7 +149,7 @@ class Run {
     const State state = states_[i] == State::running ? running_.at(i)->poll() : next_state(i);
     states_[i] = state;
     if (state == State::waiting || state == State::running) return false;
-    running_.erase(i);
+    if (running_.erase(i) > 0) next_look_ = {};
     if (state == State::done) ++summary_.done;
     if (state == State::skipped) ++summary_.skipped;
     if (state == State::failed) ++summary_.failed, report_failed(cells_[i]);
@@ -154,7 +164,7 @@ class Run {
                                  [&](std::size_t input) { return states_[input] == state; });
     };
     if (any(State::failed) || any(State::skipped)) return State::skipped;
-    if (any(State::waiting) || any(State::running)) return State::waiting;
+    if (any(State::waiting) || any(State::running) || !looks_) return State::waiting;
     if (cells_[i].is_done()) return State::done;
     if (const auto time = failure_time(cells_[i]); time && time != old_failures_[i])
       return State::failed;
@@ -176,6 +186,8 @@ class Run {
   std::vector<std::optional<fs::file_time_type>> old_failures_;  ///< these are tried again
   std::map<std::size_t, std::unique_ptr<RunningCell>> running_;
   Claims claims_;
+  Clock::time_point next_look_;  ///< at files of cells that this process does not run
+  bool looks_ = true;
   SweepSummary summary_;
 };
 
@@ -203,7 +215,7 @@ std::vector<bool> cells_of(const Shard& shard, const std::vector<Cell>& cells) {
 }
 
 void report_failed(const Cell& cell) {
-  Progress::report(fmt::format("failed: {}\n{}\nlog: {}", cell.name(), read_file(cell.failure()),
+  Progress::report(fmt::format("failed: {}\n{}\nlog: {}", cell.name(), message_of(cell.failure()),
                                cell.log().string()));
 }
 

@@ -18,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr int max_fruitless_submissions = 5;
-constexpr auto poll_period = std::chrono::seconds(2);
+constexpr auto poll_period = std::chrono::seconds(10);
+constexpr int max_squeue_failures = 60;  // in a row; ten minutes
 
 std::string quoted(const std::string& text) {
   std::string result = "'";
@@ -57,10 +58,15 @@ std::string submit(const fs::path& script, const fs::path& errors) {
   return job;
 }
 
-/// Whether tasks of the job are pending or running. An unreachable controller counts as yes.
-bool is_queued(const std::string& job, const fs::path& errors) {
+/// Whether tasks of the job are pending or running. An unreachable controller counts as yes, for
+/// a while. `failures`: such answers in a row.
+bool is_queued(const std::string& job, const fs::path& errors, int& failures) {
   const auto result = run_shell("squeue --noheader --format=%T --jobs=" + job, errors);
+  if (result.exit_code == 0) failures = 0;
   if (result.exit_code == 0) return !result.output.empty();
+  if (++failures == max_squeue_failures)
+    throw failure(fmt::format("squeue does not answer: {}", result.errors),
+                  "once Slurm answers, run the same command again: finished cells are kept");
   return result.errors.find("Invalid job id") == std::string::npos;
 }
 
@@ -71,8 +77,9 @@ std::size_t count_done(const std::vector<Cell>& cells) {
 
 void follow(const std::string& job, const fs::path& errors, const std::vector<Cell>& cells,
             std::size_t& done, Progress& progress) {
+  int failures = 0;
   try {
-    while (is_queued(job, errors)) {
+    while (is_queued(job, errors, failures)) {
       std::this_thread::sleep_for(poll_period);
       const auto now_done = count_done(cells);
       progress.advance(now_done - done, "job " + job);

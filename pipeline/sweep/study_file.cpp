@@ -23,17 +23,25 @@ json json_of(const toml::table& table) {
   return json::parse(text.str());
 }
 
-/// Number, boolean or quoted text as TOML; anything else is a text.
-json value_of(const std::string& text) {
+/// Numbers, booleans and quoted texts as TOML writes them, separated by commas; null for others.
+json toml_values(const std::string& text) {
   try {
-    const json value = json_of(toml::parse("value = " + text))["value"];
-    if (value.is_number() || value.is_boolean() || value.is_string()) return value;
+    json values = json_of(toml::parse("values = [" + text + "]"))["values"];
+    if (std::ranges::all_of(values, [](const json& value) { return value.is_primitive(); }))
+      return values;
   } catch (const toml::parse_error&) {
   }
-  return text;
+  return nullptr;
+}
+
+/// One value; a text where it is not TOML.
+json value_of(const std::string& text) {
+  const json values = toml_values(text);
+  return values.size() == 1 ? values[0] : json(text);
 }
 
 json values_of(const std::string& text) {
+  if (auto values = toml_values(text); !values.empty()) return values;
   json values = json::array();
   for (const auto& part : split_text(text, ',')) {
     const auto colon = part.find(':');

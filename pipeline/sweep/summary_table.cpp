@@ -64,17 +64,28 @@ Summary::Group group_of(const std::vector<const Row*>& rows, const Summary& summ
 
 std::string text_of(const Statistic& statistic, const char* plus_minus) {
   if (std::isnan(statistic.mean)) return "-";
-  const auto mean = fmt::format("{:.3f}", statistic.mean);
+  const auto mean = fmt::format("{:.4g}", statistic.mean);
   return std::isnan(statistic.std) ? mean
-                                   : fmt::format("{} {} {:.3f}", mean, plus_minus, statistic.std);
+                                   : fmt::format("{} {} {:.4g}", mean, plus_minus, statistic.std);
 }
 
 std::string latex(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
-    if (std::string_view("_&%#$").find(c) != std::string_view::npos) escaped += '\\';
-    if (std::string_view("\\{}~^").find(c) == std::string_view::npos) escaped += c;
+    if (c == '\\')
+      escaped += "\\textbackslash{}";
+    else if (c == '~' || c == '^')
+      escaped += std::string("\\") + c + "{}";
+    else
+      escaped += (std::string_view("_&%#${}").find(c) == std::string_view::npos ? "" : "\\") +
+                 std::string(1, c);
   }
+  return escaped;
+}
+
+std::string markdown(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) escaped += (c == '|' ? "\\" : "") + std::string(1, c);
   return escaped;
 }
 
@@ -120,7 +131,8 @@ std::string markdown_of(const Summary& summary) {
   std::string text = fmt::format("| {} |\n|", fmt::join(header, " | "));
   for (std::size_t i = 0; i < header.size(); ++i) text += "---|";
   for (const auto& group : summary.groups) {
-    auto cells = group.keys;
+    std::vector<std::string> cells;
+    for (const auto& key : group.keys) cells.push_back(markdown(key));
     for (const auto& metric : group.metrics) cells.push_back(text_of(metric, "+-"));
     text += fmt::format("\n| {} | {} |", fmt::join(cells, " | "), group.rows);
   }

@@ -27,7 +27,7 @@ struct Summary {
 /// slash are taken for paths and left out. Throws usage_error for an unknown metric.
 Summary summarize(const std::vector<Row>& rows, const std::vector<std::string>& metrics);
 
-/// Table with "mean +- std" to three decimals and the number of rows.
+/// Table with "mean +- std" to four digits and the number of rows.
 std::string markdown_of(const Summary& summary);
 std::string latex_of(const Summary& summary);
 

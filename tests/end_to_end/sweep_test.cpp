@@ -77,11 +77,11 @@ TEST_F(Sweep, ResumesAfterKillsToTheSameBytes) {
   ASSERT_EQ(run_program(sweep("whole")).exit_code, 0);
   for (int cells = 1; cells < 6; cells += 2) {
     RunningProgram program(sweep("killed") + " --jobs 2", at("log"));
-    program.wait_for([&] {
+    ASSERT_TRUE(program.wait_for([&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
       return fs::exists(at("killed")) && count("killed", "result.json") >= cells &&
              count("killed", "claim.") > 0;
-    });
+    }));
     program.signal(SIGKILL);
     program.wait();
   }

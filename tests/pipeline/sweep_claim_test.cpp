@@ -5,7 +5,6 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 
 #include "pipeline/sweep/claim.h"
 #include "tests/support/scratch.h"
@@ -18,7 +17,6 @@ using touchtrace::sweep::Claims;
 class SweepClaim : public ::testing::Test {
  protected:
   void TearDown() override { fs::remove_all(folder_); }
-  void wait(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
   fs::path folder_ = touchtrace::testing::scratch_folder();
 };
 
@@ -54,14 +52,15 @@ TEST_F(SweepClaim, ClaimsOfEndedProcessesAreTakenOver) {
 TEST_F(SweepClaim, ClaimsOfOtherMachinesAreTakenOverWhenNoLongerRenewed) {
   fs::create_directories(folder_);
   std::ofstream(folder_ / "claim.0") << "elsewhere/pid:[1] 1\n";
-  Claims claims(0.2);
+  Claims::Time time;
+  Claims claims(60.0, [&] { return time; });
   EXPECT_FALSE(claims.take(folder_));
-  wait(0.15);
+  time += std::chrono::seconds(59);
   fs::last_write_time(folder_ / "claim.0", fs::file_time_type::clock::now());
   EXPECT_FALSE(claims.take(folder_)) << "renewed";
-  wait(0.15);
+  time += std::chrono::seconds(59);
   EXPECT_FALSE(claims.take(folder_));
-  wait(0.15);
+  time += std::chrono::seconds(1);
   EXPECT_TRUE(claims.take(folder_));
 }
 

@@ -31,7 +31,8 @@ OptionSet describe_test(const std::string& command, TestOptions& o) {
   set.choice("kind", o.kind, "kind", {"small", "large"});
   set.integer("size", o.size, "size", 1, 100);
   set.flag("fast", o.fast, "fast");
-  if (command == "use") set.text("file", o.file, "one"), set.texts("files", o.files, "several");
+  if (command == "use")
+    set.text("file", o.file, "one").value("FILE"), set.texts("files", o.files, "several");
   return set;
 }
 
@@ -206,6 +207,8 @@ TEST_F(SweepStudy, ChangesReplaceValuesAndSelectCases) {
   EXPECT_EQ(cells(two_stages, {"make.size=1:5", "use.speed=quick"}).size(), 10u + 10u);
   EXPECT_EQ(cells(two_stages, {"make.size=7", "make.kind=small,large"})[1].axes,
             json({{"kind", "large"}}));
+  EXPECT_EQ(cells("[use]\n", {"use.files=\"a,b\""})[0].options["files"], "a,b");
+  EXPECT_EQ(cells("[use]\n", {"use.files=a,b"})[0].options["files"], json({"a", "b"}));
   expect_refused(two_stages, "unknown stage 'mak'", {"mak.size=1"});
   expect_refused(two_stages, "unknown case 'quik'", {"use.speed=quik"});
   expect_refused(two_stages, "cannot set 'size'", {"size"});
@@ -228,6 +231,7 @@ TEST_F(SweepStudy, MistakesAreNamed) {
   expect_refused("[make]\noutput = \"../x\"\n", "output cannot be");
   expect_refused("[make]\n[use]\nfile = \"@mak\"\n", "'@mak' refers to no stage above");
   expect_refused("[use]\nfile = \"@use\"\n", "refers to no stage above");
+  expect_refused("[use]\nfile = \"missing.h5\"\n", "file: there is no file or folder 'missing.h5'");
   expect_refused("[make]\nsize = [1, 2]\n[use]\ngather = [\"size\"]\nfile = \"@make\"\n",
                  "stands for 2 cells, not one");
   expect_refused("[make]\nsize = [1, 2]\n[use]\ngather = [\"make.size\"]\nfiles = \"@make\"\n",
@@ -243,6 +247,13 @@ TEST_F(SweepStudy, TooManyCellsAreRefused) {
     for (int value = 0; value < 9; ++value)
       text += "a" + std::to_string(axis) + ".v" + std::to_string(value) + " = {}\n";
   expect_refused(text, "more than 100000 cells");
+  std::string sizes;
+  for (int size = 1; size <= 100; ++size) sizes += std::to_string(size) + ",";
+  const std::string axes = "size = [" + sizes + "]\nkind = [\"small\", \"large\"]\nfast = ";
+  expect_refused("[make]\n" + axes +
+                     "true\n[other]\ncommand = \"make\"\nv.a = {}\nv.b = {}\nv.c = {}\n" + axes +
+                     "[true, false]\n[use]\nfiles = [\"@make\", \"@other\"]\n",
+                 "more than 100000 cells");
 }
 
 TEST_F(SweepStudy, ShardsCoverEveryCellWithItsInputs) {

@@ -8,80 +8,71 @@
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/recording/recording_file.h"
-#include "pipeline/scene/base/scene.h"
-#include "pipeline/study/convolution_options.h"
+#include "pipeline/study/model_options.h"
 #include "pipeline/study/plan.h"
 
 namespace touchtrace::cli {
 namespace {
 
 struct PlanOptions {
-  std::string recording, activity = "wave";
+  std::string recording;
   std::vector<std::string> objects;
-  bool without_touch = false, measure = false;
-  std::string dynamics = "mlp", object_encoder = "auto";
-  int window = 10, resolution = 32, sequences = 8, steps = 20;
-  study::ConvolutionOptions convolutions;
+  study::ModelOptions model;
+  int sequences = 8, steps = 20;
+  bool measure = false;
 };
 
 void describe(OptionSet& set, PlanOptions& o) {
   set.group("Data");
-  set.text("recording", o.recording, "recording to plan for, with its activity and objects")
+  set.text("recording", o.recording, "recording to plan for, with its glove and objects")
       .value("FILE");
-  set.text("activity", o.activity, "activity to simulate if there is no recording").value("NAME");
   set.texts("object", o.objects, "objects to simulate if there is no recording; default: ball")
       .value("NAME");
-  set.group("Model");
-  set.flag("without-touch", o.without_touch, "baseline without tactile input");
-  set.choice("dynamics", o.dynamics, "state transition model", {"mlp", "gru"});
-  set.choice("object-encoder", o.object_encoder, "auto: none for one object, else frozen",
-             {"auto", "none", "frozen", "joint"});
-  set.integer("window", o.window, "tactile frames per window, 1-32", 1, 32);
-  set.integer("resolution", o.resolution, "tactile rows and columns, 6-64", 6, 64);
-  describe(set, o.convolutions);
+  describe(set, o.model);
   set.group("Update");
   set.integer("sequences", o.sequences, "roll-outs per batch", 1, 4096);
   set.integer("steps", o.steps, "steps per roll-out", 1, 200);
   set.flag("measure", o.measure, "run an update and measure each of its launches");
 }
 
-void read_recording(const std::string& path, study::PlanRequest& request) {
-  const RecordingReader reader(path);
-  const Recording& recording = reader.recording();
-  std::set<std::string> objects;
-  for (const auto& clip : recording.clips) objects.insert(clip.object);
-  request.activity = recording.activity;
-  request.objects.assign(objects.begin(), objects.end());
-  request.simulated = false;
-  if (!recording.gloves.empty())
-    request.live = live_cells(recording.gloves.front().info, request.rows, request.cols);
-}
-
-study::PlanRequest plan_request(const PlanOptions& options) {
+study::PlanRequest request_of(const PlanOptions& options) {
   study::PlanRequest request;
-  request.activity = options.activity;
   if (!options.objects.empty()) request.objects = options.objects;
-  request.touch = !options.without_touch;
-  request.dynamics = options.dynamics;
-  request.object_encoder = options.object_encoder;
-  request.window_frames = options.window;
-  request.rows = request.cols = options.resolution;
-  request.tactile_kernel = options.convolutions.kernel_size();
-  request.tactile_strides = options.convolutions.stride_sizes();
-  if (!options.recording.empty()) read_recording(options.recording, request);
+  GloveInfo glove;  // as the simulated one
+  if (!options.recording.empty()) {
+    const RecordingReader reader(options.recording);
+    std::set<std::string> objects;
+    for (const auto& clip : reader.recording().clips) objects.insert(clip.object);
+    request.objects.assign(objects.begin(), objects.end());
+    request.is_simulated = false;
+    if (!reader.recording().gloves.empty()) glove = reader.recording().gloves.front().info;
+  }
+  const auto [rows, cols] = image_shape(glove, options.model.resolution);
+  request.spec = make_spec(options.model, rows, cols, request.objects.size());
+  if (!glove.mask.empty()) request.live = live_cells(glove, rows, cols);
   return request;
 }
 
+nlohmann::json request_json(const study::PlanRequest& request) {
+  auto items = nlohmann::json::array();
+  for (const auto& item : study::plan_items(request))
+    items.push_back({{"stage", item.stage},
+                     {"part", item.part},
+                     {"included", item.included},
+                     {"why", item.why}});
+  return {{"objects", request.objects}, {"model", request.spec}, {"items", items}};
+}
+
 /// `update`: planned or measured.
-void show(const study::PlanRequest& request, const study::Plan& plan, const PlanOptions& options,
-          const auto& update, bool as_json) {
+void show(const study::PlanRequest& request, const PlanOptions& options, const auto& update,
+          bool as_json) {
   if (as_json) {
-    auto document = study::plan_json(request, plan);
+    auto document = request_json(request);
     document.update(update_json(update));
     fmt::print("{}\n", document.dump(2));
     return;
   }
-  for (const auto& item : plan.items)
+  for (const auto& item : study::plan_items(request))
     fmt::print("{} {:<10} {:<34} {}\n", item.included ? "+" : "-", item.stage, item.part, item.why);
   fmt::print("+ needed, - skipped\n\nupdate of {} sequences of {} steps:\n", options.sequences,
              options.steps);
@@ -89,13 +80,11 @@ void show(const study::PlanRequest& request, const study::Plan& plan, const Plan
 }
 
 ExitCode run(const PlanOptions& o, const Invocation& invocation) {
-  const study::PlanRequest request = plan_request(o);
-  const study::Plan plan = study::make_plan(request);
+  const study::PlanRequest request = request_of(o);
   Runtime runtime(usable_device(invocation.device));
   const auto tuning = read_tuning(tuning_path(), runtime.device());
   const auto show_of_update = [&](const auto& looked_into) {
-    show(request, plan, o,
-         looked_into(runtime, plan.model, o.sequences, o.steps, request.live, tuning),
+    show(request, o, looked_into(runtime, request.spec, o.sequences, o.steps, request.live, tuning),
          invocation.json);
   };
   if (o.measure)
@@ -110,7 +99,7 @@ ExitCode run(const PlanOptions& o, const Invocation& invocation) {
 Command plan_command() {
   return make_command<PlanOptions>(
       "plan", "list what a recording needs: stages, kernels, and what is skipped and why",
-      {"touchtrace plan --activity throw --object ball",
+      {"touchtrace plan --object ball",
        "touchtrace plan --recording wave.h5 --without-touch --json",
        "touchtrace plan --object ball can --object-encoder joint --measure"},
       run, {.device = true, .quiet = true});

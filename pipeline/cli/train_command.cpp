@@ -8,16 +8,6 @@
 namespace touchtrace::cli {
 namespace {
 
-/// Resolution for load_dataset().
-int resolution_of(const study::TrainingOptions& options) {
-  constexpr int smallest = 6;
-  if (options.resolution == 0) return automatic_resolution;
-  if (options.resolution < smallest)
-    throw usage_error(fmt::format("--resolution {} is too small", options.resolution),
-                      fmt::format("give {} to 64", smallest));
-  return options.resolution;
-}
-
 ExitCode run(const study::TrainingOptions& options, const Invocation& invocation) {
   Runtime runtime(usable_device(invocation.device), accuracy_of(options.accuracy));
   Provenance provenance = start_provenance("touchtrace/model/1", "train");
@@ -27,7 +17,7 @@ ExitCode run(const study::TrainingOptions& options, const Invocation& invocation
     provenance.add_input(pair.recording);
     provenance.add_input(pair.labels);
   }
-  const Dataset data = load_dataset(files, resolution_of(options));
+  const Dataset data = load_dataset(files, options.model.resolution);
   // of the model, by which reports name it
   provenance.options["resolution"] = data.rows == data.cols ? data.rows : 0;
   const auto card =

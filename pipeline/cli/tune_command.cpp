@@ -5,25 +5,19 @@
 #include "engine/train/tuning_json.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/usable_device.h"
-#include "pipeline/study/convolution_options.h"
-#include "pipeline/study/plan.h"
+#include "pipeline/dataset/tactile_image.h"
+#include "pipeline/study/model_options.h"
 
 namespace touchtrace::cli {
 namespace {
 
 struct TuneOptions {
-  int window = 10, resolution = 32, sequences = 8, steps = 20, object_segments = 32;
-  study::ConvolutionOptions convolutions;
-  std::string object_encoder = "none";
+  study::ModelOptions model;
+  int sequences = 8, steps = 20, object_segments = 32;
 };
 
 void describe(OptionSet& set, TuneOptions& o) {
-  set.group("Model");
-  set.integer("window", o.window, "tactile frames per window, 1-32", 1, 32);
-  set.integer("resolution", o.resolution, "tactile rows and columns, 6-64", 6, 64);
-  describe(set, o.convolutions);
-  set.choice("object-encoder", o.object_encoder, "object encoder of the model",
-             {"none", "frozen", "joint"});
+  describe(set, o.model);
   set.group("Batches");
   set.integer("sequences", o.sequences, "roll-outs per batch", 1, 4096);
   set.integer("steps", o.steps, "steps per roll-out", 1, 200);
@@ -31,15 +25,11 @@ void describe(OptionSet& set, TuneOptions& o) {
               "segments per encoder update if the object encoder is frozen", 2, 1024);
 }
 
-ModelSpec spec_of(const TuneOptions& options) {
-  return study::make_plan({.objects = {"one", "another"},
-                           .object_encoder = options.object_encoder,
-                           .window_frames = options.window,
-                           .rows = options.resolution,
-                           .cols = options.resolution,
-                           .tactile_kernel = options.convolutions.kernel_size(),
-                           .tactile_strides = options.convolutions.stride_sizes()})
-      .model;
+ModelSpec spec_of(const study::ModelOptions& options) {
+  if (options.without_touch)
+    throw usage_error("a model without touch has nothing to tune", "leave --without-touch out");
+  const auto [rows, cols] = image_shape(GloveInfo{}, options.resolution);
+  return make_spec(options, rows, cols, options.object_encoder == "auto" ? 1 : 2);
 }
 
 std::filesystem::path writable_tuning_path() {
@@ -95,8 +85,8 @@ TuneResult tune_update(Runtime& runtime, const TuneOptions& options,
     keep();  // fails now instead of after a minute if the file cannot be written
     tune(runtime, encoders, tuning, keep);
   }
-  const auto update =
-      measure_update_times(runtime, spec_of(options), options.sequences, options.steps, tuning);
+  const auto update = measure_update_times(runtime, spec_of(options.model), options.sequences,
+                                           options.steps, tuning);
   const bool stays = was_complete || is_faster(update);
   const auto measured = tuning;
   if (!stays) {
@@ -120,7 +110,7 @@ ExitCode run(const TuneOptions& options, const Invocation& invocation) {
   if (runtime.kernel_variant() == KernelVariant::gpu)
     throw usage_error("GPU kernels have no variants to tune",
                       "train without tuning, or choose a CPU with --device");
-  const auto encoders = training_encoders(spec_of(options), options.sequences, options.steps,
+  const auto encoders = training_encoders(spec_of(options.model), options.sequences, options.steps,
                                           options.object_segments);
   const TuneResult result = tune_update(runtime, options, encoders);
   const auto& device = runtime.device().name;

@@ -120,14 +120,11 @@ void RecordingLoader::warn() const {
 }
 
 void RecordingLoader::check_compatible(int resolution) {
-  constexpr int default_resolution = 32;
   const GloveInfo& info = glove().info;
-  if (resolution == automatic_resolution)
-    resolution = std::min(info.rows, info.cols) < default_resolution ? 0 : default_resolution;
   Dataset kind;
   kind.activity = labels_.activity;
-  kind.rows = resolution > 0 ? resolution : info.rows;
-  kind.cols = resolution > 0 ? resolution : info.cols;
+  const auto [rows, cols] = image_shape(info, resolution);
+  kind.rows = rows, kind.cols = cols;
   kind.rate_hz = info.rate_hz;
   if (number_ == 0) dataset_ = kind;
   if (kind.activity != dataset_.activity || kind.rows != dataset_.rows ||

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/dataset/dataset.h"
+#include "pipeline/dataset/tactile_image.h"
 #include "pipeline/recording/labels.h"
 
 namespace touchtrace {
@@ -13,13 +14,9 @@ struct LabelledRecording {
   std::filesystem::path recording, labels;
 };
 
-/// 32 rows and columns, or the glove's own if it has fewer.
-inline constexpr int automatic_resolution = -1;
-
 /// Loads recordings of one activity with their labels; one sequence per clip.
 ///
-/// - `resolution`: rows and columns to which tactile images are averaged by area, or
-///   automatic_resolution; 0: the glove's.
+/// - `resolution`: of image_shape(), to which tactile images are averaged by area.
 /// - A lost glove frame repeats the previous image; a sequence starts with a received frame.
 /// - Skips clips in which the object fell. Labels that are not finite are not trusted.
 /// - Warns of implausible frames of the gloves and of implausible labels.
@@ -27,9 +24,11 @@ inline constexpr int automatic_resolution = -1;
 /// Throws data_error if a file is invalid, labels belong to another recording, activities, gloves
 /// or (by over 1 %) rates differ, recordings have touch in common, or no clip remains; usage_error
 /// if `resolution` exceeds the glove's.
-Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution = 0);
+Dataset load_dataset(const std::vector<LabelledRecording>& sources,
+                     int resolution = own_resolution);
 /// Loads one recording with labels that are in memory.
-Dataset load_dataset(const std::filesystem::path& recording, Labels labels, int resolution = 0);
+Dataset load_dataset(const std::filesystem::path& recording, Labels labels,
+                     int resolution = own_resolution);
 
 /// Split by whole clips, counted from 0 for each object of a recording: 1, 6, 11, ... evaluation
 /// (20 %), 3, 23, 43, ... validation (5 %), 8, 28, 48, ... calibration (5 %), others training.

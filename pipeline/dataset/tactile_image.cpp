@@ -9,6 +9,14 @@
 
 namespace touchtrace {
 
+ImageShape image_shape(const GloveInfo& info, int resolution) {
+  constexpr int default_resolution = 32;
+  if (resolution > 0) return {resolution, resolution};
+  const bool is_small = std::min(info.rows, info.cols) < default_resolution;
+  if (resolution == own_resolution || is_small) return {info.rows, info.cols};
+  return {default_resolution, default_resolution};
+}
+
 void counts_to_pressure(const GloveInfo& info, std::span<const std::uint16_t> counts,
                         std::span<float> pressure) {
   const auto range = static_cast<float>((1 << info.bits) - 1);

@@ -8,6 +8,17 @@
 
 namespace touchtrace {
 
+struct ImageShape {
+  int rows, cols;
+};
+
+/// Keeps the glove's rows and columns.
+inline constexpr int own_resolution = -1;
+
+/// Shape of the images of a glove at a resolution: `resolution` rows and columns; 0: 32, or the
+/// glove's own if it has fewer along an axis; or own_resolution.
+ImageShape image_shape(const GloveInfo& info, int resolution);
+
 /// Converts one frame [rows, cols]: polarity * (counts - baseline) / (2^bits - 1), clamped to 0..1;
 /// 0 where the mask has no taxel.
 void counts_to_pressure(const GloveInfo& info, std::span<const std::uint16_t> counts,

@@ -78,9 +78,9 @@ class Prediction {
  private:
   static Dataset load(const PredictionOptions& options) {
     if (!options.labels.empty())
-      return load_dataset(std::vector<LabelledRecording>{{options.recording, options.labels}}, 0);
+      return load_dataset(std::vector<LabelledRecording>{{options.recording, options.labels}});
     return load_dataset(options.recording,
-                        unlabelled(RecordingReader(options.recording).recording()), 0);
+                        unlabelled(RecordingReader(options.recording).recording()));
   }
 
   Rollout roll_out(const Sequence& clip, const Segment& segment) {

@@ -14,7 +14,6 @@
 #include "engine/train/safetensors.h"
 #include "engine/train/tuning_file.h"
 #include "pipeline/study/object_training.h"
-#include "pipeline/study/plan.h"
 #include "pipeline/study/sampler.h"
 #include "pipeline/study/training_files.h"
 #include "pipeline/study/validation.h"
@@ -59,18 +58,7 @@ nlohmann::json identity(const Provenance& provenance) {
 ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provenance provenance) {
   ModelCard card;
   card.objects = training_objects(data);
-  card.spec = make_plan({.activity = data.activity,
-                         .objects = card.objects,
-                         .simulated = false,
-                         .touch = !options.without_touch,
-                         .dynamics = options.dynamics,
-                         .object_encoder = options.object_encoder,
-                         .window_frames = options.window,
-                         .rows = data.rows,
-                         .cols = data.cols,
-                         .tactile_kernel = options.convolutions.kernel_size(),
-                         .tactile_strides = options.convolutions.stride_sizes()})
-                  .model;
+  card.spec = make_spec(options.model, data.rows, data.cols, card.objects.size());
   card.spec.contrast_temperature = static_cast<float>(options.contrast_temperature);
   card.spec.band_quantile = options.band_quantile;
   card.spec.activation = activation_of(options.activation);
@@ -98,10 +86,10 @@ class TrainingRun {
         sampler_(data, card_.scaling, card_.spec, options.sequences, options.steps,
                  options.optimizer.seed),
         validation_(runtime, data, card_),
-        trainer_(
-            runtime, card_.spec, options.optimizer, options.sequences, options.steps,
-            options.without_touch ? std::span<const float>() : std::span<const float>(data.tactile),
-            tuning_),
+        trainer_(runtime, card_.spec, options.optimizer, options.sequences, options.steps,
+                 options.model.without_touch ? std::span<const float>()
+                                             : std::span<const float>(data.tactile),
+                 tuning_),
         scratch_(options.output) {}
 
   ModelCard run(bool overwrite) {

@@ -8,8 +8,8 @@
 #include "engine/cl/runtime.h"
 #include "engine/train/trainer.h"
 #include "pipeline/dataset/dataset.h"
-#include "pipeline/study/convolution_options.h"
 #include "pipeline/study/model_card.h"
+#include "pipeline/study/model_options.h"
 #include "pipeline/study/object_training.h"
 
 namespace touchtrace::study {
@@ -18,15 +18,12 @@ namespace touchtrace::study {
 struct TrainingOptions {
   std::vector<std::string> recordings, labels;  ///< pairs, in the same order
   std::string output, accuracy = "fast";
-  bool without_touch = false, resume = false;
-  int window = 10;
-  int resolution = 0;  ///< rows and columns; 0: 32, or the glove's own if it has fewer
-  ConvolutionOptions convolutions;
+  bool resume = false;
+  ModelOptions model;
   int sequences = 8, steps = 20;
-  std::string object_encoder = "auto";  ///< "none", "frozen", "joint"; "auto": see plan.h
   double contrast_temperature = 0.0;
   double band_quantile = 0.1;
-  std::string activation = "relu", dynamics = "mlp";
+  std::string activation = "relu";
   ObjectTraining objects;
   double checkpoint_s = 30.0;  ///< between checkpoints
   TrainOptions optimizer;

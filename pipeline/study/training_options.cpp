@@ -15,13 +15,7 @@ void describe_files(OptionSet& set, TrainingOptions& o) {
 }
 
 void describe_model(OptionSet& set, TrainingOptions& o) {
-  set.group("Model");
-  set.flag("without-touch", o.without_touch, "baseline without tactile input");
-  set.integer("window", o.window, "tactile frames per window, 1-32", 1, 32);
-  set.integer("resolution", o.resolution,
-              "tactile rows and columns, 6-64; 0: 32, or the glove's own if it has fewer", 0, 64);
-  describe(set, o.convolutions);
-  set.choice("dynamics", o.dynamics, "state transition model", {"mlp", "gru"});
+  describe(set, o.model);
   set.choice("activation", o.activation, "MLP activation", {"relu", "silu", "tanh"});
   set.number("band-quantile", o.band_quantile, "predict quantiles Q and 1-Q", 0.001, 0.499)
       .value("Q");
@@ -29,8 +23,6 @@ void describe_model(OptionSet& set, TrainingOptions& o) {
 
 void describe_object_encoder(OptionSet& set, TrainingOptions& o) {
   set.group("Object encoder");
-  set.choice("object-encoder", o.object_encoder, "auto: none for one object, else frozen",
-             {"auto", "none", "frozen", "joint"});
   set.integer("object-updates", o.objects.updates, "encoder updates before freezing", 1, 1'000'000);
   set.integer("object-segments", o.objects.segments, "segments per encoder update", 2, 1024);
   set.number("object-loss", o.optimizer.object_loss, "contrastive loss weight if joint", 0.0, 1e3);

@@ -33,8 +33,8 @@ class Evaluation : public ::testing::Test {
                     bool touch = true) const {
     TrainingOptions o;
     o.output = (folder_ / name).string();
-    o.window = 4;
-    o.without_touch = !touch;
+    o.model.window = 4;
+    o.model.without_touch = !touch;
     o.optimizer.updates = 3;
     o.optimizer.seed = seed;
     Provenance provenance = start_provenance("touchtrace/model/1", "train");

@@ -37,7 +37,7 @@ class Learning : public ::testing::Test {
   TrainingOptions options(const std::string& name, int updates) const {
     TrainingOptions o;
     o.output = (folder_ / name).string();
-    o.window = 4;
+    o.model.window = 4;
     o.optimizer.updates = updates;
     return o;
   }
@@ -98,7 +98,7 @@ std::unique_ptr<Runtime> Learning::runtime_;
 TEST_F(Learning, FullIsBetterThanWithoutTouchIsBetterThanRandom) {
   const Dataset data = synthetic_dataset({40});
   auto full = options("full", 400), without = options("without", 400);
-  without.without_touch = true;
+  without.model.without_touch = true;
   train(data, full);
   const ModelCard card = train(data, without);
   EXPECT_EQ(card.name(), "without_touch");
@@ -182,15 +182,16 @@ TEST_F(Learning, ObjectEncoderIsUsedForSeveralObjects) {
   std::vector<std::string> files;
   for (const char* encoder : {"auto", "joint", "none"}) {
     auto o = options(encoder, 60);
-    o.object_encoder = encoder;
+    o.model.object_encoder = encoder;
     o.objects.updates = 30;
     const ModelCard card = train(data, o);
     EXPECT_EQ(card.objects.size(), 3u);
-    EXPECT_EQ(card.name(), o.object_encoder == "none" ? "without_embedding" : "full");
-    EXPECT_EQ(card.spec.object, o.object_encoder == "joint"  ? ObjectEncoder::joint
-                                : o.object_encoder == "none" ? ObjectEncoder::none
-                                                             : ObjectEncoder::frozen);
-    EXPECT_EQ(read_safetensors(o.output).tensors.size(), o.object_encoder == "none" ? 16u : 26u);
+    EXPECT_EQ(card.name(), o.model.object_encoder == "none" ? "without_embedding" : "full");
+    EXPECT_EQ(card.spec.object, o.model.object_encoder == "joint"  ? ObjectEncoder::joint
+                                : o.model.object_encoder == "none" ? ObjectEncoder::none
+                                                                   : ObjectEncoder::frozen);
+    EXPECT_EQ(read_safetensors(o.output).tensors.size(),
+              o.model.object_encoder == "none" ? 16u : 26u);
     expect_mean_embedding(data, card, o.output);
     files.push_back(o.output);
   }
@@ -213,7 +214,7 @@ TEST_F(Learning, OneObjectHasNoEncoder) {
   train(data, plain);
   for (const char* encoder : {"frozen", "joint"}) {
     auto o = options(encoder, 2);
-    o.object_encoder = encoder;
+    o.model.object_encoder = encoder;
     EXPECT_EQ(train(data, o).spec.object, ObjectEncoder::none);
     EXPECT_EQ(weights(o.output), weights(plain.output));
   }

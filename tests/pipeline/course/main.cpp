@@ -54,11 +54,11 @@ void write_problem(const std::vector<std::string>& arguments) {
   study::TrainingOptions options;
   options.optimizer.updates = std::stoi(arguments.at(2));
   options.optimizer.seed = std::stoull(arguments.at(3));
-  const auto data = load_dataset({{arguments.at(0), arguments.at(1)}}, options.resolution);
+  const auto data = load_dataset({{arguments.at(0), arguments.at(1)}}, options.model.resolution);
   const auto scaling = fit_normalization(data);
-  const study::Sampler sampler(data, scaling, ModelSpec{.window_frames = options.window},
+  const study::Sampler sampler(data, scaling, ModelSpec{.window_frames = options.model.window},
                                options.sequences, options.steps, options.optimizer.seed);
-  const auto validation = study::make_cases(data, {Split::validation, 50, 10, options.window},
+  const auto validation = study::make_cases(data, {Split::validation, 50, 10, options.model.window},
                                             scaling, study::Reference::labels);
   std::vector<Tensor> tensors{tensor("stream", data.tactile)};
   add(tensors, "", batches(sampler, options.optimizer.updates));

@@ -19,8 +19,8 @@ constexpr int updates = 400, window_frames = 4;
 LoadedModel train(Runtime& runtime, const Dataset& data, const fs::path& output, bool touch) {
   TrainingOptions options;
   options.output = output.string();
-  options.without_touch = !touch;
-  options.window = window_frames;
+  options.model.without_touch = !touch;
+  options.model.window = window_frames;
   options.optimizer.updates = updates;
   Provenance provenance = start_provenance("touchtrace/model/1", "verify");
   provenance.options = nlohmann::json::object();

@@ -42,11 +42,14 @@ std::unique_ptr<Model> ModelFile::make(Runtime& runtime, int sequences, int step
   return model;
 }
 
-ModelFile read_model_file(const std::filesystem::path& path) {
-  auto file = read_safetensors(path);
+ModelFile parse_model_file(TensorFile file) {
   auto spec = spec_of(file);
   auto metadata = parse_metadata(file, "metadata");
   return {std::move(file), spec, std::move(metadata)};
+}
+
+ModelFile read_model_file(const std::filesystem::path& path) {
+  return parse_model_file(read_safetensors(path));
 }
 
 }  // namespace touchtrace

@@ -22,6 +22,7 @@ struct ModelFile {
 
 /// Safe for untrusted files. Throws data_error that names the file and, for an invalid
 /// specification, key, value and expected range.
+ModelFile parse_model_file(TensorFile file);
 ModelFile read_model_file(const std::filesystem::path& path);
 
 }  // namespace touchtrace

@@ -22,7 +22,8 @@ struct Predictor::Impl {
   std::unique_ptr<Model> model;
   std::optional<TactileEmbedder> touch, object;
 
-  Impl(Runtime& on, const std::filesystem::path& path) : runtime(on), file(read_model_file(path)) {
+  Impl(Runtime& on, TensorFile model_file)
+      : runtime(on), file(parse_model_file(std::move(model_file))) {
     resize(1, 1);  // reads the weights, so that an incomplete file fails now
     if (file.spec.touch) touch.emplace(on, "tactile", file.spec, file.file);
     if (file.spec.object != ObjectEncoder::none) object.emplace(on, "object", file.spec, file.file);
@@ -94,8 +95,11 @@ struct Predictor::Impl {
   }
 };
 
+Predictor::Predictor(Runtime& runtime, TensorFile model)
+    : impl_(std::make_unique<Impl>(runtime, std::move(model))) {}
+
 Predictor::Predictor(Runtime& runtime, const std::filesystem::path& model)
-    : impl_(std::make_unique<Impl>(runtime, model)) {}
+    : Predictor(runtime, read_safetensors(model)) {}
 
 Predictor::~Predictor() = default;
 

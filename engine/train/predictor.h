@@ -7,12 +7,15 @@
 #include "engine/cl/runtime.h"
 #include "engine/model/model_spec.h"
 #include "engine/train/rollout_batch.h"
+#include "engine/train/safetensors.h"
 
 namespace touchtrace {
 
 /// A trained model on one device.
 class Predictor {
  public:
+  /// Takes a file of Trainer::model_file(). Throws data_error if it is invalid.
+  Predictor(Runtime& runtime, TensorFile model);
   /// Reads a model that Trainer::save wrote. Throws data_error if the file is invalid.
   Predictor(Runtime& runtime, const std::filesystem::path& model);
   ~Predictor();

@@ -84,8 +84,11 @@ struct Trainer::Impl {
     model.backward();
   }
 
+  /// Weights of the model, and of the object encoder if that is frozen.
   std::vector<Tensor> weight_tensors() const {
-    return tensors_of(model.table(), runtime.download(model.weights().values));
+    auto tensors = tensors_of(model.table(), runtime.download(model.weights().values));
+    std::ranges::copy(objects.encoder, std::back_inserter(tensors));
+    return tensors;
   }
 };
 
@@ -105,28 +108,26 @@ void Trainer::freeze_objects(FrozenObjects objects) { impl_->objects = std::move
 
 int Trainer::updates() const { return impl_->loop.counts().attempted; }
 
-void Trainer::save(const std::filesystem::path& path, const nlohmann::json& metadata,
-                   bool overwrite) const {
-  auto tensors = impl_->weight_tensors();
-  std::ranges::copy(impl_->objects.encoder, std::back_inserter(tensors));
-  write_safetensors(path,
-                    {{{"format", "touchtrace/model/1"},
-                      {"spec", nlohmann::json(impl_->model.spec()).dump()},
-                      {"metadata", metadata.dump()}},
-                     std::move(tensors)},
-                    overwrite);
+TensorFile Trainer::model_file(const nlohmann::json& metadata) const {
+  return {{{"format", "touchtrace/model/1"},
+           {"spec", nlohmann::json(impl_->model.spec()).dump()},
+           {"metadata", metadata.dump()}},
+          impl_->weight_tensors()};
 }
 
-void Trainer::save_checkpoint(const std::filesystem::path& path,
-                              const nlohmann::json& notes) const {
-  auto tensors = impl_->weight_tensors();
+void Trainer::save(const std::filesystem::path& path, const nlohmann::json& metadata,
+                   bool overwrite) const {
+  write_safetensors(path, model_file(metadata), overwrite);
+}
+
+void Trainer::save_checkpoint(const std::filesystem::path& path, const nlohmann::json& notes,
+                              const std::vector<Tensor>& tensors) const {
+  TensorFile file{to_metadata({impl_->model.spec(), impl_->loop.counts(), impl_->tuning, notes}),
+                  impl_->weight_tensors()};
   for (const auto& [name, array] : impl_->loop.optimiser_state())
-    tensors.push_back({name, {array.size()}, impl_->runtime.download(array)});
-  std::ranges::copy(impl_->objects.encoder, std::back_inserter(tensors));
-  write_safetensors(path,
-                    {to_metadata({impl_->model.spec(), impl_->loop.counts(), impl_->tuning, notes}),
-                     std::move(tensors)},
-                    true);
+    file.tensors.push_back({name, {array.size()}, impl_->runtime.download(array)});
+  std::ranges::copy(tensors, std::back_inserter(file.tensors));
+  write_safetensors(path, file, true);
 }
 
 void Trainer::load_checkpoint(const std::filesystem::path& path) {

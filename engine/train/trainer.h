@@ -48,13 +48,15 @@ class Trainer {
   /// data depend on it alone.
   int updates() const;
 
-  /// Writes the weights as safetensors with the spec and the caller's `metadata` (scaling,
-  /// provenance).
+  /// The weights, with the spec and the caller's `metadata` (scaling, provenance).
+  TensorFile model_file(const nlohmann::json& metadata) const;
+  /// Writes model_file() as safetensors.
   void save(const std::filesystem::path& path, const nlohmann::json& metadata,
             bool overwrite) const;
   /// Writes all that is needed to resume to the same bits: weights, optimiser state, counts, tuning
-  /// and the caller's `notes`.
-  void save_checkpoint(const std::filesystem::path& path, const nlohmann::json& notes = {}) const;
+  /// and the caller's `notes` and `tensors`, whose names must differ from those of the others.
+  void save_checkpoint(const std::filesystem::path& path, const nlohmann::json& notes = {},
+                       const std::vector<Tensor>& tensors = {}) const;
   /// Throws data_error, and changes nothing, if the checkpoint is damaged or was written with
   /// another spec, accuracy or tuning.
   void load_checkpoint(const std::filesystem::path& path);

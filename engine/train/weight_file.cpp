@@ -1,6 +1,11 @@
 #include "engine/train/weight_file.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <cmath>
+
+#include "engine/base/error.h"
 
 namespace touchtrace {
 
@@ -16,9 +21,14 @@ std::vector<Tensor> tensors_of(const ParameterTable& table, std::span<const floa
 
 std::vector<float> values_of(const ParameterTable& table, const TensorFile& file) {
   std::vector<float> values(table.size(), 0.0f);
-  for (const auto& row : table.rows())
-    std::ranges::copy(file.at(row.name, row.size).values,
-                      values.begin() + static_cast<std::ptrdiff_t>(row.offset));
+  for (const auto& row : table.rows()) {
+    const auto& stored = file.at(row.name, row.size).values;
+    if (!std::ranges::all_of(stored, [](float value) { return std::isfinite(value); }))
+      throw data_error(fmt::format("{}: tensor '{}' has values that are not finite",
+                                   file.path.string(), row.name),
+                       "use a file that touchtrace train wrote");
+    std::ranges::copy(stored, values.begin() + static_cast<std::ptrdiff_t>(row.offset));
+  }
   return values;
 }
 

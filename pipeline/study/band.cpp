@@ -38,7 +38,7 @@ BandScale fit_band_scale(const Rollout& rollout, const RolloutBatch& batch, doub
     const auto place = std::min(static_cast<std::size_t>(rank), ratios.size()) - 1;
     std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(place),
                      ratios.end());
-    scale[step] = ratios[place];
+    scale[step] = std::max(ratios[place], min_scale);
   }
   return scale;
 }

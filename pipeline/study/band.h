@@ -17,9 +17,12 @@ constexpr double nominal_coverage(double band_quantile) { return 1.0 - 2.0 * ban
 /// Lower limit of the half band width [scaled units], as a width of 0 cannot be scaled.
 inline constexpr double min_spread = 1e-6;
 
-/// Fits the factors: factor[k] is the ceil(coverage (n + 1))-th smallest |target - state| / spread
-/// of the n trusted values of step k + 1, over all 12 dimensions and roll-outs; 1 for steps without
-/// any.
+/// Lower limit of a factor, as a band of width 0 cannot be scaled back.
+inline constexpr double min_scale = 1e-6;
+
+/// Fits the factors to finite predictions: factor[k] is the ceil(coverage (n + 1))-th smallest
+/// |target - state| / spread of the n trusted values of step k + 1, over all 12 dimensions and
+/// roll-outs; 1 for steps without any.
 BandScale fit_band_scale(const Rollout& rollout, const RolloutBatch& batch, double coverage);
 
 /// [steps] Fraction of trusted targets inside state -/+ scale * spread; NaN for steps without any.

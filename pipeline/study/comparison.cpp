@@ -73,6 +73,9 @@ Rollout roll_out(const LoadedModel& model, const Comparison& comparison, int str
     const auto cases = make_cases(session->data, grid_of(comparison, Split::evaluation, stride),
                                   model.card.scaling, Reference::labels);
     const Rollout rollout = predict(model, cases.batch, *session);
+    if (!is_finite(rollout))
+      throw failure(fmt::format("{} predicts values that are not finite", model.path),
+                    "train it again with a lower --learning-rate");
     join(all.state, rollout.state);
     join(all.spread, rollout.spread);
   }

@@ -53,15 +53,24 @@ json model_json(const Comparison& comparison, const Candidate& candidate, std::s
           {"spread", spreads_json(&scaled.spread[at], steps, comparison.scaling)}};
 }
 
+const Sequence& sequence_at(const Dataset& data, int frame) {
+  return *std::ranges::find_if(data.sequences, [&](const Sequence& s) {
+    return s.first_frame <= frame && frame < s.first_frame + s.frames;
+  });
+}
+
 json example(const Comparison& comparison, const std::string& rank, int i, double l1_at_50) {
   const RolloutBatch& batch = comparison.cases().batch;
-  const Dataset& data = comparison.sessions[comparison.session[i]]->data;
+  const Session& session = *comparison.sessions[comparison.session[i]];
+  const Dataset& data = session.data;
   const int start = batch.first_frame[i];
+  const Sequence& clip = sequence_at(data, start);
   const std::size_t at = static_cast<std::size_t>(i) * comparison.cases().path_size();
   json row{{"activity", data.activity},
            {"object", comparison.object[i]},
-           {"clip", comparison.cases().sequence[i]},
-           {"start_frame", start},
+           {"recording", session.name},
+           {"clip", clip.clip},
+           {"start_s", data.time_s[start] - data.time_s[clip.first_frame]},
            {"rank", rank},
            {"l1_at_50", l1_at_50},
            {"rate_hz", data.rate_hz},

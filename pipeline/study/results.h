@@ -12,8 +12,9 @@ namespace touchtrace::study {
 /// the bootstrap.
 void append_results(nlohmann::json& document, const Comparison& comparison, std::uint64_t seed);
 
-/// Appends the roll-outs at the median and the 10th and 90th percentile of the full model's L1@50
-/// to `examples`: states in metres and m/s, scaled bands, tactile frames.
+/// Appends the roll-outs with the median, smallest and largest L1@50 of the full model to
+/// `examples`: states in metres and m/s, scaled bands, tactile frames, and where they start: clip
+/// of a recording, seconds after the clip's start.
 void append_examples(nlohmann::json& document, const Comparison& comparison);
 
 }  // namespace touchtrace::study

@@ -56,6 +56,11 @@ RolloutCases make_cases(const Dataset& data, const RolloutGrid& grid, const Norm
   return cases;
 }
 
+bool is_finite(const Rollout& rollout) {
+  const auto finite = [](float value) { return std::isfinite(value); };
+  return std::ranges::all_of(rollout.state, finite) && std::ranges::all_of(rollout.spread, finite);
+}
+
 double mean_loss(const Rollout& rollout, const RolloutBatch& batch, double band_quantile) {
   double sum = 0.0, total = 0.0;
   for (std::size_t i = 0; i < batch.target.size(); ++i) {
@@ -66,7 +71,7 @@ double mean_loss(const Rollout& rollout, const RolloutBatch& batch, double band_
                      pinball(1.0 - band_quantile, error - spread));
     total += weight;
   }
-  return total > 0.0 ? sum / total : 0.0;
+  return sum / total;
 }
 
 std::vector<float> rescaled(const std::vector<float>& states, const Normalization& from,

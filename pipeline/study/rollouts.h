@@ -50,7 +50,9 @@ void append_rollout(RolloutBatch& batch, const Dataset& data, const Normalizatio
 RolloutCases make_cases(const Dataset& data, const RolloutGrid& grid, const Normalization& scaling,
                         Reference reference);
 
-/// Mean training loss (equation 4) over states, steps and roll-outs.
+bool is_finite(const Rollout& rollout);
+
+/// Mean training loss (equation 4) over states, steps and roll-outs; NaN if all weights are 0.
 double mean_loss(const Rollout& rollout, const RolloutBatch& batch, double band_quantile);
 
 /// Converts normalised states or roll-outs to another normalisation.

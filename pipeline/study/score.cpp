@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/base/error.h"
 
 namespace touchtrace::study {
 namespace {
@@ -24,11 +23,6 @@ constexpr Metric metrics[] = {
     {"hand_error_m_per_s_at_50", [](const CaseScore& s) { return s.hand.m_per_s_at_50; }},
     {"hand_hausdorff_m", [](const CaseScore& s) { return s.hand.hausdorff_m; }},
 };
-
-void require_finite(const std::vector<float>& paths) {
-  if (!std::ranges::all_of(paths, [](float value) { return std::isfinite(value); }))
-    throw failure("model predicts non-finite values", "train again with a lower --learning-rate");
-}
 
 /// Predicted and target path of a roll-out, with the weights of their steps.
 struct Pair {
@@ -76,7 +70,6 @@ std::span<const Metric> all_metrics() { return metrics; }
 
 std::vector<CaseScore> score(const std::vector<float>& paths, const RolloutCases& cases,
                              const Normalization& scaling) {
-  require_finite(paths);
   const auto paths_m = rescaled(paths, scaling, unscaled());
   const auto target_m = rescaled(cases.batch.target, scaling, unscaled());
   const std::size_t size = cases.path_size(), steps = static_cast<std::size_t>(cases.batch.steps);

@@ -9,6 +9,7 @@
 #include "engine/base/error.h"
 #include "engine/base/file_lock.h"
 #include "engine/base/files.h"
+#include "engine/base/integer_math.h"
 #include "engine/base/progress.h"
 #include "engine/train/object_embedder.h"
 #include "engine/train/safetensors.h"
@@ -29,28 +30,11 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Temporary file with the current weights.
-class ScratchWeights {
- public:
-  explicit ScratchWeights(const std::filesystem::path& output)
-      : path_(output.string() + ".scratch") {}
-  ~ScratchWeights() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  const std::filesystem::path& save(const Trainer& trainer, const ModelCard& card) const {
-    trainer.save(path_, card, true);
-    return path_;
-  }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// Options and input hashes that a resumed run must share with its checkpoint.
 nlohmann::json identity(const Provenance& provenance) {
   nlohmann::json same{{"options", provenance.options}, {"inputs", nlohmann::json::array()}};
-  for (const char* harmless : {"resume", "checkpoint_seconds"}) same["options"].erase(harmless);
+  for (const char* option : {"resume", "checkpoint_seconds", "recording", "labels", "output"})
+    same["options"].erase(option);
   for (const auto& input : provenance.inputs) same["inputs"].push_back(input.sha256);
   return same;
 }
@@ -89,8 +73,7 @@ class TrainingRun {
         trainer_(runtime, card_.spec, options.optimizer, options.sequences, options.steps,
                  options.model.without_touch ? std::span<const float>()
                                              : std::span<const float>(data.tactile),
-                 tuning_),
-        scratch_(options.output) {}
+                 tuning_) {}
 
   ModelCard run(bool overwrite) {
     prepare(overwrite);
@@ -167,7 +150,7 @@ class TrainingRun {
   }
 
   bool is_validation_due() const {
-    const int period = std::max(1, updates() / validations_per_run);
+    const int period = ceil_div(updates(), validations_per_run);
     return !validation_.empty() &&
            (trainer_.updates() % period == 0 || trainer_.updates() == updates());
   }
@@ -176,11 +159,10 @@ class TrainingRun {
   void validate() {
     TrainingLogEntry entry{trainer_.updates(), position_.seconds,
                            position_.loss_sum / std::max(position_.loss_count, 1)};
-    const auto& weights = scratch_.save(trainer_, card_);
-    validation_.evaluate(weights, entry);
+    TensorFile model = trainer_.model_file(card_);
+    validation_.evaluate(model, entry);
     position_.log.push_back(entry);
-    if (best_entry(position_.log).update == entry.update)
-      write_file(checkpoint_.best(), read_file(weights), true);
+    if (best_entry(position_.log).update == entry.update) position_.best = std::move(model.tensors);
     position_.loss_sum = 0.0;
     position_.loss_count = 0;
   }
@@ -191,13 +173,12 @@ class TrainingRun {
   }
 
   ModelCard finish(bool overwrite) {
-    const auto weights =
-        position_.log.empty() ? scratch_.save(trainer_, card_) : checkpoint_.best();
+    TensorFile file = trainer_.model_file(card_);
+    if (!position_.log.empty()) file.tensors = position_.best;
     card_.log = position_.log;
     card_.update = position_.log.empty() ? updates() : best_entry(position_.log).update;
-    card_.band_scale = validation_.band_scale(weights);
+    card_.band_scale = validation_.band_scale(file);
     watch_.stop(card_.provenance);
-    TensorFile file = read_safetensors(weights);
     if (card_.spec.object != ObjectEncoder::none)
       card_.mean_embedding =
           mean_training_embedding(runtime_, data_, card_.spec, object_encoder_of(file));
@@ -218,7 +199,6 @@ class TrainingRun {
   Sampler sampler_;
   Validation validation_;
   Trainer trainer_;
-  ScratchWeights scratch_;
   TrainingPosition position_;
   Clock::time_point saved_ = Clock::now();
 };

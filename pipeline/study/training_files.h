@@ -14,10 +14,10 @@ struct TrainingPosition {
   double seconds = 0.0;   ///< spent on updates
   double loss_sum = 0.0;  ///< since the last log entry
   int loss_count = 0;
+  std::vector<Tensor> best;  ///< weights that are best on the validation clips; empty: none yet
 };
 
-/// Checkpoint of an unfinished run next to its output, replaced atomically, and a file with the
-/// best weights so far.
+/// Checkpoint of an unfinished run next to its output, replaced atomically.
 class Checkpoint {
  public:
   explicit Checkpoint(const std::filesystem::path& output);
@@ -28,14 +28,11 @@ class Checkpoint {
             const nlohmann::json& identity) const;
   /// Throws data_error if there is no checkpoint, or one with another identity.
   TrainingPosition load(Trainer& trainer, const nlohmann::json& identity) const;
-  const std::filesystem::path& path() const { return weights_; }
-  /// File with the weights that are best on the validation clips. After a kill they may be newer
-  /// than the checkpoint; the resumed run then recomputes them before it reads the file.
-  const std::filesystem::path& best() const { return best_; }
+  const std::filesystem::path& path() const { return path_; }
   void remove() const noexcept;
 
  private:
-  std::filesystem::path weights_, best_;
+  std::filesystem::path path_;
 };
 
 }  // namespace touchtrace::study

@@ -1,5 +1,6 @@
 #include "pipeline/study/validation.h"
 
+#include "engine/base/progress.h"
 #include "engine/train/predictor.h"
 #include "pipeline/study/score.h"
 
@@ -20,12 +21,12 @@ Validation::Validation(Runtime& runtime, const Dataset& data, const ModelCard& c
   calibration_ = cases_of(Split::calibration);
 }
 
-Rollout Validation::predict(const std::filesystem::path& weights, const RolloutCases& cases) const {
-  return Predictor(runtime_, weights).predict(cases.batch, data_.tactile);
+Rollout Validation::predict(const TensorFile& model, const RolloutCases& cases) const {
+  return Predictor(runtime_, model).predict(cases.batch, data_.tactile);
 }
 
-void Validation::evaluate(const std::filesystem::path& weights, TrainingLogEntry& entry) const {
-  const Rollout rollout = predict(weights, cases_);
+void Validation::evaluate(const TensorFile& model, TrainingLogEntry& entry) const {
+  const Rollout rollout = predict(model, cases_);
   std::vector<double> at_20, at_50;
   const auto size = cases_.path_size(), steps = static_cast<std::size_t>(cases_.batch.steps);
   for (std::size_t i = 0; i < static_cast<std::size_t>(cases_.count()); ++i) {
@@ -40,10 +41,13 @@ void Validation::evaluate(const std::filesystem::path& weights, TrainingLogEntry
   entry.validation_l1_at_50 = nan_mean(at_50);
 }
 
-BandScale Validation::band_scale(const std::filesystem::path& weights) const {
+BandScale Validation::band_scale(const TensorFile& model) const {
   if (calibration_.count() == 0) return {};
-  return fit_band_scale(predict(weights, calibration_), calibration_.batch,
-                        nominal_coverage(band_quantile_));
+  const Rollout rollout = predict(model, calibration_);
+  if (is_finite(rollout))
+    return fit_band_scale(rollout, calibration_.batch, nominal_coverage(band_quantile_));
+  Progress::warn("predictions for the calibration clips are not finite: bands are not scaled");
+  return {};
 }
 
 }  // namespace touchtrace::study

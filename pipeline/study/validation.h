@@ -1,7 +1,5 @@
 #pragma once
 
-#include <filesystem>
-
 #include "pipeline/study/model_card.h"
 #include "pipeline/study/rollouts.h"
 
@@ -15,13 +13,14 @@ class Validation {
 
   /// Whether no validation clip holds a roll-out.
   bool empty() const { return cases_.count() == 0; }
-  /// Fills the validation fields of `entry` for the weights in a file.
-  void evaluate(const std::filesystem::path& weights, TrainingLogEntry& entry) const;
-  /// Fits the band scale of the weights in a file; empty without calibration clips.
-  BandScale band_scale(const std::filesystem::path& weights) const;
+  /// Fills the validation fields of `entry` for a model.
+  void evaluate(const TensorFile& model, TrainingLogEntry& entry) const;
+  /// Fits the band scale of a model; empty without calibration clips and, with a warning, if it
+  /// predicts values that are not finite.
+  BandScale band_scale(const TensorFile& model) const;
 
  private:
-  Rollout predict(const std::filesystem::path& weights, const RolloutCases& cases) const;
+  Rollout predict(const TensorFile& model, const RolloutCases& cases) const;
 
   Runtime& runtime_;
   const Dataset& data_;

@@ -123,6 +123,14 @@ TEST_F(PredictorTest, RejectsFilesThatAreNotModels) {
     EXPECT_THROW(Predictor(runtime_, folder_ / "bad"), Error) << bad;
   }
   file.metadata["spec"] = spec;
+  auto& value = file.tensors.front().values.back();
+  const float finite = value;
+  for (const float bad : {NAN, INFINITY}) {
+    value = bad;
+    EXPECT_THROW(Predictor(runtime_, file), Error) << bad;
+  }
+  value = finite;
+  EXPECT_NO_THROW(Predictor(runtime_, file));
   file.tensors.pop_back();
   write_safetensors(folder_ / "bad", file, true);
   EXPECT_THROW(Predictor(runtime_, folder_ / "bad"), Error);

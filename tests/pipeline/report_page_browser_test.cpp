@@ -31,8 +31,9 @@ json example(const std::string& rank, double l1_at_50) {
   const json spread = std::vector<std::vector<double>>(num_steps, std::vector<double>(12, 0.02));
   return {{"activity", "wave"},
           {"object", "ball"},
+          {"recording", "wave.h5"},
           {"clip", 1},
-          {"start_frame", 42},
+          {"start_s", 2.5},
           {"rank", rank},
           {"l1_at_50", l1_at_50},
           {"rate_hz", 15.0},

@@ -104,6 +104,17 @@ TEST(Band, MeanLossMatchesEquation4) {
   EXPECT_NEAR(mean_loss(rollout, batch, 0.1), (1.0 + 0.15 + 0.45), 1e-6);
   // |1 - 0| + 0.25 (1 + 0.5) + 0.75 (1 - 0.5)
   EXPECT_NEAR(mean_loss(rollout, batch, 0.25), (1.0 + 0.375 + 0.375), 1e-6);
+  batch.weight = {0.0f};
+  EXPECT_TRUE(std::isnan(mean_loss(rollout, batch, 0.1)));
+}
+
+TEST(Band, FactorsArePositiveWithoutErrors) {
+  auto made = growing_residuals(2, 2, 1);
+  made.rollout.state = made.batch.target;
+  EXPECT_EQ(fit_band_scale(made.rollout, made.batch, 0.8), BandScale(2, min_scale));
+  EXPECT_TRUE(is_finite(made.rollout));
+  made.rollout.spread.back() = NAN;
+  EXPECT_FALSE(is_finite(made.rollout));
 }
 
 }  // namespace

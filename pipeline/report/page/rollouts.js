@@ -33,7 +33,7 @@ function exampleView(example) {
 function exampleChooser(activity, examples) {
   const container = element("div");
   const choice = element("select", { "aria-label": `example of ${activity}` }, examples.map((e, i) =>
-    element("option", { value: i }, `${e.object}, ${e.rank} roll-out: L1@50 ${fixed(e.l1_at_50, 3)} (clip ${e.clip}, frame ${e.start_frame})`)));
+    element("option", { value: i }, `${e.object}, ${e.rank} roll-out: L1@50 ${fixed(e.l1_at_50, 3)} (${e.recording}, clip ${e.clip}, from ${fixed(e.start_s, 1)} s)`)));
   const show = () => container.replaceChildren(exampleView(examples[Number(choice.value)]));
   choice.addEventListener("change", show);
   show();
@@ -43,7 +43,7 @@ function exampleChooser(activity, examples) {
 function exampleSection(metrics) {
   const activities = [...new Set(metrics.examples.map((example) => example.activity))];
   if (!activities.length) return;
-  section("roll-outs", metrics.against === "truth" ? "Predicted and true paths" : "Predicted and labelled paths", "Evaluation roll-outs at the median (“median”), 10th (“good”) and 90th percentile (“bad”) of the L1@50 error of the Full model. Band: between the two predicted quantiles, rescaled. Coordinates: camera frame.",
+  section("roll-outs", metrics.against === "truth" ? "Predicted and true paths" : "Predicted and labelled paths", "Evaluation roll-outs with the median, smallest and largest L1@50 of the Full model. Band: between the two predicted quantiles, rescaled. Coordinates: camera frame.",
     legend([{ name: metrics.against === "truth" ? "truth" : "labels", stroke: "truth" }, { name: "Full, with band", stroke: "full" }, { name: "w/o Touch", stroke: "without_touch", dash: true }]),
     activities.map((activity) => exampleChooser(activity, metrics.examples.filter((e) => e.activity === activity))));
 }

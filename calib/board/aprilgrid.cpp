@@ -136,10 +136,11 @@ TargetCorners find_aprilgrid_corners(const GreyImage& image, const CalibrationTa
   for (const int border : border_bits) {
     const DecodedMarkers tags = decode_tags(image, border);
     const TargetCorners decoded = tag_corners(tags, target, FirstRow::bottom);
-    if (!lie_as_in_grid(tags, target, FirstRow::bottom) || !determine_pose(decoded.second, target))
+    if (!lie_as_in_grid(tags, target, FirstRow::bottom) ||
+        !can_determine_pose(decoded.second, target))
       continue;
     TargetCorners found = CornerSearch(image, target, border, decoded).find_all();
-    if (determine_pose(found.second, target)) return found;
+    if (can_determine_pose(found.second, target)) return found;
   }
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <map>
 #include <ranges>
 
 namespace touchtrace {
@@ -28,14 +29,14 @@ Eigen::Vector2d square_lattice_m(const CalibrationTarget& target, int column, in
   return target.square_m * Eigen::Vector2d(column, row);
 }
 
-bool determine_pose(const std::vector<int>& ids, const CalibrationTarget& target) {
+bool can_determine_pose(const std::vector<int>& ids, const CalibrationTarget& target) {
   if (ids.size() < min_corners) return false;
-  const auto differ = [&](auto coordinate) {
-    const auto [min, max] = std::ranges::minmax(ids, {}, coordinate);
-    return coordinate(min) != coordinate(max);
+  std::map<int, int> in_row, in_column;
+  for (const int id : ids) ++in_row[id / target.columns], ++in_column[id % target.columns];
+  const auto has_two_lines = [](const std::map<int, int>& corners) {
+    return std::ranges::count_if(corners, [](const auto& line) { return line.second > 1; }) > 1;
   };
-  return differ([&](int i) { return i / target.columns; }) &&
-         differ([&](int i) { return i % target.columns; });
+  return has_two_lines(in_row) || has_two_lines(in_column);
 }
 
 Eigen::Matrix2d image_scale_px_per_m(const TargetCorners& corners,

@@ -92,8 +92,9 @@ struct CalibrationTarget {
 /// Place of a corner of a square lattice.
 Eigen::Vector2d square_lattice_m(const CalibrationTarget& target, int column, int row);
 
-/// True for 8 corners or more in at least two rows and two columns, which determine a pose.
-bool determine_pose(const std::vector<int>& ids, const CalibrationTarget& target);
+/// True for 8 corners or more, of which two or more are in each of two rows or of two columns: they
+/// determine a pose.
+bool can_determine_pose(const std::vector<int>& ids, const CalibrationTarget& target);
 
 /// Best affine map [px/m] from the target to its image.
 Eigen::Matrix2d image_scale_px_per_m(const TargetCorners& corners, const CalibrationTarget& target);

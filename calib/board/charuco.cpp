@@ -189,7 +189,7 @@ TargetCorners find_charuco_corners(const GreyImage& image, const CalibrationTarg
   const int squares_in_row = board.columns + 1;
   const auto [layout, found_roughly] = best_layout(markers, board, squares_in_row, squares_in_row);
   const TargetCorners& rough = found_roughly.corners;
-  if (!agrees(found_roughly) || !determine_pose(rough.second, board)) return {};
+  if (!agrees(found_roughly) || !can_determine_pose(rough.second, board)) return {};
   const int radius_px = marker_free_radius_px(rough, board);
   TargetCorners found;
   for (std::size_t i = 0; i < rough.second.size(); ++i)
@@ -197,7 +197,7 @@ TargetCorners find_charuco_corners(const GreyImage& image, const CalibrationTarg
       found.first.push_back(*corner);
       found.second.push_back(rough.second[i]);
     }
-  return determine_pose(found.second, board) ? found : TargetCorners{};
+  return can_determine_pose(found.second, board) ? found : TargetCorners{};
 }
 
 const TargetKind charuco_kind{

@@ -48,10 +48,11 @@ std::vector<Eigen::Vector2d> quarter_turned(const std::vector<Eigen::Vector2d>& 
 /// apart.
 void order_by_colors(std::vector<Eigen::Vector2d>& corners, const GreyImage& image,
                      const CalibrationTarget& board) {
-  const bool is_main_dark = is_corner_0_main_dark(image, board, corners);
+  const auto is_main_dark = is_corner_0_main_dark(image, board, corners);
+  if (!is_main_dark) return;
   const bool is_odd_square = board.columns == board.rows && board.columns % 2 == 1;
-  if (!board.is_symmetric() && is_main_dark) std::ranges::reverse(corners);
-  if (is_odd_square && !is_main_dark) corners = quarter_turned(corners, board.columns);
+  if (!board.is_symmetric() && *is_main_dark) std::ranges::reverse(corners);
+  if (is_odd_square && !*is_main_dark) corners = quarter_turned(corners, board.columns);
 }
 
 /// Grey values from the centre of one square, across the middle of an edge, to that of the next.

@@ -72,6 +72,16 @@ std::vector<ChessboardPart::End> find_ends(const CornerLattice& lattice, const G
 
 bool is_even(const LatticeCell& cell) { return (cell[0] + cell[1]) % 2 == 0; }
 
+/// CornerSquares::is_main_dark() at cell (0, 0) according to most corners whose squares the image
+/// shows; nullopt if it shows none or they disagree.
+std::optional<bool> main_dark_of(const GreyImage& image, const CornerLattice& lattice) {
+  int balance = 0;
+  for (const auto& [cell, unused] : lattice)
+    if (const auto squares = squares_around(image, lattice, cell))
+      balance += squares->is_main_dark() == is_even(cell) ? 1 : -1;
+  return balance == 0 ? std::nullopt : std::optional(balance > 0);
+}
+
 /// A place of a part: corner c of the part is at turned(c) + `shift` on the board.
 struct Place {
   int quarter_turns;
@@ -92,10 +102,10 @@ bool agrees(const Place& place, const ChessboardPart& part, const CalibrationTar
     if (!is_on_board(place.on_board(cell), board)) return false;
   for (const auto& [corner, step] : part.ends)
     if (is_on_board(place.on_board(part.cells[corner] + step), board)) return false;
-  if (!is_main_dark) return true;
+  if (!is_main_dark || !part.is_main_dark) return true;
   // A step or a quarter turn exchanges the dark and the light diagonal.
   const bool is_exchanged = is_even(place.shift) == (place.quarter_turns % 2 == 1);
-  return *is_main_dark == (part.is_main_dark != is_exchanged);
+  return *is_main_dark == (*part.is_main_dark != is_exchanged);
 }
 
 }  // namespace
@@ -107,20 +117,18 @@ std::optional<ChessboardPart> find_chessboard_part(const GreyImage& image) {
   for (const auto& [cell, corner_px] : lattice) {
     part.cells.push_back(cell);
     part.corners_px.push_back(corner_px);
-    if (const auto squares = squares_around(image, lattice, cell))
-      part.is_main_dark = squares->is_main_dark() == is_even(cell);
   }
+  part.is_main_dark = main_dark_of(image, lattice);
   part.ends = find_ends(lattice, image);
   return part;
 }
 
-bool is_corner_0_main_dark(const GreyImage& image, const CalibrationTarget& board,
-                           const std::vector<Eigen::Vector2d>& corners_px) {
+std::optional<bool> is_corner_0_main_dark(const GreyImage& image, const CalibrationTarget& board,
+                                          const std::vector<Eigen::Vector2d>& corners_px) {
   CornerLattice lattice;
   for (int i = 0; i < board.num_corners(); ++i)
     lattice[{i % board.columns, i / board.columns}] = corners_px[std::size_t(i)];
-  const auto squares = squares_around(image, lattice, {0, 0});
-  return squares && squares->is_main_dark();
+  return main_dark_of(image, lattice);
 }
 
 std::vector<std::vector<int>> possible_places(const ChessboardPart& part,

@@ -27,9 +27,11 @@ double distance_to_nearest_px(const std::vector<Eigen::Vector2d>& corners, std::
 
 ReducedImage::ReducedImage(const GreyImage& original)
     : factor((std::max(original.width, original.height) + max_side_px - 1) / max_side_px) {
+  const cv::Size size(original.width / factor, original.height / factor);
+  // Without the last pixels of a side that the factor does not divide.
+  const cv::Mat whole = as_matrix(original)(cv::Rect({}, cv::Size(size * factor)));
   cv::Mat small;
-  cv::resize(as_matrix(original), small, {original.width / factor, original.height / factor}, 0, 0,
-             cv::INTER_AREA);
+  cv::resize(whole, small, size, 0, 0, cv::INTER_AREA);
   image = {small.cols, small.rows, {small.datastart, small.dataend}};
 }
 

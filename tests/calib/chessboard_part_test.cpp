@@ -8,6 +8,7 @@
 
 #include "calib/board/board_detector.h"
 #include "calib/board/chessboard.h"
+#include "calib/board/reduced_image.h"
 #include "calib/rgbd/calibrate.h"
 #include "tests/calib/rendered_board.h"
 
@@ -178,6 +179,8 @@ TEST(ChessboardPart, FitsInPlacesThatAgreeWithEndsAndColours) {
   part.corners_px.resize(9);
   const CalibrationTarget board{5, 4, 0.03};
   EXPECT_EQ(possible_places(part, board, {}).size(), 4u * 3u * 2u);
+  EXPECT_EQ(possible_places(part, board, true).size(), 4u * 3u * 2u) << "colours are not known";
+  part.is_main_dark = false;
   EXPECT_EQ(possible_places(part, board, true).size(), 4u * 3u);
   part.ends = {{0, {-1, 0}}, {3, {-1, 0}}, {0, {0, -1}}, {1, {0, -1}}};
   EXPECT_EQ(possible_places(part, board, {}).size(), 4u);
@@ -185,6 +188,50 @@ TEST(ChessboardPart, FitsInPlacesThatAgreeWithEndsAndColours) {
   const auto places = possible_places(part, board, true);
   ASSERT_EQ(places.size(), 2u);
   EXPECT_EQ(places[0], (std::vector<int>{0, 1, 2, 5, 6, 7, 10, 11, 12}));
+}
+
+TEST(Chessboard, ColoursAreThoseOfMostCorners) {
+  const Eigen::Vector3d facing(0.0, 0.0, 0.05);
+  const GreyImage whole = render(board_9x6, board_pose(board_9x6, facing, {0.0, 0.0, 0.5}));
+  auto corners = find_chessboard(whole, board_9x6).first;
+  ASSERT_EQ(corners.size(), 54u);
+  const auto is_dark = is_corner_0_main_dark(whole, board_9x6, corners);
+  ASSERT_TRUE(is_dark);
+  // an image that shows nothing of the squares outside of corner 0
+  const Eigen::Vector2i first = (corners[0] - Eigen::Vector2d(2.0, 2.0)).cast<int>();
+  GreyImage cut{whole.width - first.x(), whole.height - first.y(), {}};
+  for (int y = first.y(); y < whole.height; ++y) {
+    const auto row = whole.pixels.begin() + y * whole.width;
+    cut.pixels.insert(cut.pixels.end(), row + first.x(), row + whole.width);
+  }
+  for (auto& corner : corners) corner -= first.cast<double>();
+  EXPECT_EQ(is_corner_0_main_dark(cut, board_9x6, corners), is_dark);
+  std::ranges::reverse(corners);
+  EXPECT_EQ(is_corner_0_main_dark(cut, board_9x6, corners), !*is_dark);
+}
+
+TEST(CalibrationTarget, CornersOnALineDetermineNoPose) {
+  const CalibrationTarget board{9, 9, 0.03};
+  const std::vector<int> row{0, 1, 2, 3, 4, 5, 6, 10};  // seven in a row and one below
+  EXPECT_FALSE(can_determine_pose(row, board));
+  EXPECT_FALSE(can_determine_pose({0, 10, 20, 30, 40, 50, 60, 70}, board));
+  EXPECT_TRUE(can_determine_pose({0, 1, 2, 3, 4, 5, 9, 10}, board));
+  EXPECT_TRUE(can_determine_pose({0, 9, 18, 27, 36, 45, 1, 10}, board));
+  EXPECT_FALSE(can_determine_pose({0, 1, 9, 10}, board));
+}
+
+TEST(ReducedImage, IsReducedByItsFactorExactly) {
+  GreyImage original{5184, 16, {}};
+  original.pixels.assign(std::size_t(original.width) * original.height, 0);
+  const int x = 5177, y = 7;  // the middle of a block of 5 x 5
+  original.pixels[std::size_t(y) * original.width + x] = 255;
+  const ReducedImage reduced(original);
+  ASSERT_EQ(reduced.factor, 5);
+  const auto brightest = std::ranges::max_element(reduced.image.pixels);
+  const auto at = brightest - reduced.image.pixels.begin();
+  EXPECT_EQ(at % reduced.image.width, x / 5);
+  EXPECT_EQ(at / reduced.image.width, y / 5);
+  EXPECT_EQ(*brightest, 10) << "255 / 25";
 }
 
 TEST(ChessboardPart, CalibratesFromPartialViews) {

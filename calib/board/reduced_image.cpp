@@ -32,7 +32,7 @@ ReducedImage::ReducedImage(const GreyImage& original)
   const cv::Mat whole = as_matrix(original)(cv::Rect({}, cv::Size(size * factor)));
   cv::Mat small;
   cv::resize(whole, small, size, 0, 0, cv::INTER_AREA);
-  image = {small.cols, small.rows, {small.datastart, small.dataend}};
+  image = grey_image(small);
 }
 
 std::vector<Eigen::Vector2d> to_original(std::vector<Eigen::Vector2d> corners,

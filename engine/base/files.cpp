@@ -63,12 +63,6 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-std::string host_name() {
-  std::array<char, 256> name{};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
-
 /// Start of the names of temporary files for `path` on this machine; the process id and ".tmp"
 /// follow.
 std::string temporary_prefix(const fs::path& path) {
@@ -91,6 +85,12 @@ void remove_abandoned(const fs::path& path) {
 }
 
 }  // namespace
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
 
 OutputFile::OutputFile(fs::path path, bool overwrite) : path_(std::move(path)) {
   if (!overwrite && fs::exists(path_))

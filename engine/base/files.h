@@ -6,6 +6,9 @@
 
 namespace touchtrace {
 
+/// Name of this machine; empty if it is not known.
+std::string host_name();
+
 /// Output file that is written atomically.
 ///
 /// The caller writes to temporary(), in the same folder; commit() calls fsync, renames it to path()

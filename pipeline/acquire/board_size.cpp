@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <ranges>
 
+#include "calib/board/image_matrix.h"
 #include "calib/rgbd/calibrate.h"
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -40,7 +41,7 @@ bool is_clear(const SizeCounts& images_of) {
 std::optional<GreyImage> decode_grey(const std::filesystem::path& path) {
   const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
   if (pixels.empty()) return {};
-  return GreyImage{pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}};
+  return grey_image(pixels);
 }
 
 /// Error that says what the first images show instead.

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calib/board/board_detector.h"
+#include "calib/board/image_matrix.h"
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "engine/base/text.h"
@@ -54,10 +55,6 @@ std::string contents_of(const fs::path& path) {
   std::vector<std::string> counts;
   for (const auto& [kind, count] : count_of) counts.push_back(fmt::format("{} {}", count, kind));
   return counts.empty() ? "it is empty" : fmt::format("it has {}", fmt::join(counts, ", "));
-}
-
-GreyImage grey_image(const cv::Mat& pixels) {
-  return {pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}};
 }
 
 /// The image size with most views of the board; images of other sizes are skipped.

@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calib/board/board_detector.h"
+#include "calib/board/image_matrix.h"
 #include "engine/base/progress.h"
 #include "pipeline/acquire/board_views.h"
 #include "pipeline/recording/camera_schema.h"
@@ -16,7 +17,7 @@ GreyImage grey_of(const RgbdFrame& frame, const CameraInfo& camera) {
                       const_cast<std::uint8_t*>(frame.color.data()));
   cv::Mat grey;
   cv::cvtColor(color, grey, cv::COLOR_RGB2GRAY);
-  return {grey.cols, grey.rows, {grey.datastart, grey.dataend}};
+  return grey_image(grey);
 }
 
 std::vector<float> metres_of(const RgbdFrame& frame, const CameraInfo& camera) {

@@ -56,7 +56,7 @@ scene::SimulationSummary simulate_labelled(const scene::SceneOptions& options, R
   stopwatch.stop(labels.provenance);
   summary.wall_seconds = labels.provenance.wall_seconds;
   summary.cpu_seconds = labels.provenance.cpu_seconds;
-  write_labels(study::labels_of(recording), labels, overwrite);
+  write_labels(labels_path_of(recording), labels, overwrite);
   return summary;
 }
 

@@ -195,7 +195,7 @@ bool is_done(const Job& job, const SimulateOptions& options) {
   if (!options.resume || !std::filesystem::exists(job.output)) return false;
   const RecordingReader reader(job.output);
   if (origin(reader.recording().provenance) == origin(job.provenance))
-    return !options.label || std::filesystem::exists(study::labels_of(job.output));
+    return !options.label || std::filesystem::exists(labels_path_of(job.output));
   throw usage_error(fmt::format("{} was made with other options", job.output.string()),
                     "give the same options, another folder, or --overwrite without --resume");
 }

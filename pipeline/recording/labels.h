@@ -24,6 +24,9 @@ struct LabelledBody {
   std::vector<double> error_budget_m;
 };
 
+/// Default path of a recording's labels: wave.labels.h5 of wave.h5.
+std::filesystem::path labels_path_of(const std::filesystem::path& recording);
+
 /// Bit mask of the reasons why a label is not good.
 enum LabelQuality : std::uint8_t {
   quality_good = 0,

@@ -34,6 +34,10 @@ void write_labels(const std::filesystem::path& path, const Labels& labels, bool 
   output.commit();
 }
 
+std::filesystem::path labels_path_of(const std::filesystem::path& recording) {
+  return std::filesystem::path(recording).replace_extension(".labels.h5");
+}
+
 Labels read_labels(const std::filesystem::path& path) {
   return h5::read_untrusted(path, [&](FileFaults& faults) {
     const h5::Loader root = h5::open_root(path, {labels_schema}, faults);

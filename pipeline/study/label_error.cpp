@@ -16,7 +16,8 @@ namespace touchtrace::study {
 namespace {
 
 constexpr double impact_m_per_s2 = 40.0, wrong_m = 0.060, sigmas_of_80_percent = 1.2815515655446004;
-constexpr double max_delay_s = 0.16, delay_step_s = 0.008, min_delay_step_s = 0.00025;
+constexpr double max_delay_s = 0.35;  // as labelling looks for latencies
+constexpr double delay_step_s = 0.008, min_delay_step_s = 0.00025;
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -51,9 +52,6 @@ std::vector<Sample> samples_of(const Labels& labels, const LabelledBody& body, c
     sample.has_true_velocity = acceleration(truth, true_body, *interval) < impact_m_per_s2;
     samples.push_back(std::move(sample));
   }
-  if (samples.empty())
-    throw data_error("no label inside the truth's clips",
-                     "compare labels with the recording that they belong to");
   return samples;
 }
 
@@ -100,11 +98,15 @@ double distance_cost(const std::vector<Sample>& samples) {
   return cost / static_cast<double>(samples.size());
 }
 
-/// Delay that minimises distance_cost: grid search, then halved steps.
+/// Delay that minimises distance_cost: grid search, then halved steps. Delays that leave fewer than
+/// half of the samples are not looked at.
 double estimate_delay(const std::function<std::vector<Sample>(double)>& samples_at) {
-  double best_s = 0.0, lowest = distance_cost(samples_at(0.0));
+  const auto undelayed = samples_at(0.0);
+  double best_s = 0.0, lowest = distance_cost(undelayed);
   const auto evaluate = [&](double delay_s) {
-    const double cost = distance_cost(samples_at(delay_s));
+    const auto samples = samples_at(delay_s);
+    if (2 * samples.size() < undelayed.size()) return;
+    const double cost = distance_cost(samples);
     if (cost < lowest) lowest = cost, best_s = delay_s;
   };
   for (double delay_s = -max_delay_s; delay_s <= max_delay_s; delay_s += delay_step_s)
@@ -185,6 +187,9 @@ BodyError error_of(const Labels& labels, const LabelledBody& body, const Truth& 
   const auto samples_at = [&](double delay_s) {
     return samples_of(labels, body, truth, true_body, delay_s);
   };
+  if (samples_at(0.0).empty())
+    throw data_error("no label inside the truth's clips",
+                     "compare labels with the recording that they belong to");
   BodyError error, delayed;
   error.delay_s = estimate_delay(samples_at);
   measure_delayed(select_right(samples_at(0.0), delayed), error);

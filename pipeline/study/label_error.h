@@ -8,13 +8,18 @@
 
 namespace touchtrace::study {
 
-/// Errors of one body's labels relative to the truth, in the colour camera's frame. Labels more
-/// than 60 mm off the truth plus the median offset are wrong; errors are over labels neither lost
-/// nor wrong. Bias and delay are what no recording shows: the position of a body's centre and the
-/// streams' minimum latency. Spread and aligned velocity are without them. Coverage and NEES
-/// include the bias, as covariances do; they are meaningless for the hand, whose bias is the offset
-/// from the visible part's centre to the palm. Velocities, coverage and NEES exclude times with an
-/// impact between the truth's samples, where the true velocity is unknown.
+/// Errors of one body's labels relative to the truth, in the colour camera's frame.
+///
+/// - A label is wrong if it is over 60 mm from the truth shifted by the median offset.
+/// - RMS, bias and spread are over labels neither lost nor wrong.
+/// - `position_spread_m` and `aligned_velocity_rms_m_per_s` are after removing bias and delay,
+/// which
+///   no recording shows: the position of a body's centre and the streams' minimum latency.
+/// - Coverage and NEES are without alignment, over all labels not flagged as lost. They do not
+/// apply
+///   to the hand, whose label is the centre of its visible part.
+/// - Velocities, coverage and NEES exclude times with an impact between the truth's samples, where
+///   the true velocity is unknown.
 struct BodyError {
   double lost_share = 0.0;          ///< marked as lost while the body is in the image
   double outside_share = 0.0;       ///< the body's centre is outside the image

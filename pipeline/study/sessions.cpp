@@ -48,10 +48,6 @@ void add_truth(Session& session, const LabelledRecording& source) {
 
 }  // namespace
 
-fs::path labels_of(const fs::path& recording) {
-  return fs::path(recording).replace_extension(".labels.h5");
-}
-
 std::vector<LabelledRecording> pair_files(const std::vector<std::string>& recordings,
                                           const std::vector<std::string>& labels) {
   const auto files = recording_files(recordings);
@@ -62,7 +58,7 @@ std::vector<LabelledRecording> pair_files(const std::vector<std::string>& record
         "wave.h5 are wave.labels.h5");
   std::vector<LabelledRecording> sources;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    sources.push_back({files[i], labels.empty() ? labels_of(files[i]) : fs::path(labels[i])});
+    sources.push_back({files[i], labels.empty() ? labels_path_of(files[i]) : fs::path(labels[i])});
     if (labels.empty() && !fs::exists(sources.back().labels))
       throw data_error(fmt::format("labels of {} are missing: {} does not exist", files[i].string(),
                                    sources.back().labels.string()),

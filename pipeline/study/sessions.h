@@ -8,10 +8,7 @@
 
 namespace touchtrace::study {
 
-/// Default path of a recording's labels: wave.labels.h5 of wave.h5.
-std::filesystem::path labels_of(const std::filesystem::path& recording);
-
-/// Pairs recordings and label files by position; `labels` empty: labels_of() each recording. A
+/// Pairs recordings and label files by position; `labels` empty: labels_path_of() each recording. A
 /// folder stands for the recordings in it, sorted by name. Throws usage_error if the numbers differ
 /// or a folder has no recording.
 std::vector<LabelledRecording> pair_files(const std::vector<std::string>& recordings,

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "engine/base/files.h"
+#include "pipeline/recording/labels.h"
 
 namespace touchtrace::sweep {
 
@@ -14,10 +15,10 @@ using nlohmann::json;
 
 namespace {
 
-/// Hash of the labels that commands read for a recording X.h5 by default, X.labels.h5; empty: none.
+/// Hash of the labels that commands read for a recording by default; empty: none.
 std::string labels_hash(const fs::path& recording) {
   std::error_code error;
-  const auto labels = fs::path(recording).replace_extension(".labels.h5");
+  const auto labels = labels_path_of(recording);
   return recording.extension() == ".h5" && fs::is_regular_file(labels, error)
              ? "+" + sha256_of_file(labels)
              : "";

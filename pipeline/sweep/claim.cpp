@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -22,10 +21,8 @@ constexpr std::string_view prefix = "claim.";
 
 /// Host and process namespace: the scope in which a process id is valid.
 std::string machine() {
-  std::array<char, 256> host{};
-  gethostname(host.data(), host.size() - 1);
   std::error_code unknown;
-  return fmt::format("{}/{}", host.data(), fs::read_symlink("/proc/self/ns/pid", unknown).string());
+  return fmt::format("{}/{}", host_name(), fs::read_symlink("/proc/self/ns/pid", unknown).string());
 }
 
 std::optional<int> number_of(const fs::path& file) {

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <thread>
 
+#include "calib/board/image_matrix.h"
 #include "calib/rgbd/calibration.h"
 #include "calib/rig/rig.h"
 #include "engine/base/files.h"
@@ -250,19 +251,14 @@ TEST(CalibrateCommand, FindsTheBoardInALargeImage) {
   cv::Mat enlarged;
   cv::resize(original, enlarged, {}, 4.0, 4.0, cv::INTER_CUBIC);
   const auto expected = find_chessboard(small, CalibrationTarget{}).first;
-  const auto found =
-      find_chessboard({enlarged.cols, enlarged.rows, {enlarged.datastart, enlarged.dataend}},
-                      CalibrationTarget{})
-          .first;
+  const auto found = find_chessboard(grey_image(enlarged), CalibrationTarget{}).first;
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Eigen::Vector2d in_original = (found[i].array() + 0.5) / 4.0 - 0.5;
     EXPECT_LT((in_original - expected[i]).norm(), 0.3) << i;
   }
   cv::Mat without(enlarged.size(), CV_8U, cv::Scalar(128));
-  EXPECT_TRUE(find_chessboard({without.cols, without.rows, {without.datastart, without.dataend}},
-                              CalibrationTarget{})
-                  .first.empty());
+  EXPECT_TRUE(find_chessboard(grey_image(without), CalibrationTarget{}).first.empty());
 }
 
 TEST(CalibrateCommand, NamesTheSizeOfTheBoardThatTheImagesShow) {

@@ -20,10 +20,14 @@ World bounced(const ContactParameters& contact, double speed, double h) {
   place_above(world, Vector3d::Zero(), 1e-6);
   world.object.velocity_m_per_s = -speed * (world.hand.orientation * Vector3d::UnitZ());
   const Drive drive = hold_still(world);
-  for (bool touched = false; !touched || world.contact().touching();) {
+  constexpr double limit_s = 1.0;
+  bool touched = false;
+  for (int step = 0; step * h < limit_s; ++step) {
     world.step(drive, h);
+    if (touched && !world.contact().touching()) return world;
     touched |= world.contact().touching();
   }
+  ADD_FAILURE() << "no bounce within " << limit_s << " s";
   return world;
 }
 

@@ -75,7 +75,7 @@ cli::Command area(const std::string& name, const std::string& summary, Verificat
 
 Verification verify_whole_engine() {
   return [](const std::function<void(Figure)>& emit) {
-    cli::verify_processes(emit);
+    verify_processes(emit);
     verify_engine()(emit);
   };
 }

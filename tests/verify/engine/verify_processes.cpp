@@ -6,7 +6,7 @@
 #include "engine/base/error.h"
 #include "engine/base/scratch_folder.h"
 
-namespace touchtrace::cli {
+namespace touchtrace {
 namespace {
 
 using Environment = std::map<std::string, std::string>;
@@ -31,7 +31,8 @@ void verify_start(const std::string& name, const Environment& environment, doubl
   const auto result = verify("first-step", environment);
   emit(at_most("process start to first training step and end, " + name, result.wall_seconds, "s",
                goal_s));
-  emit(reported("the same in CPU time", result.cpu_seconds, "s"));
+  emit(reported("process start to first training step and end, " + name + ", CPU time",
+                result.cpu_seconds, "s"));
 }
 
 }  // namespace
@@ -48,4 +49,4 @@ void verify_processes(const std::function<void(Figure)>& emit) {
                weights("1") == weights("2") ? 0.0 : 1.0, "", 0.0));
 }
 
-}  // namespace touchtrace::cli
+}  // namespace touchtrace

@@ -46,8 +46,8 @@ std::vector<std::string> sources_in(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(folder)) return found;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) try {
       if (found.size() < 3 && find_kind(entry.path())) found.push_back(entry.path().string());
-    } catch (const Error&) {
-      continue;  // has several folders of images
+    } catch (const std::exception&) {
+      continue;  // has several folders of images, or cannot be read
     }
   std::ranges::sort(found);
   return found;
@@ -57,8 +57,8 @@ std::vector<std::string> sources_in(const std::filesystem::path& folder) {
 std::optional<std::filesystem::path> find_video(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(folder / "depth")) return std::nullopt;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
-    for (const char* extension : {".mp4", ".mov", ".MOV", ".avi", ".mkv"})
-      if (entry.path().extension() == extension) return entry.path();
+    for (const char* extension : {".mp4", ".mov", ".avi", ".mkv"})
+      if (lower_case(entry.path().extension().string()) == extension) return entry.path();
   return std::nullopt;
 }
 

@@ -58,10 +58,10 @@ class CornerSearch {
 
   TargetCorners find_all() {
     const double min_contrast = 0.5 * median_contrast();
-    for (std::size_t before = 0; before < found_.second.size();) {
-      before = found_.second.size();
+    for (std::size_t before = 0; before < found_.ids.size();) {
+      before = found_.ids.size();
       for (int id = 0; id < target_.num_corners(); ++id)
-        if (std::ranges::find(found_.second, id) == found_.second.end())
+        if (std::ranges::find(found_.ids, id) == found_.ids.end())
           if (const auto corner = predicted_corner(id, min_contrast)) add(id, *corner);
     }
     return found_;
@@ -69,17 +69,17 @@ class CornerSearch {
 
  private:
   void add(int id, const Eigen::Vector2d& corner_px) {
-    found_.first.push_back(corner_px);
-    found_.second.push_back(id);
+    found_.corners_px.push_back(corner_px);
+    found_.ids.push_back(id);
   }
   /// Starts from the decoded corner or, if that is too far off, from where the others predict it.
   void refine_decoded() {
     const TargetCorners rough = std::exchange(found_, {});
-    for (std::size_t i = 0; i < rough.second.size(); ++i) {
-      const int id = rough.second[i];
+    for (std::size_t i = 0; i < rough.ids.size(); ++i) {
+      const int id = rough.ids[i];
       const auto local = homography(rough, id);
       if (!local) continue;
-      auto corner = refine(rough.first[i], *local, id);
+      auto corner = refine(rough.corners_px[i], *local, id);
       if (!corner) corner = refine(local->image_of(target_.corner_m(id).head<2>()), *local, id);
       if (corner) add(id, *corner);
     }
@@ -108,9 +108,9 @@ class CornerSearch {
   }
   double median_contrast() const {
     std::vector<double> contrasts;
-    for (std::size_t i = 0; i < found_.second.size(); ++i)
-      if (const auto local = homography(found_, found_.second[i]))
-        if (const auto c = contrast(found_.first[i], *local, found_.second[i]))
+    for (std::size_t i = 0; i < found_.ids.size(); ++i)
+      if (const auto local = homography(found_, found_.ids[i]))
+        if (const auto c = contrast(found_.corners_px[i], *local, found_.ids[i]))
           contrasts.push_back(*c);
     return contrasts.empty() ? 0.0 : median(std::move(contrasts));
   }
@@ -136,11 +136,10 @@ TargetCorners find_aprilgrid_corners(const GreyImage& image, const CalibrationTa
   for (const int border : border_bits) {
     const DecodedMarkers tags = decode_tags(image, border);
     const TargetCorners decoded = tag_corners(tags, target, FirstRow::bottom);
-    if (!lie_as_in_grid(tags, target, FirstRow::bottom) ||
-        !can_determine_pose(decoded.second, target))
+    if (!lie_as_in_grid(tags, target, FirstRow::bottom) || !can_determine_pose(decoded.ids, target))
       continue;
     TargetCorners found = CornerSearch(image, target, border, decoded).find_all();
-    if (can_determine_pose(found.second, target)) return found;
+    if (can_determine_pose(found.ids, target)) return found;
   }
   return {};
 }

@@ -51,7 +51,7 @@ TargetCorners find_aruco_grid_corners(const GreyImage& image, const CalibrationT
   const DecodedMarkers markers = decode(image, grid);
   if (!lie_as_in_grid(markers, grid, FirstRow::top)) return {};
   TargetCorners corners = tag_corners(refined(image, markers, grid), grid, FirstRow::top);
-  return can_determine_pose(corners.second, grid) ? corners : TargetCorners{};
+  return can_determine_pose(corners.ids, grid) ? corners : TargetCorners{};
 }
 
 const TargetKind aruco_grid_kind{

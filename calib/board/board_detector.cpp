@@ -15,7 +15,7 @@ namespace {
 /// Mean grey value where an image shows nothing; 9 to 15 outside of the image circle of a public
 /// fisheye in a lit room, 17 to 28 at its edge.
 constexpr double max_black = 16.0;
-constexpr int pixels_around = 8;  ///< half the side of the square that is looked at
+constexpr int pixels_around = 8;  ///< half-width of the averaging window
 
 /// Mean grey value of the square around a pixel of ImageGrid, within the image.
 double mean_grey(const cv::Mat& image, int column, int row) {
@@ -57,7 +57,8 @@ BoardFound BoardDetector::add(BoardView view, const GreyImage& image) {
   const CalibrationTarget& board = observations_.board;
   observations_.width = image.width, observations_.height = image.height;
   update_lit(image);
-  std::tie(view.corners_px, view.corner_ids) = board.kind->find_corners(image, board);
+  auto [corners_px, ids] = board.kind->find_corners(image, board);
+  view.corners_px = std::move(corners_px), view.corner_ids = std::move(ids);
   if (view.corners_px.empty()) return add_part(std::move(view), image);
   if (board.kind == &chessboard_kind && !view.corner_ids.empty()) complete(view, image);
   return add_whole(std::move(view), image);

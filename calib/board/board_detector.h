@@ -23,7 +23,7 @@ class BoardDetector {
   explicit BoardDetector(const CalibrationTarget& board);
 
   /// Adds a view with the corners that the image shows; `view` has the other members. All images
-  /// have one size. Markers of a part of the target count as all of it.
+  /// have one size. A view of a part of a target with markers counts as whole.
   BoardFound add(BoardView view, const GreyImage& image);
   /// All views, those of a part of the board at the end.
   BoardObservations finish() &&;

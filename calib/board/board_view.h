@@ -5,14 +5,10 @@
 #include <limits>
 
 #include "calib/board/calibration_target.h"
+#include "calib/board/grey_image.h"
 #include "calib/camera/image_grid.h"
 
 namespace touchtrace {
-
-struct GreyImage {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> pixels;  ///< [height, width]
-};
 
 /// Detected corners of one colour image, and its depth image. Pixel convention: Camera.
 struct BoardView {

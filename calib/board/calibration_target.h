@@ -13,8 +13,11 @@ struct BoardView;
 struct CalibrationTarget;
 struct GreyImage;
 
-/// Corners of a target that an image shows [px], and their indices; no indices: all, in order.
-using TargetCorners = std::pair<std::vector<Eigen::Vector2d>, std::vector<int>>;
+/// Corners of a target that an image shows.
+struct TargetCorners {
+  std::vector<Eigen::Vector2d> corners_px = {};
+  std::vector<int> ids = {};  ///< [corners] indices; empty: all, in order
+};
 
 /// Another target than the one that was asked for.
 struct OtherTarget {

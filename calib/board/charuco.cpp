@@ -77,9 +77,9 @@ RoughCorners rough_corners(const DecodedMarkers& markers, const MarkerLayout& la
       ++found.num_pairs;
       pair->first.place *= square, pair->second.place *= square;
       if (const auto local = homography_of(pair->first, pair->second)) {
-        found.corners.first.push_back(
+        found.corners.corners_px.push_back(
             local->image_of(square * (Eigen::Vector2d(column, row) + corner)));
-        found.corners.second.push_back(row * (layout.squares_in_row - 1) + column);
+        found.corners.ids.push_back(row * (layout.squares_in_row - 1) + column);
       }
     }
   return found;
@@ -94,7 +94,7 @@ std::pair<MarkerLayout, RoughCorners> best_layout(const DecodedMarkers& markers,
     for (const bool is_white : {false, true}) {
       const MarkerLayout layout{in_row, is_white};
       RoughCorners found = rough_corners(markers, layout, board);
-      if (found.corners.second.size() > best.second.corners.second.size())
+      if (found.corners.ids.size() > best.second.corners.ids.size())
         best = {layout, std::move(found)};
     }
   return best;
@@ -103,7 +103,7 @@ std::pair<MarkerLayout, RoughCorners> best_layout(const DecodedMarkers& markers,
 /// Whether the markers lie as in the layout. A layout whose rows are one square too short or too
 /// long is right for up to three fifths of the pairs: the others are in the next row.
 bool agrees(const RoughCorners& found) {
-  return 5 * static_cast<int>(found.corners.second.size()) >= 4 * found.num_pairs;
+  return 5 * static_cast<int>(found.corners.ids.size()) >= 4 * found.num_pairs;
 }
 
 /// Radius around a corner that holds no marker, in the direction of the strongest foreshortening.
@@ -120,7 +120,7 @@ std::optional<int> columns_shown(const DecodedMarkers& markers, const Calibratio
   CalibrationTarget any_height = asked;
   any_height.rows = max_squares;
   const auto [layout, found] = best_layout(markers, any_height, min_squares, max_squares);
-  if (!agrees(found) || found.corners.second.size() < min_corners_of_other) return {};
+  if (!agrees(found) || found.corners.ids.size() < min_corners_of_other) return {};
   return layout.squares_in_row - 1;
 }
 
@@ -189,15 +189,15 @@ TargetCorners find_charuco_corners(const GreyImage& image, const CalibrationTarg
   const int squares_in_row = board.columns + 1;
   const auto [layout, found_roughly] = best_layout(markers, board, squares_in_row, squares_in_row);
   const TargetCorners& rough = found_roughly.corners;
-  if (!agrees(found_roughly) || !can_determine_pose(rough.second, board)) return {};
+  if (!agrees(found_roughly) || !can_determine_pose(rough.ids, board)) return {};
   const int radius_px = marker_free_radius_px(rough, board);
   TargetCorners found;
-  for (std::size_t i = 0; i < rough.second.size(); ++i)
-    if (const auto corner = refine_saddle_point(image, rough.first[i], radius_px)) {
-      found.first.push_back(*corner);
-      found.second.push_back(rough.second[i]);
+  for (std::size_t i = 0; i < rough.ids.size(); ++i)
+    if (const auto corner = refine_saddle_point(image, rough.corners_px[i], radius_px)) {
+      found.corners_px.push_back(*corner);
+      found.ids.push_back(rough.ids[i]);
     }
-  return can_determine_pose(found.second, board) ? found : TargetCorners{};
+  return can_determine_pose(found.ids, board) ? found : TargetCorners{};
 }
 
 const TargetKind charuco_kind{

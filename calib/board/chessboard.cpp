@@ -91,11 +91,12 @@ TargetCorners saddle_corners(const std::vector<Eigen::Vector2d>& corners, int fa
   TargetCorners found;
   for (std::size_t i = 0; i < refined.size(); ++i)
     if (refined[i]) {
-      found.first.push_back(*refined[i]);
-      found.second.push_back(static_cast<int>(i));
+      found.corners_px.push_back(*refined[i]);
+      found.ids.push_back(static_cast<int>(i));
     }
-  if (found.first.size() < min_saddle_fraction * static_cast<double>(corners.size())) return {};
-  if (found.first.size() == corners.size()) found.second.clear();
+  if (found.corners_px.size() < min_saddle_fraction * static_cast<double>(corners.size()))
+    return {};
+  if (found.corners_px.size() == corners.size()) found.ids.clear();
   return found;
 }
 
@@ -156,10 +157,10 @@ TargetCorners find_chessboard(const GreyImage& image, const CalibrationTarget& b
     saddles = saddle_corners(corners, 1, image);
     found = {corners, {}};
   }
-  if (!corners.empty() && saddles.first.size() == corners.size()) return found;
+  if (!corners.empty() && saddles.corners_px.size() == corners.size()) return found;
   // a grid that is shifted or turned has corners on the board's outer edge
   auto by_squares = find_chessboard_by_squares(image, board);
-  return by_squares.first.empty() ? found : by_squares;
+  return by_squares.corners_px.empty() ? found : by_squares;
 }
 
 namespace {

@@ -135,10 +135,10 @@ class CirclePixels {
 void refine_centres(const GreyImage& image, const CalibrationTarget& target,
                     TargetCorners& centres) {
   std::vector<std::pair<std::size_t, CirclePixels>> measurable;
-  std::vector<std::optional<CircleImage>> circles(centres.first.size());
+  std::vector<std::optional<CircleImage>> circles(centres.corners_px.size());
   std::vector<double> radii_m;
   for (std::size_t i = 0; i < circles.size(); ++i) {
-    const Eigen::Vector2d centre_m = target.corner_m(centres.second[i]).head<2>();
+    const Eigen::Vector2d centre_m = target.corner_m(centres.ids[i]).head<2>();
     circles[i] = CircleImage::fit(centres, target, centre_m);
     if (!circles[i]) continue;
     const CirclePixels pixels(image, *circles[i], centre_m, free_radius_m(target));
@@ -152,17 +152,17 @@ void refine_centres(const GreyImage& image, const CalibrationTarget& target,
   for (const auto& [i, pixels] : measurable) {
     const Eigen::Vector2d centre_px =
         pixels.centroid_px(radius_m) - circles[i]->centroid_offset_px(radius_m);
-    if (centre_px.allFinite()) centres.first[i] = centre_px;
+    if (centre_px.allFinite()) centres.corners_px[i] = centre_px;
   }
 }
 
 TargetCorners find_dark_circles(const GreyImage& image, const CalibrationTarget& target) {
   TargetCorners centres{order_circles(detect_blobs(image, target), target), {}};
-  if (centres.first.empty()) return {};
-  centres.second.resize(centres.first.size());
-  std::iota(centres.second.begin(), centres.second.end(), 0);
+  if (centres.corners_px.empty()) return {};
+  centres.ids.resize(centres.corners_px.size());
+  std::iota(centres.ids.begin(), centres.ids.end(), 0);
   for (int i = 0; i < num_refinements; ++i) refine_centres(image, target, centres);
-  return {centres.first, {}};
+  return {centres.corners_px, {}};
 }
 
 GreyImage negative(GreyImage image) {
@@ -174,7 +174,7 @@ GreyImage negative(GreyImage image) {
 
 TargetCorners find_circle_centres(const GreyImage& image, const CalibrationTarget& target) {
   const TargetCorners dark = find_dark_circles(image, target);
-  return dark.first.empty() ? find_dark_circles(negative(image), target) : dark;
+  return dark.corners_px.empty() ? find_dark_circles(negative(image), target) : dark;
 }
 
 const TargetKind circles_kind{

@@ -27,13 +27,13 @@ std::optional<CircleImage> CircleImage::fit(const TargetCorners& circles,
   const auto homography = LocalHomography::fit(circles, target, centre_m);
   if (!homography) return {};
   CircleImage result(*homography, centre_m, target.square_m);
-  Eigen::MatrixX<double> places(circles.second.size(), 6), residuals(circles.second.size(), 2);
+  Eigen::MatrixX<double> places(circles.ids.size(), 6), residuals(circles.ids.size(), 2);
   Eigen::Index count = 0;
-  for (std::size_t i = 0; i < circles.second.size(); ++i) {
-    const Eigen::Vector2d place_m = target.corner_m(circles.second[i]).head<2>();
+  for (std::size_t i = 0; i < circles.ids.size(); ++i) {
+    const Eigen::Vector2d place_m = target.corner_m(circles.ids[i]).head<2>();
     if (!((place_m - centre_m).norm() <= LocalHomography::reach * target.square_m)) continue;
     places.row(count) = result.terms(place_m).transpose();
-    residuals.row(count++) = (circles.first[i] - homography->image_of(place_m)).transpose();
+    residuals.row(count++) = (circles.corners_px[i] - homography->image_of(place_m)).transpose();
   }
   if (count < min_circles) return result;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(places.topRows(count));

@@ -2,7 +2,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "calib/board/board_view.h"
+#include "calib/board/grey_image.h"
 
 namespace touchtrace {
 

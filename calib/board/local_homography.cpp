@@ -28,11 +28,11 @@ std::optional<LocalHomography> LocalHomography::fit(const TargetCorners& corners
                                                     const CalibrationTarget& target,
                                                     const Eigen::Vector2d& place_m) {
   std::vector<cv::Point2d> on_target, in_image;
-  for (std::size_t i = 0; i < corners.second.size(); ++i) {
-    const Eigen::Vector2d corner_m = target.corner_m(corners.second[i]).head<2>();
+  for (std::size_t i = 0; i < corners.ids.size(); ++i) {
+    const Eigen::Vector2d corner_m = target.corner_m(corners.ids[i]).head<2>();
     if (!((corner_m - place_m).norm() <= reach * target.square_m)) continue;
     on_target.emplace_back(corner_m.x() / target.square_m, corner_m.y() / target.square_m);
-    in_image.emplace_back(corners.first[i].x(), corners.first[i].y());
+    in_image.emplace_back(corners.corners_px[i].x(), corners.corners_px[i].y());
   }
   if (on_target.size() < min_corners || are_collinear(on_target)) return {};
   const cv::Mat h = cv::findHomography(on_target, in_image, 0);

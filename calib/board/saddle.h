@@ -1,8 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 
-#include "calib/board/chessboard.h"
+#include "calib/board/grey_image.h"
 
 namespace touchtrace {
 
@@ -13,8 +14,8 @@ namespace touchtrace {
 std::optional<Eigen::Vector2d> refine_saddle_point(const GreyImage& image,
                                                    const Eigen::Vector2d& start_px, int radius_px);
 
-/// The same within `radius_px`, for the error of the start, then within `final_radius_px` if that
-/// is smaller: the saddle point of a small neighbourhood is less affected by lens distortion.
+/// Refines within `radius_px`, then within `final_radius_px` if that is smaller. The first radius
+/// absorbs the error of `start_px`, the second reduces the effect of lens distortion.
 std::optional<Eigen::Vector2d> refine_saddle_point(const GreyImage& image,
                                                    const Eigen::Vector2d& start_px, int radius_px,
                                                    int final_radius_px);

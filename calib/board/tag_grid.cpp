@@ -15,7 +15,7 @@ namespace touchtrace {
 namespace {
 
 constexpr int max_tags_in_row = 24, min_pairs = 3;
-constexpr double tried_spacings[] = {0.15, 0.3, 0.5, 0.8};  ///< over the side of a tag
+constexpr double candidate_spacings[] = {0.15, 0.3, 0.5, 0.8};  ///< over the side of a tag
 constexpr std::size_t min_pairs_for_spacing = 20;
 /// Relative. Public photographs of two kalibr targets, one by a fisheye, show 0.301 and 0.302 for
 /// 0.3.
@@ -24,7 +24,7 @@ constexpr double max_spacing_error = 0.05;
 /// Decoded tags one above the other in a grid with so many tags in a row.
 struct TagPairs {
   int in_row = 0, all = 0;
-  int right = 0;  ///< those that lie so in the image
+  int right = 0;  ///< pairs whose positions in the image agree
 
   bool agree() const { return 2 * right >= all; }
 };
@@ -100,9 +100,9 @@ TargetCorners tag_corners(const DecodedMarkers& tags, const CalibrationTarget& g
     const int from_first = tags.ids[i] / in_row, column = tags.ids[i] % in_row,
               row = first_row == FirstRow::top ? from_first : grid.rows / 2 - 1 - from_first;
     for (std::size_t k = 0; k < 4; ++k) {
-      corners.first.push_back(tags.corners_px[i][k]);
-      corners.second.push_back((2 * row + tag_cells[k][1]) * grid.columns + 2 * column +
-                               tag_cells[k][0]);
+      corners.corners_px.push_back(tags.corners_px[i][k]);
+      corners.ids.push_back((2 * row + tag_cells[k][1]) * grid.columns + 2 * column +
+                            tag_cells[k][0]);
     }
   }
   return corners;
@@ -114,7 +114,7 @@ bool lie_as_in_grid(const DecodedMarkers& tags, const CalibrationTarget& grid, F
 
 std::optional<int> find_tags_in_row(const DecodedMarkers& tags, FirstRow first_row) {
   TagPairs best;
-  for (const double spacing : tried_spacings)
+  for (const double spacing : candidate_spacings)
     for (int in_row = 2; in_row <= max_tags_in_row; ++in_row)
       if (const TagPairs pairs = pairs_in_columns(tags, in_row, spacing, first_row);
           pairs.right > best.right)

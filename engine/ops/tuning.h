@@ -30,9 +30,9 @@ struct Tuning {
   std::vector<Layer> layers;
   std::vector<MicroBatch> micro_batches;
 
-  /// Entry of a shape, dead pixels ignored, or else of the same layer with the nearest number of
-  /// images; null if there is none. For a layer the numbers differ at most by a factor of 2, since
-  /// methods pay from some number of images on.
+  /// Entry of the shape, dead pixels ignored, or of the same layer with the nearest number of
+  /// images; null if there is none. Numbers of a layer differ at most by a factor of 2, because the
+  /// fastest method depends on the number of images.
   const Layer* layer(const Conv2dShape& shape) const;
   const MicroBatch* micro_batch(const Conv2dShape& first_layer) const;
   /// Adds an entry or replaces that of the same shape.

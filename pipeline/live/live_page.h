@@ -10,9 +10,9 @@
 
 namespace touchtrace {
 
-/// Event of the page: a frame. `row`: what is shown of it as text and paths: a row of
-/// live_prediction.h or some of its members; "glove": {"rate_hz", "frames", "dropped", "torn",
-/// "repeated", "connected"}; "arrival_unix_s" of its last byte. `pressure`: [rows, cols], 0..1.
+/// JSON text of one frame for the page. `row`: a row of live_prediction.h, or some of its members;
+/// "glove": {"rate_hz", "frames", "dropped", "torn", "repeated", "connected"}; "arrival_unix_s" of
+/// its last byte. `pressure`: [rows, cols], 0..1.
 std::string frame_event(nlohmann::json row, std::span<const float> pressure, int rows, int cols);
 
 /// Page on 127.0.0.1 that shows a glove and, if there are any, predictions. A thread serves it.

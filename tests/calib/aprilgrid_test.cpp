@@ -113,8 +113,8 @@ TEST(AprilGrid, RefusesAnotherSpacing) {
 
 TEST(AprilGrid, FindsNothingWithoutATarget) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
-  EXPECT_TRUE(find_aprilgrid_corners(plain, aprilgrid()).first.empty());
-  EXPECT_TRUE(find_aprilgrid_corners({1, 1, {0}}, aprilgrid()).first.empty());
+  EXPECT_TRUE(find_aprilgrid_corners(plain, aprilgrid()).corners_px.empty());
+  EXPECT_TRUE(find_aprilgrid_corners({1, 1, {0}}, aprilgrid()).corners_px.empty());
 }
 
 TEST(AprilGrid, TellsHowManyTagsARowHas) {
@@ -122,7 +122,7 @@ TEST(AprilGrid, TellsHowManyTagsARowHas) {
   CalibrationTarget asked = aprilgrid();
   EXPECT_FALSE(aprilgrid_kind.find_other(image, asked));
   asked.columns = 10;
-  EXPECT_TRUE(find_aprilgrid_corners(image, asked).first.empty());
+  EXPECT_TRUE(find_aprilgrid_corners(image, asked).corners_px.empty());
   const auto other = aprilgrid_kind.find_other(image, asked);
   ASSERT_TRUE(other);
   EXPECT_EQ(other->seen, "no grid with 5 tags in a row but one with 6");

@@ -88,7 +88,7 @@ TEST(ArucoGrid, TellsHowManyTagsARowHas) {
   CalibrationTarget asked = aruco_grid();
   EXPECT_FALSE(aruco_grid_kind.find_other(near_view(), asked));
   asked.columns = 8;
-  EXPECT_TRUE(find_aruco_grid_corners(near_view(), asked).first.empty());
+  EXPECT_TRUE(find_aruco_grid_corners(near_view(), asked).corners_px.empty());
   const auto other = aruco_grid_kind.find_other(near_view(), asked);
   ASSERT_TRUE(other);
   EXPECT_EQ(other->seen, "no grid with 4 tags in a row but one with 5");
@@ -106,7 +106,7 @@ TEST(ArucoGrid, IsRecognizedWhereAnotherKindWasAskedFor) {
 
 TEST(ArucoGrid, RejectsImpossibleTargets) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
-  EXPECT_TRUE(find_aruco_grid_corners(plain, aruco_grid()).first.empty());
+  EXPECT_TRUE(find_aruco_grid_corners(plain, aruco_grid()).corners_px.empty());
   CalibrationTarget grid = aruco_grid();
   grid.markers->side_m = grid.square_m;
   EXPECT_THROW(find_aruco_grid_corners(plain, grid), Error);

@@ -82,7 +82,7 @@ TEST(Charuco, SaysThatMarkersHaveAnotherSize) {
   other.markers->side_m = 0.012;
   const GreyImage image =
       render(charuco(), board_pose(charuco(), {0.1, 0.1, 0.0}, {0.0, 0.0, 0.5}));
-  ASSERT_TRUE(find_charuco_corners(image, other).first.empty());
+  ASSERT_TRUE(find_charuco_corners(image, other).corners_px.empty());
   const auto seen = charuco_kind.find_other(image, other);
   ASSERT_TRUE(seen);
   EXPECT_NE(seen->seen.find("about 0.7"), std::string::npos) << seen->seen;  // 22 of 30 mm
@@ -91,11 +91,11 @@ TEST(Charuco, SaysThatMarkersHaveAnotherSize) {
 
 TEST(Charuco, FindsNothingWithoutABoard) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
-  EXPECT_TRUE(find_charuco_corners(plain, charuco()).first.empty());
+  EXPECT_TRUE(find_charuco_corners(plain, charuco()).corners_px.empty());
   CalibrationTarget other = charuco();
   other.markers->dictionary = "7x7_50";
   const auto pose = board_pose(charuco(), {0.1, 0.1, 0.0}, {0.0, 0.0, 0.5});
-  EXPECT_TRUE(find_charuco_corners(render(charuco(), pose), other).first.empty());
+  EXPECT_TRUE(find_charuco_corners(render(charuco(), pose), other).corners_px.empty());
 }
 
 /// Board as OpenCV before 4.6 drew it: a marker in the upper left corner.
@@ -131,7 +131,7 @@ TEST(Charuco, TellsHowManyCornersARowHas) {
   for (const int columns : {6, 7, 9}) {
     CalibrationTarget asked = charuco();
     asked.columns = columns;
-    EXPECT_TRUE(find_charuco_corners(image, asked).first.empty()) << columns;
+    EXPECT_TRUE(find_charuco_corners(image, asked).corners_px.empty()) << columns;
     const auto other = charuco_kind.find_other(image, asked);
     ASSERT_TRUE(other) << columns;
     EXPECT_NE(other->seen.find("but one with 8"), std::string::npos) << other->seen;

@@ -84,7 +84,7 @@ TEST(ChessboardPart, WithAllCornersIsAFullView) {
   const auto pose = board_pose(board_8x6, tilt, {0.0, 0.0, 0.5});
   const GreyImage image =
       testing::render({drawing, Eigen::Vector2d::Constant(2.0 * board_8x6.square_m)}, pose);
-  ASSERT_LT(find_chessboard(image, board_8x6).first.size(), 48u);
+  ASSERT_LT(find_chessboard(image, board_8x6).corners_px.size(), 48u);
   BoardDetector detector(board_8x6);
   EXPECT_EQ(detector.add({.name = "only"}, image), BoardFound::whole);
   const BoardObservations found = std::move(detector).finish();
@@ -122,7 +122,7 @@ TEST(Chessboard, CornersHaveTheSameOrderHoweverTheBoardIsTurned) {
         SCOPED_TRACE(::testing::Message()
                      << board.columns << "x" << board.rows << ", " << turn_rad);
         const auto pose = board_pose(board, {0.3, -0.2, turn_rad}, {0.0, 0.0, 0.6});
-        const auto corners = find(render(board, pose), board).first;
+        const auto corners = find(render(board, pose), board).corners_px;
         ASSERT_EQ(corners.size(), static_cast<std::size_t>(board.num_corners()));
         std::vector<int> ids(corners.size());
         std::iota(ids.begin(), ids.end(), 0);
@@ -138,7 +138,7 @@ TEST(Chessboard, LeavesOutACornerUnderGlare) {
   constexpr int under_glare = 20;
   const auto pose = board_pose(board_9x6, {0.3, -0.2, 0.1}, {0.0, 0.0, 0.6});
   GreyImage image = render(board_9x6, pose);
-  const auto all = find_chessboard_by_squares(image, board_9x6).first;
+  const auto all = find_chessboard_by_squares(image, board_9x6).corners_px;
   ASSERT_EQ(all.size(), 54u);
   cv::Mat pixels(image.height, image.width, CV_8U, image.pixels.data());
   cv::circle(pixels,
@@ -193,7 +193,7 @@ TEST(ChessboardPart, FitsInPlacesThatAgreeWithEndsAndColours) {
 TEST(Chessboard, ColoursAreThoseOfMostCorners) {
   const Eigen::Vector3d facing(0.0, 0.0, 0.05);
   const GreyImage whole = render(board_9x6, board_pose(board_9x6, facing, {0.0, 0.0, 0.5}));
-  auto corners = find_chessboard(whole, board_9x6).first;
+  auto corners = find_chessboard(whole, board_9x6).corners_px;
   ASSERT_EQ(corners.size(), 54u);
   const auto is_dark = is_corner_0_main_dark(whole, board_9x6, corners);
   ASSERT_TRUE(is_dark);
@@ -256,7 +256,7 @@ TEST(ChessboardPart, CalibratesFromPartialViews) {
 TEST(Chessboard, WidthOfEdgesIsThatOfTheBlur) {
   const Eigen::Vector3d facing(0.0, 0.0, 0.05);
   const GreyImage sharp = render(board_9x6, board_pose(board_9x6, facing, {0.0, 0.0, 0.5}));
-  const auto corners = find_chessboard(sharp, board_9x6).first;
+  const auto corners = find_chessboard(sharp, board_9x6).corners_px;
   ASSERT_EQ(corners.size(), 54u);
   const double spacing_px = 600.0 * 0.03 / 0.5;
   EXPECT_LT(relative_edge_width(sharp, corners, board_9x6) * spacing_px, 2.0);

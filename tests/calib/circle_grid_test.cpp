@@ -61,10 +61,11 @@ class PlacedCircles : public ::testing::TestWithParam<Placement> {};
 /// RMS distance of the centres of the circles' images from the images of the centres.
 double perspective_offset_px(const CalibrationTarget& target, const Eigen::Isometry3d& pose) {
   TargetCorners truth{{}, all_ids(target)};
-  for (int id : truth.second)
-    truth.first.push_back((testing::rendered_camera * (pose * target.corner_m(id))).hnormalized());
+  for (int id : truth.ids)
+    truth.corners_px.push_back(
+        (testing::rendered_camera * (pose * target.corner_m(id))).hnormalized());
   double squares = 0.0;
-  for (int id : truth.second) {
+  for (int id : truth.ids) {
     const Eigen::Vector2d place_m = target.corner_m(id).head<2>();
     squares += CircleImage::fit(truth, target, place_m)
                    ->centroid_offset_px(radius_m(target))
@@ -76,7 +77,7 @@ double perspective_offset_px(const CalibrationTarget& target, const Eigen::Isome
 TEST_P(PlacedCircles, CentresAreAccurate) {
   const auto& [name, target, angle_axis, centre_m] = GetParam();
   const auto pose = board_pose(target, angle_axis, centre_m);
-  auto centres = find_circle_centres(render(target, pose), target).first;
+  auto centres = find_circle_centres(render(target, pose), target).corners_px;
   ASSERT_EQ(int(centres.size()), target.num_corners());
   const auto ids = all_ids(target);
   double error_px = corner_rms_px(target, pose, centres, ids);
@@ -122,7 +123,7 @@ TEST(CircleGrid, LargeTiltedDimReflectingCircles) {
                print.pixels(cv::Rect(px(corner_m.x()), px(corner_m.y()), px(0.03), px(0.06))) == 0);
   }
   print.pixels = 0.18 * reflecting;
-  auto centres = find_circle_centres(testing::render(print, pose), large).first;
+  auto centres = find_circle_centres(testing::render(print, pose), large).corners_px;
   ASSERT_EQ(int(centres.size()), large.num_corners());
   const auto ids = all_ids(large);
   const double error_px = corner_rms_px(large, pose, centres, ids);
@@ -140,8 +141,8 @@ TEST(CircleImage, OffsetOfTheCentroidBehindADistortingLens) {
   const CalibrationTarget target{5, 5, 0.06, {}, &circles_kind};
   const auto pose = board_pose(target, {0.3, -0.6, 0.1}, {0.1, 0.05, 0.25});
   TargetCorners truth{{}, all_ids(target)};
-  for (int id : truth.second)
-    truth.first.push_back(through_barrel(pose, target.corner_m(id).head<2>()));
+  for (int id : truth.ids)
+    truth.corners_px.push_back(through_barrel(pose, target.corner_m(id).head<2>()));
   const Eigen::Vector2d centre_m = target.corner_m(12).head<2>();
   Eigen::Vector2d moment = Eigen::Vector2d::Zero();
   double area = 0.0;
@@ -190,15 +191,15 @@ INSTANTIATE_TEST_SUITE_P(CircleGrid, CircleGridCalibration,
 TEST(CircleGrid, LightCirclesOnADarkBoardAreFoundAtTheSamePlaces) {
   GreyImage image = render(asymmetric, board_pose(asymmetric, {0.3, -0.2, 0.1}, {0.0, 0.0, 0.6}));
   const TargetCorners dark = find_circle_centres(image, asymmetric);
-  ASSERT_EQ(dark.first.size(), std::size_t(asymmetric.num_corners()));
+  ASSERT_EQ(dark.corners_px.size(), std::size_t(asymmetric.num_corners()));
   for (auto& grey : image.pixels) grey = static_cast<std::uint8_t>(~grey);
-  EXPECT_EQ(find_circle_centres(image, asymmetric).first, dark.first);
+  EXPECT_EQ(find_circle_centres(image, asymmetric).corners_px, dark.corners_px);
 }
 
 TEST(CircleGrid, FindsNothingWithoutATarget) {
   const GreyImage plain{64, 48, std::vector<std::uint8_t>(64 * 48, 128)};
-  EXPECT_TRUE(find_circle_centres(plain, symmetric).first.empty());
-  EXPECT_TRUE(find_circle_centres({1, 1, {0}}, asymmetric).first.empty());
+  EXPECT_TRUE(find_circle_centres(plain, symmetric).corners_px.empty());
+  EXPECT_TRUE(find_circle_centres({1, 1, {0}}, asymmetric).corners_px.empty());
 }
 
 }  // namespace

@@ -250,15 +250,15 @@ TEST(CalibrateCommand, FindsTheBoardInALargeImage) {
                          const_cast<std::uint8_t*>(small.pixels.data()));
   cv::Mat enlarged;
   cv::resize(original, enlarged, {}, 4.0, 4.0, cv::INTER_CUBIC);
-  const auto expected = find_chessboard(small, CalibrationTarget{}).first;
-  const auto found = find_chessboard(grey_image(enlarged), CalibrationTarget{}).first;
+  const auto expected = find_chessboard(small, CalibrationTarget{}).corners_px;
+  const auto found = find_chessboard(grey_image(enlarged), CalibrationTarget{}).corners_px;
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Eigen::Vector2d in_original = (found[i].array() + 0.5) / 4.0 - 0.5;
     EXPECT_LT((in_original - expected[i]).norm(), 0.3) << i;
   }
   cv::Mat without(enlarged.size(), CV_8U, cv::Scalar(128));
-  EXPECT_TRUE(find_chessboard(grey_image(without), CalibrationTarget{}).first.empty());
+  EXPECT_TRUE(find_chessboard(grey_image(without), CalibrationTarget{}).corners_px.empty());
 }
 
 TEST(CalibrateCommand, NamesTheSizeOfTheBoardThatTheImagesShow) {

@@ -33,13 +33,13 @@ std::vector<std::uint16_t> median_depth(const DepthImages& depths) {
   });
 }
 
-std::vector<std::uint16_t> farthest_depth(const DepthImages& depths, double tolerance) {
+std::vector<std::uint16_t> farthest_depth(const DepthImages& depths, double tolerance_counts) {
   const auto min_count = std::max<std::size_t>(2, depths.size() * 4 / 5);
   return for_each_pixel(depths, min_count, [&](std::vector<std::uint16_t>& measured) {
     std::ranges::nth_element(measured, measured.begin() + 1, std::greater());
     const auto farthest = measured[1];
     const auto agreeing = std::ranges::count_if(
-        measured, [&](std::uint16_t depth) { return depth >= farthest - tolerance; });
+        measured, [&](std::uint16_t depth) { return depth >= farthest - tolerance_counts; });
     return 4 * static_cast<std::size_t>(agreeing) < measured.size() ? std::uint16_t{0} : farthest;
   });
 }

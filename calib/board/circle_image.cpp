@@ -37,18 +37,19 @@ std::optional<CircleImage> CircleImage::fit(const TargetCorners& circles,
   }
   if (count < min_circles) return result;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(places.topRows(count));
-  if (solver.rank() == 6) result.bend_px_ = solver.solve(residuals.topRows(count)).transpose();
+  if (solver.rank() == 6)
+    result.distortion_px_ = solver.solve(residuals.topRows(count)).transpose();
   return result;
 }
 
 Eigen::Vector2d CircleImage::image_of(const Eigen::Vector2d& place_m) const {
-  return homography_.image_of(place_m) + bend_px_ * terms(place_m);
+  return homography_.image_of(place_m) + distortion_px_ * terms(place_m);
 }
 
 Eigen::Vector2d CircleImage::place_of(const Eigen::Vector2d& pixel) const {
   Eigen::Vector2d place_m = centre_m_;
   for (int i = 0; i < num_inversion_steps; ++i)
-    place_m = homography_.place_of(pixel - bend_px_ * terms(place_m));
+    place_m = homography_.place_of(pixel - distortion_px_ * terms(place_m));
   return place_m;
 }
 
@@ -75,7 +76,7 @@ Eigen::Vector2d CircleImage::centroid_offset_px(double radius_m) const {
 }
 
 Eigen::Matrix2d CircleImage::derivative() const {
-  return homography_.derivative(centre_m_) + bend_px_.middleCols<2>(1) / unit_m_;
+  return homography_.derivative(centre_m_) + distortion_px_.middleCols<2>(1) / unit_m_;
 }
 
 }  // namespace touchtrace

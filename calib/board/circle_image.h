@@ -33,7 +33,7 @@ class CircleImage {
   LocalHomography homography_;
   Eigen::Vector2d centre_m_;
   double unit_m_;
-  Eigen::Matrix<double, 2, 6> bend_px_ = Eigen::Matrix<double, 2, 6>::Zero();
+  Eigen::Matrix<double, 2, 6> distortion_px_ = Eigen::Matrix<double, 2, 6>::Zero();
 };
 
 }  // namespace touchtrace

@@ -6,7 +6,7 @@
 
 namespace touchtrace {
 
-/// Distance of corners to the epipolar curves of two cameras, in frames that were left out of the
+/// Distance of corners to the epipolar curves of two cameras, in frames that were excluded from the
 /// fit.
 struct EpipolarError {
   std::size_t first, second;  ///< cameras

@@ -20,7 +20,7 @@ struct RigFrame {
 /// of a camera, without leading zeros: left01.jpg and right01.jpg, 007_color.png and 7_ir.png, or
 /// equal time stamps. If fewer than three frames are seen by two cameras that way, and the cameras
 /// have equally many images, images are paired in the order of their names. `used`:
-/// [cameras][views] false: not paired. Frames without a view are left out. Throws data_error if a
+/// [cameras][views] false: not paired. Frames without a view are skipped. Throws data_error if a
 /// camera has two images of one name.
 std::vector<RigFrame> pair_frames(const std::vector<BoardObservations>& cameras,
                                   const std::vector<std::vector<bool>>& used);

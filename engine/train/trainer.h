@@ -38,7 +38,7 @@ class Trainer {
   /// One update of L1 + pinball(Q) + pinball(1 - Q) (equation 4) by back-propagation through time.
   /// With ObjectEncoder::joint, lambda_obj times the contrastive loss of the sequences' segments is
   /// added (equation 6): sequences of the same object are positives, others negatives; a sequence
-  /// without either is left out of that mean.
+  /// without either does not count in that mean.
   ///
   /// Returns the loss before the update. If loss or gradient is not finite, the weights stay, and
   /// the update is skipped with a warning, returning NaN; after max_consecutive_skips in a row it

@@ -95,7 +95,7 @@ void for_each_row(TextTable& table, std::size_t max_rows, const std::string& hin
           "split the file");
     if (table.is_cut_off() && table.fields().size() < table.num_columns()) {
       Progress::warn(
-          fmt::format("{}: left out the last row, which is cut off", table.file().string()));
+          fmt::format("{}: skipped the last row, which is cut off", table.file().string()));
       break;
     }
     try {

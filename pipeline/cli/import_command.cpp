@@ -24,10 +24,10 @@ void describe(OptionSet& set, ImportCommandOptions& o) {
 
 void print_images(const nlohmann::json& s, const std::string& output) {
   fmt::print(
-      "{}: {} colour images of {} x {}, {} depth images of {} x {} at {:.2f} Hz, {} left out\n",
+      "{}: {} colour images of {} x {}, {} depth images of {} x {} at {:.2f} Hz, {} skipped\n",
       output, s["color_images"].get<std::size_t>(), s["width"].get<int>(), s["height"].get<int>(),
       s["depth_images"].get<std::size_t>(), s["depth_width"].get<int>(),
-      s["depth_height"].get<int>(), s["rate_hz"].get<double>(), s["left_out"].get<std::size_t>());
+      s["depth_height"].get<int>(), s["rate_hz"].get<double>(), s["skipped"].get<std::size_t>());
   fmt::print("depth {}registered to colour, unit {:g} m; {} intrinsics; {} clips\n",
              s["registered"].get<bool>() ? "" : "not ", s["depth_unit_m"].get<double>(),
              s["intrinsics"].get<bool>() ? "with" : "no", s["clips"].get<std::size_t>());

@@ -221,14 +221,14 @@ scene::SimulationSummary run_job(const Job& job, const SimulateOptions& options,
              : scene::simulate_recording(job.scene, runtime, job.output, overwrite, job.provenance);
 }
 
-/// Runs a job. One of several whose images cannot be labelled is left out with a warning: nullopt.
+/// Runs a job. One of several whose images cannot be labelled is skipped with a warning: nullopt.
 std::optional<scene::SimulationSummary> try_job(const Job& job, const SimulateOptions& options,
                                                 Runtime* runtime, bool overwrite, bool is_only) {
   try {
     return run_job(job, options, runtime, overwrite);
   } catch (const Error& error) {
     if (error.code() != ExitCode::data || is_only) throw;
-    fmt::print(stderr, "warning: {} is left out: {}\n", job.output.string(), error.what());
+    fmt::print(stderr, "warning: {} is skipped: {}\n", job.output.string(), error.what());
     return std::nullopt;
   }
 }

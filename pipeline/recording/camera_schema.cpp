@@ -21,7 +21,7 @@ CameraAttributes attributes_of(const std::optional<Camera>& camera, double rate_
   return a;
 }
 
-/// Simplest lens with this ROS model and number of coefficients, trailing zeros left out.
+/// Simplest lens with this ROS model and number of coefficients, trailing zeros omitted.
 std::optional<Lens> find_ros_lens(const std::string& model, std::size_t num_coefficients) {
   for (const Lens& lens : all_lenses())
     if (model == lens_interop(lens).ros && coefficient_names(lens).size() >= num_coefficients)

@@ -75,7 +75,7 @@ std::optional<std::string> unpaired_warning(const RecordingReader& reader) {
   const std::size_t images = reader.depth_images(),
                     pairs = reader.recording().camera_times.frames();
   if (pairs >= images) return std::nullopt;
-  return fmt::format("{} of {} depth images have no colour image at their time and are left out",
+  return fmt::format("{} of {} depth images have no colour image at their time and are skipped",
                      images - pairs, images);
 }
 

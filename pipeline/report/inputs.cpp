@@ -29,9 +29,9 @@ std::vector<fs::path> files_of(const fs::path& folder) {
 bool is_recording(const fs::path& file) {
   try {
     if (h5::schema_of(file).starts_with("touchtrace/recording/")) return true;
-    Progress::warn(fmt::format("left out {}: it is not a recording", file.string()));
+    Progress::warn(fmt::format("skipped {}: it is not a recording", file.string()));
   } catch (const Error& error) {
-    Progress::warn(fmt::format("left out {}: {}", file.string(), error.what()));
+    Progress::warn(fmt::format("skipped {}: {}", file.string(), error.what()));
   }
   return false;
 }

@@ -15,7 +15,7 @@ struct Row {
 
 /// Rows of all cells: the entries of "results" of a cell's result. If no cell has "results", the
 /// scalar members of the last stage's results. wall_seconds and cpu_seconds, which differ from run
-/// to run, are left out. Members of a result's "options" become axes. An axis whose name is a field
+/// to run, are skipped. Members of a result's "options" become axes. An axis whose name is a field
 /// of another value is called "axis.NAME", an option "option.NAME".
 std::vector<Row> rows_of(const std::vector<FinishedCell>& cells);
 

@@ -17,7 +17,7 @@ namespace touchtrace::sweep {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int max_fruitless_submissions = 5;
+constexpr int max_submissions_without_progress = 5;
 constexpr auto poll_period = std::chrono::seconds(10);
 constexpr int max_squeue_failures = 60;  // in a row; ten minutes
 
@@ -128,14 +128,14 @@ SweepSummary run_on_slurm(const std::vector<Cell>& cells, const SlurmArray& arra
   const std::size_t reused = done;
   Progress progress("cells", cells.size() - done);
   SweepSummary summary;
-  for (int fruitless = 0; done + summary.failed + summary.skipped < cells.size();) {
+  for (int without_progress = 0; done + summary.failed + summary.skipped < cells.size();) {
     const std::size_t before = done;
     follow(submit(script, errors), errors, cells, done, progress);
     done = count_done(cells);
     summary = settled(cells);
-    fruitless = done > before ? 0 : fruitless + 1;
-    if (fruitless == max_fruitless_submissions)
-      throw failure(fmt::format("{} job arrays in a row finished no cell", fruitless),
+    without_progress = done > before ? 0 : without_progress + 1;
+    if (without_progress == max_submissions_without_progress)
+      throw failure(fmt::format("{} job arrays in a row finished no cell", without_progress),
                     fmt::format("see {}/slurm-*.log; a longer --sbatch=--time=MINUTES may help",
                                 array.root.string()));
   }

@@ -24,7 +24,7 @@ struct Summary {
 };
 
 /// Summary of the rows. `metrics`: fields to include; empty: all that are numbers. Texts with a
-/// slash are taken for paths and left out. Throws usage_error for an unknown metric.
+/// slash are taken for paths and skipped. Throws usage_error for an unknown metric.
 Summary summarize(const std::vector<Row>& rows, const std::vector<std::string>& metrics);
 
 /// Table with "mean +- std" to four digits and the number of rows.

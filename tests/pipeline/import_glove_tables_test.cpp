@@ -21,7 +21,7 @@ TEST_F(ImportGlove, ClocksAndCountersAreNotTaxels) {
   ::testing::internal::CaptureStderr();
   const GloveStream stream = import_alone(alone("a.txt", 4, 3));
   const std::string text = ::testing::internal::GetCapturedStderr();
-  EXPECT_NE(text.find("warning: glove: left out 'column 2'"), std::string::npos) << text;
+  EXPECT_NE(text.find("warning: glove: skipped 'column 2'"), std::string::npos) << text;
   EXPECT_EQ(stream.counts[0], 10);
   EXPECT_EQ(stream.counts[12 * 5 + 3], 41);
   EXPECT_NEAR(stream.info.rate_hz, 100.0, 1e-3);
@@ -171,8 +171,8 @@ TEST_F(ImportGlove, TextIsNotATaxel) {
   ::testing::internal::CaptureStderr();
   const GloveStream stream = import_alone(alone("a.csv", 0, 0));
   const std::string text = ::testing::internal::GetCapturedStderr();
-  EXPECT_NE(text.find("left out 'direction', which is text"), std::string::npos) << text;
-  EXPECT_NE(text.find("left out 'note', which is text"), std::string::npos) << text;
+  EXPECT_NE(text.find("skipped 'direction', which is text"), std::string::npos) << text;
+  EXPECT_NE(text.find("skipped 'note', which is text"), std::string::npos) << text;
   EXPECT_EQ(stream.frames(), std::size_t(num_rows));
   EXPECT_EQ(stream.info.rows, 2);
   EXPECT_EQ(stream.counts[3], 1);

@@ -76,7 +76,7 @@ TEST_F(ImportMasks, WarnOfThoseWithoutAnImage) {
   EXPECT_FALSE(has(output(), "warning: 2 of"));
   write_mask("17.png", 1), write_mask("18.png", 2);
   EXPECT_TRUE(has(output(),
-                  "warning: 2 of 4 masks are left out: no colour image has the name of 17.png, .. "
+                  "warning: 2 of 4 masks are skipped: no colour image has the name of 17.png, .. "
                   "18.png"));
 }
 

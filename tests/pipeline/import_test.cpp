@@ -59,7 +59,7 @@ TEST_F(Import, LeavesOutDamagedImages) {
   write_file(folder_ / "tum" / "rgb" / "1.png", "damaged", true);
   write_file(folder_ / "tum" / "depth" / "2.png", encoded(import_color(0)), true);
   const RecordingReader reader = import("tum");
-  EXPECT_EQ(summary_["left_out"], 2);
+  EXPECT_EQ(summary_["skipped"], 2);
   EXPECT_EQ(reader.color_images(), 3u);
   EXPECT_EQ(reader.depth_images(), 3u);
   EXPECT_EQ(reader.read_camera_frame(0).color[3], 100);

@@ -65,10 +65,10 @@ bool may_be_millimetres(const std::vector<double>& values) {
 
 /// Leaves out a value that marks missing depth, which is implausibly far for a depth, and larger
 /// ones.
-void leave_out(const DepthCode& code, DepthScale& scale, std::vector<double>& values) {
+void skip(const DepthCode& code, DepthScale& scale, std::vector<double>& values) {
   Progress::warn(fmt::format(
       "{:.0f} % of the depth pixels with a value have the value {:g}, which would be {:.3g} m. "
-      "It is taken for a code of missing depth: pixels of {:g} or more are left out",
+      "It is taken for a code of missing depth: pixels of {:g} or more are skipped",
       100.0 * code.share, code.value, code.value * scale.metres_per_value(), code.value));
   scale.invalid_from = code.value;
   std::erase_if(values, [&](double value) { return value >= code.value; });
@@ -134,7 +134,7 @@ DepthScale plausible_scale(DepthScale scale, const SourceStream& depth, bool is_
   if (!values) return scale;
   auto code = find_depth_code(*values);
   if (code && code->value * scale.metres_per_value() > usual_m.max) {
-    leave_out(*code, scale, *values);
+    skip(*code, scale, *values);
     code.reset();
   }
   if (values->empty())

@@ -95,14 +95,14 @@ void copy_streams(StreamCopy& color, StreamCopy& depth, std::size_t num_images) 
   }
 }
 
-void require_mostly_good(std::size_t left_out, std::size_t all, const char* kind) {
-  if (2 * left_out > all)
-    throw data_error(fmt::format("{} of {} {} cannot be used", left_out, all, kind),
+void require_mostly_good(std::size_t skipped, std::size_t all, const char* kind) {
+  if (2 * skipped > all)
+    throw data_error(fmt::format("{} of {} {} cannot be used", skipped, all, kind),
                      "see the warnings above");
 }
 
 void require_mostly_good(const StreamCopy& copy, const char* kind) {
-  require_mostly_good(copy.num_left_out(), copy.num_left_out() + copy.copied().size(), kind);
+  require_mostly_good(copy.num_skipped(), copy.num_skipped() + copy.copied().size(), kind);
 }
 
 /// Reads masks and reports damaged ones.
@@ -115,22 +115,22 @@ class MaskFiles {
     try {
       return reader_.read(file, size);
     } catch (const std::exception& error) {
-      if (++num_left_out_ <= max_reported)
-        Progress::warn(fmt::format("left out mask {}: {}", file.any().string(), error.what()));
+      if (++num_skipped_ <= max_reported)
+        Progress::warn(fmt::format("skipped mask {}: {}", file.any().string(), error.what()));
       return std::nullopt;
     }
   }
   void finish() const {
-    require_mostly_good(num_left_out_, num_files_, "masks");
-    if (num_left_out_ > max_reported)
-      Progress::warn(fmt::format("left out {} masks in all", num_left_out_));
+    require_mostly_good(num_skipped_, num_files_, "masks");
+    if (num_skipped_ > max_reported)
+      Progress::warn(fmt::format("skipped {} masks in all", num_skipped_));
     reader_.require_ids();
   }
 
  private:
   static constexpr std::size_t max_reported = 5;
   InstanceMaskReader reader_;
-  std::size_t num_files_ = 0, num_left_out_ = 0;
+  std::size_t num_files_ = 0, num_skipped_ = 0;
 };
 
 void append_masks(RecordingWriter& writer, const std::map<std::size_t, MaskFile>& files,
@@ -176,7 +176,7 @@ nlohmann::json summarize(const Recording& recording, const StreamCopy& color,
   const CameraInfo& camera = recording.camera;
   return {{"color_images", color.copied().size()},
           {"depth_images", depth.copied().size()},
-          {"left_out", color.num_left_out() + depth.num_left_out()},
+          {"skipped", color.num_skipped() + depth.num_skipped()},
           {"width", camera.width},
           {"height", camera.height},
           {"depth_width", camera.depth_image_width()},

@@ -27,7 +27,7 @@ struct ImportOptions {
 void describe(OptionSet& set, ImportOptions& options);
 
 /// Converts a source to a recording, image by image, and adds the glove if there is one. Damaged
-/// images are reported and left out. `source` is empty for a glove alone. Returns a summary:
+/// images are reported and skipped. `source` is empty for a glove alone. Returns a summary:
 /// numbers of images and glove frames, image sizes, rates, clips. Throws data_error if a file
 /// cannot be used or more than half of the images are damaged.
 nlohmann::json import_recording(const std::filesystem::path& source,

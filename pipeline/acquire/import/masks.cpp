@@ -71,7 +71,7 @@ void warn_of_unused(std::map<std::string, fs::path> by_name,
   if (by_name.empty()) return;
   const std::string first = by_name.begin()->second.filename(),
                     last = by_name.rbegin()->second.filename();
-  Progress::warn(fmt::format("{} of {} masks are left out: no colour image has the name of {}",
+  Progress::warn(fmt::format("{} of {} masks are skipped: no colour image has the name of {}",
                              by_name.size(), num_files,
                              first == last ? first : first + ", .. " + last));
 }

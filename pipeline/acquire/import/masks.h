@@ -28,7 +28,7 @@ struct MaskFile {
 /// Mask files of a folder by the index of their colour image: those with the colour image's file
 /// name, in which numbers may have other leading zeros, or all of them in order if none has. A
 /// folder with the folders `hand` and `object` has a mask for each body. Reports those that are
-/// left out. Throws data_error if numbers of files do not match.
+/// skipped. Throws data_error if numbers of files do not match.
 std::map<std::size_t, MaskFile> mask_files(const std::filesystem::path& folder,
                                            const std::vector<SourceImage>& images);
 

@@ -48,7 +48,7 @@ Pair read_pair(const SourceStream& color, const SourceStream& depth, std::size_t
           read_depth(depth, nearest_image(depth, color.images[index].host_time_s))};
 }
 
-/// Pairs spread over the streams; damaged images are left out.
+/// Pairs spread over the streams; skips damaged images.
 std::vector<Pair> sample_pairs(const SourceStream& color, const SourceStream& depth) {
   std::vector<Pair> pairs;
   const std::size_t count = std::min(num_samples, color.images.size());

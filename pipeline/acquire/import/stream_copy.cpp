@@ -28,20 +28,20 @@ void StreamCopy::copy_next() {
   try {
     image = stream_.read(index);
   } catch (const std::exception& error) {
-    return leave_out(error.what());
+    return skip(error.what());
   }
   if (image.size() != format_.size)
-    return leave_out(fmt::format("{}x{} pixels instead of {}x{}", image.cols, image.rows,
-                                 format_.size.width, format_.size.height));
-  if (image.type() != format_.type) return leave_out("another type of pixels");
+    return skip(fmt::format("{}x{} pixels instead of {}x{}", image.cols, image.rows,
+                            format_.size.width, format_.size.height));
+  if (image.type() != format_.type) return skip("another type of pixels");
   append_(image);
   copied_.emplace(index, copied_.size());
 }
 
-void StreamCopy::leave_out(const std::string& fault) {
-  if (num_left_out() <= max_reported)
-    Progress::warn(fmt::format("left out {}: {}", stream_.images[next_ - 1].name, fault));
-  if (num_left_out() == max_reported + 1) Progress::warn("left out further images");
+void StreamCopy::skip(const std::string& fault) {
+  if (num_skipped() <= max_reported)
+    Progress::warn(fmt::format("skipped {}: {}", stream_.images[next_ - 1].name, fault));
+  if (num_skipped() == max_reported + 1) Progress::warn("skipped further images");
 }
 
 CameraTimes StreamCopy::times() const {

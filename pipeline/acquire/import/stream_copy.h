@@ -19,7 +19,7 @@ struct ImageFormat {
 };
 
 /// Copies the images of one stream to a recording. Images that are damaged or of another format are
-/// reported and left out.
+/// reported and skipped.
 class StreamCopy {
  public:
   using Append = std::function<void(const cv::Mat& image)>;
@@ -37,10 +37,10 @@ class StreamCopy {
   CameraTimes times() const;
   /// Index in the recording by index in the source.
   const std::map<std::size_t, std::size_t>& copied() const { return copied_; }
-  std::size_t num_left_out() const { return next_ - copied_.size(); }
+  std::size_t num_skipped() const { return next_ - copied_.size(); }
 
  private:
-  void leave_out(const std::string& fault);
+  void skip(const std::string& fault);
 
   const SourceStream& stream_;
   ImageFormat format_;

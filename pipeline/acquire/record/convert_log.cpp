@@ -193,14 +193,14 @@ LogConversion summarize(const Recording& recording, const LogDamage& damage) {
 void report(const LogConversion& conversion, const fs::path& log) {
   const LogDamage& damage = conversion.damage;
   if (damage.torn_bytes > 0)
-    Progress::warn(fmt::format("{} ends with a torn record of {} bytes, which is left out",
+    Progress::warn(fmt::format("{} ends with a torn record of {} bytes, which is skipped",
                                log.string(), damage.torn_bytes));
   if (!damage.is_torn_only())
-    Progress::warn(fmt::format("{} is damaged: {} records and {} bytes are left out", log.string(),
+    Progress::warn(fmt::format("{} is damaged: {} records and {} bytes are skipped", log.string(),
                                damage.lost_records, damage.damaged_bytes));
   if (conversion.unusable_records > 0)
     Progress::warn(
-        fmt::format("{} records of {} are left out: unknown kind, wrong size or wrong order",
+        fmt::format("{} records of {} are skipped: unknown kind, wrong size or wrong order",
                     conversion.unusable_records, log.string()));
 }
 

@@ -49,7 +49,7 @@ class ImageReplay : public CameraSource {
     try {
       pass_on(sink, is_color, index, image);
     } catch (const std::exception& error) {
-      Progress::warn(fmt::format("left out {}: {}", image.name, error.what()));
+      Progress::warn(fmt::format("skipped {}: {}", image.name, error.what()));
     }
     return true;
   }

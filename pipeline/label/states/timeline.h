@@ -51,7 +51,7 @@ struct LabelTime {
 };
 
 /// Every counter value of the first glove inside a clip, lost frames included, clip after clip. In
-/// a recording without glove, every camera frame. Clips in which the object fell are left out.
+/// a recording without glove, every camera frame. Clips in which the object fell are skipped.
 std::vector<LabelTime> label_times(const Recording& recording, const Timeline& timeline);
 
 /// Camera frames that arrived in each clip, and its boxes. No frames where the object fell; a

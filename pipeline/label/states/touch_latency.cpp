@@ -150,7 +150,7 @@ class SegmentLikelihood {
     return scan_s * (variance.dot(place) / variance.sum() - 0.5);
   }
   /// Each frame minus `memory_` times the one before, without the mean over the frames: errors of
-  /// first order become independent. Frames after a lost one are left out.
+  /// first order become independent. Frames after a lost one are skipped.
   MatrixXd whitened(const MatrixXd& values) const {
     MatrixXd result(std::ranges::count(is_pair_, true), values.cols());
     for (Eigen::Index i = 1, to = 0; i < values.rows(); ++i)

@@ -15,7 +15,7 @@ bool has_impact(const ClipMotion& clip, double from_s, double to_s) {
 }
 
 /// A sample's force is the mean over the interval before it, so it is compared with the change of
-/// velocity in that interval. Intervals with an impact of a ball are left out.
+/// velocity in that interval. Intervals with an impact of a ball are skipped.
 double force_residual(const std::vector<ClipMotion>& clips, const ObjectSpec& object) {
   double error = 0.0, scale = 0.0;
   for (const ClipMotion& clip : clips)

@@ -89,7 +89,7 @@ SourceStream open_stream(const std::shared_ptr<MessageFile>& bag, const std::str
       stream.images.push_back({image, message.record_time_s, device_time_s});
       messages.push_back(message);
     } catch (const std::out_of_range& error) {
-      Progress::warn(fmt::format("left out a message of {}: {}", name, error.what()));
+      Progress::warn(fmt::format("skipped a message of {}: {}", name, error.what()));
     }
   stream.read = [bag, messages = std::move(messages), type = topic.type,
                  serialization = topic.serialization](std::size_t i) {

@@ -99,7 +99,7 @@ void drop_text(TextTable& table, std::vector<TableColumn>& taxels) {
   if (std::ranges::all_of(taxels, is_text)) return;
   for (const TableColumn& column : taxels)
     if (is_text(column))
-      Progress::warn(fmt::format("glove: left out '{}', which is text", column.label));
+      Progress::warn(fmt::format("glove: skipped '{}', which is text", column.label));
   std::erase_if(taxels, is_text);
 }
 

@@ -29,7 +29,7 @@ bool is_lfs_pointer(const std::filesystem::path& file) {
 }
 
 /// Leaves out frames in which a taxel has no value.
-void leave_out_incomplete(GloveFile& glove, const std::filesystem::path& file) {
+void skip_incomplete(GloveFile& glove, const std::filesystem::path& file) {
   const std::size_t frames = glove.time_s.size(), taxels = glove.taxels();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < frames; ++i) {
@@ -55,7 +55,7 @@ void report_incomplete(const std::filesystem::path& file, std::size_t incomplete
   if (static_cast<double>(incomplete) > max_incomplete * static_cast<double>(all))
     throw data_error(fmt::format("{}: {}", file.string(), text),
                      "fill them in, or leave out columns that are not taxels");
-  Progress::warn(fmt::format("glove: {} and are left out", text));
+  Progress::warn(fmt::format("glove: {} and are skipped", text));
 }
 
 GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOptions& options) {
@@ -68,7 +68,7 @@ GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOpti
   for (const GloveFileKind& kind : glove_file_kinds) {
     if (kind.is_kind(file)) {
       GloveFile glove = kind.read(file, options);
-      leave_out_incomplete(glove, file);
+      skip_incomplete(glove, file);
       if (glove.time_s.empty())
         throw data_error(fmt::format("{} has no frames", file.string()), "record again");
       return glove;

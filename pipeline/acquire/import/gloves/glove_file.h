@@ -44,7 +44,7 @@ void require_no_stream(const GloveFileOptions& options);
 /// `values` per frame.
 void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& options);
 
-/// Warns of frames that were left out, since some taxel has no value. Throws data_error if they are
+/// Warns of frames that were skipped, since some taxel has no value. Throws data_error if they are
 /// more than a tenth of all.
 void report_incomplete(const std::filesystem::path& file, std::size_t incomplete, std::size_t all);
 

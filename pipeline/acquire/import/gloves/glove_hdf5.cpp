@@ -58,7 +58,7 @@ void drop_unwritten(GloveFile& glove) {
   const std::size_t taxels = glove.taxels(), num_values = glove.values.size() / taxels,
                     rows = std::min(glove.time_s.size(), num_values);
   if (num_values != glove.time_s.size())
-    Progress::warn(fmt::format("glove: {} frames have {} times; the rest is left out", num_values,
+    Progress::warn(fmt::format("glove: {} frames have {} times; the rest is skipped", num_values,
                                glove.time_s.size()));
   const std::vector<double> time_s = glove.time_s;
   const WrittenRows is_written(time_s);
@@ -71,7 +71,7 @@ void drop_unwritten(GloveFile& glove) {
   }
   if (const std::size_t known = std::min(is_written.end(), rows); frames < known)
     Progress::report(
-        fmt::format("glove: left out {} of {} rows, which have no time", known - frames, known));
+        fmt::format("glove: skipped {} of {} rows, which have no time", known - frames, known));
   glove.time_s.resize(frames);
   glove.values.resize(frames * taxels);
 }

@@ -103,7 +103,7 @@ void drop_clocks(const FrameReader& reader, const GloveFileOptions& options, Glo
     if (!reader.increases(i % count)) values.push_back(glove.values[i]);
   for (std::size_t i = 0; i < count; ++i)
     if (reader.increases(i))
-      Progress::warn(fmt::format("glove: left out '{}', which increases in each row as clocks do",
+      Progress::warn(fmt::format("glove: skipped '{}', which increases in each row as clocks do",
                                  columns.taxels[i].label));
   columns.taxels = std::move(taxels), glove.values = std::move(values);
 }

@@ -89,7 +89,7 @@ std::vector<std::size_t> ordered_frames(const std::vector<double>& time_s) {
     std::size_t first = 0;
     while (first < frames.size() && frames[first] == first) ++first;
     Progress::warn(fmt::format(
-        "left out {} of {} glove frames, the first one is frame {}: their stamps run backward or "
+        "skipped {} of {} glove frames, the first one is frame {}: their stamps run backward or "
         "are missing",
         time_s.size() - frames.size(), time_s.size(), first));
   }

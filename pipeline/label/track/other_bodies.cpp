@@ -11,44 +11,14 @@ namespace {
 constexpr int hand_owner = 0, no_owner = OwnedCells::no_owner, doubtful_owner = -2;
 constexpr double infinite_m = std::numeric_limits<double>::infinity();
 constexpr double min_cell_m = 0.015, cell_pixels = 3.0, cell_noise_sigmas = 3.0;
-constexpr std::size_t max_surface_cells = 400;
-constexpr double size_time_s = 0.5, log_size_sigma = 0.7;  // a factor of two
 // Minimum visible area of an arm over that of a hand's disc. Smaller patches belong to the hand.
 constexpr double min_arm_fraction = 0.5;
 constexpr double established_s = 0.5;  // what vanishes earlier was noise
-constexpr double body_sigma_m = 0.01;
 // Elbow to fingertip, 95th percentile of men in ANSUR II (Gordon et al. 2014).
 constexpr double forearm_hand_m = 0.52;
 const double min_log_ratio = std::log(20.0);
 
 }  // namespace
-
-double OtherBodies::Tracked::reach_m() const { return std::min(filter.gate_m(), arm_reach_m); }
-
-/// Distance to the surface, moved by `shift_m`.
-double OtherBodies::Tracked::distance_m(const Eigen::Vector3f& position_m) const {
-  const Eigen::Vector3f unmoved = position_m - shift_m.cast<float>();
-  float least = std::numeric_limits<float>::infinity();
-  for (const auto& cell_m : surface_m) least = std::min(least, (cell_m - unmoved).squaredNorm());
-  return std::sqrt(least);
-}
-
-/// Negative log-likelihood of a place, without the normalisation.
-double OtherBodies::Tracked::misfit(const Place& place) const {
-  const auto log_size = [](double fraction) {
-    return std::log(std::max(fraction, min_hand_fraction));
-  };
-  const double sigmas = gate_sigmas * (place.centroid_m - expected_m()).norm() / reach_m(),
-               size_sigmas =
-                   (log_size(place.visible_fraction) - log_size(visible_fraction)) / log_size_sigma;
-  return 0.5 * (sigmas * sigmas + size_sigmas * size_sigmas);
-}
-
-/// Logarithm of the likelihood ratio of two bodies' places and the same places exchanged.
-double OtherBodies::log_ratio(const Tracked& a, const Place& of_a, const Tracked& b,
-                              const Place& of_b) {
-  return a.misfit(of_b) + b.misfit(of_a) - a.misfit(of_a) - b.misfit(of_b);
-}
 
 void OtherBodies::start(const Surface& surface, const PixelBox& hand_box,
                         const PixelBox& object_box, const Patch& hand) {
@@ -74,13 +44,14 @@ void OtherBodies::start(const Surface& surface, const PixelBox& hand_box,
   owned_.give_to_nearest(doubtful_owner);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const auto cells = owned_.of(static_cast<int>(k));
-    measure(bodies_[k], cells, k == hand_owner ? hand.centroid_m : owned_.centroid_m(cells));
+    bodies_[k].measure(owned_, cells, k == hand_owner ? hand.centroid_m : owned_.centroid_m(cells),
+                       seconds_);
   }
 }
 
 void OtherBodies::exclude_from(Surface& surface, double seconds) {
   seconds_ = seconds;
-  const auto was_noise = [](const Tracked& body) {
+  const auto was_noise = [](const TrackedBody& body) {
     return !body.is_visible && body.seen_s < established_s;
   };
   bodies_.erase(std::remove_if(bodies_.begin() + 1, bodies_.end(), was_noise), bodies_.end());
@@ -220,7 +191,7 @@ void OtherBodies::measure_others() {
   for (std::size_t k = 1; k < bodies_.size(); ++k) {
     const auto cells = owned_.of(static_cast<int>(k));
     if (owned_.visible_fraction(cells) >= min_hand_fraction)
-      measure(bodies_[k], cells, owned_.centroid_m(cells));
+      bodies_[k].measure(owned_, cells, owned_.centroid_m(cells), seconds_);
     else
       bodies_[k].is_visible = false;
   }
@@ -242,11 +213,11 @@ bool OtherBodies::update(const std::optional<Patch>& hand) {
     return false;
   }
   bodies_.front().is_visible = before.is_visible;
-  measure(bodies_.front(), own, hand->centroid_m);
+  bodies_.front().measure(owned_, own, hand->centroid_m, seconds_);
   for (const auto& component : apart) {
     const auto position_m = owned_.centroid_m(component);
     if (auto* hidden = hidden_near(position_m))
-      measure(*hidden, component, position_m);
+      hidden->measure(owned_, component, position_m, seconds_);
     else
       add_body(component);
   }
@@ -278,8 +249,8 @@ OtherBodies::HandCells OtherBodies::hand_cells(const Patch& hand) const {
   return result;
 }
 
-OtherBodies::Tracked* OtherBodies::hidden_near(const Eigen::Vector3d& position_m) {
-  Tracked* nearest = nullptr;
+TrackedBody* OtherBodies::hidden_near(const Eigen::Vector3d& position_m) {
+  TrackedBody* nearest = nullptr;
   for (std::size_t k = 1; k < bodies_.size(); ++k) {
     auto& body = bodies_[k];
     const double distance_m = (body.centroid_m - position_m).norm();
@@ -290,26 +261,10 @@ OtherBodies::Tracked* OtherBodies::hidden_near(const Eigen::Vector3d& position_m
   return nearest;
 }
 
-void OtherBodies::measure(Tracked& body, const CellIndices& cells,
-                          const Eigen::Vector3d& centroid_m) const {
-  if (body.is_visible)
-    body.filter.measure(centroid_m, body_sigma_m);
-  else
-    body.filter.start(centroid_m, body_sigma_m);
-  body.centroid_m = centroid_m;
-  const double weight = body.seen_s > 0.0 ? std::min(1.0, seconds_ / size_time_s) : 1.0;
-  body.visible_fraction += weight * (owned_.visible_fraction(cells) - body.visible_fraction);
-  body.seen_s += seconds_;
-  body.is_visible = true;
-  body.surface_m.clear();
-  for (std::size_t i = 0; i < cells.size(); i += 1 + cells.size() / max_surface_cells)
-    body.surface_m.push_back(owned_.cells[cells[i]].mean_m);
-}
-
 void OtherBodies::add_body(const CellIndices& cells) {
   for (const auto i : cells) owned_.owners[i] = static_cast<int>(bodies_.size());
   bodies_.emplace_back();
-  measure(bodies_.back(), cells, owned_.centroid_m(cells));
+  bodies_.back().measure(owned_, cells, owned_.centroid_m(cells), seconds_);
 }
 
 }  // namespace touchtrace::label

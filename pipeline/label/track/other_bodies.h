@@ -5,7 +5,7 @@
 
 #include "pipeline/label/observe/lift.h"
 #include "pipeline/label/track/owned_cells.h"
-#include "pipeline/label/track/target_filter.h"
+#include "pipeline/label/track/tracked_body.h"
 
 namespace touchtrace::label {
 
@@ -37,27 +37,12 @@ class OtherBodies {
   bool update(const std::optional<Patch>& hand);
 
  private:
-  struct Tracked {
-    TargetFilter filter;
-    std::vector<Eigen::Vector3f> surface_m = {};  ///< means of cells when last visible
-    Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
-    Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< of the surface since then
-    double visible_fraction = 0.0;                      ///< exponential average
-    double seen_s = 0.0;                                ///< in all
-    bool is_visible = false;                            ///< in the last frame
-
-    Eigen::Vector3d expected_m() const { return is_visible ? filter.position_m() : centroid_m; }
-    double reach_m() const;
-    double distance_m(const Eigen::Vector3f& position_m) const;
-    double misfit(const Place& place) const;
-  };
   /// Components of cells that may be the hand's: those of its patch, and the large others.
   struct HandCells {
     CellIndices own;
     std::vector<CellIndices> apart;
   };
 
-  static double log_ratio(const Tracked& a, const Place& of_a, const Tracked& b, const Place& of_b);
   void find_cells(const Surface& surface);
   void assign_to_visible();
   void assign_to_nearest();
@@ -68,14 +53,13 @@ class OtherBodies {
   void measure_others();
   HandCells hand_cells(const Patch& hand) const;
   /// Hidden body that may be at `position_m`, the nearest; null: none.
-  Tracked* hidden_near(const Eigen::Vector3d& position_m);
-  void measure(Tracked& body, const CellIndices& cells, const Eigen::Vector3d& centroid_m) const;
+  TrackedBody* hidden_near(const Eigen::Vector3d& position_m);
   void add_body(const CellIndices& cells);
 
   const Segmenter& segmenter_;
   double depth_noise_at_1m_, seconds_ = 0.0;
-  std::vector<Tracked> bodies_;  ///< the hand and the others
-  OwnedCells owned_;             ///< of the current frame; owners are indices of bodies_
+  std::vector<TrackedBody> bodies_;  ///< the hand and the others
+  OwnedCells owned_;                 ///< of the current frame; owners are indices of bodies_
 };
 
 }  // namespace touchtrace::label

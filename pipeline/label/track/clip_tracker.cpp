@@ -45,28 +45,10 @@ class ClipTracker {
 
   void step(SegmentedFrame segmented, double seconds, ClipTrack& track) {
     auto& [frame, surface, image] = segmented;
-    const bool has_mask = scene_.has_some_masks && !frame.mask.empty(),
-               is_masked = has_mask && scene_.only_masked_body != mask_object;
+    const bool has_hand_mask = is_masked(frame, mask_hand);
     if (is_started_ && !others_) scene_.split_object(surface, clip_.object, hand_.predicted_m());
-    std::optional<Patch> hand, object;
-    if (!is_started_) {
-      // a box excludes the other hand and the bare arm
-      hand = is_masked ? find_masked_hand(frame, surface, image, {})
-                       : hand_.find_in_box(points_in(surface, clip_.hand_box), clip_.hand_box);
-      if (hand && others_ && !is_masked)
-        others_->start(surface, clip_.hand_box, clip_.object_box, *hand);
-      object = object_.find_in_box(surface, clip_.object_box);
-    } else {
-      hand_.predict(seconds, false, gravity_);
-      object_.predict(seconds, is_away_, gravity_);
-      const auto [hand_box, object_box] = update_trackers(image);
-      hand = is_masked ? find_masked_hand(frame, surface, image, hand_box)
-                       : find_hand(surface, image, hand_box, seconds);
-      if (hand && hand_.is_lost() && object_.is_lost()) assume_in_hand(*hand);
-      object = object_.find(surface, image, object_box, *scene_.segmenter, position_in_hand(hand));
-      if (!object && has_mask && scene_.only_masked_body != mask_hand)
-        object = object_.find_in_box(surface, mask_box(frame, mask_object, image_width()));
-    }
+    const auto [hand, object] =
+        is_started_ ? find_in_next_frame(segmented, seconds) : find_in_first_frame(segmented);
     const std::size_t index = track.hand.size();
     track.hand.push_back(hand ? observe_hand(*hand) : Observation{});
     unseen_s_ += seconds;
@@ -75,7 +57,7 @@ class ClipTracker {
                : Observation{});
     update(track.hand.back(), track.object.back(), frame, image);
     // boxes and masks show where the hand ends
-    const bool is_shown = index == 0 || scene_.has_all_masks || is_masked;
+    const bool is_shown = index == 0 || scene_.has_all_masks || has_hand_mask;
     if (hand && !is_shown && is_on_arm(*hand, surface)) track.hand.back() = {};
   }
 
@@ -85,6 +67,47 @@ class ClipTracker {
   int tracker_starts() const { return hand_.tracker_starts() + object_.tracker_starts(); }
 
  private:
+  struct Found {
+    std::optional<Patch> hand, object;
+  };
+
+  /// Whether the frame has masks that show the body.
+  bool is_masked(const RgbdFrame& frame, MaskValue body) const {
+    const MaskValue other = body == mask_hand ? mask_object : mask_hand;
+    return scene_.has_some_masks && !frame.mask.empty() && scene_.only_masked_body != other;
+  }
+
+  /// A box excludes the other hand and the bare arm.
+  Found find_in_first_frame(SegmentedFrame& segmented) {
+    auto& [frame, surface, image] = segmented;
+    Found found;
+    if (is_masked(frame, mask_hand)) {
+      found.hand = find_masked_hand(frame, surface, image, {});
+    } else {
+      found.hand = hand_.find_in_box(points_in(surface, clip_.hand_box), clip_.hand_box);
+      if (found.hand && others_)
+        others_->start(surface, clip_.hand_box, clip_.object_box, *found.hand);
+    }
+    found.object = object_.find_in_box(surface, clip_.object_box);
+    return found;
+  }
+
+  Found find_in_next_frame(SegmentedFrame& segmented, double seconds) {
+    auto& [frame, surface, image] = segmented;
+    hand_.predict(seconds, false, gravity_);
+    object_.predict(seconds, is_away_, gravity_);
+    const auto [hand_box, object_box] = update_trackers(image);
+    Found found;
+    found.hand = is_masked(frame, mask_hand) ? find_masked_hand(frame, surface, image, hand_box)
+                                             : find_hand(surface, image, hand_box, seconds);
+    if (found.hand && hand_.is_lost() && object_.is_lost()) assume_in_hand(*found.hand);
+    found.object =
+        object_.find(surface, image, object_box, *scene_.segmenter, position_in_hand(found.hand));
+    if (!found.object && is_masked(frame, mask_object))
+      found.object = object_.find_in_box(surface, mask_box(frame, mask_object, image_width()));
+    return found;
+  }
+
   /// Boxes of the image trackers on hand and object.
   std::array<std::optional<PixelBox>, 2> update_trackers(const MaskedImage& image) {
     const auto& camera = scene_.segmenter->color_camera();

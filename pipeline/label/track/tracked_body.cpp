@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/label/observe/lift.h"
+
 namespace touchtrace::label {
 namespace {
 

@@ -79,18 +79,6 @@ std::size_t wide_columns(std::string_view text) {
   return 0;
 }
 
-std::string column_name(std::string_view field) {
-  std::string name;
-  for (char c : lower_case(field)) {
-    if (std::isalnum(static_cast<unsigned char>(c)))
-      name += c;
-    else if (!name.empty() && name.back() != '_')
-      name += '_';
-  }
-  if (name.ends_with('_')) name.pop_back();
-  return name;
-}
-
 std::vector<std::string> column_names(const std::vector<std::string_view>& fields) {
   std::vector<std::string> names;
   for (const auto field : fields) names.push_back(column_name(field));
@@ -116,6 +104,18 @@ bool is_missing(std::string_view field) {
 }
 
 }  // namespace
+
+std::string column_name(std::string_view field) {
+  std::string name;
+  for (char c : lower_case(field)) {
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      name += c;
+    else if (!name.empty() && name.back() != '_')
+      name += '_';
+  }
+  if (name.ends_with('_')) name.pop_back();
+  return name;
+}
 
 TextTable::TextTable(std::filesystem::path file)
     : file_(std::move(file)), text_(read_file(file_, max_bytes)) {

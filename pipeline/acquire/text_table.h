@@ -29,8 +29,7 @@ class TextTable {
   TextTable& operator=(const TextTable&) = delete;
 
   const std::filesystem::path& file() const { return file_; }
-  /// Column names of the header in lower case; each run of other characters than letters and digits
-  /// is one underscore: "Time [ms]" is "time_ms". Empty without a header.
+  /// Names of the header, as column_name(). Empty without a header.
   const std::vector<std::string>& names() const { return names_; }
   /// Words of the last comment before the first row, in the same form.
   const std::vector<std::string>& comment_names() const { return comment_names_; }
@@ -73,6 +72,10 @@ class TextTable {
   std::vector<std::string_view> fields_;
   std::vector<std::string> names_, comment_names_;
 };
+
+/// A name in lower case; each run of other characters than letters and digits is one underscore:
+/// "Time [ms]" is "time_ms".
+std::string column_name(std::string_view text);
 
 /// Number of a field: NaN for a missing value (empty, `nan`, `na`, `null`, `none`), nullopt for
 /// other text. `Number`: double or long double.

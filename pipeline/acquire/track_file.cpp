@@ -22,8 +22,8 @@ constexpr long double max_plain_time_s = 1e6L;  // doubles resolve these to 0.1 
 
 class TrackReader {
  public:
-  explicit TrackReader(const std::filesystem::path& file)
-      : table_(file), columns_(columns_of(table_)) {
+  TrackReader(const std::filesystem::path& file, const TrackOptions& options)
+      : table_(file), columns_(columns_of(table_, options)), rate_hz_(options.rate_hz) {
     result_.file = file;
     result_.has_sigmas = columns_.sigma.has_value();
   }
@@ -50,19 +50,21 @@ class TrackReader {
 
   /// Time of the row relative to the origin.
   double next_time() {
-    const auto time_s = value_of<long double>(table_, columns_.time);
-    if (std::isnan(time_s)) throw LineFault{columns_.time.label + " is missing"};
+    if (!columns_.time) return static_cast<double>(num_rows_++) / rate_hz_;
+    const TableColumn& column = *columns_.time;
+    const auto time_s = value_of<long double>(table_, column);
+    if (std::isnan(time_s)) throw LineFault{column.label + " is missing"};
     if (std::abs(time_s) > max_time_s)
       throw LineFault{
           fmt::format("{} {} is out of range in seconds; name the column time_ms, "
                       "time_us or time_ns for other units",
-                      columns_.time.label, field(columns_.time))};
+                      column.label, field(column))};
     const auto previous_s = std::exchange(last_time_s_, time_s);
     if (!previous_s && std::abs(time_s) > max_plain_time_s)
       result_.origin_s = static_cast<std::int64_t>(std::floor(time_s));
     if (previous_s && time_s < *previous_s)
-      throw LineFault{fmt::format("{} {} is before that of the previous row", columns_.time.label,
-                                  field(columns_.time))};
+      throw LineFault{
+          fmt::format("{} {} is before that of the previous row", column.label, field(column))};
     return static_cast<double>(time_s - static_cast<long double>(result_.origin_s));
   }
 
@@ -85,13 +87,17 @@ class TrackReader {
 
   TextTable table_;
   TrackColumns columns_;
+  double rate_hz_;
+  std::size_t num_rows_ = 0;
   std::optional<long double> last_time_s_;
   TrackFile result_;
 };
 
 }  // namespace
 
-TrackFile read_track(const std::filesystem::path& file) { return TrackReader(file).read(); }
+TrackFile read_track(const std::filesystem::path& file, const TrackOptions& options) {
+  return TrackReader(file, options).read();
+}
 
 std::string time_text(std::int64_t origin_s, double time_s) {
   if (origin_s == 0) return fmt::format("{}", time_s);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calib/smooth/track.h"
+#include "pipeline/acquire/track_columns.h"
 
 namespace touchtrace {
 
@@ -24,7 +25,7 @@ struct TrackFile {
 
 /// Reads a CSV file or a TUM trajectory; README.md describes the formats. Throws data_error with
 /// all faulty lines, or if there are more than `max_rows` or no positions.
-TrackFile read_track(const std::filesystem::path& file);
+TrackFile read_track(const std::filesystem::path& file, const TrackOptions& options = {});
 
 /// Reads flights, columns `release_s` and `landing_s`, on the clock of `track`'s file. Throws
 /// data_error with all faulty lines, or for flights that overlap or are outside the track's time.

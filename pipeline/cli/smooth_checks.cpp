@@ -16,13 +16,11 @@ namespace touchtrace::cli {
 namespace {
 
 constexpr double max_speed_m_per_s = 100.0;  // of half of a hand's, tool's or ball's positions
+constexpr double max_distance_m = 20.0;      // of a motion capture volume
 /// Between what motion and correlated errors make of correct standard deviations (recorded hands,
 /// tools and balls at 20 and 60 Hz: 0.1 to 13) and millimetres in place of metres.
 constexpr double max_sigma_ratio = 30.0;
 constexpr double earth_m_per_s2 = 9.81, max_gravity_error = 0.05;
-/// Positions that are rounded to millimetres, of a body at rest with noise of 1 mm, are the same
-/// five times in a row by chance once in 10^6 samples.
-constexpr std::size_t min_repeats = 4;
 constexpr double max_repeated_times = 0.1;  ///< of the samples
 constexpr double min_slow_step_s = 1.0, max_gap_s = 3600.0;
 
@@ -60,15 +58,18 @@ void warn_of_sigma(const SmoothInput& input) {
       input.track.file.string(), min > 1.0 ? min : max));
 }
 
-/// Number of positions in runs that repeat the position before them at least `min_repeats` times.
+/// Number of positions that repeat the one before them too often to be held between measurements.
 std::size_t count_repeats(const Track& track) {
-  std::size_t count = 0, run = 0;
-  for (std::size_t i = 1; i <= track.size(); ++i)
-    if (i < track.size() && track[i].position_m == track[i - 1].position_m)
-      ++run;
-    else
-      count += run >= min_repeats ? run : 0, run = 0;
+  std::size_t count = 0;
+  for (const RepeatedRun& run : find_repeats(track))
+    if (run.count > max_held_repeats) count += run.count;
   return count;
+}
+
+double median_distance_m(const Track& track) {
+  std::vector<double> distances_m;
+  for (const auto& point : track) distances_m.push_back(point.position_m.norm());
+  return median(std::move(distances_m));
 }
 
 void warn_of_times(const Track& track, const std::string& file) {
@@ -130,6 +131,11 @@ void warn_of_implausible(const SmoothInput& input) {
         fmt::format("{}: half of the positions move faster than {:.2g} m/s; hint: if "
                     "they are in millimetres, name the columns x_mm, y_mm, z_mm",
                     file, speed));
+  else if (const double distance_m = median_distance_m(track); distance_m > max_distance_m)
+    Progress::warn(
+        fmt::format("{}: half of the positions are over {:.3g} m from the origin; hint: if they "
+                    "are in millimetres, name the columns x_mm, y_mm, z_mm",
+                    file, distance_m));
   else if (input.sigma_source != "data")
     warn_of_sigma(input);
   if (const auto repeats = count_repeats(track); repeats > 0 && repeats + 1 < track.size())

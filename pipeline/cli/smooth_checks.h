@@ -7,9 +7,9 @@
 
 namespace touchtrace::cli {
 
-/// Warns of positions that move too fast for metres, of a stated standard deviation that differs by
-/// orders of magnitude from how neighbouring positions scatter, of repeated positions and times, of
-/// times that are hardly seconds, and of long gaps.
+/// Warns of positions that move too fast or are too far from the origin for metres, of a stated
+/// standard deviation that differs by orders of magnitude from how neighbouring positions scatter,
+/// of repeated positions and times, of times that are hardly seconds, and of long gaps.
 void warn_of_implausible(const SmoothInput& input);
 
 /// Warns if gravity does not have its size on Earth, or if no flight is left in `smoothed` and

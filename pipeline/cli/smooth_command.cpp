@@ -16,6 +16,7 @@ using nlohmann::json;
 struct SmoothCommandOptions {
   std::vector<std::string> tracks;
   std::string output = "smoothed", flights = "none";
+  TrackOptions input;
   std::vector<double> gravity_m_per_s2;
   double sigma_m = 0.0, rate_hz = 0.0;
 
@@ -32,6 +33,12 @@ void describe(OptionSet& set, SmoothCommandOptions& o) {
              "y_m, z_m, or TUM trajectory");
   set.text("output", o.output, "folder for TRACK.csv, TRACK.flights.csv and smooth.json")
       .value("DIR");
+  set.text("x-column", o.input.x_column,
+           "column of x in a file with several bodies, e.g. hand_x for hand_x, hand_y, hand_z")
+      .value("NAME");
+  set.number("input-rate", o.input.rate_hz, "samples per second of a file without times [Hz]", 0.0,
+             1e6)
+      .value("HZ");
   set.number("sigma", o.sigma_m,
              "standard deviation of measured coordinates [m] in files without; 0: estimated from "
              "the data",
@@ -121,7 +128,7 @@ ExitCode run(const SmoothCommandOptions& options, const Invocation& invocation) 
   require_valid(options);
   const auto files = smoothed_files(options.output, options.tracks);
   require_writable(options, files, invocation.overwrite);
-  auto inputs = read_smooth_inputs(options.tracks, files, options.sigma_m);
+  auto inputs = read_smooth_inputs(options.tracks, files, options.input, options.sigma_m);
   for (const auto& input : inputs) output_times(input.track, options.rate_hz);  // not too many
   for (const auto& input : inputs) warn_of_implausible(input);
   auto provenance = provenance_of(options, invocation);

@@ -42,6 +42,36 @@ TEST_F(SmoothCommand, WarnsOfImplausibleInputs) {
   for (auto& point : track) point.position_m *= 1000.0;
   put(folder_ / "millimetres.csv", csv(track));
   EXPECT_NE(warnings({path("millimetres.csv")}).find(units), std::string::npos);
+  track = sine(5.0, 1);  // too slow to be noticed by its speed
+  for (auto& point : track)
+    point.position_m = 30.0 * point.position_m + Eigen::Vector3d(0.0, 0.0, 800.0);
+  put(folder_ / "far.csv", csv(track));
+  EXPECT_NE(warnings({path("far.csv")}).find("m from the origin"), std::string::npos);
+}
+
+TEST_F(SmoothCommand, SkipsPositionsThatAreWrittenSeveralTimes) {
+  auto track = sine(5.0, 1);
+  put(folder_ / "once.csv", csv(track));
+  for (std::size_t i = 0; i < track.size(); ++i) track[i].position_m = track[i - i % 3].position_m;
+  put(folder_ / "thrice.csv", csv(track));
+  const auto nees = [&](const char* name) {
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(run({path(name), "-o", path("out"), "--overwrite"}), 0);
+    const bool warned = ::testing::internal::GetCapturedStderr().find(
+                            "334 of 501 positions repeat") != std::string::npos;
+    EXPECT_EQ(warned, std::string(name) == "thrice.csv");
+    auto columns = columns_of(folder_ / "out" / fs::path(name));
+    const auto time = numbers(columns["time_s"]), x = numbers(columns["x_m"]),
+               variance = numbers(columns["cov_x_x"]);
+    EXPECT_EQ(time.size(), warned ? 167u : 501u);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < time.size(); ++i)
+      sum += std::pow(x[i] - amplitude_m * std::sin(rad_per_s * time[i]), 2) / variance[i];
+    return sum / static_cast<double>(time.size());
+  };
+  // 1 if the covariance is right; with the repeats it is over 10
+  EXPECT_LT(nees("once.csv"), 2.0);
+  EXPECT_LT(nees("thrice.csv"), 2.0);
 }
 
 TEST_F(SmoothCommand, WarnsOfWrongGravity) {

@@ -17,10 +17,10 @@ namespace {
 namespace fs = std::filesystem;
 using testing::put, testing::TemporaryFolder;
 
-TrackFile track_of(const std::string& text) {
+TrackFile track_of(const std::string& text, const TrackOptions& options = {}) {
   const TemporaryFolder folder;
   put(folder / "track.csv", text);
-  return read_track(folder / "track.csv");
+  return read_track(folder / "track.csv", options);
 }
 
 /// Expects a data_error whose message contains all `parts`.
@@ -55,6 +55,34 @@ TEST(TrackFile, ReadsEverySeparatorWithAndWithoutHeader) {
   expect_two_points("time_s;x_m;y_m;z_m\n0,1;1;2;3\n0,2;1,5;2;3\n");
   expect_two_points("\xEF\xBB\xBFt, x, y, z\n0.1, 1, 2, 3\n0.2, 1.5, 2, 3\n");
   expect_two_points("# made by hand\n0.1,1,2,3\n# a gap\n0.2,1.5,2,3\n");
+}
+
+TEST(TrackFile, FindsTheOnlyColumnsThatDifferByTheirAxis) {
+  expect_two_points(
+      "timestamp,true_hand_pos_X,true_hand_pos_Y,true_hand_pos_Z\n0.1,1,2,3\n0.2,1.5,2,3\n");
+  expect_two_points(
+      "time,hand_qx,hand_qy,hand_qz,hand_x_mm,hand_y_mm,hand_z_mm\n"
+      "0.1,0,0,1,1000,2000,3000\n0.2,0,0,1,1500,2000,3000\n");
+  expect_two_points(
+      "time,hand_vx,hand_vy,hand_vz,indexXraw,indexYraw,indexZraw\n"
+      "0.1,0,0,1,1,2,3\n0.2,0,0,1,1.5,2,3\n");
+  expect_refused("time,qx,qy,qz\n0.1,0,0,1\n", {"no column for x, y, z"});
+}
+
+TEST(TrackFile, OneOfSeveralBodiesIsChosen) {
+  const std::string text =
+      "Time,A-pX,A-pY,A-pZ,B-pX,B-pY,B-pZ\n0.1,7,8,9,1,2,3\n0.2,7,8,9,1.5,2,3\n";
+  expect_refused(text, {"several bodies: 'a_px', 'b_px'"});
+  EXPECT_EQ(track_of(text, {.x_column = "B-pX"}).track[1].position_m,
+            Eigen::Vector3d(1.5, 2.0, 3.0));
+  EXPECT_THROW(track_of(text, {.x_column = "C-pX"}), Error);
+}
+
+TEST(TrackFile, RowsWithoutTimesHaveARate) {
+  const TrackFile read = track_of("Frame,x,y,z\n7,1,2,3\n8,1,2,3\n9,1,2,4\n", {.rate_hz = 50.0});
+  ASSERT_EQ(read.track.size(), 3u);
+  EXPECT_DOUBLE_EQ(read.track[2].time_s, 0.04);
+  EXPECT_EQ(read.track[2].position_m.z(), 4.0);
 }
 
 TEST(TrackFile, FindsColumnsByNameAndUnit) {

@@ -42,6 +42,64 @@ TEST_F(ImportGlove, LinesBeforeATableAreSkipped) {
   EXPECT_NEAR(stream.info.rate_hz, 10.0, 1e-3);
 }
 
+/// Header, and rows of which the last of 16 sensors changes.
+std::string sixteen_sensors(const std::string& header, const std::string& before,
+                            const std::string& after) {
+  std::string table = header + "\n";
+  for (int row = 0; row < num_rows; ++row) {
+    table += fmt::format("{:.3f}{}", 1770000000.5 + 0.05 * row, before);
+    for (int i = 0; i < 16; ++i) table += fmt::format(",{}", i == 15 ? 40 + row % 2 : 10 + i);
+    table += after + "\n";
+  }
+  return table;
+}
+
+std::string sensor_names() {
+  std::string names;
+  for (int i = 0; i < 16; ++i) names += fmt::format(",s_{}", i);
+  return names;
+}
+
+TEST_F(ImportGlove, NumberedColumnsThatFitAreTheTaxels) {
+  const auto expect_sensors = [&](const ImportOptions& options, const char* taken) {
+    ::testing::internal::CaptureStderr();
+    const GloveStream stream = import_alone(options);
+    const std::string text = ::testing::internal::GetCapturedStderr();
+    EXPECT_NE(text.find(taken), std::string::npos) << text;
+    EXPECT_EQ(stream.info.rows, 4);
+    EXPECT_EQ(stream.counts[0], 10);
+    EXPECT_EQ(stream.counts[16 * 3 + 15], 41);
+    EXPECT_NEAR(stream.info.rate_hz, 20.0, 1e-2);
+  };
+  testing::put(folder_ / "a.csv",
+               sixteen_sensors("pc_ts,index avg" + sensor_names() + ",X,Y,Z", ",7", ",1,2,3"));
+  expect_sensors(alone("a.csv", 0, 0), "only s_0 to s_15 are taken for taxels");
+  expect_sensors(alone("a.csv", 4, 4), "only s_0 to s_15 are taken for taxels");
+  auto chosen = alone("a.csv", 4, 4);
+  chosen.glove.layout.taxels = "s 0:s_15";
+  expect_sensors(chosen, "times are 'pc_ts'");
+  chosen.glove.layout.taxels = "3:18";
+  expect_sensors(chosen, "times are 'pc_ts'");
+  fs::remove(folder_ / "out.h5");
+  expect_glove_rejected(alone("a.csv", 5, 5), "index_avg, s_0 to s_15, x, y, z");
+  for (const char* wrong : {"s_0", "s_0:s_16", "0:3"}) {
+    chosen.glove.layout.taxels = wrong;
+    EXPECT_THROW(import_alone(chosen), Error) << wrong;
+  }
+}
+
+TEST_F(ImportGlove, AFirstColumnThatIsNoClockIsASensor) {
+  std::string table;
+  for (int i = 0; i < num_rows; ++i) table += fmt::format("{},6,7,8,9,{}\n", 5 + i % 2, i % 3);
+  testing::put(folder_ / "a.csv", table);
+  auto options = alone("a.csv", 0, 0);
+  options.source.rate_hz = 20.0;
+  fs::remove(folder_ / "out.h5");
+  expect_glove_rejected(options, "6 values per frame are not a square");
+  options.glove.layout.rows = 2;
+  EXPECT_EQ(import_alone(options).info.cols, 3);
+}
+
 TEST_F(ImportGlove, TablesWithoutTimesNeedARate) {
   std::string table = "left_1,left_2,left_3,right_1\n";
   for (int i = 0; i < num_rows; ++i) table += fmt::format("5,6,7,{}\n", i % 3);

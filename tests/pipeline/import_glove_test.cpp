@@ -49,6 +49,14 @@ TEST_F(ImportGlove, NumpyAndTablesHaveTheSameFrames) {
   expect_glove_rejected(with_glove("plain.csv"), "give --rows and --cols");
 }
 
+TEST_F(ImportGlove, AnArchiveWithoutTimesNeedsARate) {
+  auto options = with_glove("timeless.npz");
+  fs::remove(folder_ / "out.h5");
+  expect_glove_rejected(options, "has no array time_s");
+  options.source.rate_hz = 20.0;
+  expect_counts(import_alone(options), 300);
+}
+
 TEST_F(ImportGlove, AFrameOfAnArchiveWithoutAValueIsLost) {
   const GloveStream stream = glove(with_glove("gap.npz"));
   EXPECT_EQ(stream.frames(), 299u);

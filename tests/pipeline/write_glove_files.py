@@ -70,6 +70,7 @@ def main(folder):
     write_actionsense(os.path.join(folder, "actionsense.hdf5"))
     frames = np.array([counts(i) for i in range(300)])
     stamps = np.array([time_s(i) for i in range(300)])
+    np.savez(os.path.join(folder, "timeless.npz"), counts=frames)
     np.savez(os.path.join(folder, "flat.npz"), ts=(stamps * 1e9).astype(np.int64), tactile=frames.reshape(300, -1),
              note=np.array(["text"]))
     np.savez_compressed(os.path.join(folder, "fraction.npz"), time_s=stamps, pressure=1 - (frames / 4095.0).astype(np.float32))

@@ -11,6 +11,10 @@ void describe(OptionSet& set, GloveOptions& o) {
   set.text("glove-stream", o.layout.stream,
            "glove of a file with several, such as tactile-glove-right")
       .value("NAME");
+  set.text("taxels", o.layout.taxels,
+           "first and last column of the taxels of a table, by name or by number from 1, such as "
+           "s_0:s_255 or 3:258; default: all but times, counters and text")
+      .value("FIRST:LAST");
   set.integer("rows", o.layout.rows, "rows of taxels of a table; 0: as many as columns", 0, 1024);
   set.integer("cols", o.layout.cols, "columns of taxels of a table; 0: as many as rows", 0, 1024);
   set.integer("bits", o.bits, "of the converter; 0: from the largest count", 0, 16);

@@ -7,13 +7,15 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "engine/base/text.h"
 #include "pipeline/acquire/import/gloves/taxel_names.h"
 
 namespace touchtrace {
 namespace {
 
 constexpr const char* epoch_name = "epoch_unix_s";
-constexpr std::size_t max_counted_rows = 1000;
+constexpr std::size_t max_counted_rows = 1000, min_clock_rows = 20;
+constexpr std::size_t min_square = 16;  // of numbered columns, where no layout is given
 constexpr double min_text_share = 0.9;
 
 /// Whether a column has neither taxels nor times: numbers of frames, time as text, labels.
@@ -33,18 +35,66 @@ bool is_layout(std::size_t values, const GloveFileOptions& options) {
   return rows + cols > 0 ? values % (rows + cols) == 0 : values == side * side;
 }
 
-std::optional<TableColumn> time_column_of(const TextTable& table, const GloveFileOptions& options) {
+/// What the first rows tell of a column.
+struct ColumnContent {
+  std::size_t text = 0, numbers = 0;  ///< fields that are not empty
+  double first = 0.0, last = 0.0;     ///< numbers
+  bool increases = true;              ///< in each row
+
+  bool is_text() const {
+    return text > 0 &&
+           static_cast<double>(text) >= min_text_share * static_cast<double>(text + numbers);
+  }
+  bool is_clock() const { return text == 0 && numbers >= min_clock_rows && increases; }
+  void add(double number) {
+    increases = increases && (numbers == 0 || number > last);
+    if (numbers++ == 0) first = number;
+    last = number;
+  }
+};
+
+std::vector<ColumnContent> read_contents(TextTable& table) {
+  std::vector<ColumnContent> contents(table.num_columns());
+  for (std::size_t row = 0; row < max_counted_rows && table.next_row(); ++row)
+    for (std::size_t i = 0; i < std::min(contents.size(), table.fields().size()); ++i) {
+      const auto number = parse_number<double>(table.fields()[i], table.has_decimal_comma());
+      if (!number)
+        ++contents[i].text;
+      else if (!std::isnan(*number))
+        contents[i].add(*number);
+    }
+  table.rewind();
+  return contents;
+}
+
+/// The first column of times from 2001 to 2100, in a unit that their size tells.
+std::optional<TableColumn> find_unix_time(const TextTable& table,
+                                          const std::vector<ColumnContent>& contents) {
+  constexpr double min_unix_s = 1e9, max_unix_s = 4.1e9;
+  for (std::size_t i = 0; i < contents.size(); ++i)
+    for (const auto& [suffix, per_unit] : time_units())
+      if (contents[i].is_clock() && contents[i].first >= min_unix_s * per_unit &&
+          contents[i].last <= max_unix_s * per_unit)
+        return TableColumn{i, per_unit, table.names()[i], true};
+  return std::nullopt;
+}
+
+std::optional<TableColumn> time_column_of(const TextTable& table,
+                                          const std::vector<ColumnContent>& contents,
+                                          const GloveFileOptions& options) {
   const double rate_hz = options.rate_hz;
   if (table.names().empty()) {
-    if (rate_hz > 0.0 && is_layout(table.num_columns(), options)) return std::nullopt;
+    if (rate_hz > 0.0 && (is_layout(table.num_columns(), options) || !contents[0].is_clock()))
+      return std::nullopt;
     return TableColumn{0, 1.0, "column 1"};
   }
   const auto time = find_column(table, table.names(), {"time", "t", "timestamp", "host_time", "ts"},
                                 time_units());
-  if (!time && rate_hz == 0.0)
-    throw data_error(fmt::format("{} has no column time_s", table.file().string()),
-                     std::string(glove_table_hint) + "; without times give --rate HZ");
-  return time;
+  if (time || rate_hz > 0.0) return time;
+  if (auto unix_time = find_unix_time(table, contents)) return unix_time;
+  throw data_error(fmt::format("{} has no column time_s", table.file().string()),
+                   std::string(glove_table_hint) +
+                       "; rename the column of times, or without times give --rate HZ");
 }
 
 std::optional<TableColumn> column_named(const TextTable& table, const char* name) {
@@ -69,33 +119,9 @@ std::vector<TableColumn> taxel_columns_of(const TextTable& table,
   return taxels;
 }
 
-/// Fields of a column that are not empty.
-struct FieldCount {
-  std::size_t text = 0, numbers = 0;
-  bool is_text() const {
-    return text > 0 &&
-           static_cast<double>(text) >= min_text_share * static_cast<double>(text + numbers);
-  }
-};
-
-std::vector<FieldCount> count_fields(TextTable& table) {
-  std::vector<FieldCount> counts(table.num_columns());
-  for (std::size_t row = 0; row < max_counted_rows && table.next_row(); ++row)
-    for (std::size_t i = 0; i < std::min(counts.size(), table.fields().size()); ++i) {
-      const auto number = parse_number<double>(table.fields()[i], table.has_decimal_comma());
-      if (!number)
-        ++counts[i].text;
-      else if (!std::isnan(*number))
-        ++counts[i].numbers;
-    }
-  table.rewind();
-  return counts;
-}
-
 /// Leaves out columns of text, unless there are no others.
-void drop_text(TextTable& table, std::vector<TableColumn>& taxels) {
-  const auto counts = count_fields(table);
-  const auto is_text = [&](const TableColumn& column) { return counts[column.index].is_text(); };
+void drop_text(const std::vector<ColumnContent>& contents, std::vector<TableColumn>& taxels) {
+  const auto is_text = [&](const TableColumn& column) { return contents[column.index].is_text(); };
   if (std::ranges::all_of(taxels, is_text)) return;
   for (const TableColumn& column : taxels)
     if (is_text(column))
@@ -103,21 +129,112 @@ void drop_text(TextTable& table, std::vector<TableColumn>& taxels) {
   std::erase_if(taxels, is_text);
 }
 
+/// Columns next to each other whose names count from one to the next: s_0, s_1, s_2.
+struct NumberedRun {
+  std::size_t first, count;  ///< into the columns
+};
+
+std::vector<NumberedRun> runs_of(const std::vector<TableColumn>& columns) {
+  const auto split = [](const std::string& name) {
+    const auto digits = name.find_last_not_of("0123456789") + 1;
+    std::int64_t number = -1;
+    parse_whole(name.substr(digits), number);
+    return std::pair(name.substr(0, digits), number);
+  };
+  std::vector<NumberedRun> runs;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto [words, number] = split(columns[i].label);
+    const bool continues = i > 0 && number > 0 && columns[i].index == columns[i - 1].index + 1 &&
+                           split(columns[i - 1].label) == std::pair(words, number - 1);
+    if (continues)
+      ++runs.back().count;
+    else
+      runs.push_back({i, 1});
+  }
+  return runs;
+}
+
+/// Keeps one run of numbered columns, or all of them, if that fits the layout and all columns do
+/// not.
+void keep_numbered(const GloveFileOptions& options, std::vector<TableColumn>& taxels) {
+  if (is_layout(taxels.size(), options)) return;
+  auto runs = runs_of(taxels);
+  std::erase_if(runs, [](const NumberedRun& run) { return run.count < 2; });
+  std::vector<std::vector<TableColumn>> candidates(1);
+  for (const auto& [first, count] : runs) {
+    const auto begin = taxels.begin() + static_cast<std::ptrdiff_t>(first);
+    candidates[0].insert(candidates[0].end(), begin, begin + static_cast<std::ptrdiff_t>(count));
+    if (runs.size() > 1) candidates.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(count));
+  }
+  const std::size_t min_count = options.rows + options.cols > 0 ? 2 : min_square;
+  std::erase_if(candidates, [&](const std::vector<TableColumn>& columns) {
+    return columns.size() < min_count || !is_layout(columns.size(), options);
+  });
+  if (candidates.size() != 1) return;
+  Progress::warn(
+      fmt::format("glove: of the columns {} only {} are taken for taxels; --taxels "
+                  "FIRST:LAST names others",
+                  list_of(taxels), list_of(candidates[0])));
+  taxels = std::move(candidates[0]);
+}
+
+/// Index of a column by its name or its number from 1.
+std::size_t index_of(const TextTable& table, const std::string& text) {
+  const auto& names = table.names();
+  const auto found = std::ranges::find(names, column_name(text));
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  std::size_t number = 0;
+  if (parse_whole(text, number) && number >= 1 && number <= table.num_columns()) return number - 1;
+  throw data_error(fmt::format("{} has no column '{}'", table.file().string(), text),
+                   suggestion(column_name(text), names));
+}
+
+/// The columns that the user chose.
+std::vector<TableColumn> chosen_columns(const TextTable& table, const std::string& range) {
+  const auto colon = range.find(':');
+  if (colon == std::string::npos)
+    throw usage_error(fmt::format("--taxels {} is not FIRST:LAST", range),
+                      "name the first and the last column, e.g. --taxels s_0:s_255");
+  const std::size_t first = index_of(table, range.substr(0, colon)),
+                    last = index_of(table, range.substr(colon + 1));
+  std::vector<TableColumn> columns;
+  for (std::size_t i = first; i <= last; ++i)
+    columns.push_back(
+        {i, 1.0, table.names().empty() ? fmt::format("column {}", i + 1) : table.names()[i]});
+  return columns;
+}
+
 }  // namespace
 
 GloveColumns columns_of_glove(TextTable& table, const GloveFileOptions& options) {
-  GloveColumns columns{time_column_of(table, options),
+  const auto contents = read_contents(table);
+  GloveColumns columns{time_column_of(table, contents, options),
                        column_named(table, "sequence"),
                        column_named(table, epoch_name),
                        {}};
-  auto taxels = taxel_columns_of(table, columns.time);
-  drop_text(table, taxels);
+  auto taxels = options.taxels.empty() ? taxel_columns_of(table, columns.time)
+                                       : chosen_columns(table, options.taxels);
+  if (options.taxels.empty()) {
+    drop_text(contents, taxels);
+    keep_numbered(options, taxels);
+  }
   std::vector<std::string> names;
   for (const TableColumn& taxel : taxels) names.push_back(taxel.label);
   const NamedLayout layout = named_layout(names, table.file());
   for (const std::size_t i : layout.column) columns.taxels.push_back(taxels[i]);
   columns.rows = layout.rows, columns.cols = layout.cols;
   return columns;
+}
+
+std::string list_of(const std::vector<TableColumn>& columns) {
+  constexpr std::size_t max_bytes = 300;
+  std::string list;
+  for (const auto& [first, count] : runs_of(columns)) {
+    if (list.size() > max_bytes) return list + ", ...";
+    list += (list.empty() ? "" : ", ") + columns[first].label;
+    if (count > 1) list += " to " + columns[first + count - 1].label;
+  }
+  return list;
 }
 
 GloveFileOptions with_named_layout(GloveFileOptions options, const GloveColumns& columns) {

@@ -18,11 +18,20 @@ struct GloveColumns {
   int rows = 0, cols = 0;           ///< 0: not in the names
 };
 
-/// Columns by their names. Leaves out columns of text, with a warning: those whose first 1000 rows
-/// have text in 90 % of the fields that are not empty. Without names, the first column is the time
-/// unless frames have a rate and all columns fit the layout. Throws data_error if there is no time
-/// and no rate.
+/// Columns by their names.
+///
+/// - Time: by its name; else, if there is no rate, the first column of times since 1970. Without
+///   names the first column, unless frames have a rate and all columns fit the layout or the first
+///   one does not always increase.
+/// - Taxels: those of `options`; else all others but columns of text, which are named in a warning:
+///   in the first 1000 rows 90 % of their fields that are not empty are text. If these do not fit
+///   the layout, but columns that are numbered one after the other do, only those.
+///
+/// Throws data_error if there is no time and no rate, or no such column.
 GloveColumns columns_of_glove(TextTable& table, const GloveFileOptions& options);
+
+/// Names of the columns for a message: "s_0 to s_255, x, y".
+std::string list_of(const std::vector<TableColumn>& columns);
 
 /// Options with the layout that the columns' names tell. Throws data_error if they contradict it.
 GloveFileOptions with_named_layout(GloveFileOptions options, const GloveColumns& columns);

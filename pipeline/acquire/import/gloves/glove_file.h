@@ -22,7 +22,8 @@ struct GloveFile {
 /// What files cannot tell from their content.
 struct GloveFileOptions {
   int rows = 0, cols = 0;  ///< of values without a shape; 0: unknown
-  double rate_hz = 0.0;    ///< of a table without times; 0: unknown
+  double rate_hz = 0.0;    ///< of frames without times; 0: unknown
+  std::string taxels;      ///< columns FIRST:LAST of a table, by name or number; empty: all
   std::string stream;      ///< of a file with several gloves; empty: the only one
 };
 

@@ -1,5 +1,7 @@
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "engine/base/error.h"
 #include "pipeline/acquire/import/formats/numpy_file.h"
 #include "pipeline/acquire/import/gloves/glove_file.h"
@@ -8,6 +10,7 @@ namespace touchtrace {
 namespace {
 
 using Names = std::vector<std::string>;
+using Arrays = std::map<std::string, NumpyArray>;
 
 const Names time_names{"time_s",    "host_time_s", "times", "timestamps",
                        "timestamp", "time",        "ts",    "t"};
@@ -18,14 +21,15 @@ constexpr const char* epoch_name = "epoch_unix_s";
 constexpr double max_number = 9e15;
 
 /// First of `names` that exists.
-const NumpyArray& find_array(const std::map<std::string, NumpyArray>& arrays, const Names& names,
+const NumpyArray& find_array(const Arrays& arrays, const Names& names,
                              const std::filesystem::path& file) {
   for (const auto& name : names)
     if (const auto found = arrays.find(name); found != arrays.end()) return found->second;
   std::string list;
   for (const auto& name : names) list += (list.empty() ? "" : ", ") + name;
   throw data_error(fmt::format("{} has no array {}", file.string(), names[0]),
-                   "it may have one of the names " + list);
+                   fmt::format("it may have one of the names {}{}", list,
+                               names == time_names ? "; or give --rate HZ" : ""));
 }
 
 void require_archive(const std::filesystem::path& file) {
@@ -37,11 +41,28 @@ void require_archive(const std::filesystem::path& file) {
                   file.filename().string()));
 }
 
-void require_shape(const NumpyArray& times, const NumpyArray& values) {
+/// Times of an array, or those of the rate.
+void set_times(GloveFile& glove, const Arrays& arrays, const NumpyArray& values, double rate_hz,
+               const std::filesystem::path& file) {
+  const bool has_times = std::ranges::any_of(
+      time_names, [&](const std::string& name) { return arrays.contains(name); });
+  if (!has_times && rate_hz > 0.0 && values.size() > 0) {
+    for (std::size_t i = 0; i < values.shape[0]; ++i)
+      glove.time_s.push_back(static_cast<double>(i) / rate_hz);
+    glove.has_time_unit = true;
+    return;
+  }
+  const NumpyArray& times = find_array(arrays, time_names, file);
+  for (std::size_t i = 0; i < times.size(); ++i) glove.time_s.push_back(times.at(i));
+  glove.has_time_unit =
+      times.per_second > 0.0 || arrays.contains("time_s") || arrays.contains("host_time_s");
+}
+
+void require_shape(std::size_t num_times, const NumpyArray& values) {
   const std::size_t axes = values.shape.size();
-  if ((axes != 2 && axes != 3) || values.size() == 0 || values.shape[0] != times.size())
+  if ((axes != 2 && axes != 3) || values.size() == 0 || values.shape[0] != num_times)
     throw data_error(fmt::format("the arrays of the glove have {} times and {} frames of {} axes",
-                                 times.size(), axes > 0 ? values.shape[0] : 0, axes),
+                                 num_times, axes > 0 ? values.shape[0] : 0, axes),
                      "times are [frames], counts are [frames, rows, cols] or [frames, taxels]");
 }
 
@@ -80,16 +101,14 @@ GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOpt
   wanted.insert(wanted.end(), {sequence_name, epoch_name});
   wanted.insert(wanted.end(), value_names.begin(), value_names.end());
   const auto arrays = read_numpy_archive(file, wanted);
-  const NumpyArray &times = find_array(arrays, time_names, file),
-                   &values = find_array(arrays, value_names, file);
-  require_shape(times, values);
+  const NumpyArray& values = find_array(arrays, value_names, file);
   GloveFile glove;
-  set_layout(glove, values.size() / times.size(), layout_of(values, options));
-  for (std::size_t i = 0; i < times.size(); ++i) glove.time_s.push_back(times.at(i));
-  glove.has_time_unit =
-      times.per_second > 0.0 || arrays.contains("time_s") || arrays.contains("host_time_s");
+  set_times(glove, arrays, values, options.rate_hz, file);
+  const std::size_t frames = glove.time_s.size();
+  require_shape(frames, values);
+  set_layout(glove, values.size() / frames, layout_of(values, options));
   if (const auto numbers = arrays.find(sequence_name); numbers != arrays.end())
-    glove.sequence = sequence_of(numbers->second, times.size());
+    glove.sequence = sequence_of(numbers->second, frames);
   if (const auto epoch = arrays.find(epoch_name); epoch != arrays.end() && epoch->second.size() > 0)
     glove.epoch_unix_s = epoch->second.at(0);
   for (std::size_t i = 0; i < values.size(); ++i)

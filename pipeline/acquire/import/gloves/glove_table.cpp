@@ -93,7 +93,7 @@ void drop_clocks(const FrameReader& reader, const GloveFileOptions& options, Glo
   const std::size_t count = columns.taxels.size();
   const std::size_t needed =
       static_cast<std::size_t>(options.rows) * static_cast<std::size_t>(options.cols);
-  if (glove.time_s.size() < min_clock_rows || needed == count) return;
+  if (!options.taxels.empty() || glove.time_s.size() < min_clock_rows || needed == count) return;
   std::vector<TableColumn> taxels;
   for (std::size_t i = 0; i < count; ++i)
     if (!reader.increases(i)) taxels.push_back(columns.taxels[i]);
@@ -147,7 +147,12 @@ GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOpt
   reader.report_incomplete();
   drop_clocks(reader, layout, columns, glove);
   report_columns(columns, options);
-  set_layout(glove, columns.taxels.size(), layout);
+  try {
+    set_layout(glove, columns.taxels.size(), layout);
+  } catch (const Error& error) {
+    throw data_error(fmt::format("{}: {}", error.what(), list_of(columns.taxels)),
+                     error.hint() + "; or name the columns of the taxels: --taxels FIRST:LAST");
+  }
   if (columns.time) require_times(glove, table);
   return glove;
 }

@@ -68,6 +68,19 @@ TEST_F(Import, LeavesOutDamagedImages) {
   expect_rejected("tum", "3 of 4 colour images");
 }
 
+TEST_F(Import, WarnsOfRepeatedImages) {
+  write_import_tum(folder_ / "tum");
+  const auto warnings = [&] {
+    fs::remove(folder_ / "out.h5");
+    ::testing::internal::CaptureStderr();
+    import("tum");
+    return ::testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(warnings().find("equal the one before"), std::string::npos);
+  write_file(folder_ / "tum" / "rgb" / "2.png", encoded(import_color(1)), true);
+  EXPECT_NE(warnings().find("1 of 4 colour images equal the one before"), std::string::npos);
+}
+
 TEST_F(Import, ReadsFoldersWithNumbersAndMasks) {
   for (int i = 0; i < import_frames; ++i) {
     const std::string name = fmt::format("frame_{}.png", i + 8);  // 8, 9, 10, 11

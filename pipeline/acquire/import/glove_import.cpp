@@ -63,7 +63,7 @@ int learned_polarity(const GloveStream& glove, double rest_s) {
       learn_glove(glove.info, {glove.counts.begin(), split}, {split, glove.counts.end()});
   if (learned.polarity_ratio < min_ratio)
     throw data_error(
-        fmt::format("the polarity of the glove is not clear: counts change {:.1f} times as much in "
+        fmt::format("the polarity of the glove is not clear: counts change {:.2g} times as much in "
                     "one direction as in the other",
                     learned.polarity_ratio),
         hint);

@@ -105,6 +105,16 @@ void require_mostly_good(const StreamCopy& copy, const char* kind) {
   require_mostly_good(copy.num_skipped(), copy.num_skipped() + copy.copied().size(), kind);
 }
 
+void warn_of_repeats(const StreamCopy& copy, const char* kind) {
+  constexpr double max_repeated = 0.02;
+  const std::size_t repeated = copy.num_repeated(), all = copy.copied().size();
+  if (static_cast<double>(repeated) > max_repeated * static_cast<double>(all))
+    Progress::warn(
+        fmt::format("{} of {} {} equal the one before them: bodies seem to be at rest "
+                    "there; record at the camera's own rate",
+                    repeated, all, kind));
+}
+
 /// Reads masks and reports damaged ones.
 class MaskFiles {
  public:
@@ -247,6 +257,7 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
   });
   copy_streams(color, depth, source.color.images.size() + source.depth.images.size());
   require_mostly_good(color, "colour images"), require_mostly_good(depth, "depth images");
+  warn_of_repeats(color, "colour images"), warn_of_repeats(depth, "depth images");
   append_masks(writer, masks, options.mask_ids, color, camera.color.size);
   recording.color_times = color.times();
   recording.camera_times = depth.copied().empty() ? recording.color_times : depth.times();

@@ -35,6 +35,8 @@ void StreamCopy::copy_next() {
                             format_.size.width, format_.size.height));
   if (image.type() != format_.type) return skip("another type of pixels");
   append_(image);
+  num_repeated_ += !last_.empty() && cv::norm(image, last_, cv::NORM_INF) == 0.0;
+  image.copyTo(last_);
   copied_.emplace(index, copied_.size());
 }
 

@@ -38,6 +38,8 @@ class StreamCopy {
   /// Index in the recording by index in the source.
   const std::map<std::size_t, std::size_t>& copied() const { return copied_; }
   std::size_t num_skipped() const { return next_ - copied_.size(); }
+  /// Copied images whose pixels equal those of the one before.
+  std::size_t num_repeated() const { return num_repeated_; }
 
  private:
   void skip(const std::string& fault);
@@ -49,6 +51,8 @@ class StreamCopy {
   std::vector<std::uint64_t> frame_counter_;  ///< of the source's images; empty: their index
   std::size_t next_ = 0;
   std::map<std::size_t, std::size_t> copied_;
+  cv::Mat last_;
+  std::size_t num_repeated_ = 0;
 };
 
 }  // namespace touchtrace

@@ -116,6 +116,7 @@ TEST_F(ImportFolder, ReadsIntrinsicsAndDepthScales) {
          R"({"0": {"cam_K": [7, 0, 4, 0, 7, 3, 0, 0, 1], "depth_scale": 0.25}, "1": {}})", 4000},
         {"intrinsics.json", R"({"fx": 7, "fy": 7, "ppx": 4, "ppy": 3, "depth_scale": 0.0002})",
          5000},
+        {"cam.json", R"({"px": 7, "py": 7, "u0": 4, "v0": 3})", 1000},  // ViSP
         {"cam_intrinsics.json", R"({"fx": 7, "fy": 7, "cx": 4, "cy": 3, "depth_scale": 2000})",
          2000},
         {"intrinsics.yaml",

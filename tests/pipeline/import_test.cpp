@@ -192,6 +192,20 @@ std::string zip(const std::vector<std::pair<std::string, std::string>>& files) {
          bytes_of_number(static_cast<std::uint32_t>(archive.size())) + zeros.substr(0, 2);
 }
 
+TEST_F(Import, DepthOfAnArchiveIsItsOnlyImage) {
+  write_depth_arrays(folder_ / "in", 1.0);
+  const fs::path depth = folder_ / "in" / "depth";
+  std::vector<fs::path> files(fs::directory_iterator(depth), {});
+  for (const fs::path& file : files) {
+    const std::string scale = npy("<f8", "()", std::string(8, '\0'));
+    write_file(fs::path(file).replace_extension(".npz"),
+               zip({{"scale.npy", scale}, {"note.npy", "text"}, {"data.npy", read_file(file)}}),
+               true);
+    fs::remove(file);
+  }
+  expect_samples(import("in"), 4000);
+}
+
 TEST_F(Import, ReadsNumpyArchives) {
   std::string color, depth, time_s;
   for (int i = 0; i < import_frames; ++i) {

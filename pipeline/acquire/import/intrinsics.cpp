@@ -56,6 +56,7 @@ constexpr std::array matrix_keys{"intrinsic_matrix", "camera_matrix", "cam_K", "
 
 bool has_camera(const json& j) {
   return !j.is_object() || (j.contains("fx") && j.contains("fy")) ||
+         (j.contains("px") && j.contains("u0")) ||
          std::ranges::any_of(matrix_keys, [&](const char* key) { return j.contains(key); });
 }
 
@@ -63,6 +64,8 @@ json matrix_of(const json& j) {
   if (!j.is_object()) return camera_matrix(numbers_of(j));
   for (const char* key : matrix_keys)
     if (j.contains(key)) return camera_matrix(numbers_of(j.at(key)));
+  if (j.contains("u0"))  // ViSP
+    return camera_matrix({j.at("px"), j.at("py"), j.at("u0"), j.at("v0")});
   const char *cx = j.contains("ppx") ? "ppx" : "cx", *cy = j.contains("ppy") ? "ppy" : "cy";
   return camera_matrix({j.at("fx"), j.at("fy"), j.at(cx), j.at(cy)});
 }

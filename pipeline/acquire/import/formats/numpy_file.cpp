@@ -17,6 +17,7 @@
 namespace touchtrace {
 namespace {
 
+constexpr std::size_t max_searched_arrays = 16;
 constexpr std::uintmax_t max_file_bytes = std::uintmax_t{1} << 32;
 constexpr std::size_t max_header_bytes = 4096;
 constexpr std::size_t max_image_size = 16384;
@@ -148,6 +149,20 @@ auto read_named(const std::filesystem::path& file, Read&& read) {
   }
 }
 
+/// The only array of two axes, such as an image, else the first array.
+NumpyArray image_or_first(const std::string& archive) {
+  const auto entries = zip_entries(archive);
+  if (entries.empty()) throw std::runtime_error("it has no arrays");
+  std::vector<NumpyArray> images;
+  for (std::size_t i = 0; i < std::min(entries.size(), max_searched_arrays); ++i) try {
+      auto array = parse_array(zip_content(archive, entries[i]));
+      if (array.shape.size() == 2) images.push_back(std::move(array));
+    } catch (const std::exception&) {
+      continue;  // not an array of numbers
+    }
+  return images.size() == 1 ? std::move(images[0]) : parse_array(zip_content(archive, entries[0]));
+}
+
 }  // namespace
 
 std::size_t NumpyArray::size() const {
@@ -181,9 +196,7 @@ NumpyArray read_numpy_array(const std::filesystem::path& file) {
   const std::string bytes = read_file(file, max_file_bytes);
   return read_named(file, [&] {
     if (file.extension() != ".npz") return parse_array(bytes);
-    const auto entries = zip_entries(bytes);
-    if (entries.empty()) throw std::runtime_error("it has no arrays");
-    return parse_array(zip_content(bytes, entries[0]));
+    return image_or_first(bytes);
   });
 }
 

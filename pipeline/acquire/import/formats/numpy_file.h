@@ -29,7 +29,8 @@ bool is_numpy_file(const std::filesystem::path& file);
 std::map<std::string, NumpyArray> read_numpy_archive(const std::filesystem::path& file,
                                                      const std::vector<std::string>& wanted = {});
 
-/// Array of an .npy file, or the first one of an .npz file. Throws data_error.
+/// Array of an .npy file; of an .npz file the only one of two axes, else the first. Throws
+/// data_error.
 NumpyArray read_numpy_array(const std::filesystem::path& file);
 
 /// Depth image of a 2-D array: 16-bit counts of integers, metres of floating-point numbers. Throws

@@ -21,7 +21,8 @@ constexpr double max_distance_m = 20.0;      // of a motion capture volume
 /// tools and balls at 20 and 60 Hz: 0.1 to 13) and millimetres in place of metres.
 constexpr double max_sigma_ratio = 30.0;
 constexpr double earth_m_per_s2 = 9.81, max_gravity_error = 0.05;
-constexpr double max_repeated_times = 0.1;  ///< of the samples
+constexpr double max_repeated_times = 0.1;   ///< of the samples
+constexpr double max_flight_error_s = 0.06;  // of the times of named flights
 constexpr double min_slow_step_s = 1.0, max_gap_s = 3600.0;
 
 double median_speed(const Track& track) {
@@ -143,6 +144,30 @@ void warn_of_implausible(const SmoothInput& input) {
         "{}: {} of {} positions repeat the one before them; hint: if the tracker holds its last "
         "value while it sees nothing, leave x, y and z of these rows empty",
         file, repeats, track.size()));
+}
+
+void warn_of_moved_flights(const TrackFile& file, const std::vector<Flight>& named,
+                           const SmoothedTrack& smoothed) {
+  const auto span = [&](const Flight& flight) {
+    return fmt::format("from {} to {} s", time_text(file.origin_s, flight.release_s),
+                       time_text(file.origin_s, flight.landing_s));
+  };
+  for (const Flight& flight : named) {
+    const auto overlap_s = [&](const Flight& other) {
+      return std::min(flight.landing_s, other.landing_s) -
+             std::max(flight.release_s, other.release_s);
+    };
+    const auto found = std::ranges::max_element(smoothed.flights, {}, overlap_s);
+    const bool is_lost = found == smoothed.flights.end() || !(overlap_s(*found) > 0.0);
+    if (!is_lost && std::abs(found->release_s - flight.release_s) <= max_flight_error_s &&
+        std::abs(found->landing_s - flight.landing_s) <= max_flight_error_s)
+      continue;
+    Progress::warn(
+        fmt::format("{}: the flight {} {}; hint: its motion does not fit free fall "
+                    "(drag, spin, a bounce), or its times or --gravity are wrong",
+                    file.file.string(), span(flight),
+                    is_lost ? "is not in the smoothed motion" : "became that " + span(*found)));
+  }
 }
 
 void warn_of_gravity(const Eigen::Vector3d& gravity_m_per_s2,

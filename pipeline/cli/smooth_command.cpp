@@ -90,13 +90,13 @@ std::vector<std::vector<Flight>> guess_flights(const SmoothCommandOptions& o,
   return flights;
 }
 
-SmoothedTracks smooth_inputs(const SmoothCommandOptions& o,
-                             const std::vector<SmoothInput>& inputs) {
+SmoothedTracks smooth_inputs(const SmoothCommandOptions& o, const std::vector<SmoothInput>& inputs,
+                             const std::vector<std::vector<Flight>>& flights) {
   SmoothOptions options;
   if (o.has_flights()) options.gravity_m_per_s2 = o.gravity();
   std::vector<Track> tracks;
   for (const auto& input : inputs) tracks.push_back(input.track.track);
-  return smooth(tracks, guess_flights(o, inputs), options);
+  return smooth(tracks, flights, options);
 }
 
 /// Writes the files of a track; removes those of an earlier run that it does not have any more.
@@ -132,8 +132,11 @@ ExitCode run(const SmoothCommandOptions& options, const Invocation& invocation) 
   for (const auto& input : inputs) output_times(input.track, options.rate_hz);  // not too many
   for (const auto& input : inputs) warn_of_implausible(input);
   auto provenance = provenance_of(options, invocation);
-  const auto smoothed = smooth_inputs(options, inputs);
+  const auto flights = guess_flights(options, inputs);
+  const auto smoothed = smooth_inputs(options, inputs, flights);
   if (options.has_flights()) warn_of_gravity(options.gravity(), inputs, smoothed);
+  if (options.has_flights() && options.flights != "find")
+    warn_of_moved_flights(inputs.at(0).track, flights.at(0), smoothed.tracks.at(0));
   for (std::size_t i = 0; i < inputs.size(); ++i)
     write_outputs(inputs[i], smoothed.tracks[i], options.rate_hz, invocation.overwrite);
   stopwatch.stop(provenance);

@@ -88,6 +88,24 @@ TEST_F(SmoothCommand, WarnsOfWrongGravity) {
   EXPECT_NE(warnings("0", "1", "0").find("size of 1 m/s^2"), std::string::npos);
 }
 
+TEST_F(SmoothCommand, WarnsOfNamedFlightsThatItMoves) {
+  const auto motion = synthetic_throw(10.0, 1);
+  ASSERT_GE(motion.flights.size(), 2u);
+  put(folder_ / "ball.csv", csv(measure(motion, 60.0, 0.002, 1)));
+  const auto warnings = [&](double early_s) {
+    std::string flights = "release_s,landing_s\n";
+    for (const auto& flight : motion.flights)
+      flights += fmt::format("{},{}\n", flight.release_s - early_s, flight.landing_s);
+    put(folder_ / "flights.csv", flights);
+    ::testing::internal::CaptureStderr();
+    run({"--gravity", "0", "9.81", "0", path("ball.csv"), "--sigma", "0.002", "--flights",
+         path("flights.csv"), "-o", path("out"), "--overwrite"});
+    return ::testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(warnings(0.0), "");
+  EXPECT_NE(warnings(0.15).find("does not fit free fall"), std::string::npos);
+}
+
 TEST_F(SmoothCommand, NeverOverwritesSilently) {
   put(folder_ / "a.csv", csv(sine(2.0, 1)));
   for (const char* name : {"a.csv", "a.flights.csv", "smooth.json"}) {

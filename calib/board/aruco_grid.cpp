@@ -12,8 +12,19 @@ namespace {
 
 constexpr int border_bits = 1;
 
+/// Markers turned by half a turn: AprilTag prints its tags so, other than OpenCV's dictionaries.
+DecodedMarkers half_turned(DecodedMarkers markers) {
+  for (auto& corners_px : markers.corners_px)
+    std::rotate(corners_px.begin(), corners_px.begin() + 2, corners_px.end());
+  return markers;
+}
+
+/// Markers in the orientation in which they form the grid, if they do.
 DecodedMarkers decode(const GreyImage& image, const CalibrationTarget& grid) {
-  return decode_markers(image, grid.markers->dictionary, border_bits);
+  auto markers = decode_markers(image, grid.markers->dictionary, border_bits);
+  if (lie_as_in_grid(markers, grid, FirstRow::top)) return markers;
+  auto turned = half_turned(markers);
+  return lie_as_in_grid(turned, grid, FirstRow::top) ? turned : markers;
 }
 
 /// Leaves out markers whose sides are not clear.
@@ -33,14 +44,17 @@ std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationT
 }
 
 std::optional<OtherTarget> recognize(const GreyImage& image) {
-  for (const char* dictionary : common_dictionaries)
-    if (const auto in_row =
-            find_tags_in_row(decode_markers(image, dictionary, border_bits), FirstRow::top))
+  for (const char* dictionary : common_dictionaries) {
+    const auto markers = decode_markers(image, dictionary, border_bits);
+    auto in_row = find_tags_in_row(markers, FirstRow::top);
+    if (!in_row) in_row = find_tags_in_row(half_turned(markers), FirstRow::top);
+    if (in_row)
       return OtherTarget{
           fmt::format("a grid of {} markers with {} in a row", dictionary, *in_row),
           fmt::format(
               "give --target aruco-grid --markers {} --columns {}, and the number of --rows",
               dictionary, *in_row)};
+  }
   return {};
 }
 

@@ -29,10 +29,9 @@ nlohmann::json list(const Eigen::Vector4d& values) {
 
 }  // namespace
 
-double BoardModels::focal_spread() const {
-  if (!free_corners) return 0.0;
-  const double simpler_px = warped.allFinite() ? warped[0] : flat[0];
-  return std::abs((*free_corners)[0] - simpler_px) / (*free_corners)[0];
+Eigen::Vector4d BoardModels::change_px() const {
+  if (!free_corners) return Eigen::Vector4d::Zero();
+  return *free_corners - (warped.allFinite() ? warped : flat);
 }
 
 BoardModels fit_board(BoardProblem& problem, RgbdParameters& parameters, bool target_deformation) {

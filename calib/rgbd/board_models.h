@@ -19,9 +19,9 @@ struct BoardModels {
   /// TargetDeformation::bic_gain; NaN if it was not tried.
   double deformation_bic_gain = unknown;
 
-  /// Relative change of fx from free corners to the next simpler model; 0 without free corners, NaN
-  /// if that model is unknown.
-  double focal_spread() const;
+  /// Change of fx, fy, cx, cy by free corners, from the next simpler model; 0 without free corners,
+  /// NaN if that model is unknown.
+  Eigen::Vector4d change_px() const;
 };
 
 /// Completes a solved problem of the colour camera by fit_target_deformation(), if

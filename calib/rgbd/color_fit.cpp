@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/lens_choice.h"
@@ -42,6 +43,36 @@ bool choose(const LensRule& rule, ColorFit& fit) {
   return chosen.has_value();
 }
 
+/// Whether the lens can be inverted in the judged fraction of the image.
+bool is_invertible(const BoardObservations& observations, const RgbdParameters& parameters) {
+  const Camera camera = color_camera(observations, parameters);
+  double lit = 0.0, invertible = 0.0;
+  for (int row = 0; row < ImageGrid::rows; ++row)
+    for (int column = 0; column < ImageGrid::columns; ++column)
+      if (observations.lit(row, column)) {
+        lit += 1.0;
+        invertible += camera.direction(ImageGrid::pixel(camera.width, camera.height, column, row))
+                          .allFinite();
+      }
+  return invertible >= judged_image_fraction * lit;
+}
+
+/// Replaces a lens that cannot be inverted by the best one that can, unless there is very strong
+/// evidence against it.
+void prefer_invertible(const BoardObservations& observations, ColorFit& fit) {
+  if (is_invertible(observations, fit.parameters)) return;
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < fit.trials.size(); ++i)
+    if (const LensTrial& trial = fit.trials[i]; trial.converged() &&
+                                                trial.bic < bic_very_strong_evidence &&
+                                                (!best || trial.bic < fit.trials[*best].bic) &&
+                                                is_invertible(observations, trial.parameters))
+      best = i;
+  if (!best) return;
+  take(fit.trials[*best], fit);
+  make_bic_relative(fit.trials, *best);
+}
+
 void solve_for_chosen(const BoardObservations& observations, ColorFit& fit) {
   fit.converged = solve(color_problem(observations, fit), fit.parameters);
   if (fit.converged)
@@ -80,6 +111,7 @@ ColorFit fit_color(const BoardObservations& observations, const std::vector<bool
   fit.trials = fit_lenses(problem, starts);
   if (!choose({num_corner_coordinates(observations, fit.used)}, fit)) return fit;
   choose(rule_given(color_problem(observations, fit), fit.parameters), fit);
+  prefer_invertible(observations, fit);
   solve_for_chosen(observations, fit);
   return fit;
 }
@@ -97,7 +129,9 @@ bool choose_lens_again(const BoardProblem& problem, const RgbdParameters& parame
   fit.trials = fit_lenses(problem, starts);
   const auto chosen = choose_lens(fit.trials, rule_given(problem, parameters));
   if (!chosen) return false;
-  if (!(fit.trials[before].bic >= bic_very_strong_evidence)) {
+  const double needed = is_invertible(problem.observations, parameters) ? bic_very_strong_evidence
+                                                                        : bic_positive_evidence;
+  if (!(fit.trials[before].bic >= needed)) {
     make_bic_relative(fit.trials, before);
     return false;
   }

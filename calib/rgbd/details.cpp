@@ -177,7 +177,7 @@ json calibration_details(const DetailsInput& r) {
   const auto used = static_cast<int>(std::ranges::count(r.problem.used, true));
   const Verdict verdict = assess_calibration(
       r.calibration,
-      {used, r.covariance.inflation, median_edge_width(r.problem), r.boards.focal_spread()});
+      {used, r.covariance.inflation, median_edge_width(r.problem), r.boards.change_px()});
   return {{"verdict", grade_name(verdict.grade)},
           {"advice", verdict.advice},
           {"lens", r.color.chosen},

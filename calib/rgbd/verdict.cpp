@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -11,7 +12,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr double min_aspect_sigmas = 4.0;
+constexpr double min_aspect_sigmas = 4.0, max_model_sigmas = 3.0;
 
 Eigen::Index index_of(const RgbdCalibration& c, const std::string& parameter) {
   const auto found = std::ranges::find(c.parameters, parameter);
@@ -82,6 +83,28 @@ void assess_flatness(Verdict& verdict, double focal_spread) {
                            1e2 * focal_spread));
 }
 
+/// The choice of the board's model must not move the intrinsics by more than they are uncertain.
+void assess_board_model(Verdict& verdict, const RgbdCalibration& c, const Eigen::Vector4d& change) {
+  constexpr std::array names{"fx", "fy", "cx", "cy"};
+  std::string moved;
+  double largest = 0.0;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const double change_px = change[i],
+                 sigmas =
+                     change_px / parameter_sigma(c, fmt::format("color.{}", names[std::size_t(i)]));
+    if (!(std::abs(sigmas) > max_model_sigmas)) continue;
+    largest = std::max(largest, std::abs(sigmas));
+    moved +=
+        fmt::format("{}{} by {:+.1f} px ({:.1f} standard deviations)", moved.empty() ? "" : ", ",
+                    names[std::size_t(i)], change_px, std::abs(sigmas));
+  }
+  apply_limits(
+      verdict, largest, max_model_sigmas, std::numeric_limits<double>::infinity(),
+      fmt::format("free corners of the board move {}, which the standard deviations do not "
+                  "contain: compare with --no-target-deformation, use a stiff, flat board",
+                  moved));
+}
+
 void assess_image(Verdict& verdict, const RgbdCalibration& c) {
   const double sigma_px = projection_sigma_quantile_px(c, judged_image_fraction);
   const std::string known = std::isfinite(sigma_px)
@@ -141,7 +164,8 @@ Verdict assess_calibration(const RgbdCalibration& calibration, const ViewQuality
   assess_aspect(verdict, calibration);
   assess_sharpness(verdict, views.relative_edge_width);
   assess_agreement(verdict, views.inflation);
-  assess_flatness(verdict, views.focal_spread);
+  assess_flatness(verdict, std::abs(views.board_model_change_px[0]) / calibration.color.fx);
+  assess_board_model(verdict, calibration, views.board_model_change_px);
   assess_image(verdict, calibration);
   if (calibration.depth) assess_depth(verdict, calibration);
   return verdict;

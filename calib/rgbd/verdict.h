@@ -26,7 +26,7 @@ struct ViewQuality {
   int used = 0;            ///< number of views
   double inflation = 1.0;  ///< ViewCovariance::inflation
   double relative_edge_width = std::numeric_limits<double>::quiet_NaN();  ///< median; NaN: unknown
-  double focal_spread = 0.0;  ///< BoardModels::focal_spread()
+  Eigen::Vector4d board_model_change_px = Eigen::Vector4d::Zero();  ///< BoardModels::change_px()
 };
 
 const char* grade_name(Grade grade);  ///< GOOD, WEAK, BAD
@@ -38,8 +38,9 @@ const char* grade_name(Grade grade);  ///< GOOD, WEAK, BAD
 ///  - median BoardView::relative_edge_width: 0.25, none; public sets have 0.03 to 0.13
 ///  - ViewCovariance::inflation, part of the standard deviations: 4, none; 16 of 20 public sets
 ///    have less
-///  - BoardModels::focal_spread(), which the standard deviations do not contain: 1, 5 %; 9 of 11
-///    public sets of boards have less than 1 %, bent sheets of paper up to 29 %
+///  - BoardModels::change_px(), which the standard deviations do not contain: of fx 1, 5 %; 9 of 11
+///    public sets of boards have less than 1 %, bent sheets of paper up to 29 %. Of fx, fy, cx, cy
+///    3 standard deviations, none
 ///  - |fy / fx - 1|, where it exceeds 4 standard deviations: 1, 10 %
 ///  - projection_sigma_px() over the best four fifths of the image, without parts that are black in
 ///    all images: 0.25, 2 % of its width

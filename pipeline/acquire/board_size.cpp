@@ -8,6 +8,7 @@
 #include <ranges>
 
 #include "calib/board/image_matrix.h"
+#include "calib/board/reduced_image.h"
 #include "calib/rgbd/calibrate.h"
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -28,13 +29,14 @@ int num_corners(const SizeCounts::value_type& entry) {
   return entry.first.columns * entry.first.rows * entry.second;
 }
 
+/// Whether `min_views` images show the size with most corners, and it leads the others.
 bool is_clear(const SizeCounts& images_of) {
-  int most = 0, second = 0;
+  int most = 0, second = 0, views = 0;
   for (const auto& entry : images_of) {
     second = std::max(second, std::min(most, num_corners(entry)));
-    most = std::max(most, num_corners(entry));
+    if (num_corners(entry) > most) most = num_corners(entry), views = entry.second;
   }
-  return most - second >= clear_lead;
+  return views >= min_views && most - second >= clear_lead;
 }
 
 /// nullopt if the file is not an image.
@@ -78,6 +80,15 @@ BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
                                  size.columns, size.rows, shown_in, images.size()),
                      "give --columns and --rows, which count inner corners");
   return size;
+}
+
+void report_markers(const std::filesystem::path& path) {
+  const auto image = decode_grey(path);
+  if (!image) return;
+  if (const auto board = charuco_kind.recognize(ReducedImage(*image).image))
+    Progress::report(
+        fmt::format("{} shows {}: with these options views of a part of it can be used: {}",
+                    path.string(), board->seen, board->hint));
 }
 
 void OtherTargetCheck::add(const GreyImage& image, BoardFound found,

@@ -15,6 +15,9 @@ namespace touchtrace {
 /// size.
 BoardSize find_board_size(const std::vector<std::filesystem::path>& images);
 
+/// Reports that a chessboard has markers: as a ChArUco board, views of a part of it can be used.
+void report_markers(const std::filesystem::path& image);
+
 /// Notices early that the images show another target than was asked for.
 class OtherTargetCheck {
  public:

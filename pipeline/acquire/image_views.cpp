@@ -78,6 +78,17 @@ BoardObservations largest_group(std::map<std::pair<int, int>, BoardDetector> det
   return result;
 }
 
+/// Warns if a program that applies the EXIF orientation sees the image turned.
+void warn_if_turned(const fs::path& path, const cv::Mat& stored) {
+  const cv::Mat shown = decode_image(path, cv::IMREAD_REDUCED_GRAYSCALE_8);
+  if (shown.empty() || (shown.cols > shown.rows) == (stored.cols > stored.rows)) return;
+  Progress::warn(
+      fmt::format("{} is to be shown turned (EXIF orientation), which is not applied: the "
+                  "calibration is of the {} x {} pixels as stored; read images with "
+                  "IMREAD_IGNORE_ORIENTATION",
+                  path.string(), stored.cols, stored.rows));
+}
+
 }  // namespace
 
 GreyImage read_grey(const fs::path& path) {
@@ -136,6 +147,7 @@ BoardObservations board_views_from_images(const std::vector<std::string>& folder
       unreadable.push_back({path.filename().string(), "not a readable image"});
       continue;
     }
+    if (by_size.empty()) warn_if_turned(path, pixels);
     BoardDetector& detector = by_size.try_emplace({pixels.cols, pixels.rows}, board).first->second;
     const GreyImage image = grey_image(pixels);
     check.add(image, detector.add({.name = path.filename().string()}, image), path);

@@ -9,8 +9,8 @@ namespace touchtrace {
 
 /// What a file of positions cannot tell.
 struct TrackOptions {
-  std::string x_column;  ///< of a file with several bodies, e.g. "hand_x"; empty: the only one
-  double rate_hz = 0.0;  ///< of a file without times; 0: it has times
+  std::string x_column = {};  ///< of a file with several bodies, e.g. "hand_x"; empty: the only one
+  double rate_hz = 0.0;       ///< of a file without times; 0: it has times
 };
 
 /// Columns of a table with measured positions.

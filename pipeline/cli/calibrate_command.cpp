@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "calib/board/markers.h"
 #include "calib/rgbd/calibrate.h"
@@ -48,7 +50,8 @@ std::vector<std::string> lens_options() {
 }
 
 void describe(OptionSet& set, CalibrateOptions& o) {
-  set.optional_input("recording", o.recording, "HDF5 with board views, or --images");
+  set.optional_input("recording", o.recording,
+                     "HDF5 with board views, or photographs as for --images");
   set.text("output", o.output,
            "folder for calibration.json and, for ROS, OpenCV and kalibr, camera.yaml, "
            "camera_opencv.yaml, camchain.yaml")
@@ -105,6 +108,7 @@ BoardSize board_size_of(const CalibrateOptions& o) {
   if (images.empty()) return {CalibrationTarget{}.columns, CalibrationTarget{}.rows};
   const BoardSize size = find_board_size(images);
   Progress::report(fmt::format("the board has {}x{} inner corners", size.columns, size.rows));
+  report_markers(images.front());
   return size;
 }
 
@@ -136,6 +140,12 @@ CalibrationTarget target_of(const CalibrateOptions& o) {
   return target;
 }
 
+/// Options with photographs that were given in place of a recording among the images.
+CalibrateOptions with_images(CalibrateOptions o) {
+  if (may_be_images(o.recording)) o.images.push_back(std::exchange(o.recording, ""));
+  return o;
+}
+
 void require_one_input(const CalibrateOptions& o) {
   const int inputs =
       !o.recording.empty() + !o.images.empty() + !o.corners.empty() + !o.cameras.empty();
@@ -144,10 +154,6 @@ void require_one_input(const CalibrateOptions& o) {
                           ? "missing RECORDING, --images PATH, --corners FILE or --camera NAME=PATH"
                           : "RECORDING, --images, --corners and --camera cannot be combined",
                       "give exactly one of them; touchtrace calibrate --help describes them");
-  if (may_be_images(o.recording))
-    throw usage_error(
-        fmt::format("{} is no recording", o.recording),
-        fmt::format("for photographs: touchtrace calibrate --images {}", o.recording));
   if (o.watch && o.images.size() != 1)
     throw usage_error("--watch takes one folder",
                       "run `touchtrace calibrate --images FOLDER --watch`");
@@ -202,14 +208,19 @@ BoardObservations watch(const CalibrateOptions& options, const CalibrationOption
 /// Says which further view would help most, unless all is well.
 void add_next_view(RgbdCalibration& calibration, const CalibrationTarget& board) {
   if (calibration.details["verdict"] == "GOOD") return;
-  if (const auto next = find_next_view(calibration, board))
-    calibration.details["next_view"] =
-        fmt::format("{}: four fifths of the image are then known to {:.2f} px instead of {:.2f}",
-                    describe(*next), next->then_px, next->sigma_px);
+  const auto next = find_next_view(calibration, board);
+  if (!next) return;
+  std::string gain;
+  if (std::isfinite(next->then_px))
+    gain = fmt::format(
+        ": four fifths of the image are then known to {:.2f} px{}", next->then_px,
+        std::isfinite(next->sigma_px) ? fmt::format(" instead of {:.2f}", next->sigma_px) : "");
+  calibration.details["next_view"] = describe(*next) + gain;
 }
 
-ExitCode run(const CalibrateOptions& options, const Invocation& invocation) {
-  if (!options.compare.empty()) return run_comparison(options.compare, invocation.json);
+ExitCode run(const CalibrateOptions& given, const Invocation& invocation) {
+  if (!given.compare.empty()) return run_comparison(given.compare, invocation.json);
+  const CalibrateOptions options = with_images(given);
   require_one_input(options);
   CalibrationOptions settings{.target_deformation = !options.no_target_deformation,
                               .cross_validate = true};
@@ -245,7 +256,7 @@ Command calibrate_command() {
       "calibrate",
       "calibrate an RGB-D camera from board views: lens, depth error, poses, with covariance",
       {"touchtrace calibrate wave.h5 --output camera",
-       "touchtrace calibrate --images photos --square-mm 25 --output camera",
+       "touchtrace calibrate photos --square-mm 25 --output camera",
        "touchtrace calibrate --images 'photos/left*.jpg' --columns 9 --rows 6",
        "touchtrace calibrate --camera left=photos/left right=photos/right --output stereo",
        "touchtrace calibrate --images photos --target aprilgrid --columns 6 --rows 6 "

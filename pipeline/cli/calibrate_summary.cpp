@@ -81,10 +81,10 @@ void print_lens(const RgbdCalibration& c) {
     const auto& bic = trial["bic"];
     fmt::print("          {:<10} BIC {}", trial["name"].get<std::string>(),
                bic.is_number() ? fmt::format("{:+.1f}", bic.get<double>()) : "none");
-    for (const auto& removed : trial["removed"])
-      fmt::print("; without {}: {}", removed["parameter"].get<std::string>(),
-                 removed["why"].get<std::string>());
-    fmt::print("\n");
+    std::string removed;
+    for (const auto& coefficient : trial["removed"])
+      removed += (removed.empty() ? "" : ", ") + coefficient["parameter"].get<std::string>();
+    fmt::print("{}\n", removed.empty() ? "" : fmt::format("; without {}: unobservable", removed));
   }
   double worst_px = 0.0;
   for (const auto& row : details["projection_sigma_px"])

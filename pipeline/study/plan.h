@@ -11,7 +11,7 @@ namespace touchtrace::study {
 struct PlanRequest {
   std::vector<std::string> objects{"ball"};
   bool is_simulated = true;  ///< data are simulated, not recorded
-  ModelSpec spec;
+  ModelSpec spec = {};
   LiveTaxels live = {};  ///< empty: unknown
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <opencv2/aruco.hpp>
+#include <opencv2/core.hpp>
 
 #include "calib/board/board_detector.h"
 #include "calib/rgbd/calibrate.h"
@@ -20,7 +21,8 @@ CalibrationTarget aruco_grid() {
   return {10, 8, 0.0375, CalibrationTarget::Markers{"5x5_100", 0.03}, &aruco_grid_kind};
 }
 
-testing::BoardPrint draw(const CalibrationTarget& grid) {
+/// `is_turned`: each marker by half a turn, as AprilTag prints its tags.
+testing::BoardPrint draw(const CalibrationTarget& grid, bool is_turned = false) {
   const auto px = [](double m) { return int(std::lround(m * testing::print_px_per_m)); };
   const int pitch = px(grid.square_m), side = px(grid.markers->side_m), gap = pitch - side;
   const int columns = grid.columns / 2, rows = grid.rows / 2;
@@ -28,6 +30,7 @@ testing::BoardPrint draw(const CalibrationTarget& grid) {
   for (int id = 0; id < columns * rows; ++id) {
     cv::Mat marker;
     cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100)->drawMarker(id, side, marker);
+    if (is_turned) cv::rotate(marker, marker, cv::ROTATE_180);
     marker.copyTo(
         drawing(cv::Rect(gap + id % columns * pitch, gap + id / columns * pitch, side, side)));
   }
@@ -82,6 +85,17 @@ TEST(ArucoGrid, CalibratesFromPartialViews) {
   const RgbdCalibration found = calibrate(observed);
   EXPECT_LT(found.rms_px, 0.06);
   testing::expect_rendered_camera(found.color);
+}
+
+TEST(ArucoGrid, MarkersMayBeTurnedByHalfATurn) {
+  const auto pose = board_pose(aruco_grid(), {0.4, -0.3, 0.2}, {0.0, 0.0, 0.3});
+  const GreyImage image = testing::render(draw(aruco_grid(), true), pose);
+  const auto [corners, ids] = find_aruco_grid_corners(image, aruco_grid());
+  EXPECT_EQ(corners.size(), 80u);
+  EXPECT_LT(corner_rms_px(aruco_grid(), pose, corners, ids), 0.06);
+  const auto seen = recognize_target(image, chessboard_kind);
+  ASSERT_TRUE(seen);
+  EXPECT_NE(seen->seen.find("5 in a row"), std::string::npos) << seen->seen;
 }
 
 TEST(ArucoGrid, TellsHowManyTagsARowHas) {

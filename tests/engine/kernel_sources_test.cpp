@@ -82,7 +82,7 @@ TEST(KernelSources, HeaderCommentNamesEveryMacroWithADefault) {
     const auto header = header_comment(text);
     EXPECT_FALSE(header.empty()) << file;
     for (const auto& name : find_all(std::string(text), R"(#ifndef (\w+))"))
-      if (name != "ANY") EXPECT_NE(header.find(name), std::string::npos) << file << ": " << name;
+      EXPECT_TRUE(name == "ANY" || header.find(name) != std::string::npos) << file << ": " << name;
   }
 }
 

@@ -53,6 +53,10 @@ TEST(FindBoardSize, SmallBoardsAreFound) {
   expect_size(size_in_photographs({{4, 3}, {4, 3}, {4, 3}}), 4, 3);
 }
 
+TEST(FindBoardSize, LargeBoardsAreFound) {
+  expect_size(size_in_photographs({{14, 10}, {14, 10}, {14, 10}, {14, 10}}), 14, 10);
+}
+
 TEST(FindBoardSize, OfTwoImagesIsNotClear) {
   try {
     size_in_photographs({{8, 3}, {8, 3}, {4, 3}});

@@ -52,7 +52,8 @@ TEST(ImageShape, IsTheGlovesIfItIsSmall) {
     const auto [rows, cols] = image_shape(glove, resolution);
     return std::pair(rows, cols);
   };
-  const GloveInfo small{.rows = 21, .cols = 40}, large{.rows = 48, .cols = 64};
+  GloveInfo small, large;
+  small.rows = 21, small.cols = 40, large.rows = 48, large.cols = 64;
   EXPECT_EQ(shape(small, 0), std::pair(21, 40));
   EXPECT_EQ(shape(large, 0), std::pair(32, 32));
   EXPECT_EQ(shape(large, own_resolution), std::pair(48, 64));

@@ -14,7 +14,7 @@ namespace touchtrace {
 namespace {
 
 constexpr const char* epoch_name = "epoch_unix_s";
-constexpr std::size_t max_counted_rows = 1000, min_clock_rows = 20;
+constexpr std::size_t max_counted_rows = 1000;
 constexpr std::size_t min_square = 16;  // of numbered columns, where no layout is given
 constexpr double min_text_share = 0.9;
 

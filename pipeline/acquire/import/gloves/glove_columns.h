@@ -11,6 +11,9 @@ namespace touchtrace {
 inline constexpr const char* glove_table_hint =
     "a row has a time and a value for each taxel, as in 'time_s,0_0,0_1'";
 
+/// Rows in which a column must increase to be taken for a clock or counter.
+inline constexpr std::size_t min_clock_rows = 20;
+
 /// Columns of a table with the frames of a glove.
 struct GloveColumns {
   std::optional<TableColumn> time, sequence, epoch;

@@ -17,7 +17,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t max_frames = 10'000'000, min_clock_rows = 20;
+constexpr std::size_t max_frames = 10'000'000;
 
 /// Stamp of the current row. Text must be a date and a time.
 double stamp_of(const TextTable& table, const TableColumn& time, bool& has_dates) {

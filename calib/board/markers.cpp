@@ -52,6 +52,31 @@ cv::Ptr<cv::aruco::Dictionary> find_dictionary(const std::string& name) {
   return cv::aruco::getPredefinedDictionary(row->id);
 }
 
+/// Corners by id; nullopt of an id that is seen several times.
+using MarkersById = std::map<int, std::optional<DecodedMarkers::Corners>>;
+
+MarkersById decode_upscaled(const GreyImage& image, int factor,
+                            const cv::Ptr<cv::aruco::Dictionary>& dictionary, int border_bits) {
+  const UpscaledImage enlarged(image, factor);
+  const auto parameters = cv::aruco::DetectorParameters::create();
+  parameters->markerBorderBits = border_bits;
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> ids;
+  try {
+    cv::aruco::detectMarkers(enlarged.pixels, dictionary, corners, ids, parameters);
+  } catch (const cv::Exception&) {
+    return {};  // thrown for some images without a marker
+  }
+  MarkersById markers;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    DecodedMarkers::Corners corners_px;
+    for (std::size_t k = 0; k < 4; ++k) corners_px[k] = enlarged.to_original(corners[i][k]);
+    const auto [entry, is_first] = markers.try_emplace(ids[i], corners_px);
+    if (!is_first) entry->second.reset();
+  }
+  return markers;
+}
+
 }  // namespace
 
 std::vector<std::string> marker_dictionaries() {
@@ -73,28 +98,15 @@ const DecodedMarkers::Corners* DecodedMarkers::find(int id) const {
 
 DecodedMarkers decode_markers(const GreyImage& image, const std::string& dictionary,
                               int border_bits) {
-  const UpscaledImage enlarged(image, default_upscale_factor(image));
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->markerBorderBits = border_bits;
-  std::vector<std::vector<cv::Point2f>> corners;
-  std::vector<int> ids;
-  try {
-    cv::aruco::detectMarkers(enlarged.pixels, find_dictionary(dictionary), corners, ids,
-                             parameters);
-  } catch (const cv::Exception&) {
-    return {};  // thrown for some images without a marker
-  }
-  std::map<int, std::optional<DecodedMarkers::Corners>> by_id;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    DecodedMarkers::Corners corners_px;
-    for (std::size_t k = 0; k < 4; ++k) corners_px[k] = enlarged.to_original(corners[i][k]);
-    const auto [entry, is_first] = by_id.try_emplace(ids[i], corners_px);
-    if (!is_first) entry->second.reset();
-  }
-  DecodedMarkers markers;
-  for (const auto& [id, corners_px] : by_id)
-    if (corners_px) markers.ids.push_back(id), markers.corners_px.push_back(*corners_px);
-  return markers;
+  const auto known = find_dictionary(dictionary);
+  const int factor = default_upscale_factor(image);
+  MarkersById markers = decode_upscaled(image, factor, known, border_bits);
+  // In noisy photographs more are found in the image as it is.
+  if (factor > 1) markers.merge(decode_upscaled(image, 1, known, border_bits));
+  DecodedMarkers decoded;
+  for (const auto& [id, corners_px] : markers)
+    if (corners_px) decoded.ids.push_back(id), decoded.corners_px.push_back(*corners_px);
+  return decoded;
 }
 
 std::optional<LocalHomography> homography_of(const PlacedMarker& a, const PlacedMarker& b) {

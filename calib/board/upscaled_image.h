@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
-#include "calib/board/chessboard.h"
+#include "calib/board/grey_image.h"
 
 namespace touchtrace {
 

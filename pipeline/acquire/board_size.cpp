@@ -82,13 +82,15 @@ BoardSize find_board_size(const std::vector<std::filesystem::path>& images) {
   return size;
 }
 
-void report_markers(const std::filesystem::path& path) {
-  const auto image = decode_grey(path);
-  if (!image) return;
-  if (const auto board = charuco_kind.recognize(ReducedImage(*image).image))
-    Progress::report(
-        fmt::format("{} shows {}: with these options views of a part of it can be used: {}",
-                    path.string(), board->seen, board->hint));
+void report_markers(const std::vector<std::filesystem::path>& images) {
+  for (const auto& path : images | std::views::take(num_probed_images)) {
+    const auto image = decode_grey(path);
+    const auto board = image ? charuco_kind.recognize(ReducedImage(*image).image) : std::nullopt;
+    if (!board) continue;
+    Progress::report(fmt::format("{} shows {}; {}: views of a part of it can then be used",
+                                 path.string(), board->seen, board->hint));
+    return;
+  }
 }
 
 void OtherTargetCheck::add(const GreyImage& image, BoardFound found,

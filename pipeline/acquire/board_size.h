@@ -15,8 +15,8 @@ namespace touchtrace {
 /// size.
 BoardSize find_board_size(const std::vector<std::filesystem::path>& images);
 
-/// Reports that a chessboard has markers: as a ChArUco board, views of a part of it can be used.
-void report_markers(const std::filesystem::path& image);
+/// Reports a chessboard with markers, if one of the first images shows it.
+void report_markers(const std::vector<std::filesystem::path>& images);
 
 /// Notices early that the images show another target than was asked for.
 class OtherTargetCheck {

@@ -108,7 +108,7 @@ BoardSize board_size_of(const CalibrateOptions& o) {
   if (images.empty()) return {CalibrationTarget{}.columns, CalibrationTarget{}.rows};
   const BoardSize size = find_board_size(images);
   Progress::report(fmt::format("the board has {}x{} inner corners", size.columns, size.rows));
-  report_markers(images.front());
+  report_markers(images);
   return size;
 }
 

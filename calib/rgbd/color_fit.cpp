@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/lens_choice.h"
@@ -57,16 +58,20 @@ bool is_invertible(const BoardObservations& observations, const RgbdParameters& 
   return invertible >= judged_image_fraction * lit;
 }
 
-/// Replaces a lens that cannot be inverted by the best one that can, unless there is very strong
-/// evidence against it.
+/// Replaces a lens that cannot be inverted by the best one that can, of the same ideal projection
+/// if there is any, unless there is very strong evidence against it.
 void prefer_invertible(const BoardObservations& observations, ColorFit& fit) {
   if (is_invertible(observations, fit.parameters)) return;
+  const auto rank = [&](std::size_t i) {
+    const LensTrial& trial = fit.trials[i];
+    return std::pair(is_perspective(trial.parameters.lens) != is_perspective(fit.parameters.lens),
+                     trial.bic);
+  };
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < fit.trials.size(); ++i)
-    if (const LensTrial& trial = fit.trials[i]; trial.converged() &&
-                                                trial.bic < bic_very_strong_evidence &&
-                                                (!best || trial.bic < fit.trials[*best].bic) &&
-                                                is_invertible(observations, trial.parameters))
+    if (const LensTrial& trial = fit.trials[i];
+        trial.converged() && trial.bic < bic_very_strong_evidence &&
+        (!best || rank(i) < rank(*best)) && is_invertible(observations, trial.parameters))
       best = i;
   if (!best) return;
   take(fit.trials[*best], fit);

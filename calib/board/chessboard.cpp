@@ -28,6 +28,7 @@ constexpr double min_contrast = 20.0;  ///< [grey levels] of an edge whose width
 std::vector<Eigen::Vector2d> find_in_upscaled(const UpscaledImage& image,
                                               const CalibrationTarget& board) {
   std::vector<cv::Point2f> points;
+  cv::setRNGSeed(0);  // its search is random: the corners must not depend on earlier images
   if (!cv::findChessboardCornersSB(image.pixels, {board.columns, board.rows}, points)) return {};
   std::vector<Eigen::Vector2d> corners;
   for (const auto& p : points) corners.push_back(image.to_original(p));

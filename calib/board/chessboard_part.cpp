@@ -12,12 +12,14 @@ namespace {
 constexpr int seed_corners = 3;         ///< per side, the least that OpenCV accepts
 constexpr std::size_t min_corners = 9;  ///< as in the seed
 constexpr std::size_t min_ends = 2;
+constexpr int max_seeds = 5;
 
-/// Rectangle of corners that OpenCV finds. Rows or columns in between may be missing.
-CornerLattice find_seed(const GreyImage& image) {
-  const UpscaledImage enlarged(image, default_upscale_factor(image));
+/// Rectangle of corners that OpenCV finds. Rows or columns in between may be missing. OpenCV's
+/// search is random.
+CornerLattice find_seed(const UpscaledImage& enlarged, int random_seed) {
   std::vector<cv::Point2f> points;
   cv::Mat meta;
+  cv::setRNGSeed(random_seed);
   if (!cv::findChessboardCornersSB(enlarged.pixels, {seed_corners, seed_corners}, points,
                                    cv::CALIB_CB_LARGER, meta))
     return {};
@@ -43,8 +45,7 @@ CornerLattice unit_square(const CornerLattice& seed, const GreyImage& image,
 }
 
 /// The largest lattice that grows from a square of the seed.
-CornerLattice find_lattice(const GreyImage& image) {
-  const CornerLattice seed = find_seed(image);
+CornerLattice grow_from(const CornerLattice& seed, const GreyImage& image) {
   CornerLattice largest;
   for (const auto& [cell, unused] : seed) {
     if (2 * largest.size() >= seed.size()) break;
@@ -54,6 +55,18 @@ CornerLattice find_lattice(const GreyImage& image) {
     if (lattice.size() > largest.size()) largest = std::move(lattice);
   }
   return largest;
+}
+
+/// Lattice of the first of a few seeds from which one grows.
+CornerLattice find_lattice(const GreyImage& image) {
+  const UpscaledImage enlarged(image, default_upscale_factor(image));
+  CornerLattice lattice;
+  for (int attempt = 0; attempt < max_seeds && lattice.size() < min_corners; ++attempt) {
+    const CornerLattice seed = find_seed(enlarged, attempt);
+    if (seed.empty()) break;
+    lattice = grow_from(seed, image);
+  }
+  return lattice;
 }
 
 std::vector<ChessboardPart::End> find_ends(const CornerLattice& lattice, const GreyImage& image) {

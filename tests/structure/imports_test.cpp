@@ -85,7 +85,7 @@ const std::map<std::string, std::set<std::string>>& allowed() {
        with(shared, {"calib/rgbd", "pipeline/label/observe", "pipeline/label/learn",
                      "pipeline/label/track", "pipeline/label/states", "pipeline/label/preview"})},
       {"pipeline/report", shared},
-      {"pipeline/sweep", {"engine/base"}},
+      {"pipeline/sweep", {"engine/base", "pipeline/recording"}},
       {"pipeline/export",
        with(shared, {"calib/camera", "engine/model", "engine/train", "pipeline/study"})},
   };

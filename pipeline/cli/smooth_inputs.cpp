@@ -34,7 +34,9 @@ void skip_held(TrackFile& file) {
     if (count <= max_held_repeats)
       std::fill_n(is_held.begin() + static_cast<std::ptrdiff_t>(first), count, true);
   const auto held = static_cast<std::size_t>(std::ranges::count(is_held, true));
-  if (static_cast<double>(held) < min_held_fraction * static_cast<double>(track.size())) return;
+  if (held == 0 ||
+      !(static_cast<double>(held) >= min_held_fraction * static_cast<double>(track.size())))
+    return;
   Progress::warn(
       fmt::format("{}: {} of {} positions repeat the one before them, as if written faster than "
                   "measured; these are skipped",

@@ -82,7 +82,7 @@ TEST_F(ImportGlove, NumberedColumnsThatFitAreTheTaxels) {
   expect_sensors(chosen, "times are 'pc_ts'");
   fs::remove(folder_ / "out.h5");
   expect_glove_rejected(alone("a.csv", 5, 5), "index_avg, s_0 to s_15, x, y, z");
-  for (const char* wrong : {"s_0", "s_0:s_16", "0:3"}) {
+  for (const char* wrong : {"s_0", "s_0:s_16", "0:3", "18:3"}) {
     chosen.glove.layout.taxels = wrong;
     EXPECT_THROW(import_alone(chosen), Error) << wrong;
   }

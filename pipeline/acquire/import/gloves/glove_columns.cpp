@@ -185,8 +185,10 @@ std::size_t index_of(const TextTable& table, const std::string& text) {
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   std::size_t number = 0;
   if (parse_whole(text, number) && number >= 1 && number <= table.num_columns()) return number - 1;
-  throw data_error(fmt::format("{} has no column '{}'", table.file().string(), text),
-                   suggestion(column_name(text), names));
+  throw data_error(
+      fmt::format("{} has no column '{}'", table.file().string(), text),
+      fmt::format("give numbers from 1 to {}{}", table.num_columns(),
+                  names.empty() ? "" : "; or " + suggestion(column_name(text), names)));
 }
 
 /// The columns that the user chose.
@@ -197,6 +199,9 @@ std::vector<TableColumn> chosen_columns(const TextTable& table, const std::strin
                       "name the first and the last column, e.g. --taxels s_0:s_255");
   const std::size_t first = index_of(table, range.substr(0, colon)),
                     last = index_of(table, range.substr(colon + 1));
+  if (first > last)
+    throw usage_error(fmt::format("--taxels {}: the first column is after the last", range),
+                      "exchange them");
   std::vector<TableColumn> columns;
   for (std::size_t i = first; i <= last; ++i)
     columns.push_back(

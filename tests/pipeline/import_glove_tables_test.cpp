@@ -61,11 +61,12 @@ std::string sensor_names() {
 }
 
 TEST_F(ImportGlove, NumberedColumnsThatFitAreTheTaxels) {
-  const auto expect_sensors = [&](const ImportOptions& options, const char* taken) {
+  const auto expect_sensors = [&](const ImportOptions& options, bool is_guess) {
     ::testing::internal::CaptureStderr();
     const GloveStream stream = import_alone(options);
     const std::string text = ::testing::internal::GetCapturedStderr();
-    EXPECT_NE(text.find(taken), std::string::npos) << text;
+    EXPECT_EQ(text.find("only s_0 to s_15 are taken for taxels") != std::string::npos, is_guess)
+        << text;
     EXPECT_EQ(stream.info.rows, 4);
     EXPECT_EQ(stream.counts[0], 10);
     EXPECT_EQ(stream.counts[16 * 3 + 15], 41);
@@ -73,13 +74,13 @@ TEST_F(ImportGlove, NumberedColumnsThatFitAreTheTaxels) {
   };
   testing::put(folder_ / "a.csv",
                sixteen_sensors("pc_ts,index avg" + sensor_names() + ",X,Y,Z", ",7", ",1,2,3"));
-  expect_sensors(alone("a.csv", 0, 0), "only s_0 to s_15 are taken for taxels");
-  expect_sensors(alone("a.csv", 4, 4), "only s_0 to s_15 are taken for taxels");
+  expect_sensors(alone("a.csv", 0, 0), true);
+  expect_sensors(alone("a.csv", 4, 4), true);
   auto chosen = alone("a.csv", 4, 4);
   chosen.glove.layout.taxels = "s 0:s_15";
-  expect_sensors(chosen, "times are 'pc_ts'");
+  expect_sensors(chosen, false);
   chosen.glove.layout.taxels = "3:18";
-  expect_sensors(chosen, "times are 'pc_ts'");
+  expect_sensors(chosen, false);
   fs::remove(folder_ / "out.h5");
   expect_glove_rejected(alone("a.csv", 5, 5), "index_avg, s_0 to s_15, x, y, z");
   for (const char* wrong : {"s_0", "s_0:s_16", "0:3", "18:3"}) {

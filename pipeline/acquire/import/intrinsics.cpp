@@ -205,7 +205,7 @@ IntrinsicsFiles find_intrinsics(const fs::path& folder) {
   auto color = find_file(
       folder, {"camera_info", "camera_info_color", "camera", "intrinsics", "intrinsic",
                "camera_intrinsics", "camera_intrinsic", "cam_intrinsics", "intrinsics_color",
-               "intrinsic_color", "camera_matrix", "scene_camera", "K", "cam_K"});
+               "intrinsic_color", "camera_matrix", "scene_camera", "K", "cam_K", "cam"});
   return {color ? color : record3d_metadata(folder),
           find_file(folder,
                     {"camera_info_depth", "camera_depth", "intrinsics_depth", "intrinsic_depth"})};

@@ -83,26 +83,25 @@ void assess_flatness(Verdict& verdict, double focal_spread) {
                            1e2 * focal_spread));
 }
 
-/// The choice of the board's model must not move the intrinsics by more than they are uncertain.
-void assess_board_model(Verdict& verdict, const RgbdCalibration& c, const Eigen::Vector4d& change) {
+/// The choice of the board's model may move the intrinsics by more than they are uncertain.
+void assess_board_model(Verdict& verdict, const RgbdCalibration& c,
+                        const Eigen::Vector4d& change_px) {
   constexpr std::array names{"fx", "fy", "cx", "cy"};
   std::string moved;
   double largest = 0.0;
-  for (Eigen::Index i = 0; i < 4; ++i) {
-    const double change_px = change[i],
-                 sigmas =
-                     change_px / parameter_sigma(c, fmt::format("color.{}", names[std::size_t(i)]));
-    if (!(std::abs(sigmas) > max_model_sigmas)) continue;
-    largest = std::max(largest, std::abs(sigmas));
-    moved +=
-        fmt::format("{}{} by {:+.1f} px ({:.1f} standard deviations)", moved.empty() ? "" : ", ",
-                    names[std::size_t(i)], change_px, std::abs(sigmas));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const double change = change_px[static_cast<Eigen::Index>(i)],
+                 sigmas = std::abs(change) / parameter_sigma(c, fmt::format("color.{}", names[i]));
+    if (!(sigmas > max_model_sigmas)) continue;
+    largest = std::max(largest, std::abs(change) / (i < 2 ? c.color.fx : c.color.width));
+    moved += fmt::format("{}{} by {:+.1f} px ({:.1f} standard deviations)",
+                         moved.empty() ? "" : ", ", names[i], change, sigmas);
   }
-  apply_limits(
-      verdict, largest, max_model_sigmas, std::numeric_limits<double>::infinity(),
-      fmt::format("free corners of the board move {}, which the standard deviations do not "
-                  "contain: compare with --no-target-deformation, use a stiff, flat board",
-                  moved));
+  apply_limits(verdict, largest, 0.005, std::numeric_limits<double>::infinity(),
+               fmt::format("free corners of the board move {}, which the standard deviations do "
+                           "not contain: compare with --no-target-deformation, use a stiff, flat "
+                           "board",
+                           moved));
 }
 
 void assess_image(Verdict& verdict, const RgbdCalibration& c) {

@@ -39,8 +39,8 @@ const char* grade_name(Grade grade);  ///< GOOD, WEAK, BAD
 ///  - ViewCovariance::inflation, part of the standard deviations: 4, none; 16 of 20 public sets
 ///    have less
 ///  - BoardModels::change_px(), which the standard deviations do not contain: of fx 1, 5 %; 9 of 11
-///    public sets of boards have less than 1 %, bent sheets of paper up to 29 %. Of fx, fy, cx, cy
-///    3 standard deviations, none
+///    public sets of boards have less than 1 %, bent sheets of paper up to 29 %. Where it
+///    exceeds 3 standard deviations: of fx, fy 0.5 % of fx, of cx, cy of the width, none
 ///  - |fy / fx - 1|, where it exceeds 4 standard deviations: 1, 10 %
 ///  - projection_sigma_px() over the best four fifths of the image, without parts that are black in
 ///    all images: 0.25, 2 % of its width

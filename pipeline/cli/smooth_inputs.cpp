@@ -25,17 +25,18 @@ std::string set_sigmas(TrackFile& file, double sigma_m) {
   return sigma_m > 0.0 ? "option" : "data";
 }
 
-/// Skips positions that a program wrote several times between two measurements.
+/// Skips positions that a program wrote several times, at later times, between two measurements.
 void skip_held(TrackFile& file) {
   constexpr double min_held_fraction = 0.3;
+  constexpr std::size_t min_samples = 20;
   Track& track = file.track;
   std::vector<bool> is_held(track.size());
   for (const auto& [first, count] : find_repeats(track))
-    if (count <= max_held_repeats)
-      std::fill_n(is_held.begin() + static_cast<std::ptrdiff_t>(first), count, true);
+    for (std::size_t i = first; count <= max_held_repeats && i < first + count; ++i)
+      is_held[i] = track[i].time_s > track[i - 1].time_s;
   const auto held = static_cast<std::size_t>(std::ranges::count(is_held, true));
-  if (held == 0 ||
-      !(static_cast<double>(held) >= min_held_fraction * static_cast<double>(track.size())))
+  if (track.size() < min_samples ||
+      static_cast<double>(held) < min_held_fraction * static_cast<double>(track.size()))
     return;
   Progress::warn(
       fmt::format("{}: {} of {} positions repeat the one before them, as if written faster than "

@@ -16,9 +16,9 @@ struct SmoothInput {
 };
 
 /// Reads tracks. Standard deviations are those of the file, else `sigma_m`; if that is 0, they are
-/// estimated. If at least 30 % of the positions repeat the one before them at most three times in a
-/// row, as where a program writes faster than a tracker measures, skips these with a warning.
-/// Throws data_error if a file is invalid or has too few samples for an estimate.
+/// estimated. If at least 30 % of 20 positions or more repeat the one before them at most three
+/// times in a row, as where a program writes faster than a tracker measures, skips these with a
+/// warning. Throws data_error if a file is invalid or has too few samples for an estimate.
 std::vector<SmoothInput> read_smooth_inputs(const std::vector<std::string>& paths,
                                             const std::vector<SmoothedFiles>& files,
                                             const TrackOptions& options, double sigma_m);

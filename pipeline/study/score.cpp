@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/base/error.h"
 
 namespace touchtrace::study {
 namespace {
@@ -70,6 +71,8 @@ std::span<const Metric> all_metrics() { return metrics; }
 
 std::vector<CaseScore> score(const std::vector<float>& paths, const RolloutCases& cases,
                              const Normalization& scaling) {
+  if (!std::ranges::all_of(paths, [](float value) { return std::isfinite(value); }))
+    throw failure("paths to be scored are not finite", "report this as a bug");
   const auto paths_m = rescaled(paths, scaling, unscaled());
   const auto target_m = rescaled(cases.batch.target, scaling, unscaled());
   const std::size_t size = cases.path_size(), steps = static_cast<std::size_t>(cases.batch.steps);

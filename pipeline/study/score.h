@@ -30,8 +30,8 @@ struct Metric {
 };
 std::span<const Metric> all_metrics();
 
-/// [cases] Scores of finite paths [cases, steps, 12], which are normalised by `scaling` like the
-/// cases.
+/// [cases] Scores of paths [cases, steps, 12], which are normalised by `scaling` like the cases.
+/// Throws failure if a value is not finite.
 std::vector<CaseScore> score(const std::vector<float>& paths, const RolloutCases& cases,
                              const Normalization& scaling);
 

@@ -139,5 +139,21 @@ TEST(CalibrateFaults, FitsAPerspectiveLensToAFisheye) {
   EXPECT_NEAR(c.color.cy, boards.truth.color[3], 1.0);
 }
 
+TEST(Verdict, BoardModelsThatDisagreeByMoreThanTheirSigmaAreNotGood) {
+  RandomStream random(21, "noise");
+  const RgbdCalibration c = calibrate(observe(simulated_boards(15, false, 640), random));
+  ASSERT_EQ(c.details["verdict"], "GOOD");
+  const double allowed_px = 0.005 * c.color.width;
+  ASSERT_LT(4.0 * parameter_sigma(c, "color.cy"), allowed_px);
+  const auto verdict_of = [&](double change_px) {
+    return assess_calibration(c, {.used = 20, .board_model_change_px = {0, 0, 0, change_px}});
+  };
+  EXPECT_EQ(verdict_of(0.9 * allowed_px).grade, Grade::good);
+  const Verdict verdict = verdict_of(1.1 * allowed_px);
+  EXPECT_EQ(verdict.grade, Grade::weak);
+  ASSERT_EQ(verdict.advice.size(), 1u);
+  EXPECT_NE(verdict.advice[0].find("move cy by +3.5 px"), std::string::npos) << verdict.advice[0];
+}
+
 }  // namespace
 }  // namespace touchtrace

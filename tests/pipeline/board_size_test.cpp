@@ -12,7 +12,7 @@
 namespace touchtrace {
 namespace {
 
-/// Chessboard that faces the camera.
+/// Chessboard that faces the camera, turned by 4 degrees.
 cv::Mat photograph(const BoardSize& size) {
   constexpr int square_px = 30, margin_px = 40;
   cv::Mat image((size.rows + 1) * square_px + 2 * margin_px,
@@ -23,6 +23,10 @@ cv::Mat photograph(const BoardSize& size) {
                     cv::Rect(margin_px + column * square_px, margin_px + row * square_px, square_px,
                              square_px),
                     cv::Scalar(20), cv::FILLED);
+  const cv::Point2f centre(0.5f * static_cast<float>(image.cols),
+                           0.5f * static_cast<float>(image.rows));
+  cv::warpAffine(image, image, cv::getRotationMatrix2D(centre, 4.0, 0.95), image.size(),
+                 cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(255));
   cv::GaussianBlur(image, image, {3, 3}, 0.8);
   return image;
 }

@@ -41,15 +41,15 @@ void print_delay(const RgbdCalibration& c) {
                1e3 * c.depth_delay_s, 1e3 * sigmas["depth.delay"].get<double>());
 }
 
-/// How the model of the board changes the camera.
+/// How the model of the board changes fx, fy, cx, cy.
 void print_board_models(const nlohmann::json& models) {
-  std::string text;
   for (const auto& [key, name] :
-       {std::pair{"flat", "flat"}, {"warped", "warped"}, {"free_corners", "free corners"}})
-    if (const auto& intrinsics = models.at(key); intrinsics.is_array())
-      text +=
-          fmt::format("{}{} {:.2f}", text.empty() ? "" : ", ", name, intrinsics[0].get<double>());
-  fmt::print("          fx by model of the board: {}\n", text);
+       {std::pair{"flat", "flat"}, {"warped", "warped"}, {"free_corners", "free corners"}}) {
+    const auto& v = models.at(key);
+    if (v.is_array())
+      fmt::print("          {:<12} fx {:.2f}  fy {:.2f}  cx {:.2f}  cy {:.2f}\n", name,
+                 v[0].get<double>(), v[1].get<double>(), v[2].get<double>(), v[3].get<double>());
+  }
 }
 
 void print_board(const RgbdCalibration& c) {

@@ -70,7 +70,7 @@ json example(const Comparison& comparison, const std::string& rank, int i, doubl
            {"object", comparison.object[i]},
            {"recording", session.name},
            {"clip", clip.clip},
-           {"start_s", data.time_s[start] - data.time_s[clip.first_frame]},
+           {"start_s", (start - clip.first_frame) / data.rate_hz},
            {"rank", rank},
            {"l1_at_50", l1_at_50},
            {"rate_hz", data.rate_hz},

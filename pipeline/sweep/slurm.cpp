@@ -70,6 +70,14 @@ bool is_queued(const std::string& job, const fs::path& errors, int& failures) {
   return result.errors.find("Invalid job id") == std::string::npos;
 }
 
+void wait_for_next_poll() {
+  const auto end = std::chrono::steady_clock::now() + poll_period;
+  while (std::chrono::steady_clock::now() < end) {
+    throw_if_interrupted();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
 std::size_t count_done(const std::vector<Cell>& cells) {
   return static_cast<std::size_t>(
       std::ranges::count_if(cells, [](const Cell& cell) { return cell.is_done(); }));
@@ -80,7 +88,7 @@ void follow(const std::string& job, const fs::path& errors, const std::vector<Ce
   int failures = 0;
   try {
     while (is_queued(job, errors, failures)) {
-      std::this_thread::sleep_for(poll_period);
+      wait_for_next_poll();
       const auto now_done = count_done(cells);
       progress.advance(now_done - done, "job " + job);
       done = now_done;

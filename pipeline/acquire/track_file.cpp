@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
 #include "pipeline/acquire/track_columns.h"
 
 namespace touchtrace {
@@ -19,6 +20,17 @@ constexpr const char* hint =
     "describes the formats";
 constexpr long double max_time_s = 1e11L;       // the year 5138, if they count from 1970
 constexpr long double max_plain_time_s = 1e6L;  // doubles resolve these to 0.1 ns
+
+/// Units per second of a time since 1970, from 2001 to 2100; 1 if it is none.
+double unix_unit_of(long double time) {
+  constexpr long double min_unix_s = 1e9L, max_unix_s = 4.1e9L;
+  for (const double per_second : {1e3, 1e6, 1e9})
+    if (time >= min_unix_s * per_second && time <= max_unix_s * per_second) {
+      Progress::report(fmt::format("times are {} per second, since 1970", per_second));
+      return per_second;
+    }
+  return 1.0;
+}
 
 class TrackReader {
  public:
@@ -51,8 +63,10 @@ class TrackReader {
   /// Time of the row relative to the origin.
   double next_time() {
     if (!columns_.time) return static_cast<double>(num_rows_++) / rate_hz_;
-    const TableColumn& column = *columns_.time;
-    const auto time_s = value_of<long double>(table_, column);
+    TableColumn& column = *columns_.time;
+    auto time_s = value_of<long double>(table_, column);
+    if (!last_time_s_ && !column.has_unit && std::abs(time_s) > max_time_s)
+      time_s /= static_cast<long double>(column.per_unit = unix_unit_of(time_s));
     if (std::isnan(time_s)) throw LineFault{column.label + " is missing"};
     if (std::abs(time_s) > max_time_s)
       throw LineFault{

@@ -7,11 +7,11 @@
 namespace touchtrace::label {
 namespace {
 
-using Index = std::array<int, 3>;
-using Grid = std::map<Index, Cell>;
+using GridIndex = std::array<int, 3>;
+using Grid = std::map<GridIndex, Cell>;
 
-Index index_of(const SurfacePoint& point, float cell_m) {
-  Index index;
+GridIndex index_of(const SurfacePoint& point, float cell_m) {
+  GridIndex index;
   for (std::size_t axis = 0; axis < 3; ++axis)
     index[axis] =
         static_cast<int>(std::floor(point.position_m[static_cast<Eigen::Index>(axis)] / cell_m));
@@ -22,7 +22,7 @@ Grid grid_of(const Surface& surface, Body body, float cell_m) {
   Grid grid;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface[i].body != body) continue;
-    const Index index = index_of(surface[i], cell_m);
+    const GridIndex index = index_of(surface[i], cell_m);
     auto& cell = grid.try_emplace(index, Cell{Eigen::Vector3f::Zero(), {}, index}).first->second;
     cell.mean_m += surface[i].position_m;
     cell.points.push_back(i);
@@ -32,11 +32,11 @@ Grid grid_of(const Surface& surface, Body body, float cell_m) {
 }
 
 /// Moves the connected component of a cell from `grid` to `cells`.
-void take_component(Grid& grid, const Index& first, std::size_t component,
+void take_component(Grid& grid, const GridIndex& first, std::size_t component,
                     std::vector<Cell>& cells) {
-  std::vector<Index> open{first};
+  std::vector<GridIndex> open{first};
   while (!open.empty()) {
-    const Index index = open.back();
+    const GridIndex index = open.back();
     open.pop_back();
     auto found = grid.extract(index);
     if (found.empty()) continue;
@@ -58,7 +58,7 @@ std::vector<Cell> connected_cells(const Surface& surface, Body body, float cell_
   auto grid = grid_of(surface, body, cell_m);
   std::vector<Cell> cells;
   for (std::size_t component = 0; !grid.empty(); ++component)
-    take_component(grid, Index(grid.begin()->first), component, cells);
+    take_component(grid, GridIndex(grid.begin()->first), component, cells);
   return cells;
 }
 

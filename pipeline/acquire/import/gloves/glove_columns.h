@@ -33,9 +33,6 @@ struct GloveColumns {
 /// Throws data_error if there is no time and no rate, or no such column.
 GloveColumns columns_of_glove(TextTable& table, const GloveFileOptions& options);
 
-/// Names of the columns for a message: "s_0 to s_255, x, y".
-std::string list_of(const std::vector<TableColumn>& columns);
-
 /// Options with the layout that the columns' names tell. Throws data_error if they contradict it.
 GloveFileOptions with_named_layout(GloveFileOptions options, const GloveColumns& columns);
 

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "engine/base/error.h"
-#include "engine/base/progress.h"
+#include "pipeline/acquire/import/gloves/glove_values.h"
 
 namespace touchtrace {
 namespace {
@@ -18,8 +18,6 @@ constexpr std::array<GloveFileKind, 3> glove_file_kinds{{
     {"NumPy archive (.npz with time_s and counts)", is_glove_numpy, read_glove_numpy},
     {"table (.csv, .txt) with a time and all taxels in each row", is_glove_table, read_glove_table},
 }};
-
-constexpr double max_incomplete = 0.1;  ///< of the frames
 
 /// Text that Git LFS leaves in place of a file.
 bool is_lfs_pointer(const std::filesystem::path& file) {
@@ -48,15 +46,6 @@ void skip_incomplete(GloveFile& glove, const std::filesystem::path& file) {
 }
 
 }  // namespace
-
-void report_incomplete(const std::filesystem::path& file, std::size_t incomplete, std::size_t all) {
-  if (incomplete == 0) return;
-  const auto text = fmt::format("{} of {} rows have no value for some taxel", incomplete, all);
-  if (static_cast<double>(incomplete) > max_incomplete * static_cast<double>(all))
-    throw data_error(fmt::format("{}: {}", file.string(), text),
-                     "fill them in, or leave out columns that are not taxels");
-  Progress::warn(fmt::format("glove: {} and are skipped", text));
-}
 
 GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOptions& options) {
   if (!std::filesystem::is_regular_file(file))

@@ -45,10 +45,6 @@ void require_no_stream(const GloveFileOptions& options);
 /// `values` per frame.
 void set_layout(GloveFile& glove, std::size_t values, const GloveFileOptions& options);
 
-/// Warns of frames that were skipped, since some taxel has no value. Throws data_error if they are
-/// more than a tenth of all.
-void report_incomplete(const std::filesystem::path& file, std::size_t incomplete, std::size_t all);
-
 // Each in its own file:
 bool is_glove_hdf5(const std::filesystem::path& file);
 GloveFile read_glove_hdf5(const std::filesystem::path& file, const GloveFileOptions& options);

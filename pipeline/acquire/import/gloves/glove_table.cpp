@@ -12,6 +12,7 @@
 #include "pipeline/acquire/import/formats/iso_time.h"
 #include "pipeline/acquire/import/gloves/glove_columns.h"
 #include "pipeline/acquire/import/gloves/glove_file.h"
+#include "pipeline/acquire/import/gloves/glove_values.h"
 #include "pipeline/acquire/import/gloves/numbered_columns.h"
 #include "pipeline/acquire/table_columns.h"
 

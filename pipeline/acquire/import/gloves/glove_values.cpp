@@ -12,6 +12,7 @@ namespace touchtrace {
 namespace {
 
 constexpr double max_count = 65535.0;
+constexpr double max_incomplete = 0.1;       // of the frames
 constexpr double min_fraction = 1.0 / 16.0;  // largest value of pressures from 0 to 1
 
 void require_finite(const GloveFile& glove) {
@@ -65,6 +66,15 @@ std::vector<std::uint16_t> counts_of(const GloveFile& glove, const ValueScale& s
   counts.reserve(glove.values.size());
   for (const float value : glove.values) counts.push_back(scale.count(value));
   return counts;
+}
+
+void report_incomplete(const std::filesystem::path& file, std::size_t incomplete, std::size_t all) {
+  if (incomplete == 0) return;
+  const auto text = fmt::format("{} of {} rows have no value for some taxel", incomplete, all);
+  if (static_cast<double>(incomplete) > max_incomplete * static_cast<double>(all))
+    throw data_error(fmt::format("{}: {}", file.string(), text),
+                     "fill them in, or leave out columns that are not taxels");
+  Progress::warn(fmt::format("glove: {} and are skipped", text));
 }
 
 }  // namespace touchtrace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 #include "pipeline/acquire/import/gloves/glove_file.h"
@@ -24,5 +25,9 @@ struct ValueScale {
 ValueScale value_scale(const GloveFile& glove, bool is_counts);
 
 std::vector<std::uint16_t> counts_of(const GloveFile& glove, const ValueScale& scale);
+
+/// Warns of frames that were skipped, since some taxel has no value. Throws data_error if they are
+/// more than a tenth of all.
+void report_incomplete(const std::filesystem::path& file, std::size_t incomplete, std::size_t all);
 
 }  // namespace touchtrace

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 
 #include "calib/board/marker_sides.h"
 #include "calib/board/tag_grid.h"
@@ -12,19 +13,14 @@ namespace {
 
 constexpr int border_bits = 1;
 
-/// Markers turned by half a turn: AprilTag prints its tags so, other than OpenCV's dictionaries.
-DecodedMarkers half_turned(DecodedMarkers markers) {
-  for (auto& corners_px : markers.corners_px)
+/// Markers in the orientation of OpenCV's dictionaries, and turned by half a turn, as AprilTag
+/// prints its tags.
+std::array<DecodedMarkers, 2> decode(const GreyImage& image, const std::string& dictionary) {
+  const DecodedMarkers markers = decode_markers(image, dictionary, border_bits);
+  DecodedMarkers turned = markers;
+  for (auto& corners_px : turned.corners_px)
     std::rotate(corners_px.begin(), corners_px.begin() + 2, corners_px.end());
-  return markers;
-}
-
-/// Markers in the orientation in which they form the grid, if they do.
-DecodedMarkers decode(const GreyImage& image, const CalibrationTarget& grid) {
-  auto markers = decode_markers(image, grid.markers->dictionary, border_bits);
-  if (lie_as_in_grid(markers, grid, FirstRow::top)) return markers;
-  auto turned = half_turned(markers);
-  return lie_as_in_grid(turned, grid, FirstRow::top) ? turned : markers;
+  return {markers, turned};
 }
 
 /// Leaves out markers whose sides are not clear.
@@ -40,21 +36,20 @@ DecodedMarkers refined(const GreyImage& image, const DecodedMarkers& rough,
 }
 
 std::optional<OtherTarget> find_other(const GreyImage& image, const CalibrationTarget& asked) {
-  return find_other_tag_columns(decode(image, asked), asked, FirstRow::top);
+  for (const auto& markers : decode(image, asked.markers->dictionary))
+    if (auto other = find_other_tag_columns(markers, asked, FirstRow::top)) return other;
+  return {};
 }
 
 std::optional<OtherTarget> recognize(const GreyImage& image) {
-  for (const char* dictionary : common_dictionaries) {
-    const auto markers = decode_markers(image, dictionary, border_bits);
-    auto in_row = find_tags_in_row(markers, FirstRow::top);
-    if (!in_row) in_row = find_tags_in_row(half_turned(markers), FirstRow::top);
-    if (in_row)
-      return OtherTarget{
-          fmt::format("a grid of {} markers with {} in a row", dictionary, *in_row),
-          fmt::format(
-              "give --target aruco-grid --markers {} --columns {}, and the number of --rows",
-              dictionary, *in_row)};
-  }
+  for (const char* dictionary : common_dictionaries)
+    for (const auto& markers : decode(image, dictionary))
+      if (const auto in_row = find_tags_in_row(markers, FirstRow::top))
+        return OtherTarget{
+            fmt::format("a grid of {} markers with {} in a row", dictionary, *in_row),
+            fmt::format(
+                "give --target aruco-grid --markers {} --columns {}, and the number of --rows",
+                dictionary, *in_row)};
   return {};
 }
 
@@ -62,10 +57,12 @@ std::optional<OtherTarget> recognize(const GreyImage& image) {
 
 TargetCorners find_aruco_grid_corners(const GreyImage& image, const CalibrationTarget& grid) {
   require_possible_tag_grid(grid);
-  const DecodedMarkers markers = decode(image, grid);
-  if (!lie_as_in_grid(markers, grid, FirstRow::top)) return {};
-  TargetCorners corners = tag_corners(refined(image, markers, grid), grid, FirstRow::top);
-  return can_determine_pose(corners.ids, grid) ? corners : TargetCorners{};
+  for (const auto& markers : decode(image, grid.markers->dictionary)) {
+    if (!lie_as_in_grid(markers, grid, FirstRow::top)) continue;
+    TargetCorners corners = tag_corners(refined(image, markers, grid), grid, FirstRow::top);
+    return can_determine_pose(corners.ids, grid) ? corners : TargetCorners{};
+  }
+  return {};
 }
 
 const TargetKind aruco_grid_kind{

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/finite.h"
+
 namespace touchtrace {
 namespace {
 
@@ -32,10 +34,9 @@ void zero_non_finite_values(Runtime& runtime, const cl::Buffer& buffer) {
   runtime.write<float>(as_floats(buffer), values);
 }
 
-bool all_finite(Runtime& runtime, const Launch& launch) {
+bool has_finite_buffers(Runtime& runtime, const Launch& launch) {
   return std::ranges::all_of(launch.buffers(), [&](const auto& argument) {
-    const auto values = runtime.download(as_floats(argument.second));
-    return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
+    return all_finite(runtime.download(as_floats(argument.second)));
   });
 }
 
@@ -58,7 +59,7 @@ std::string first_non_finite_kernel(Runtime& runtime, const std::function<void()
   for (const auto& [handle, buffer] : buffers) zero_non_finite_values(runtime, buffer);
   std::string first;
   visit_launches(runtime, pass, [&](const Launch& launch) {
-    if (first.empty() && !all_finite(runtime, launch)) first = launch.name();
+    if (first.empty() && !has_finite_buffers(runtime, launch)) first = launch.name();
   });
   return first;
 }

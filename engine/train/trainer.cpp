@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "engine/base/error.h"
+#include "engine/base/finite.h"
 #include "engine/model/model.h"
 #include "engine/train/batch_rows.h"
 #include "engine/train/checkpoint_metadata.h"
@@ -15,10 +15,6 @@
 
 namespace touchtrace {
 namespace {
-
-bool all_finite(std::span<const float> values) {
-  return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
-}
 
 /// Names the first input of a batch that is not finite; empty if none is. Labels of weight 0 do
 /// not count.

@@ -2,22 +2,14 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "engine/base/error.h"
+#include "engine/base/finite.h"
 #include "engine/cl/launch_inspection.h"
 #include "engine/train/schedule.h"
 
 namespace touchtrace {
-namespace {
-
-bool is_finite(const std::vector<float>& values) {
-  return std::ranges::all_of(values, [](float v) { return std::isfinite(v); });
-}
-
-}  // namespace
-
 UpdateLoop::UpdateLoop(Runtime& runtime, const TrainOptions& options, const Weights& weights,
                        const Buffer<float>& loss, Names names, std::span<const float> tactile)
     : runtime_(runtime),
@@ -62,8 +54,8 @@ double UpdateLoop::skip(const Functions& functions) {
 
 std::string UpdateLoop::find_cause(const Functions& functions) {
   if (const auto input = functions.invalid_input(); !input.empty()) return input + " are";
-  if (!is_finite(runtime_.download(weights_.values))) return "the weights are";
-  if (!is_finite(runtime_.download(stream_))) return "the tactile frames are";
+  if (!all_finite(runtime_.download(weights_.values))) return "the weights are";
+  if (!all_finite(runtime_.download(stream_))) return "the tactile frames are";
   const auto kernel = first_non_finite_kernel(runtime_, [&] { functions.pass(keys()); });
   return kernel.empty() ? "the gradient norm is" : fmt::format("the output of {} is", kernel);
 }

@@ -3,9 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "engine/base/error.h"
+#include "engine/base/finite.h"
 
 namespace touchtrace {
 
@@ -23,7 +23,7 @@ std::vector<float> values_of(const ParameterTable& table, const TensorFile& file
   std::vector<float> values(table.size(), 0.0f);
   for (const auto& row : table.rows()) {
     const auto& stored = file.at(row.name, row.size).values;
-    if (!std::ranges::all_of(stored, [](float value) { return std::isfinite(value); }))
+    if (!all_finite(stored))
       throw data_error(fmt::format("{}: tensor '{}' has values that are not finite",
                                    file.path.string(), row.name),
                        "use a file that touchtrace train wrote");

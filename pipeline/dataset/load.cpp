@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/finite.h"
 #include "engine/base/progress.h"
 #include "engine/base/provenance.h"
 #include "pipeline/dataset/distinct_touch.h"
@@ -42,10 +43,6 @@ State state_of(const std::vector<double>& object_m, const std::vector<double>& o
 std::string kind_of(const Dataset& data) {
   return fmt::format("activity '{}' with {} x {} taxels at {} Hz", data.activity, data.rows,
                      data.cols, data.rate_hz);
-}
-
-bool is_finite(const State& state) {
-  return std::all_of(state.begin(), state.end(), [](float value) { return std::isfinite(value); });
 }
 
 /// Adds one recording to a dataset.
@@ -171,7 +168,7 @@ void RecordingLoader::add_clip(int clip, std::size_t first, std::size_t last) {
        clip_fingerprints(glove(), reader_.recording().clips[static_cast<std::size_t>(clip)])});
   for (std::size_t i = first; i < last; ++i) {
     add_image(labels_.glove_frame[i]);
-    const bool is_known = is_finite(label(i)) && is_finite(causal_label(i));
+    const bool is_known = all_finite(label(i)) && all_finite(causal_label(i));
     dataset_.label.push_back(is_known ? label(i) : State{});
     dataset_.causal_label.push_back(is_known ? causal_label(i) : State{});
     dataset_.trusted.push_back(is_known && labels_.hand.quality[i] == quality_good &&

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/finite.h"
 #include "pipeline/recording/h5_archive.h"
 
 namespace touchtrace::h5 {
@@ -251,7 +252,7 @@ void Loader::attribute(const std::string& name, int& value) const {
 void Loader::attribute(const std::string& name, std::vector<double>& values) const {
   record_fault(attribute_path(path_, name), [&] {
     auto found = read_numbers(group_, name);
-    if (!std::ranges::all_of(found, [](double v) { return std::isfinite(v); }))
+    if (!all_finite(found))
       throw H5Error(fmt::format("expected finite numbers, found {}", fmt::join(found, " ")));
     values = std::move(found);
   });

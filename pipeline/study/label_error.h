@@ -12,12 +12,10 @@ namespace touchtrace::study {
 ///
 /// - A label is wrong if it is over 60 mm from the truth shifted by the median offset.
 /// - RMS, bias and spread are over labels neither lost nor wrong.
-/// - `position_spread_m` and `aligned_velocity_rms_m_per_s` are after removing bias and delay,
-/// which
-///   no recording shows: the position of a body's centre and the streams' minimum latency.
-/// - Coverage and NEES are without alignment, over all labels not flagged as lost. They do not
-/// apply
-///   to the hand, whose label is the centre of its visible part.
+/// - `position_spread_m` and `aligned_velocity_rms_m_per_s` are without bias and delay, which no
+///   recording shows: the position of a body's centre and the streams' minimum latency.
+/// - Coverage and NEES are without alignment, over all labels not flagged as lost. The hand's say
+///   nothing, since its label is the centre of its visible part.
 /// - Velocities, coverage and NEES exclude times with an impact between the truth's samples, where
 ///   the true velocity is unknown.
 struct BodyError {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/finite.h"
+
 namespace touchtrace::study {
 namespace {
 
@@ -57,8 +59,7 @@ RolloutCases make_cases(const Dataset& data, const RolloutGrid& grid, const Norm
 }
 
 bool is_finite(const Rollout& rollout) {
-  const auto finite = [](float value) { return std::isfinite(value); };
-  return std::ranges::all_of(rollout.state, finite) && std::ranges::all_of(rollout.spread, finite);
+  return all_finite(rollout.state) && all_finite(rollout.spread);
 }
 
 double mean_loss(const Rollout& rollout, const RolloutBatch& batch, double band_quantile) {

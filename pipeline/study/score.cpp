@@ -1,10 +1,10 @@
 #include "pipeline/study/score.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "engine/base/error.h"
+#include "engine/base/finite.h"
 
 namespace touchtrace::study {
 namespace {
@@ -71,7 +71,7 @@ std::span<const Metric> all_metrics() { return metrics; }
 
 std::vector<CaseScore> score(const std::vector<float>& paths, const RolloutCases& cases,
                              const Normalization& scaling) {
-  if (!std::ranges::all_of(paths, [](float value) { return std::isfinite(value); }))
+  if (!all_finite(paths))
     throw failure("paths to be scored are not finite", "report this as a bug");
   const auto paths_m = rescaled(paths, scaling, unscaled());
   const auto target_m = rescaled(cases.batch.target, scaling, unscaled());

@@ -58,15 +58,17 @@ std::string submit(const fs::path& script, const fs::path& errors) {
   return job;
 }
 
-/// Whether tasks of the job are pending or running. An unreachable controller counts as yes, for
-/// a while. `failures`: such answers in a row.
+/// Whether tasks of the job are pending or running. An unreachable controller counts as yes; throws
+/// failure at the last of max_squeue_failures. `failures`: such answers in a row.
 bool is_queued(const std::string& job, const fs::path& errors, int& failures) {
   const auto result = run_shell("squeue --noheader --format=%T --jobs=" + job, errors);
   if (result.exit_code == 0) failures = 0;
   if (result.exit_code == 0) return !result.output.empty();
   if (++failures == max_squeue_failures)
     throw failure(fmt::format("squeue does not answer: {}", result.errors),
-                  "once Slurm answers, run the same command again: finished cells are kept");
+                  fmt::format("job {} is left running; once Slurm answers, run the same command "
+                              "again: finished cells are kept",
+                              job));
   return result.errors.find("Invalid job id") == std::string::npos;
 }
 
@@ -93,8 +95,8 @@ void follow(const std::string& job, const fs::path& errors, const std::vector<Ce
       progress.advance(now_done - done, "job " + job);
       done = now_done;
     }
-  } catch (...) {
-    run_shell("scancel " + job, errors);
+  } catch (const Error&) {
+    if (interrupted()) run_shell("scancel " + job, errors);
     throw;
   }
 }

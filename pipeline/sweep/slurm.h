@@ -21,8 +21,9 @@ std::string job_script(const SlurmArray& array);
 
 /// Submits the array with sbatch, follows it with squeue, and submits it again while cells are
 /// neither done nor failed, as after a time limit. Prints the messages of failed cells. An
-/// interrupt cancels the job and is thrown. Throws failure if Slurm refuses the job, or if several
-/// submissions in a row finish no cell.
+/// interrupt cancels the job and is thrown. Throws failure if Slurm refuses the job, if squeue does
+/// not answer for ten minutes (the job is left running), or if several submissions in a row finish
+/// no cell.
 SweepSummary run_on_slurm(const std::vector<Cell>& cells, const SlurmArray& array);
 
 }  // namespace touchtrace::sweep

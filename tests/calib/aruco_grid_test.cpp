@@ -96,6 +96,12 @@ TEST(ArucoGrid, MarkersMayBeTurnedByHalfATurn) {
   const auto seen = recognize_target(image, chessboard_kind);
   ASSERT_TRUE(seen);
   EXPECT_NE(seen->seen.find("5 in a row"), std::string::npos) << seen->seen;
+  EXPECT_FALSE(aruco_grid_kind.find_other(image, aruco_grid()));
+  CalibrationTarget asked = aruco_grid();
+  asked.columns = 8;
+  const auto other = aruco_grid_kind.find_other(image, asked);
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->seen, "no grid with 4 tags in a row but one with 5");
 }
 
 TEST(ArucoGrid, TellsHowManyTagsARowHas) {

@@ -2,11 +2,10 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
 
 #include "calib/rgbd/calibration.h"
 #include "engine/base/error.h"
+#include "engine/base/finite.h"
 
 namespace touchtrace {
 namespace {
@@ -70,8 +69,7 @@ double positive_number(const nlohmann::json& json, const char* key) {
 
 std::vector<float> parse_baseline(const nlohmann::json& json, const GloveInfo& glove) {
   auto counts = json.get<std::vector<float>>();
-  if (std::ssize(counts) != glove.taxels() ||
-      !std::ranges::all_of(counts, [](float count) { return std::isfinite(count); }))
+  if (std::ssize(counts) != glove.taxels() || !all_finite(counts))
     throw data_error(
         fmt::format("the log has a baseline of {} counts, expected {} finite ones, one per taxel",
                     counts.size(), glove.taxels()),

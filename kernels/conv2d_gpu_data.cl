@@ -5,12 +5,14 @@
 // The sum is a gather. The taps that reach input pixel (STRIDE a + row, STRIDE b + column) depend only on its class
 // (row, column). Each class is a matrix product: rows are the input pixels of that class in all images, columns are
 // input channels, terms are [tap of the class][output channel]. One work-group per tile of one class (gpu_tile.clh);
-// TILE_COLUMNS divides IN_CHANNELS.
+// TILE_COLUMNS divides IN_CHANNELS. Inputs with fewer rows or columns than STRIDE have no pixels of the last classes,
+// which are not launched.
 //
 //   packed [tap][output channel][input channel]
 //
 // -D: see conv2d.clh, gpu_tile.clh
 #define LEFT_ALONG_DEPTH 1
+#define COLUMN_CLASSES min(STRIDE, IN_COLS)
 
 // One work-item per weight.
 __kernel void conv2d_gpu_pack_transposed(__global const real* restrict parameters, int weight_at,
@@ -63,7 +65,7 @@ static void store_masked(real4 sums, __global const real* in, __global real* gra
 __kernel WORK_GROUP_ATTRIBUTE void conv2d_gpu_data(
     __global const real* restrict grad_out, __global const real* restrict packed, __global const real*
     restrict in, __global real* restrict grad_in, int images) {
-  const int row = get_group_id(2) / STRIDE, column = get_group_id(2) % STRIDE;
+  const int row = get_group_id(2) / COLUMN_CLASSES, column = get_group_id(2) % COLUMN_CLASSES;
   const class_axis rows = axis_of(row, IN_ROWS), columns = axis_of(column, IN_COLS);
   const int pixels = images * rows.pixels * columns.pixels, terms = rows.taps * columns.taps * OUT_CHANNELS;
   const int first = get_group_id(0) * TILE_ROWS, channel = get_group_id(1) * TILE_COLUMNS;

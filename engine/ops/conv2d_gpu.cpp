@@ -70,6 +70,11 @@ class GpuConv2d final : public Conv2d {
   int all_chunks() const { return parameters_.num_accumulators * chunks_; }
   int out_groups() const { return shape_.out_channels / out_tile_.columns; }
 
+  /// Number of classes of input pixels in `conv2d_gpu_data` that have pixels.
+  int classes() const {
+    return std::min(shape_.stride, shape_.rows) * std::min(shape_.stride, shape_.cols);
+  }
+
   void plan_chunks() {
     const int pixels = shape_.images * area();
     const int wanted = ceil_div(min_groups, ceil_div(sums(), out_tile_.rows) * out_groups());
@@ -90,7 +95,7 @@ class GpuConv2d final : public Conv2d {
   Launch backward_data(const Conv2dMicroBatch& batch) {
     return Launch(kernel("data", "data", in_tile_),
                   range(ceil_div(batch.num_images * area(), in_tile_.rows),
-                        shape_.in_channels / in_tile_.columns, shape_.stride * shape_.stride),
+                        shape_.in_channels / in_tile_.columns, classes()),
                   batch.grad_out, packed_transposed_, batch.in, batch.grad_in, batch.num_images)
         .with_local_size(in_tile_.items())
         .with_cost(conv2d_cost(shape_, batch.num_images))

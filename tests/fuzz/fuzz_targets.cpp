@@ -167,7 +167,12 @@ std::vector<FuzzTarget> make_targets() {
       [](auto& file, ByteSpan) { stated_counts_per_m(file), read_intrinsics(file, 640, 480); });
   add("matrix", ".txt", [](auto& file, ByteSpan) { read_intrinsics(file, 640, 480); });
   add("toml", ".toml", parse_toml);
-  add("matlab", ".mat", [](auto& file, ByteSpan) { tolerate([&] { read_matlab_depth(file); }); });
+  add("matlab", ".mat", [](auto& file, ByteSpan) {
+    tolerate([&] { read_matlab_depth(file); });
+    GloveFileOptions options;
+    options.rate_hz = 15.0;
+    tolerate([&] { read_glove_matlab(file, options); });
+  });
   add("npy", ".npy", parse_numpy);
   add("npz", ".npz", [](auto& file, ByteSpan) { read_numpy_archive(file); });
   add("bag", ".bag", parse_messages<BagFile>);

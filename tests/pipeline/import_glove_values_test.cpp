@@ -20,6 +20,18 @@ TEST_F(ImportGlove, NumpyArraysMayHaveAnyOrderOfBytesAndAxes) {
   expect_glove_rejected(with_glove("single.npy"), "numpy.savez");
 }
 
+/// Recordings 0 and 7 of one file.
+TEST_F(ImportGlove, RecordingOfAMatlabFileIsChosen) {
+  fs::copy_file(fs::path(TOUCHTRACE_SOURCE_DIR) / "tests" / "data" / "matlab" / "stag.mat",
+                folder_ / "metadata.mat");
+  auto options = with_glove("metadata.mat");
+  expect_glove_rejected(options, "--glove-stream with a number of its array recordingId, from 0 to 7");
+  options.glove.layout.stream = "3";
+  expect_glove_rejected(options, "no recording '3'");
+  options.glove.layout.stream = "7";
+  expect_counts(glove(options), 300);
+}
+
 TEST_F(ImportGlove, ValuesWithFractionsAreScaledTo16Bits) {
   const auto counts = [&](double low, double high, double baseline) {
     std::string table = "time_s,a,b\n";

@@ -9,7 +9,7 @@ void describe(OptionSet& set, GloveOptions& o) {
            "with a time and all taxels in each row")
       .value("FILE");
   set.text("glove-stream", o.layout.stream,
-           "glove of a file with several, such as tactile-glove-right")
+           "glove or recording of a file with several, such as tactile-glove-right")
       .value("NAME");
   set.text("taxels", o.layout.taxels,
            "first and last column of the taxels of a table, by name or by number from 1, such as "

@@ -1,29 +1,36 @@
 #include "pipeline/acquire/import/formats/matlab_file.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <libdeflate.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <vector>
 
+#include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "pipeline/acquire/import/formats/byte_reader.h"
 
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t max_mat_bytes = std::size_t{256} << 20;
+constexpr std::size_t max_mat_bytes = std::size_t{1} << 30;
 constexpr std::size_t mat_header_bytes = 128;
-constexpr std::int32_t max_mat_size = 16384;
+constexpr std::size_t max_image_size = 16384;
 constexpr std::size_t max_zlib_ratio = 1032;
 
 // Types of data elements.
 constexpr std::uint32_t type_matrix = 14, type_compressed = 15;
-constexpr std::uint8_t class_double = 6, class_uint32 = 13;  // of arrays of numbers
+constexpr std::uint8_t first_number_class = 6, last_number_class = 15;  // double to uint64
+
+/// Whether an array of this name and shape is read.
+using IsWanted =
+    std::function<bool(const std::string& name, const std::vector<std::size_t>& shape)>;
 
 struct Element {
   std::uint32_t type = 0;
@@ -64,56 +71,102 @@ std::vector<std::uint8_t> inflate_zlib(ByteSpan stored) {
   }
 }
 
-template <class T>
-cv::Mat to_doubles(ByteSpan data, int rows, int columns) {
-  cv::Mat values(rows, columns, CV_64F);
-  ByteReader reader(data);
-  for (int column = 0; column < columns; ++column)
-    for (int row = 0; row < rows; ++row)
-      values.at<double>(row, column) = static_cast<double>(reader.number<T>());
-  return values;
+/// Type of the numbers in a data element.
+struct NumberType {
+  std::uint32_t type;
+  const char* numpy_name;
+  std::size_t bytes;
+};
+
+constexpr NumberType number_types[] = {{1, "i1", 1},  {2, "u1", 1}, {3, "i2", 2}, {4, "u2", 2},
+                                       {5, "i4", 4},  {6, "u4", 4}, {7, "f4", 4}, {9, "f8", 8},
+                                       {12, "i8", 8}, {13, "u8", 8}};
+
+const NumberType& number_type(std::uint32_t type) {
+  const auto* found = std::ranges::find(number_types, type, &NumberType::type);
+  if (found == std::end(number_types))
+    throw std::runtime_error(fmt::format("numbers of type {} are unknown", type));
+  return *found;
 }
 
-cv::Mat numbers_of(const Element& part, int rows, int columns) {
-  switch (part.type) {
-    case 1:
-      return to_doubles<std::int8_t>(part.data, rows, columns);
-    case 2:
-      return to_doubles<std::uint8_t>(part.data, rows, columns);
-    case 3:
-      return to_doubles<std::int16_t>(part.data, rows, columns);
-    case 4:
-      return to_doubles<std::uint16_t>(part.data, rows, columns);
-    case 5:
-      return to_doubles<std::int32_t>(part.data, rows, columns);
-    case 6:
-      return to_doubles<std::uint32_t>(part.data, rows, columns);
-    case 7:
-      return to_doubles<float>(part.data, rows, columns);
-    case 9:
-      return to_doubles<double>(part.data, rows, columns);
-    default:
-      throw std::runtime_error(fmt::format("numbers of type {} are unknown", part.type));
+/// Product of the sizes. Throws std::exception for a negative size and for too many numbers.
+std::size_t count_of(const std::vector<std::size_t>& shape) {
+  std::size_t count = 1;
+  for (const std::size_t size : shape) {
+    if (size > max_mat_bytes / std::max<std::size_t>(1, count))
+      throw std::runtime_error(fmt::format("an array of {} numbers", fmt::join(shape, "x")));
+    count *= size;
   }
+  return count;
 }
 
-/// Array of an element, in double precision; nullopt if it is not an image of numbers.
-std::optional<cv::Mat> read_matrix(ByteSpan data) {
+struct NamedArray {
+  std::string name;
+  NumpyArray values;
+};
+
+std::vector<std::size_t> read_shape(ByteSpan data) {
+  std::vector<std::size_t> shape;
+  for (ByteReader reader(data); !reader.is_at_end();)
+    shape.push_back(static_cast<std::size_t>(reader.number<std::int32_t>()));
+  return shape;
+}
+
+/// Array of an element; nullopt if it does not hold numbers or is not wanted.
+std::optional<NamedArray> read_array(ByteSpan data, const IsWanted& is_wanted) {
   ByteReader reader(data);
   const auto flags = read_element(reader).data;
-  if (flags.empty() || flags[0] < class_double || flags[0] > class_uint32) return std::nullopt;
-  const auto sizes = read_element(reader).data;
-  if (sizes.size() != 8) return std::nullopt;
-  ByteReader extent(sizes);
-  const auto rows = extent.number<std::int32_t>(), columns = extent.number<std::int32_t>();
-  if (rows < 2 || columns < 2) return std::nullopt;
-  if (std::max(rows, columns) > max_mat_size)
-    throw std::runtime_error(fmt::format("an array of {}x{} numbers", rows, columns));
-  read_element(reader);  // name
+  if (flags.empty() || flags[0] < first_number_class || flags[0] > last_number_class)
+    return std::nullopt;
+  NamedArray array;
+  array.values.shape = read_shape(read_element(reader).data);
+  const ByteSpan name = read_element(reader).data;
+  array.name.assign(name.begin(), name.end());
+  if (!is_wanted(array.name, array.values.shape)) return std::nullopt;
   const Element numbers = read_element(reader);
-  if (static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns) > numbers.data.size())
-    throw std::out_of_range("an array ends early");
-  return numbers_of(numbers, rows, columns);
+  const NumberType& type = number_type(numbers.type);
+  const std::size_t count = count_of(array.values.shape);
+  if (count > numbers.data.size() / type.bytes) throw std::out_of_range("an array ends early");
+  const ByteSpan used = numbers.data.first(count * type.bytes);
+  array.values.type = type.numpy_name;
+  array.values.data =
+      row_major(std::string(used.begin(), used.end()), array.values.shape, type.bytes);
+  return array;
+}
+
+/// Arrays of numbers in a MAT-file of level 5. Throws std::exception.
+std::vector<NamedArray> read_arrays(const std::filesystem::path& file, const IsWanted& is_wanted) {
+  const std::string bytes = read_file(file, max_mat_bytes);
+  ByteReader reader(bytes_of(bytes));
+  const std::string header = reader.text(mat_header_bytes);
+  if (header.starts_with("MATLAB 7.3"))
+    throw std::runtime_error("MAT-file of version 7.3; save it with -v7");
+  if (!header.ends_with("IM")) throw std::runtime_error("not a MAT-file of level 5");
+  std::vector<NamedArray> arrays;
+  while (!reader.is_at_end()) {
+    Element element = read_element(reader);
+    std::vector<std::uint8_t> inflated;
+    if (element.type == type_compressed) {
+      inflated = inflate_zlib(element.data);
+      ByteReader content{ByteSpan(inflated)};
+      element = read_element(content);
+    }
+    if (element.type != type_matrix) continue;
+    if (auto array = read_array(element.data, is_wanted)) arrays.push_back(std::move(*array));
+  }
+  return arrays;
+}
+
+/// Image of at least 2x2 numbers.
+bool is_image(const std::vector<std::size_t>& shape) {
+  return shape.size() == 2 && shape[0] >= 2 && shape[1] >= 2 && shape[0] <= max_image_size &&
+         shape[1] <= max_image_size;
+}
+
+cv::Mat to_doubles(const NumpyArray& array) {
+  cv::Mat values(static_cast<int>(array.shape[0]), static_cast<int>(array.shape[1]), CV_64F);
+  for (std::size_t i = 0; i < array.size(); ++i) values.ptr<double>()[i] = array.at(i);
+  return values;
 }
 
 bool are_whole(const cv::Mat& values) {
@@ -140,27 +193,26 @@ cv::Mat depth_of(const cv::Mat& values) {
 bool is_matlab_file(const std::filesystem::path& file) { return file.extension() == ".mat"; }
 
 cv::Mat read_matlab_depth(const std::filesystem::path& file) {
-  const std::string bytes = read_file(file, max_mat_bytes);
-  ByteReader reader(bytes_of(bytes));
-  const std::string header = reader.text(mat_header_bytes);
-  if (header.starts_with("MATLAB 7.3"))
-    throw std::runtime_error("MAT-file of version 7.3; save it with -v7");
-  if (!header.ends_with("IM")) throw std::runtime_error("not a MAT-file of level 5");
-  cv::Mat largest;
-  while (!reader.is_at_end()) {
-    Element element = read_element(reader);
-    std::vector<std::uint8_t> inflated;
-    if (element.type == type_compressed) {
-      inflated = inflate_zlib(element.data);
-      ByteReader content{ByteSpan(inflated)};
-      element = read_element(content);
-    }
-    if (element.type != type_matrix) continue;
-    const auto matrix = read_matrix(element.data);
-    if (matrix && matrix->total() > largest.total()) largest = *matrix;
+  const auto images =
+      read_arrays(file, [](const auto&, const auto& shape) { return is_image(shape); });
+  if (images.empty()) throw std::runtime_error("it has no two-dimensional array of numbers");
+  const auto size = [](const NamedArray& image) { return image.values.size(); };
+  return depth_of(to_doubles(std::ranges::max(images, {}, size).values));
+}
+
+std::map<std::string, NumpyArray> read_matlab_arrays(const std::filesystem::path& file,
+                                                     const std::vector<std::string>& wanted) {
+  std::map<std::string, NumpyArray> arrays;
+  try {
+    for (auto& array : read_arrays(file, [&](const std::string&name, const auto&) {
+           return std::ranges::find(wanted, name) != wanted.end();
+         }))
+      arrays[array.name] = std::move(array.values);
+  } catch (const std::exception& error) {
+    throw data_error(fmt::format("{}: {}", file.string(), error.what()),
+                     "give a MAT-file of level 5 (MATLAB's -v6 or -v7)");
   }
-  if (largest.empty()) throw std::runtime_error("it has no two-dimensional array of numbers");
-  return depth_of(largest);
+  return arrays;
 }
 
 }  // namespace touchtrace

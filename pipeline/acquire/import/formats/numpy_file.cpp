@@ -75,21 +75,6 @@ void swap_bytes(std::string& data, std::size_t bytes) {
     std::reverse(at, at + static_cast<std::ptrdiff_t>(bytes));
 }
 
-/// Elements in row-major order of an array whose first index runs fastest.
-std::string row_major(const std::string& data, const std::vector<std::size_t>& shape,
-                      std::size_t bytes) {
-  std::string result(data.size(), '\0');
-  std::vector<std::size_t> index(shape.size(), 0);
-  for (std::size_t at = 0; at < data.size(); at += bytes) {
-    std::size_t to = 0;
-    for (std::size_t axis = 0; axis < shape.size(); ++axis) to = to * shape[axis] + index[axis];
-    std::copy_n(&data[at], bytes, &result[to * bytes]);
-    for (std::size_t axis = 0; axis < shape.size() && ++index[axis] == shape[axis]; ++axis)
-      index[axis] = 0;
-  }
-  return result;
-}
-
 double units_per_second(const std::string& unit) {
   for (const auto& [name, per_second] :
        {std::pair{"s", 1.0}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}})
@@ -164,6 +149,20 @@ NumpyArray image_or_first(const std::string& archive) {
 }
 
 }  // namespace
+
+std::string row_major(const std::string& data, const std::vector<std::size_t>& shape,
+                      std::size_t bytes) {
+  std::string result(data.size(), '\0');
+  std::vector<std::size_t> index(shape.size(), 0);
+  for (std::size_t at = 0; at < data.size(); at += bytes) {
+    std::size_t to = 0;
+    for (std::size_t axis = 0; axis < shape.size(); ++axis) to = to * shape[axis] + index[axis];
+    std::copy_n(&data[at], bytes, &result[to * bytes]);
+    for (std::size_t axis = 0; axis < shape.size() && ++index[axis] == shape[axis]; ++axis)
+      index[axis] = 0;
+  }
+  return result;
+}
 
 std::size_t NumpyArray::size() const {
   return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());

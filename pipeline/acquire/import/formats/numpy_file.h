@@ -20,6 +20,10 @@ struct NumpyArray {
   double at(std::size_t index) const;
 };
 
+/// Elements in row-major order of an array whose first index runs fastest.
+std::string row_major(const std::string& data, const std::vector<std::size_t>& shape,
+                      std::size_t bytes_per_element);
+
 /// Whether the file's extension is .npy or .npz.
 bool is_numpy_file(const std::filesystem::path& file);
 

@@ -13,9 +13,11 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::array<GloveFileKind, 3> glove_file_kinds{{
+constexpr std::array<GloveFileKind, 4> glove_file_kinds{{
     {"HDF5 of the WiReSens toolkit or of ActionSense", is_glove_hdf5, read_glove_hdf5},
     {"NumPy archive (.npz with time_s and counts)", is_glove_numpy, read_glove_numpy},
+    {"MAT-file (.mat of level 5 with pressure and ts, as STAG's metadata.mat)", is_glove_matlab,
+     read_glove_matlab},
     {"table (.csv, .txt) with a time and all taxels in each row", is_glove_table, read_glove_table},
 }};
 

@@ -24,7 +24,7 @@ struct GloveFileOptions {
   int rows = 0, cols = 0;  ///< of values without a shape; 0: unknown
   double rate_hz = 0.0;    ///< of frames without times; 0: unknown
   std::string taxels;      ///< columns FIRST:LAST of a table, by name or number; empty: all
-  std::string stream;      ///< of a file with several gloves; empty: the only one
+  std::string stream;      ///< glove or recording in a file of several; empty: the only one
 };
 
 /// Kind of file. To add one, write its file and a row in glove_file.cpp.
@@ -50,6 +50,8 @@ bool is_glove_hdf5(const std::filesystem::path& file);
 GloveFile read_glove_hdf5(const std::filesystem::path& file, const GloveFileOptions& options);
 bool is_glove_numpy(const std::filesystem::path& file);
 GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOptions& options);
+bool is_glove_matlab(const std::filesystem::path& file);
+GloveFile read_glove_matlab(const std::filesystem::path& file, const GloveFileOptions& options);
 bool is_glove_table(const std::filesystem::path& file);
 GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOptions& options);
 

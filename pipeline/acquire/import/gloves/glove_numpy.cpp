@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
-#include "pipeline/acquire/import/formats/numpy_file.h"
-#include "pipeline/acquire/import/gloves/glove_file.h"
+#include "pipeline/acquire/import/gloves/glove_arrays.h"
 
 namespace touchtrace {
 namespace {
@@ -94,13 +93,18 @@ std::vector<std::uint64_t> sequence_of(const NumpyArray& array, std::size_t fram
 
 bool is_glove_numpy(const std::filesystem::path& file) { return is_numpy_file(file); }
 
-GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOptions& options) {
-  require_archive(file);
-  require_no_stream(options);
-  Names wanted = time_names;
-  wanted.insert(wanted.end(), {sequence_name, epoch_name});
-  wanted.insert(wanted.end(), value_names.begin(), value_names.end());
-  const auto arrays = read_numpy_archive(file, wanted);
+const std::vector<std::string>& glove_array_names() {
+  static const Names names = [] {
+    Names all = time_names;
+    all.insert(all.end(), {sequence_name, epoch_name});
+    all.insert(all.end(), value_names.begin(), value_names.end());
+    return all;
+  }();
+  return names;
+}
+
+GloveFile glove_of_arrays(const std::map<std::string, NumpyArray>& arrays,
+                          const std::filesystem::path& file, const GloveFileOptions& options) {
   const NumpyArray& values = find_array(arrays, value_names, file);
   GloveFile glove;
   set_times(glove, arrays, values, options.rate_hz, file);
@@ -114,6 +118,12 @@ GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOpt
   for (std::size_t i = 0; i < values.size(); ++i)
     glove.values.push_back(static_cast<float>(values.at(i)));
   return glove;
+}
+
+GloveFile read_glove_numpy(const std::filesystem::path& file, const GloveFileOptions& options) {
+  require_archive(file);
+  require_no_stream(options);
+  return glove_of_arrays(read_numpy_archive(file, glove_array_names()), file, options);
 }
 
 }  // namespace touchtrace

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "engine/base/files.h"
+#include "engine/base/named.h"
 #include "engine/base/progress.h"
 #include "engine/base/text.h"
 #include "pipeline/cli/commands.h"
@@ -26,7 +27,7 @@ namespace {
 
 struct SimulateOptions {
   scene::SceneOptions scene;
-  std::string output, object, dataset;
+  std::string output, object, dataset, glove_model = "default";
   std::vector<std::string> settings, former_settings;
   double share = 1.0;
   label::LabelOptions labelling;
@@ -59,6 +60,10 @@ void describe(OptionSet& set, SimulateOptions& o) {
   set.integer("glove", s.glove,
               "number of the glove instance; each has its own gains, dead taxels and drift", 1,
               1000);
+  set.choice("glove-model", o.glove_model,
+             "kind of glove; actionsense: a high reading at rest and weak signals, as in published "
+             "frames; --set changes single parameters of it",
+             scene::glove_model_names());
   set.choice("sensed", s.sensed,
              "what the glove's frames hold; force, acceleration: exact values, which show what "
              "limits a model",
@@ -237,6 +242,8 @@ ExitCode run(const SimulateOptions& given, const Invocation& invocation) {
   SimulateOptions options = given;
   options.settings.insert(options.settings.end(), given.former_settings.begin(),
                           given.former_settings.end());
+  const auto& glove = find_named(scene::glove_models(), "glove model", options.glove_model);
+  options.settings.insert(options.settings.begin(), glove.settings.begin(), glove.settings.end());
   options.scene.parameters = scene::parse_parameters(options.settings);
   std::optional<Runtime> runtime;
   if (options.renders()) runtime.emplace(usable_device(invocation.device));

@@ -80,8 +80,8 @@ TEST(SceneGlove, ReadsItsBaselineWithoutContact) {
               4.0 * expected / std::sqrt(2.0 * static_cast<double>(stream.counts.size())));
 }
 
-/// Constant force F from time 0: F (1 - exp(-t / 8 ms)) by the lag, plus 12 % creep with a time
-/// constant of 2 s.
+/// Constant force F from time 0: F (1 - exp(-t / 5 ms)) by the lag; creep multiplies it by
+/// 1.4^(sum_k (1 - exp(-t / T_k))), T = .1, 1 and 10 s.
 TEST(SceneGlove, LoadsWithLagAndCreepAndSaturates) {
   const std::size_t taxel = some_taxel();
   const double applied_n = 0.8;
@@ -98,14 +98,41 @@ TEST(SceneGlove, LoadsWithLagAndCreepAndSaturates) {
                           stream.info.scan_s * where.row / glove_rows;
     const double drift =
         1 + 0.03 * std::sin(traits.drift_rad_per_s[taxel] * time_s + traits.drift_phase_rad[taxel]);
-    const double crept = 0.12 * (1 - std::exp(-time_s / 2.0));
-    const double sensed = traits.gain[taxel] * drift * applied_n * (1 + crept);
-    const double signal = sensed / (sensed + 1.2);
+    double crept = 0.0;
+    for (const double constant_s : {0.1, 1.0, 10.0}) crept += 1 - std::exp(-time_s / constant_s);
+    const double sensed = traits.gain[taxel] * drift * applied_n * std::pow(1.4, crept);
+    const double signal = sensed / (sensed + 1.7);
     const double expected =
         stream.info.baseline_counts[where.cell()] + 960.0 * signal / (1 + 0.012 * signal);
     // Five standard deviations of the noise, and half a count of rounding.
     EXPECT_NEAR(stream.counts[frame * 1024 + where.cell()], expected, 5.0 * 1.5 + 0.5) << frame;
   }
+}
+
+/// A release follows the force at once, whatever crept before; a press soon after it reads higher
+/// than the first.
+TEST(SceneGlove, CreepEndsWithTheContact) {
+  const std::size_t taxel = some_taxel();
+  const std::size_t cell = hand_model().taxels[taxel].cell();
+  Glove glove(1, {}, lossless(), 5);
+  std::vector<double> force_n(680, 0.0);
+  glove.start(0.0);
+  for (int i = 1; i <= 4500; ++i) {
+    force_n[taxel] = i <= 2000 || i > 2500 ? 0.8 : 0.0;
+    sense(glove, force_n, i);
+  }
+  const GloveStream stream = glove.take();
+  const auto mean_counts = [&](double from_s, double to_s) {
+    double sum = 0.0, frames = 0.0;
+    for (std::size_t frame = 0; frame < stream.frames(); ++frame) {
+      const double time_s = static_cast<double>(stream.sequence[frame]) / 15.0;
+      if (time_s >= from_s && time_s < to_s) sum += stream.counts[frame * 1024 + cell], ++frames;
+    }
+    return sum / frames - stream.info.baseline_counts[cell];
+  };
+  // Five standard deviations of a mean over at least six frames, and of the baseline's rounding.
+  EXPECT_NEAR(mean_counts(4.1, 4.9), 0.0, 5.0 * 1.5 / std::sqrt(6.0) + 0.5);
+  EXPECT_GT(mean_counts(5.05, 5.5), 1.05 * mean_counts(0.05, 0.5));
 }
 
 TEST(SceneGlove, SequenceNumbersIncludePausesAndLostFrames) {

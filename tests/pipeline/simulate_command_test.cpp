@@ -180,6 +180,21 @@ TEST(SimulateCommand, FormerNamesOfCommandFlagAndKeyAreAccepted) {
   }
 }
 
+TEST(SimulateCommand, GloveModelsHaveOtherReadingsAtRest) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "out.h5").string();
+  const auto baseline = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {out, "--overwrite"});
+    EXPECT_EQ(simulate(options), 0);
+    return RecordingReader(out).recording().gloves.at(0).info.baseline_counts.at(0);
+  };
+  // Five standard deviations among taxels.
+  EXPECT_NEAR(baseline({}), 40.0, 30.0);
+  EXPECT_NEAR(baseline({"--glove-model", "actionsense"}), 564.0, 15.0);
+  EXPECT_NEAR(baseline({"--glove-model", "actionsense", "--set", "glove-baseline=100"}), 100.0,
+              15.0);
+}
+
 TEST(SimulateCommand, ReadsOptionsFromAConfigurationFile) {
   const TemporaryFolder folder;
   const std::string out = (folder / "out").string();

@@ -73,6 +73,30 @@ cli::Command area(const std::string& name, const std::string& summary, Verificat
           {.overwrite = true, .quiet = true}};
 }
 
+struct SceneAreaOptions : AreaOptions {
+  std::string real;
+};
+
+/// Area `scene`, or a comparison of simulated gloves with recorded ones.
+cli::Command scene_area() {
+  const auto options = std::make_shared<SceneAreaOptions>();
+  return {"scene",
+          "physics against closed forms and statistics",
+          {"touchtrace-verify scene --report scene.html", "touchtrace-verify scene --real gloves"},
+          [options](OptionSet& set) {
+            describe(set, *options = SceneAreaOptions{});
+            set.text("real", options->real,
+                     "folder of recordings of gloves: compares simulated gloves with them instead")
+                .value("FOLDER");
+          },
+          [options](const cli::Invocation& invocation) {
+            const auto verification =
+                options->real.empty() ? scene::verify_scene() : scene::verify_gloves(options->real);
+            return run("scene", verification, *options, invocation);
+          },
+          {.overwrite = true, .quiet = true}};
+}
+
 Verification verify_whole_engine() {
   return [](const std::function<void(Figure)>& emit) {
     verify_processes(emit);
@@ -102,7 +126,7 @@ const cli::Program& verify_program() {
               "until then)",
               verify_hours()),
          area("recording", "crash safety and damaged files (4 min)", verify_recording()),
-         area("scene", "physics against closed forms and statistics", scene::verify_scene()),
+         scene_area(),
          area("study", "training and evaluation on a synthetic data set", study::verify_study()),
          area("weights", "hash of the weights after 200 updates", verify_weights())}}},
       {}};

@@ -39,6 +39,14 @@ void set_parameter(SceneParameters& parameters, const std::string& setting);
 /// by commas.
 SceneParameters parse_parameters(const std::vector<std::string>& settings);
 
+/// Kind of glove. `settings` of its parameters as parse_parameters() takes them; empty: defaults.
+struct GloveModel {
+  std::string name;
+  std::vector<std::string> settings;
+};
+const std::vector<GloveModel>& glove_models();
+std::vector<std::string> glove_model_names();
+
 /// Multiplies the parameter's numbers by `factor`, a box about its centre; clamps to the range.
 void scale_parameter(SceneParameters& parameters, const Parameter& parameter, double factor);
 

@@ -121,12 +121,12 @@ struct BalanceParameters {
 };
 
 struct GloveParameters {
-  double loading_lag_s = 0.008, unloading_lag_s = 0.030;
-  double creep = 0.12, creep_s = 2.0;
+  double lag_s = 0.005;
+  double creep = 0.4;
   double log_gain_std = 0.25, dead_fraction = 0.02;
   double drift = 0.03;
   Interval drift_period_s{200.0, 600.0};
-  double half_saturation_n = 1.2, cross_talk = 0.012;
+  double half_saturation_n = 1.7, cross_talk = 0.012;
   double full_scale_counts = 960.0, noise_counts = 1.5;
   double baseline_counts = 40.0, baseline_std_counts = 6.0;
   double scan_s = 0.030;

@@ -1,3 +1,4 @@
+#include "pipeline/scene/base/parameter_registry.h"
 #include "pipeline/scene/base/parameter_rows.h"
 
 namespace touchtrace::scene {
@@ -5,16 +6,12 @@ namespace {
 
 void add_glove(ParameterTable& table) {
   using P = GloveParameters;
-  constexpr const char* film = "hysteresis of piezoresistive film (form only)";
   ParameterRows<P> row(table, "glove", &SceneParameters::glove);
-  row("loading-lag", &P::loading_lag_s, "s", 1e-4, 10.0,
-      "time constant of a reading while the force grows", film, "faster than unloading");
-  row("unloading-lag", &P::unloading_lag_s, "s", 1e-4, 10.0,
-      "time constant of a reading while the force falls", film, "slower than loading");
-  row("creep", &P::creep, "", 0.0, 1.0, "relative increase of the reading under a lasting force",
-      "range published for FSR", "");
-  row("creep-time", &P::creep_s, "s", 0.01, 1000.0, "time constant of the creep",
-      "range published for FSR", "");
+  row("lag", &P::lag_s, "s", 1e-4, 10.0, "time constant of a reading",
+      "Velostat under a load cell (scene/README.md)", "readings were 7 ms apart");
+  row("creep", &P::creep, "", 0.0, 2.0,
+      "relative increase of the reading per tenfold time under a force, from .05 to 20 s",
+      "Velostat and Weiss tactile arrays (scene/README.md)", "");
   row("gain", &P::log_gain_std, "", 0.0, 2.0,
       "standard deviation of the logarithm of a taxel's gain", "", "hand-made arrays");
   row("dead", &P::dead_fraction, "", 0.0, 0.9, "fraction of dead taxels", "", "hand-made arrays");
@@ -23,8 +20,8 @@ void add_glove(ParameterTable& table) {
   row("drift-period", &P::drift_period_s, "s", 1.0, 1e5, "period of the drift, drawn per taxel", "",
       "temperature and humidity");
   row("saturation", &P::half_saturation_n, "N", 0.01, 1e4,
-      "force h that reads half of the full scale: f / (f + h)", "piezoresistive film (form only)",
-      "a guess");
+      "force h that reads half of the full scale: f / (f + h)",
+      "conductance proportional to force: Velostat (form only)", "a guess");
   row("cross-talk", &P::cross_talk, "", 0.0, 0.2,
       "fraction of row and column sums that leaks into a reading, and loading of the row",
       "arrays: < 3.3-3.6 %", "read-out without zero potential is worse");
@@ -75,6 +72,22 @@ void add_inertial(ParameterTable& table) {
 }
 
 }  // namespace
+
+/// actionsense: levels of published frames of a 32 x 32 glove of ActionSense (README.md).
+const std::vector<GloveModel>& glove_models() {
+  static const std::vector<GloveModel> models{
+      {"default", {}},
+      {"actionsense",
+       {"glove-baseline=564", "glove-baseline-std=3", "glove-noise=1.2", "glove-full-scale=459",
+        "glove-saturation=6", "glove-cross-talk=0"}}};
+  return models;
+}
+
+std::vector<std::string> glove_model_names() {
+  std::vector<std::string> names;
+  for (const GloveModel& model : glove_models()) names.push_back(model.name);
+  return names;
+}
 
 void add_glove_parameters(ParameterTable& table) {
   add_glove(table);

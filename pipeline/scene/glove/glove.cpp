@@ -16,7 +16,10 @@ namespace touchtrace::scene {
 namespace {
 
 constexpr int glove_cells = glove_rows * glove_cols;
-constexpr double max_count = 1023.0, negligible_n = 1e-4;
+constexpr double max_count = 1023.0, negligible_n = 1e-4, negligible_creep = 1e-3;
+/// Time constants of the creep: equal factors a decade apart make the reading grow with a power of
+/// time from 0.05 to 20 s.
+const Eigen::Array3d creep_times_s{0.1, 1.0, 10.0};
 
 GloveTraits make_traits(int number, const GloveParameters& p) {
   const std::size_t taxels = hand_model().taxels.size();
@@ -97,7 +100,7 @@ Glove::Glove(int number, const GloveParameters& parameters, const GloveClock& cl
       noise_(seed, stream_name(number, "noise")),
       transport_(seed, stream_name(number, "transport")),
       lagged_n_(traits_.gain.size(), 0.0),
-      crept_n_(traits_.gain.size(), 0.0),
+      crept_(traits_.gain.size(), Eigen::Array3d::Zero()),
       gain_(traits_.gain.size(), 0.0),
       is_active_(traits_.gain.size(), 0),
       signal_(glove_cells, 0.0),
@@ -128,23 +131,22 @@ void Glove::update_sensor(const TaxelForces& forces, double interval_s) {
       is_active_[i] = 1, active_.push_back(i);
       gain_[i] = gain_at(i, frame_time_s_);
     }
-  const double loading = -std::expm1(-interval_s / parameters_.loading_lag_s);
-  const double unloading = -std::expm1(-interval_s / parameters_.unloading_lag_s);
-  const double creeping = -std::expm1(-interval_s / parameters_.creep_s);
+  const double lagging = -std::expm1(-interval_s / parameters_.lag_s);
+  const Eigen::Array3d creeping = 1.0 - (-interval_s / creep_times_s).exp();
   std::erase_if(active_, [&](int i) {
-    double &lagged = lagged_n_[i], &crept = crept_n_[i];
-    const double more = forces.force_n[i] - lagged;
-    lagged += (more > 0.0 ? loading : unloading) * more;
-    crept += creeping * (lagged - crept);
-    const bool is_negligible = lagged + crept < negligible_n;
-    if (is_negligible) deactivate(i);
-    return is_negligible;
+    lagged_n_[i] += lagging * (forces.force_n[i] - lagged_n_[i]);
+    const bool is_loaded = lagged_n_[i] > negligible_n;
+    crept_[i] += creeping * (double(is_loaded) - crept_[i]);
+    const bool is_at_rest = !is_loaded && crept_[i].sum() < negligible_creep;
+    if (is_at_rest) deactivate(i);
+    return is_at_rest;
   });
 }
 
 void Glove::deactivate(int taxel) {
   is_active_[taxel] = 0;
-  lagged_n_[taxel] = crept_n_[taxel] = signal_[hand_model().taxels[taxel].cell()] = 0.0;
+  lagged_n_[taxel] = signal_[hand_model().taxels[taxel].cell()] = 0.0;
+  crept_[taxel].setZero();
 }
 
 double Glove::gain_at(int taxel, double time_s) const {
@@ -164,7 +166,8 @@ void Glove::compute_signals() {
   const std::vector<Taxel>& taxels = hand_model().taxels;
   for (int i : active_) {
     const Taxel& taxel = taxels[i];
-    const double force = gain_[i] * (lagged_n_[i] + parameters_.creep * crept_n_[i]);
+    const double crept = std::pow(1.0 + parameters_.creep, crept_[i].sum());
+    const double force = gain_[i] * lagged_n_[i] * crept;
     const double signal = force / (force + parameters_.half_saturation_n);
     signal_[taxel.cell()] = signal;
     row_sum_[taxel.row] += signal;

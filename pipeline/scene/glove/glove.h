@@ -29,10 +29,10 @@ struct TaxelForces {
   std::span<const int> loaded;      ///< taxels whose force may be nonzero
 };
 
-/// Sensor model of the glove: from quasi-static taxel forces to frames of counts. In order: lag
-/// (slower unloading: hysteresis), creep, gain with drift, saturation f / (f + h), cross-talk of
-/// rows and columns, noise, 10-bit quantisation, row-by-row scan, transport. Times are on the host
-/// clock.
+/// Sensor model of the glove: from quasi-static taxel forces to frames of counts. In order: lag,
+/// creep while loaded (it makes a release steeper than a press: hysteresis), gain with drift,
+/// saturation f / (f + h), cross-talk of rows and columns, noise, 10-bit quantisation, row-by-row
+/// scan, transport. Times are on the host clock.
 class Glove {
  public:
   Glove(int number, const GloveParameters& parameters, const GloveClock& clock, std::uint64_t seed);
@@ -61,9 +61,10 @@ class Glove {
   GloveClock clock_;
   RandomStream noise_, transport_;
   GloveStream stream_;
-  std::vector<double> lagged_n_, crept_n_;  ///< per taxel: lagged force, and its low-pass
-  std::vector<double> gain_;                ///< of active taxels, in the present frame
-  std::vector<int> active_;                 ///< taxels with a force or a memory of one
+  std::vector<double> lagged_n_;       ///< per taxel
+  std::vector<Eigen::Array3d> crept_;  ///< per taxel and time constant: 0 at rest .. 1
+  std::vector<double> gain_;           ///< of active taxels, in the present frame
+  std::vector<int> active_;            ///< taxels with a force or a memory of one
   std::vector<std::uint8_t> is_active_;
   std::vector<double> signal_, row_sum_, col_sum_;
   std::vector<std::uint16_t> frame_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+
 #include "tests/verify/support/figure.h"
 
 namespace touchtrace::scene {
@@ -7,6 +9,11 @@ namespace touchtrace::scene {
 /// Rows of `touchtrace-verify scene`: closed forms, error over run time, statistics of clips,
 /// speed.
 Verification verify_scene();
+
+/// Rows of `touchtrace-verify scene --real FOLDER`: statistics of the gloves in a folder of
+/// recordings, and those of simulated gloves, which should be within the range of the recorded
+/// ones.
+Verification verify_gloves(const std::filesystem::path& folder);
 
 /// Speed of physics and glove relative to real time, with one clip per core.
 void verify_speed(const std::string& activity, const std::function<void(Figure)>& emit);

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 // README.md has the sources of these constants.
 constexpr double latency_step_s = 0.005;
-constexpr double lag_s = 0.02, lag_sigma_s = 0.0115;  // of the sensor
+constexpr double lag_s = 0.01, lag_sigma_s = 0.0058;  // of the sensor
 constexpr double max_sigma_ratio = 0.75;              // of the timeline's
 constexpr double segment_s = 20.0, min_segment_s = 4.0;
 constexpr std::size_t min_segments = 3, max_segments = 40;

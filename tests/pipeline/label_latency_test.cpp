@@ -160,7 +160,7 @@ Eigen::Vector3d hand_acceleration(double time_s) {
 
 /// A hand that holds something for 70 s, seen with a latency and felt with the usual lag.
 struct HeldObject {
-  static constexpr double seconds = 70.0, camera_hz = 20.0, touch_lag_s = 0.02;
+  static constexpr double seconds = 70.0, camera_hz = 20.0, touch_lag_s = 0.01;
   GloveStream glove = glove_of(catches(1, 1), 0.0, 1);
   Timeline timeline = prior_timeline();
   std::vector<ClipTrack> tracks{1};
@@ -204,7 +204,7 @@ TEST(TouchLatency, IsFoundWithinItsUncertainty) {
     EXPECT_EQ(found->source, "touch in 4 segments");
     // the lag is the usual one; what is left is noise
     EXPECT_NEAR(found->latency_s, latency_s, 0.005);
-    EXPECT_NEAR(found->sigma_s, 0.0115, 0.003);
+    EXPECT_NEAR(found->sigma_s, 0.0058, 0.003);
   }
 }
 

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 struct SweepOptions {
   std::string study, output, shard;
-  std::vector<std::string> changes;
+  std::vector<std::string> axes, changes;
   int jobs = 1;
   bool dry_run = false;
   std::string launcher = "local";
@@ -24,7 +24,10 @@ struct SweepOptions {
 };
 
 void describe(OptionSet& set, SweepOptions& o) {
-  set.input("study", o.study, "stages with their options (.toml), see pipeline/sweep/README.md");
+  set.input("study", o.study,
+            "stages with their options (.toml), see pipeline/sweep/README.md, or commands such as "
+            "train+evaluate");
+  set.inputs("axes", o.axes, "[STAGE.]OPTION=VALUES, as --set").required = false;
   set.path("output", o.output, "folder of the cells and results; several machines may share it")
       .value("DIR");
   set.texts("set", o.changes, "options in place of the study's, e.g. train.seed=1:5")
@@ -100,7 +103,9 @@ void print_results(json results, const sweep::SweepSummary& summary, const std::
   }
 }
 
-ExitCode run(const SweepOptions& options, const Invocation& invocation) {
+ExitCode run(const SweepOptions& given, const Invocation& invocation) {
+  SweepOptions options = given;
+  options.changes.insert(options.changes.begin(), given.axes.begin(), given.axes.end());
   if (options.launcher == "slurm" && !options.shard.empty())
     throw usage_error("--launcher slurm cannot be combined with --shard", "give --tasks N");
   if (options.launcher != "slurm" && (options.tasks != 1 || !options.sbatch.empty()))
@@ -126,6 +131,7 @@ Command sweep_command() {
       "sweep", "run a study: commands over grids of options, resumable and shared by machines",
       {"touchtrace sweep scripts/studies/quick.toml --output out/quick --dry-run",
        "touchtrace sweep scripts/studies/quick.toml --output out/quick --jobs 2",
+       "touchtrace sweep train+evaluate recording=a.h5 resolution=32,16 seed=1:5 --output out",
        "touchtrace sweep study.toml --output out --set train.seed=1:5 train.resolution=32,16,8",
        "touchtrace sweep study.toml --output shared/out --shard 1/4"},
       run, {.quiet = true});

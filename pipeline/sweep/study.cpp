@@ -6,6 +6,7 @@
 #include <set>
 
 #include "engine/base/text.h"
+#include "pipeline/sweep/command_chain.h"
 #include "pipeline/sweep/study_file.h"
 
 namespace touchtrace::sweep {
@@ -114,13 +115,16 @@ Reference parse_reference(const json& value) {
   return {text.substr(0, dot), dot == std::string::npos ? "" : text.substr(dot + 1)};
 }
 
-Study read_study(const std::filesystem::path& file, const std::vector<std::string>& changes,
+Study read_study(const std::string& source, const std::vector<std::string>& changes,
                  const CommandTable& commands) {
   Study study;
-  auto tables = read_stage_tables(file);
-  for (const auto& change : changes) apply_change(tables, change);
+  const auto chain = parse_command_chain(source);
+  auto tables = chain ? *chain : read_stage_tables(source);
+  for (const auto& change : changes)
+    apply_change(tables, chain ? name_stage(change, tables, commands) : change);
+  if (chain) link_stages(tables);
   for (const auto& [name, table] : tables)
-    study.stages.push_back(with_context(fmt::format("{}: [{}]", file.string(), name),
+    study.stages.push_back(with_context(fmt::format("{}: [{}]", source, name),
                                         [&] { return stage_of(name, table, commands); }));
   return study;
 }

@@ -34,9 +34,10 @@ struct Study {
   std::vector<Stage> stages;
 };
 
-/// Reads a study from a TOML file. `changes`: "STAGE.OPTION=VALUE[,VALUE...]", where FIRST:LAST is
-/// a range of whole numbers. Throws usage_error for what is not a study.
-Study read_study(const std::filesystem::path& file, const std::vector<std::string>& changes,
+/// Reads a study from a TOML file, or makes one of commands (command_chain.h). `changes`:
+/// "STAGE.OPTION=VALUE[,VALUE...]", where FIRST:LAST is a range of whole numbers; of commands
+/// without STAGE the first that has this option. Throws usage_error for what is not a study.
+Study read_study(const std::string& source, const std::vector<std::string>& changes,
                  const CommandTable& commands);
 
 /// Text of a reference: "@train" is {"train", ""}, "@simulate.seed" is {"simulate", "seed"}.

@@ -43,8 +43,13 @@ bool has_name(const std::string& column, const std::vector<std::string>& names,
 }  // namespace
 
 std::span<const TableUnit> time_units() {
-  static const std::array<TableUnit, 5> units{
-      {{"", 1.0}, {"_s", 1.0}, {"_ms", 1e3}, {"_us", 1e6}, {"_ns", 1e9}}};
+  static const std::array<TableUnit, 7> units{{{"", 1.0},
+                                               {"_s", 1.0},
+                                               {"_sec", 1.0},
+                                               {"_seconds", 1.0},
+                                               {"_ms", 1e3},
+                                               {"_us", 1e6},
+                                               {"_ns", 1e9}}};
   return units;
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t max_quoted_bytes = 40;
 constexpr std::string_view blanks = " \t\r\v\f";
-constexpr std::size_t min_wide_columns = 10;  // of tables that may follow other lines
+constexpr std::size_t min_wide_columns = 6;  // of tables that may follow other lines
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(blanks);
@@ -83,6 +83,10 @@ std::vector<std::string> column_names(const std::vector<std::string_view>& field
   std::vector<std::string> names;
   for (const auto field : fields) names.push_back(column_name(field));
   return names;
+}
+
+bool is_number(std::string_view field) {
+  return parse_number<double>(field, false) || parse_number<double>(field, true);
 }
 
 constexpr std::size_t min_counted_columns = 10;
@@ -158,7 +162,10 @@ std::size_t TextTable::skip_introduction() {
       comment_names_ = column_names(split(comment, separator_of(comment)));
       continue;
     }
-    if (2 * split(content_, separator_of(content_)).size() > columns) break;
+    const auto fields = split(content_, separator_of(content_));
+    const auto numbers = static_cast<std::size_t>(std::ranges::count_if(fields, is_number));
+    const bool is_cut_row = fields.size() < columns && 2 * numbers >= fields.size();
+    if (2 * fields.size() > columns && !is_cut_row) break;
     ++skipped;
   }
   return skipped;

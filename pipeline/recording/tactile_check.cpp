@@ -180,6 +180,9 @@ bool is_concentrated(const std::vector<FrameChange>& changes, std::size_t factor
 int upsampling_of(const Frames& frames) {
   if (frames.size() < min_upsampled_frames) return 1;
   const auto changes = frame_changes(frames);
+  const auto changed =
+      std::ranges::count_if(changes, [](const auto& c) { return c.repetition > 0.0; });
+  if (changed < static_cast<std::ptrdiff_t>(min_upsampled_frames)) return 1;
   for (const std::size_t factor : {2, 3, 5, 7})
     if (is_concentrated(changes, factor, &FrameChange::repetition) ||
         is_concentrated(changes, factor, &FrameChange::interpolation))

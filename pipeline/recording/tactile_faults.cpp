@@ -12,7 +12,7 @@ constexpr double unusable_fraction = 0.9;
 // Limits of the warnings, chosen by judgement.
 constexpr double max_rest_level = 0.2, max_repeated_frames = 0.1, max_frozen_s = 1.0;
 constexpr double min_used_range = 0.125;  ///< 3 bits
-constexpr double max_faulty_taxels = 0.1;
+constexpr double max_faulty_taxels = 0.1, max_negative_pressure = 0.2;
 
 struct FaultyTaxels {
   int taxels, rows, cols;
@@ -65,7 +65,7 @@ std::vector<std::string> TactileCheck::warnings() const {
         fmt::format("{} of every {} frames are interpolated or repeated: import the glove's own "
                     "frames at their own rate",
                     upsampling - 1, upsampling));
-  if (negative_pressure_fraction > 0.5)
+  if (negative_pressure_fraction > max_negative_pressure)
     warnings.push_back(
         fmt::format("{:.0f} % of the squared pressure is negative pressure: polarity or baseline "
                     "is wrong",

@@ -20,12 +20,30 @@ TEST_F(ImportGlove, NumpyArraysMayHaveAnyOrderOfBytesAndAxes) {
   expect_glove_rejected(with_glove("single.npy"), "numpy.savez");
 }
 
+/// MATLAB users put frames last.
+TEST_F(ImportGlove, FramesMayBeOfAnyAxis) {
+  for (const char* name : {"last.npz", "middle.npz"}) {
+    auto options = with_layout(with_glove(name));
+    options.source.rate_hz = 20.0;
+    fs::remove(folder_ / "out.h5");
+    const GloveStream stream = import_alone(options);
+    ASSERT_EQ(stream.frames(), 300u) << name;
+    for (int frame : {0, 1, 299})
+      for (int i = 0; i < taxels; ++i)
+        EXPECT_EQ(stream.counts[std::size_t(frame * taxels + i)], glove_count(frame, i));
+    options.glove.layout.rows = options.glove.layout.cols = 0;
+    fs::remove(folder_ / "out.h5");
+    expect_glove_rejected(options, "give --rows and --cols");
+  }
+}
+
 /// Recordings 0 and 7 of one file.
 TEST_F(ImportGlove, RecordingOfAMatlabFileIsChosen) {
   fs::copy_file(fs::path(TOUCHTRACE_SOURCE_DIR) / "tests" / "data" / "matlab" / "stag.mat",
                 folder_ / "metadata.mat");
   auto options = with_glove("metadata.mat");
-  expect_glove_rejected(options, "--glove-stream with a number of its array recordingId, from 0 to 7");
+  expect_glove_rejected(options,
+                        "--glove-stream with a number of its array recordingId, from 0 to 7");
   options.glove.layout.stream = "3";
   expect_glove_rejected(options, "no recording '3'");
   options.glove.layout.stream = "7";

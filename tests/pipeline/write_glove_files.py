@@ -78,6 +78,8 @@ def main(folder):
     np.savez(os.path.join(folder, "columns.npz"), ts=stamps, counts=np.asfortranarray(swapped))
     np.savez(os.path.join(folder, "dates.npz"), ts=(stamps * 1e3).astype("datetime64[ms]"), counts=swapped)
     np.savez(os.path.join(folder, "half.npz"), ts=stamps, counts=(frames - 2000).astype(np.float16))
+    np.savez(os.path.join(folder, "last.npz"), counts=np.moveaxis(frames, 0, 2))
+    np.savez(os.path.join(folder, "middle.npz"), counts=np.moveaxis(frames, 0, 1))
     gap = frames.astype(np.float32)
     gap[120, 0, 0] = np.nan
     np.savez(os.path.join(folder, "gap.npz"), ts=stamps, counts=gap)

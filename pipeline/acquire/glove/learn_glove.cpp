@@ -15,6 +15,8 @@ constexpr std::size_t min_frames = 20;
 constexpr double min_noise_counts = 0.5;  // of the converter's rounding
 constexpr double response_sigmas = 6.0;   // change that noise does not explain
 constexpr double min_polarity_ratio = 2.0, max_dead_fraction = 0.5;
+// Quantiles of a taxel's counts: when the glove is squeezed, and when it is touched now and then.
+constexpr double squeezed_part = 0.95, touched_part = 0.995;
 constexpr double max_repeated_frames = 0.1, max_noise_fraction = 0.05;
 
 /// Counts of one taxel, sorted.
@@ -48,17 +50,18 @@ void require_frames(const std::vector<std::uint16_t>& frames, std::size_t taxels
                    fmt::format("at least {} are needed: give more --seconds", min_frames));
 }
 
-/// Changes of a taxel from rest to the 5th and 95th percentile when it is squeezed, without noise.
+/// Changes of a taxel from rest to quantiles when it is squeezed, without noise.
 struct Response {
   double up, down;
 };
 
-Response response_of(const std::vector<double>& squeezed, double baseline, double noise) {
+Response response_of(const std::vector<double>& squeezed, double baseline, double noise,
+                     double probability) {
   const auto beyond_noise = [&](double change) {
     return change > response_sigmas * noise ? change : 0.0;
   };
-  return {beyond_noise(quantile(squeezed, 0.95) - baseline),
-          beyond_noise(baseline - quantile(squeezed, 0.05))};
+  return {beyond_noise(quantile(squeezed, probability) - baseline),
+          beyond_noise(baseline - quantile(squeezed, 1.0 - probability))};
 }
 
 }  // namespace
@@ -71,19 +74,22 @@ LearnedGlove learn_glove(const GloveInfo& info, const std::vector<std::uint16_t>
   LearnedGlove glove;
   glove.taxels = info.taxels();
   std::vector<double> baselines, noises;
-  double up = 0.0, down = 0.0;
+  double up = 0.0, down = 0.0, seldom_up = 0.0, seldom_down = 0.0;
   for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
     const auto at_rest = sorted_counts(rest, taxels, taxel),
                pressed = sorted_counts(squeezed, taxels, taxel);
     baselines.push_back(median(at_rest));
     noises.push_back(noise_of(at_rest, baselines.back()));
-    const Response response = response_of(pressed, baselines.back(), noises.back());
+    const Response response = response_of(pressed, baselines.back(), noises.back(), squeezed_part);
+    const Response seldom = response_of(pressed, baselines.back(), noises.back(), touched_part);
     up += response.up, down += response.down;
+    seldom_up += seldom.up, seldom_down += seldom.down;
     glove.dead_taxels += response.up + response.down == 0.0;
     const double lowest = std::min(at_rest.front(), pressed.front()),
                  highest = std::max(at_rest.back(), pressed.back());
     glove.stuck_taxels += lowest == highest && (lowest == 0.0 || lowest == max_count);
   }
+  if (up + down == 0.0) up = seldom_up, down = seldom_down;
   glove.polarity = up >= down ? 1 : -1;
   glove.polarity_ratio = std::max(up, down) / std::max(1.0, std::min(up, down));
   glove.baseline_counts.assign(baselines.begin(), baselines.end());

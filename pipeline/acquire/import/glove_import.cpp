@@ -55,12 +55,15 @@ int learned_polarity(const GloveStream& glove, double rest_s) {
   const auto num_rest = static_cast<std::size_t>(rest_frames);
   if (num_rest < min_frames || glove.frames() - num_rest < min_frames)
     throw data_error(fmt::format("{} glove frames at rest and {} after them are too few to learn "
-                                 "the polarity",
-                                 num_rest, glove.frames() - num_rest),
+                                 "the polarity: {} of each are needed",
+                                 num_rest, glove.frames() - num_rest, min_frames),
                      hint);
   const auto split = glove.counts.begin() + rest_frames * glove.info.taxels();
   const LearnedGlove learned =
       learn_glove(glove.info, {glove.counts.begin(), split}, {split, glove.counts.end()});
+  if (learned.polarity_ratio == 0.0)
+    throw data_error("no taxel of the glove changes by more than its noise after the time at rest",
+                     hint);
   if (learned.polarity_ratio < min_ratio)
     throw data_error(
         fmt::format("the polarity of the glove is not clear: counts change {:.2g} times as much in "

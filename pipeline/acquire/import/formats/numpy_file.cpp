@@ -164,6 +164,22 @@ std::string row_major(const std::string& data, const std::vector<std::size_t>& s
   return result;
 }
 
+NumpyArray moved_to_front(const NumpyArray& array, std::size_t axis) {
+  NumpyArray moved = array;
+  std::rotate(moved.shape.begin(), moved.shape.begin() + static_cast<std::ptrdiff_t>(axis),
+              moved.shape.begin() + static_cast<std::ptrdiff_t>(axis) + 1);
+  if (array.size() == 0) return moved;
+  const std::size_t frames = array.shape[axis], bytes = array.data.size() / array.size();
+  std::size_t inner = bytes;  // bytes of a step along the axis
+  for (std::size_t i = axis + 1; i < array.shape.size(); ++i) inner *= array.shape[i];
+  const std::size_t outer = array.data.size() / (inner * frames);
+  moved.data.clear();
+  for (std::size_t frame = 0; frame < frames; ++frame)
+    for (std::size_t i = 0; i < outer; ++i)
+      moved.data.append(array.data, (i * frames + frame) * inner, inner);
+  return moved;
+}
+
 std::size_t NumpyArray::size() const {
   return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
 }

@@ -24,6 +24,9 @@ struct NumpyArray {
 std::string row_major(const std::string& data, const std::vector<std::size_t>& shape,
                       std::size_t bytes_per_element);
 
+/// The array with this axis as the first one; the others keep their order.
+NumpyArray moved_to_front(const NumpyArray& array, std::size_t axis);
+
 /// Whether the file's extension is .npy or .npz.
 bool is_numpy_file(const std::filesystem::path& file);
 

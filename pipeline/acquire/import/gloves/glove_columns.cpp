@@ -1,6 +1,7 @@
 #include "pipeline/acquire/import/gloves/glove_columns.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,29 +18,40 @@ namespace {
 constexpr const char* epoch_name = "epoch_unix_s";
 constexpr std::size_t max_counted_rows = 1000;
 constexpr double min_text_share = 0.9;
+constexpr std::size_t max_listed_columns = 5;
+// Fractions of a column's rows. A stamp of whole seconds is that of up to 100 frames.
+constexpr double min_time_rises = 0.01, max_time_falls = 0.05;
 
 /// Whether a column has neither taxels nor times: numbers of frames, time as text, labels.
 bool is_other(const std::string& name) {
-  static const std::vector<std::string> others{
-      "time_str", "datetime", "date", "frame",     "frame_id", "frame_index", "index",   "sequence",
-      "packet",   "clip",     "",     "unnamed_0", "label",    "class",       epoch_name};
+  static const std::vector<std::string> others{"time_str",  "datetime", "date_time",   "date",
+                                               "frame",     "frame_id", "frame_index", "index",
+                                               "sequence",  "packet",   "clip",        "",
+                                               "unnamed_0", "label",    "class",       epoch_name};
   return std::ranges::find(others, name) != others.end();
 }
 
 /// What the first rows tell of a column.
 struct ColumnContent {
   std::size_t text = 0, numbers = 0;  ///< fields that are not empty
+  std::size_t rises = 0, falls = 0;   ///< from one number to the next
   double first = 0.0, last = 0.0;     ///< numbers
-  bool increases = true;              ///< in each row
 
   bool is_text() const {
     return text > 0 &&
            static_cast<double>(text) >= min_text_share * static_cast<double>(text + numbers);
   }
-  bool is_clock() const { return text == 0 && numbers >= min_clock_rows && increases; }
+  bool is_clock() const { return text == 0 && numbers >= min_clock_rows && rises + 1 == numbers; }
+  /// Times may be texts, repeat themselves and now and then jump back.
+  bool may_be_time() const {
+    return static_cast<double>(rises) >= min_time_rises * static_cast<double>(numbers) - 1.0 &&
+           static_cast<double>(falls) <= max_time_falls * static_cast<double>(numbers);
+  }
   void add(double number) {
-    increases = increases && (numbers == 0 || number > last);
-    if (numbers++ == 0) first = number;
+    if (numbers++ == 0)
+      first = number;
+    else if (number != last)
+      ++(number > last ? rises : falls);
     last = number;
   }
 };
@@ -58,31 +70,62 @@ std::vector<ColumnContent> read_contents(TextTable& table) {
   return contents;
 }
 
-/// The first column of times from 2001 to 2100, in a unit that their size tells.
+std::string label_of(const TextTable& table, std::size_t column) {
+  return table.names().empty() ? fmt::format("column {}", column + 1) : table.names()[column];
+}
+
+/// Columns that the user chose for taxels: first, and one behind the last.
+using ColumnRange = std::pair<std::size_t, std::size_t>;
+
+/// The first column of times from 2001 to 2100 outside `taxels`, in a unit that their size tells.
 std::optional<TableColumn> find_unix_time(const TextTable& table,
-                                          const std::vector<ColumnContent>& contents) {
+                                          const std::vector<ColumnContent>& contents,
+                                          const ColumnRange& taxels) {
   constexpr double min_unix_s = 1e9, max_unix_s = 4.1e9;
   for (std::size_t i = 0; i < contents.size(); ++i)
     for (const auto& [suffix, per_unit] : time_units())
-      if (contents[i].is_clock() && contents[i].first >= min_unix_s * per_unit &&
-          contents[i].last <= max_unix_s * per_unit)
-        return TableColumn{i, per_unit, table.names()[i], true};
+      if ((i < taxels.first || i >= taxels.second) && contents[i].is_clock() &&
+          contents[i].first >= min_unix_s * per_unit && contents[i].last <= max_unix_s * per_unit)
+        return TableColumn{i, per_unit, label_of(table, i), true};
   return std::nullopt;
+}
+
+/// Time of a table without names.
+std::optional<TableColumn> time_without_name(const TextTable& table,
+                                             const std::vector<ColumnContent>& contents,
+                                             const GloveFileOptions& options,
+                                             const ColumnRange& taxels) {
+  if (options.rate_hz > 0.0 && (is_layout(table.num_columns(), options) || !contents[0].is_clock()))
+    return std::nullopt;
+  if (auto unix_time = find_unix_time(table, contents, taxels)) return unix_time;
+  if (taxels.first > 0 || taxels.second == 0) {
+    if (contents[0].may_be_time()) return TableColumn{0, 1.0, "column 1"};
+    if (options.rate_hz > 0.0) return std::nullopt;
+    throw data_error(
+        fmt::format("{} has no times: column 1 falls or hardly changes from row to row",
+                    table.file().string()),
+        "give --rate HZ, or put the times into the first column");
+  }
+  if (options.rate_hz > 0.0) return std::nullopt;
+  throw data_error(
+      fmt::format("{} has no column of times beside the taxels", table.file().string()),
+      "give --rate HZ");
 }
 
 std::optional<TableColumn> time_column_of(const TextTable& table,
                                           const std::vector<ColumnContent>& contents,
-                                          const GloveFileOptions& options) {
-  const double rate_hz = options.rate_hz;
-  if (table.names().empty()) {
-    if (rate_hz > 0.0 && (is_layout(table.num_columns(), options) || !contents[0].is_clock()))
-      return std::nullopt;
-    return TableColumn{0, 1.0, "column 1"};
-  }
-  const auto time = find_column(table, table.names(), {"time", "t", "timestamp", "host_time", "ts"},
-                                time_units());
-  if (time || rate_hz > 0.0) return time;
-  if (auto unix_time = find_unix_time(table, contents)) return unix_time;
+                                          const GloveFileOptions& options,
+                                          const ColumnRange& taxels) {
+  if (table.names().empty()) return time_without_name(table, contents, options, taxels);
+  // Of columns with several of these names the first kind is taken.
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"time", "t", "timestamp", "time_stamp", "host_time", "ts"},
+        {"unix_time"},
+        {"datetime", "date_time"},
+        {"elapsed", "elapsed_time", "measurement_time", "seconds"}})
+    if (auto time = find_column(table, table.names(), names, time_units())) return time;
+  if (options.rate_hz > 0.0) return std::nullopt;
+  if (auto unix_time = find_unix_time(table, contents, taxels)) return unix_time;
   throw data_error(fmt::format("{} has no column time_s", table.file().string()),
                    std::string(glove_table_hint) +
                        "; rename the column of times, or without times give --rate HZ");
@@ -103,7 +146,7 @@ std::vector<TableColumn> taxel_columns_of(const TextTable& table,
       names, [](const std::string& name) { return name.starts_with("counts_"); });
   std::vector<TableColumn> taxels;
   for (std::size_t i = 0; i < table.num_columns(); ++i) {
-    const std::string name = names.empty() ? fmt::format("column {}", i + 1) : names[i];
+    const std::string name = label_of(table, i);
     if ((time && i == time->index) || (!names.empty() && is_other(name))) continue;
     if (!has_counts || name.starts_with("counts_")) taxels.push_back({i, 1.0, name});
   }
@@ -114,10 +157,15 @@ std::vector<TableColumn> taxel_columns_of(const TextTable& table,
 void drop_text(const std::vector<ColumnContent>& contents, std::vector<TableColumn>& taxels) {
   const auto is_text = [&](const TableColumn& column) { return contents[column.index].is_text(); };
   if (std::ranges::all_of(taxels, is_text)) return;
+  std::vector<std::string> skipped;
   for (const TableColumn& column : taxels)
-    if (is_text(column))
-      Progress::warn(fmt::format("glove: skipped '{}', which is text", column.label));
+    if (is_text(column)) skipped.push_back("'" + column.label + "'");
   std::erase_if(taxels, is_text);
+  if (skipped.size() > max_listed_columns)
+    Progress::warn(fmt::format("glove: skipped {} columns of text, from {} to {}", skipped.size(),
+                               skipped.front(), skipped.back()));
+  else if (!skipped.empty())
+    Progress::warn(fmt::format("glove: skipped {}: text", fmt::join(skipped, ", ")));
 }
 
 /// Index of a column by its name or its number from 1.
@@ -133,8 +181,9 @@ std::size_t index_of(const TextTable& table, const std::string& text) {
                   names.empty() ? "" : "; or " + suggestion(column_name(text), names)));
 }
 
-/// The columns that the user chose.
-std::vector<TableColumn> chosen_columns(const TextTable& table, const std::string& range) {
+/// Range of the columns that the user chose; empty: none.
+ColumnRange chosen_range(const TextTable& table, const std::string& range) {
+  if (range.empty()) return {0, 0};
   const auto colon = range.find(':');
   if (colon == std::string::npos)
     throw usage_error(fmt::format("--taxels {} is not FIRST:LAST", range),
@@ -144,10 +193,13 @@ std::vector<TableColumn> chosen_columns(const TextTable& table, const std::strin
   if (first > last)
     throw usage_error(fmt::format("--taxels {}: the first column is after the last", range),
                       "exchange them");
+  return {first, last + 1};
+}
+
+std::vector<TableColumn> columns_in(const TextTable& table, const ColumnRange& range) {
   std::vector<TableColumn> columns;
-  for (std::size_t i = first; i <= last; ++i)
-    columns.push_back(
-        {i, 1.0, table.names().empty() ? fmt::format("column {}", i + 1) : table.names()[i]});
+  for (std::size_t i = range.first; i < range.second; ++i)
+    columns.push_back({i, 1.0, label_of(table, i)});
   return columns;
 }
 
@@ -155,12 +207,13 @@ std::vector<TableColumn> chosen_columns(const TextTable& table, const std::strin
 
 GloveColumns columns_of_glove(TextTable& table, const GloveFileOptions& options) {
   const auto contents = read_contents(table);
-  GloveColumns columns{time_column_of(table, contents, options),
+  const ColumnRange chosen = chosen_range(table, options.taxels);
+  GloveColumns columns{time_column_of(table, contents, options, chosen),
                        column_named(table, "sequence"),
                        column_named(table, epoch_name),
                        {}};
-  auto taxels = options.taxels.empty() ? taxel_columns_of(table, columns.time)
-                                       : chosen_columns(table, options.taxels);
+  auto taxels =
+      options.taxels.empty() ? taxel_columns_of(table, columns.time) : columns_in(table, chosen);
   if (options.taxels.empty()) {
     drop_text(contents, taxels);
     keep_numbered(options, taxels);

@@ -24,13 +24,14 @@ struct GloveColumns {
 /// Columns by their names.
 ///
 /// - Time: by its name; else, if there is no rate, the first column of times since 1970. Without
-///   names the first column, unless frames have a rate and all columns fit the layout or the first
-///   one does not always increase.
+///   names that, or else the first column, unless frames have a rate and all columns fit the layout
+///   or the first one does not always increase. Never a column of the taxels in `options`.
 /// - Taxels: those of `options`; else all others but columns of text, which are named in a warning:
 ///   in the first 1000 rows 90 % of their fields that are not empty are text. If these do not fit
 ///   the layout, but columns that are numbered one after the other do, only those.
 ///
-/// Throws data_error if there is no time and no rate, or no such column.
+/// Throws data_error if there is no time and no rate, the first column without a name cannot be a
+/// time, or there is no such column.
 GloveColumns columns_of_glove(TextTable& table, const GloveFileOptions& options);
 
 /// Options with the layout that the columns' names tell. Throws data_error if they contradict it.

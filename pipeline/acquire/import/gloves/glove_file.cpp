@@ -62,6 +62,9 @@ GloveFile read_glove_file(const std::filesystem::path& file, const GloveFileOpti
       skip_incomplete(glove, file);
       if (glove.time_s.empty())
         throw data_error(fmt::format("{} has no frames", file.string()), "record again");
+      if (glove.time_s.size() == 1)
+        throw data_error(fmt::format("{} has one frame", file.string()),
+                         "give a file with a row or an element of the first axis for each frame");
       return glove;
     }
     names += fmt::format("{}{}", names.empty() ? "" : "; ", kind.name);

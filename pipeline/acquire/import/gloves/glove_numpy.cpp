@@ -1,8 +1,10 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
 #include "pipeline/acquire/import/gloves/glove_arrays.h"
 
 namespace touchtrace {
@@ -18,6 +20,7 @@ const Names value_names{"counts", "pressure", "tactile_data", "tactile", "data",
 constexpr const char* sequence_name = "sequence";
 constexpr const char* epoch_name = "epoch_unix_s";
 constexpr double max_number = 9e15;
+constexpr std::size_t max_taxel_lines = 128;  // rows or columns of a glove
 
 /// First of `names` that exists.
 const NumpyArray& find_array(const Arrays& arrays, const Names& names,
@@ -65,6 +68,36 @@ void require_shape(std::size_t num_times, const NumpyArray& values) {
                      "times are [frames], counts are [frames, rows, cols] or [frames, taxels]");
 }
 
+/// Axis of three that counts frames: with the layout given, the one beside rows and columns; else
+/// the first one. Throws data_error if another one is longer, since few gloves have more rows than
+/// frames.
+std::size_t frame_axis(const std::vector<std::size_t>& shape, const GloveFileOptions& options) {
+  const auto rows = static_cast<std::size_t>(options.rows),
+             cols = static_cast<std::size_t>(options.cols);
+  const auto beside = [&](std::size_t axis) {
+    return std::pair(shape[axis == 0 ? 1 : 0], shape[axis == 2 ? 1 : 2]);
+  };
+  if (rows > 0 && cols > 0)
+    for (std::size_t axis = 0; axis < shape.size(); ++axis)
+      if (beside(axis) == std::pair(rows, cols)) return axis;
+  if (rows + cols == 0 && std::ranges::max(shape) > max_taxel_lines &&
+      std::ranges::max(shape) != shape[0])
+    throw data_error(fmt::format("the array has {} values: the first axis should count frames",
+                                 fmt::join(shape, " x ")),
+                     "give --rows and --cols, then the third axis is that of the frames");
+  return 0;
+}
+
+/// The array with frames along the first axis.
+NumpyArray frames_first(const NumpyArray& array, const GloveFileOptions& options) {
+  if (array.shape.size() != 3) return array;
+  const std::size_t axis = frame_axis(array.shape, options);
+  if (axis == 0) return array;
+  Progress::report(fmt::format("glove: axis {} of {} x {} x {} values counts the frames", axis + 1,
+                               array.shape[0], array.shape[1], array.shape[2]));
+  return moved_to_front(array, axis);
+}
+
 /// Options with the shape of an array of frames. Throws data_error if they contradict it.
 GloveFileOptions layout_of(const NumpyArray& values, GloveFileOptions options) {
   if (values.shape.size() != 3) return options;
@@ -105,7 +138,7 @@ const std::vector<std::string>& glove_array_names() {
 
 GloveFile glove_of_arrays(const std::map<std::string, NumpyArray>& arrays,
                           const std::filesystem::path& file, const GloveFileOptions& options) {
-  const NumpyArray& values = find_array(arrays, value_names, file);
+  const NumpyArray values = frames_first(find_array(arrays, value_names, file), options);
   GloveFile glove;
   set_times(glove, arrays, values, options.rate_hz, file);
   const std::size_t frames = glove.time_s.size();

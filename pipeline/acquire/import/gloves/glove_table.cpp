@@ -152,8 +152,13 @@ GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOpt
   try {
     set_layout(glove, columns.taxels.size(), layout);
   } catch (const Error& error) {
-    throw data_error(fmt::format("{}: {}", error.what(), list_of(columns.taxels)),
-                     error.hint() + "; or name the columns of the taxels: --taxels FIRST:LAST");
+    const bool is_guess = columns.time && table.names().empty();
+    throw data_error(
+        fmt::format("{}: {}", error.what(), list_of(columns.taxels)),
+        fmt::format("{}; or name the columns of the taxels: --taxels FIRST:LAST{}", error.hint(),
+                    is_guess ? "; '" + columns.time->label +
+                                   "' is taken for the time: without times give --rate HZ"
+                             : ""));
   }
   if (columns.time) require_times(glove, table);
   return glove;

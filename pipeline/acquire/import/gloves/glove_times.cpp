@@ -100,7 +100,7 @@ std::vector<std::size_t> ordered_frames(const std::vector<double>& time_s) {
 
 /// Inverse of the mean interval, without the intervals of lost frames. The median would be wrong
 /// for a device whose packets are not whole frames: its intervals have two values.
-double plausible_glove_rate_hz(const std::vector<double>& time_s) {
+double glove_rate_hz(const std::vector<double>& time_s) {
   const double typical_s = 1.0 / rate_of(time_s, default_glove_rate_hz);
   double sum_s = 0.0;
   int count = 0;
@@ -109,10 +109,12 @@ double plausible_glove_rate_hz(const std::vector<double>& time_s) {
     if (interval_s < 0.5 * typical_s || interval_s > 1.5 * typical_s) continue;
     sum_s += interval_s, ++count;
   }
-  const double rate_hz = count > 0 ? count / sum_s : 1.0 / typical_s;
+  return count > 0 ? count / sum_s : 1.0 / typical_s;
+}
+
+void require_plausible(double rate_hz) {
   if (rate_hz > max_glove_rate_hz)
     throw data_error(fmt::format("the stamps say {:.3g} glove frames per second", rate_hz), hint);
-  return rate_hz;
 }
 
 void require_span(const std::vector<double>& time_s) {
@@ -190,7 +192,8 @@ GloveTimes glove_times(const GloveFile& file) {
   for (const std::size_t frame : times.frames) times.time_s.push_back(time_s[frame]);
   require_span(times.time_s);
   times.rate_hz = spread_repeated_stamps(times.time_s) ? rate_without_pauses_hz(times.time_s)
-                                                       : plausible_glove_rate_hz(times.time_s);
+                                                       : glove_rate_hz(times.time_s);
+  require_plausible(times.rate_hz);
   times.sequence = sequence_of(file, times);
   return times;
 }

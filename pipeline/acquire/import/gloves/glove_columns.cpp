@@ -98,18 +98,13 @@ std::optional<TableColumn> time_without_name(const TextTable& table,
   if (options.rate_hz > 0.0 && (is_layout(table.num_columns(), options) || !contents[0].is_clock()))
     return std::nullopt;
   if (auto unix_time = find_unix_time(table, contents, taxels)) return unix_time;
-  if (taxels.first > 0 || taxels.second == 0) {
-    if (contents[0].may_be_time()) return TableColumn{0, 1.0, "column 1"};
-    if (options.rate_hz > 0.0) return std::nullopt;
-    throw data_error(
-        fmt::format("{} has no times: column 1 falls or hardly changes from row to row",
-                    table.file().string()),
-        "give --rate HZ, or put the times into the first column");
-  }
+  const bool is_taxel = taxels.first == 0 && taxels.second > 0;
+  if (!is_taxel && contents[0].may_be_time()) return TableColumn{0, 1.0, "column 1"};
   if (options.rate_hz > 0.0) return std::nullopt;
   throw data_error(
-      fmt::format("{} has no column of times beside the taxels", table.file().string()),
-      "give --rate HZ");
+      fmt::format("{} has no times: column 1 {}", table.file().string(),
+                  is_taxel ? "has a taxel" : "falls or hardly changes from row to row"),
+      "give --rate HZ, or put the times into the first column");
 }
 
 std::optional<TableColumn> time_column_of(const TextTable& table,

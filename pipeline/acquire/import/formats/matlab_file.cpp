@@ -120,6 +120,7 @@ std::optional<NamedArray> read_array(ByteSpan data, const IsWanted& is_wanted) {
     return std::nullopt;
   NamedArray array;
   array.values.shape = read_shape(read_element(reader).data);
+  if (array.values.shape.size() < 2) throw std::runtime_error("an array has less than two axes");
   const ByteSpan name = read_element(reader).data;
   array.name.assign(name.begin(), name.end());
   if (!is_wanted(array.name, array.values.shape)) return std::nullopt;

@@ -48,7 +48,7 @@ void set_times(GloveFile& glove, const Arrays& arrays, const NumpyArray& values,
                const std::filesystem::path& file) {
   const bool has_times = std::ranges::any_of(
       time_names, [&](const std::string& name) { return arrays.contains(name); });
-  if (!has_times && rate_hz > 0.0 && values.size() > 0) {
+  if (!has_times && rate_hz > 0.0 && !values.shape.empty()) {
     for (std::size_t i = 0; i < values.shape[0]; ++i)
       glove.time_s.push_back(static_cast<double>(i) / rate_hz);
     glove.has_time_unit = true;

@@ -20,3 +20,15 @@ def extract(clone, commit, pattern, folder):
     archive = subprocess.run(["git", "-C", clone, "archive", tree, *names], check=True, capture_output=True).stdout
     subprocess.run(["tar", "--extract", "--directory", folder], input=archive, check=True)
     return sorted((folder / name for name in names), key=numbers)
+
+
+def paths(clones, repository, commit, folder):
+    """Paths of all files below a folder of a commit."""
+    command = ["git", "-C", f"{clones}/{repository}", "ls-tree", "-rz", "--name-only", commit, f"{folder}/"]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.split("\0")[:-1]
+
+
+def read(clones, repository, commit, path, binary=False):
+    """Text or bytes of a file of a commit."""
+    command = ["git", "-C", f"{clones}/{repository}", "show", f"{commit}:{path}"]
+    return subprocess.run(command, check=True, capture_output=True, text=not binary).stdout

@@ -250,6 +250,17 @@ TEST_F(ImportGlove, PressuresAreNotTimes) {
   EXPECT_NEAR(stream.info.rate_hz, 20.0, 1e-3);
 }
 
+/// One frame in fifty is touched, less than the fraction in which a squeezed glove is.
+TEST_F(ImportGlove, SeldomTouchesTellThePolarity) {
+  std::string table = "time_s,0_0,0_1\n";
+  for (int i = 0; i < 400; ++i)
+    table += fmt::format("{:.2f},{},{}\n", 0.05 * i, i > 60 && i % 50 == 0 ? 300 : 800 + i % 2, 7);
+  testing::put(folder_ / "a.csv", table);
+  auto options = alone("a.csv", 1, 2);
+  options.glove.polarity = 0;
+  EXPECT_EQ(import_alone(options).info.polarity, -1);
+}
+
 TEST_F(ImportGlove, NamesOfTimesMayVary) {
   for (const char* name :
        {"Measurement Time (sec)", "elapsed_s", "time_sec", "datetime", "seconds"}) {

@@ -96,5 +96,13 @@ TEST(TactileCheck, CountsRepetitionsPerFrame) {
   }
 }
 
+/// Clipped counts at rest, of which one changes between frames 19 and 20 and back 40 frames later.
+TEST(TactileCheck, FewChangesAreNoInterpolation) {
+  GloveStream glove = resting_glove(200);
+  std::ranges::fill(glove.counts, std::uint16_t{1023});
+  for (std::size_t frame = 20; frame < 60; ++frame) glove.counts[30 * frame + 4] = 900;
+  EXPECT_EQ(check_tactile(glove).upsampling, 1);
+}
+
 }  // namespace
 }  // namespace touchtrace

@@ -80,21 +80,24 @@ struct SceneAreaOptions : AreaOptions {
 /// Area `scene`, or a comparison of simulated gloves with recorded ones.
 cli::Command scene_area() {
   const auto options = std::make_shared<SceneAreaOptions>();
-  return {"scene",
-          "physics against closed forms and statistics",
-          {"touchtrace-verify scene --report scene.html", "touchtrace-verify scene --real gloves"},
-          [options](OptionSet& set) {
-            describe(set, *options = SceneAreaOptions{});
-            set.text("real", options->real,
-                     "folder of recordings of gloves: compares simulated gloves with them instead")
-                .value("FOLDER");
-          },
-          [options](const cli::Invocation& invocation) {
-            const auto verification =
-                options->real.empty() ? scene::verify_scene() : scene::verify_gloves(options->real);
-            return run("scene", verification, *options, invocation);
-          },
-          {.overwrite = true, .quiet = true}};
+  return {
+      "scene",
+      "physics against closed forms and statistics",
+      {"touchtrace-verify scene --report scene.html", "touchtrace-verify scene --real gloves"},
+      [options](OptionSet& set) {
+        describe(set, *options = SceneAreaOptions{});
+        set.text(
+               "real", options->real,
+               "folder of recordings of gloves: instead, whether simulated gloves are within their "
+               "range")
+            .value("FOLDER");
+      },
+      [options](const cli::Invocation& invocation) {
+        const auto verification =
+            options->real.empty() ? scene::verify_scene() : scene::verify_gloves(options->real);
+        return run("scene", verification, *options, invocation);
+      },
+      {.overwrite = true, .quiet = true}};
 }
 
 Verification verify_whole_engine() {

@@ -64,6 +64,18 @@ Response response_of(const std::vector<double>& squeezed, double baseline, doubl
           beyond_noise(baseline - quantile(squeezed, 1.0 - probability))};
 }
 
+/// Sum over the taxels of a glove that is touched now and then.
+Response seldom_response(const std::vector<std::uint16_t>& frames,
+                         const std::vector<double>& baselines, const std::vector<double>& noises) {
+  Response all{0.0, 0.0};
+  for (std::size_t taxel = 0; taxel < baselines.size(); ++taxel) {
+    const Response response = response_of(sorted_counts(frames, baselines.size(), taxel),
+                                          baselines[taxel], noises[taxel], touched_part);
+    all.up += response.up, all.down += response.down;
+  }
+  return all;
+}
+
 }  // namespace
 
 LearnedGlove learn_glove(const GloveInfo& info, const std::vector<std::uint16_t>& rest,
@@ -74,24 +86,22 @@ LearnedGlove learn_glove(const GloveInfo& info, const std::vector<std::uint16_t>
   LearnedGlove glove;
   glove.taxels = info.taxels();
   std::vector<double> baselines, noises;
-  double up = 0.0, down = 0.0, seldom_up = 0.0, seldom_down = 0.0;
+  Response all{0.0, 0.0};
   for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
     const auto at_rest = sorted_counts(rest, taxels, taxel),
                pressed = sorted_counts(squeezed, taxels, taxel);
     baselines.push_back(median(at_rest));
     noises.push_back(noise_of(at_rest, baselines.back()));
     const Response response = response_of(pressed, baselines.back(), noises.back(), squeezed_part);
-    const Response seldom = response_of(pressed, baselines.back(), noises.back(), touched_part);
-    up += response.up, down += response.down;
-    seldom_up += seldom.up, seldom_down += seldom.down;
+    all.up += response.up, all.down += response.down;
     glove.dead_taxels += response.up + response.down == 0.0;
     const double lowest = std::min(at_rest.front(), pressed.front()),
                  highest = std::max(at_rest.back(), pressed.back());
     glove.stuck_taxels += lowest == highest && (lowest == 0.0 || lowest == max_count);
   }
-  if (up + down == 0.0) up = seldom_up, down = seldom_down;
-  glove.polarity = up >= down ? 1 : -1;
-  glove.polarity_ratio = std::max(up, down) / std::max(1.0, std::min(up, down));
+  if (all.up + all.down == 0.0) all = seldom_response(squeezed, baselines, noises);
+  glove.polarity = all.up >= all.down ? 1 : -1;
+  glove.polarity_ratio = std::max(all.up, all.down) / std::max(1.0, std::min(all.up, all.down));
   glove.baseline_counts.assign(baselines.begin(), baselines.end());
   glove.median_baseline = median(std::move(baselines));
   glove.noise_counts = median(std::move(noises));

@@ -21,7 +21,7 @@ void add_glove(ParameterTable& table) {
       "temperature and humidity");
   row("saturation", &P::half_saturation_n, "N", 0.01, 1e4,
       "force h that reads half of the full scale: f / (f + h)",
-      "conductance proportional to force: Velostat (form only)", "a guess");
+      "a taxel of TAMS: 1.5 to 3.7 N (scene/README.md)", "the middle of three covers");
   row("cross-talk", &P::cross_talk, "", 0.0, 0.2,
       "fraction of row and column sums that leaks into a reading, and loading of the row",
       "arrays: < 3.3-3.6 %", "read-out without zero potential is worse");

@@ -1,5 +1,4 @@
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/provenance.h"
+#include "engine/base/scratch_folder.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/scene/base/parameter_registry.h"
 #include "pipeline/scene/simulate/simulate.h"
@@ -68,14 +68,11 @@ GloveStatistics simulated_glove(const GloveModel& model, const std::string& acti
   options.activity = activity;
   options.minutes = 2.0;
   options.parameters = parse_parameters(model.settings);
-  const fs::path file =
-      fs::temp_directory_path() / fmt::format("touchtrace_glove_{}.h5", ::getpid());
-  simulate_recording(options, nullptr, file, true,
+  const ScratchFolder folder;
+  const fs::path file = folder.path() / "glove.h5";
+  simulate_recording(options, nullptr, file, false,
                      start_provenance("touchtrace/recording/2", "verify"));
-  const GloveStatistics statistics =
-      glove_statistics(RecordingReader(file).recording().gloves.at(0));
-  fs::remove(file);
-  return statistics;
+  return glove_statistics(RecordingReader(file).recording().gloves.at(0));
 }
 
 }  // namespace

@@ -128,10 +128,10 @@ std::optional<NamedArray> read_array(ByteSpan data, const IsWanted& is_wanted) {
   const NumberType& type = number_type(numbers.type);
   const std::size_t count = count_of(array.values.shape);
   if (count > numbers.data.size() / type.bytes) throw std::out_of_range("an array ends early");
-  const ByteSpan used = numbers.data.first(count * type.bytes);
+  const std::string_view used(reinterpret_cast<const char*>(numbers.data.data()),
+                              count * type.bytes);
   array.values.type = type.numpy_name;
-  array.values.data =
-      row_major(std::string(used.begin(), used.end()), array.values.shape, type.bytes);
+  array.values.data = row_major(used, array.values.shape, type.bytes);
   return array;
 }
 

@@ -150,7 +150,7 @@ NumpyArray image_or_first(const std::string& archive) {
 
 }  // namespace
 
-std::string row_major(const std::string& data, const std::vector<std::size_t>& shape,
+std::string row_major(std::string_view data, const std::vector<std::size_t>& shape,
                       std::size_t bytes) {
   std::string result(data.size(), '\0');
   std::vector<std::size_t> index(shape.size(), 0);
@@ -165,7 +165,7 @@ std::string row_major(const std::string& data, const std::vector<std::size_t>& s
 }
 
 NumpyArray moved_to_front(const NumpyArray& array, std::size_t axis) {
-  NumpyArray moved = array;
+  NumpyArray moved{array.shape, array.type, {}, array.per_second};
   std::rotate(moved.shape.begin(), moved.shape.begin() + static_cast<std::ptrdiff_t>(axis),
               moved.shape.begin() + static_cast<std::ptrdiff_t>(axis) + 1);
   if (array.size() == 0) return moved;
@@ -173,7 +173,7 @@ NumpyArray moved_to_front(const NumpyArray& array, std::size_t axis) {
   std::size_t inner = bytes;  // bytes of a step along the axis
   for (std::size_t i = axis + 1; i < array.shape.size(); ++i) inner *= array.shape[i];
   const std::size_t outer = array.data.size() / (inner * frames);
-  moved.data.clear();
+  moved.data.reserve(array.data.size());
   for (std::size_t frame = 0; frame < frames; ++frame)
     for (std::size_t i = 0; i < outer; ++i)
       moved.data.append(array.data, (i * frames + frame) * inner, inner);

@@ -5,6 +5,7 @@
 #include <map>
 #include <opencv2/core.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace touchtrace {
@@ -21,7 +22,7 @@ struct NumpyArray {
 };
 
 /// Elements in row-major order of an array whose first index runs fastest.
-std::string row_major(const std::string& data, const std::vector<std::size_t>& shape,
+std::string row_major(std::string_view data, const std::vector<std::size_t>& shape,
                       std::size_t bytes_per_element);
 
 /// The array with this axis as the first one; the others keep their order.

@@ -37,9 +37,8 @@ std::string chosen_recording(const NumpyArray& recording_of_frame, const std::st
 /// The frames with these indices of an array of `frames` frames.
 NumpyArray select_frames(const NumpyArray& array, std::size_t frames,
                          const std::vector<std::size_t>& indices) {
-  NumpyArray selected = array;
+  NumpyArray selected{array.shape, array.type, {}, array.per_second};
   const std::size_t bytes = array.data.size() / frames;
-  selected.data.clear();
   for (const std::size_t i : indices) selected.data.append(array.data, i * bytes, bytes);
   for (auto& size : selected.shape)
     if (size == frames) {

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
@@ -68,33 +69,29 @@ void require_shape(std::size_t num_times, const NumpyArray& values) {
                      "times are [frames], counts are [frames, rows, cols] or [frames, taxels]");
 }
 
-/// Axis of three that counts frames: with the layout given, the one beside rows and columns; else
-/// the first one. Throws data_error if another one is longer, since few gloves have more rows than
-/// frames.
+/// Axis that counts the frames of an array with three axes: with the layout given, the one whose
+/// other axes are rows and columns; else the first one. Throws data_error if another one is longer
+/// than a glove's rows or columns.
 std::size_t frame_axis(const std::vector<std::size_t>& shape, const GloveFileOptions& options) {
-  const auto rows = static_cast<std::size_t>(options.rows),
-             cols = static_cast<std::size_t>(options.cols);
-  const auto beside = [&](std::size_t axis) {
-    return std::pair(shape[axis == 0 ? 1 : 0], shape[axis == 2 ? 1 : 2]);
-  };
-  if (rows > 0 && cols > 0)
-    for (std::size_t axis = 0; axis < shape.size(); ++axis)
-      if (beside(axis) == std::pair(rows, cols)) return axis;
-  if (rows + cols == 0 && std::ranges::max(shape) > max_taxel_lines &&
-      std::ranges::max(shape) != shape[0])
+  const std::pair layout(static_cast<std::size_t>(options.rows),
+                         static_cast<std::size_t>(options.cols));
+  for (std::size_t axis = 0; axis < shape.size(); ++axis)
+    if (std::pair(shape[axis == 0 ? 1 : 0], shape[axis == 2 ? 1 : 2]) == layout) return axis;
+  const std::size_t longest = std::ranges::max(shape);
+  if (options.rows + options.cols == 0 && longest > max_taxel_lines && longest != shape[0])
     throw data_error(fmt::format("the array has {} values: the first axis should count frames",
                                  fmt::join(shape, " x ")),
                      "give --rows and --cols, then the third axis is that of the frames");
   return 0;
 }
 
-/// The array with frames along the first axis.
-NumpyArray frames_first(const NumpyArray& array, const GloveFileOptions& options) {
-  if (array.shape.size() != 3) return array;
+/// The array with frames along the first axis; nullopt if they are there already.
+std::optional<NumpyArray> frames_first(const NumpyArray& array, const GloveFileOptions& options) {
+  if (array.shape.size() != 3) return std::nullopt;
   const std::size_t axis = frame_axis(array.shape, options);
-  if (axis == 0) return array;
-  Progress::report(fmt::format("glove: axis {} of {} x {} x {} values counts the frames", axis + 1,
-                               array.shape[0], array.shape[1], array.shape[2]));
+  if (axis == 0) return std::nullopt;
+  Progress::report(fmt::format("glove: axis {} of {} values counts the frames", axis + 1,
+                               fmt::join(array.shape, " x ")));
   return moved_to_front(array, axis);
 }
 
@@ -138,7 +135,9 @@ const std::vector<std::string>& glove_array_names() {
 
 GloveFile glove_of_arrays(const std::map<std::string, NumpyArray>& arrays,
                           const std::filesystem::path& file, const GloveFileOptions& options) {
-  const NumpyArray values = frames_first(find_array(arrays, value_names, file), options);
+  const NumpyArray& stored = find_array(arrays, value_names, file);
+  const auto moved = frames_first(stored, options);
+  const NumpyArray& values = moved ? *moved : stored;
   GloveFile glove;
   set_times(glove, arrays, values, options.rate_hz, file);
   const std::size_t frames = glove.time_s.size();

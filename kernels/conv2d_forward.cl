@@ -11,10 +11,9 @@ static pixel_pointers taps_of(__global const real* in, int first, int images) {
   return from;
 }
 
-// Adds the terms of lanes first_lane .. last_lane - 1 of every block.
-static tile convolve(tile t, pixel_pointers from, __global const real* weights, int first_lane, int last_lane) {
+static tile convolve(tile t, pixel_pointers from, __global const real* weights) {
   for (int block = 0; block < IN_BLOCKS; ++block)
-    for (int lane = first_lane; lane < last_lane; ++lane) {
+    for (int lane = 0; lane < IN_LANES; ++lane) {
       const int at = block * IN_BLOCK + lane * IN_LANE;
       for (int i = 0; i < KERNEL; ++i)
 #pragma unroll
@@ -24,9 +23,8 @@ static tile convolve(tile t, pixel_pointers from, __global const real* weights, 
   return t;
 }
 
-// Stores max(sum, least).
-static void store_above(real least, tile t, __global real* out, int first, int images) {
-#define STORE(b, p) store16(max(t.sum##b##_##p, (real16)(least)), 0, to + b * OUT_BLOCK);
+static void store_relu(tile t, __global real* out, int first, int images) {
+#define STORE(b, p) store16(max(t.sum##b##_##p, (real16)(0)), 0, to + b * OUT_BLOCK);
 #define STORE_PIXEL(p)                                                     \
   if (first + p < images * OUT_AREA) {                                     \
     __global real* to = out + out_offset(ordered_pixel(min(first + p, images * OUT_AREA - 1), images)); \
@@ -46,7 +44,7 @@ __kernel void conv2d_forward(__global const real* restrict in, __global const re
   out += group * BLOCKS * OUT_BLOCK;
   for (int first = begin; first < end; first += PIXELS) {
     tile t = start_tile(parameters + bias_at + group * TAP_SIZE);
-    if (first < images * LIVE) t = convolve(t, taps_of(in, first, images), packed, 0, IN_LANES);
-    store_above(0, t, out, first, images);
+    if (first < images * LIVE) t = convolve(t, taps_of(in, first, images), packed);
+    store_relu(t, out, first, images);
   }
 }

@@ -6,8 +6,8 @@
 // keep[w] is 0 for dropped taxels and 1 / (1 - rate) for the others. A taxel is dropped if
 // hash(key, w ROWS COLS + taxel) < threshold.
 //
-// frames [frame][row][column]; out in planes (conv2d.clh), from window `first` and channel `channel` on. ROW_ITEMS
-// work-items share a row of one window.
+// frames [frame][row][column]; out in planes (conv2d.clh), from window `first` on. ROW_ITEMS work-items
+// share a row of one window.
 //
 // -D WINDOW, ROWS, COLS: no defaults
 // -D HALO=1: of `out`
@@ -52,16 +52,16 @@ static realv keep_of(uint key, uint threshold, real scale, uint first) {
 }
 
 __kernel void tactile_window(__global const real* restrict frames, __global const int* restrict last_frame,
-                             __global real* restrict out, uint key, uint threshold, real scale, int first,
-                             int channel) {
+                             __global real* restrict out, uint key, uint threshold, real scale,
+                             int first) {
   const int row = get_global_id(0) / ROW_ITEMS, window = first + get_global_id(1);
   __global real* to = out + get_global_id(1) * WINDOW * OUT_PLANE + (row + HALO) * OUT_PITCH + HALO;
   __global const real* oldest = frames + ((size_t)last_frame[window] - WINDOW + 1) * ROWS * COLS + row * COLS;
   for (int step = get_global_id(0) % ROW_ITEMS * LANES; step < COLS; step += ROW_ITEMS * LANES) {
     const int column = min(step, COLS - LANES);  // the last vector may overlap the previous one
     const realv keep = keep_of(key, threshold, scale, (uint)((window * ROWS + row) * COLS + column));
-    realv frame = load_lanes(oldest + channel * ROWS * COLS + column);
-    for (int c = channel; c < WINDOW - 1; ++c) {
+    realv frame = load_lanes(oldest + column);
+    for (int c = 0; c < WINDOW - 1; ++c) {
       const realv next = load_lanes(oldest + (c + 1) * ROWS * COLS + column);
       store_lanes_at(keep * ((real)5 * (next - frame)), to + c * OUT_PLANE + column);
       frame = next;

@@ -66,8 +66,7 @@ double kink_distance(const Conv2dShape& s, const Arrays& inputs) {
 
 /// Layer on the device after its forward pass.
 struct Layer {
-  Layer(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice,
-        const Arrays& inputs);
+  Layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method, const Arrays& inputs);
 
   Conv2dShape s;
   Conv2dParameters parameters;
@@ -75,8 +74,7 @@ struct Layer {
   std::unique_ptr<Conv2d> conv;
 };
 
-Layer::Layer(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice,
-             const Arrays& inputs)
+Layer::Layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method, const Arrays& inputs)
     : s(shape) {
   const auto values = joined(inputs[1], inputs[2]);
   parameters = {upload(runtime, values), runtime.allocate_zeros<float>(values.size()), 0,
@@ -85,7 +83,7 @@ Layer::Layer(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& cho
            runtime.allocate_zeros<float>(s.out_size()),
            runtime.allocate_zeros<float>(s.grad_out_size()),
            s.in_planes ? Buffer<float>() : runtime.allocate_zeros<float>(s.in_size())};
-  conv = make_conv2d(runtime, s, parameters, choice);
+  conv = make_conv2d(runtime, s, parameters, method);
   enqueue(runtime, conv->prepare());
   enqueue(runtime, conv->forward(batch));
 }
@@ -95,14 +93,13 @@ std::vector<double> output(Runtime& runtime, const Layer& layer) {
   return without_halo(download(runtime, layer.batch.out), out_layout(s));
 }
 
-Arrays forward(Runtime& runtime, const Conv2dShape& s, const Conv2dChoice& choice,
-               const Arrays& inputs) {
-  return {output(runtime, Layer(runtime, s, choice, inputs))};
+Arrays forward(Runtime& runtime, const Conv2dShape& s, Conv2dMethod method, const Arrays& inputs) {
+  return {output(runtime, Layer(runtime, s, method, inputs))};
 }
 
-Arrays backward(Runtime& runtime, const Conv2dShape& s, const Conv2dChoice& choice,
-                const Arrays& inputs, const Arrays& grads) {
-  Layer layer(runtime, s, choice, inputs);
+Arrays backward(Runtime& runtime, const Conv2dShape& s, Conv2dMethod method, const Arrays& inputs,
+                const Arrays& grads) {
+  Layer layer(runtime, s, method, inputs);
   const auto grad_sum = masked(grads[0], output(runtime, layer));
   layer.batch.grad_out = upload(runtime, with_halo(grad_sum, grad_out_layout(s)));
   enqueue(runtime, layer.conv->backward(layer.batch, true));
@@ -114,7 +111,7 @@ Arrays backward(Runtime& runtime, const Conv2dShape& s, const Conv2dChoice& choi
 
 }  // namespace
 
-OperationCase conv2d_case(const Conv2dShape& s, const Conv2dChoice& choice) {
+OperationCase conv2d_case(const Conv2dShape& s, Conv2dMethod method) {
   OperationCase c;
   c.shape = fmt::format("{} images {}x{}x{} in {} to {} channels by {}x{} of stride {}", s.images,
                         s.in_channels, s.rows, s.cols, s.in_planes ? "planes" : "blocks",
@@ -123,14 +120,14 @@ OperationCase conv2d_case(const Conv2dShape& s, const Conv2dChoice& choice) {
   c.input_sizes = {in_plain_size(s), s.weight_size(), std::size_t(s.out_channels)};
   c.terms = double(s.taps()) * s.in_channels;
   c.reference = [s](const Arrays& in) { return reference(s, in); };
-  c.forward = [s, choice](Runtime& runtime, const Arrays& in) {
-    return forward(runtime, s, choice, in);
+  c.forward = [s, method](Runtime& runtime, const Arrays& in) {
+    return forward(runtime, s, method, in);
   };
   c.reference_backward = [s](const Arrays& in, const Arrays& g) {
     return reference_backward(s, in, g);
   };
-  c.backward = [s, choice](Runtime& runtime, const Arrays& in, const Arrays& g) {
-    return backward(runtime, s, choice, in, g);
+  c.backward = [s, method](Runtime& runtime, const Arrays& in, const Arrays& g) {
+    return backward(runtime, s, method, in, g);
   };
   c.kink_distance = [s](const Arrays& in) { return kink_distance(s, in); };
   return c;
@@ -142,7 +139,7 @@ static OperationCase case_with_dead_pixels(Conv2dShape s) {
   for (int pixel = 0; pixel < s.rows * s.cols; ++pixel)
     live[pixel] = pixel / s.cols < s.rows / 2 || pixel % s.cols >= s.cols / 2;
   s.dead = dead_pixels(s, live);
-  auto c = conv2d_case(s, {Conv2dMethod::direct});
+  auto c = conv2d_case(s, Conv2dMethod::direct);
   c.shape += fmt::format(", {} of their pixels dead", s.dead.size());
   c.prepare = [live](Arrays& inputs) {
     for (std::size_t i = 0; i < inputs[0].size(); ++i) inputs[0][i] *= live[i % live.size()];
@@ -182,12 +179,12 @@ Operation conv2d_operation() {
                                 compact({3, 64, 8, 8, 128, false}),
                                 compact({2, 32, 5, 6, 64, false, 5, 1})};
   Operation operation{.name = "conv2d",
-                      .cases = {conv2d_case(shapes[0], {Conv2dMethod::direct})},
+                      .cases = {conv2d_case(shapes[0], Conv2dMethod::direct)},
                       .small_cases = 7,
                       .has_gpu_variant = true};
   for (const auto& shape : with_dead) operation.cases.push_back(case_with_dead_pixels(shape));
   for (const auto& shape : std::span(shapes).subspan(1))
-    operation.cases.push_back(conv2d_case(shape, {Conv2dMethod::direct}));
+    operation.cases.push_back(conv2d_case(shape, Conv2dMethod::direct));
   return operation;
 }
 
@@ -198,7 +195,7 @@ Operation winograd_operation() {
                                 {9, 32, 2, 1, 64, false},    {1, 96, 17, 9, 64, false},
                                 {3, 32, 12, 24, 192, false}, compact({5, 64, 8, 8, 128, false})};
   for (const auto& shape : shapes)
-    operation.cases.push_back(conv2d_case(shape, {Conv2dMethod::winograd}));
+    operation.cases.push_back(conv2d_case(shape, Conv2dMethod::winograd));
   return operation;
 }
 

@@ -19,7 +19,6 @@ Operation sum_operation();
 Operation tactile_window_operation();
 Operation winograd_operation();
 
-/// Convolution in a configuration that the tuner may choose.
-OperationCase conv2d_case(const Conv2dShape& shape, const Conv2dChoice& choice);
+OperationCase conv2d_case(const Conv2dShape& shape, Conv2dMethod method);
 
 }  // namespace touchtrace

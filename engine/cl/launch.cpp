@@ -58,12 +58,6 @@ std::map<cl_uint, cl::Buffer> Launch::buffers() const {
   return found;
 }
 
-std::size_t Launch::items() const {
-  std::size_t product = 1;
-  for (std::size_t i = 0; i < global_.dimensions(); ++i) product *= global_.get()[i];
-  return product;
-}
-
 double Launch::buffer_bytes() const {
   std::map<cl_mem, double> bytes;
   for (const auto& [index, buffer] : buffers())

@@ -72,22 +72,14 @@ class Launch {
   Launch with_cost(double flops, double bytes) && {
     return std::move(*this).with_cost(LaunchCost{flops, bytes});
   }
-  /// Sets whether the launch's configuration was tuned on the device.
-  Launch tuned(bool is_tuned) && {
-    is_tuned_ = is_tuned;
-    return std::move(*this);
-  }
   /// Sets the category in profiles; default Purpose::data_movement.
   Launch with_purpose(Purpose purpose) && {
     purpose_ = purpose;
     return std::move(*this);
   }
 
-  bool is_tuned() const { return is_tuned_; }
   Purpose purpose() const { return purpose_; }
   LaunchCost cost() const { return cost_ ? *cost_ : LaunchCost{0.0, buffer_bytes()}; }
-  /// Number of work-items.
-  std::size_t items() const;
   /// Name of the kernel.
   const std::string& name() const { return kernel_.name; }
   /// Buffer arguments, by index.
@@ -107,7 +99,6 @@ class Launch {
   std::optional<cl::NDRange> local_;
   std::vector<Argument> arguments_;  ///< keeps buffers alive, which OpenCL kernels do not
   std::optional<LaunchCost> cost_;
-  bool is_tuned_ = false;
   Purpose purpose_ = Purpose::data_movement;
   mutable cl::Kernel created_;  ///< null until the first enqueue()
 };

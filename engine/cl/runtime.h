@@ -147,15 +147,6 @@ class Runtime {
                                         values.size_bytes(), values.data());
     });
   }
-  /// Copies `size` elements within a buffer without waiting; the ranges must not overlap.
-  template <class T>
-  void enqueue_copy(const Buffer<T>& buffer, std::size_t from, std::size_t to, std::size_t size) {
-    if (size == 0) return;
-    guarded("copying on the device", [&] {
-      return queue().enqueueCopyBuffer(buffer.handle(), buffer.handle(), from * sizeof(T),
-                                       to * sizeof(T), size * sizeof(T));
-    });
-  }
   /// Reads and waits.
   template <class T>
   void read(const Buffer<T>& buffer, std::span<T> values, std::size_t offset = 0) {

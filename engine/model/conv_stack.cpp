@@ -59,33 +59,6 @@ Conv2dMethod method_for(const Conv2dShape& shape, bool training) {
   return pays ? best_method(shape) : Conv2dMethod::direct;
 }
 
-/// First channel of a window (difference basis) that its last frame affects.
-int newest_channel(const TactileWindowShape& windows) { return std::max(windows.frames - 2, 0); }
-
-struct LayerConfiguration {
-  Conv2dChoice choice;
-  bool tuned;
-};
-
-LayerConfiguration configuration_for(const Conv2dShape& layer, bool training,
-                                     const Tuning& tuning) {
-  const auto* tuned = training ? tuning.layer(layer) : nullptr;
-  if (tuned) return {tuned->choice, true};
-  return {{method_for(layer, training)}, false};
-}
-
-int micro_batch_size(KernelVariant variant, const ConvStackShape& all, bool training,
-                     const Tuning& tuning) {
-  const int windows = all.windows.windows;
-  if (variant == KernelVariant::gpu) return std::min(windows, ConvStack::gpu_micro_batch_windows);
-  const auto* tuned = training ? tuning.micro_batch(all.layers()[0]) : nullptr;
-  return std::min(windows, tuned ? tuned->images : ConvStack::micro_batch_windows);
-}
-
-void append_marked(Launches& launches, const Launches& more, bool tuned) {
-  for (const auto& launch : more) launches.push_back(Launch(launch).tuned(tuned));
-}
-
 /// Enqueues each micro-batch on its own queue; the two queues run concurrently.
 template <class MicroBatches, class Enqueue>
 void enqueue_interleaved(Runtime& runtime, MicroBatches&& batches, Enqueue enqueue_one) {
@@ -105,14 +78,12 @@ struct ConvStack::Impl {
   struct MicroBatch {
     int queue;  ///< 0 or 1; micro-batches of different queues share no array that they write
     TactileWindow window;
-    Launches precompute;  ///< of a single window; see precompute_forward()
     Launches forward, backward;
   };
 
   Impl(Runtime& device, const std::string& name, const ConvStackShape& shape,
-       const Weights& weights, const Tuning& tuning);
-  void add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape,
-                 const LayerConfiguration& configuration);
+       const Weights& weights);
+  void add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape);
   void add_micro_batches();
   Buffer<float> features_of(int first, int size);
   MicroBatch make_micro_batch(int first, int size, int queue, const Images& images,
@@ -125,17 +96,18 @@ struct ConvStack::Impl {
   Shapes shapes;      ///< for batch_windows windows
   Buffer<float> features, grad_features;
   std::vector<std::unique_ptr<Conv2d>> layers;
-  std::vector<bool> tuned;  ///< per layer
   std::vector<MicroBatch> micro_batches;
   Launches prepare, finish;
 };
 
 ConvStack::Impl::Impl(Runtime& device, const std::string& name, const ConvStackShape& shape,
-                      const Weights& weights, const Tuning& tuning)
+                      const Weights& weights)
     : runtime(device),
       all(shape),
       training(weights.gradient.size() > 0),
-      batch_windows(micro_batch_size(device.kernel_variant(), shape, training, tuning)),
+      batch_windows(std::min(shape.windows.windows, device.kernel_variant() == KernelVariant::gpu
+                                                        ? gpu_micro_batch_windows
+                                                        : micro_batch_windows)),
       shapes(shape.of_windows(batch_windows).layers()),
       features(device.allocate<float>(shape.features().row_size())) {
   const int count = (all.windows.windows + batch_windows - 1) / batch_windows;
@@ -144,8 +116,7 @@ ConvStack::Impl::Impl(Runtime& device, const std::string& name, const ConvStackS
   device.check_memory(sizeof(float) * (image_sets * size_of_images(shapes) +
                                        (training ? concurrent * size_of_gradients(shapes) : 0)));
   for (int i = 0; i < 3; ++i)
-    add_layer(parameters_of(weights, layer_name(name, i), std::min(count, num_queues)), shapes[i],
-              configuration_for(shapes[i], training, tuning));
+    add_layer(parameters_of(weights, layer_name(name, i), std::min(count, num_queues)), shapes[i]);
   if (training) grad_features = device.allocate<float>(features.size());
   add_micro_batches();
 }
@@ -171,12 +142,10 @@ Buffer<float> ConvStack::Impl::features_of(int first, int size) {
   return runtime.sub_buffer(features, first * window, size * window);
 }
 
-void ConvStack::Impl::add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape,
-                                const LayerConfiguration& configuration) {
-  layers.push_back(make_conv2d(runtime, shape, parameters, configuration.choice));
-  tuned.push_back(configuration.tuned);
-  append_marked(prepare, layers.back()->prepare(), configuration.tuned);
-  if (training) append_marked(finish, layers.back()->finish(), configuration.tuned);
+void ConvStack::Impl::add_layer(const Conv2dParameters& parameters, const Conv2dShape& shape) {
+  layers.push_back(make_conv2d(runtime, shape, parameters, method_for(shape, training)));
+  append(prepare, layers.back()->prepare());
+  if (training) append(finish, layers.back()->finish());
 }
 
 ConvStack::Impl::MicroBatch ConvStack::Impl::make_micro_batch(int first, int size, int queue,
@@ -184,24 +153,18 @@ ConvStack::Impl::MicroBatch ConvStack::Impl::make_micro_batch(int first, int siz
                                                               const Images& gradients) {
   const auto shape = all.of_windows(size);
   const auto last = shape.features();
-  MicroBatch batch{queue, TactileWindow(runtime, shape.windows, images[0], first), {}, {}, {}};
+  MicroBatch batch{queue, TactileWindow(runtime, shape.windows, images[0], first), {}, {}};
   // The backward pass starts with the last num_queues micro-batches, one per queue.
   const bool is_first_backward =
       first + size + (num_queues - 1) * batch_windows >= all.windows.windows;
   const auto of_layer = [&](int i) {
     return Conv2dMicroBatch{size, images[i], images[i + 1], gradients[i + 1], gradients[i], queue};
   };
-  auto first_layer = all.windows.windows == 1 && !training
-                         ? layers[0]->forward_halves(of_layer(0), newest_channel(all.windows))
-                         : Conv2dHalves{{}, layers[0]->forward(of_layer(0))};
-  batch.precompute = std::move(first_layer.first);
-  append_marked(batch.forward, first_layer.second, tuned[0]);
-  for (int i = 1; i < 3; ++i)
-    append_marked(batch.forward, layers[i]->forward(of_layer(i)), tuned[i]);
+  for (int i = 0; i < 3; ++i) append(batch.forward, layers[i]->forward(of_layer(i)));
   if (training)
     batch.backward = {block_gradient(runtime, last, features, grad_features, gradients[3], first)};
   for (int i = 2; training && i >= 0; --i)
-    append_marked(batch.backward, layers[i]->backward(of_layer(i), is_first_backward), tuned[i]);
+    append(batch.backward, layers[i]->backward(of_layer(i), is_first_backward));
   return batch;
 }
 
@@ -217,13 +180,9 @@ void ConvStack::declare(const std::string& name, const ConvStackShape& shape,
   }
 }
 
-Conv2dChoice ConvStack::default_configuration(const Conv2dShape& layer) {
-  return {method_for(layer, true)};
-}
-
 ConvStack::ConvStack(Runtime& runtime, const std::string& name, const ConvStackShape& shape,
-                     const Weights& weights, const Tuning& tuning)
-    : impl_(std::make_unique<Impl>(runtime, name, shape, weights, tuning)) {}
+                     const Weights& weights)
+    : impl_(std::make_unique<Impl>(runtime, name, shape, weights)) {}
 
 ConvStack::~ConvStack() = default;
 
@@ -237,21 +196,8 @@ void ConvStack::forward(const Buffer<float>& stream, const Buffer<int>& window_e
                         const TaxelDropout& dropout) {
   enqueue_interleaved(impl_->runtime, impl_->micro_batches, [&](Impl::MicroBatch& batch) {
     batch.window.enqueue(impl_->runtime, stream, window_end, dropout);
-    enqueue(impl_->runtime, batch.precompute);
     enqueue(impl_->runtime, batch.forward);
   });
-}
-
-void ConvStack::precompute_forward(const Buffer<float>& stream, const Buffer<int>& window_end) {
-  auto& batch = impl_->micro_batches.front();
-  batch.window.enqueue(impl_->runtime, stream, window_end, {});
-  enqueue(impl_->runtime, batch.precompute);
-}
-
-void ConvStack::finish_forward(const Buffer<float>& stream, const Buffer<int>& window_end) {
-  auto& batch = impl_->micro_batches.front();
-  batch.window.enqueue(impl_->runtime, stream, window_end, {}, newest_channel(impl_->all.windows));
-  enqueue(impl_->runtime, batch.forward);
 }
 
 void ConvStack::backward() {

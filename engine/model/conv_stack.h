@@ -6,7 +6,7 @@
 #include "engine/cl/runtime.h"
 #include "engine/model/conv_stack_shape.h"
 #include "engine/model/weights.h"
-#include "engine/ops/tuning.h"
+#include "engine/ops/conv2d.h"
 
 namespace touchtrace {
 
@@ -14,10 +14,10 @@ namespace touchtrace {
 /// difference basis of tactile_window.h. Windows are gathered from the frame stream on the device.
 /// Passes enqueue and do not wait.
 ///
-/// Windows are processed in micro-batches of micro_batch_windows, or in training of the tuned
-/// number: each goes through all layers, so that the output of one layer is still in the cache when
-/// the next reads it. Micro-batches alternate between two queues. On GPUs, where a launch needs
-/// many windows, micro-batches have gpu_micro_batch_windows.
+/// Windows are processed in micro-batches of micro_batch_windows: each goes through all layers, so
+/// that the output of one layer is still in the cache when the next reads it. Micro-batches
+/// alternate between two queues. On GPUs, where a launch needs many windows, micro-batches have
+/// gpu_micro_batch_windows.
 class ConvStack {
  public:
   static constexpr int micro_batch_windows = 32, gpu_micro_batch_windows = 1024;
@@ -26,13 +26,10 @@ class ConvStack {
   /// initialised as PyTorch initialises convolutions (uniform within 1/sqrt(fan in)).
   static void declare(const std::string& name, const ConvStackShape& shape, ParameterTable& table);
 
-  /// Default configuration of a layer in training, used where nothing was tuned.
-  static Conv2dChoice default_configuration(const Conv2dShape& layer);
-
-  /// Plans a backward pass if `weights` has a gradient. Otherwise `tuning` is ignored, since a
-  /// prediction must not depend on the number of windows, not even in the last bit.
+  /// Plans a backward pass if `weights` has a gradient. A prediction does not depend on the number
+  /// of windows, not even in the last bit.
   ConvStack(Runtime& runtime, const std::string& name, const ConvStackShape& shape,
-            const Weights& weights, const Tuning& tuning = {});
+            const Weights& weights);
   ~ConvStack();
 
   /// Output in the row layout of channel_blocks.h; valid after forward().
@@ -45,11 +42,6 @@ class ConvStack {
   /// window_end[w] - M + 1 .. window_end[w], which must exist in the stream.
   void forward(const Buffer<float>& stream, const Buffer<int>& window_end,
                const TaxelDropout& dropout = {});
-  /// forward() of a single window, for prediction, in two steps with bitwise equal result:
-  /// precompute_forward() does what does not depend on the window's last frame, which need not be
-  /// in the stream yet; finish_forward() does the rest.
-  void precompute_forward(const Buffer<float>& stream, const Buffer<int>& window_end);
-  void finish_forward(const Buffer<float>& stream, const Buffer<int>& window_end);
   /// Adds the gradients of weights and biases of the last forward pass to the weight gradient,
   /// which the caller zeroes. Sums have a fixed order.
   void backward();

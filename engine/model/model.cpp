@@ -24,7 +24,7 @@ Error with_model_size(const ModelSpec& spec, int sequences, int steps, const Err
 }  // namespace
 
 Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use,
-             const LiveTaxels& live, const Tuning& tuning) try
+             const LiveTaxels& live) try
     : runtime_(runtime), spec_(spec), sequences_(sequences), steps_(steps) {
   validate(spec);
   const bool has_object_encoder = spec.object == ObjectEncoder::joint && use == Use::training;
@@ -38,9 +38,9 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
     input_.tactile_embedding =
         runtime.allocate<float>(std::size_t(sequences) * steps * spec.embedding);
   else if (spec.touch)
-    plan_tactile_encoder(live, tuning);
+    plan_tactile_encoder(live);
   if (has_object_encoder)
-    plan_object_encoder(live, tuning);
+    plan_object_encoder(live);
   else if (spec.object != ObjectEncoder::none)
     input_.object_embedding = runtime.allocate<float>(std::size_t(sequences) * spec.embedding);
   dynamics_ = make_dynamics(runtime, spec, *weights_, embeddings(), sequences, steps);
@@ -50,15 +50,15 @@ Model::Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, 
   throw with_model_size(spec, sequences, steps, error);
 }
 
-void Model::plan_tactile_encoder(const LiveTaxels& live, const Tuning& tuning) {
+void Model::plan_tactile_encoder(const LiveTaxels& live) {
   tactile_ = std::make_unique<TactileEncoder>(
-      runtime_, "tactile", window_encoder(spec_, sequences_ * steps_, live), *weights_, tuning);
+      runtime_, "tactile", window_encoder(spec_, sequences_ * steps_, live), *weights_);
   input_.window_end = tactile_->window_end();
 }
 
-void Model::plan_object_encoder(const LiveTaxels& live, const Tuning& tuning) {
-  object_ = std::make_unique<TactileEncoder>(
-      runtime_, "object", segment_encoder(spec_, sequences_, live), *weights_, tuning);
+void Model::plan_object_encoder(const LiveTaxels& live) {
+  object_ = std::make_unique<TactileEncoder>(runtime_, "object",
+                                             segment_encoder(spec_, sequences_, live), *weights_);
   input_.segment_end = object_->window_end();
   input_.object = runtime_.allocate<std::int32_t>(std::size_t(sequences_));
   input_.contrast_weight = runtime_.allocate<float>(std::size_t(sequences_));
@@ -115,11 +115,6 @@ void Model::forward(const Buffer<float>& stream, const TaxelDropout& dropout,
                        [&] {
                          if (tactile_) tactile_->forward(stream, dropout);
                        });
-  enqueue(runtime_, dynamics_->forward());
-}
-
-void Model::finish_forward(const Buffer<float>& stream) {
-  tactile_->finish_forward(stream);
   enqueue(runtime_, dynamics_->forward());
 }
 

@@ -37,9 +37,9 @@ class Model {
     training
   };
 
-  /// `live`: live taxels of the stream. `tuning`: used in training only.
+  /// `live`: live taxels of the stream.
   Model(Runtime& runtime, const ModelSpec& spec, int sequences, int steps, Use use,
-        const LiveTaxels& live = {}, const Tuning& tuning = {});
+        const LiveTaxels& live = {});
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
@@ -57,10 +57,6 @@ class Model {
   /// object encoder.
   void forward(const Buffer<float>& stream, const TaxelDropout& dropout = {},
                const TaxelDropout& segment_dropout = {});
-  /// forward() in two steps, for prediction of one sequence and one step with touch (see
-  /// conv_stack.h).
-  void precompute_forward(const Buffer<float>& stream) { tactile_->precompute_forward(stream); }
-  void finish_forward(const Buffer<float>& stream);
   /// Zeroes the hidden state of a recurrent dynamics. Call before a new roll-out.
   void reset_state() { dynamics_->reset_state(runtime_); }
   /// Carries it into the next forward(), for roll-outs longer than T. The caller copies the last S
@@ -77,8 +73,8 @@ class Model {
   const Buffer<float>& loss() const { return loss_; }  ///< [1]
 
  private:
-  void plan_tactile_encoder(const LiveTaxels& live, const Tuning& tuning);
-  void plan_object_encoder(const LiveTaxels& live, const Tuning& tuning);
+  void plan_tactile_encoder(const LiveTaxels& live);
+  void plan_object_encoder(const LiveTaxels& live);
   void plan_loss();
   Embeddings embeddings() const;
   /// Enqueues the object encoder's launches, if it exists, on the second queue, concurrent with

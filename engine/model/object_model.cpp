@@ -16,13 +16,12 @@ ParameterTable object_parameters(const ModelSpec& spec) {
 
 }  // namespace
 
-ObjectModel::ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments,
-                         const Tuning& tuning)
+ObjectModel::ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments)
     : runtime_(runtime),
       segments_(segments),
       table_(object_parameters(spec)),
       weights_(allocate_weights(runtime, table_, true)),
-      encoder_(runtime, "object", segment_encoder(spec, segments), weights_, tuning) {
+      encoder_(runtime, "object", segment_encoder(spec, segments), weights_) {
   plan_loss(spec);
 }
 

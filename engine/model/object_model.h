@@ -8,7 +8,7 @@ namespace touchtrace {
 /// and gradient. The constructor allocates all buffers; it throws usage_error for an invalid spec.
 class ObjectModel {
  public:
-  ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments, const Tuning& tuning = {});
+  ObjectModel(Runtime& runtime, const ModelSpec& spec, int segments);
   ObjectModel(const ObjectModel&) = delete;
   ObjectModel& operator=(const ObjectModel&) = delete;
 

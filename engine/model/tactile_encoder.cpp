@@ -25,10 +25,9 @@ void TactileEncoder::declare(const std::string& name, const ConvStackShape& shap
 }
 
 TactileEncoder::TactileEncoder(Runtime& runtime, const std::string& name,
-                               const ConvStackShape& shape, const Weights& weights,
-                               const Tuning& tuning)
+                               const ConvStackShape& shape, const Weights& weights)
     : runtime_(runtime),
-      convolutions_(runtime, name, shape, weights, tuning),
+      convolutions_(runtime, name, shape, weights),
       window_end_(runtime.allocate<int>(std::size_t(shape.windows.windows))),
       head_(runtime, name, weights, shape.features(), convolutions_.features(),
             convolutions_.grad_features()) {}
@@ -40,15 +39,6 @@ void TactileEncoder::prepare() {
 
 void TactileEncoder::forward(const Buffer<float>& stream, const TaxelDropout& dropout) {
   convolutions_.forward(stream, window_end_, dropout);
-  enqueue(runtime_, head_.forward());
-}
-
-void TactileEncoder::precompute_forward(const Buffer<float>& stream) {
-  convolutions_.precompute_forward(stream, window_end_);
-}
-
-void TactileEncoder::finish_forward(const Buffer<float>& stream) {
-  convolutions_.finish_forward(stream, window_end_);
   enqueue(runtime_, head_.forward());
 }
 

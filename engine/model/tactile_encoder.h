@@ -19,16 +19,13 @@ class TactileEncoder {
   /// Adds the parameters "NAME.conv1.weight" ... "NAME.norm.bias" to `table`.
   static void declare(const std::string& name, const ConvStackShape& shape, int embedding,
                       ParameterTable& table);
-  /// Plans a backward pass if `weights` has a gradient; otherwise `tuning` is ignored.
+  /// Plans a backward pass if `weights` has a gradient.
   TactileEncoder(Runtime& runtime, const std::string& name, const ConvStackShape& shape,
-                 const Weights& weights, const Tuning& tuning = {});
+                 const Weights& weights);
 
   /// Call after every change of the weights.
   void prepare();
   void forward(const Buffer<float>& stream, const TaxelDropout& dropout);
-  /// forward() of one window in two steps (see conv_stack.h).
-  void precompute_forward(const Buffer<float>& stream);
-  void finish_forward(const Buffer<float>& stream);
   /// Reads grad_embedding(). Adds to the weight gradient of the convolutions, overwrites that of
   /// the head.
   void backward();

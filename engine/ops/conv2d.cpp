@@ -99,14 +99,12 @@ Conv2dMethod best_method(const Conv2dShape& shape) {
 }
 
 std::unique_ptr<Conv2d> make_conv2d(Runtime& runtime, const Conv2dShape& shape,
-                                    const Conv2dParameters& parameters,
-                                    const Conv2dChoice& choice) {
+                                    const Conv2dParameters& parameters, Conv2dMethod method) {
   if (runtime.kernel_variant() == KernelVariant::gpu)
     return make_conv2d_gpu(runtime, shape, parameters);
-  const bool winograd = choice.method == Conv2dMethod::winograd && winograd_applies(shape) &&
-                        runtime.accuracy() == Accuracy::fast &&
-                        winograd_group(runtime, shape, choice) > 0;
-  return (winograd ? make_conv2d_winograd : make_conv2d_direct)(runtime, shape, parameters, choice);
+  const bool winograd = method == Conv2dMethod::winograd && winograd_applies(shape) &&
+                        runtime.accuracy() == Accuracy::fast && winograd_group(runtime, shape) > 0;
+  return (winograd ? make_conv2d_winograd : make_conv2d_direct)(runtime, shape, parameters);
 }
 
 }  // namespace touchtrace

@@ -7,7 +7,6 @@
 
 #include "engine/base/integer_math.h"
 #include "engine/cl/launch.h"
-#include "engine/ops/conv2d_choice.h"
 
 namespace touchtrace {
 
@@ -66,11 +65,6 @@ struct Conv2dMicroBatch {
   int accumulator = 0;     ///< partial weight gradient; not shared between concurrent queues
 };
 
-/// Launches of a pass in two halves; enqueue `second` after `first`.
-struct Conv2dHalves {
-  Launches first, second;
-};
-
 /// A convolution layer. Passes run on micro-batches, so that the output of a layer is still in the
 /// cache when the next one reads it. Launches share the layer's scratch memory; the layer must
 /// outlive them.
@@ -81,11 +75,6 @@ class Conv2d {
   /// Packs the weights. Enqueue after each change of the parameters.
   virtual Launches prepare() = 0;
   virtual Launches forward(const Conv2dMicroBatch& batch) = 0;
-  /// forward() with the same bits, in two halves: the first reads only input channels before
-  /// `channel`. Methods that cannot be split return everything as the second half.
-  virtual Conv2dHalves forward_halves(const Conv2dMicroBatch& batch, [[maybe_unused]] int channel) {
-    return {{}, forward(batch)};
-  }
   /// Computes grad_in; adds the weight gradient to batch.accumulator, or overwrites it if
   /// `is_first`.
   virtual Launches backward(const Conv2dMicroBatch& batch, bool is_first) = 0;
@@ -94,13 +83,16 @@ class Conv2d {
   virtual Launches finish() = 0;
 };
 
+/// Algorithm of the forward pass and the input gradient. `winograd` takes 81 multiplications
+/// instead of 144 (kernels/winograd.clh). It needs kernel 3, stride 2, input in blocks, local
+/// memory for the transform of one image, and Accuracy::fast; otherwise `direct` is used.
+enum class Conv2dMethod { direct, winograd };
+
 /// The method that takes fewer multiplications, padding included.
 Conv2dMethod best_method(const Conv2dShape& shape);
 
-/// Layer with the method and variants of `choice`. The direct method replaces Winograd's where that
-/// does not apply: other kernel sizes and strides, planes, Accuracy::exact, or too little local
-/// memory. With KernelVariant::gpu `choice` has no effect.
+/// Layer with `method`. With KernelVariant::gpu that has no effect.
 std::unique_ptr<Conv2d> make_conv2d(Runtime& runtime, const Conv2dShape& shape,
-                                    const Conv2dParameters& parameters, const Conv2dChoice& choice);
+                                    const Conv2dParameters& parameters, Conv2dMethod method);
 
 }  // namespace touchtrace

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "engine/ops/conv2d.h"
 
 namespace touchtrace {
@@ -14,11 +12,9 @@ LaunchCost conv2d_cost(const Conv2dShape& shape, int images);
 
 /// As make_conv2d(), for the variants of KernelVariant::cpu.
 std::unique_ptr<Conv2d> make_conv2d_direct(Runtime& runtime, const Conv2dShape& shape,
-                                           const Conv2dParameters& parameters,
-                                           const Conv2dChoice& choice);
+                                           const Conv2dParameters& parameters);
 std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,
-                                             const Conv2dParameters& parameters,
-                                             const Conv2dChoice& choice);
+                                             const Conv2dParameters& parameters);
 /// As make_conv2d(), for KernelVariant::gpu.
 std::unique_ptr<Conv2d> make_conv2d_gpu(Runtime& runtime, const Conv2dShape& shape,
                                         const Conv2dParameters& parameters);
@@ -26,14 +22,14 @@ std::unique_ptr<Conv2d> make_conv2d_gpu(Runtime& runtime, const Conv2dShape& sha
 /// Whether the shape suits Winograd's method.
 bool winograd_applies(const Conv2dShape& shape);
 /// Images per work-group; 0: local memory does not hold the transform of one image.
-int winograd_group(const Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice);
+int winograd_group(const Runtime& runtime, const Conv2dShape& shape);
 
 /// Gradient of weight and bias, shared by the methods (kernels/conv2d_backward_weights.cl).
 class Conv2dWeightGradient {
  public:
   /// Allocates nothing if parameters.gradient is empty.
   Conv2dWeightGradient(Runtime& runtime, const Conv2dShape& shape,
-                       const Conv2dParameters& parameters, const Conv2dChoice& choice);
+                       const Conv2dParameters& parameters);
 
   /// Adds the micro-batch's gradient to its accumulator, or overwrites it if `is_first`.
   Launch sum(const Conv2dMicroBatch& batch, bool is_first);
@@ -44,14 +40,8 @@ class Conv2dWeightGradient {
   Runtime& runtime_;
   Conv2dShape shape_;
   Conv2dParameters parameters_;
-  Conv2dChoice choice_;
   int chunks_;
   Buffer<float> partial_, partial_bias_;
 };
-
-// Configurations to time, the default first. The last one varies the weight gradient only.
-std::vector<Conv2dChoice> direct_candidates();
-std::vector<Conv2dChoice> winograd_candidates(const Runtime& runtime, const Conv2dShape& shape);
-std::vector<Conv2dChoice> gradient_candidates(const Conv2dShape& shape);
 
 }  // namespace touchtrace

@@ -27,14 +27,13 @@ int images_in(std::size_t bytes, const Conv2dShape& shape) {
 
 class WinogradConv2d final : public Conv2d {
  public:
-  WinogradConv2d(Runtime& runtime, const Conv2dShape& shape, const Conv2dParameters& parameters,
-                 const Conv2dChoice& choice)
+  WinogradConv2d(Runtime& runtime, const Conv2dShape& shape, const Conv2dParameters& parameters)
       : runtime_(runtime),
         shape_(shape),
         parameters_(parameters),
-        group_(winograd_group(runtime, shape, choice)),
+        group_(winograd_group(runtime, shape)),
         weights_(runtime.allocate<float>(sets_size())),
-        weight_gradient_(runtime, shape, parameters, choice) {
+        weight_gradient_(runtime, shape, parameters) {
     if (parameters.gradient.size() > 0) weights_transposed_ = runtime.allocate<float>(sets_size());
   }
 
@@ -104,34 +103,17 @@ class WinogradConv2d final : public Conv2d {
 
 }  // namespace
 
-int winograd_group(const Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice) {
+int winograd_group(const Runtime& runtime, const Conv2dShape& shape) {
   const std::size_t memory = runtime.device().handle.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
-  if (choice.group_images > 0) return std::min(choice.group_images, images_in(memory, shape));
   const int images = images_in(std::min(memory, max_group_bytes), shape);
   // Images that fill the matrix products' tiles of 4 rows.
   const int multiple = 4 / std::gcd(4, tiles_of(shape));
   return images < multiple ? images : images / multiple * multiple;
 }
 
-std::vector<Conv2dChoice> winograd_candidates(const Runtime& runtime, const Conv2dShape& shape) {
-  const Conv2dChoice defaults{Conv2dMethod::winograd};
-  std::vector<Conv2dChoice> candidates;
-  if (!winograd_applies(shape) || runtime.accuracy() == Accuracy::exact) return candidates;
-  const int group = winograd_group(runtime, shape, defaults);
-  if (group > 0) candidates.push_back(defaults);
-  for (const int images : {group / 4, group / 2, group * 2}) {
-    auto candidate = defaults;
-    candidate.group_images = images;
-    if (images > 0 && winograd_group(runtime, shape, candidate) == images)
-      candidates.push_back(candidate);
-  }
-  return candidates;
-}
-
 std::unique_ptr<Conv2d> make_conv2d_winograd(Runtime& runtime, const Conv2dShape& shape,
-                                             const Conv2dParameters& parameters,
-                                             const Conv2dChoice& choice) {
-  return std::make_unique<WinogradConv2d>(runtime, shape, parameters, choice);
+                                             const Conv2dParameters& parameters) {
+  return std::make_unique<WinogradConv2d>(runtime, shape, parameters);
 }
 
 }  // namespace touchtrace

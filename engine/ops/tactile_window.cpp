@@ -38,17 +38,15 @@ TactileWindow::TactileWindow(Runtime& runtime, const TactileWindowShape& shape,
                              const Buffer<float>& out, int first)
     : gather_(tactile_window_kernel(runtime, shape),
               range(shape.rows * row_items(runtime, shape), shape.windows), out, out, out,
-              cl_uint{0}, cl_uint{0}, 1.0f, first, 0) {}
+              cl_uint{0}, cl_uint{0}, 1.0f, first) {}
 
 void TactileWindow::enqueue(Runtime& runtime, const Buffer<float>& stream,
-                            const Buffer<int>& last_frame, const TaxelDropout& dropout,
-                            int channel) {
+                            const Buffer<int>& last_frame, const TaxelDropout& dropout) {
   gather_.set(0, stream);
   gather_.set(1, last_frame);
   gather_.set(3, dropout.key);
   gather_.set(4, dropout.threshold());
   gather_.set(5, static_cast<float>(1.0 / (1.0 - dropout.share)));
-  gather_.set(7, channel);
   gather_.enqueue(runtime);
 }
 

@@ -34,10 +34,9 @@ class TactileWindow {
   /// Gathers windows first .. first + shape.windows - 1.
   TactileWindow(Runtime& runtime, const TactileWindowShape& shape, const Buffer<float>& out,
                 int first = 0);
-  /// `last_frame`: last frame of each window; its M frames must be inside `stream`. Channels before
-  /// `channel` are not written.
+  /// `last_frame`: last frame of each window; its M frames must be inside `stream`.
   void enqueue(Runtime& runtime, const Buffer<float>& stream, const Buffer<int>& last_frame,
-               const TaxelDropout& dropout, int channel = 0);
+               const TaxelDropout& dropout);
 
  private:
   Launch gather_;

@@ -2,23 +2,19 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-
 #include "engine/base/error.h"
-#include "engine/train/tuning_json.h"
 
 namespace touchtrace {
 namespace {
 
 using nlohmann::json;
 
-constexpr const char* checkpoint_format = "touchtrace/checkpoint/3";
+constexpr const char* checkpoint_format = "touchtrace/checkpoint/4";
 constexpr const char* checkpoint_hint =
     "name one that touchtrace train wrote, or start from scratch with --overwrite";
 
-/// `old_key`: of older checkpoints.
-int count_in(const json& training, const char* key, const char* old_key) {
-  const auto& value = training.at(training.contains(key) ? key : old_key);
+int count_in(const json& training, const char* key) {
+  const auto& value = training.at(key);
   if (!value.is_number_integer() || value < 0 || value > INT32_MAX)
     throw data_error(fmt::format("'{}' is not a non-negative integer", key), "");
   return value.get<int>();
@@ -31,7 +27,6 @@ std::map<std::string, std::string> to_metadata(const CheckpointMetadata& checkpo
   const json training{{"attempted", counts.attempted},
                       {"skipped", counts.skipped},
                       {"consecutive_skips", counts.consecutive_skips},
-                      {"tuning", checkpoint.tuning},
                       {"notes", checkpoint.notes}};
   return {{"format", checkpoint_format},
           {"spec", json(checkpoint.spec).dump()},
@@ -46,9 +41,8 @@ CheckpointMetadata checkpoint_metadata(const TensorFile& file,
         "");
   const auto training = json::parse(file.metadata.at("training"));
   return {json::parse(file.metadata.at("spec")).get<ModelSpec>(),
-          {count_in(training, "attempted", "tried"), count_in(training, "skipped", "left_out"),
-           count_in(training, "consecutive_skips", "left_out_in_a_row")},
-          training.at("tuning").get<Tuning>(),
+          {count_in(training, "attempted"), count_in(training, "skipped"),
+           count_in(training, "consecutive_skips")},
           training.at("notes")};
 } catch (const Error& error) {
   throw data_error(fmt::format("{} is not a valid checkpoint: {}", path.string(), error.what()),
@@ -58,7 +52,7 @@ CheckpointMetadata checkpoint_metadata(const TensorFile& file,
 }
 
 void check_resumable(const CheckpointMetadata& checkpoint, const ModelSpec& spec,
-                     const Tuning& tuning, const std::filesystem::path& path) {
+                     const std::filesystem::path& path) {
   const json stored = checkpoint.spec, wanted = spec;
   for (const auto& side : {stored, wanted})
     for (const auto& [key, ignored] : side.items()) {
@@ -70,17 +64,6 @@ void check_resumable(const CheckpointMetadata& checkpoint, const ModelSpec& spec
                                      path.string(), key, in(stored), in(wanted)),
                          "resume with the options that it was started with");
     }
-  if (json(checkpoint.tuning) != json(tuning))
-    throw data_error(path.string() + " was started with another tuning",
-                     "resume with the tuning that the checkpoint contains");
-}
-
-const Tensor& optimiser_tensor(const TensorFile& file, const std::string& name, std::size_t size) {
-  constexpr const char *compensation = "adam.compensation", *old_name = "adam.lost_digits";
-  const bool is_old =
-      name == compensation &&
-      std::ranges::find(file.tensors, old_name, &Tensor::name) != file.tensors.end();
-  return file.at(is_old ? old_name : name, size);
 }
 
 }  // namespace touchtrace

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "engine/model/model_spec.h"
-#include "engine/ops/tuning.h"
 #include "engine/train/safetensors.h"
 
 namespace touchtrace {
@@ -22,19 +21,14 @@ struct UpdateCounts {
 struct CheckpointMetadata {
   ModelSpec spec;
   UpdateCounts counts;
-  Tuning tuning;         ///< that the training was started with
   nlohmann::json notes;  ///< of the caller
 };
 
 std::map<std::string, std::string> to_metadata(const CheckpointMetadata& checkpoint);
 /// Throws data_error, naming `path`, if the file is not a checkpoint or its values are invalid.
 CheckpointMetadata checkpoint_metadata(const TensorFile& file, const std::filesystem::path& path);
-/// Throws data_error, naming `path` and the difference, unless a training with `spec` and `tuning`
-/// can resume from the checkpoint.
+/// Throws data_error, naming `path` and the difference, unless a training with `spec` can
+/// resume from the checkpoint.
 void check_resumable(const CheckpointMetadata& checkpoint, const ModelSpec& spec,
-                     const Tuning& tuning, const std::filesystem::path& path);
-/// Tensor of the optimiser's state; also finds it under the name that older checkpoints have.
-/// Throws data_error if it is missing or has another size.
-const Tensor& optimiser_tensor(const TensorFile& file, const std::string& name, std::size_t size);
-
+                     const std::filesystem::path& path);
 }  // namespace touchtrace

@@ -22,11 +22,10 @@ std::vector<float> live_noise(const ModelSpec& spec, int frames, const LiveTaxel
 }  // namespace
 
 NoiseTraining::NoiseTraining(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
-                             const Tuning& tuning, const LiveTaxels& live,
-                             const TrainOptions& options)
+                             const LiveTaxels& live, const TrainOptions& options)
     : random_(1, "training on noise"),
       trainer_(runtime, spec, options, sequences, steps,
-               live_noise(spec, frames_of(spec, steps), live, random_), tuning),
+               live_noise(spec, frames_of(spec, steps), live, random_)),
       batch_(noise_batch(spec, sequences, steps, frames_of(spec, steps), random_)) {
   if (spec.object == ObjectEncoder::frozen) trainer_.freeze_objects(noise_objects(spec, random_));
 }

@@ -11,8 +11,7 @@ class NoiseTraining {
  public:
   /// `live`: the stream is zero for the other taxels.
   NoiseTraining(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
-                const Tuning& tuning = {}, const LiveTaxels& live = {},
-                const TrainOptions& options = {});
+                const LiveTaxels& live = {}, const TrainOptions& options = {});
 
   /// Returns the loss before the update.
   double update() { return trainer_.update(batch_); }

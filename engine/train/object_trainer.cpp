@@ -27,11 +27,11 @@ struct ObjectTrainer::Impl {
   UpdateLoop loop;
 
   Impl(Runtime& on, const ModelSpec& model_spec, const TrainOptions& options, int segments,
-       std::span<const float> tactile, const Tuning& tuning)
+       std::span<const float> tactile)
       : runtime(on),
         spec(model_spec),
         taxel_dropout(options.taxel_dropout),
-        model(on, model_spec, segments, tuning),
+        model(on, model_spec, segments),
         frames(tactile.size() / (std::size_t(model_spec.rows) * model_spec.cols)),
         loop(on, without_skips(options), model.weights(), model.loss(),
              {"object encoder update", "taxel drop-out of segments"}, tactile) {}
@@ -56,8 +56,8 @@ struct ObjectTrainer::Impl {
 };
 
 ObjectTrainer::ObjectTrainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options,
-                             int segments, std::span<const float> tactile, const Tuning& tuning)
-    : impl_(std::make_unique<Impl>(runtime, spec, options, segments, tactile, tuning)) {}
+                             int segments, std::span<const float> tactile)
+    : impl_(std::make_unique<Impl>(runtime, spec, options, segments, tactile)) {}
 
 ObjectTrainer::~ObjectTrainer() = default;
 

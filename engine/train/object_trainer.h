@@ -7,7 +7,6 @@
 
 #include "engine/cl/runtime.h"
 #include "engine/model/model_spec.h"
-#include "engine/ops/tuning.h"
 #include "engine/train/safetensors.h"
 #include "engine/train/train_options.h"
 
@@ -23,10 +22,10 @@ struct SegmentBatch {
 /// IV-B).
 class ObjectTrainer {
  public:
-  /// `segments`: N of every batch. `tactile`: [frames, rows, cols]. `tuning`: see trainer.h.
+  /// `segments`: N of every batch. `tactile`: [frames, rows, cols].
   /// `options.max_consecutive_skips` is ignored: no update is skipped.
   ObjectTrainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options, int segments,
-                std::span<const float> tactile, const Tuning& tuning = {});
+                std::span<const float> tactile);
   ~ObjectTrainer();
 
   /// One update of the contrastive loss (equation 5): segments of the same object are positives,

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <utility>
 
 #include "engine/base/error.h"
 #include "engine/train/batch_rows.h"
@@ -28,38 +27,29 @@ struct OnlinePredictor::Impl {
   ModelFile file;
   std::unique_ptr<Model> model;
   std::optional<ObjectEmbedder> embedder;  ///< with an object encoder
-  /// [num_slots(), rows, cols] one frame per slot, so that each window is contiguous. When all
-  /// slots are used, the frames that the next window shares are copied to the front. Empty without
-  /// touch.
-  Buffer<float> stream;
-  std::int32_t slot;            ///< of the last frame
-  std::int32_t window_end = 0;  ///< source of a non-blocking write
+  std::vector<float> window;               ///< [M, rows, cols] last frames; empty without touch
+  Buffer<float> stream;                    ///< the same on the device
   std::array<float, state_lanes> state{};
   std::vector<float> result;  ///< Model::states_and_spread() without the first state
-  bool knows_object = false, is_precomputed = false, state_queued = false;
+  bool knows_object = false;
 
   Impl(Runtime& on, const std::filesystem::path& path)
       : runtime(on),
         file(read_model_file(path)),
         model(file.make(on, 1, 1, Model::Use::prediction)),
-        slot(shared_frames() - 1),
         result(model->states_and_spread().size() - state_lanes) {
-    if (file.spec.touch) stream = on.allocate_zeros<float>(num_slots() * frame_size());
+    if (file.spec.touch) plan_window();
     if (has_object()) embedder.emplace(on, file.spec, file.file);
   }
 
   bool has_object() const { return file.spec.object != ObjectEncoder::none; }
-
-  /// Number of frames that consecutive windows share.
-  std::int32_t shared_frames() const { return file.spec.window_frames - 1; }
-  std::int32_t num_slots() const { return 32 * file.spec.window_frames; }
 
   std::size_t frame_size() const {
     return file.spec.touch ? std::size_t(file.spec.rows) * file.spec.cols : 0;
   }
 
   /// Calls `enqueue`, which waits for what it enqueues. If it throws, waits before rethrowing:
-  /// pending writes read the caller's frame and this object.
+  /// pending writes read this object.
   template <class Enqueue>
   void run(Enqueue enqueue) {
     try {
@@ -74,45 +64,16 @@ struct OnlinePredictor::Impl {
     }
   }
 
-  void queue_frame(std::span<const float> frame) {
-    if (!file.spec.touch) return;
-    free_slot();
-    runtime.enqueue_write(stream, frame, (slot + 1) * frame_size());
-    ++slot;
+  void plan_window() {
+    const std::int32_t last_frame = file.spec.window_frames - 1;
+    window.resize(std::size_t(file.spec.window_frames) * frame_size());
+    stream = runtime.allocate<float>(window.size());
+    runtime.write<std::int32_t>(model->input().window_end, std::span(&last_frame, 1));
   }
 
-  /// Frees the slot for the next frame, after the frames of its window.
-  void free_slot() {
-    if (slot + 1 < num_slots()) return;
-    runtime.enqueue_copy(stream, (num_slots() - shared_frames()) * frame_size(), 0,
-                         shared_frames() * frame_size());
-    slot = shared_frames() - 1;
-  }
-
-  void queue_window(std::int32_t last_slot) {
-    window_end = last_slot;
-    runtime.enqueue_write(model->input().window_end, std::span(&window_end, 1));
-  }
-
-  void queue_state() {
-    if (!std::exchange(state_queued, true)) runtime.enqueue_write(model->states(), state);
-  }
-
-  void precompute() {
-    queue_state();
-    if (file.spec.touch && !is_precomputed) {
-      free_slot();
-      queue_window(slot + 1);
-      model->precompute_forward(stream);
-      is_precomputed = true;
-    }
-    runtime.finish();
-  }
-
-  void forward() {
-    if (std::exchange(is_precomputed, false)) return model->finish_forward(stream);
-    if (file.spec.touch) queue_window(slot);
-    model->forward(stream);
+  void push(std::span<const float> frame) {
+    std::ranges::copy(std::span(window).subspan(frame.size()), window.begin());
+    std::ranges::copy(frame, window.end() - static_cast<std::ptrdiff_t>(frame.size()));
   }
 
   void set_embedding(std::span<const float> embedding) {
@@ -133,12 +94,12 @@ struct OnlinePredictor::Impl {
   }
 
   void step() {
-    queue_state();
-    forward();
+    runtime.enqueue_write(model->states(), state);
+    if (file.spec.touch) runtime.enqueue_write(stream, std::span<const float>(window));
+    model->forward(stream);
     model->carry_state();
     runtime.read(model->states_and_spread(), std::span<float>(result), state_lanes);
     std::copy_n(result.begin(), state_lanes, state.begin());
-    state_queued = false;
   }
 };
 
@@ -153,7 +114,6 @@ const nlohmann::json& OnlinePredictor::metadata() const { return impl_->file.met
 void OnlinePredictor::set_state(std::span<const float> state) {
   check_argument("state", state.size(), std::size_t(spec().state));
   std::ranges::copy(state, impl_->state.begin());
-  impl_->state_queued = false;
   impl_->model->reset_state();
 }
 
@@ -171,24 +131,14 @@ void OnlinePredictor::set_object_embedding(std::span<const float> embedding) {
 
 void OnlinePredictor::push(std::span<const float> frame) {
   check_argument("frame", frame.size(), impl_->frame_size());
-  impl_->is_precomputed = false;
-  impl_->run([&] {
-    impl_->queue_frame(frame);
-    impl_->runtime.finish();
-  });
-}
-
-void OnlinePredictor::precompute() {
-  impl_->run([&] { impl_->precompute(); });
+  impl_->push(frame);
 }
 
 OnlinePredictor::Step OnlinePredictor::step(std::span<const float> frame) {
   check_argument("frame", frame.size(), impl_->frame_size());
   impl_->check_object();
-  impl_->run([&] {
-    impl_->queue_frame(frame);
-    impl_->step();
-  });
+  impl_->push(frame);
+  impl_->run([&] { impl_->step(); });
   const auto size = std::size_t(spec().state);
   return {std::span(impl_->state).first(size),
           std::span(impl_->result).last(state_lanes).first(size)};

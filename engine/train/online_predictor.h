@@ -37,10 +37,6 @@ class OnlinePredictor {
   /// a stream. Frames before the first one are zero.
   void push(std::span<const float> frame);
 
-  /// Computes what the next step needs of the frames before its own, to shorten it. Optional; call
-  /// while waiting for that frame. Does not change the result of a step.
-  void precompute();
-
   /// Both [state], scaled; valid until the next step.
   struct Step {
     std::span<const float> state, spread;

@@ -39,20 +39,18 @@ std::size_t taxels_of(const ModelSpec& spec) {
 struct Trainer::Impl {
   Runtime& runtime;
   TrainOptions options;
-  Tuning tuning;
   std::size_t frames;
   Model model;
   UpdateLoop loop;
   FrozenObjects objects;
 
   Impl(Runtime& on, const ModelSpec& spec, const TrainOptions& train_options, int sequences,
-       int steps, std::span<const float> tactile, const Tuning& train_tuning)
+       int steps, std::span<const float> tactile)
       : runtime(on),
         options(train_options),
-        tuning(train_tuning),
         frames(tactile.size() / taxels_of(spec)),
         model(on, spec, sequences, steps, Model::Use::training,
-              live_taxels(tactile, taxels_of(spec)), train_tuning),
+              live_taxels(tactile, taxels_of(spec))),
         loop(on, train_options, model.weights(), model.loss(), {"update", "taxel drop-out"},
              spec.touch ? tactile : std::span<const float>()) {}
 
@@ -89,8 +87,8 @@ struct Trainer::Impl {
 };
 
 Trainer::Trainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options,
-                 int sequences, int steps, std::span<const float> tactile, const Tuning& tuning)
-    : impl_(std::make_unique<Impl>(runtime, spec, options, sequences, steps, tactile, tuning)) {}
+                 int sequences, int steps, std::span<const float> tactile)
+    : impl_(std::make_unique<Impl>(runtime, spec, options, sequences, steps, tactile)) {}
 
 Trainer::~Trainer() = default;
 
@@ -118,7 +116,7 @@ void Trainer::save(const std::filesystem::path& path, const nlohmann::json& meta
 
 void Trainer::save_checkpoint(const std::filesystem::path& path, const nlohmann::json& notes,
                               const std::vector<Tensor>& tensors) const {
-  TensorFile file{to_metadata({impl_->model.spec(), impl_->loop.counts(), impl_->tuning, notes}),
+  TensorFile file{to_metadata({impl_->model.spec(), impl_->loop.counts(), notes}),
                   impl_->weight_tensors()};
   for (const auto& [name, array] : impl_->loop.optimiser_state())
     file.tensors.push_back({name, {array.size()}, impl_->runtime.download(array)});
@@ -129,22 +127,18 @@ void Trainer::save_checkpoint(const std::filesystem::path& path, const nlohmann:
 void Trainer::load_checkpoint(const std::filesystem::path& path) {
   const auto file = read_safetensors(path);
   const auto checkpoint = checkpoint_metadata(file, path);
-  check_resumable(checkpoint, impl_->model.spec(), impl_->tuning, path);
+  check_resumable(checkpoint, impl_->model.spec(), path);
   // Everything is read before anything is written.
   std::vector<std::pair<Buffer<float>, std::vector<float>>> writes;
   writes.emplace_back(impl_->model.weights().values, values_of(impl_->model.table(), file));
   for (const auto& [name, array] : impl_->loop.optimiser_state())
-    writes.emplace_back(array, optimiser_tensor(file, name, array.size()).values);
+    writes.emplace_back(array, file.at(name, array.size()).values);
   for (const auto& [array, values] : writes) impl_->runtime.write<float>(array, values);
   impl_->loop.resume(checkpoint.counts);
 }
 
 nlohmann::json Trainer::checkpoint_notes(const std::filesystem::path& path) {
   return checkpoint_metadata(read_safetensors(path), path).notes;
-}
-
-Tuning Trainer::checkpoint_tuning(const std::filesystem::path& path) {
-  return checkpoint_metadata(read_safetensors(path), path).tuning;
 }
 
 }  // namespace touchtrace

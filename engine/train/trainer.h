@@ -8,7 +8,6 @@
 #include "engine/base/provenance.h"
 #include "engine/cl/runtime.h"
 #include "engine/model/model_spec.h"
-#include "engine/ops/tuning.h"
 #include "engine/train/rollout_batch.h"
 #include "engine/train/safetensors.h"
 #include "engine/train/train_options.h"
@@ -25,10 +24,8 @@ struct FrozenObjects {
 class Trainer {
  public:
   /// `tactile`: [frames, rows, cols], uploaded once; may be empty for a spec without touch.
-  /// `tuning`: determines the last bits of the result; to resume bitwise, pass that of the
-  /// checkpoint.
   Trainer(Runtime& runtime, const ModelSpec& spec, const TrainOptions& options, int sequences,
-          int steps, std::span<const float> tactile, const Tuning& tuning = {});
+          int steps, std::span<const float> tactile);
   ~Trainer();
 
   /// Required before the first update with ObjectEncoder::frozen. The encoder's weights are saved
@@ -53,18 +50,15 @@ class Trainer {
   /// Writes model_file() as safetensors.
   void save(const std::filesystem::path& path, const nlohmann::json& metadata,
             bool overwrite) const;
-  /// Writes all that is needed to resume to the same bits: weights, optimiser state, counts, tuning
+  /// Writes all that is needed to resume to the same bits: weights, optimiser state, counts
   /// and the caller's `notes` and `tensors`, whose names must differ from those of the others.
   void save_checkpoint(const std::filesystem::path& path, const nlohmann::json& notes = {},
                        const std::vector<Tensor>& tensors = {}) const;
   /// Throws data_error, and changes nothing, if the checkpoint is damaged or was written with
-  /// another spec, accuracy or tuning.
+  /// another spec or accuracy.
   void load_checkpoint(const std::filesystem::path& path);
   /// Reads the notes of a checkpoint. Throws data_error if it is not one.
   static nlohmann::json checkpoint_notes(const std::filesystem::path& path);
-  /// Reads the tuning of a checkpoint, for the trainer that resumes it. Throws data_error if it is
-  /// not one.
-  static Tuning checkpoint_tuning(const std::filesystem::path& path);
 
  private:
   struct Impl;

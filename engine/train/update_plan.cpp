@@ -12,7 +12,7 @@ namespace touchtrace {
 namespace {
 
 PlannedLaunch planned(const Launch& launch) {
-  return {launch.name(), launch.purpose(), launch.cost(), launch.is_tuned()};
+  return {launch.name(), launch.purpose(), launch.cost()};
 }
 
 /// Launches of one update.
@@ -68,18 +68,17 @@ class InterleavedTimings {
 }  // namespace
 
 std::vector<PlannedLaunch> launches_of_update(Runtime& runtime, const ModelSpec& spec,
-                                              int sequences, int steps, const LiveTaxels& live,
-                                              const Tuning& tuning) {
-  NoiseTraining training(runtime, spec, sequences, steps, tuning, live);
+                                              int sequences, int steps, const LiveTaxels& live) {
+  NoiseTraining training(runtime, spec, sequences, steps, live);
   std::vector<PlannedLaunch> launches;
   for (const auto& launch : launches_of(runtime, training)) launches.push_back(planned(launch));
   return launches;
 }
 
 MeasuredUpdate measure_update(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
-                              const LiveTaxels& live, const Tuning& tuning) {
+                              const LiveTaxels& live) {
   constexpr int rounds = 7;
-  NoiseTraining training(runtime, spec, sequences, steps, tuning, live,
+  NoiseTraining training(runtime, spec, sequences, steps, live,
                          {.learning_rate = 0.0, .weight_decay = 0.0});
   const auto launches = launches_of(runtime, training);
   const auto peak = peak_benchmark(runtime);

@@ -6,7 +6,6 @@
 #include "engine/cl/launch.h"
 #include "engine/model/conv_stack_shape.h"
 #include "engine/model/model_spec.h"
-#include "engine/ops/tuning.h"
 
 namespace touchtrace {
 
@@ -15,14 +14,13 @@ struct PlannedLaunch {
   std::string kernel;
   Purpose purpose;
   LaunchCost cost;
-  bool tuned;  ///< uses a tuned configuration
 };
 
 /// Launches of an update, in order. Runs a real update on random data to record them; the data are
 /// zero for taxels that are not live.
 std::vector<PlannedLaunch> launches_of_update(Runtime& runtime, const ModelSpec& spec,
-                                              int sequences, int steps, const LiveTaxels& live = {},
-                                              const Tuning& tuning = {});
+                                              int sequences, int steps,
+                                              const LiveTaxels& live = {});
 
 /// A launch and its device time; on a CPU, CPU seconds of all threads.
 struct MeasuredLaunch {
@@ -45,6 +43,6 @@ struct MeasuredUpdate {
 /// The updates are those of launches_of_update() with a learning rate of 0, so that the weights
 /// stay however often a launch runs. Shows progress on stderr.
 MeasuredUpdate measure_update(Runtime& runtime, const ModelSpec& spec, int sequences, int steps,
-                              const LiveTaxels& live = {}, const Tuning& tuning = {});
+                              const LiveTaxels& live = {});
 
 }  // namespace touchtrace

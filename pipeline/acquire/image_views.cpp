@@ -121,7 +121,12 @@ std::vector<fs::path> images_in_folder(const fs::path& folder) {
 std::vector<fs::path> image_files(const std::vector<std::string>& folders_or_patterns) {
   std::vector<fs::path> files;
   for (const std::string& source : folders_or_patterns) {
-    if (is_tum_folder(source)) return tum_files(source);
+    if (is_tum_folder(source)) {
+      if (folders_or_patterns.size() > 1)
+        throw usage_error(source + " is a TUM RGB-D folder, which cannot be combined with others",
+                          "give it alone, or its images as '" + source + "/rgb/*'");
+      return tum_files(source);
+    }
     auto found = fs::is_directory(source) ? images_in_folder(source) : matches(source);
     if (found.empty())
       throw data_error(

@@ -167,8 +167,9 @@ BoardObservations observe(const CalibrateOptions& o) {
   }
   const CalibrationTarget board = target_of(o);
   if (!o.corners.empty()) return board_views_from_corners(o.corners, board);
-  return is_tum_folder(o.images.front()) ? board_views_from_tum(o.images.front(), board)
-                                         : board_views_from_images(o.images, board);
+  return o.images.size() == 1 && is_tum_folder(o.images.front())
+             ? board_views_from_tum(o.images.front(), board)
+             : board_views_from_images(o.images, board);
 }
 
 Provenance provenance_of(const CalibrateOptions& o, const Invocation& invocation,

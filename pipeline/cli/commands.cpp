@@ -7,9 +7,7 @@ const Program& touchtrace_program() {
       "touchtrace",
       "touchtrace predicts the motion of a hand and its object from a tactile glove. It calibrates "
       "an RGB-D camera, labels its video, and trains and evaluates the model on any OpenCL device.",
-      {{"Set up",
-        {doctor_command(), devices_command(), self_test_command(), tune_command(),
-         generate_command()}},
+      {{"Set up", {doctor_command(), devices_command(), self_test_command(), generate_command()}},
        {"Simulate", {simulate_command(), objects_command(), parameters_command(), send_command()}},
        {"Process",
         {record_command(), recover_command(), glove_command(), import_command(), check_command(),

@@ -33,6 +33,5 @@ Command simulate_command();
 Command smooth_command();
 Command sweep_command();
 Command train_command();
-Command tune_command();
 
 }  // namespace touchtrace::cli

@@ -37,8 +37,10 @@ Finding check_kernel_cache() {
   const char* given = std::getenv("POCL_CACHE_DIR");
   if (given && !*given)
     return {Finding::State::broken, "POCL_CACHE_DIR is empty: PoCL aborts", "unset POCL_CACHE_DIR"};
-  const char* home = std::getenv("HOME");
-  const fs::path cache = given ? fs::path(given) : fs::path(home ? home : "/tmp") / ".cache";
+  const char *home = std::getenv("HOME"), *caches = std::getenv("XDG_CACHE_HOME");
+  const fs::path cache = given    ? fs::path(given)
+                         : caches ? fs::path(caches)
+                                  : fs::path(home ? home : "/tmp") / ".cache";
   const fs::path folder = fs::exists(cache) ? cache : cache.parent_path();
   if (access(folder.c_str(), W_OK) != 0)
     return {

@@ -60,13 +60,11 @@ void require_used(const ImportCommandOptions& options) {
 
 ExitCode run(const ImportCommandOptions& options, const Invocation& invocation) {
   require_used(options);
-  const Stopwatch stopwatch;
   { const OutputFile writable(options.output, invocation.overwrite); }
   auto provenance = start_provenance("touchtrace/recording/2", "import");
   provenance.options = invocation.options;
   for (const auto& file : {options.source, options.import.glove.file})
     if (std::filesystem::is_regular_file(file)) provenance.add_input(file);
-  stopwatch.stop(provenance);
   const auto summary = import_recording(options.source, options.output, options.import, provenance,
                                         invocation.overwrite);
   if (invocation.json)

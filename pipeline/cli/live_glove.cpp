@@ -96,7 +96,6 @@ class LiveGlove {
     rest_.reset();
     prediction_.add(stamp.sequence, arrival_s_, counts_,
                     [this](json row) { emit(std::move(row)); });
-    prediction_.precompute();
   }
 
   /// Row of a frame from which the baseline is learnt.

@@ -2,7 +2,6 @@
 
 #include <set>
 
-#include "engine/train/tuning_file.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/update_table.h"
 #include "pipeline/cli/usable_device.h"
@@ -82,9 +81,8 @@ void show(const study::PlanRequest& request, const PlanOptions& options, const a
 ExitCode run(const PlanOptions& o, const Invocation& invocation) {
   const study::PlanRequest request = request_of(o);
   Runtime runtime(usable_device(invocation.device));
-  const auto tuning = read_tuning(tuning_path(), runtime.device());
   const auto show_of_update = [&](const auto& looked_into) {
-    show(request, o, looked_into(runtime, request.spec, o.sequences, o.steps, request.live, tuning),
+    show(request, o, looked_into(runtime, request.spec, o.sequences, o.steps, request.live),
          invocation.json);
   };
   if (o.measure)

@@ -50,7 +50,7 @@ GloveStream glove_of(const SendOptions& options) {
   const auto index = static_cast<std::size_t>(options.glove - 1);
   if (index >= recording.gloves.size())
     throw data_error(fmt::format("{} has {} gloves", options.recording, recording.gloves.size()),
-                     "choose another with --glove N; the first is 0");
+                     "choose another with --glove N; the first is 1");
   return recording.gloves[index];
 }
 

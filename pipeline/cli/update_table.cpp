@@ -17,12 +17,12 @@ const PlannedLaunch& planned(const MeasuredLaunch& launch) { return launch.plann
 struct LaunchSum {
   std::string kernel;
   Purpose purpose;
-  int launches = 0, tuned = 0;
+  int launches = 0;
   LaunchCost cost{};
   double seconds = 0.0, seconds_in_place = 0.0;
 
   void add(const PlannedLaunch& launch) {
-    ++launches, tuned += launch.tuned ? 1 : 0;
+    ++launches;
     cost.flops += launch.cost.flops, cost.bytes += launch.cost.bytes;
   }
   void add(const MeasuredLaunch& launch) {
@@ -37,7 +37,7 @@ std::vector<LaunchSum> sums_by(const std::vector<SomeLaunch>& launches, KeyOf ke
   std::vector<LaunchSum> sums;
   std::vector<decltype(key_of(planned(launches[0])))> keys;
   for (const auto& launch : launches) {
-    const auto& [kernel, purpose, cost, tuned] = planned(launch);
+    const auto& [kernel, purpose, cost] = planned(launch);
     const auto key = key_of(planned(launch));
     const auto found = static_cast<std::size_t>(std::ranges::find(keys, key) - keys.begin());
     if (found == keys.size()) keys.push_back(key), sums.push_back({kernel, purpose});
@@ -60,7 +60,7 @@ std::string or_dash(double number, int decimals, double unit = 1.0) {
 }
 
 void print_planned_row(const std::string& name, const LaunchSum& sum) {
-  fmt::print("  {:<28} {:>9} {:>6} {:>10} {:>9.1f}\n", name, sum.launches, or_dash(sum.tuned, 0),
+  fmt::print("  {:<28} {:>9} {:>10} {:>9.1f}\n", name, sum.launches,
              or_dash(sum.cost.flops, 2, 1e6), sum.cost.bytes / (1 << 20));
 }
 
@@ -93,14 +93,13 @@ nlohmann::json launch_json(const PlannedLaunch& launch) {
   return {{"kernel", launch.kernel},
           {"purpose", name_of(launch.purpose)},
           {"flops", launch.cost.flops},
-          {"bytes", launch.cost.bytes},
-          {"tuned", launch.tuned}};
+          {"bytes", launch.cost.bytes}};
 }
 
 }  // namespace
 
 void print_update(const std::vector<PlannedLaunch>& launches) {
-  fmt::print("  {:<28} {:>9} {:>6} {:>10} {:>9}\n", "kernel", "launches", "tuned", "MFLOP", "MiB");
+  fmt::print("  {:<28} {:>9} {:>10} {:>9}\n", "kernel", "launches", "MFLOP", "MiB");
   for (const auto& sum :
        sums_by(launches, [](const PlannedLaunch& launch) { return launch.kernel; }))
     print_planned_row(sum.kernel, sum);

@@ -9,7 +9,7 @@ namespace touchtrace::cli {
 
 /// Prints one row per kernel, in the order of first use.
 void print_update(const std::vector<PlannedLaunch>& launches);
-/// {"launches":[{"kernel","purpose","flops","bytes","tuned"}...]}
+/// {"launches":[{"kernel","purpose","flops","bytes"}...]}
 nlohmann::json update_json(const std::vector<PlannedLaunch>& launches);
 
 /// Prints one row per kernel, purpose and cost, one per purpose, and the whole update. Columns:

@@ -70,8 +70,6 @@ void LivePrediction::warm_up() {
   online_.set_state(std::vector<float>(state_size));
   online_.set_object(std::vector<float>(
       has_object ? image_.size() * static_cast<std::size_t>(card_.spec.segment_frames) : 0));
-  online_.precompute();
-  online_.step(image());
   online_.step(image());
 }
 
@@ -81,10 +79,6 @@ void LivePrediction::reset() {
   segment_.clear();
   frames_ = step_ = 0;
   embedding_ = "none";
-}
-
-void LivePrediction::precompute() {
-  if (step_ > 0) online_.precompute();
 }
 
 void LivePrediction::add(std::uint64_t sequence, double time_s,

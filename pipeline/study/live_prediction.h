@@ -64,8 +64,6 @@ class LivePrediction {
            const Emit& emit);
   /// Starts a new clip with the next frame.
   void reset();
-  /// Computes what the next frame's prediction needs of those before it. Optional.
-  void precompute();
 
   /// [rows, cols] pressure of the last frame, 0..1.
   std::span<const float> pressure() const { return pressure_; }

@@ -13,8 +13,8 @@ namespace {
 using nlohmann::json;
 
 /// Options that do not change what a model is.
-constexpr const char* irrelevant_options[] = {"seed",      "output", "resume", "checkpoint_seconds",
-                                              "recording", "labels"};
+constexpr const char* irrelevant_options[] = {
+    "seed", "output", "resume", "checkpoint_seconds", "skip_not_finite", "recording", "labels"};
 
 /// Training options and hashes of the training data.
 json recipe(const LoadedModel& model) {

@@ -8,7 +8,7 @@
 
 namespace touchtrace::study {
 
-/// Model of `train`, `plan` and `tune`.
+/// Model of `train` and `plan`.
 struct ModelOptions {
   bool without_touch = false;
   int window = 10;

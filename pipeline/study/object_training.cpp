@@ -58,11 +58,11 @@ SegmentBatch SegmentSampler::all(int stride) const {
 
 std::vector<Tensor> train_object_encoder(Runtime& runtime, const Dataset& data,
                                          const ModelSpec& spec, const TrainOptions& options,
-                                         const ObjectTraining& how, const Tuning& tuning) {
+                                         const ObjectTraining& how) {
   const SegmentSampler sampler(data, spec.segment_frames, how.segments, options.seed);
   TrainOptions object_options = options;
   object_options.updates = how.updates;
-  ObjectTrainer trainer(runtime, spec, object_options, how.segments, data.tactile, tuning);
+  ObjectTrainer trainer(runtime, spec, object_options, how.segments, data.tactile);
   Progress progress("training the object encoder", static_cast<std::uint64_t>(how.updates));
   while (trainer.updates() < how.updates) {
     const double loss = trainer.update(sampler.batch(trainer.updates()));

@@ -37,10 +37,10 @@ class SegmentSampler {
 };
 
 /// Trains an object encoder on the training clips by the contrastive loss (section IV-B). Returns
-/// the tensors "object.*". `tuning`: as in trainer.h.
+/// the tensors "object.*".
 std::vector<Tensor> train_object_encoder(Runtime& runtime, const Dataset& data,
                                          const ModelSpec& spec, const TrainOptions& options,
-                                         const ObjectTraining& how, const Tuning& tuning);
+                                         const ObjectTraining& how);
 
 /// Computes the embedding of each training object, the mean over all segments of its training
 /// clips.

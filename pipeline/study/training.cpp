@@ -13,7 +13,6 @@
 #include "engine/base/progress.h"
 #include "engine/train/object_embedder.h"
 #include "engine/train/safetensors.h"
-#include "engine/train/tuning_file.h"
 #include "pipeline/study/object_training.h"
 #include "pipeline/study/sampler.h"
 #include "pipeline/study/training_files.h"
@@ -33,7 +32,8 @@ double seconds_since(Clock::time_point start) {
 /// Options and input hashes that a resumed run must share with its checkpoint.
 nlohmann::json identity(const Provenance& provenance) {
   nlohmann::json same{{"options", provenance.options}, {"inputs", nlohmann::json::array()}};
-  for (const char* option : {"resume", "checkpoint_seconds", "recording", "labels", "output"})
+  for (const char* option :
+       {"resume", "checkpoint_seconds", "skip_not_finite", "recording", "labels", "output"})
     same["options"].erase(option);
   for (const auto& input : provenance.inputs) same["inputs"].push_back(input.sha256);
   return same;
@@ -65,15 +65,13 @@ class TrainingRun {
         options_(options),
         lock_(options.output),
         checkpoint_(options.output),
-        tuning_(initial_tuning()),
         card_(std::move(card)),
         sampler_(data, card_.scaling, card_.spec, options.sequences, options.steps,
                  options.optimizer.seed),
         validation_(runtime, data, card_),
         trainer_(runtime, card_.spec, options.optimizer, options.sequences, options.steps,
                  options.model.without_touch ? std::span<const float>()
-                                             : std::span<const float>(data.tactile),
-                 tuning_) {}
+                                             : std::span<const float>(data.tactile)) {}
 
   ModelCard run(bool overwrite) {
     prepare(overwrite);
@@ -83,11 +81,11 @@ class TrainingRun {
       train();
     } catch (const Error& error) {
       if (error.code() == ExitCode::interrupted) stop_interrupted();
-      if (error.code() == ExitCode::no_device && checkpoint_.exists())
+      if (error.code() == ExitCode::failed) save_checkpoint();  // before an update that failed
+      if (checkpoint_.exists())
         throw Error(error.code(), error.what(),
-                    fmt::format("{}; or run the same command with --resume to continue from the "
-                                "checkpoint {}",
-                                error.hint(), checkpoint_.path().string()));
+                    fmt::format("{}; --resume continues from the checkpoint {}", error.hint(),
+                                checkpoint_.path().string()));
       throw;
     }
     return finish(overwrite);
@@ -101,14 +99,6 @@ class TrainingRun {
     throw Error(ExitCode::interrupted,
                 fmt::format("interrupted after {} updates", trainer_.updates()),
                 "run the same command with --resume to continue");
-  }
-
-  /// Tuning of the device; in a resumed run that of its checkpoint, since another one would change
-  /// the last bits.
-  Tuning initial_tuning() const {
-    if (options_.resume && checkpoint_.exists())
-      return Trainer::checkpoint_tuning(checkpoint_.path());
-    return read_tuning(tuning_path(), runtime_.device());
   }
 
   void prepare(bool overwrite) {
@@ -125,8 +115,7 @@ class TrainingRun {
 
   std::vector<Tensor> object_encoder() const {
     if (options_.resume) return object_encoder_of(read_safetensors(checkpoint_.path()));
-    return train_object_encoder(runtime_, data_, card_.spec, options_.optimizer, options_.objects,
-                                tuning_);
+    return train_object_encoder(runtime_, data_, card_.spec, options_.optimizer, options_.objects);
   }
 
   void train() {
@@ -193,7 +182,6 @@ class TrainingRun {
   TrainingOptions options_;
   FileLock lock_;
   Checkpoint checkpoint_;
-  Tuning tuning_;
   ModelCard card_;
   Stopwatch watch_;
   Sampler sampler_;

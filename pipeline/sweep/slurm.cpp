@@ -122,7 +122,7 @@ SweepSummary settled(const std::vector<Cell>& cells) {
 
 std::string job_script(const SlurmArray& array) {
   std::string text = fmt::format(
-      "#!/bin/sh\n#SBATCH --job-name=touchtrace\n#SBATCH --array=1-{}\n#SBATCH --output={}\n",
+      "#!/bin/sh\n#SBATCH --job-name=touchtrace\n#SBATCH --array=1-{}\n#SBATCH --output=\"{}\"\n",
       array.tasks, (array.root / "slurm-%A_%a.log").string());
   for (const auto& option : array.options) text += "#SBATCH " + option + "\n";
   text += "exec " + quoted(fs::read_symlink("/proc/self/exe").string());

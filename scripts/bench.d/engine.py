@@ -80,17 +80,14 @@ def online_figures(options, folder):
     path = os.path.join(folder, "online")
     problem.save(path, weights_of(model))
     peer = best_online(problem, model, options.settings, options.online_count)
-    engine, all_at_once = (EngineOnline(options.engine_step, path, ahead) for ahead in (True, False))
-    sides = (peer, engine, all_at_once)
+    engine = EngineOnline(options.engine_step, path)
+    sides = (peer, engine)
     for side in sides:
         side(options.online_count)
     medians = np.array([[statistics.median(side(options.online_count)) for side in sides]
                         for _ in range(options.rounds)])
-    for number, name in ((1, "from its frame on"), (2, "and the work ahead of its frame")):
-        yield ratio(f"online step {name}, median", peer.name, list(medians[:, 0] / medians[:, number]), 3.0,
-                    seconds=time.time() - start)
-        yield row(f"online step {name}, median, engine", np.median(medians[:, number]), "us")
-    all_at_once.close()
+    yield ratio("online step, median", peer.name, list(medians[:, 0] / medians[:, 1]), 3.0, seconds=time.time() - start)
+    yield row("online step, median, engine", np.median(medians[:, 1]), "us")
     with busy_core():
         times = [np.concatenate([side(options.online_count) for _ in range(options.rounds)]) for side in (engine, peer)]
     yield at_most("online step with a busy core, 99th percentile, engine", np.percentile(times[0], 99), "us", 1000)

@@ -80,13 +80,13 @@ TEST(CommandLine, HelpNamesValuesChoicesAndRequiredOptions) {
 }
 
 TEST(CommandLine, CommandsListOnlyCommonOptionsThatAffectThem) {
-  for (const char* command : {"doctor", "check", "devices", "plan", "self-test", "tune", "objects"})
+  for (const char* command : {"doctor", "check", "devices", "plan", "self-test", "objects"})
     EXPECT_FALSE(contains(run_program(std::string(command) + " --help").output, "--overwrite"))
         << command;
   for (const char* command :
        {"label", "calibrate", "check", "report", "objects", "send", "doctor", "smooth"})
     expect_failure(std::string(command) + " --device 0", 2, "unknown option '--device'");
-  for (const char* command : {"simulate", "train", "evaluate", "devices", "plan", "tune"})
+  for (const char* command : {"simulate", "train", "evaluate", "devices", "plan"})
     EXPECT_TRUE(contains(run_program(std::string(command) + " --help").output, "--device DEVICE"))
         << command;
 }

@@ -35,10 +35,7 @@ struct NoiseRun {
   NoiseRun(Runtime& runtime, bool touch, const TrainOptions& how = options())
       : NoiseRun(runtime, small_spec(touch), how) {}
   NoiseRun(Runtime& runtime, const ModelSpec& model, const TrainOptions& how = options())
-      : NoiseRun(runtime, model, Tuning{}, how) {}
-  NoiseRun(Runtime& runtime, const ModelSpec& model, const Tuning& tuning,
-           const TrainOptions& how = options())
-      : spec(model), trainer(runtime, spec, how, sequences, steps, stream(spec), tuning) {}
+      : spec(model), trainer(runtime, spec, how, sequences, steps, stream(spec)) {}
 
   static TrainOptions options() {
     TrainOptions o;

@@ -93,32 +93,6 @@ TEST_F(TrainerTest, RejectsCheckpointsWithInvalidCounts) {
   }
 }
 
-TEST_F(TrainerTest, ResumesCheckpointsWithTheNamesOfOlderVersions) {
-  Runtime exact(choose_device(""), Accuracy::exact);
-  const auto path = folder_ / "checkpoint";
-  NoiseRun whole(exact, true), resumed(exact, true);
-  whole.train_until(2);
-  whole.trainer.save_checkpoint(path);
-  auto file = read_safetensors(path);
-  auto training = nlohmann::json::parse(file.metadata.at("training"));
-  for (const auto& [key, old_key] : {std::pair{"attempted", "tried"},
-                                     {"skipped", "left_out"},
-                                     {"consecutive_skips", "left_out_in_a_row"}}) {
-    training[old_key] = training.at(key);
-    training.erase(key);
-  }
-  auto& tuning = training.at("tuning");
-  tuning["parts"] = tuning.at("micro_batches");
-  tuning.erase("micro_batches");
-  file.metadata["training"] = training.dump();
-  std::ranges::find(file.tensors, "adam.compensation", &Tensor::name)->name = "adam.lost_digits";
-  write_safetensors(path, file, true);
-  resumed.trainer.load_checkpoint(path);
-  EXPECT_EQ(resumed.trainer.updates(), 2);
-  for (auto* run : {&whole, &resumed}) run->train_until(4);
-  EXPECT_EQ(resumed.weights(folder_ / "a"), whole.weights(folder_ / "b"));
-}
-
 bool contains(const std::string& text, const std::string& word) {
   return text.find(word) != std::string::npos;
 }

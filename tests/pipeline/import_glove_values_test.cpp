@@ -50,6 +50,15 @@ TEST_F(ImportGlove, RecordingOfAMatlabFileIsChosen) {
   expect_counts(glove(options), 300);
 }
 
+TEST_F(ImportGlove, RecordingOfAMatlabFileMayHaveFramesLast) {
+  fs::copy_file(
+      fs::path(TOUCHTRACE_SOURCE_DIR) / "tests" / "data" / "matlab" / "stag_frames_last.mat",
+      folder_ / "last.mat");
+  auto options = with_glove("last.mat");
+  options.glove.layout.stream = "7";
+  expect_counts(glove(options), 300);
+}
+
 TEST_F(ImportGlove, ValuesWithFractionsAreScaledTo16Bits) {
   const auto counts = [&](double low, double high, double baseline) {
     std::string table = "time_s,a,b\n";

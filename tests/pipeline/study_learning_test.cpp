@@ -290,6 +290,30 @@ TEST_F(Learning, DoesNotOverwriteAnExistingModel) {
   EXPECT_EQ(read_file(o.output), "something");
 }
 
+// Without a checkpoint of its own accord: the failure leaves one.
+TEST_F(Learning, ATrainingThatFailedResumesWithSkippedUpdates) {
+  const Dataset data = synthetic_dataset();
+  auto o = options("model", 60);
+  o.optimizer.learning_rate = 1e30;
+  const auto error_of = [&](int skips) -> std::string {
+    o.optimizer.max_consecutive_skips = skips;
+    auto provenance = start_provenance("train", "");
+    provenance.options = {{"updates", 60}, {"skip_not_finite", skips}};
+    try {
+      train_model(*runtime_, data, o, provenance, false);
+    } catch (const Error& error) {
+      return fmt::format("{}; {}", error.what(), error.hint());
+    }
+    return {};
+  };
+  const auto failed = error_of(0);
+  EXPECT_NE(failed.find("not finite"), failed.npos) << failed;
+  EXPECT_NE(failed.find("--resume continues from the checkpoint"), failed.npos) << failed;
+  o.resume = true;
+  const auto resumed = error_of(2);
+  EXPECT_NE(resumed.find("not finite"), resumed.npos) << resumed;
+}
+
 TEST_F(Learning, RejectsResumingWithoutACheckpoint) {
   auto o = options("none", 1);
   o.resume = true;

@@ -208,6 +208,7 @@ GloveOptions glove_options(const ImportOptions& options) {
 /// Recording of a glove without a camera.
 nlohmann::json import_glove_alone(const fs::path& output, const ImportOptions& options,
                                   const Provenance& provenance, bool overwrite) {
+  const Stopwatch stopwatch;
   auto [glove, epoch_unix_s] = import_glove(glove_options(options));
   const RecordedTime time =
       since_start({glove.host_time_s.front(), glove.host_time_s.back() + 1.0 / glove.info.rate_hz},
@@ -220,6 +221,7 @@ nlohmann::json import_glove_alone(const fs::path& output, const ImportOptions& o
   move_to_clock(glove, time, options.glove.offset_s);
   if (options.clips.empty()) recording.clips = clips_between_pauses(glove, options.object);
   recording.gloves.push_back(std::move(glove));
+  stopwatch.stop(recording.provenance);
   RecordingWriter(output, recording.camera, overwrite).finish(recording);
   return with_glove({{"clips", recording.clips.size()}}, recording);
 }
@@ -231,6 +233,7 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
                                 bool overwrite) {
   require_consistent(options);
   if (path.empty()) return import_glove_alone(output, options, provenance, overwrite);
+  const Stopwatch stopwatch;
   ImportSource source = open_source(path, options.source);
   for (auto& image : source.depth.images) image.host_time_s += options.camera.depth_offset_s;
   require_different_times(source.color, "colour"), require_different_times(source.depth, "depth");
@@ -261,6 +264,7 @@ nlohmann::json import_recording(const fs::path& path, const fs::path& output,
   append_masks(writer, masks, options.mask_ids, color, camera.color.size);
   recording.color_times = color.times();
   recording.camera_times = depth.copied().empty() ? recording.color_times : depth.times();
+  stopwatch.stop(recording.provenance);
   writer.finish(recording);
   return with_glove(summarize(recording, color, depth), recording);
 }

@@ -140,7 +140,8 @@ bool is_grey(const cv::Mat& mask) {
 
 /// 255 where a body is.
 cv::Mat read_body(const fs::path& file, const cv::Size& size) {
-  const cv::Mat mask = decode_image(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  const cv::Mat mask = decode_image(
+      file, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
   if (mask.empty()) throw std::runtime_error("not a readable image");
   require_size(mask, size);
   double most = 0.0;

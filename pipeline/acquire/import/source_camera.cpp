@@ -79,7 +79,7 @@ void warn_of_depth_delay(const ImportSource& source, double offset_s) {
   if (!delay) return;
   Progress::warn(
       fmt::format("depth images show what moves {:.3f} s {} than colour images of the same time; "
-                  "--depth-offset {:.3f} corrects it",
+                  "`touchtrace import --depth-offset {:.3f}` corrects it",
                   std::abs(delay->seconds), delay->seconds > 0.0 ? "later" : "earlier",
                   offset_s - delay->seconds));
 }

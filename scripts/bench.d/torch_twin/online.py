@@ -53,11 +53,8 @@ class TorchOnline:
 
 
 class EngineOnline:
-    """With `ahead` it has done, before a step is timed, what that step needs of the frames before its own."""
-
-    def __init__(self, engine_step, path, ahead):
-        self.process = subprocess.Popen([engine_step, path, "online", *(["ahead"] if ahead else [])], text=True, stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE)
+    def __init__(self, engine_step, path):
+        self.process = subprocess.Popen([engine_step, path, "online"], text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def __call__(self, count):
         print(count, file=self.process.stdin, flush=True)

@@ -8,10 +8,10 @@
 //   engine_step PROBLEM time [OUT]
 //     For each number N read from stdin: N updates, then a line "WALL CPU" of milliseconds per
 //     update. Writes the weights to OUT each time.
-//   engine_step PROBLEM online [ahead]
-//     For each number N read from stdin: N steps of OnlinePredictor (ahead: with precompute()),
-//     each from the first initial state; the last one's frame is the first of first_frame. Prints
-//     the microseconds of each step, then the last state and spread.
+//   engine_step PROBLEM online
+//     For each number N read from stdin: N steps of OnlinePredictor, each from the first initial
+//     state; the last one's frame is the first of first_frame. Prints the microseconds of each
+//     step, then the last state and spread.
 //
 // Uses the device named by ENGINE_STEP_DEVICE, as with --device; `online` ignores it.
 #include <fmt/core.h>
@@ -88,7 +88,7 @@ std::span<const float> frame(const Problem& p, int number) {
   return std::span(p.stream).subspan(std::size_t(number) * size, size);
 }
 
-void time_online(const std::string& path, const Problem& p, bool ahead) {
+void time_online(const std::string& path, const Problem& p) {
   Runtime runtime(choose_device_for_small_steps());
   OnlinePredictor predictor(runtime, path);
   const auto initial = std::span(p.batches.at(0).initial_state).first(std::size_t(p.spec.state));
@@ -98,7 +98,6 @@ void time_online(const std::string& path, const Problem& p, bool ahead) {
     OnlinePredictor::Step result;
     for (int i = 1; i <= steps; ++i) {
       predictor.set_state(initial);
-      if (ahead) predictor.precompute();
       const auto now = frame(p, (last + steps / frames * frames + frames - steps + i) % frames);
       const Stopwatch stopwatch;
       result = predictor.step(now);
@@ -114,7 +113,7 @@ void run(const std::vector<std::string>& arguments) {
   const auto& path = arguments.at(0);
   const auto problem = testing::read_problem(path);
   const auto& mode = arguments.at(1);
-  if (mode == "online") return time_online(path, problem, arguments.size() > 2);
+  if (mode == "online") return time_online(path, problem);
   const char* device = std::getenv("ENGINE_STEP_DEVICE");
   Runtime runtime(choose_device(device ? device : ""));
   if (mode == "gradient") write_gradient(runtime, problem, arguments.at(2));

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -34,17 +35,16 @@ std::string chosen_recording(const NumpyArray& recording_of_frame, const std::st
                   recording_name, text_of(*recordings.begin()), text_of(*recordings.rbegin())));
 }
 
-/// The frames with these indices of an array of `frames` frames.
+/// The frames with these indices, along the first axis, of an array that has an axis of `frames`.
 NumpyArray select_frames(const NumpyArray& array, std::size_t frames,
                          const std::vector<std::size_t>& indices) {
-  NumpyArray selected{array.shape, array.type, {}, array.per_second};
-  const std::size_t bytes = array.data.size() / frames;
-  for (const std::size_t i : indices) selected.data.append(array.data, i * bytes, bytes);
-  for (auto& size : selected.shape)
-    if (size == frames) {
-      size = indices.size();
-      break;
-    }
+  const auto axis = std::ranges::find(array.shape, frames);
+  if (frames == 0 || axis == array.shape.end()) return array;
+  const auto stored = moved_to_front(array, static_cast<std::size_t>(axis - array.shape.begin()));
+  NumpyArray selected{stored.shape, stored.type, {}, stored.per_second};
+  selected.shape[0] = indices.size();
+  const std::size_t bytes = stored.data.size() / frames;
+  for (const std::size_t i : indices) selected.data.append(stored.data, i * bytes, bytes);
   return selected;
 }
 
@@ -60,9 +60,7 @@ Arrays select_recording(Arrays arrays, const std::string& chosen,
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < frames; ++i)
     if (text_of(recording_of_frame.at(i)) == recording) indices.push_back(i);
-  for (auto& [name, array] : arrays)
-    if (array.size() > 0 && array.size() % frames == 0)
-      array = select_frames(array, frames, indices);
+  for (auto& [name, array] : arrays) array = select_frames(array, frames, indices);
   return arrays;
 }
 

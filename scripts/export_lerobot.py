@@ -221,7 +221,8 @@ class DatasetWriter:
             "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0})
         self.frames += count
 
-    def close(self):
+    def close(self, own):
+        """own: attributes of the recording, for import_lerobot.py."""
         if self.file is None:
             fail("no clip has glove frames", "run `touchtrace check` on the recording")
         self.file.close()
@@ -233,7 +234,8 @@ class DatasetWriter:
                 "total_frames": self.frames, "total_tasks": len(self.tasks), "chunks_size": 1000,
                 "data_files_size_in_mb": 100, "video_files_size_in_mb": 200,
                 "splits": {"train": f"0:{len(self.episodes)}"}, "video_path": None,
-                "data_path": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet", "features": self.features}
+                "data_path": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet", "features": self.features,
+                "touchtrace": own}
         (self.folder / "meta/info.json").write_text(json.dumps(info, indent=1))
         statistics = {name: values.json() for name, values in self.statistics.items() if values.count}
         (self.folder / "meta/stats.json").write_text(json.dumps(statistics))
@@ -259,6 +261,7 @@ def export(options, recording, labels):
     if labels is not None and not np.array_equal(labels["clips/start_s"], [start_s for start_s, *_ in clips_of(recording)]):
         fail(f"{options.labels} has other clips than {options.recording}", "give the labels of this recording")
     writer = DatasetWriter(options.dataset, whole_rate(recording, options))
+    activity = plain(recording.attrs.get("activity", ""))
     for clip, sequence, rows in rows_of_clips(recording, labels):
         columns = touch_columns(recording["glove0"], sequence)
         if labels is not None:
@@ -266,10 +269,10 @@ def export(options, recording, labels):
         if options.images:
             arrived = ~columns[LOST]
             columns |= image_columns(recording, np.interp(sequence, sequence[arrived], columns[TIME][arrived]))
-        task = f"{plain(recording.attrs.get('activity', ''))} {clips_of(recording)[clip][2]}".strip()
+        task = f"{activity} {clips_of(recording)[clip][2]}".strip()
         writer.add(task, columns, recording)
         print(f"clip {clip}: {len(sequence)} frames", file=sys.stderr)
-    writer.close()
+    writer.close({"activity": activity} | {key: float(recording.attrs[key]) for key in ["epoch_unix_s"] if key in recording.attrs})
     print(f"written: {options.dataset}", file=sys.stderr)
 
 

@@ -164,14 +164,15 @@ def write_images(file, stream, dataset, name, frames):
 
 def write_recording(file, dataset, tactile, streams):
     frames = Frames(dataset, tactile == TACTILE and TIME in dataset.features)
-    file.attrs["schema"] = "touchtrace/recording/2"
+    own = dataset.info.get("touchtrace", {})
+    file.attrs.update({"schema": "touchtrace/recording/2"} | own)
     write_glove(file, dataset, tactile, frames)
     for stream, name in streams.items():
         write_images(file, stream, dataset, name, frames)
     clips = frames.clips(len(dataset.episodes))
     file["clips/start_s"] = [frames.time_s[rows[0]] for rows in clips]
     file["clips/end_s"] = [frames.time_s[rows[-1]] + 0.5 / dataset.fps for rows in clips]
-    file["clips/object"] = [episode["tasks"][0] for episode in dataset.episodes]
+    file["clips/object"] = [episode["tasks"][0].removeprefix(own.get("activity", "") + " ") for episode in dataset.episodes]
 
 
 def main():

@@ -1,19 +1,23 @@
 #!/usr/bin/env python3
 """Writes labels for touchtrace from states that another program measured, such as motion capture.
 
-usage: write_labels.py RECORDING.h5 OUTPUT.labels.h5 HAND.csv OBJECT.csv    states of `touchtrace smooth`, times on the recording's clock
-       write_labels.py RECORDING.h5 OUTPUT.labels.h5                        a hand and an object at rest
+usage: write_labels.py [--overwrite] RECORDING.h5 OUTPUT.labels.h5 HAND.csv OBJECT.csv    states of `touchtrace smooth`
+       write_labels.py [--overwrite] RECORDING.h5 OUTPUT.labels.h5                        a hand and an object at rest
 
 Import write_labels() to write states of your own. pipeline/recording/README.md lists everything that labels may contain.
-The clock of a recording of `import` starts at 0; its attribute epoch_unix_s, if there is one, is the Unix time of that.
+Times are on the recording's clock. That of `import` starts at 0; its attribute epoch_unix_s, if there is one, is the Unix time of
+that, and Unix times of tracks are converted by it.
 """
 
+import os
 import sys
 
 import h5py
 import numpy as np
 
 AXES = "xyz"
+max_gap_rows = 3.0  # interpolation over more rows is wrong by more than the rows' covariance
+max_sigma_m = 0.1   # of a position, RMS over the axes
 
 
 def frame_numbers(glove):
@@ -69,19 +73,33 @@ def write_labels(path, recording, hand, object):
             file[f"raw/{name}"] = np.zeros(shape, int if name == "clip" else float)
 
 
-def smoothed(file):
-    """States of a CSV file of `touchtrace smooth`, interpolated; not visible before the first and after the last row."""
+def smoothed(file, epoch_unix_s=0.0):
+    """States of a CSV file of `touchtrace smooth`, interpolated. Unix times become seconds since `epoch_unix_s`.
+
+    Not visible: before the first and after the last row, where the bracketing rows are further apart than max_gap_rows
+    usual intervals, and where the position is not known to max_sigma_m, as in the gaps of a file of `smooth --rate`.
+    """
     table = np.genfromtxt(file, delimiter=",", names=True)
     names = [*AXES, *(f"v{axis}" for axis in AXES)]
+    if "cov_vz_vz" not in (table.dtype.names or ()):
+        sys.exit(f"{file} is not a track of `touchtrace smooth`")
+    rows_s = np.atleast_1d(table["time_s"]) - (epoch_unix_s if np.max(table["time_s"]) > 1e6 else 0.0)
 
     def states(time_s):
         def columns(pattern):
-            return np.stack([np.interp(time_s, table["time_s"], table[pattern.format(axis)]) for axis in AXES], axis=1)
+            return np.stack([np.interp(time_s, rows_s, table[pattern.format(axis)]) for axis in AXES], axis=1)
         covariance = np.empty((len(time_s), 6, 6))
         for i, first in enumerate(names):
             for j, second in enumerate(names[i:], i):
-                covariance[:, i, j] = covariance[:, j, i] = np.interp(time_s, table["time_s"], table[f"cov_{first}_{second}"])
-        visible = (time_s >= table["time_s"][0]) & (time_s <= table["time_s"][-1])
+                covariance[:, i, j] = covariance[:, j, i] = np.interp(time_s, rows_s, table[f"cov_{first}_{second}"])
+        after = np.clip(np.searchsorted(rows_s, time_s), 1, max(1, len(rows_s) - 1))
+        gap_s = rows_s[after] - rows_s[after - 1] if len(rows_s) > 1 else np.full(len(time_s), np.inf)
+        visible = (time_s >= rows_s[0]) & (time_s <= rows_s[-1]) & (gap_s <= max_gap_rows * np.median(np.diff(rows_s)))
+        visible &= np.sqrt(np.trace(covariance[:, :3, :3], axis1=1, axis2=2) / 3) <= max_sigma_m
+        if not np.any(visible):
+            sys.exit(f"no frame of the glove is within the times of {file}: {rows_s[0]:.3f} to {rows_s[-1]:.3f} s; "
+                     f"the glove's are {time_s[0]:.3f} to {time_s[-1]:.3f} s. Times are on the recording's clock, or Unix times if "
+                     "the recording has an epoch_unix_s")
         return (columns("{}_m"), columns("v{}_m_per_s"), columns("causal_{}_m"), columns("causal_v{}_m_per_s"), covariance, visible)
     return states
 
@@ -94,8 +112,30 @@ def at_rest(x):
     return states
 
 
-if __name__ == "__main__":
-    if len(sys.argv) not in (3, 5):
+def main(arguments):
+    overwrite = "--overwrite" in arguments
+    files = [argument for argument in arguments if argument != "--overwrite"]
+    if len(files) not in (2, 4):
         sys.exit(__doc__.split("\n\n")[1])
-    bodies = [smoothed(file) for file in sys.argv[3:]] or [at_rest(0.0), at_rest(0.1)]
-    write_labels(sys.argv[2], sys.argv[1], *bodies)
+    recording, output, *tracks = files
+    if not h5py.is_hdf5(recording):
+        sys.exit(f"{recording} is not an HDF5 file")
+    with h5py.File(recording) as source:
+        if "glove0" not in source or "clips" not in source:
+            sys.exit(f"{recording} is not a recording with a glove and clips")
+        is_unix = len(source["glove0/host_time_s"]) and source["glove0/host_time_s"][0] > 1e6
+        epoch_unix_s = 0.0 if is_unix else float(source.attrs.get("epoch_unix_s", 0.0))
+    if os.path.exists(output) and not overwrite:
+        sys.exit(f"{output} exists: give another name, or --overwrite")
+    bodies = [smoothed(file, epoch_unix_s) for file in tracks] or [at_rest(0.0), at_rest(0.1)]
+    part = output + ".part"
+    try:
+        write_labels(part, recording, *bodies)
+        os.replace(part, output)
+    finally:
+        if os.path.exists(part):
+            os.remove(part)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

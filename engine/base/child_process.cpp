@@ -63,6 +63,9 @@ class FileActions {
   void discard(int file) {
     posix_spawn_file_actions_addopen(&actions_, file, "/dev/null", O_WRONLY, 0);
   }
+  /// Closes all but standard input and outputs. HDF5's files are inherited otherwise, and stay
+  /// locked as long as the process or one that it starts runs.
+  void close_others() { posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1); }
   const posix_spawn_file_actions_t* get() const { return &actions_; }
 
  private:
@@ -71,7 +74,8 @@ class FileActions {
 
 /// Starts this executable. Returns 0 or an errno value.
 int spawn_self(pid_t& process, std::vector<std::string> arguments,
-               const std::map<std::string, std::string>& changes, const FileActions& actions) {
+               const std::map<std::string, std::string>& changes, FileActions& actions) {
+  actions.close_others();
   arguments.insert(arguments.begin(), this_program);
   auto environment = environment_with(changes);
   return posix_spawn(&process, this_program, actions.get(), nullptr, pointers(arguments).data(),

@@ -48,6 +48,7 @@ class Descriptor {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);
   dup2(input, STDIN_FILENO), dup2(output, STDOUT_FILENO), dup2(log, STDERR_FILENO);
+  close_range(STDERR_FILENO + 1, ~0U, 0);
   execv(this_program, arguments);
   _exit(127);
 }

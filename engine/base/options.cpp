@@ -171,8 +171,7 @@ std::vector<std::string> OptionSet::names() const {
 nlohmann::json OptionSet::values() const {
   nlohmann::json values = nlohmann::json::object();
   for (const auto& option : options_)
-    if (!option.help.empty())
-      std::visit([&](const auto* target) { values[option.key()] = *target; }, option.target);
+    std::visit([&](const auto* target) { values[option.key()] = *target; }, option.target);
   return values;
 }
 

@@ -15,7 +15,7 @@ struct Option {
 
   std::string name;  ///< "learning-rate": flag --learning-rate, TOML key learning_rate
   Target target;
-  std::string help;                  ///< with the unit; empty: a former name, accepted, not listed
+  std::string help;                  ///< with the unit
   double minimum, maximum;           ///< inclusive range of a number
   std::vector<std::string> choices;  ///< allowed texts; empty: any
   bool required = false;             ///< must not be empty

@@ -101,6 +101,7 @@ void read_values(std::vector<std::pair<Tensor, Range>>& rows, std::string_view d
 TensorFile parse(std::string_view bytes) {
   std::uint64_t header_bytes = 0;
   if (bytes.size() < length_bytes) reject("file is too short");
+  if (bytes.starts_with("\x89HDF")) reject("it is an HDF5 file, such as a recording or labels");
   std::memcpy(&header_bytes, bytes.data(), length_bytes);
   if (header_bytes > std::min(bytes.size() - length_bytes, max_header_bytes))
     reject("header exceeds the file");

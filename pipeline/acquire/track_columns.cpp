@@ -107,10 +107,12 @@ std::optional<std::array<TableColumn, 3>> find_body(const TextTable& table, cons
 TrackColumns find_columns(const TextTable& table, const Names& names, const TrackOptions& options,
                           Names& missing) {
   TrackColumns columns;
-  if (options.rate_hz == 0.0) {
-    columns.time = find_column(table, names, {"time", "t", "timestamp"}, time_units());
-    if (!columns.time) missing.emplace_back("time");
-  }
+  columns.time = find_column(table, names, {"time", "t", "timestamp"}, time_units());
+  if (!columns.time && options.rate_hz == 0.0) missing.emplace_back("time");
+  if (columns.time && options.rate_hz > 0.0)
+    throw usage_error(fmt::format("{} has the times '{}', which --input-rate would replace",
+                                  table.file().string(), columns.time->label),
+                      "leave out --input-rate, or rename the column");
   columns.sigma = find_sigmas(table, names);
   std::array<std::optional<TableColumn>, 3> position;
   if (options.x_column.empty())

@@ -119,7 +119,7 @@ class Parser {
     for (const Option& option : options_) {
       if (option.positional) continue;
       if (option.label() == label) return option;
-      if (!option.help.empty()) labels.push_back(option.label());
+      labels.push_back(option.label());
     }
     // A prefix counts without its dashes: "-act" and "--act" both mean "--activity".
     const std::string long_flag = flag.starts_with("--") ? flag : "-" + flag;

@@ -35,7 +35,6 @@ struct Command {
   std::function<void(OptionSet&)> describe;
   std::function<ExitCode(const Invocation&)> run;
   CommonOptions common = {};
-  std::vector<std::string> former_names = {};  ///< accepted, not listed
 };
 
 /// Command whose options are a struct `Options` with a function `describe(OptionSet&, Options&)`.

@@ -47,8 +47,7 @@ void require_given(const std::vector<Option>& options, const std::string& usage,
 const Command& find_command(const Program& program, const std::string& name) {
   for (const auto& group : program.groups)
     for (const auto& command : group.commands)
-      if (command.name == name || std::ranges::count(command.former_names, name) > 0)
-        return command;
+      if (command.name == name) return command;
   if (const auto moved = program.moved.find(name); moved != program.moved.end())
     throw usage_error(fmt::format("'{}' moved to {}", name, moved->second.place),
                       moved->second.hint);

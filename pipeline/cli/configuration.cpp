@@ -61,7 +61,7 @@ const Option* find_option(const std::string& command, std::string_view key,
   for (const Option& option : options) {
     if (option.name == "config" || option.name == "help") continue;
     if (option.key() == key) return &option;
-    if (!option.help.empty()) keys.push_back(option.key());
+    keys.push_back(option.key());
   }
   faults.add(fmt::format("unknown key '{}' in [{}]{}", key, command, did_you_mean(key, keys)),
              "keys: " + comma_separated(keys));

@@ -28,11 +28,8 @@ struct Described {
 std::vector<Described> describe_all(const Program& program, CommonValues& values) {
   std::vector<Described> all;
   for (const auto& group : program.groups)
-    for (const auto& command : group.commands) {
-      auto options = describe_options(command, values).all;
-      std::erase_if(options, [](const Option& option) { return option.help.empty(); });
-      all.push_back({&command, std::move(options)});
-    }
+    for (const auto& command : group.commands)
+      all.push_back({&command, describe_options(command, values).all});
   return all;
 }
 

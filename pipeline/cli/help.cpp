@@ -57,7 +57,6 @@ std::string options_text(const std::vector<Option>& options) {
       width = std::max(width, size);
   std::string text, group;
   for (const Option& option : options) {
-    if (option.help.empty()) continue;
     if (option.group != group) text += (group = option.group) + ":\n";
     text += row(signature(option), description(option), width);
   }

@@ -25,7 +25,7 @@ struct CommandOptions {
 /// Resets and describes the options of a command. `values` must outlive them.
 CommandOptions describe_options(const Command& command, CommonValues& values);
 
-/// Command by its name or a former one. Throws usage_error.
+/// Command by its name. Throws usage_error.
 const Command& find_command(const Program& program, const std::string& name);
 
 /// Sets the options of a command from its arguments and checks them. Throws usage_error.

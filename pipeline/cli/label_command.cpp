@@ -9,13 +9,12 @@
 #include "pipeline/label/camera_calibration.h"
 #include "pipeline/label/label.h"
 #include "pipeline/label/preview/preview.h"
-#include "pipeline/recording/tum_trajectory.h"
 
 namespace touchtrace::cli {
 namespace {
 
 struct LabelCommandOptions {
-  std::string recording, calibration, output, trajectories, preview;
+  std::string recording, calibration, output, preview;
   label::LabelOptions label;
 };
 
@@ -26,8 +25,6 @@ void describe(OptionSet& set, LabelCommandOptions& o) {
            "kalibr YAML, a 3x3 matrix; default: the camera's intrinsics in the recording")
       .value("PATH");
   set.path("output", o.output, "labels (.h5)").value("FILE");
-  set.text("trajectories", o.trajectories, "also write TUM files hand.txt, object.txt")
-      .value("DIR");
   set.text("preview", o.preview, "also write a video of the labels on the images, .mp4 or .avi")
       .value("VIDEO");
   label::describe(set, o.label);
@@ -69,9 +66,6 @@ void warn_of_problems(const Labels& labels) {
 void require_writable(const LabelCommandOptions& options, bool overwrite) {
   const OutputFile labels(options.output, overwrite);
   if (!options.preview.empty()) label::require_preview_path(options.preview, overwrite);
-  if (options.trajectories.empty()) return;
-  for (const auto& path : tum_trajectory_files(options.trajectories))
-    const OutputFile file(path, overwrite);
 }
 
 ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
@@ -104,9 +98,6 @@ ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
   stopwatch.stop(provenance);
   labels.provenance = std::move(provenance);
   write_labels(options.output, labels, invocation.overwrite);
-  if (!options.trajectories.empty())
-    write_tum_trajectories(options.trajectories, labels, reader.recording().epoch_unix_s,
-                           invocation.overwrite);
   write_preview(labels);
   if (invocation.json)
     fmt::print("{}\n", labels.summary.dump(2));
@@ -123,7 +114,6 @@ Command label_command() {
       {"touchtrace label wave.h5 --calibration camera --output labels.h5",
        "touchtrace label wave.h5 --calibration camera --output labels.h5 --tracker component "
        "--json",
-       "touchtrace label wave.h5 --calibration camera --output labels.h5 --trajectories tum",
        "touchtrace label wave.h5 --calibration camera --output labels.h5 --preview wave.mp4"},
       run, {.overwrite = true, .quiet = true});
 }

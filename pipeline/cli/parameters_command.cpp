@@ -9,13 +9,12 @@ namespace {
 using scene::Parameter;
 
 struct ParametersOptions {
-  std::vector<std::string> settings, former_settings;
+  std::vector<std::string> settings;
   bool markdown = false;
 };
 
 void describe(OptionSet& set, ParametersOptions& o) {
   set.texts("set", o.settings, "print these values instead of the defaults").value("NAME=VALUE");
-  set.texts("assume", o.former_settings, "");  // former name of --set
   set.flag("markdown", o.markdown, "print the tables of pipeline/scene/PARAMETERS.md");
 }
 
@@ -44,9 +43,7 @@ void print_rows(const scene::SceneParameters& parameters) {
 }
 
 ExitCode run(const ParametersOptions& options, const Invocation& invocation) {
-  std::vector<std::string> settings = options.settings;
-  settings.insert(settings.end(), options.former_settings.begin(), options.former_settings.end());
-  const scene::SceneParameters parameters = scene::parse_parameters(settings);
+  const scene::SceneParameters parameters = scene::parse_parameters(options.settings);
   if (invocation.json) {
     nlohmann::json rows = nlohmann::json::array();
     for (const Parameter& row : scene::parameter_registry())
@@ -63,11 +60,9 @@ ExitCode run(const ParametersOptions& options, const Invocation& invocation) {
 }  // namespace
 
 Command parameters_command() {
-  Command command = make_command<ParametersOptions>(
+  return make_command<ParametersOptions>(
       "parameters", "list the parameters of the simulated scenes with their sources",
       {"touchtrace parameters", "touchtrace parameters --set glove-cross-talk=0.024 --json"}, run);
-  command.former_names = {"assumptions"};
-  return command;
 }
 
 }  // namespace touchtrace::cli

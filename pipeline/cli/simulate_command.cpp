@@ -28,7 +28,7 @@ namespace {
 struct SimulateOptions {
   scene::SceneOptions scene;
   std::string output, object, dataset, glove_model = "default";
-  std::vector<std::string> settings, former_settings;
+  std::vector<std::string> settings;
   double share = 1.0;
   label::LabelOptions labelling;
   bool no_images = false, images = false, label = false, resume = false;
@@ -72,7 +72,6 @@ void describe(OptionSet& set, SimulateOptions& o) {
            "inertial unit on the back of the hand: specific force, angular velocity, orientation");
   set.texts("set", o.settings, "scene parameters (see `touchtrace parameters`)")
       .value("NAME=VALUE");
-  set.texts("assume", o.former_settings, "");  // former name of --set
   set.text("dataset", o.dataset,
            "paper: folder of recordings with the activities, objects and frame counts of the "
            "paper's table, without images unless --images or --label")
@@ -136,7 +135,6 @@ Provenance make_provenance(const scene::SceneOptions& scene, const Invocation& i
   provenance.options["seed"] = scene.seed;
   provenance.options["parameters"] = scene::parameters_json(scene.parameters);
   provenance.options.erase("set");
-  provenance.options.erase("assume");
   provenance.seed = scene.seed;
   provenance.device = device;
   return provenance;
@@ -177,19 +175,10 @@ std::vector<Job> make_jobs(const SimulateOptions& options, const Invocation& inv
   return jobs;
 }
 
-/// Recordings up to schema 1 of this program hold the parameters as "assume", by former names.
-void update_parameter_names(nlohmann::json& options) {
-  if (!options.contains("assume")) return;
-  for (const auto& [name, value] : options["assume"].items())
-    options["parameters"][scene::current_parameter_name(name)] = value;
-  options.erase("assume");
-}
-
 /// Everything that determines a recording's content.
 nlohmann::json origin(const Provenance& provenance) {
   nlohmann::json json{{"options", provenance.options}, {"version", provenance.version}};
   for (const char* irrelevant : {"resume", "output"}) json["options"].erase(irrelevant);
-  update_parameter_names(json["options"]);
   for (const auto& input : provenance.inputs) json["inputs"].push_back(input.sha256);
   return json;
 }
@@ -240,8 +229,6 @@ std::optional<scene::SimulationSummary> try_job(const Job& job, const SimulateOp
 
 ExitCode run(const SimulateOptions& given, const Invocation& invocation) {
   SimulateOptions options = given;
-  options.settings.insert(options.settings.end(), given.former_settings.begin(),
-                          given.former_settings.end());
   const auto& glove = find_named(scene::glove_models(), "glove model", options.glove_model);
   options.settings.insert(options.settings.begin(), glove.settings.begin(), glove.settings.end());
   options.scene.parameters = scene::parse_parameters(options.settings);

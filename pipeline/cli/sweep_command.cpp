@@ -111,6 +111,8 @@ ExitCode run(const SweepOptions& given, const Invocation& invocation) {
   if (options.launcher != "slurm" && (options.tasks != 1 || !options.sbatch.empty()))
     throw usage_error("--tasks and --sbatch need --launcher slurm",
                       "give --launcher slurm, or --jobs N for parallel cells on this machine");
+  if (std::filesystem::is_regular_file(options.output))
+    throw usage_error(fmt::format("--output: {} is a file", options.output), "give a folder");
   const auto commands = command_table();
   const auto cells = sweep::expand(sweep::read_study(options.study, options.changes, commands),
                                    commands, options.output);

@@ -12,7 +12,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t digits = 16, stretch_frames = 10, max_stretches = 8;
+constexpr std::size_t digits = 16, stretch_frames = 10;
 /// Minimum number of different frames in a stretch. At rest a glove may send equal frames, or the
 /// four of two taxels that flicker, everywhere.
 constexpr std::size_t min_different_frames = 5;
@@ -26,18 +26,21 @@ std::string bytes_of(std::span<const T> values) {
 
 std::string short_hash(const std::string& bytes) { return sha256_of(bytes).substr(0, digits); }
 
+/// One in eight.
+bool is_kept(const std::string& hash) { return hash.front() < '2'; }
+
 std::set<std::string> stretch_hashes(std::span<const std::uint16_t> counts, std::size_t taxels) {
   std::vector<std::string> frames;
   for (std::size_t at = 0; at < counts.size(); at += taxels)
     frames.push_back(short_hash(bytes_of(counts.subspan(at, taxels))));
-  std::set<std::string> smallest;
+  std::set<std::string> kept;
   for (std::size_t i = 0; i + stretch_frames <= frames.size(); ++i) {
     const auto stretch = std::span(frames).subspan(i, stretch_frames);
     if (std::set(stretch.begin(), stretch.end()).size() < min_different_frames) continue;
-    smallest.insert(short_hash(fmt::format("{}", fmt::join(stretch, ""))));
-    if (smallest.size() > max_stretches) smallest.erase(std::prev(smallest.end()));
+    if (auto hash = short_hash(fmt::format("{}", fmt::join(stretch, ""))); is_kept(hash))
+      kept.insert(std::move(hash));
   }
-  return smallest;
+  return kept;
 }
 
 }  // namespace

@@ -8,9 +8,10 @@
 namespace touchtrace {
 
 /// Hashes of a clip's touch, independent of file, boxes and labels: first that of all counts and
-/// times, then those of up to 8 stretches of 10 frames, without their times. The stretches with the
-/// smallest hashes are taken (Broder, On the resemblance and containment of documents, 1997), so
-/// that a shifted or trimmed copy has most of them.
+/// times, then those of stretches of 10 frames, without their times. One stretch in eight is kept,
+/// chosen by its hash (Broder, On the resemblance and containment of documents, 1997, "modulo m"),
+/// so that an excerpt keeps the same ones as the whole: of 60 frames it has fewer than two with a
+/// probability of 1 %.
 std::vector<std::string> clip_fingerprints(const GloveStream& glove, const Clip& clip);
 
 /// Whether `fingerprints` contain the hash of a whole known clip, or two known stretches. `known`:

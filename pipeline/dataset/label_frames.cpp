@@ -51,6 +51,7 @@ std::string time_fault(const Labels& labels, const Recording& recording, std::si
 
 std::string label_frame_fault(const Labels& labels, const Recording& recording) {
   if (const auto fault = clip_fault(labels, recording); !fault.empty()) return fault;
+  if (recording.gloves.empty()) return {};
   const auto& sequence = recording.gloves.front().sequence;
   constexpr auto none = std::numeric_limits<std::size_t>::max();
   std::size_t previous = none;  // label with a glove frame in the same clip

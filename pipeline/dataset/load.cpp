@@ -27,7 +27,7 @@ constexpr double max_rate_difference = 0.01;
 [[noreturn]] void reject(const LabelledRecording& source, const std::string& fault) {
   throw data_error(fmt::format("{} does not match {}: {}", source.labels.string(),
                                source.recording.string(), fault),
-                   "give for each recording the labels that `touchtrace label` made from it");
+                   "give for each recording the labels that were made of it");
 }
 
 State state_of(const std::vector<double>& object_m, const std::vector<double>& object_m_per_s,

@@ -5,7 +5,10 @@
 
 #include "engine/base/error.h"
 #include "engine/base/text.h"
+#include "pipeline/dataset/label_frames.h"
 #include "pipeline/export/export.h"
+#include "pipeline/export/predictions.h"
+#include "pipeline/recording/recording_file.h"
 
 namespace touchtrace {
 namespace {
@@ -80,6 +83,36 @@ void require_effect(const ExportFormat& format, const ExportRequest& request) {
     throw usage_error("--images needs a recording", "give --recording FILE");
 }
 
+/// What is wrong with predictions of this recording; empty: nothing.
+std::string prediction_fault(const Predictions& predictions, const Recording& recording) {
+  constexpr double max_late_s = 1.0;
+  for (std::size_t i = 0; i < predictions.time_s.size(); ++i) {
+    const auto clip = static_cast<std::size_t>(predictions.clip[i]);
+    if (clip >= recording.clips.size())
+      return fmt::format("they are of clip {}, it has {} clips", clip, recording.clips.size());
+    const double start_s = recording.clips[clip].start_s, end_s = recording.clips[clip].end_s;
+    const double time_s = predictions.time_s[i];
+    if (!(time_s >= start_s - max_late_s && time_s <= end_s + max_late_s))
+      return fmt::format(
+          "a prediction of clip {} is at {:.3f} s, the clip is from {:.3f} to {:.3f} s", clip,
+          time_s, start_s, end_s);
+  }
+  return {};
+}
+
+/// Throws data_error if labels or predictions are of another recording.
+void require_own_recording(const ExportRequest& request) {
+  if (request.recording.empty()) return;
+  const RecordingReader reader(request.recording);
+  const auto fault = request.kind == labels
+                         ? label_frame_fault(read_labels(request.input), reader.recording())
+                         : prediction_fault(read_predictions(request.input), reader.recording());
+  if (!fault.empty())
+    throw data_error(fmt::format("{} does not belong to {}: {}", request.input.string(),
+                                 request.recording.string(), fault),
+                     "give the recording that it was made of");
+}
+
 }  // namespace
 
 std::span<const ExportFormat> export_formats() { return all_formats(); }
@@ -95,6 +128,7 @@ std::vector<std::filesystem::path> export_file(const std::string& name,
                                                const ExportRequest& request) {
   const ExportFormat& format = find_format(name, request);
   require_effect(format, request);
+  require_own_recording(request);
   return format.write(request);
 }
 

@@ -27,7 +27,13 @@ double first_epoch_s(const MessageStreams& all) {
   double first_s = 0.0;
   for (const MessageStream& stream : all.streams)
     first_s = std::min(first_s, stream.time_s.front());
-  return std::max(all.epoch_unix_s, std::ceil(-first_s));
+  const double shift_s = std::ceil(-first_s);
+  if (shift_s > all.epoch_unix_s)
+    Progress::warn(
+        fmt::format("the first stamp is {:.3f} s, and stamps before 0 cannot be written: all are "
+                    "{:.0f} s later",
+                    first_s, shift_s - all.epoch_unix_s));
+  return std::max(all.epoch_unix_s, shift_s);
 }
 
 /// All messages in order of their times.

@@ -6,11 +6,13 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/json_number.h"
 #include "engine/base/text.h"
 
 namespace touchtrace {
 namespace {
 
+constexpr std::int64_t max_number = std::int64_t{1} << 53;
 constexpr std::size_t max_line_bytes = 1u << 16;  // nesting beyond the stack needs longer lines
 
 void append_vectors(const nlohmann::json& body, const std::string& name, Predictions& predictions) {
@@ -30,8 +32,8 @@ void append_line(const std::string& line, Predictions& predictions) {
   const auto row = nlohmann::json::parse(line);
   if (row.at("object").is_null()) return;  // a glove's frames before the first window is full
   predictions.time_s.push_back(row.at("time_s").get<double>());
-  predictions.clip.push_back(row.at("clip").get<std::int64_t>());
-  predictions.step.push_back(row.at("step").get<std::int64_t>());
+  predictions.clip.push_back(whole_number(row.at("clip"), 0, max_number));
+  predictions.step.push_back(whole_number(row.at("step"), 0, max_number));
   predictions.start.push_back(row.at("start").get<std::string>());
   for (const char* body : {"object", "hand"}) append_vectors(row.at(body), body, predictions);
 }

@@ -1,7 +1,7 @@
 #include "pipeline/export/export.h"
 #include "pipeline/export/predictions.h"
+#include "pipeline/export/tum_trajectory.h"
 #include "pipeline/recording/recording_file.h"
-#include "pipeline/recording/tum_trajectory.h"
 
 namespace touchtrace {
 namespace {

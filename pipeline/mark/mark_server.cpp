@@ -7,6 +7,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/interrupt.h"
+#include "engine/base/json_number.h"
 #include "pipeline/mark/mark_page.h"
 #include "pipeline/web/http_server.h"
 
@@ -15,16 +16,21 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::int64_t max_pixels = 100'000;
+
 PixelBox box_of(const json& value) {
   if (value.is_null()) return {};
-  return {value.at(0).get<int>(), value.at(1).get<int>(), value.at(2).get<int>(),
-          value.at(3).get<int>()};
+  const auto pixels = [&](std::size_t i) {
+    return static_cast<int>(whole_number(value.at(i), -max_pixels, max_pixels));
+  };
+  return {pixels(0), pixels(1), pixels(2), pixels(3)};
 }
 
 std::vector<ClipBoxes> boxes_of(const json& request) {
   std::vector<ClipBoxes> boxes;
   for (const json& clip : request.at("clips"))
-    boxes.push_back({clip.at("clip").get<std::size_t>(), clip.at("frame").get<std::size_t>(),
+    boxes.push_back({static_cast<std::size_t>(whole_number(clip.at("clip"), 0, INT32_MAX)),
+                     static_cast<std::size_t>(whole_number(clip.at("frame"), 0, INT32_MAX)),
                      box_of(clip.at("hand")), box_of(clip.at("object"))});
   return boxes;
 }

@@ -35,7 +35,7 @@ void add_clip(std::span<const std::uint64_t> sequence, std::span<const double> t
 }  // namespace
 
 double StreamTiming::lost_fraction() const {
-  return lost == 0 ? 0.0 : static_cast<double>(lost) / static_cast<double>(lost + frames);
+  return lost == 0 ? 0.0 : static_cast<double>(lost) / static_cast<double>(lost + clip_frames);
 }
 
 StreamTiming measure_stream_timing(const std::vector<std::uint64_t>& sequence,
@@ -53,6 +53,7 @@ StreamTiming measure_stream_timing(const std::vector<std::uint64_t>& sequence,
     };
     const std::size_t first = at(clip.start_s), count = at(clip.end_s) - first;
     const auto numbers = std::span(sequence).subspan(first, count);
+    timing.clip_frames += count;
     if (count > 1) timing.lost += numbers.back() - numbers.front() + 1 - count;
     add_clip(numbers, std::span(host_time_s).subspan(first, count), sums);
   }

@@ -12,9 +12,10 @@ namespace touchtrace {
 /// Timing of a stream's frames.
 struct StreamTiming {
   std::size_t frames = 0;
-  std::size_t lost = 0;   ///< within clips: counted by the device, not received
-  double rate_hz = 0.0;   ///< of the frame counter by the host's clock; NaN below 3 frames
-  double jitter_s = 0.0;  ///< standard deviation of arrival times around a constant rate
+  std::size_t clip_frames = 0;  ///< within clips
+  std::size_t lost = 0;         ///< within clips: counted by the device, not received
+  double rate_hz = 0.0;         ///< of the frame counter by the host's clock; NaN below 3 frames
+  double jitter_s = 0.0;        ///< standard deviation of arrival times around a constant rate
 
   double lost_fraction() const;
 };

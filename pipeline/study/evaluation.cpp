@@ -67,6 +67,16 @@ void note_clips(const std::vector<std::string>& whole, json& notes) {
                                 fmt::join(whole, ", ")));
 }
 
+void note_bands(const std::vector<LoadedModel*>& models, json& notes) {
+  for (const LoadedModel* model : models)
+    if (model->card.band_scale.empty())
+      notes.push_back(
+          fmt::format("{} has no rescaled coverage: its recordings had no calibration clips (clip "
+                      "8, 28, ... of "
+                      "an object)",
+                      model->path));
+}
+
 void note_baselines(const Comparison& comparison, json& notes) {
   if (!comparison.find("linear"))
     notes.push_back(
@@ -138,6 +148,7 @@ json evaluate_models(std::vector<Session> sessions, std::vector<LoadedModel>& mo
   for (LoadedModel& model : models) by_activity[model.card.activity].push_back(&model);
   for (const auto& [activity, candidates] : by_activity) {
     note_mismatches(candidates, document["notes"]);
+    note_bands(candidates, document["notes"]);
     const Comparison comparison = compare_models(sessions_of(sessions, candidates), candidates,
                                                  reference, options.stride, options.seed);
     note_baselines(comparison, document["notes"]);

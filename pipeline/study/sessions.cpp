@@ -58,11 +58,19 @@ std::vector<LabelledRecording> pair_files(const std::vector<std::string>& record
         "wave.h5 are wave.labels.h5");
   std::vector<LabelledRecording> sources;
   for (std::size_t i = 0; i < files.size(); ++i) {
+    if (!fs::exists(files[i]))
+      throw data_error(fmt::format("{} does not exist", files[i].string()), "check --recording");
+    if (files[i].string().ends_with("labels.h5"))
+      throw data_error(
+          fmt::format("{} has labels; --recording takes recordings", files[i].string()),
+          "give the recording; its labels are found by its name or given by --labels");
     sources.push_back({files[i], labels.empty() ? labels_path_of(files[i]) : fs::path(labels[i])});
     if (labels.empty() && !fs::exists(sources.back().labels))
-      throw data_error(fmt::format("labels of {} are missing: {} does not exist", files[i].string(),
-                                   sources.back().labels.string()),
-                       "make them with `touchtrace label`, or give them with --labels");
+      throw data_error(
+          fmt::format("labels of {} are missing: {} does not exist", files[i].string(),
+                      sources.back().labels.string()),
+          "make them with `touchtrace label` or scripts/write_labels.py, or give them with "
+          "--labels");
   }
   return sources;
 }

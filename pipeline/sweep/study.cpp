@@ -27,7 +27,7 @@ const Option& require_option(const std::vector<Option>& options, const std::stri
     throw usage_error(fmt::format("'{}' is set by the sweep", key), "remove it from the study");
   std::vector<std::string> keys;
   for (const Option& known : options)
-    if (!known.help.empty() && !reserved.contains(known.key())) keys.push_back(known.key());
+    if (!reserved.contains(known.key())) keys.push_back(known.key());
   throw usage_error(fmt::format("unknown key '{}'{}", key, did_you_mean(key, keys)),
                     "keys: " + comma_separated(keys));
 }
@@ -120,8 +120,15 @@ Study read_study(const std::string& source, const std::vector<std::string>& chan
   Study study;
   const auto chain = parse_command_chain(source);
   auto tables = chain ? *chain : read_stage_tables(source);
-  for (const auto& change : changes)
-    apply_change(tables, chain ? name_stage(change, tables, commands) : change);
+  std::set<std::string> changed;
+  for (const auto& given : changes) {
+    const auto change = chain ? name_stage(given, tables, commands) : given;
+    const auto option = change.substr(0, change.find('='));
+    if (!changed.insert(option).second)
+      throw usage_error(fmt::format("'{}' is set twice", option),
+                        "give all values at once, separated by commas");
+    apply_change(tables, change);
+  }
   if (chain) link_stages(tables);
   for (const auto& [name, table] : tables)
     study.stages.push_back(with_context(fmt::format("{}: [{}]", source, name),

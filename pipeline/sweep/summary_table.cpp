@@ -50,8 +50,15 @@ std::vector<std::string> keys_of(const Row& row, const std::vector<std::string>&
   return texts;
 }
 
+/// Number of trainings in a row: its "runs", which pools seeds, or one.
+std::size_t count_of(const Row& row) {
+  const auto runs = row.fields.value("runs", ordered_json());
+  return runs.is_number_unsigned() ? std::max<std::size_t>(1, runs.get<std::size_t>()) : 1;
+}
+
 Summary::Group group_of(const std::vector<const Row*>& rows, const Summary& summary) {
-  Summary::Group group{keys_of(*rows.front(), summary.keys), {}, rows.size()};
+  Summary::Group group{keys_of(*rows.front(), summary.keys), {}, 0};
+  for (const Row* row : rows) group.count += count_of(*row);
   for (const auto& metric : summary.metrics) {
     std::vector<double> values;
     for (const Row* row : rows)
@@ -100,7 +107,7 @@ std::vector<std::string> latex_cells(const Summary::Group& group) {
   std::vector<std::string> cells;
   for (const auto& key : group.keys) cells.push_back(latex(key));
   for (const auto& metric : group.metrics) cells.push_back("$" + text_of(metric, "\\pm") + "$");
-  cells.push_back(std::to_string(group.rows));
+  cells.push_back(std::to_string(group.count));
   return cells;
 }
 
@@ -134,7 +141,7 @@ std::string markdown_of(const Summary& summary) {
     std::vector<std::string> cells;
     for (const auto& key : group.keys) cells.push_back(markdown(key));
     for (const auto& metric : group.metrics) cells.push_back(text_of(metric, "+-"));
-    text += fmt::format("\n| {} | {} |", fmt::join(cells, " | "), group.rows);
+    text += fmt::format("\n| {} | {} |", fmt::join(cells, " | "), group.count);
   }
   return text + "\n";
 }

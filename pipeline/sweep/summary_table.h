@@ -18,7 +18,7 @@ struct Summary {
   struct Group {
     std::vector<std::string> keys;
     std::vector<Statistic> metrics;
-    std::size_t rows = 0;
+    std::size_t count = 0;  ///< rows, or the runs that they pool
   };
   std::vector<Group> groups;
 };
@@ -27,7 +27,7 @@ struct Summary {
 /// slash are taken for paths and skipped. Throws usage_error for an unknown metric.
 Summary summarize(const std::vector<Row>& rows, const std::vector<std::string>& metrics);
 
-/// Table with "mean +- std" to four digits and the number of rows.
+/// Table with "mean +- std" to four digits and the number of rows or of the runs that they pool.
 std::string markdown_of(const Summary& summary);
 std::string latex_of(const Summary& summary);
 

@@ -67,7 +67,7 @@ TEST(CommandLine, HelpNamesValuesChoicesAndRequiredOptions) {
   const auto label = run_program("label --help").output;
   for (const char* part :
        {"touchtrace label RECORDING --output FILE [OPTIONS]", "--tracker {csrt,component}",
-        "-o,--output FILE", "(required)", "--trajectories DIR", "[csrt]"})
+        "-o,--output FILE", "(required)", "[csrt]"})
     EXPECT_TRUE(contains(label, part)) << part << "\n" << label;
   const auto smooth = run_program("smooth --help").output;
   for (const char* part : {"touchtrace smooth TRACK... [OPTIONS]", "  TRACK...  ",

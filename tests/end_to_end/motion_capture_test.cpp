@@ -32,12 +32,15 @@ void write_glove(const std::filesystem::path& file) {
   }
 }
 
-void write_track(const std::filesystem::path& file, double offset_m) {
+/// Without the samples of `gap_s`.
+void write_track(const std::filesystem::path& file, double offset_m,
+                 std::pair<double, double> gap_s = {0.0, 0.0}) {
   std::ofstream table(file);
   table << "time_s,x_m,y_m,z_m";
   for (int i = 0; i < clips * clip_s * track_hz; ++i)
-    table << fmt::format("\n{:.3f},{:.5f},{:.5f},1.0", i / track_hz,
-                         offset_m + swing_m(i / track_hz), 0.5 * swing_m(i / track_hz));
+    if (i / track_hz < gap_s.first || i / track_hz >= gap_s.second)
+      table << fmt::format("\n{:.3f},{:.5f},{:.5f},1.0", i / track_hz,
+                           offset_m + swing_m(i / track_hz), 0.5 * swing_m(i / track_hz));
 }
 
 TEST(MotionCapture, TrainsAModelWithoutACamera) {
@@ -46,7 +49,7 @@ TEST(MotionCapture, TrainsAModelWithoutACamera) {
   const auto path = [&](const char* name) { return (folder / name).string(); };
   write_glove(path("touch.csv"));
   write_track(path("hand.csv"), 0.0);
-  write_track(path("object.csv"), 0.08);
+  write_track(path("object.csv"), 0.08, {1.0, 2.2});  // 24 of 240 frames
   std::ofstream clip_table(path("clips.csv"));
   clip_table << "start_s,end_s,object\n";
   for (int clip = 0; clip < clips; ++clip)
@@ -69,6 +72,14 @@ TEST(MotionCapture, TrainsAModelWithoutACamera) {
   const auto checked = run_program("check " + path("a.labels.h5"));
   EXPECT_EQ(checked.exit_code, 0) << checked.output;
   EXPECT_EQ(checked.output.find("warning"), std::string::npos) << checked.output;
+  EXPECT_NE(checked.output.find("hand       lost 0.00 %"), std::string::npos) << checked.output;
+  EXPECT_NE(checked.output.find("object     lost 10.00 %"), std::string::npos) << checked.output;
+  EXPECT_NE(std::system((script + " 2>/dev/null").c_str()), 0) << "replaced the labels";
+  const std::string swapped = std::string("/usr/bin/python3 ") + TOUCHTRACE_SOURCE_DIR +
+                              "/scripts/write_labels.py --overwrite " + path("a.labels.h5") + " " +
+                              path("a.h5") + " 2>/dev/null";
+  EXPECT_NE(std::system(swapped.c_str()), 0);
+  expect_done("check " + path("a.h5"));
   expect_done("train --recording " + path("a.h5") + " --updates 1 --steps 5 --window 3 --output " +
               path("a.safetensors"));
   std::filesystem::remove_all(folder);

@@ -49,11 +49,11 @@ class AccuracyTest : public ::testing::TestWithParam<KernelVariant> {
 
   /// A layer with input 0.1 and weights 0.1, as many as `shape` has, and no bias.
   struct Layer {
-    Layer(Runtime& runtime, const Conv2dShape& shape, const Conv2dChoice& choice = {})
+    Layer(Runtime& runtime, const Conv2dShape& shape, Conv2dMethod method = Conv2dMethod::direct)
         : parameters{upload(runtime, weights(shape)),
                      runtime.allocate_zeros<float>(shape.weight_size() + shape.out_channels), 0,
                      static_cast<int>(shape.weight_size())},
-          conv(make_conv2d(runtime, shape, parameters, choice)) {
+          conv(make_conv2d(runtime, shape, parameters, method)) {
       const std::vector<double> in(std::size_t(shape.in_channels) * shape.rows * shape.cols, 0.1f);
       const HaloLayout layout{shape.rows, shape.cols, shape.in_planes ? 1 : 16, shape.halo()};
       images = {1,
@@ -136,7 +136,7 @@ TEST_P(AccuracyTest, WeightGradientsAreCompensated) {
 TEST_P(AccuracyTest, ExactNeverUsesWinograd) {
   const Conv2dShape shape{1, 32, 8, 8, 32, false};
   const auto kernel_of = [&](Runtime& runtime) {
-    Layer layer(runtime, shape, {Conv2dMethod::winograd});
+    Layer layer(runtime, shape, Conv2dMethod::winograd);
     return layer.conv->forward(layer.images).front().name();
   };
   const bool cpu = GetParam() == KernelVariant::cpu;

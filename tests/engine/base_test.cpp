@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -5,14 +6,18 @@
 #include <array>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <limits>
 #include <vector>
 
+#include "engine/base/child_process.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/integer_math.h"
+#include "engine/base/json_number.h"
 #include "engine/base/options.h"
 #include "engine/base/provenance.h"
 #include "engine/base/random.h"
@@ -240,6 +245,28 @@ TEST_F(Files, Sha256MatchesKnownAnswer) {
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
+/// HDF5's files would stay locked while a child runs. The child runs this test, too, and lists its
+/// files.
+TEST_F(Files, ChildProcessesInheritNone) {
+  constexpr const char* is_child = "TOUCHTRACE_TEST_CHILD";
+  if (std::getenv(is_child)) {
+    for (const auto& entry : fs::directory_iterator("/proc/self/fd")) {
+      std::error_code closed;
+      std::cout << "file: " << fs::read_symlink(entry.path(), closed).string() << "\n";
+    }
+    return;
+  }
+  write_file(folder_ / "inherited", "", false);
+  const int file = open((folder_ / "inherited").c_str(), O_RDONLY);  // not O_CLOEXEC, as in HDF5
+  ASSERT_GE(file, 0);
+  const auto child =
+      run_self({"--gtest_filter=Files.ChildProcessesInheritNone"}, {{is_child, "1"}}, 60.0);
+  close(file);
+  EXPECT_EQ(child.exit_code, 0);
+  EXPECT_NE(child.output.find("file: "), std::string::npos) << child.output;
+  EXPECT_EQ(child.output.find("inherited"), std::string::npos) << child.output;
+}
+
 TEST(ProvenanceJson, RoundTripsAndFindsInputsByFileName) {
   Provenance made = start_provenance("touchtrace/test/1", "test");
   made.inputs.push_back({"/data/wave.h5", "0123"});
@@ -252,6 +279,14 @@ TEST(ProvenanceJson, RoundTripsAndFindsInputsByFileName) {
   older["verb"] = older.at("command");
   older.erase("command");
   EXPECT_EQ(older.get<Provenance>().command, "test");
+}
+
+TEST(JsonNumber, NumbersThatDoNotFitAreRefused) {
+  using nlohmann::json;
+  EXPECT_EQ(whole_number(json(-3), -5, 5), -3);
+  EXPECT_EQ(whole_number(json(4.0), -5, 5), 4);
+  for (const char* text : {"6", "0.5", "1e50", "-1e400", "18446744073709551615", "null", "\"1\""})
+    EXPECT_THROW(whole_number(json::parse(text, nullptr, false), -5, 5), Error) << text;
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ TEST(Conv2d, UsesWinogradWhereLocalMemoryHoldsAnImage) {
   const auto weights = shape.weight_size();
   const auto conv = make_conv2d(
       runtime, shape, {runtime.allocate<float>(weights + 64), {}, 0, static_cast<int>(weights)},
-      {Conv2dMethod::winograd});
+      Conv2dMethod::winograd);
   const Conv2dMicroBatch batch{2,
                                runtime.allocate<float>(shape.in_size()),
                                runtime.allocate<float>(shape.out_size()),

@@ -145,7 +145,7 @@ TEST(Fingerprints, OfAShiftedOrTrimmedCopyAreKnown) {
   };
   const GloveStream glove = glove_at(0.0);
   auto known = clip_fingerprints(glove, clip_of(0.0, 9.95, "ball"));
-  EXPECT_EQ(known.size(), 9u);
+  EXPECT_GT(known.size(), 2u);
   std::ranges::sort(known);
   GloveStream shifted = glove, changed = glove;
   for (double& time_s : shifted.host_time_s) time_s += 5.0;
@@ -161,6 +161,24 @@ TEST(Fingerprints, OfAShiftedOrTrimmedCopyAreKnown) {
   known = clip_fingerprints(rest, clip_of(0.0, 9.95, "ball"));
   EXPECT_EQ(known.size(), 1u);
   EXPECT_FALSE(is_known_touch(clip_fingerprints(rest, clip_of(2.0, 9.95, "ball")), known));
+}
+
+TEST(Fingerprints, OfAShortExcerptOfALongClipAreKnown) {
+  RandomStream random(2, "touch");
+  GloveStream glove;
+  glove.info.rows = 2, glove.info.cols = 3;
+  for (int i = 0; i < 3000; ++i) {
+    glove.host_time_s.push_back(0.1 * i);
+    for (int taxel = 0; taxel < 6; ++taxel)
+      glove.counts.push_back(static_cast<std::uint16_t>(random.below(1000)));
+  }
+  auto known = clip_fingerprints(glove, clip_of(0.0, 299.95, "ball"));
+  std::ranges::sort(known);
+  int found = 0;
+  for (int i = 0; i < 50; ++i)
+    found +=
+        is_known_touch(clip_fingerprints(glove, clip_of(5.0 * i, 5.0 * i + 5.95, "ball")), known);
+  EXPECT_GE(found, 47) << "99 % are expected: of fifty, fewer in 2 of 1000 cases";
 }
 
 TEST(Dataset, RejectsLabelsThatAreNotOnePerFrame) {

@@ -196,6 +196,33 @@ TEST_F(ImportGlove, AWrongStampCostsOneFrame) {
   EXPECT_NEAR(stream.host_time_s.back(), 0.02 * (num_rows - 1), 1e-9);
 }
 
+TEST_F(ImportGlove, LostFramesOfATableWithoutTimesTakeTime) {
+  std::string table = "sequence,0_0,0_1,1_0,1_1\n";
+  for (int i = 0; i < num_rows; ++i)
+    if (i % 10 != 4) table += fmt::format("{},5,6,7,{}\n", 100 + i, i % 3);
+  testing::put(folder_ / "a.csv", table);
+  auto options = alone("a.csv", 0, 0);
+  options.source.rate_hz = 50.0;
+  const GloveStream stream = import_alone(options);
+  EXPECT_NEAR(stream.host_time_s.back(), 0.02 * (num_rows - 1), 1e-9);
+  EXPECT_NEAR(stream.host_time_s[4], 0.1, 1e-9);
+}
+
+TEST_F(ImportGlove, SwappedRowsAreSorted) {
+  std::string table = "time_ms,0_0,0_1,1_0,1_1\n";
+  for (int i = 0; i < num_rows; ++i) {
+    const int row = i == 0 ? 1 : i == 1 ? 0 : i == 20 ? 21 : i == 21 ? 20 : i;
+    table += fmt::format("{},5,6,7,{}\n", 20 * row, row);
+  }
+  testing::put(folder_ / "a.csv", table);
+  const GloveStream stream = import_alone(alone("a.csv", 0, 0));
+  ASSERT_EQ(stream.frames(), std::size_t(num_rows));
+  for (const int row : {0, 1, 2, 19, 20, 21, 22}) {
+    EXPECT_NEAR(stream.host_time_s[std::size_t(row)], 0.02 * row, 1e-9);
+    EXPECT_EQ(stream.counts[std::size_t(4 * row + 3)], row);
+  }
+}
+
 TEST_F(ImportGlove, ACounterOfMicrosecondsMayStartAgain) {
   for (const char* name : {"time_us", "time"}) {
     std::string table = name + std::string(",0_0,0_1,1_0,1_1\n");

@@ -138,6 +138,10 @@ TEST_F(Import, ReadsTimesFromNamesAndLists) {
   write_file(folder_ / "in" / "depth" / "times.csv", times, true);
   write_file(folder_ / "clips.csv", "3,4\n", true);
   expect_rejected("in", "outside the recording", options);
+  write_file(folder_ / "clips.csv", "start_s,end_s,object\n", true);
+  expect_rejected("in", "has no clips", options);
+  write_file(folder_ / "clips.csv", "start_s,end_s,object\n0.02,0.09,\n", true);
+  EXPECT_EQ(import("in", options).recording().clips.at(0).object, "object");
 }
 
 /// .npy file of version 1.

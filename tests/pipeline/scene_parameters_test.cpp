@@ -79,12 +79,6 @@ TEST(SceneParameters, MisspelledNameIsCorrected) {
   }
 }
 
-TEST(SceneParameters, FormerNamesAreAccepted) {
-  EXPECT_EQ(parse_parameters({"arm-bound=70"}).arm.max_force_n, 70.0);
-  EXPECT_EQ(find_parameter("camera-farthest").name, "camera-max-depth");
-  EXPECT_EQ(current_parameter_name("arm-mass"), "arm-mass");
-}
-
 TEST(SceneParameters, RelativeValuesScale) {
   EXPECT_EQ(parse_parameters({"glove-noise=x2"}).glove.noise_counts, 3.0);
   EXPECT_EQ(parse_parameters({"wave-amplitude=x0.5"}).wave.amplitude_m, (Interval{0.02, 0.08}));

@@ -153,33 +153,6 @@ TEST(SimulateCommand, ARecordingThatCannotBeLabelledDoesNotStopTheOthers) {
   EXPECT_GT(read_labels(folder / "out/ball.labels.h5").time_s.size(), 100u);
 }
 
-TEST(SimulateCommand, FormerNamesOfCommandFlagAndKeyAreAccepted) {
-  const TemporaryFolder folder;
-  const auto glove_noise = [](const std::filesystem::path& file) {
-    return RecordingReader(file).recording().provenance.options["parameters"]["glove-noise"];
-  };
-  for (const char* flag : {"--set", "--assume"}) {
-    ASSERT_EQ(simulate({(folder / flag).string(), flag, "glove-noise=3"}), 0) << flag;
-    EXPECT_EQ(glove_noise(folder / flag), 3.0) << flag;
-  }
-  for (const std::string key : {"set", "assume"}) {
-    write_file(folder / (key + ".toml"), "[simulate]\n" + key + " = [\"glove-noise=3\"]\n", false);
-    ASSERT_EQ(simulate({(folder / key).string(), "--config", (folder / (key + ".toml")).string()}),
-              0);
-    EXPECT_EQ(glove_noise(folder / key), 3.0) << key;
-  }
-  for (const char* name : {"parameters", "assumptions"}) {
-    const std::array argv{"touchtrace", name, "--json"};
-    ::testing::internal::CaptureStdout();
-    EXPECT_EQ(cli::run_command_line(cli::touchtrace_program(), static_cast<int>(argv.size()),
-                                    argv.data()),
-              0)
-        << name;
-    const auto document = nlohmann::json::parse(::testing::internal::GetCapturedStdout());
-    EXPECT_GT(document.at("parameters").size(), 100u) << name;
-  }
-}
-
 TEST(SimulateCommand, GloveModelsHaveOtherReadingsAtRest) {
   const TemporaryFolder folder;
   const std::string out = (folder / "out.h5").string();

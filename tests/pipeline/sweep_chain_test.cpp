@@ -52,6 +52,8 @@ TEST(SweepChain, MistakesAreNamed) {
   EXPECT_NE(message_of("train", {"sead=1:2"}).find("no stage has the option 'sead'"),
             std::string::npos);
   EXPECT_NE(message_of("train", {"seed=1:2"}).find("recording"), std::string::npos);
+  EXPECT_NE(message_of("train", {"seed=1:2", "train.seed=4"}).find("'train.seed' is set twice"),
+            std::string::npos);
 }
 
 }  // namespace

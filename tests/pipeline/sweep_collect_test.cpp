@@ -43,6 +43,16 @@ class SweepCollect : public ::testing::Test {
   fs::path folder_ = touchtrace::testing::scratch_folder();
 };
 
+TEST_F(SweepCollect, RowsThatPoolSeedsCountThem) {
+  json full = row("full", 1.0);
+  full["runs"] = 3;
+  add("evaluate", {{"seed", 3}}, {{"results", {full}}, {"main_metrics", {"l1"}}});
+  write_file(folder_ / "study.json", json{{"cells", cells_}}.dump(), true);
+  collect(folder_, {});
+  EXPECT_NE(written("table.md").find("| full | a,\"b\" | 1.667 +- 1.155 | 5 |"), std::string::npos)
+      << written("table.md");
+}
+
 TEST_F(SweepCollect, WritesRowsAndTables) {
   const auto summary = collect(folder_, {});
   EXPECT_EQ(summary["rows"], 4);
@@ -70,8 +80,7 @@ TEST_F(SweepCollect, OptionsOfResultsAreAxes) {
   const auto csv = written("results.csv");
   EXPECT_NE(csv.find("seed,size,l1,"), std::string::npos) << csv;
   EXPECT_NE(csv.find("3,8,1.0,full size=8,"), std::string::npos) << csv;
-  EXPECT_NE(written("table.md").find("| 4 | full size=4 | a,\"b\" | 2 | 1 |"),
-            std::string::npos)
+  EXPECT_NE(written("table.md").find("| 4 | full size=4 | a,\"b\" | 2 | 1 |"), std::string::npos)
       << written("table.md");
 }
 

@@ -96,6 +96,10 @@ TEST(TrackFile, RowsWithoutTimesHaveARate) {
   EXPECT_EQ(read.track[2].position_m.z(), 4.0);
 }
 
+TEST(TrackFile, ARateDoesNotReplaceTimes) {
+  EXPECT_THROW(track_of("time_s,x,y,z\n0.0,1,2,3\n0.1,1,2,3\n", {.rate_hz = 50.0}), Error);
+}
+
 TEST(TrackFile, FindsColumnsByNameAndUnit) {
   expect_two_points("z_m,name,y_m,x_m,time\n3,\"a,b\",2,1,0.1\n3,c,2,1.5,0.2\n");
   expect_two_points("\"Time [ms]\",\"X (mm)\",Y (cm),Z\n100,1000,200,3\n200,1500,200,3\n");

@@ -8,6 +8,7 @@
 
 #include "engine/base/files.h"
 #include "engine/base/interrupt.h"
+#include "pipeline/report/report.h"
 #include "tests/verify/calib/verify_images.h"
 #include "tests/verify/engine/verify_engine.h"
 #include "tests/verify/engine/verify_processes.h"
@@ -17,7 +18,6 @@
 #include "tests/verify/recording/verify_recording.h"
 #include "tests/verify/scene/verify_scene.h"
 #include "tests/verify/study/verify_study.h"
-#include "tests/verify/support/figures_page.h"
 
 namespace touchtrace::verify {
 namespace {
@@ -49,13 +49,19 @@ std::vector<Figure> measure(const Verification& verification, bool print) {
   return figures;
 }
 
+std::string figures_page(const std::string& area, const std::vector<Figure>& figures) {
+  auto data = report::report_data({});
+  data["title"] = "touchtrace-verify " + area;
+  data["figures"].push_back({{"name", area}, {"figures", to_json(figures).at("figures")}});
+  return report::render(data);
+}
+
 ExitCode run(const std::string& area, const Verification& verification, const AreaOptions& options,
              const cli::Invocation& invocation) {
   const auto figures = measure(verification, !invocation.json);
   if (invocation.json) fmt::print("{}\n", to_json(figures).dump(2));
   if (!options.report.empty())
-    write_file(options.report, report::figures_page("touchtrace-verify " + area, figures),
-               invocation.overwrite);
+    write_file(options.report, figures_page(area, figures), invocation.overwrite);
   const bool all_pass = std::ranges::all_of(figures, &Figure::passes);
   return all_pass ? ExitCode::done : ExitCode::data;
 }

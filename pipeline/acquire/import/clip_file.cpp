@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "engine/base/progress.h"
 #include "pipeline/acquire/import/stream_copy.h"
 #include "pipeline/acquire/table_columns.h"
 
@@ -36,8 +37,22 @@ void require_valid(const Clip& clip, const std::vector<Clip>& previous, const Re
   if (!previous.empty() && clip.start_s < previous.back().end_s)
     throw LineFault{"the clip starts before the previous one ends"};
   if (clip.end_s <= time.first_s || clip.start_s >= time.last_s)
-    throw LineFault{fmt::format("the clip is outside the recording, {} to {} s",
-                                time.epoch_s + time.first_s, time.epoch_s + time.last_s)};
+    throw LineFault{fmt::format(
+        "the clip is outside the recording, {:.3f} to {:.3f} s{}", time.first_s, time.last_s,
+        time.epoch_s > min_unix_s
+            ? fmt::format(", or {:.3f} to {:.3f} s since 1970", time.epoch_s + time.first_s,
+                          time.epoch_s + time.last_s)
+            : "")};
+}
+
+void warn_of_long_clips(const std::vector<Clip>& clips, const RecordedTime& time) {
+  constexpr double max_beyond_s = 1.0;
+  const auto is_long = [&](const Clip& clip) {
+    return clip.start_s < time.first_s - max_beyond_s || clip.end_s > time.last_s + max_beyond_s;
+  };
+  if (const auto count = std::ranges::count_if(clips, is_long); count > 0)
+    Progress::warn(fmt::format("{} of {} clips reach beyond the recording, {:.3f} to {:.3f} s",
+                               count, clips.size(), time.first_s, time.last_s));
 }
 
 }  // namespace
@@ -55,10 +70,13 @@ std::vector<Clip> read_clips(const std::filesystem::path& file, const RecordedTi
   std::vector<Clip> clips;
   for_each_row(table, max_clips, hint, [&] {
     Clip clip{seconds(columns.start), seconds(columns.end), object, false, {}, {}};
-    if (columns.object < table.num_columns()) clip.object = table.fields()[columns.object];
+    if (columns.object < table.num_columns() && !table.fields()[columns.object].empty())
+      clip.object = table.fields()[columns.object];
     require_valid(clip, clips, time);
     clips.push_back(std::move(clip));
   });
+  if (clips.empty()) throw data_error(file.string() + " has no clips", hint);
+  warn_of_long_clips(clips, time);
   return clips;
 }
 

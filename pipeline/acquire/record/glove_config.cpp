@@ -47,9 +47,8 @@ GloveConfig parse(const nlohmann::json& json) {
   config.rows = static_cast<int>(number_between(json, "rows", 1, 255));
   config.cols = static_cast<int>(number_between(json, "cols", 1, 255));
   config.bits = static_cast<int>(number_between(json, "bits", 1, 16));
-  config.polarity = json.at("polarity").get<int>();
-  if (config.polarity != 1 && config.polarity != -1)
-    throw data_error(fmt::format("polarity = {}, expected 1 or -1", config.polarity), "");
+  config.polarity = static_cast<int>(number_between(json, "polarity", -1, 1));
+  if (config.polarity == 0) throw data_error("polarity is neither 1 nor -1", "");
   config.rate_hz = number_between(json, "rate_hz", 1e-3, 1e4);
   config.baseline_counts = json.at("baseline_counts").get<std::vector<float>>();
   config.faults = json.at("faults").get<std::vector<std::string>>();

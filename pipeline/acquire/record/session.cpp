@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 
 #include "calib/rgbd/calibration.h"
 #include "engine/base/error.h"
@@ -51,8 +52,8 @@ nlohmann::json describe_camera(const CameraInfo& camera) {
 }
 
 int number_between(const nlohmann::json& json, const char* key, int minimum, int maximum) {
-  const auto value = json.at(key).get<std::int64_t>();
-  if (value < minimum || value > maximum)
+  const auto value = json.at(key).is_number() ? json.at(key).get<double>() : std::nan("");
+  if (!(value >= minimum && value <= maximum && value == std::floor(value)))
     throw data_error(
         fmt::format("the log says {} = {}, expected {} to {}", key, value, minimum, maximum),
         log_hint);

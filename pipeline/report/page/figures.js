@@ -17,6 +17,7 @@ function figuresSection(files) {
   section("figures", "Figures", "Measured quantities and their goals, from touchtrace-verify and scripts/bench on the machine that wrote these files.",
     files.map(({ name, figures }) => [element("h3", {}, name),
       element("div", { class: "figures" }, figures.filter((figure) => figure.picture).map(figurePicture)),
-      table(["figure", number("value"), "unit", "goal", ""], figures.map((f) => ({
-        cells: [f.name, number(known(f.value) ? f.value.toPrecision(4) : "–"), f.unit, f.goal, f.holds ? "PASS" : "FAIL"] })))]));
+      table(["figure", number("value"), "unit", "goal", "", number("seconds")], figures.map((f) => ({
+        cells: [f.name, number(known(f.value) ? f.value.toPrecision(4) : "–"), f.unit, f.goal, f.holds ? "PASS" : "FAIL",
+          number(known(f.seconds) ? f.seconds.toFixed(2) : "–")] })))]));
 }

@@ -66,49 +66,6 @@ ParameterTable make_registry() {
   return table;
 }
 
-/// Current names by the names that `simulate --assume` accepted.
-const std::map<std::string, std::string>& renamed_parameters() {
-  static const std::map<std::string, std::string> names{
-      {"contact-clamp", "contact-max-depth"},
-      {"arm-bound", "arm-max-force"},
-      {"grasp-posture", "grasp-posture-stiffness"},
-      {"grasp-thumb", "grasp-thumb-share"},
-      {"regrasp-farthest", "regrasp-max-offset"},
-      {"regrasp-braking", "regrasp-damping"},
-      {"regrasp-most-tilt", "regrasp-max-tilt"},
-      {"wave-replanned", "wave-replan-fraction"},
-      {"wave-strength", "wave-force-fraction"},
-      {"wave-wrist-noise-band", "wave-wrist-noise-bandwidth"},
-      {"throw-dip-of-apex", "throw-dip-per-apex"},
-      {"throw-turn", "throw-max-rotation"},
-      {"ball-restitution-spread", "ball-restitution-std"},
-      {"pingpong-last-change", "pingpong-replan-deadline"},
-      {"pingpong-sight-noise-band", "pingpong-vision-bandwidth"},
-      {"pingpong-feeling", "pingpong-racket-lag"},
-      {"pingpong-apex-spread", "pingpong-apex-std"},
-      {"pingpong-tilt-noise-band", "pingpong-tilt-bandwidth"},
-      {"pingpong-braking", "pingpong-racket-deceleration"},
-      {"pingpong-tilt", "pingpong-max-tilt"},
-      {"pingpong-aside", "pingpong-max-lateral-speed"},
-      {"balance-seen", "balance-position-noise"},
-      {"balance-seen-speed", "balance-velocity-noise"},
-      {"balance-seen-band", "balance-vision-bandwidth"},
-      {"balance-tremor-band", "balance-tremor-bandwidth"},
-      {"balance-acceleration", "balance-max-acceleration"},
-      {"balance-upright", "balance-upright-lag"},
-      {"balance-tilt-band", "balance-tilt-bandwidth"},
-      {"balance-height-band", "balance-height-bandwidth"},
-      {"glove-baseline-spread", "glove-baseline-std"},
-      {"camera-focal-spread", "camera-focal-std"},
-      {"camera-centre-spread", "camera-centre-std"},
-      {"camera-radial-spread", "camera-radial-std"},
-      {"camera-apart", "camera-color-depth-distance"},
-      {"camera-nearest", "camera-min-depth"},
-      {"camera-farthest", "camera-max-depth"},
-  };
-  return names;
-}
-
 }  // namespace
 
 const std::vector<Parameter>& parameter_registry() {
@@ -121,15 +78,10 @@ std::vector<double> Parameter::values(SceneParameters parameters) const {
   return {span.begin(), span.end()};
 }
 
-std::string current_parameter_name(const std::string& name) {
-  const auto renamed = renamed_parameters().find(name);
-  return renamed == renamed_parameters().end() ? name : renamed->second;
-}
-
 const Parameter& find_parameter(const std::string& name) {
   std::vector<std::string> names;
   for (const Parameter& row : parameter_registry()) {
-    if (row.name == current_parameter_name(name)) return row;
+    if (row.name == name) return row;
     names.push_back(row.name);
   }
   const std::string nearest = nearest_name(name, names);

@@ -25,10 +25,8 @@ struct Parameter {
 
 /// All parameters of the simulated scene, by group. `touchtrace parameters` prints them.
 const std::vector<Parameter>& parameter_registry();
-/// Also accepts names of earlier versions. Throws usage_error with the nearest name.
+/// Throws usage_error with the nearest name.
 const Parameter& find_parameter(const std::string& name);
-/// Returns the present name of a parameter that was renamed, otherwise `name`.
-std::string current_parameter_name(const std::string& name);
 
 /// Applies "NAME=VALUE" with VALUE in the parameter's unit; an interval is FROM:TO. "NAME=xF" is
 /// scale_parameter() by F. Throws usage_error for an unknown name, a wrong number of values, or a

@@ -13,6 +13,7 @@ struct GloveFile {
   std::vector<double> time_s;           ///< [frames], stamps of the file's clock
   double epoch_unix_s = 0.0;            ///< Unix time of the stamps' 0; 0: unknown
   bool has_time_unit = false;           ///< stamps are known to be seconds
+  double counted_rate_hz = 0.0;         ///< of stamps that count frames; 0: stamps of a clock
   std::vector<std::uint64_t> sequence;  ///< [frames], the device's frame counter; empty: unknown
   std::vector<float> values;            ///< [frames, rows, cols]
 

@@ -52,7 +52,7 @@ void set_times(GloveFile& glove, const Arrays& arrays, const NumpyArray& values,
   if (!has_times && rate_hz > 0.0 && !values.shape.empty()) {
     for (std::size_t i = 0; i < values.shape[0]; ++i)
       glove.time_s.push_back(static_cast<double>(i) / rate_hz);
-    glove.has_time_unit = true;
+    glove.has_time_unit = true, glove.counted_rate_hz = rate_hz;
     return;
   }
   const NumpyArray& times = find_array(arrays, time_names, file);
@@ -136,6 +136,8 @@ const std::vector<std::string>& glove_array_names() {
 GloveFile glove_of_arrays(const std::map<std::string, NumpyArray>& arrays,
                           const std::filesystem::path& file, const GloveFileOptions& options) {
   const NumpyArray& stored = find_array(arrays, value_names, file);
+  if (stored.size() == 0)  // axes beside one of length 0 may have any
+    throw data_error(file.string() + " has no frames", "record again");
   const auto moved = frames_first(stored, options);
   const NumpyArray& values = moved ? *moved : stored;
   GloveFile glove;

@@ -143,6 +143,7 @@ GloveFile read_glove_table(const std::filesystem::path& file, const GloveFileOpt
   const GloveFileOptions layout = with_named_layout(options, columns);
   GloveFile glove;
   glove.has_time_unit = !columns.time || columns.time->has_unit;
+  if (!columns.time) glove.counted_rate_hz = options.rate_hz;
   if (columns.taxels.empty()) set_layout(glove, 0, layout);
   FrameReader reader(table, columns, options.rate_hz);
   for_each_row(table, max_frames, glove_table_hint, [&] { reader.append_row(glove); });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "engine/base/error.h"
@@ -74,17 +75,39 @@ std::optional<std::size_t> frames_before(const std::vector<std::size_t>& frames,
   return std::nullopt;
 }
 
+/// Whether frame `i` only changed places with the last one of `frames`: its stamp is before that
+/// one's and no earlier than that of the frame before, and the next stamp is after both.
+bool is_swapped(const std::vector<std::size_t>& frames, const std::vector<double>& time_s,
+                std::size_t i) {
+  if (frames.empty() || time_s[i] >= time_s[frames.back()]) return false;
+  if (frames.size() > 1 && time_s[i] < time_s[frames[frames.size() - 2]]) return false;
+  const auto next = std::find_if(time_s.begin() + static_cast<std::ptrdiff_t>(i) + 1, time_s.end(),
+                                 [](double stamp) { return std::isfinite(stamp); });
+  return next != time_s.end() && *next >= time_s[frames.back()];
+}
+
 /// Frames in the order of their stamps, without those with a missing or wrong stamp: one that is
-/// before the previous ones, or up to five that are after the next one.
+/// before the previous ones, or up to five that are after the next one. Swapped neighbours are put
+/// in order.
 std::vector<std::size_t> ordered_frames(const std::vector<double>& time_s) {
   std::vector<std::size_t> frames;
+  std::size_t num_swapped = 0;
   for (std::size_t i = 0; i < time_s.size(); ++i) {
     if (!std::isfinite(time_s[i])) continue;
+    if (is_swapped(frames, time_s, i)) {
+      frames.insert(frames.end() - 1, i);
+      ++num_swapped;
+      continue;
+    }
     const auto wrong = frames_before(frames, time_s, time_s[i]);
     if (!wrong) continue;
     frames.resize(frames.size() - *wrong);
     frames.push_back(i);
   }
+  if (num_swapped > 0)
+    Progress::warn(fmt::format(
+        "{} of {} glove frames are stored after the next one: put in the order of their stamps",
+        num_swapped, time_s.size()));
   if (frames.size() < time_s.size()) {
     std::size_t first = 0;
     while (first < frames.size() && frames[first] == first) ++first;
@@ -183,11 +206,24 @@ std::vector<std::uint64_t> sequence_of(const GloveFile& file, const GloveTimes& 
   });
 }
 
+/// Times of frames by their numbers, which count lost ones; nullopt without such numbers.
+std::optional<std::vector<double>> numbered_times(const GloveFile& file) {
+  std::vector<std::size_t> all(file.time_s.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  if (file.counted_rate_hz == 0.0 || file.sequence.empty() || !counts_frames(file.sequence, all))
+    return std::nullopt;
+  std::vector<double> time_s;
+  for (const std::uint64_t number : file.sequence)
+    time_s.push_back(static_cast<double>(number - file.sequence[0]) / file.counted_rate_hz);
+  return time_s;
+}
+
 }  // namespace
 
 GloveTimes glove_times(const GloveFile& file) {
   GloveTimes times;
-  const std::vector<double> time_s = seconds_of(file);
+  const auto numbered_s = numbered_times(file);
+  const std::vector<double> time_s = numbered_s ? *numbered_s : seconds_of(file);
   times.frames = ordered_frames(time_s);
   for (const std::size_t frame : times.frames) times.time_s.push_back(time_s[frame]);
   require_span(times.time_s);

@@ -19,8 +19,9 @@ struct GloveTimes {
 /// evenly over the time until the next one, if that is over 10 % of them. The frames have the
 /// file's numbers if these count them; else, if nearly all intervals are whole periods and at most
 /// 10 % of the frames are missing, missing frames are counted by the stamps; else there is one
-/// number per frame, and more over pauses only. Reports what is not obvious. Throws data_error for
-/// stamps without a plausible rate and for more than 10^6 s.
+/// number per frame, and more over pauses only. Frames without stamps have the times of their
+/// numbers at the user's rate, so that lost ones take time, too. Reports what is not obvious.
+/// Throws data_error for stamps without a plausible rate and for more than 10^6 s.
 GloveTimes glove_times(const GloveFile& file);
 
 }  // namespace touchtrace

@@ -1,4 +1,4 @@
-#include "pipeline/recording/tum_trajectory.h"
+#include "pipeline/export/tum_trajectory.h"
 
 #include <gtest/gtest.h>
 

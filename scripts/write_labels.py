@@ -84,6 +84,9 @@ def smoothed(file, epoch_unix_s=0.0):
     if "cov_vz_vz" not in (table.dtype.names or ()):
         sys.exit(f"{file} is not a track of `touchtrace smooth`")
     rows_s = np.atleast_1d(table["time_s"]) - (epoch_unix_s if np.max(table["time_s"]) > 1e6 else 0.0)
+    if len(rows_s) < 2:
+        sys.exit(f"{file} has fewer than two rows")
+    interval_s = np.median(np.diff(rows_s))
 
     def states(time_s):
         def columns(pattern):
@@ -92,9 +95,11 @@ def smoothed(file, epoch_unix_s=0.0):
         for i, first in enumerate(names):
             for j, second in enumerate(names[i:], i):
                 covariance[:, i, j] = covariance[:, j, i] = np.interp(time_s, rows_s, table[f"cov_{first}_{second}"])
-        after = np.clip(np.searchsorted(rows_s, time_s), 1, max(1, len(rows_s) - 1))
-        gap_s = rows_s[after] - rows_s[after - 1] if len(rows_s) > 1 else np.full(len(time_s), np.inf)
-        visible = (time_s >= rows_s[0]) & (time_s <= rows_s[-1]) & (gap_s <= max_gap_rows * np.median(np.diff(rows_s)))
+        after = np.clip(np.searchsorted(rows_s, time_s), 1, len(rows_s) - 1)
+        gap_s = rows_s[after] - rows_s[after - 1]
+        to_row_s = np.minimum(np.abs(time_s - rows_s[after - 1]), np.abs(rows_s[after] - time_s))
+        visible = (time_s >= rows_s[0]) & (time_s <= rows_s[-1])
+        visible &= (gap_s <= max_gap_rows * interval_s) | (to_row_s <= 0.1 * interval_s)
         visible &= np.sqrt(np.trace(covariance[:, :3, :3], axis1=1, axis2=2) / 3) <= max_sigma_m
         if not np.any(visible):
             sys.exit(f"no frame of the glove is within the times of {file}: {rows_s[0]:.3f} to {rows_s[-1]:.3f} s; "

@@ -5,6 +5,7 @@
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/recording/h5_file.h"
+#include "pipeline/recording/labels.h"
 #include "pipeline/report/report.h"
 
 namespace touchtrace::report {
@@ -36,18 +37,30 @@ bool is_recording(const fs::path& file) {
   return false;
 }
 
+/// Warns of labels that cannot be read.
+bool are_labels(const fs::path& file) {
+  try {
+    read_labels(file);
+    return true;
+  } catch (const Error& error) {
+    Progress::warn(fmt::format("skipped {}", error.what()));
+    return false;
+  }
+}
+
 void add_file(ReportInputs& inputs, const fs::path& file) {
   const std::string name = file.filename().string();
   if (name.starts_with('.')) return;
+  const bool is_labels_name = name.ends_with("labels.h5");
   if (name.ends_with("metrics.json"))
     inputs.metrics.push_back(file);
   else if (name.ends_with("figures.json"))
     inputs.figures.push_back(file);
   else if (name == "calibration.json")
     inputs.calibrations.push_back(file);
-  else if (name.ends_with("labels.h5"))
+  else if (is_labels_name && are_labels(file))
     inputs.labels.push_back(file);
-  else if (name.ends_with(".h5") && is_recording(file))
+  else if (!is_labels_name && name.ends_with(".h5") && is_recording(file))
     inputs.recordings.push_back(file);
 }
 

@@ -20,7 +20,8 @@ struct ReportInputs {
 
 /// Finds inputs in a folder and its subfolders by name: *metrics.json, *labels.h5,
 /// calibration.json, *figures.json, other *.h5. A metrics.json directly in the folder replaces all
-/// other metrics files. Throws data_error if the folder cannot be read.
+/// other metrics files. Skips labels and recordings that cannot be read, with a warning. Throws
+/// data_error if the folder cannot be read.
 ReportInputs find_inputs(const std::filesystem::path& folder);
 
 /// Data of the page: {title, version, created, metrics, calibrations, smoothing, figures, stages,

@@ -119,8 +119,10 @@ TEST_F(Import, NamesTheDepthOffsetThatCorrectsADelay) {
   ::testing::internal::CaptureStderr();
   import("in", options);
   const std::string warning = ::testing::internal::GetCapturedStderr();
-  EXPECT_NE(warning.find("later than colour images of the same time; --depth-offset -0.0"),
-            std::string::npos)
+  EXPECT_NE(
+      warning.find(
+          "later than colour images of the same time; `touchtrace import --depth-offset -0.0"),
+      std::string::npos)
       << warning;
   options.camera.depth_offset_s = -1.0 / 15.0;
   ::testing::internal::CaptureStderr();

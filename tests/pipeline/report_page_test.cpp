@@ -112,6 +112,11 @@ TEST_F(ReportPage, LeavesOutHdf5FilesOfOtherPrograms) {
   EXPECT_TRUE(report::find_inputs(folder_.path()).empty());
 }
 
+TEST_F(ReportPage, LeavesOutLabelsThatCannotBeRead) {
+  write("a.labels.h5", "not labels");
+  EXPECT_TRUE(report::find_inputs(folder_.path()).empty());
+}
+
 TEST_F(ReportPage, CombinesMetricsFiles) {
   write("wave.metrics.json", metrics_document("wave").dump());
   write("throw.metrics.json", metrics_document("throw").dump());

@@ -30,7 +30,7 @@ double first_epoch_s(const MessageStreams& all) {
   const double shift_s = std::ceil(-first_s);
   if (shift_s > all.epoch_unix_s)
     Progress::warn(
-        fmt::format("the first stamp is {:.3f} s, and stamps before 0 cannot be written: all are "
+        fmt::format("the first stamp is {:.6f} s, and stamps before 0 cannot be written: all are "
                     "{:.0f} s later",
                     first_s, shift_s - all.epoch_unix_s));
   return std::max(all.epoch_unix_s, shift_s);

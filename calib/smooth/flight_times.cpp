@@ -195,11 +195,10 @@ void estimate_event_distributions(WeightedTrack& track, const MotionNoise& noise
     flight->landing_distribution = ends_after(track.points, *flight)
                                        ? fixed(flight->landing_s)
                                        : event_distribution(cost, times, 1);
-    flight->release_distribution =
-        !cost.is_release_free() ? before.back().landing_distribution
-        : begins_before(track.points, *flight)
-            ? fixed(flight->release_s)
-            : event_distribution(cost, times, 0);
+    flight->release_distribution = !cost.is_release_free() ? before.back().landing_distribution
+                                   : begins_before(track.points, *flight)
+                                       ? fixed(flight->release_s)
+                                       : event_distribution(cost, times, 0);
   }
   for (auto& flight : flights) {  // only now: each event is given the others' likeliest times
     flight.release_s = flight.release_distribution.mean_s();

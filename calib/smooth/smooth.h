@@ -8,7 +8,7 @@ namespace touchtrace {
 
 struct SmoothOptions {
   Eigen::Vector3d gravity_m_per_s2{0.0, 9.81, 0.0};  ///< in the tracks' frame
-  MotionNoise noise;                ///< initial guess; used as it is unless estimate_noise
+  MotionNoise noise;  ///< initial guess; used as it is unless estimate_noise
   bool estimate_noise = true;
   bool robust = true;   ///< Cauchy loss of the whitened residual, scale 4; else squared
   int num_threads = 0;  ///< over tracks; 0: one per core; does not change the result

@@ -43,8 +43,8 @@ void add_image(const std::filesystem::path& folder, RandomStream& random, std::u
   std::vector<Value> values(sizeof(Value) == 1 ? 3 * pixels : pixels);
   for (Value& value : values) value = static_cast<Value>(random.below(10'000));
   static int index = 0;
-  const std::string name = fmt::format("{}-{:.3f}-{}-0", kind, 1.0 + 1e-3 * ++index,
-                                       static_cast<std::uint32_t>(ticks));
+  const std::string name =
+      fmt::format("{}-{:.3f}-{}-0", kind, 1.0 + 1e-3 * ++index, static_cast<std::uint32_t>(ticks));
   std::ofstream file(folder / name, std::ios::binary);
   file << header;
   file.write(reinterpret_cast<const char*>(values.data()),
@@ -59,8 +59,7 @@ Dump write_dump(const std::filesystem::path& folder) {
   RandomStream random(1, "kinect");
   Dump dump;
   for (std::uint64_t i = 0; i < 8; ++i) {
-    if (i != 4)
-      add_image(folder, random, i, 'd', depth_ticks(i), "P5 640 480 65535\n", dump.depth);
+    if (i != 4) add_image(folder, random, i, 'd', depth_ticks(i), "P5 640 480 65535\n", dump.depth);
     add_image(folder, random, i, 'r', color_ticks(i), "P6 640 480 255\n", dump.color);
   }
   return dump;
@@ -69,10 +68,9 @@ Dump write_dump(const std::filesystem::path& folder) {
 /// Records a dump until its end.
 testing::ProgramResult record(const std::filesystem::path& dump,
                               const std::filesystem::path& output) {
-  return run_program(
-      fmt::format("record --camera freenect --output {}", output.string()),
-      fmt::format("LD_LIBRARY_PATH={} LD_PRELOAD={} FAKENECT_PATH={} ", FAKENECT_FOLDER,
-                  FREENECT_MODES, dump.string()));
+  return run_program(fmt::format("record --camera freenect --output {}", output.string()),
+                     fmt::format("LD_LIBRARY_PATH={} LD_PRELOAD={} FAKENECT_PATH={} ",
+                                 FAKENECT_FOLDER, FREENECT_MODES, dump.string()));
 }
 
 /// Images are those of the dump, and their stamps those of the device without the wrap.

@@ -54,8 +54,7 @@ void expect_all_images(const RecordedImages<Value>& images, int start, int step)
   ASSERT_GT(images.size(), 0u);
   const int first = (images.values[0] - start) / step;
   EXPECT_EQ(images.size(), static_cast<std::size_t>(testing::simulated_frames - first + 1));
-  expect_images(images, false, first - 1,
-                testing::simulated_stamp_us(first, sizeof(Value) == 1));
+  expect_images(images, false, first - 1, testing::simulated_stamp_us(first, sizeof(Value) == 1));
 }
 
 void expect_camera(const std::string& path, bool is_registered) {

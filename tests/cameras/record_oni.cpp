@@ -16,14 +16,13 @@ bool record(const char* file) {
   openni::Device device;
   openni::VideoStream color, depth;
   openni::Recorder recorder;
-  const bool is_ready = device.open(openni::ANY_DEVICE) == openni::STATUS_OK &&
-                        color.create(device, openni::SENSOR_COLOR) == openni::STATUS_OK &&
-                        depth.create(device, openni::SENSOR_DEPTH) == openni::STATUS_OK &&
-                        recorder.create(file) == openni::STATUS_OK &&
-                        recorder.attach(color) == openni::STATUS_OK &&
-                        recorder.attach(depth) == openni::STATUS_OK &&
-                        recorder.start() == openni::STATUS_OK &&
-                        color.start() == openni::STATUS_OK && depth.start() == openni::STATUS_OK;
+  const bool is_ready =
+      device.open(openni::ANY_DEVICE) == openni::STATUS_OK &&
+      color.create(device, openni::SENSOR_COLOR) == openni::STATUS_OK &&
+      depth.create(device, openni::SENSOR_DEPTH) == openni::STATUS_OK &&
+      recorder.create(file) == openni::STATUS_OK && recorder.attach(color) == openni::STATUS_OK &&
+      recorder.attach(depth) == openni::STATUS_OK && recorder.start() == openni::STATUS_OK &&
+      color.start() == openni::STATUS_OK && depth.start() == openni::STATUS_OK;
   if (is_ready) unplugged.promise.get_future().wait();
   recorder.stop();
   recorder.destroy();

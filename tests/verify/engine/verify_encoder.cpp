@@ -114,8 +114,8 @@ Cost measure_dense(Runtime& runtime, int rows) {
     const double flops = 2.0 * rows * inputs * outputs;
     measure(runtime, gemm(runtime, in, by_input, {}, out, rows, outputs, inputs), flops, cost);
     measure(runtime, gemm(runtime, out, weight, {}, in, rows, inputs, outputs), flops, cost);
-    measure(runtime, gemm(runtime, out.transposed(), in, {}, weight, outputs, inputs, rows),
-            flops, cost);
+    measure(runtime, gemm(runtime, out.transposed(), in, {}, weight, outputs, inputs, rows), flops,
+            cost);
   }
   return cost;
 }

@@ -5,8 +5,8 @@ usage: write_labels.py [--overwrite] RECORDING.h5 OUTPUT.labels.h5 HAND.csv OBJE
        write_labels.py [--overwrite] RECORDING.h5 OUTPUT.labels.h5                        a hand and an object at rest
 
 Import write_labels() to write states of your own. pipeline/recording/README.md lists everything that labels may contain.
-Times are on the recording's clock. That of `import` starts at 0; its attribute epoch_unix_s, if there is one, is the Unix time of
-that, and Unix times of tracks are converted by it.
+Times are on the recording's clock. `import` makes it start at 0. The recording's attribute epoch_unix_s, if there is one, is the
+Unix time of that; it converts Unix times of tracks.
 """
 
 import os

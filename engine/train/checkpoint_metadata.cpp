@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "engine/base/error.h"
+#include "engine/base/json_number.h"
 
 namespace touchtrace {
 namespace {
@@ -14,10 +15,7 @@ constexpr const char* checkpoint_hint =
     "name one that touchtrace train wrote, or start from scratch with --overwrite";
 
 int count_in(const json& training, const char* key) {
-  const auto& value = training.at(key);
-  if (!value.is_number_integer() || value < 0 || value > INT32_MAX)
-    throw data_error(fmt::format("'{}' is not a non-negative integer", key), "");
-  return value.get<int>();
+  return static_cast<int>(whole_number(training.at(key), key, 0, INT32_MAX));
 }
 
 }  // namespace

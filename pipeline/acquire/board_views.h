@@ -55,7 +55,7 @@ std::vector<std::filesystem::path> images_in_folder(const std::filesystem::path&
 bool may_be_images(const std::filesystem::path& path);
 
 /// Files that board_views_from_images or board_views_from_tum reads. Throws usage_error for a TUM
-/// folder beside others.
+/// folder and other sources.
 std::vector<std::filesystem::path> image_files(const std::vector<std::string>& folders_or_patterns);
 
 }  // namespace touchtrace

@@ -32,15 +32,18 @@ Finding check_space(const fs::path& folder) {
   return {Finding::State::good, what, ""};
 }
 
+fs::path cache_home() {
+  if (const char* folder = std::getenv("XDG_CACHE_HOME")) return folder;
+  const char* home = std::getenv("HOME");
+  return fs::path(home ? home : "/tmp") / ".cache";
+}
+
 /// POCL_CACHE_DIR needs a check of its own: PoCL aborts the process if it is empty.
 Finding check_kernel_cache() {
   const char* given = std::getenv("POCL_CACHE_DIR");
   if (given && !*given)
     return {Finding::State::broken, "POCL_CACHE_DIR is empty: PoCL aborts", "unset POCL_CACHE_DIR"};
-  const char *home = std::getenv("HOME"), *caches = std::getenv("XDG_CACHE_HOME");
-  const fs::path cache = given    ? fs::path(given)
-                         : caches ? fs::path(caches)
-                                  : fs::path(home ? home : "/tmp") / ".cache";
+  const fs::path cache = given ? fs::path(given) : cache_home();
   const fs::path folder = fs::exists(cache) ? cache : cache.parent_path();
   if (access(folder.c_str(), W_OK) != 0)
     return {

@@ -8,8 +8,8 @@ namespace touchtrace {
 
 /// What is wrong with the glove frames of labels of this recording; empty: nothing. In a clip there
 /// must be one label per frame of the glove, lost ones included, inside the clip and with the
-/// frame's time; both files must have the same clips. Without a
-/// glove the clips alone are compared.
+/// frame's time; both files must have the same clips. Without a glove, only the
+/// clips are compared.
 std::string label_frame_fault(const Labels& labels, const Recording& recording);
 
 }  // namespace touchtrace

@@ -32,8 +32,8 @@ void append_line(const std::string& line, Predictions& predictions) {
   const auto row = nlohmann::json::parse(line);
   if (row.at("object").is_null()) return;  // a glove's frames before the first window is full
   predictions.time_s.push_back(row.at("time_s").get<double>());
-  predictions.clip.push_back(whole_number(row.at("clip"), 0, max_number));
-  predictions.step.push_back(whole_number(row.at("step"), 0, max_number));
+  predictions.clip.push_back(whole_number(row.at("clip"), "clip", 0, max_number));
+  predictions.step.push_back(whole_number(row.at("step"), "step", 0, max_number));
   predictions.start.push_back(row.at("start").get<std::string>());
   for (const char* body : {"object", "hand"}) append_vectors(row.at(body), body, predictions);
 }

@@ -21,7 +21,7 @@ constexpr std::int64_t max_pixels = 100'000;
 PixelBox box_of(const json& value) {
   if (value.is_null()) return {};
   const auto pixels = [&](std::size_t i) {
-    return static_cast<int>(whole_number(value.at(i), -max_pixels, max_pixels));
+    return static_cast<int>(whole_number(value.at(i), "box", -max_pixels, max_pixels));
   };
   return {pixels(0), pixels(1), pixels(2), pixels(3)};
 }
@@ -29,9 +29,10 @@ PixelBox box_of(const json& value) {
 std::vector<ClipBoxes> boxes_of(const json& request) {
   std::vector<ClipBoxes> boxes;
   for (const json& clip : request.at("clips"))
-    boxes.push_back({static_cast<std::size_t>(whole_number(clip.at("clip"), 0, INT32_MAX)),
-                     static_cast<std::size_t>(whole_number(clip.at("frame"), 0, INT32_MAX)),
-                     box_of(clip.at("hand")), box_of(clip.at("object"))});
+    boxes.push_back(
+        {static_cast<std::size_t>(whole_number(clip.at("clip"), "clip", 0, INT32_MAX)),
+         static_cast<std::size_t>(whole_number(clip.at("frame"), "frame", 0, INT32_MAX)),
+         box_of(clip.at("hand")), box_of(clip.at("object"))});
   return boxes;
 }
 

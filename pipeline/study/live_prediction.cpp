@@ -63,8 +63,8 @@ void LivePrediction::set_baseline(std::vector<float> counts) {
   glove_.baseline_counts = std::move(counts);
 }
 
-/// Steps with frames of zeros, so that all kernels are compiled before the first frame. They leave
-/// the window as it was: zero.
+/// Steps with a frame of zeros, so that all kernels are compiled before the first frame. The window
+/// stays zero.
 void LivePrediction::warm_up() {
   const bool has_object = card_.spec.object != ObjectEncoder::none;
   online_.set_state(std::vector<float>(state_size));

@@ -66,7 +66,7 @@ std::vector<std::string> main_metrics(const std::vector<FinishedCell>& cells,
 ordered_json groups_json(const Summary& summary) {
   auto groups = ordered_json::array();
   for (const auto& group : summary.groups) {
-    ordered_json entry{{"rows", group.count}};
+    ordered_json entry{{"n", group.count}};
     for (std::size_t i = 0; i < summary.keys.size(); ++i) entry[summary.keys[i]] = group.keys[i];
     for (std::size_t i = 0; i < summary.metrics.size(); ++i)
       entry[summary.metrics[i]] = {{"mean", group.metrics[i].mean}, {"std", group.metrics[i].std}};

@@ -283,10 +283,10 @@ TEST(ProvenanceJson, RoundTripsAndFindsInputsByFileName) {
 
 TEST(JsonNumber, NumbersThatDoNotFitAreRefused) {
   using nlohmann::json;
-  EXPECT_EQ(whole_number(json(-3), -5, 5), -3);
-  EXPECT_EQ(whole_number(json(4.0), -5, 5), 4);
+  EXPECT_EQ(whole_number(json(-3), "n", -5, 5), -3);
+  EXPECT_EQ(whole_number(json(4.0), "n", -5, 5), 4);
   for (const char* text : {"6", "0.5", "1e50", "-1e400", "18446744073709551615", "null", "\"1\""})
-    EXPECT_THROW(whole_number(json::parse(text, nullptr, false), -5, 5), Error) << text;
+    EXPECT_THROW(whole_number(json::parse(text, nullptr, false), "n", -5, 5), Error) << text;
 }
 
 }  // namespace

@@ -290,7 +290,7 @@ TEST_F(Learning, DoesNotOverwriteAnExistingModel) {
   EXPECT_EQ(read_file(o.output), "something");
 }
 
-// Without a checkpoint of its own accord: the failure leaves one.
+// The failure itself saves the checkpoint.
 TEST_F(Learning, ATrainingThatFailedResumesWithSkippedUpdates) {
   const Dataset data = synthetic_dataset();
   auto o = options("model", 60);

@@ -4,6 +4,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/json_number.h"
 
 namespace touchtrace {
 namespace {
@@ -44,10 +45,12 @@ GloveConfig parse(const nlohmann::json& json) {
   GloveConfig config;
   // Earlier versions stored the path of a custom protocol file as the user typed it.
   config.protocol = std::filesystem::path(json.at("protocol").get<std::string>()).stem().string();
-  config.rows = static_cast<int>(number_between(json, "rows", 1, 255));
-  config.cols = static_cast<int>(number_between(json, "cols", 1, 255));
-  config.bits = static_cast<int>(number_between(json, "bits", 1, 16));
-  config.polarity = static_cast<int>(number_between(json, "polarity", -1, 1));
+  const auto integer = [&](const char* key, int minimum, int maximum) {
+    return static_cast<int>(whole_number(json.at(key), key, minimum, maximum));
+  };
+  config.rows = integer("rows", 1, 255), config.cols = integer("cols", 1, 255);
+  config.bits = integer("bits", 1, 16);
+  config.polarity = integer("polarity", -1, 1);
   if (config.polarity == 0) throw data_error("polarity is neither 1 nor -1", "");
   config.rate_hz = number_between(json, "rate_hz", 1e-3, 1e4);
   config.baseline_counts = json.at("baseline_counts").get<std::vector<float>>();

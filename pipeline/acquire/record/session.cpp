@@ -2,11 +2,10 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
-
 #include "calib/rgbd/calibration.h"
 #include "engine/base/error.h"
 #include "engine/base/finite.h"
+#include "engine/base/json_number.h"
 
 namespace touchtrace {
 namespace {
@@ -52,12 +51,7 @@ nlohmann::json describe_camera(const CameraInfo& camera) {
 }
 
 int number_between(const nlohmann::json& json, const char* key, int minimum, int maximum) {
-  const auto value = json.at(key).is_number() ? json.at(key).get<double>() : std::nan("");
-  if (!(value >= minimum && value <= maximum && value == std::floor(value)))
-    throw data_error(
-        fmt::format("the log says {} = {}, expected {} to {}", key, value, minimum, maximum),
-        log_hint);
-  return static_cast<int>(value);
+  return static_cast<int>(whole_number(json.at(key), key, minimum, maximum));
 }
 
 double positive_number(const nlohmann::json& json, const char* key) {

@@ -136,7 +136,7 @@ const std::vector<std::string>& glove_array_names() {
 GloveFile glove_of_arrays(const std::map<std::string, NumpyArray>& arrays,
                           const std::filesystem::path& file, const GloveFileOptions& options) {
   const NumpyArray& stored = find_array(arrays, value_names, file);
-  if (stored.size() == 0)  // axes beside one of length 0 may have any
+  if (stored.size() == 0)  // other axes may then have any length
     throw data_error(file.string() + " has no frames", "record again");
   const auto moved = frames_first(stored, options);
   const NumpyArray& values = moved ? *moved : stored;

@@ -93,6 +93,8 @@ def scores(predicted, target, trusted):
 
 def main(model, recording, labels):
     tensors, card = load_model(model)
+    if card["spec"]["dynamics"] != "mlp":
+        sys.exit(f"{model}: dynamics {card['spec']['dynamics']}; only mlp is evaluated here")
     spec, mean, sigma = card["spec"], np.array(card["scaling"]["mean"]), np.array(card["scaling"]["deviation"])
     history = max(spec["window_frames"], spec["segment_frames"] if "object" in spec else 0)
     results = {}

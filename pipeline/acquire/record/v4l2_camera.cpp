@@ -23,6 +23,7 @@ namespace {
 
 constexpr unsigned num_buffers = 8;
 constexpr int timeout_ms = 100;
+constexpr double min_rate_share = 0.9;  // of the rate asked for
 
 int retry_ioctl(int file, unsigned long request, void* argument) {
   int result;
@@ -39,7 +40,6 @@ class V4l2Camera : public CameraSource {
       file_ = open(path_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
       require(file_ >= 0, "open");
       set_format(options);
-      set_rate(options.rate_hz);
       map_buffers();
       int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
       require(retry_ioctl(file_, VIDIOC_STREAMON, &type) == 0, "start");
@@ -87,25 +87,47 @@ class V4l2Camera : public CameraSource {
     return buffer;
   }
 
-  bool try_format(v4l2_format& format, std::uint32_t pixels) const {
-    format.fmt.pix.pixelformat = pixels;
-    format.fmt.pix.bytesperline = format.fmt.pix.sizeimage = 0;
-    return retry_ioctl(file_, VIDIOC_S_FMT, &format) == 0 && format.fmt.pix.pixelformat == pixels;
-  }
-
-  void set_format(const CameraSourceOptions& options) {
+  /// Makes the driver use a pixel format with the size and rate nearest to those asked for.
+  bool set_format(std::uint32_t pixels, const CameraSourceOptions& asked) {
     v4l2_format format{};
     format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     require(retry_ioctl(file_, VIDIOC_G_FMT, &format) == 0, "use");
-    if (options.width > 0) format.fmt.pix.width = static_cast<unsigned>(options.width);
-    if (options.height > 0) format.fmt.pix.height = static_cast<unsigned>(options.height);
+    if (asked.width > 0) format.fmt.pix.width = static_cast<unsigned>(asked.width);
+    if (asked.height > 0) format.fmt.pix.height = static_cast<unsigned>(asked.height);
+    format.fmt.pix.pixelformat = pixels;
     format.fmt.pix.field = V4L2_FIELD_NONE;
-    if (kind_ == RecordKind::depth_image)
-      require(try_format(format, V4L2_PIX_FMT_Z16), "get depth (Z16) from");
-    else
-      require(try_format(format, V4L2_PIX_FMT_YUYV) || try_format(format, V4L2_PIX_FMT_MJPEG),
-              "get colour (YUYV or MJPG) from");
+    format.fmt.pix.bytesperline = format.fmt.pix.sizeimage = 0;
+    if (retry_ioctl(file_, VIDIOC_S_FMT, &format) != 0) return false;
+    if (format.fmt.pix.pixelformat != pixels) return errno = EINVAL, false;
     format_ = format.fmt.pix;
+    set_rate(asked.rate_hz);
+    return true;
+  }
+
+  bool is_as(const CameraSourceOptions& asked) const {
+    const auto is = [](int asked_px, std::uint32_t px) {
+      return asked_px <= 0 || static_cast<std::uint32_t>(asked_px) == px;
+    };
+    return is(asked.width, format_.width) && is(asked.height, format_.height) &&
+           rate_hz_ >= min_rate_share * asked.rate_hz;
+  }
+
+  /// MJPEG where YUYV is missing, or smaller or slower than asked for, as on USB 2.
+  bool set_color_format(const CameraSourceOptions& asked) {
+    const bool has_yuyv = set_format(V4L2_PIX_FMT_YUYV, asked);
+    if (has_yuyv && is_as(asked)) return true;
+    const bool has_jpeg = set_format(V4L2_PIX_FMT_MJPEG, asked);
+    return (has_jpeg && (!has_yuyv || is_as(asked))) || set_format(V4L2_PIX_FMT_YUYV, asked);
+  }
+
+  void set_format(const CameraSourceOptions& asked) {
+    if (kind_ == RecordKind::depth_image)
+      require(set_format(V4L2_PIX_FMT_Z16, asked), "get depth (Z16) from");
+    else
+      require(set_color_format(asked), "get colour (YUYV or MJPG) from");
+    if (!is_as(asked))
+      Progress::warn(fmt::format("{}: {} x {} px at {:.3g} Hz instead of what was asked for", path_,
+                                 format_.width, format_.height, rate_hz_));
   }
 
   void set_rate(double rate_hz) {

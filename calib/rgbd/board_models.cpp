@@ -1,6 +1,7 @@
 #include "calib/rgbd/board_models.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "calib/rgbd/target_deformation.h"
@@ -27,6 +28,12 @@ nlohmann::json list(const Eigen::Vector4d& values) {
   return std::vector<double>(values.begin(), values.end());
 }
 
+Eigen::Vector4d values_of(const nlohmann::json& list) {
+  Eigen::Vector4d values = Eigen::Vector4d::Constant(BoardModels::unknown);
+  if (list.is_array()) std::ranges::copy(list, values.begin());
+  return values;
+}
+
 }  // namespace
 
 Eigen::Vector4d BoardModels::change_px() const {
@@ -51,6 +58,13 @@ nlohmann::json board_models_json(const BoardModels& models) {
   return {{"flat", list(models.flat)},
           {"warped", list(models.warped)},
           {"free_corners", models.free_corners ? list(*models.free_corners) : nlohmann::json()}};
+}
+
+BoardModels board_models_of(const nlohmann::json& details) {
+  BoardModels models{values_of(details.at("flat")), values_of(details.at("warped")), {}};
+  if (details.at("free_corners").is_array())
+    models.free_corners = values_of(details["free_corners"]);
+  return models;
 }
 
 }  // namespace touchtrace

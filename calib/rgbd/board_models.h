@@ -30,5 +30,7 @@ BoardModels fit_board(BoardProblem& problem, RgbdParameters& parameters, bool ta
 
 /// {"flat": [fx, fy, cx, cy], "warped": .., "free_corners": ..}; null: not computed.
 nlohmann::json board_models_json(const BoardModels& models);
+/// The models of board_models_json().
+BoardModels board_models_of(const nlohmann::json& details);
 
 }  // namespace touchtrace

@@ -88,6 +88,10 @@ double CalibrationDifference::rms_sigmas() const {
   return std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
+double CalibrationDifference::worst_sigmas() const {
+  return std::ranges::max(finite(shift_px.cwiseQuotient(sigma_px)));
+}
+
 CalibrationDifference compare(const RgbdCalibration& a, const RgbdCalibration& b) {
   if (a.color.width != b.color.width || a.color.height != b.color.height)
     throw data_error(fmt::format("the calibrations are of {}x{} and of {}x{} pixels", a.color.width,
@@ -117,6 +121,7 @@ CalibrationDifference compare(const RgbdCalibration& a, const RgbdCalibration& b
 nlohmann::json difference_json(const CalibrationDifference& difference) {
   return {{"agree", difference.agrees()},
           {"rms_sigmas", difference.rms_sigmas()},
+          {"worst_sigmas", difference.worst_sigmas()},
           {"median_px", difference.median_px()},
           {"worst_px", difference.worst_px()},
           {"shift_px", grid_json(difference.shift_px)},

@@ -16,8 +16,11 @@ struct CalibrationDifference {
   double worst_px() const;
   /// Root mean square of shift_px over sigma_px: 1 on average if both covariances are right.
   double rms_sigmas() const;
-  /// Whether the stated standard deviations explain the shift.
-  bool agrees() const { return rms_sigmas() <= 2.0; }
+  /// Largest shift_px over sigma_px.
+  double worst_sigmas() const;
+  /// Whether the stated standard deviations explain the shift, everywhere: some ten parameters
+  /// make it, of which a chance in a thousand has a direction beyond five standard deviations.
+  bool agrees() const { return rms_sigmas() <= 2.0 && worst_sigmas() <= 5.0; }
 };
 
 /// Throws data_error if the image sizes differ or no pixel can be compared.

@@ -175,7 +175,7 @@ RgbdCalibration joint_calibration(const RigSolution& s, std::size_t camera,
   joint.rms_px = rms_of_used_views(o, used, p);
   joint.covariance = covariance.by_views;
   const auto& gain = alone.details["target_deformation"]["bic_gain"];
-  BoardModels boards;
+  BoardModels boards = board_models_of(alone.details["board_models"]);
   if (gain.is_number()) boards.deformation_bic_gain = gain;
   joint.details = calibration_details(
       {problem, p, joint, covariance, ColorFit{}, DepthNoise{}, paired, boards});

@@ -10,11 +10,11 @@ namespace {
 constexpr std::array conv_channels{32, 64, 128};
 
 void check_window(const TactileWindowShape& window) {
-  const auto fits = [](int size) { return size >= 6 && size <= 64; };
+  const auto fits = [](int size) { return size >= 1 && size <= 64; };
   if (!fits(window.rows) || !fits(window.cols) || window.frames < 1 || window.frames > 32)
     throw usage_error(
-        fmt::format("tactile window of {} frames of {} x {}; expected 1..32 frames of 6..64 x "
-                    "6..64",
+        fmt::format("tactile window of {} frames of {} x {}; expected 1..32 frames of 1..64 x "
+                    "1..64",
                     window.frames, window.rows, window.cols),
         "change --window or --resolution");
 }

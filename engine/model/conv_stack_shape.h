@@ -26,7 +26,7 @@ struct ConvStackShape {
   LiveTaxels live = {};
 
   /// Shapes of the three layers. The first one skips its dead output pixels if there are enough of
-  /// them. Throws usage_error for frames outside 6..64 or M outside 1..32.
+  /// them. Throws usage_error for frames outside 1..64 or M outside 1..32.
   std::array<Conv2dShape, 3> layers() const;
   /// Same convolutions over another number of windows.
   ConvStackShape of_windows(int count) const;

@@ -24,8 +24,8 @@ struct IntegerField {
 
 constexpr std::array<IntegerField, 8> integer_fields{{
     {"window_frames", &ModelSpec::window_frames, 1, 32, 1},
-    {"rows", &ModelSpec::rows, 6, 64, 1},
-    {"cols", &ModelSpec::cols, 6, 64, 1},
+    {"rows", &ModelSpec::rows, 1, 64, 1},
+    {"cols", &ModelSpec::cols, 1, 64, 1},
     {"tactile_kernel", &ModelSpec::tactile_kernel, 3, 5, 2},
     {"embedding", &ModelSpec::embedding, 16, 1024, 16},
     {"hidden", &ModelSpec::hidden, 64, 1024, 64},

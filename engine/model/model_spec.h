@@ -29,7 +29,7 @@ inline DynamicsKind dynamics_of(std::string_view name) {
 struct ModelSpec {
   bool touch = true;         ///< false: baseline "w/o Touch", without tactile encoder
   int window_frames = 10;    ///< M; the window of step t holds frames t-M+1 .. t (section III-B)
-  int rows = 32, cols = 32;  ///< of a tactile frame, 6..64
+  int rows = 32, cols = 32;  ///< of a tactile frame, 1..64
   int tactile_kernel = 3;    ///< kernel size of both encoders' convolutions, 3 or 5
   std::array<int, 3> tactile_strides{2, 2, 2};  ///< of both encoders' convolutions, 1 or 2 each
   int embedding = 64;  ///< size of g_t and e_i, a multiple of 16 up to 1024

@@ -41,7 +41,7 @@ bool is_clear(const SizeCounts& images_of) {
 
 /// nullopt if the file is not an image.
 std::optional<GreyImage> decode_grey(const std::filesystem::path& path) {
-  const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  const cv::Mat pixels = decode_grey_pixels(path);
   if (pixels.empty()) return {};
   return grey_image(pixels);
 }

@@ -15,6 +15,9 @@ namespace touchtrace {
 /// size.
 BoardSize find_board_size(const std::vector<std::filesystem::path>& images);
 
+/// Size of the chessboard of calibration.json; nullopt for another file or target.
+std::optional<BoardSize> board_size_of_corners(const std::filesystem::path& file);
+
 /// Reports a chessboard with markers, if one of the first images shows it.
 void report_markers(const std::vector<std::filesystem::path>& images);
 

@@ -51,8 +51,10 @@ void require_same_size(const GreyImage& first, const GreyImage& image,
 /// Images in a folder, by their extension, sorted; may be empty.
 std::vector<std::filesystem::path> images_in_folder(const std::filesystem::path& folder);
 
-/// Whether a path is a folder or has the extension of an image.
+/// Whether a path is a folder, or a file or pattern of files with the extension of an image.
 bool may_be_images(const std::filesystem::path& path);
+/// Throws data_error for the extension of a video.
+void require_no_video(const std::filesystem::path& path);
 
 /// Files that board_views_from_images or board_views_from_tum reads. Throws usage_error for a TUM
 /// folder and other sources.

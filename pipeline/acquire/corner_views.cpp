@@ -2,10 +2,12 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "pipeline/acquire/board_size.h"
 #include "pipeline/acquire/board_views.h"
 
 namespace touchtrace {
@@ -85,7 +87,7 @@ void read_lines(const fs::path& file, const std::string& text, BoardObservations
       observations.views_without_board.push_back(name);
       continue;
     }
-    if (observations.width == 0) {
+    if (observations.width == 0) {  // the text does not tell it
       const GreyImage image = read_grey(file.parent_path() / name);
       observations.width = image.width, observations.height = image.height;
     }
@@ -95,6 +97,18 @@ void read_lines(const fs::path& file, const std::string& text, BoardObservations
 }
 
 }  // namespace
+
+std::optional<BoardSize> board_size_of_corners(const fs::path& file) {
+  const json document = json::parse(read_file(file, max_bytes), nullptr, false);
+  const json::json_pointer pointer("/details/board");
+  if (!document.contains(pointer)) return std::nullopt;
+  const json& board = document[pointer];
+  if (board.value("target", json()) != "chessboard" ||
+      !board.value("columns", json()).is_number_integer() ||
+      !board.value("rows", json()).is_number_integer())
+    return std::nullopt;
+  return BoardSize{board["columns"], board["rows"]};
+}
 
 BoardObservations board_views_from_corners(const fs::path& file, const CalibrationTarget& board) {
   BoardObservations observations;

@@ -1,11 +1,41 @@
 #include "pipeline/acquire/decode_image.h"
 
+#include <algorithm>
 #include <climits>
+#include <cmath>
+#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/base/files.h"
 
 namespace touchtrace {
+namespace {
+
+/// Whether the end of a JPEG or PNG file is missing, which OpenCV fills with grey.
+bool is_cut_off(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG")) return bytes.rfind("IEND") == std::string_view::npos;
+  if (!bytes.starts_with("\xFF\xD8")) return false;
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+  std::size_t at = 2;  // of a segment; the image, behind the last one, ends with FF D9
+  while (at + 4 <= bytes.size() && byte(at) == 0xFF && byte(at + 1) != 0xDA)
+    at += 2u + 256u * byte(at + 2) + byte(at + 3);
+  return bytes.find("\xFF\xD9", at) == std::string_view::npos;
+}
+
+/// The highest 8 bits that are used.
+cv::Mat high_bits(const cv::Mat& pixels) {
+  double brightest = 0.0;
+  cv::minMaxLoc(pixels, nullptr, &brightest);
+  int unused = 0;
+  while (brightest >= std::ldexp(256.0, unused)) ++unused;
+  cv::Mat result(pixels.size(), CV_8U);
+  std::transform(pixels.begin<std::uint16_t>(), pixels.end<std::uint16_t>(),
+                 result.begin<std::uint8_t>(),
+                 [&](std::uint16_t value) { return static_cast<std::uint8_t>(value >> unused); });
+  return result;
+}
+
+}  // namespace
 
 cv::Mat decode_image(const std::filesystem::path& path, int flags) {
   std::string bytes = read_file(path);
@@ -15,6 +45,14 @@ cv::Mat decode_image(const std::filesystem::path& path, int flags) {
   } catch (const cv::Exception&) {
     return {};
   }
+}
+
+cv::Mat decode_grey_pixels(const std::filesystem::path& path) {
+  if (is_cut_off(read_file(path))) return {};
+  constexpr int flags = cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
+  cv::Mat pixels = decode_image(path, flags | cv::IMREAD_ANYDEPTH);
+  if (pixels.depth() == CV_16U) return high_bits(pixels);
+  return pixels.depth() == CV_8U ? pixels : decode_image(path, flags);
 }
 
 }  // namespace touchtrace

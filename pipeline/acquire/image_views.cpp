@@ -26,6 +26,8 @@ namespace fs = std::filesystem;
 constexpr std::array image_extensions{".png",  ".jpg", ".jpeg", ".bmp", ".tif",
                                       ".tiff", ".pgm", ".ppm",  ".webp"};
 
+constexpr std::array video_extensions{".mp4", ".avi", ".mov", ".mkv", ".webm"};
+
 bool is_image(const fs::path& path) {
   const std::string extension = lower_case(path.extension().string());
   std::error_code unreadable;
@@ -34,6 +36,7 @@ bool is_image(const fs::path& path) {
 }
 
 std::vector<fs::path> matches(const std::string& pattern) {
+  if (std::error_code unreadable; fs::exists(pattern, unreadable)) return {pattern};
   glob_t found{};
   const std::unique_ptr<glob_t, decltype(&globfree)> release(&found, &globfree);
   std::vector<fs::path> paths;
@@ -92,9 +95,9 @@ void warn_if_turned(const fs::path& path, const cv::Mat& stored) {
 }  // namespace
 
 GreyImage read_grey(const fs::path& path) {
-  const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  const cv::Mat pixels = decode_grey_pixels(path);
   if (pixels.empty())
-    throw data_error(fmt::format("{} is not a readable image", path.string()),
+    throw data_error(fmt::format("{} is not a readable image, or cut off", path.string()),
                      "remove it from the folder");
   return grey_image(pixels);
 }
@@ -109,7 +112,16 @@ void require_same_size(const GreyImage& first, const GreyImage& image, const fs:
 
 bool may_be_images(const fs::path& path) {
   std::error_code unreadable;
-  return fs::is_directory(path, unreadable) || is_image(path);
+  return fs::is_directory(path, unreadable) || std::ranges::any_of(matches(path), is_image);
+}
+
+void require_no_video(const fs::path& path) {
+  const std::string extension = lower_case(path.extension().string());
+  if (std::ranges::find(video_extensions, extension) != video_extensions.end())
+    throw data_error(
+        path.string() + " is a video",
+        "write its images into a folder, e.g. two per second: ffmpeg -i VIDEO -vf fps=2 "
+        "photos/%04d.png");
 }
 
 std::vector<fs::path> images_in_folder(const fs::path& folder) {
@@ -121,6 +133,7 @@ std::vector<fs::path> images_in_folder(const fs::path& folder) {
 std::vector<fs::path> image_files(const std::vector<std::string>& folders_or_patterns) {
   std::vector<fs::path> files;
   for (const std::string& source : folders_or_patterns) {
+    require_no_video(source);
     if (is_tum_folder(source)) {
       if (folders_or_patterns.size() > 1)
         throw usage_error(source + " is a TUM RGB-D folder, which cannot be combined with others",
@@ -147,9 +160,9 @@ BoardObservations board_views_from_images(const std::vector<std::string>& folder
   Progress progress("detecting the board", files.size());
   for (const auto& path : files) {
     progress.advance();
-    const cv::Mat pixels = decode_image(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    const cv::Mat pixels = decode_grey_pixels(path);
     if (pixels.empty()) {
-      unreadable.push_back({path.filename().string(), "not a readable image"});
+      unreadable.push_back({path.filename().string(), "not a readable image, or cut off"});
       continue;
     }
     if (by_size.empty()) warn_if_turned(path, pixels);

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "engine/base/error.h"
@@ -41,23 +40,6 @@ bool has_name(const std::string& column, const std::vector<std::string>& names,
 }
 
 }  // namespace
-
-std::span<const TableUnit> time_units() {
-  static const std::array<TableUnit, 7> units{{{"", 1.0},
-                                               {"_s", 1.0},
-                                               {"_sec", 1.0},
-                                               {"_seconds", 1.0},
-                                               {"_ms", 1e3},
-                                               {"_us", 1e6},
-                                               {"_ns", 1e9}}};
-  return units;
-}
-
-std::span<const TableUnit> length_units() {
-  static const std::array<TableUnit, 5> units{
-      {{"", 1.0}, {"_m", 1.0}, {"_cm", 1e2}, {"_mm", 1e3}, {"_um", 1e6}}};
-  return units;
-}
 
 std::optional<TableColumn> find_column(const TextTable& table,
                                        const std::vector<std::string>& columns,

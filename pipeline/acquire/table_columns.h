@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "pipeline/acquire/table_units.h"
 #include "pipeline/acquire/text_table.h"
 
 namespace touchtrace {
@@ -17,17 +18,6 @@ struct TableColumn {
   std::string label;      ///< for messages
   bool has_unit = false;  ///< its name has one
 };
-
-/// Unit by the suffix of a column's name: "_ms" has 1000 per second.
-struct TableUnit {
-  std::string suffix;
-  double per_unit;
-};
-
-/// Seconds by default, or s, ms, us, ns.
-std::span<const TableUnit> time_units();
-/// Metres by default, or m, cm, mm, um.
-std::span<const TableUnit> length_units();
 
 /// Column of `columns` whose name is one of `names`, with or without a unit. Returns nullopt if
 /// there is none. Throws data_error if there are several.

@@ -8,12 +8,13 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
 #include "engine/base/text.h"
+#include "pipeline/acquire/table_heading.h"
+#include "pipeline/acquire/table_units.h"
 
 namespace touchtrace {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 constexpr std::size_t max_quoted_bytes = 40;
 constexpr std::string_view blanks = " \t\r\v\f";
 constexpr std::size_t min_wide_columns = 6;  // of tables that may follow other lines
+constexpr std::size_t max_heading_lines = 12;
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(blanks);
@@ -110,10 +112,15 @@ bool is_missing(std::string_view field) {
 }  // namespace
 
 std::string column_name(std::string_view field) {
+  constexpr std::string_view micro_sign = "\xC2\xB5", greek_mu = "\xCE\xBC";
+  const std::string text = lower_case(field);
   std::string name;
-  for (char c : lower_case(field)) {
-    if (std::isalnum(static_cast<unsigned char>(c)))
-      name += c;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto two = std::string_view(text).substr(i, 2);
+    if (two == micro_sign || two == greek_mu)
+      name += 'u', ++i;
+    else if (std::isalnum(static_cast<unsigned char>(text[i])))
+      name += text[i];
     else if (!name.empty() && name.back() != '_')
       name += '_';
   }
@@ -127,6 +134,29 @@ TextTable::TextTable(std::filesystem::path file)
     throw data_error(fmt::format("{} is not a text file in UTF-8 or ASCII", file_.string()),
                      "save or export it as CSV");
   if (text_.starts_with("\xEF\xBB\xBF")) next_ = 3;  // byte order mark
+  if (!read_heading()) read_header();
+  rewind();
+}
+
+bool TextTable::read_heading() {
+  const std::size_t start = next_;
+  std::vector<TableLine> lines;
+  while (lines.size() < max_heading_lines && next_line()) {
+    separator_ = separator_of(content_);
+    lines.push_back(split(content_, separator_));
+    if (!names_axes_only(lines.back())) continue;
+    names_ = names_of_heading(lines);
+    num_columns_ = names_.size();
+    read_units();
+    if (next_fields()) num_columns_ = std::max(num_columns_, fields_.size());
+    names_.resize(num_columns_);
+    return true;
+  }
+  next_ = start, line_ = 0;
+  return false;
+}
+
+void TextTable::read_header() {
   if (const std::size_t skipped = skip_introduction(); skipped > 0)
     Progress::report(fmt::format("{}: skipped {} lines before the table", file_.string(), skipped));
   if (trimmed(content_).empty())
@@ -141,16 +171,23 @@ TextTable::TextTable(std::filesystem::path file)
   next_fields();
   if (num_columns_ > 1 && fields_.back().empty()) fields_.pop_back();
   num_columns_ = fields_.size();
-  is_row_pending_ = !has_header;
   if (!has_header) return;
   names_ = column_names(fields_);
+  read_units();
+}
+
+void TextTable::read_units() {
   first_line_ = line_, first_next_ = next_;
-  if (next_fields() && !has_number(fields_)) {
-    Progress::report(
-        fmt::format("{}: skipped line {}, which has no number", file_.string(), line_));
-    first_line_ = line_, first_next_ = next_;
-  }
-  rewind();
+  if (!next_fields() || has_number(fields_)) return;
+  first_line_ = line_, first_next_ = next_;
+  bool has_units = false;
+  for (std::size_t i = 0; i < std::min(names_.size(), fields_.size()); ++i)
+    if (const std::string unit = "_" + column_name(fields_[i]); is_unit(unit)) {
+      if (!names_[i].ends_with(unit)) names_[i] += unit;
+      has_units = true;
+    }
+  Progress::report(fmt::format("{}: {} line {}, which has no number", file_.string(),
+                               has_units ? "took units from" : "skipped", line_));
 }
 
 std::size_t TextTable::skip_introduction() {
@@ -205,7 +242,7 @@ bool TextTable::next_line() {
   return !trimmed(content_).empty();
 }
 
-bool TextTable::next_row() { return std::exchange(is_row_pending_, false) || next_fields(); }
+bool TextTable::next_row() { return next_fields(); }
 
 bool TextTable::next_fields() {
   do
@@ -216,10 +253,7 @@ bool TextTable::next_fields() {
   return true;
 }
 
-void TextTable::rewind() {
-  next_ = first_next_, line_ = first_line_;
-  is_row_pending_ = false;
-}
+void TextTable::rewind() { next_ = first_next_, line_ = first_line_; }
 
 template <class Number>
 std::optional<Number> parse_number(std::string_view field, bool has_decimal_comma) {

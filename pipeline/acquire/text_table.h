@@ -17,7 +17,8 @@ namespace touchtrace {
 ///
 /// The first row is a header if none of its fields is a number, if it has text where the second row
 /// has a number, or if it counts ten columns or more from 0 or 1.
-/// A row of text below it has units and is skipped.
+/// A row of text below it has units: those of times and lengths become part of the names, others
+/// are skipped. Headings of several lines, as motion capture has them: see names_of_heading().
 class TextTable {
  public:
   static constexpr std::uintmax_t max_bytes = 1u << 28;
@@ -56,8 +57,14 @@ class TextTable {
   bool is_comment() const;
   /// Advances to the next row, whose fields are those of the line.
   bool next_fields();
+  /// Reads a heading of several lines; returns false, and stays at the start, if there is none.
+  bool read_heading();
+  /// Reads the first row or header.
+  void read_header();
   /// Advances to the first row or header; returns the number of lines before it.
   std::size_t skip_introduction();
+  /// Reads a row of text below the header, if there is one.
+  void read_units();
   /// Whether the first row, which is the current one, is a header.
   bool is_header();
   bool has_number(std::span<const std::string_view> fields) const;
@@ -68,13 +75,12 @@ class TextTable {
   std::size_t next_ = 0, line_ = 0, num_columns_ = 0;
   std::size_t first_next_ = 0, first_line_ = 0;  ///< before the first row
   char separator_ = ' ';
-  bool is_row_pending_ = false;
   std::vector<std::string_view> fields_;
   std::vector<std::string> names_, comment_names_;
 };
 
-/// A name in lower case; each run of other characters than letters and digits is one underscore:
-/// "Time [ms]" is "time_ms".
+/// A name in lower case; each run of other characters than letters and digits is one underscore, a
+/// micro sign is u: "Time [ms]" is "time_ms".
 std::string column_name(std::string_view text);
 
 /// Number of a field: NaN for a missing value (empty, `nan`, `na`, `null`, `none`), nullopt for

@@ -10,6 +10,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "pipeline/acquire/iso_time.h"
 #include "pipeline/acquire/track_columns.h"
 
 namespace touchtrace {
@@ -64,8 +65,10 @@ class TrackReader {
   double next_time() {
     if (!columns_.time) return static_cast<double>(num_rows_++) / rate_hz_;
     TableColumn& column = *columns_.time;
-    auto time_s = value_of<long double>(table_, column);
-    if (!last_time_s_ && !column.has_unit && std::abs(time_s) > max_time_s)
+    const auto date_s = parse_iso_time(table_.fields()[column.index]);
+    auto time_s =
+        date_s ? static_cast<long double>(*date_s) : value_of<long double>(table_, column);
+    if (!date_s && !last_time_s_ && !column.has_unit && std::abs(time_s) > max_time_s)
       time_s /= static_cast<long double>(column.per_unit = unix_unit_of(time_s));
     if (std::isnan(time_s)) throw LineFault{column.label + " is missing"};
     if (std::abs(time_s) > max_time_s)

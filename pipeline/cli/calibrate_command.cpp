@@ -104,6 +104,8 @@ BoardSize board_size_of(const CalibrateOptions& o) {
   if ((o.columns == 0) != (o.rows == 0))
     throw usage_error("--columns and --rows go together", "give both or none");
   if (o.columns > 0) return {o.columns, o.rows};
+  if (const auto size = o.corners.empty() ? std::nullopt : board_size_of_corners(o.corners))
+    return *size;
   const auto images = sizing_images(o);
   if (images.empty()) return {CalibrationTarget{}.columns, CalibrationTarget{}.rows};
   const BoardSize size = find_board_size(images);
@@ -142,6 +144,7 @@ CalibrationTarget target_of(const CalibrateOptions& o) {
 
 /// Options with photographs that were given in place of a recording among the images.
 CalibrateOptions with_images(CalibrateOptions o) {
+  require_no_video(o.recording);
   if (may_be_images(o.recording)) o.images.push_back(std::exchange(o.recording, ""));
   return o;
 }

@@ -86,17 +86,22 @@ void print_lens(const RgbdCalibration& c) {
       removed += (removed.empty() ? "" : ", ") + coefficient["parameter"].get<std::string>();
     fmt::print("{}\n", removed.empty() ? "" : fmt::format("; without {}: unobservable", removed));
   }
-  double worst_px = 0.0;
+  double worst_px = 0.0, cells = 0.0, known = 0.0;
   for (const auto& row : details["projection_sigma_px"])
-    for (const auto& sigma : row)
-      if (sigma.is_number()) worst_px = std::max(worst_px, sigma.get<double>());
+    for (const auto& sigma : row) {
+      ++cells;
+      if (sigma.is_number()) ++known, worst_px = std::max(worst_px, sigma.get<double>());
+    }
   if (const double inflation = details["view_inflation"]; inflation > 1.0)
     fmt::print(
         "          corners of a view err together: standard deviations are {:.1f} times those "
         "of independent corners\n",
         inflation);
-  fmt::print("image     {:.0f} % covered by boards; projection known to {:.2f} px at worst\n",
-             1e2 * details["coverage"].get<double>(), worst_px);
+  fmt::print("image     {:.0f} % covered by boards; projection known to {:.2f} px at worst{}\n",
+             1e2 * details["coverage"].get<double>(), worst_px,
+             known < cells
+                 ? fmt::format(", in {:.0f} % of the image not at all", 1e2 * (1.0 - known / cells))
+                 : "");
   print_board(c);
 }
 
@@ -146,15 +151,15 @@ void print_comparison(const CalibrationDifference& difference) {
   const double mm_per_px = 1e3 / difference.focal_px;  // at 1 m
   fmt::print(
       "shift     median {:.2f} px, {:.2f} mm at 1 m; worst {:.2f} px, {:.2f} mm; {:.1f} standard "
-      "deviations (RMS)\n{}",
+      "deviations (RMS), {:.1f} at worst\n{}",
       difference.median_px(), mm_per_px * difference.median_px(), difference.worst_px(),
-      mm_per_px * difference.worst_px(), difference.rms_sigmas(),
+      mm_per_px * difference.worst_px(), difference.rms_sigmas(), difference.worst_sigmas(),
       cells(difference.shift_px, difference.sigma_px));
   fmt::print(
       "          of a far point over the image, and its standard deviation [px]\nverdict   {}\n",
       difference.agrees() ? "the calibrations agree"
                           : "the calibrations differ by more than their covariances say: the "
-                            "camera, its focus or its images have changed");
+                            "camera, its focus, its images or its lens model have changed");
 }
 
 }  // namespace touchtrace::cli

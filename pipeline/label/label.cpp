@@ -246,6 +246,23 @@ void warn_of_low_rate(const CameraInfo& camera) {
         camera.rate_hz));
 }
 
+/// Warns if the object's centre may as well be outside the object.
+void warn_of_uncertain_object(const nlohmann::json& summary) {
+  if (!summary["object_sigma_m"].is_number()) return;
+  const double sigma_m = std::sqrt(3.0) * summary["object_sigma_m"].get<double>();
+  for (const auto& [object, shape] : summary["object_shape"].items()) {
+    const double radius_m =
+        shape.contains("radius_m")
+            ? shape["radius_m"].get<double>()
+            : Eigen::Vector3d(shape["half_extents_m"].get<std::array<double, 3>>().data()).norm();
+    if (sigma_m > radius_m)
+      Progress::warn(fmt::format(
+          "the centre of '{}' is uncertain by {:.0f} mm, more than its radius of {:.0f} mm: its "
+          "colours may be those of other things; look at the labels with --preview, give masks",
+          object, 1e3 * sigma_m, 1e3 * radius_m));
+  }
+}
+
 }  // namespace
 
 Labels label_recording(const Recording& recording, const FrameSource& frames,
@@ -256,7 +273,9 @@ Labels label_recording(const Recording& recording, const FrameSource& frames,
   warn_of_low_rate(recording.camera);
   run.learn_and_track();
   run.smooth(on_refusal);
-  return run.labels();
+  auto labels = run.labels();
+  warn_of_uncertain_object(labels.summary);
+  return labels;
 }
 
 Labels label_recording(const RecordingReader& reader,

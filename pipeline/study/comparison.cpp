@@ -145,7 +145,8 @@ Comparison compare_models(const std::vector<const Session*>& sessions,
     throw data_error(
         fmt::format("the evaluation clips of {} hold fewer than two roll-outs of {} steps",
                     models.front()->card.activity, horizon_steps),
-        "record more or longer clips");
+        "record more or longer clips, or evaluate recordings that no model was trained on: all of "
+        "their clips count");
   add_baselines(comparison, stride, seed);
   for (const ModelGroup& group : group_models(models)) {
     Candidate candidate{group.name, group.kind, {}, group.options};

@@ -16,7 +16,7 @@ void describe(OptionSet& set, ModelOptions& o) {
   set.flag("without-touch", o.without_touch, "baseline without tactile input");
   set.integer("window", o.window, "tactile frames per window, 1-32", 1, 32);
   set.integer("resolution", o.resolution,
-              "tactile rows and columns, 6-64; 0: 32, or the glove's own if it has fewer", 0, 64);
+              "tactile rows and columns, 1-64; 0: 32, or the glove's own if it has fewer", 0, 64);
   set.choice("tactile-kernel", o.tactile_kernel, "convolution kernel size", {"3", "5"});
   // At a resolution of 6, strides 1,1,1 keep 6 x 6 positions; 2,2,2 leave one.
   set.choice("tactile-strides", o.tactile_strides,

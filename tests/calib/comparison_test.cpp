@@ -52,6 +52,15 @@ TEST(Comparison, AChangedFocusIsFound) {
   EXPECT_NEAR(difference.worst_px(), 4.0, 1.0);
 }
 
+TEST(Comparison, ADifferenceInOneCornerCounts) {
+  CalibrationDifference difference{Eigen::MatrixXd::Zero(10, 10), Eigen::MatrixXd::Ones(10, 10)};
+  difference.shift_px(0, 9) = 4.0;
+  EXPECT_TRUE(difference.agrees());
+  difference.shift_px(0, 9) = 6.0;
+  EXPECT_LT(difference.rms_sigmas(), 1.0);
+  EXPECT_FALSE(difference.agrees());
+}
+
 TEST(Comparison, AnotherImageSizeIsAnError) {
   const auto a = calibrated(simulated_boards(15, false, 640), 1);
   auto b = a;

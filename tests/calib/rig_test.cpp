@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/rgbd/board_models.h"
 #include "calib/rig/calibrate_rig.h"
 #include "engine/base/error.h"
 #include "tests/verify/calib/simulated_rig.h"
@@ -44,6 +45,17 @@ TEST(Rig, IntrinsicsOfEachCameraAreThoseOfTheJointFit) {
     EXPECT_EQ(c.details["sigmas"]["color.fx"].get<double>(), std::sqrt(c.covariance(0, 0)));
     EXPECT_EQ(c.details["verdict"], "GOOD");
   }
+}
+
+/// A rig takes the models of the board from the calibrations of its cameras.
+TEST(Rig, BoardModelsAreReadBack) {
+  BoardModels models;
+  models.flat = {1.0, 2.0, 3.0, 4.0};
+  EXPECT_EQ(board_models_of(board_models_json(models)).change_px(), Eigen::Vector4d::Zero());
+  models.free_corners = {2.0, 4.0, 6.0, 8.0};
+  EXPECT_EQ(board_models_of(board_models_json(models)).change_px(), models.flat);
+  models.warped = {2.0, 4.0, 6.0, 7.0};
+  EXPECT_EQ(board_models_of(board_models_json(models)).change_px(), Eigen::Vector4d(0, 0, 0, 1));
 }
 
 TEST(Rig, WarpOfAFlatBoardIsNotEstimated) {

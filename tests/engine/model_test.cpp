@@ -71,6 +71,17 @@ TEST(Model, LossAndGradientMatchReferenceWithOtherConvolutions) {
   expect_agreement(small_spec(5, {2, 1, 2}), {0.3, 77});
 }
 
+TEST(Model, LossAndGradientMatchReferenceWithFewTaxels) {
+  for (const auto [rows, cols] : {std::pair(1, 1), {1, 19}, {4, 4}})
+    for (const auto variant : {KernelVariant::cpu, KernelVariant::gpu}) {
+      auto spec = small_spec(ObjectEncoder::joint);
+      spec.rows = rows, spec.cols = cols;
+      expect_agreement(spec, {0.3, 77}, variant);
+      spec.tactile_kernel = 5;
+      expect_agreement(spec, {}, variant);
+    }
+}
+
 TEST(Model, LossAndGradientMatchReferenceWithGpuKernels) {
   expect_agreement(small_spec(ObjectEncoder::joint), {0.3, 77}, KernelVariant::gpu);
 }
@@ -134,7 +145,7 @@ TEST(Model, RejectsInvalidSpecs) {
       [](ModelSpec& s) { s.hidden = 100; },
       [](ModelSpec& s) { s.state = 17; },
       [](ModelSpec& s) { s.embedding = 20; },
-      [](ModelSpec& s) { s.rows = 5; },
+      [](ModelSpec& s) { s.rows = 0; },
       [](ModelSpec& s) { s.rows = 0, s.touch = false; },
       [](ModelSpec& s) { s.tactile_kernel = 4; },
       [](ModelSpec& s) { s.tactile_strides[1] = 3; },

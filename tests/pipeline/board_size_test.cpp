@@ -7,10 +7,15 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/base/error.h"
+#include "engine/base/files.h"
 #include "engine/base/scratch_folder.h"
+#include "pipeline/acquire/decode_image.h"
+#include "tests/pipeline/recording_samples.h"
 
 namespace touchtrace {
 namespace {
+
+using testing::put, testing::TemporaryFolder;
 
 /// Chessboard that faces the camera, turned by 4 degrees.
 cv::Mat photograph(const BoardSize& size) {
@@ -68,6 +73,48 @@ TEST(FindBoardSize, OfTwoImagesIsNotClear) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("seen in only 2 of 3 images"), std::string::npos);
     EXPECT_NE(error.hint().find("--columns"), std::string::npos);
+  }
+}
+
+TEST(FindBoardSize, CornersOfAFileTellIt) {
+  const TemporaryFolder folder;
+  put(folder / "c.json",
+      R"({"details": {"board": {"target": "chessboard", "columns": 7, "rows": 4}}})");
+  const auto size = board_size_of_corners(folder / "c.json");
+  ASSERT_TRUE(size);
+  EXPECT_EQ(size->columns, 7);
+  EXPECT_EQ(size->rows, 4);
+  put(folder / "c.json", R"({"details": {"board": {"target": "chessboard", "columns": "x"}}})");
+  EXPECT_FALSE(board_size_of_corners(folder / "c.json"));
+  put(folder / "c.json", "# filename x y level\n");
+  EXPECT_FALSE(board_size_of_corners(folder / "c.json"));
+}
+
+/// Images of 12 bits, as machine vision cameras store them in 16.
+TEST(DecodeGrey, UsesTheHighestBitsThatAreUsed) {
+  const TemporaryFolder folder;
+  const auto decoded = [&](std::uint16_t brightest) {
+    const cv::Mat image = (cv::Mat_<std::uint16_t>(1, 2) << brightest / 2, brightest);
+    cv::imwrite((folder / "a.png").string(), image);
+    return decode_grey_pixels(folder / "a.png");
+  };
+  for (const int brightest : {4095, 65535, 255}) {
+    const cv::Mat grey = decoded(static_cast<std::uint16_t>(brightest));
+    ASSERT_EQ(grey.type(), CV_8U);
+    EXPECT_EQ(grey.at<std::uint8_t>(0), 127) << brightest;
+    EXPECT_EQ(grey.at<std::uint8_t>(1), 255) << brightest;
+  }
+}
+
+TEST(DecodeGrey, RefusesImagesWithoutTheirEnd) {
+  const TemporaryFolder folder;
+  const cv::Mat image(64, 64, CV_8U, cv::Scalar(90));
+  for (const char* name : {"a.jpg", "a.png"}) {
+    cv::imwrite((folder / name).string(), image);
+    EXPECT_FALSE(decode_grey_pixels(folder / name).empty()) << name;
+    const std::string bytes = read_file(folder / name);
+    put(folder / name, bytes.substr(0, bytes.size() - 20));
+    EXPECT_TRUE(decode_grey_pixels(folder / name).empty()) << name;
   }
 }
 

@@ -182,6 +182,24 @@ TEST_F(ImportGlove, NamesTellThePlacesOfTaxels) {
 }
 
 /// A first row that is cut off does not name the columns.
+TEST_F(ImportGlove, RepeatedNumbersKeepTheOrderOfTheFile) {
+  std::string table = "time_s,1,2,3,4,1,2,3,4\n";  // two sensors beside each other
+  for (int row = 0; row < num_rows; ++row)
+    table += fmt::format("{:.2f},10,11,12,13,20,21,22,{}\n", 0.05 * row, 40 + row % 2);
+  testing::put(folder_ / "a.csv", table);
+  const GloveStream stream = import_alone(alone("a.csv", 2, 4));
+  for (std::size_t taxel = 0; taxel < 7; ++taxel)
+    EXPECT_EQ(stream.counts[taxel], taxel < 4 ? 10 + taxel : 16 + taxel);
+}
+
+TEST_F(ImportGlove, AnIndexThatDoesNotCountIsAFinger) {
+  std::string table = "time_s,thumb,index,middle,ring\n";
+  for (int row = 0; row < num_rows; ++row)
+    table += fmt::format("{:.2f},10,{},12,13\n", 0.05 * row, 40 + row % 2);
+  testing::put(folder_ / "a.csv", table);
+  EXPECT_EQ(import_alone(alone("a.csv", 2, 2)).counts[1], 40);
+}
+
 TEST_F(ImportGlove, RowsMayBeginInTheMiddle) {
   std::string table = "5,6,0.5\n";
   for (int i = 0; i < num_rows; ++i)

@@ -107,6 +107,70 @@ TEST(TrackFile, FindsColumnsByNameAndUnit) {
   expect_two_points("# time_ms x_mm y_m z_m\n100 1000 2 3\n200 1500 2 3\n");  // numpy.savetxt
 }
 
+TEST(TrackFile, ReadsFeetInchesAndSpelledUnits) {
+  const auto first = [](const std::string& names, const std::string& row) {
+    return track_of(names + "\n" + row + "\n").track[0].position_m;
+  };
+  const Eigen::Vector3d expected(1.0, 2.0, 3.0);
+  EXPECT_LT(
+      (first("time,x [ft],y [ft],z [ft]", "0,3.2808399,6.5616798,9.8425197") - expected).norm(),
+      1e-7);
+  EXPECT_LT((first("t_msec,ball_x_in,ball_y_in,ball_z_in", "0,39.3700787,78.7401575,118.110236") -
+             expected)
+                .norm(),
+            1e-7);
+  EXPECT_LT(
+      (first("time,x (\xC2\xB5m),y (\xC2\xB5m),z (\xC2\xB5m)", "0,1e6,2e6,3e6") - expected).norm(),
+      1e-12);
+  EXPECT_LT((first("time,x_millimeters,y_millimeters,z_millimeters", "0,1000,2000,3000") - expected)
+                .norm(),
+            1e-12);
+  EXPECT_DOUBLE_EQ(track_of("time [\xCE\xBCs],x,y,z\n500000,1,2,3\n").track[0].time_s, 0.5);
+}
+
+TEST(TrackFile, ReadsDates) {
+  const auto read =
+      track_of("time,x_m,y_m,z_m\n2023-11-14T22:13:20.25Z,1,2,3\n2023-11-14 22:13:20.75,1,2,3\n");
+  EXPECT_EQ(read.origin_s, 1'700'000'000);
+  EXPECT_NEAR(read.track[0].time_s, 0.25, 1e-6);
+  EXPECT_NEAR(read.track[1].time_s, 0.75, 1e-6);
+}
+
+/// Expects (1, 2, 3) and (1.5, 2, 3) m at 0.1 and 0.2 s for the body.
+void expect_body(const std::string& text, const TrackOptions& options) {
+  const TrackFile read = track_of(text, options);
+  ASSERT_EQ(read.track.size(), 2u) << text;
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(read.track[i].time_s, i == 0 ? 0.1 : 0.2, 1e-12) << text;
+    EXPECT_LT((read.track[i].position_m - Eigen::Vector3d(i == 0 ? 1.0 : 1.5, 2.0, 3.0)).norm(),
+              1e-12)
+        << text;
+  }
+}
+
+TEST(TrackFile, ReadsExportsOfMotionCapture) {
+  const std::string motive =
+      "Format Version,1.23,Take Name,a,Length Units,Millimeters,Coordinate Space,Global\n\n"
+      ",Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Marker\n"
+      ",Name,Tool,Tool,Tool,Tool,Tool,Tool,Tool,Tool\n"
+      ",ID,\"D13274E4C75B11ED\",\"D13274E4C75B11ED\",,,,,,\n"
+      ",,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,Quality\n"
+      "Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,\n"
+      "0,0.1,0,0,0,1,1000,2000,3000,.9\n1,0.2,0,0,0,1,1500,2000,3000,.9\n";
+  expect_body(motive, {});
+  expect_body(motive, {.x_column = "rigid_body_tool_position_x_millimeters"});
+  const std::string nexus =
+      "Trajectories,,,,,,,\n100,,,,,,,\n,,A:Hand,,,A:Ball,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n"
+      ",,mm,mm,mm,mm,mm,mm\n1,0,0,0,0,1000,2000,3000\n2,0,0,0,0,1500,2000,3000\n";
+  EXPECT_EQ(track_of(nexus, {.x_column = "a_ball_x_mm", .rate_hz = 10.0}).track[1].position_m,
+            Eigen::Vector3d(1.5, 2.0, 3.0));
+  const std::string trc =
+      "PathFileType\t4\t(X/Y/Z)\ta.trc\nDataRate\tNumMarkers\tUnits\n100\t2\tmm\n"
+      "Frame#\tTime\tHand\t\t\tBall\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\t\n"
+      "1\t0.1\t0\t0\t0\t1000\t2000\t3000\t\t\t\n2\t0.2\t0\t0\t0\t1500\t2000\t3000\t\t\t\n";
+  expect_body(trc, {.x_column = "ball_x2_mm"});
+}
+
 TEST(TrackFile, ReadsTumTrajectories) {
   expect_two_points("# timestamp tx ty tz qx qy qz qw\n0.1 1 2 3 0 0 0 1\n0.2 1.5 2 3 0 0 0 1\n");
   expect_two_points("0.1 1 2 3 0 0 0 1\n0.2 1.5 2 3 0 0 0 1\n");

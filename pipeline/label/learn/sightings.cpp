@@ -23,7 +23,7 @@ constexpr double box_centre_per_unevenness = 1.44;
 /// is taken for evenly distributed from 0.3 to 1.5 radii.
 constexpr double box_centre_per_radius = 0.2;
 
-double num_points(const Patch& patch) { return static_cast<double>(patch.points_m.size()); }
+double patch_points(const Patch& patch) { return static_cast<double>(patch.points_m.size()); }
 
 /// Patch of a class with the largest score over starts spread over its points.
 template <class Score>
@@ -54,14 +54,14 @@ void find_hands(SampledFrames& samples) {
   for (const auto& sample : samples)
     if (sample.has_boxes())
       boxed[sample.clip] = centroid(best_patch(points_in(sample.surface, sample.clip->hand_box),
-                                               Body::hand, hand_patch_radius_m, num_points));
+                                               Body::hand, hand_patch_radius_m, patch_points));
   for (auto& sample : samples) {
     const auto& start = boxed[sample.clip];
     sample.hand_m = sample.has_boxes() ? start : std::nullopt;
     if (sample.has_boxes() || !start) continue;
     sample.hand_m = centroid(
         best_patch(sample.surface, Body::hand, hand_patch_radius_m, [&](const Patch& patch) {
-          return patch_score(num_points(patch), (patch.centroid_m - *start).norm() / arm_reach_m);
+          return patch_score(patch_points(patch), (patch.centroid_m - *start).norm() / arm_reach_m);
         }));
   }
 }
@@ -100,7 +100,7 @@ Surface near_hand(const SampledFrame& sample, const BoxedObject& boxed) {
 
 std::optional<Sighting> sighting_of(const SampledFrame& sample, const BoxedObject& boxed) {
   auto patch = best_patch(near_hand(sample, boxed), Body::object,
-                          object_patch_radius_factor * boxed.radius_m, num_points);
+                          object_patch_radius_factor * boxed.radius_m, patch_points);
   if (!patch) return std::nullopt;
   return Sighting{sample.index, std::move(*patch),
                   sample.has_drawn_boxes() ? std::optional(sample.clip->object_box) : std::nullopt};

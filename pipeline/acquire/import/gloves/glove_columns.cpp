@@ -22,15 +22,6 @@ constexpr std::size_t max_listed_columns = 5;
 // Fractions of a column's rows. A stamp of whole seconds is that of up to 100 frames.
 constexpr double min_time_rises = 0.01, max_time_falls = 0.05;
 
-/// Whether a column has neither taxels nor times: numbers of frames, time as text, labels.
-bool is_other(const std::string& name) {
-  static const std::vector<std::string> others{"time_str",  "datetime", "date_time",   "date",
-                                               "frame",     "frame_id", "frame_index", "index",
-                                               "sequence",  "packet",   "clip",        "",
-                                               "unnamed_0", "label",    "class",       epoch_name};
-  return std::ranges::find(others, name) != others.end();
-}
-
 /// What the first rows tell of a column.
 struct ColumnContent {
   std::size_t text = 0, numbers = 0;  ///< fields that are not empty
@@ -55,6 +46,15 @@ struct ColumnContent {
     last = number;
   }
 };
+
+/// Whether a column has neither taxels nor times: numbers of frames, time as text, labels.
+bool is_other(const std::string& name, const ColumnContent& content) {
+  static const std::vector<std::string> others{
+      "time_str", "datetime", "date_time", "date",  "frame", "frame_id",  "frame_index", "sequence",
+      "packet",   "clip",     "",          "label", "class", "unnamed_0", epoch_name};
+  const bool is_counter = name == "index" && content.may_be_time();  // else that of a finger
+  return is_counter || std::ranges::find(others, name) != others.end();
+}
 
 std::vector<ColumnContent> read_contents(TextTable& table) {
   std::vector<ColumnContent> contents(table.num_columns());
@@ -135,6 +135,7 @@ std::optional<TableColumn> column_named(const TextTable& table, const char* name
 /// Columns of taxels in the order of the file: those named counts_..., as `export` writes them,
 /// else all others.
 std::vector<TableColumn> taxel_columns_of(const TextTable& table,
+                                          const std::vector<ColumnContent>& contents,
                                           const std::optional<TableColumn>& time) {
   const auto& names = table.names();
   const bool has_counts = std::ranges::any_of(
@@ -142,7 +143,7 @@ std::vector<TableColumn> taxel_columns_of(const TextTable& table,
   std::vector<TableColumn> taxels;
   for (std::size_t i = 0; i < table.num_columns(); ++i) {
     const std::string name = label_of(table, i);
-    if ((time && i == time->index) || (!names.empty() && is_other(name))) continue;
+    if ((time && i == time->index) || (!names.empty() && is_other(name, contents[i]))) continue;
     if (!has_counts || name.starts_with("counts_")) taxels.push_back({i, 1.0, name});
   }
   return taxels;
@@ -207,8 +208,8 @@ GloveColumns columns_of_glove(TextTable& table, const GloveFileOptions& options)
                        column_named(table, "sequence"),
                        column_named(table, epoch_name),
                        {}};
-  auto taxels =
-      options.taxels.empty() ? taxel_columns_of(table, columns.time) : columns_in(table, chosen);
+  auto taxels = options.taxels.empty() ? taxel_columns_of(table, contents, columns.time)
+                                       : columns_in(table, chosen);
   if (options.taxels.empty()) {
     drop_text(contents, taxels);
     keep_numbered(options, taxels);

@@ -9,11 +9,11 @@
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "engine/base/text.h"
-#include "pipeline/acquire/import/formats/iso_time.h"
 #include "pipeline/acquire/import/gloves/glove_columns.h"
 #include "pipeline/acquire/import/gloves/glove_file.h"
 #include "pipeline/acquire/import/gloves/glove_values.h"
 #include "pipeline/acquire/import/gloves/numbered_columns.h"
+#include "pipeline/acquire/iso_time.h"
 #include "pipeline/acquire/table_columns.h"
 
 namespace touchtrace {
@@ -132,7 +132,7 @@ void require_times(const GloveFile& glove, const TextTable& table) {
 
 bool is_glove_table(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
-  return std::ranges::any_of(std::array{".csv", ".txt", ".tsv", ".log", ".dat"},
+  return std::ranges::any_of(std::array{".csv", ".txt", ".tsv", ".asc", ".log", ".dat"},
                              [&](const char* other) { return extension == other; });
 }
 

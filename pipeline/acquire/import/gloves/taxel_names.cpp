@@ -98,8 +98,13 @@ NamedLayout named_layout(const std::vector<std::string>& names, const std::files
   if (is_ours || (is_grid && is_complete(taxels))) return grid(taxels, file);
   NamedLayout layout{0, 0, std::vector<std::size_t>(names.size())};
   std::iota(layout.column.begin(), layout.column.end(), std::size_t{0});
-  if (!taxels.empty() && !is_grid)
-    std::ranges::stable_sort(layout.column, {}, [&](std::size_t i) { return taxels[i].col; });
+  if (taxels.empty() || is_grid || std::ranges::is_sorted(taxels, {}, &TaxelName::col))
+    return layout;
+  std::set<int> numbers;
+  for (const TaxelName& taxel : taxels) numbers.insert(taxel.col);
+  if (numbers.size() < taxels.size()) return layout;
+  std::ranges::sort(layout.column, {}, [&](std::size_t i) { return taxels[i].col; });
+  Progress::report("glove: taxels are put in the order of the numbers of their columns");
   return layout;
 }
 

@@ -13,8 +13,8 @@ struct NamedLayout {
 };
 
 /// Names ROW_COL or counts_ROW_COL, in any order, counted from 0 or 1. Names that end with one
-/// number are put in the order of their numbers. Throws data_error if a taxel is missing or has two
-/// columns. `file`: for the message.
+/// number are put in the order of their numbers, unless a number is repeated. Throws data_error if
+/// a taxel is missing or has two columns. `file`: for the message.
 NamedLayout named_layout(const std::vector<std::string>& names, const std::filesystem::path& file);
 
 }  // namespace touchtrace

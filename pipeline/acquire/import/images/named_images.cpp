@@ -7,7 +7,7 @@
 #include <regex>
 #include <string>
 
-#include "pipeline/acquire/import/formats/iso_time.h"
+#include "pipeline/acquire/iso_time.h"
 
 namespace touchtrace {
 namespace {

@@ -1,4 +1,4 @@
-#include "pipeline/acquire/import/formats/iso_time.h"
+#include "pipeline/acquire/iso_time.h"
 
 #include <chrono>
 #include <regex>

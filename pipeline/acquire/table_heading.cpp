@@ -10,7 +10,7 @@
 namespace touchtrace {
 namespace {
 
-constexpr std::size_t min_names = 3, min_identifier_bytes = 16;
+constexpr std::size_t min_axes = 3, min_identifier_bytes = 16;
 
 /// x, y or z, perhaps with a number behind it.
 bool is_axis(const std::string& name) {
@@ -24,11 +24,18 @@ bool is_number_or_identifier(std::string_view field) {
          (field.size() >= min_identifier_bytes && std::ranges::all_of(field, is_hexadecimal));
 }
 
-/// Whether the line names bodies or quantities of the columns below it.
+bool is_unit_label(std::string_view field) {
+  const std::string name = column_name(field);
+  return name == "units" || name == "length_units";
+}
+
+/// Whether the line names bodies or quantities of the columns below it, behind those of frame and
+/// time.
 bool names_columns(const TableLine& line, std::size_t columns) {
-  const auto filled = std::ranges::count_if(line, [](auto field) { return !field.empty(); });
-  return 2 * line.size() > columns && static_cast<std::size_t>(filled) >= min_names &&
-         std::ranges::none_of(line, is_number_or_identifier);
+  return line.size() > 2 && 2 * line.size() > columns &&
+         std::any_of(line.begin() + 2, line.end(), [](auto field) { return !field.empty(); }) &&
+         std::ranges::none_of(line, is_number_or_identifier) &&
+         std::ranges::none_of(line, is_unit_label);
 }
 
 /// Unit of lengths: behind "Length Units" or below "Units".
@@ -72,7 +79,7 @@ bool names_axes_only(const TableLine& line) {
     if (is_axis(name)) axes.insert(name), ++count;
     unnamed += field.empty();
   }
-  return count >= min_names && (axes.size() < count || (unnamed > 0 && !axes.contains("x")));
+  return count >= min_axes && (axes.size() < count || (unnamed > 0 && !axes.contains("x")));
 }
 
 std::vector<std::string> names_of_heading(std::span<const TableLine> lines) {

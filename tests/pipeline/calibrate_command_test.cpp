@@ -204,7 +204,9 @@ TEST(CalibrateCommand, CalibratesTheStereoPairOfOpenCv) {
   EXPECT_NEAR(pose.baseline_m, 0.08318, 4.0 * pose.baseline_sigma_m);
   EXPECT_LT(pose.baseline_sigma_m, 2e-4);
   EXPECT_LT(rig.details["epipolar"][0]["rms_px"].get<double>(), 0.2);
-  EXPECT_EQ(rig.details["verdict"], "GOOD");
+  EXPECT_EQ(rig.details["verdict"],
+            "WEAK");  // as the left camera alone: its board moves cy by 4 px
+  EXPECT_NE(rig.details["advice"].dump().find("left: free corners"), std::string::npos);
   EXPECT_EQ(read_calibration(folder / "stereo/right").color.parameters(),
             rig.cameras[1].color.parameters());
   for (const char* name : {"camchain.yaml", "left_right_opencv.yaml", "left/camera.yaml"})

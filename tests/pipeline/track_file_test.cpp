@@ -165,7 +165,8 @@ TEST(TrackFile, ReadsExportsOfMotionCapture) {
   EXPECT_EQ(track_of(nexus, {.x_column = "a_ball_x_mm", .rate_hz = 10.0}).track[1].position_m,
             Eigen::Vector3d(1.5, 2.0, 3.0));
   const std::string trc =
-      "PathFileType\t4\t(X/Y/Z)\ta.trc\nDataRate\tNumMarkers\tUnits\n100\t2\tmm\n"
+      "PathFileType\t4\t(X/Y/"
+      "Z)\ta.trc\nDataRate\tNumMarkers\tUnits\tRate\tStart\n100\t2\tmm\t100\t1\n"
       "Frame#\tTime\tHand\t\t\tBall\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\t\n"
       "1\t0.1\t0\t0\t0\t1000\t2000\t3000\t\t\t\n2\t0.2\t0\t0\t0\t1500\t2000\t3000\t\t\t\n";
   expect_body(trc, {.x_column = "ball_x2_mm"});

@@ -68,6 +68,9 @@ def write_labels(path, recording, hand, object):
             file[f"{body}/position_m"], file[f"{body}/velocity_m_per_s"] = position, velocity
             file[f"{body}/causal_position_m"], file[f"{body}/causal_velocity_m_per_s"] = causal_position, causal_velocity
             file[f"{body}/covariance"], file[f"{body}/quality"] = covariance, np.where(visible, 0, 1).astype(np.uint8)
+            print(f"{body}: {len(visible)} labels, {np.mean(~visible):.1%} lost", file=sys.stderr)
+            if np.mean(~visible) > 0.1:
+                print("  lost labels are in the track's gaps; `touchtrace smooth --rate 100` fills short ones", file=sys.stderr)
         for name, shape in {"time_s": (0,), "clip": (0,), "hand_m": (0, 3), "object_m": (0, 3),
                             "hand_sigma_m": (0, 3), "object_sigma_m": (0, 3)}.items():
             file[f"raw/{name}"] = np.zeros(shape, int if name == "clip" else float)

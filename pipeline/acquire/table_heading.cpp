@@ -88,14 +88,10 @@ std::vector<std::string> names_of_heading(std::span<const TableLine> lines) {
   const std::string unit = length_unit(lines).value_or("");
   std::vector<std::string> names;
   for (std::size_t i = 0; i < line.size(); ++i) {
-    std::string name = column_name(line[i]);
-    if (is_axis(name) || name.empty()) {
-      const bool has_unit = is_axis(name);
-      std::string full = above[i];
-      append(full, name);
-      name = std::move(full);
-      if (has_unit) append(name, unit);
-    }
+    const std::string own = column_name(line[i]);
+    std::string name = own.empty() || is_axis(own) ? above[i] : "";
+    append(name, own);
+    if (is_axis(own)) append(name, unit);
     names.push_back(std::move(name));
   }
   return names;

@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::size_t max_quoted_bytes = 40;
 constexpr std::string_view blanks = " \t\r\v\f";
-constexpr std::size_t min_wide_columns = 6;  // of tables that may follow other lines
-constexpr std::size_t max_heading_lines = 12;
+constexpr std::size_t min_wide_columns = 6;    // of tables that may follow other lines
+constexpr std::size_t max_heading_lines = 12;  // .trc has 5, Motive 7
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(blanks);

@@ -1,7 +1,8 @@
 # touchtrace_unity(NAME source...)
 # Compiles the sources of a target in groups. The libraries then take about 60 % of the time of one file by file.
 # Two files that define one name in their anonymous namespaces are never in one group, so the setting asks nothing
-# of the names but that overloaded functions are called, not passed. A file that is changed costs its group: switch it off to work on the code.
+# of the names; only overloads may meet, which is an error where such a function is passed instead of called.
+# A file that is changed costs its group: switch it off to work on the code.
 option(TOUCHTRACE_UNITY "Compile source files in groups" ON)
 set(touchtrace_unity_files 16)  # at most, in a group
 

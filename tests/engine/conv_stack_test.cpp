@@ -188,7 +188,7 @@ TEST(ConvStack, SkippingDeadTaxelsDoesNotChangeTheResult) {
 
 TEST(ConvStack, RejectsInvalidSizes) {
   for (const TactileWindowShape& window :
-       {TactileWindowShape{1, 10, 5, 32}, {1, 10, 32, 65}, {1, 0, 32, 32}, {1, 33, 32, 32}}) {
+       {TactileWindowShape{1, 10, 0, 32}, {1, 10, 32, 65}, {1, 0, 32, 32}, {1, 33, 32, 32}}) {
     ParameterTable table;
     EXPECT_THROW(ConvStack::declare("tactile", {window}, table), Error);
   }

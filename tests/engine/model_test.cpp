@@ -72,7 +72,7 @@ TEST(Model, LossAndGradientMatchReferenceWithOtherConvolutions) {
 }
 
 TEST(Model, LossAndGradientMatchReferenceWithFewTaxels) {
-  for (const auto [rows, cols] : {std::pair(1, 1), {1, 19}, {4, 4}})
+  for (const auto& [rows, cols] : {std::pair(1, 1), {1, 19}, {4, 4}})
     for (const auto variant : {KernelVariant::cpu, KernelVariant::gpu}) {
       auto spec = small_spec(ObjectEncoder::joint);
       spec.rows = rows, spec.cols = cols;

@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <iostream>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "engine/base/files.h"
 #include "pipeline/live/live_files.h"
@@ -126,6 +129,47 @@ TEST(LivePage, DrawsFramesInABrowser) {
         ">step 40 from the prior, object: segment<"})
     EXPECT_NE(page.dom.find(part), std::string::npos) << part << "\n" << page.dom;
   EXPECT_EQ(page.console.find("Uncaught"), std::string::npos) << page.console;
+}
+
+/// Time from the arrival of the glove's last byte until the frame is drawn, as the page shows it.
+TEST(LivePage, ShowsAFrameWithin50Milliseconds) {
+  if (testing::find_browser().empty()) GTEST_SKIP() << "no Chromium; the page is not run";
+  constexpr int frames = 60, period_ms = 67;
+  const TemporaryFolder folder;
+  EventFeed feed;
+  HttpServer server(0);
+  std::vector<double> picture_ms;
+  std::atomic<bool> is_done = false;
+  const auto answer = [&](const HttpRequest& request) -> HttpResponse {
+    if (request.path == "events") return {200, "text/event-stream", "", &feed};
+    if (request.path == "shown") {
+      for (const auto& value : json::parse(request.body)) picture_ms.push_back(value);
+      is_done = true;
+    }
+    return {200, "text/html; charset=utf-8",
+            testing::replaced(std::string(live_files().at("live.html")), "</body>", R"(<script>
+      setInterval(() => {
+        if (pictureMs.length >= 50) fetch("shown", {method: "POST", body: JSON.stringify(pictureMs)});
+      }, 100);
+    </script></body>)")};
+  };
+  std::jthread publisher([&](const std::stop_token& stop) {
+    for (int waited = 0; !feed.has_readers() && !stop.stop_requested() && waited < 60'000; ++waited)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (int i = 0; i < frames && !stop.stop_requested(); ++i) {
+      feed.publish(event_of(i));
+      std::this_thread::sleep_for(std::chrono::milliseconds(period_ms));
+    }
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    is_done = true;
+  });
+  const testing::OpenBrowser browser(server.url(), folder.path());
+  server.run(answer, [&] { return is_done.load(); });
+  ASSERT_GE(picture_ms.size(), 50u);
+  std::ranges::sort(picture_ms);
+  std::cout << "byte to picture: median " << picture_ms[picture_ms.size() / 2] << " ms, 95 % "
+            << picture_ms[picture_ms.size() * 95 / 100] << " ms\n";
+  EXPECT_LE(picture_ms[picture_ms.size() / 2], 50.0);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ TEST(ModelOptions, RejectUnsupportedValues) {
     describe(set, options);
     EXPECT_THROW(set.validate(), Error) << kernel << " " << strides;
   }
-  EXPECT_THROW(make_spec({}, 5, 32, 1), Error);
+  EXPECT_THROW(make_spec({}, 65, 32, 1), Error);
 }
 
 TEST(ModelOptions, ObjectEncoderNeedsTouchAndSeveralObjects) {

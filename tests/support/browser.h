@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "engine/base/files.h"
 #include "tests/pipeline/recording_samples.h"
@@ -35,6 +36,30 @@ inline LoadedPage load_page(const std::string& url, const std::filesystem::path&
   EXPECT_EQ(std::system(command.c_str()), 0) << read_file(folder / "console.txt");
   return {read_file(folder / "dom.html"), read_file(folder / "console.txt")};
 }
+
+/// Headless browser on a page, in real time, until destruction.
+class OpenBrowser {
+ public:
+  OpenBrowser(const std::string& url, std::filesystem::path folder) : folder_(std::move(folder)) {
+    const std::string command = fmt::format(
+        "timeout 120 {0} --headless --no-sandbox --disable-gpu --disable-dev-shm-usage "
+        "--remote-debugging-port=0 --user-data-dir={1}/profile '{2}' >{1}/console.txt 2>&1 & "
+        "echo $! >{1}/pid",
+        find_browser(), folder_.string(), url);
+    EXPECT_EQ(std::system(command.c_str()), 0);
+  }
+  ~OpenBrowser() {
+    const std::string command = fmt::format(
+        "pid=$(cat {}/pid); kill $pid; while kill -0 $pid 2>/dev/null; do sleep 0.05; done",
+        folder_.string());
+    EXPECT_EQ(std::system(command.c_str()), 0);
+  }
+  OpenBrowser(const OpenBrowser&) = delete;
+  OpenBrowser& operator=(const OpenBrowser&) = delete;
+
+ private:
+  std::filesystem::path folder_;
+};
 
 /// `text` with the first `from` replaced, which must be there.
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {

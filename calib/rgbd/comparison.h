@@ -18,8 +18,9 @@ struct CalibrationDifference {
   double rms_sigmas() const;
   /// Largest shift_px over sigma_px.
   double worst_sigmas() const;
-  /// Whether the stated standard deviations explain the shift, everywhere: some ten parameters
-  /// make it, of which a chance in a thousand has a direction beyond five standard deviations.
+  /// Whether the stated standard deviations explain the shift, on average and everywhere. A lens
+  /// has up to nine parameters besides a rotation: if all errors are normal, the largest deviation
+  /// in any direction is above five in up to 0.3 % of cases (chi-square above 25).
   bool agrees() const { return rms_sigmas() <= 2.0 && worst_sigmas() <= 5.0; }
 };
 

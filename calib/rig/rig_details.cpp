@@ -179,8 +179,7 @@ RgbdCalibration joint_calibration(const RigSolution& s, std::size_t camera,
   if (gain.is_number()) boards.deformation_bic_gain = gain;
   joint.details = calibration_details(
       {problem, p, joint, covariance, ColorFit{}, DepthNoise{}, paired, boards});
-  for (const char* key :
-       {"lens", "lenses", "board_models", "duplicate_views", "held_out", "solving"})
+  for (const char* key : {"lens", "lenses", "duplicate_views", "held_out", "solving"})
     if (alone.details.contains(key)) joint.details[key] = alone.details[key];
   for (const auto& name : alone.details["outlier_views"])
     joint.details["outlier_views"].push_back(name);

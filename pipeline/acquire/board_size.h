@@ -15,7 +15,8 @@ namespace touchtrace {
 /// size.
 BoardSize find_board_size(const std::vector<std::filesystem::path>& images);
 
-/// Size of the chessboard of calibration.json; nullopt for another file or target.
+/// Size of the chessboard of calibration.json; nullopt for another file or target. Throws
+/// data_error if it is not a size.
 std::optional<BoardSize> board_size_of_corners(const std::filesystem::path& file);
 
 /// Reports a chessboard with markers, if one of the first images shows it.

@@ -7,6 +7,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/json_number.h"
 #include "pipeline/acquire/board_size.h"
 #include "pipeline/acquire/board_views.h"
 
@@ -103,11 +104,12 @@ std::optional<BoardSize> board_size_of_corners(const fs::path& file) {
   const json::json_pointer pointer("/details/board");
   if (!document.contains(pointer)) return std::nullopt;
   const json& board = document[pointer];
-  if (board.value("target", json()) != "chessboard" ||
-      !board.value("columns", json()).is_number_integer() ||
-      !board.value("rows", json()).is_number_integer())
+  if (!board.is_object() || board.value("target", json()) != chessboard_kind.name)
     return std::nullopt;
-  return BoardSize{board["columns"], board["rows"]};
+  const auto size = [&](const char* name) {
+    return static_cast<int>(whole_number(board.value(name, json()), name, 3, 100));
+  };
+  return BoardSize{size("columns"), size("rows")};
 }
 
 BoardObservations board_views_from_corners(const fs::path& file, const CalibrationTarget& board) {

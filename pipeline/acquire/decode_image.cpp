@@ -35,10 +35,7 @@ cv::Mat high_bits(const cv::Mat& pixels) {
   return result;
 }
 
-}  // namespace
-
-cv::Mat decode_image(const std::filesystem::path& path, int flags) {
-  std::string bytes = read_file(path);
+cv::Mat decode(std::string& bytes, int flags) {
   if (bytes.empty() || bytes.size() > INT_MAX) return {};
   try {
     return cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8U, bytes.data()), flags);
@@ -47,12 +44,20 @@ cv::Mat decode_image(const std::filesystem::path& path, int flags) {
   }
 }
 
+}  // namespace
+
+cv::Mat decode_image(const std::filesystem::path& path, int flags) {
+  std::string bytes = read_file(path);
+  return decode(bytes, flags);
+}
+
 cv::Mat decode_grey_pixels(const std::filesystem::path& path) {
-  if (is_cut_off(read_file(path))) return {};
+  std::string bytes = read_file(path);
+  if (is_cut_off(bytes)) return {};
   constexpr int flags = cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
-  cv::Mat pixels = decode_image(path, flags | cv::IMREAD_ANYDEPTH);
+  const cv::Mat pixels = decode(bytes, flags | cv::IMREAD_ANYDEPTH);
   if (pixels.depth() == CV_16U) return high_bits(pixels);
-  return pixels.depth() == CV_8U ? pixels : decode_image(path, flags);
+  return pixels.depth() == CV_8U ? pixels : decode(bytes, flags);
 }
 
 }  // namespace touchtrace

@@ -8,6 +8,7 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
+#include "pipeline/acquire/iso_time.h"
 
 namespace touchtrace {
 namespace {
@@ -71,6 +72,12 @@ Number value_of(const TextTable& table, const TableColumn& column) {
 
 template double value_of(const TextTable& table, const TableColumn& column);
 template long double value_of(const TextTable& table, const TableColumn& column);
+
+std::optional<double> date_of(const TextTable& table, const TableColumn& column) {
+  const auto field = table.fields()[column.index];
+  if (parse_number<double>(field, table.has_decimal_comma())) return std::nullopt;
+  return parse_iso_time(field);
+}
 
 void for_each_row(TextTable& table, std::size_t max_rows, const std::string& hint,
                   const std::function<void()>& add_row) {

@@ -36,6 +36,9 @@ struct LineFault {
 template <class Number>
 Number value_of(const TextTable& table, const TableColumn& column);
 
+/// Unix time of a date in the current row (ISO 8601); nullopt for a number or other text.
+std::optional<double> date_of(const TextTable& table, const TableColumn& column);
+
 /// Calls `add_row` for each row of the table. Throws data_error with the first few faults of all
 /// rows: each LineFault that `add_row` throws, and rows of another length than the first. Leaves
 /// out a last row that was cut off, with a warning. Throws data_error for more than `max_rows`.

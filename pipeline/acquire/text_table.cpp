@@ -142,6 +142,7 @@ bool TextTable::read_heading() {
   const std::size_t start = next_;
   std::vector<TableLine> lines;
   while (lines.size() < max_heading_lines && next_line()) {
+    if (is_comment()) continue;
     separator_ = separator_of(content_);
     lines.push_back(split(content_, separator_));
     if (!names_axes_only(lines.back())) continue;

@@ -10,7 +10,6 @@
 
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
-#include "pipeline/acquire/iso_time.h"
 #include "pipeline/acquire/track_columns.h"
 
 namespace touchtrace {
@@ -65,7 +64,7 @@ class TrackReader {
   double next_time() {
     if (!columns_.time) return static_cast<double>(num_rows_++) / rate_hz_;
     TableColumn& column = *columns_.time;
-    const auto date_s = parse_iso_time(table_.fields()[column.index]);
+    const auto date_s = date_of(table_, column);
     auto time_s =
         date_s ? static_cast<long double>(*date_s) : value_of<long double>(table_, column);
     if (!date_s && !last_time_s_ && !column.has_unit && std::abs(time_s) > max_time_s)

@@ -159,7 +159,7 @@ void print_comparison(const CalibrationDifference& difference) {
       "          of a far point over the image, and its standard deviation [px]\nverdict   {}\n",
       difference.agrees() ? "the calibrations agree"
                           : "the calibrations differ by more than their covariances say: the "
-                            "camera, its focus, its images or its lens model have changed");
+                            "camera, its focus, the images or the lens model are not the same");
 }
 
 }  // namespace touchtrace::cli

@@ -85,6 +85,8 @@ TEST(FindBoardSize, CornersOfAFileTellIt) {
   EXPECT_EQ(size->columns, 7);
   EXPECT_EQ(size->rows, 4);
   put(folder / "c.json", R"({"details": {"board": {"target": "chessboard", "columns": "x"}}})");
+  EXPECT_THROW(board_size_of_corners(folder / "c.json"), Error);
+  put(folder / "c.json", R"({"details": {"board": 3}})");
   EXPECT_FALSE(board_size_of_corners(folder / "c.json"));
   put(folder / "c.json", "# filename x y level\n");
   EXPECT_FALSE(board_size_of_corners(folder / "c.json"));

@@ -183,7 +183,7 @@ TEST_F(ImportGlove, NamesTellThePlacesOfTaxels) {
 
 /// A first row that is cut off does not name the columns.
 TEST_F(ImportGlove, RepeatedNumbersKeepTheOrderOfTheFile) {
-  std::string table = "time_s,1,2,3,4,1,2,3,4\n";  // two sensors beside each other
+  std::string table = "time_s,1,2,3,4,1,2,3,4\n";  // two sensors, next to each other
   for (int row = 0; row < num_rows; ++row)
     table += fmt::format("{:.2f},10,11,12,13,20,21,22,{}\n", 0.05 * row, 40 + row % 2);
   testing::put(folder_ / "a.csv", table);

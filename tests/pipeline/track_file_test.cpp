@@ -160,7 +160,8 @@ TEST(TrackFile, ReadsExportsOfMotionCapture) {
   expect_body(motive, {});
   expect_body(motive, {.x_column = "rigid_body_tool_position_x_millimeters"});
   const std::string nexus =
-      "Trajectories,,,,,,,\n100,,,,,,,\n,,A:Hand,,,A:Ball,,\nFrame,Sub Frame,X,Y,Z,X,Y,Z\n"
+      "# a, b, c, d, e, f, g, h\nTrajectories,,,,,,,\n100,,,,,,,\n,,A:Hand,,,A:Ball,,\nFrame,Sub "
+      "Frame,X,Y,Z,X,Y,Z\n"
       ",,mm,mm,mm,mm,mm,mm\n1,0,0,0,0,1000,2000,3000\n2,0,0,0,0,1500,2000,3000\n";
   EXPECT_EQ(track_of(nexus, {.x_column = "a_ball_x_mm", .rate_hz = 10.0}).track[1].position_m,
             Eigen::Vector3d(1.5, 2.0, 3.0));

@@ -88,7 +88,7 @@ class V4l2Camera : public CameraSource {
   }
 
   /// Makes the driver use a pixel format with the size and rate nearest to those asked for.
-  bool set_format(std::uint32_t pixels, const CameraSourceOptions& asked) {
+  bool set_pixel_format(std::uint32_t pixels, const CameraSourceOptions& asked) {
     v4l2_format format{};
     format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     require(retry_ioctl(file_, VIDIOC_G_FMT, &format) == 0, "use");
@@ -98,7 +98,10 @@ class V4l2Camera : public CameraSource {
     format.fmt.pix.field = V4L2_FIELD_NONE;
     format.fmt.pix.bytesperline = format.fmt.pix.sizeimage = 0;
     if (retry_ioctl(file_, VIDIOC_S_FMT, &format) != 0) return false;
-    if (format.fmt.pix.pixelformat != pixels) return errno = EINVAL, false;
+    if (format.fmt.pix.pixelformat != pixels) {
+      errno = EINVAL;
+      return false;
+    }
     format_ = format.fmt.pix;
     set_rate(asked.rate_hz);
     return true;
@@ -114,15 +117,15 @@ class V4l2Camera : public CameraSource {
 
   /// MJPEG where YUYV is missing, or smaller or slower than asked for, as on USB 2.
   bool set_color_format(const CameraSourceOptions& asked) {
-    const bool has_yuyv = set_format(V4L2_PIX_FMT_YUYV, asked);
+    const bool has_yuyv = set_pixel_format(V4L2_PIX_FMT_YUYV, asked);
     if (has_yuyv && is_as(asked)) return true;
-    const bool has_jpeg = set_format(V4L2_PIX_FMT_MJPEG, asked);
-    return (has_jpeg && (!has_yuyv || is_as(asked))) || set_format(V4L2_PIX_FMT_YUYV, asked);
+    const bool has_jpeg = set_pixel_format(V4L2_PIX_FMT_MJPEG, asked);
+    return (has_jpeg && (!has_yuyv || is_as(asked))) || set_pixel_format(V4L2_PIX_FMT_YUYV, asked);
   }
 
   void set_format(const CameraSourceOptions& asked) {
     if (kind_ == RecordKind::depth_image)
-      require(set_format(V4L2_PIX_FMT_Z16, asked), "get depth (Z16) from");
+      require(set_pixel_format(V4L2_PIX_FMT_Z16, asked), "get depth (Z16) from");
     else
       require(set_color_format(asked), "get colour (YUYV or MJPG) from");
     if (!is_as(asked))

@@ -13,7 +13,6 @@
 #include "pipeline/acquire/import/gloves/glove_file.h"
 #include "pipeline/acquire/import/gloves/glove_values.h"
 #include "pipeline/acquire/import/gloves/numbered_columns.h"
-#include "pipeline/acquire/iso_time.h"
 #include "pipeline/acquire/table_columns.h"
 
 namespace touchtrace {
@@ -23,12 +22,10 @@ constexpr std::size_t max_frames = 10'000'000;
 
 /// Stamp of the current row. Text must be a date and a time.
 double stamp_of(const TextTable& table, const TableColumn& time, bool& has_dates) {
-  const auto field = table.fields()[time.index];
-  if (!parse_number<double>(field, table.has_decimal_comma()))
-    if (const auto date_s = parse_iso_time(field)) {
-      has_dates = true;
-      return *date_s;
-    }
+  if (const auto date_s = date_of(table, time)) {
+    has_dates = true;
+    return *date_s;
+  }
   const double stamp = value_of<double>(table, time);
   if (std::isnan(stamp)) throw LineFault{"the time is missing"};
   return stamp;

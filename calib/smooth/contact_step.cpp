@@ -6,40 +6,62 @@
 namespace touchtrace {
 namespace {
 
-/// Positive nodes of Gauss-Legendre quadrature with 8 points on [-1, 1], and their weights.
-constexpr std::array<double, 4> nodes{0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                                      0.9602898564975363};
-constexpr std::array<double, 4> weights{0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
-                                        0.1012285362903763};
-/// Longest step times bandwidth for which the quadrature is exact to rounding.
+constexpr int num_nodes = 8;
+using Nodes = Eigen::Array<double, num_nodes, 1>;
+
+/// Nodes of Gauss-Legendre quadrature on [0, 1], and their weights.
+const Nodes nodes = [] {
+  Eigen::Array4d positive{0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                          0.9602898564975363};
+  Nodes both;
+  both << -positive, positive;
+  return Nodes(0.5 + 0.5 * both);
+}();
+const Nodes weights = [] {
+  const Eigen::Array4d half{0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                            0.1012285362903763};
+  Nodes both;
+  both << half, half;
+  return Nodes(0.5 * both);
+}();
+/// Longest step times bandwidth for which quadrature and series are exact to rounding.
 constexpr double max_direct_step = 0.5;
 
-/// e^-x times the sum of x^(j - order) / j! over j >= order: a series of positive terms.
-double tail_of_exponential(double x, int order) {
-  double term = 1.0;
-  for (int j = 2; j <= order; ++j) term /= j;
-  double sum = term;
-  for (int j = order + 1; term > 1e-17 * sum; ++j) sum += term *= x / j;
-  return std::exp(-x) * sum;
+/// Sum of x^(j - 2) / j! over j = 2 .. 15, for 0 <= x <= max_direct_step: (e^x - 1 - x) / x^2.
+template <class X>
+X exponential_after_two_terms(const X& x) {
+  constexpr int last = 15;
+  static constexpr auto inverse_factorials = [] {
+    std::array<double, last + 1> inverse{1.0};
+    for (int j = 1; j <= last; ++j)
+      inverse[static_cast<std::size_t>(j)] = inverse[static_cast<std::size_t>(j - 1)] / j;
+    return inverse;
+  }();
+  X sum = x * inverse_factorials[last] + inverse_factorials[last - 1];
+  for (std::size_t j = last - 1; j-- > 2;) sum = sum * x + inverse_factorials[j];
+  return sum;
 }
 
-/// Response of position, velocity and acceleration to a unit impulse of the jerk `h` ago.
-Eigen::Vector3d impulse_response(double h, double bandwidth) {
-  const double x = bandwidth * h, decay = std::exp(-x);
-  return {h * h * tail_of_exponential(x, 2), h * decay, (1.0 - x) * decay};
+/// Responses of position, velocity and acceleration to a unit impulse of the jerk `h` ago [nodes].
+Eigen::Matrix<double, motion_size, num_nodes> impulse_responses(const Nodes& h, double bandwidth) {
+  const Nodes x = bandwidth * h, tail = exponential_after_two_terms(x),
+              decay = (1.0 + x * (1.0 + x * tail)).inverse();
+  Eigen::Matrix<double, motion_size, num_nodes> responses;
+  responses.row(0) = (h * h * tail * decay).matrix().transpose();
+  responses.row(1) = (h * decay).matrix().transpose();
+  responses.row(2) = ((1.0 - x) * decay).matrix().transpose();
+  return responses;
 }
 
 Transition<motion_size> direct_step(double h, double density, double bandwidth) {
-  const double x = bandwidth * h, decay = std::exp(-x);
+  const double x = bandwidth * h, tail = exponential_after_two_terms(x),
+               decay = 1.0 / (1.0 + x * (1.0 + x * tail));
   Transition<motion_size> step;
-  step.F.col(1) << h * (tail_of_exponential(x, 1) + x * tail_of_exponential(x, 2)),
-      (1.0 + x) * decay, -bandwidth * x * decay;
-  step.F.col(2) = impulse_response(h, bandwidth);
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (const double sign : {-1.0, 1.0}) {
-      const auto response = impulse_response(0.5 * h * (1.0 + sign * nodes[i]), bandwidth);
-      step.Q += 0.5 * h * weights[i] * density * response * response.transpose();
-    }
+  step.F.col(1) << h * (1.0 + 2.0 * x * tail) * decay, (1.0 + x) * decay, -bandwidth * x * decay;
+  step.F.col(2) << h * h * tail * decay, h * decay, (1.0 - x) * decay;
+  const auto responses = impulse_responses(h * nodes, bandwidth);
+  step.Q = (responses * (h * density * weights).matrix().asDiagonal())
+               .lazyProduct(responses.transpose());
   return step;
 }
 

@@ -1,8 +1,10 @@
 #include "calib/smooth/flight_times.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -25,34 +27,60 @@ constexpr int scan_half = 30;
 /// are beyond the grid, and the bins add 2 % to the standard deviation.
 constexpr double spacing_sigmas = 0.75;
 
-/// Moves `times` to the best point of a square grid around them, if it is below `lowest`, and
-/// returns its cost.
-double search_grid(const FlightCost& cost, double step, int half, double lowest, double* times) {
-  const double center[] = {times[0], times[1]};
-  const int release_half = cost.is_release_free() ? half : 0;
-  for (int i = -release_half; i <= release_half; ++i)
-    for (int j = -half; j <= half; ++j) {
-      const double at[] = {center[0] + i * step, center[1] + j * step};
-      const double value = cost(at);
-      if (value < lowest) lowest = value, times[0] = at[0], times[1] = at[1];
+/// Costs of the points of square grids around release and landing times. Each is computed once.
+class GridSearch {
+ public:
+  GridSearch(const FlightCost& cost, const double* times)
+      : cost_(cost), origin_{times[0], times[1]} {}
+
+  /// Moves to the best point within `half` steps, if it is below the lowest so far, and returns
+  /// whether it is.
+  bool move(double step, int half) {
+    if (step != step_) {
+      origin_ = times(), at_ = {0, 0}, step_ = step;
+      known_.clear();
+      if (std::isfinite(lowest_)) known_[at_] = lowest_;
     }
-  return lowest;
-}
+    const auto [release, landing] = at_;
+    const double before = lowest_;
+    const int release_half = cost_.is_release_free() ? half : 0;
+    for (int i = release - release_half; i <= release + release_half; ++i)
+      for (int j = landing - half; j <= landing + half; ++j)
+        if (const auto [value, is_new] = known_.try_emplace({i, j}); is_new) {
+          value->second = cost_(point({i, j}).data());
+          if (value->second < lowest_) lowest_ = value->second, at_ = {i, j};
+        }
+    return lowest_ < before;
+  }
+
+  std::array<double, 2> times() const { return point(at_); }
+  double lowest() const { return lowest_; }
+
+ private:
+  using Steps = std::array<int, 2>;
+
+  std::array<double, 2> point(const Steps& at) const {
+    return {origin_[0] + at[0] * step_, origin_[1] + at[1] * step_};
+  }
+
+  const FlightCost& cost_;
+  std::array<double, 2> origin_;
+  Steps at_{0, 0};
+  double step_ = 0.0, lowest_ = std::numeric_limits<double>::infinity();
+  std::map<Steps, double> known_;
+};
 
 /// Sets `times` to the best ones around a guess and returns their cost, which is infinite if there
 /// are none. Uses grids, which move until their centre is best and then shrink: the likelihood has
 /// kinks where an event passes a frame.
 double search(const FlightCost& cost, const Flight& guess, double unit_s, double* times) {
   times[0] = cost.scaled_time(guess.release_s), times[1] = cost.scaled_time(guess.landing_s);
-  double lowest = std::numeric_limits<double>::infinity();
-  for (int move = 0; move < max_moves; ++move) {
-    const double before = lowest;
-    lowest = search_grid(cost, grid_step_s / unit_s, grid_half, lowest, times);
-    if (!(lowest < before)) break;
-  }
+  GridSearch grid(cost, times);
+  for (int moves = 0; moves < max_moves && grid.move(grid_step_s / unit_s, grid_half);) ++moves;
   for (double step_s = grid_step_s / 2.0; step_s > min_step_s; step_s /= 2.0)
-    lowest = search_grid(cost, step_s / unit_s, 1, lowest, times);
-  return lowest;
+    grid.move(step_s / unit_s, 1);
+  std::ranges::copy(grid.times(), times);
+  return grid.lowest();
 }
 
 bool begins_before(const Track& points, const Flight& flight) {

@@ -74,10 +74,14 @@ struct AxisState {
         position - observe<size>(mean), observe<size>(cross) + variance, {}};
     innovation.gain = cross / innovation.variance;
     mean += innovation.gain * innovation.value;
-    const Square once = covariance - innovation.gain * cross.transpose();
-    covariance = once - observe_columns<size>(once) * innovation.gain.transpose() +
-                 variance * innovation.gain * innovation.gain.transpose();
-    covariance = 0.5 * (covariance + covariance.transpose()).eval();
+    const Vector& gain = innovation.gain;
+    const Square once = covariance - gain * cross.transpose();
+    const Vector column = observe_columns<size>(once);
+    for (int i = 0; i < size; ++i)  // by element: Eigen takes twice as long
+      for (int j = 0; j <= i; ++j)
+        covariance(i, j) = covariance(j, i) =
+            0.5 * (once(i, j) - column[i] * gain[j] + once(j, i) - column[j] * gain[i]) +
+            variance * gain[i] * gain[j];
     return innovation;
   }
 };

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <future>
 
 #include "engine/base/files.h"
 #include "engine/base/progress.h"
@@ -73,7 +74,7 @@ ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
   require_writable(options, invocation.overwrite);
   auto provenance = start_provenance("touchtrace/labels/1", "label");
   provenance.options = invocation.options;
-  provenance.add_input(options.recording);
+  auto hash = std::async(std::launch::async, sha256_of_file, std::filesystem::path(options.recording));
   const RecordingReader reader(options.recording);
   std::optional<RgbdCalibration> calibration;
   const CameraInfo& camera = reader.recording().camera;
@@ -95,6 +96,7 @@ ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
   };
   auto labels = label::label_recording(reader, calibration, options.label, show_refused);
   warn_of_problems(labels);
+  provenance.inputs.push_back({options.recording, hash.get()});
   stopwatch.stop(provenance);
   labels.provenance = std::move(provenance);
   write_labels(options.output, labels, invocation.overwrite);

@@ -234,7 +234,7 @@ Labels LabelRun::labels() const {
                                         gravity_m_per_s2_.z()};
   labels.summary["seconds"] = seconds_;
   const LabelOverlay overlay(recording_, calibration_, labels);
-  labels.contact_sheet_jpeg = contact_sheet_jpeg(overlay, recorded_);
+  labels.contact_sheet_jpeg = contact_sheet_jpeg(overlay, recorded_, options_.num_threads);
   return labels;
 }
 

@@ -79,7 +79,7 @@ ColorClasses learnt_with_bar(int skin_alone, int bar_in_fist, int bar_beyond) {
   samples.front().clip = &clip;
   const Segmenter segmenter(staged::calibration(),
                             staged::recording_of(staged::Stage(false)).camera);
-  return learn_colors(segmenter, "bar", samples).classes;
+  return learn_colors(segmenter, "bar", samples, 1).classes;
 }
 
 void expect_all_classes(const ColorClasses& classes) {

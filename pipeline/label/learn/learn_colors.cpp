@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
+#include "engine/base/parallel.h"
 #include "engine/base/statistics.h"
 #include "pipeline/label/observe/split.h"
 
@@ -46,13 +47,14 @@ void learn_boxes(const SampledFrame& sample, const std::string& object, bool is_
   colors.learn(sample.surface, hand_box, object_box, is_hand_inside);
 }
 
-void classify(LearntColors& learnt, SampledFrames& samples) {
+void classify(LearntColors& learnt, SampledFrames& samples, int num_threads) {
   learnt.classes.build_table();
-  for (auto& sample : samples) {
-    learnt.classes.assign(sample.surface);
-    if (learnt.shared_radius_m) remove_large_components(sample.surface, *learnt.shared_radius_m);
-  }
-  find_hands(samples);
+  parallel_for(samples.size(), num_threads, [&](std::size_t i) {
+    Surface& surface = samples[i].surface;
+    learnt.classes.assign(surface);
+    if (learnt.shared_radius_m) remove_large_components(surface, *learnt.shared_radius_m);
+  });
+  find_hands(samples, num_threads);
 }
 
 /// Part of the points in the object's boxes and not in the hand's that are the object's; 1 where
@@ -72,15 +74,16 @@ double boxed_object_fraction(const SampledFrames& samples) {
 }
 
 /// Where most of the object has colours of the rest, lets it share them.
-void share_rest_if_needed(LearntColors& learnt, double radius_m, SampledFrames& samples) {
+void share_rest_if_needed(LearntColors& learnt, double radius_m, SampledFrames& samples,
+                          int num_threads) {
   if (boxed_object_fraction(samples) >= min_boxed_fraction) return;
   learnt.classes.let_object_share_rest(true);
   learnt.shared_radius_m = radius_m;
-  classify(learnt, samples);
+  classify(learnt, samples, num_threads);
   if (boxed_object_fraction(samples) >= min_boxed_fraction) return;
   learnt.classes.let_object_share_rest(false);
   learnt.shared_radius_m.reset();
-  classify(learnt, samples);
+  classify(learnt, samples, num_threads);
 }
 
 Surface all_near_hand(const SampledFrames& samples, const BoxedObject& boxed) {
@@ -90,24 +93,30 @@ Surface all_near_hand(const SampledFrames& samples, const BoxedObject& boxed) {
   return all;
 }
 
-/// Points on the hand in frames that show the object elsewhere. Those of the object's class are
-/// fingers: the object's box contained some.
-Surface points_on_hand(const SampledFrames& samples, const BoxedObject& boxed) {
+/// Points on the hand in a frame that shows the object elsewhere, if it does.
+Surface points_on_hand(const SampledFrame& sample, const BoxedObject& boxed) {
   const double apart_m = hand_patch_radius_m + object_patch_radius_factor * boxed.radius_m;
+  const auto object = sighting_of(sample, boxed);
+  if (!object || (object->patch.centroid_m - *sample.hand_m).norm() < apart_m) return {};
+  const auto hand = find_patch(sample.surface, Body::hand, *sample.hand_m, hand_patch_radius_m, 1);
+  if (!hand || hand->likeness < min_hand_likeness) return {};
   Surface on_hand;
-  for (const auto& sample : samples) {
-    const auto object = sighting_of(sample, boxed);
-    if (!object || (object->patch.centroid_m - *sample.hand_m).norm() < apart_m) continue;
-    const auto hand =
-        find_patch(sample.surface, Body::hand, *sample.hand_m, hand_patch_radius_m, 1);
-    if (!hand || hand->likeness < min_hand_likeness) continue;
-    std::ranges::copy_if(
-        sample.surface, std::back_inserter(on_hand), [&](const SurfacePoint& point) {
-          return point.body != Body::rest &&
-                 (point.position_m.cast<double>() - hand->centroid_m).norm() < hand_patch_radius_m;
-        });
-  }
+  std::ranges::copy_if(
+      sample.surface, std::back_inserter(on_hand), [&](const SurfacePoint& point) {
+        return point.body != Body::rest &&
+               (point.position_m.cast<double>() - hand->centroid_m).norm() < hand_patch_radius_m;
+      });
   return on_hand;
+}
+
+/// Points of all frames. Those of the object's class are fingers: the object's box contained some.
+Surface all_on_hand(const SampledFrames& samples, const BoxedObject& boxed, int num_threads) {
+  std::vector<Surface> of_frames(samples.size());
+  parallel_for(samples.size(), num_threads,
+               [&](std::size_t i) { of_frames[i] = points_on_hand(samples[i], boxed); });
+  Surface all;
+  for (const auto& surface : of_frames) std::ranges::copy(surface, std::back_inserter(all));
+  return all;
 }
 
 /// Unhidden quantile over the frames with a hand of the number of points of the object's class,
@@ -126,31 +135,31 @@ double class_disc_fraction(const Segmenter& segmenter, const SampledFrames& samp
 }  // namespace
 
 LearntColors learn_colors(const Segmenter& segmenter, const std::string& object,
-                          SampledFrames& samples) {
+                          SampledFrames& samples, int num_threads) {
   LearntColors learnt;
   auto& colors = learnt.classes;
   const bool is_hand_inside = are_hands_inside(samples);
   for (const auto& sample : samples)
     if (sample.has_boxes()) learn_boxes(sample, object, is_hand_inside, colors);
-  classify(learnt, samples);
+  classify(learnt, samples, num_threads);
   const auto boxed = boxed_object(segmenter.color_camera(), object, samples);
-  share_rest_if_needed(learnt, boxed.radius_m, samples);
-  colors.learn_hand_from(points_on_hand(samples, boxed));
-  classify(learnt, samples);
+  share_rest_if_needed(learnt, boxed.radius_m, samples, num_threads);
+  colors.learn_hand_from(all_on_hand(samples, boxed, num_threads));
+  classify(learnt, samples, num_threads);
   const auto is_visible = [&](double min_fraction) {
-    const auto sightings = sightings_of(samples, boxed);
+    const auto sightings = sightings_of(samples, boxed, num_threads);
     return static_cast<double>(sightings.size()) >=
                min_visible_frames * static_cast<double>(samples.size()) &&
            visible_disc_fraction(segmenter, sightings, boxed.radius_m) >= min_fraction;
   };
   if (is_visible(0.0)) return learnt;
   colors.learn_object_from(all_near_hand(samples, boxed));
-  classify(learnt, samples);
+  classify(learnt, samples, num_threads);
   if (is_visible(min_learnt_color_fraction) &&
       class_disc_fraction(segmenter, samples, boxed.radius_m) <= max_learnt_color_fraction)
     return learnt;
   colors.learn_object_from({});
-  classify(learnt, samples);
+  classify(learnt, samples, num_threads);
   learnt.separates_object = false;
   return learnt;
 }

@@ -18,6 +18,6 @@ struct LearntColors {
 /// colours is small: see remove_large_components(). Throws data_error if an object's box contains
 /// only background or no hand is found.
 LearntColors learn_colors(const Segmenter& segmenter, const std::string& object,
-                          SampledFrames& samples);
+                          SampledFrames& samples, int num_threads);
 
 }  // namespace touchtrace::label

@@ -77,7 +77,7 @@ void learn_object(SceneModel& model, const FrameSource& frames, const std::strin
   if (model.objects_with_hand_color.contains(object))
     for (auto& sample : samples)
       if (sample.hand_m) model.split_object(sample.surface, object, *sample.hand_m);
-  const auto sightings = sightings_of(samples, boxed);
+  const auto sightings = sightings_of(samples, boxed, num_threads);
   if (sightings.empty()) return;
   const auto seen = shape_views(model, frames, object, sightings, boxed.radius_m, num_threads);
   shape = learn_shape(seen.views, seen.silhouette_m, num_threads);

@@ -200,9 +200,9 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
       sample(*segmenter, use_masks ? model.observer.get() : nullptr, frames, clips, num_threads));
   learn_objects(clips, samples, [&](const std::string& object, SampledFrames& of_object) {
     if (use_masks) {
-      find_hands(of_object);
+      find_hands(of_object, num_threads);
     } else {
-      auto learnt = learn_colors(*segmenter, object, of_object);
+      auto learnt = learn_colors(*segmenter, object, of_object, num_threads);
       if (!learnt.separates_object) model.objects_with_hand_color.insert(object);
       if (learnt.shared_radius_m) model.objects_with_rest_color.insert(object);
       colors->set_colors(object, std::move(learnt.classes), learnt.shared_radius_m);

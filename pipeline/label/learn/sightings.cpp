@@ -7,6 +7,7 @@
 #include <map>
 
 #include "engine/base/error.h"
+#include "engine/base/parallel.h"
 #include "engine/base/statistics.h"
 #include "pipeline/label/estimate/box_planes.h"
 
@@ -49,21 +50,23 @@ ObjectShape BoxedObject::sphere() const {
           std::hypot(box_centre_per_unevenness * unevenness_m, box_centre_per_radius * radius_m)};
 }
 
-void find_hands(SampledFrames& samples) {
+void find_hands(SampledFrames& samples, int num_threads) {
   std::map<const ClipFrames*, std::optional<Eigen::Vector3d>> boxed;
   for (const auto& sample : samples)
     if (sample.has_boxes())
       boxed[sample.clip] = centroid(best_patch(points_in(sample.surface, sample.clip->hand_box),
                                                Body::hand, hand_patch_radius_m, patch_points));
-  for (auto& sample : samples) {
-    const auto& start = boxed[sample.clip];
+  parallel_for(samples.size(), num_threads, [&](std::size_t i) {
+    SampledFrame& sample = samples[i];
+    const auto found = boxed.find(sample.clip);
+    const auto start = found == boxed.end() ? std::nullopt : found->second;
     sample.hand_m = sample.has_boxes() ? start : std::nullopt;
-    if (sample.has_boxes() || !start) continue;
+    if (sample.has_boxes() || !start) return;
     sample.hand_m = centroid(
         best_patch(sample.surface, Body::hand, hand_patch_radius_m, [&](const Patch& patch) {
           return patch_score(patch_points(patch), (patch.centroid_m - *start).norm() / arm_reach_m);
         }));
-  }
+  });
 }
 
 BoxedObject boxed_object(const Camera& color, const std::string& object,
@@ -106,10 +109,14 @@ std::optional<Sighting> sighting_of(const SampledFrame& sample, const BoxedObjec
                   sample.has_drawn_boxes() ? std::optional(sample.clip->object_box) : std::nullopt};
 }
 
-std::vector<Sighting> sightings_of(const SampledFrames& samples, const BoxedObject& boxed) {
+std::vector<Sighting> sightings_of(const SampledFrames& samples, const BoxedObject& boxed,
+                                   int num_threads) {
+  std::vector<std::optional<Sighting>> sightings(samples.size());
+  parallel_for(samples.size(), num_threads,
+               [&](std::size_t i) { sightings[i] = sighting_of(samples[i], boxed); });
   std::vector<Sighting> result;
-  for (const auto& sample : samples)
-    if (auto sighting = sighting_of(sample, boxed)) result.push_back(std::move(*sighting));
+  for (auto& sighting : sightings)
+    if (sighting) result.push_back(std::move(*sighting));
   return result;
 }
 

@@ -42,7 +42,7 @@ struct BoxedObject {
 
 /// Sets the hands' positions: the largest patch of the hand's class in the hand's box, and in other
 /// frames the one with the highest patch_score() about it.
-void find_hands(SampledFrames& samples);
+void find_hands(SampledFrames& samples, int num_threads);
 
 /// Medians over the clips whose box frame shows the hand, with boxes as discs at the hand's
 /// distance. Throws data_error if no hand box contains a hand.
@@ -56,7 +56,8 @@ Surface near_hand(const SampledFrame& sample, const BoxedObject& boxed);
 std::optional<Sighting> sighting_of(const SampledFrame& sample, const BoxedObject& boxed);
 
 /// Sightings in the samples that have one.
-std::vector<Sighting> sightings_of(const SampledFrames& samples, const BoxedObject& boxed);
+std::vector<Sighting> sightings_of(const SampledFrames& samples, const BoxedObject& boxed,
+                                   int num_threads);
 
 /// Quantile that stands for an object that nothing hides.
 inline constexpr double unhidden_quantile = 0.8;

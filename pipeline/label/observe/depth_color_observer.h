@@ -24,8 +24,10 @@ class DepthColorObserver : public Observer {
 
   Surface observe(const RgbdFrame& frame, const std::string& object) const override {
     const auto& colors = colors_.at(object);
-    auto surface = segmenter_->foreground_surface(
-        frame, [&](Surface& points) { colors.classes.assign(points); });
+    auto surface = segmenter_->foreground_surface(frame, [&](Surface& points) {
+      colors.classes.assign(points);
+      std::erase_if(points, [](const SurfacePoint& point) { return point.body == Body::rest; });
+    });
     if (colors.shared_radius_m) remove_large_components(surface, *colors.shared_radius_m);
     return surface;
   }

@@ -4,6 +4,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
+#include "engine/base/parallel.h"
+
 namespace touchtrace::label {
 namespace {
 
@@ -53,11 +55,14 @@ cv::Mat tiled(const std::vector<cv::Mat>& tiles) {
 }  // namespace
 
 std::vector<std::uint8_t> contact_sheet_jpeg(const LabelOverlay& overlay,
-                                             const FrameSource& frames) {
-  std::vector<cv::Mat> tiles;
-  for (const std::size_t frame : chosen_frames(overlay))
-    tiles.push_back(overlay.draw(frame, frames.camera_frame(frame), tile_px));
-  if (tiles.empty()) return {};
+                                             const FrameSource& frames, int num_threads) {
+  const auto chosen = chosen_frames(overlay);
+  const std::vector<std::size_t> shown(chosen.begin(), chosen.end());
+  if (shown.empty()) return {};
+  std::vector<cv::Mat> tiles(shown.size());
+  parallel_for(shown.size(), num_threads, [&](std::size_t i) {
+    tiles[i] = overlay.draw(shown[i], frames.camera_frame(shown[i]), tile_px);
+  });
   const cv::Mat sheet = tiled(tiles);
   std::vector<std::uint8_t> jpeg;
   for (int quality = 90; quality > 0 && (jpeg.empty() || jpeg.size() > max_bytes); quality -= 10)

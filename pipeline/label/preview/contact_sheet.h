@@ -8,6 +8,6 @@ namespace touchtrace::label {
 /// four longest flagged stretches: four in a row, in order of time. At most 1600 px wide and
 /// 400 kB.
 std::vector<std::uint8_t> contact_sheet_jpeg(const LabelOverlay& overlay,
-                                             const FrameSource& frames);
+                                             const FrameSource& frames, int num_threads);
 
 }  // namespace touchtrace::label

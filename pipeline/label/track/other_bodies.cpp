@@ -87,8 +87,8 @@ void OtherBodies::assign_to_visible() {
     Eigen::Vector3d before_m = Eigen::Vector3d::Zero(), after_m = Eigen::Vector3d::Zero();
     double num_before = 0.0, num_after = 0.0;
     for (const auto k : group) {
-      for (const auto& cell_m : bodies_[k].surface_m) before_m += cell_m.cast<double>();
-      num_before += static_cast<double>(bodies_[k].surface_m.size());
+      before_m += bodies_[k].surface_m.matrix().cast<double>().colwise().sum().transpose();
+      num_before += static_cast<double>(bodies_[k].surface_m.rows());
       for (const auto i : owned_.of(static_cast<int>(k)))
         after_m += owned_.cells[i].mean_m.cast<double>(), num_after += 1.0;
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/base/integer_math.h"
 #include "pipeline/label/observe/lift.h"
 
 namespace touchtrace::label {
@@ -20,10 +21,12 @@ double log_size(double fraction) { return std::log(std::max(fraction, min_hand_f
 double TrackedBody::reach_m() const { return std::min(filter.gate_m(), arm_reach_m); }
 
 double TrackedBody::distance_m(const Eigen::Vector3f& position_m) const {
+  if (surface_m.rows() == 0) return std::numeric_limits<double>::infinity();
   const Eigen::Vector3f unmoved = position_m - shift_m.cast<float>();
-  float least = std::numeric_limits<float>::infinity();
-  for (const auto& cell_m : surface_m) least = std::min(least, (cell_m - unmoved).squaredNorm());
-  return std::sqrt(least);
+  const auto square = [&](Eigen::Index axis) {
+    return (surface_m.col(axis) - unmoved[axis]).square();
+  };
+  return std::sqrt((square(0) + square(1) + square(2)).minCoeff());
 }
 
 double TrackedBody::misfit(const Place& place) const {
@@ -44,9 +47,11 @@ void TrackedBody::measure(const OwnedCells& owned, const CellIndices& cells,
   visible_fraction += weight * (owned.visible_fraction(cells) - visible_fraction);
   seen_s += seconds;
   is_visible = true;
-  surface_m.clear();
-  for (std::size_t i = 0; i < cells.size(); i += 1 + cells.size() / max_surface_cells)
-    surface_m.push_back(owned.cells[cells[i]].mean_m);
+  const std::size_t stride = 1 + cells.size() / max_surface_cells;
+  surface_m.resize(static_cast<Eigen::Index>(ceil_div(cells.size(), stride)), Eigen::NoChange);
+  for (Eigen::Index row = 0; row < surface_m.rows(); ++row)
+    surface_m.row(row) =
+        owned.cells[cells[stride * static_cast<std::size_t>(row)]].mean_m.transpose();
 }
 
 double log_ratio(const TrackedBody& a, const Place& of_a, const TrackedBody& b, const Place& of_b) {

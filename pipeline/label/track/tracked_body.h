@@ -10,7 +10,7 @@ namespace touchtrace::label {
 /// A body of the hand's colour: its motion filter and its surface when it was last visible.
 struct TrackedBody {
   TargetFilter filter;
-  std::vector<Eigen::Vector3f> surface_m = {};  ///< means of cells when last visible
+  Eigen::ArrayX3f surface_m = {};  ///< [cells, 3] means of cells when last visible
   Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< of the surface since then
   double visible_fraction = 0.0;                      ///< exponential average

@@ -58,29 +58,20 @@ double vertex(const std::vector<double>& costs, std::size_t smallest) {
   return std::isfinite(steps) ? steps : 0.0;
 }
 
-/// Views with at most `max_body_points` points and rays.
-std::vector<BodyView> thinned(std::vector<BodyView> views) {
-  for (auto& view : views) {
-    view.surface_points = every_nth(view.surface_points, max_body_points);
-    view.free_space_endpoints = every_nth(view.free_space_endpoints, max_body_points);
-  }
-  return views;
-}
-
 /// Radius of the sphere with the smallest cost over all views: a grid search between 0.6 and 1.4
-/// silhouette radii, coarse with thinned views, then in steps of 2 %, refined by a parabola.
-double fitted_radius(const std::vector<BodyView>& all, double silhouette_m, int num_threads) {
+/// silhouette radii, coarse, then in steps of 2 %, refined by a parabola.
+double fitted_radius(const std::vector<BodyView>& views, double silhouette_m, int num_threads) {
   constexpr int steps = 50, lowest = 30, highest = 70, coarse = 4;
-  const auto best_of = [&](const std::vector<BodyView>& views, int first, int last, int stride) {
+  const auto best_of = [&](int first, int last, int stride) {
     std::vector<double> radii_m;
     for (int i = first; i <= last; i += stride) radii_m.push_back(silhouette_m / steps * i);
     const auto costs = fit_costs(views, radii_m, num_threads);
     const auto best = static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
     return first + stride * (static_cast<double>(best) + vertex(costs, best));
   };
-  const int near = static_cast<int>(std::lround(best_of(thinned(all), lowest, highest, coarse)));
+  const int near = static_cast<int>(std::lround(best_of(lowest, highest, coarse)));
   return silhouette_m / steps *
-         best_of(all, std::max(lowest, near - coarse + 1), std::min(highest, near + coarse - 1), 1);
+         best_of(std::max(lowest, near - coarse + 1), std::min(highest, near + coarse - 1), 1);
 }
 
 using Distances = std::vector<double>;

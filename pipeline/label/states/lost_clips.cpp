@@ -7,6 +7,7 @@
 #include "engine/base/error.h"
 #include "engine/base/progress.h"
 #include "pipeline/label/states/summary.h"
+#include "pipeline/label/track/box_centre.h"
 
 namespace touchtrace::label {
 namespace {
@@ -104,6 +105,18 @@ void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tra
     }
     clips[i].problem = problem;
     tracks[i] = {};
+  }
+}
+
+void drop_objects_beside_boxes(const Camera& color, const std::vector<ClipFrames>& clips,
+                               std::vector<ClipTrack>& tracks) {
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (!is_beside_box(color, clips[i], tracks[i])) continue;
+    Progress::warn(fmt::format(
+        "clip {}: in its box frame the object is found beside its box, since other things have "
+        "its colours: all its labels are flagged as lost; masks help (`import --masks`)",
+        i));
+    tracks[i].object.assign(tracks[i].object.size(), {});
   }
 }
 

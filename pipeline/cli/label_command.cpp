@@ -74,7 +74,8 @@ ExitCode run(const LabelCommandOptions& options, const Invocation& invocation) {
   require_writable(options, invocation.overwrite);
   auto provenance = start_provenance("touchtrace/labels/1", "label");
   provenance.options = invocation.options;
-  auto hash = std::async(std::launch::async, sha256_of_file, std::filesystem::path(options.recording));
+  auto hash =
+      std::async(std::launch::async, sha256_of_file, std::filesystem::path(options.recording));
   const RecordingReader reader(options.recording);
   std::optional<RgbdCalibration> calibration;
   const CameraInfo& camera = reader.recording().camera;

@@ -49,6 +49,11 @@ struct Normalization {
   State denormalize(const State& state) const;
 };
 
+/// Root of the summed variances of both bodies' positions, over all trusted labels of a dataset or
+/// those that a scaling was fitted to.
+double position_spread_m(const Dataset& dataset);
+double position_spread_m(const Normalization& scaling);
+
 /// Smallest Normalization::sigma, 1 mm and 1 mm/s: a smaller spread is label noise.
 inline constexpr float min_sigma = 1e-3f;
 

@@ -9,6 +9,8 @@ namespace {
 
 using Sums = std::array<double, state_size>;
 
+constexpr std::array position_dimensions{0, 1, 2, 6, 7, 8};  ///< of State
+
 /// Adds term(d, value) of every trusted training label to sums[d]; returns the number of labels.
 template <class Term>
 std::size_t sum_over_training(const Dataset& dataset, Sums& sums, Term term) {
@@ -26,6 +28,26 @@ std::size_t sum_over_training(const Dataset& dataset, Sums& sums, Term term) {
 }
 
 }  // namespace
+
+double position_spread_m(const Normalization& scaling) {
+  double variance = 0.0;
+  for (const int d : position_dimensions) variance += scaling.sigma[d] * scaling.sigma[d];
+  return std::sqrt(variance);
+}
+
+double position_spread_m(const Dataset& dataset) {
+  double variance = 0.0;
+  for (const int d : position_dimensions) {
+    double sum = 0.0, squares = 0.0, count = 0.0;
+    for (int frame = 0; frame < dataset.frames(); ++frame) {
+      if (!dataset.trusted[frame]) continue;
+      const double value = dataset.label[frame][d];
+      sum += value, squares += value * value, count += 1.0;
+    }
+    variance += count > 0.0 ? squares / count - sum * sum / (count * count) : 0.0;
+  }
+  return std::sqrt(std::max(0.0, variance));
+}
 
 Normalization fit_normalization(const Dataset& dataset) {
   Sums mean{}, square{};

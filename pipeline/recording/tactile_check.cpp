@@ -167,13 +167,19 @@ std::vector<FrameChange> frame_changes(const Frames& frames) {
   return changes;
 }
 
-/// Whether one of every `factor` frames has nearly all changes.
+/// Whether one of every `factor` frames has nearly all changes, by the larger changes of each: the
+/// largest may all be jumps between clips.
 bool is_concentrated(const std::vector<FrameChange>& changes, std::size_t factor,
                      double FrameChange::*of) {
-  std::vector<double> sums(factor);
-  for (const FrameChange& change : changes) sums[change.sequence % factor] += change.*of;
-  std::ranges::sort(sums, std::greater());
-  return sums[1] < upsampled_ratio * sums[0];
+  constexpr double large_quantile = 0.9;
+  std::vector<std::vector<double>> of_phases(factor);
+  for (const FrameChange& change : changes)
+    of_phases[change.sequence % factor].push_back(change.*of);
+  std::vector<double> large;
+  for (auto& of_phase : of_phases)
+    large.push_back(of_phase.empty() ? 0.0 : quantile(std::move(of_phase), large_quantile));
+  std::ranges::sort(large, std::greater());
+  return large[1] < upsampled_ratio * large[0];
 }
 
 /// Number of frames of which all but one are interpolated or repeated; 1: none are.

@@ -61,17 +61,28 @@ void add_targets(Comparison& comparison, Reference reference, int stride) {
   }
 }
 
+/// Which touch a model gets.
+enum class Touch { own, of_other_rollouts };
+
+/// Exchanges the touch of roll-outs, each for one far away in the recording. States and objects
+/// stay.
+void exchange_touch(RolloutBatch& batch) {
+  auto& frames = batch.first_frame;
+  std::ranges::rotate(frames, frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2));
+}
+
 Rollout predict(const LoadedModel& model, const RolloutBatch& batch, const Session& session) {
   const auto images = averaged_images(model.card.spec, model.path, session.data, session.name);
   return model.predictor->predict(batch, images ? *images : session.data.tactile);
 }
 
-Rollout roll_out(const LoadedModel& model, const Comparison& comparison, int stride) {
+Rollout roll_out(const LoadedModel& model, const Comparison& comparison, int stride, Touch touch) {
   Rollout all;
   for (const Session* session : comparison.sessions) {
     throw_if_interrupted();
-    const auto cases = make_cases(session->data, grid_of(comparison, Split::evaluation, stride),
-                                  model.card.scaling, Reference::labels);
+    auto cases = make_cases(session->data, grid_of(comparison, Split::evaluation, stride),
+                            model.card.scaling, Reference::labels);
+    if (touch == Touch::of_other_rollouts) exchange_touch(cases.batch);
     const Rollout rollout = predict(model, cases.batch, *session);
     if (!is_finite(rollout))
       throw failure(fmt::format("{} predicts values that are not finite", model.path),
@@ -105,6 +116,15 @@ void add_baselines(Comparison& comparison, int stride, std::uint64_t seed) {
         {baseline.name,
          baseline.name,
          {scored({nullptr, {std::move(baseline.paths), {}}, {}}, comparison, baseline.weight)}});
+}
+
+Candidate rolled_out(const ModelGroup& group, const Comparison& comparison, int stride,
+                     Touch touch) {
+  Candidate candidate{group.name, group.kind, {}, group.options};
+  for (const LoadedModel* model : group.models)
+    candidate.runs.push_back(
+        scored({model, roll_out(*model, comparison, stride, touch), {}}, comparison));
+  return candidate;
 }
 
 /// Selects the rows `which` of [cases, row].
@@ -149,11 +169,12 @@ Comparison compare_models(const std::vector<const Session*>& sessions,
         "their clips count");
   add_baselines(comparison, stride, seed);
   for (const ModelGroup& group : group_models(models)) {
-    Candidate candidate{group.name, group.kind, {}, group.options};
-    for (const LoadedModel* model : group.models)
-      candidate.runs.push_back(
-          scored({model, roll_out(*model, comparison, stride), {}}, comparison));
-    comparison.candidates.push_back(std::move(candidate));
+    comparison.candidates.push_back(rolled_out(group, comparison, stride, Touch::own));
+    if (group.kind != "full") continue;
+    Candidate control = rolled_out(group, comparison, stride, Touch::of_other_rollouts);
+    control.kind = other_touch_kind;
+    control.name = other_touch_kind + group.name.substr(group.kind.size());
+    comparison.candidates.push_back(std::move(control));
   }
   return comparison;
 }

@@ -30,6 +30,10 @@ struct Run {
   std::vector<std::vector<CaseScore>> scores;  ///< [targets][cases]
 };
 
+/// Kind of the control of "full": the same weights with the touch of other roll-outs. What it gains
+/// over a model without touch does not come from touch.
+inline constexpr const char* other_touch_kind = "other_touch";
+
 /// Models that differ in their seed only, or a baseline.
 struct Candidate {
   std::string name, kind;
@@ -57,9 +61,9 @@ struct Comparison {
 };
 
 /// Predicts and scores all roll-outs that start every `stride` frames, for models of one activity.
-/// `reference`: Reference::truth adds the targets "labels" and "unshifted_truth". `seed`: of
-/// Random. Throws data_error if the evaluation clips hold fewer than two roll-outs, or a glove has
-/// fewer taxels than a model.
+/// "full" is followed by its control. `reference`: Reference::truth adds the targets "labels" and
+/// "unshifted_truth". `seed`: of Random. Throws data_error if the evaluation clips hold fewer than
+/// two roll-outs, or a glove has fewer taxels than a model.
 Comparison compare_models(const std::vector<const Session*>& sessions,
                           const std::vector<LoadedModel*>& models, Reference reference, int stride,
                           std::uint64_t seed);

@@ -45,6 +45,20 @@ std::vector<const Session*> sessions_of(const std::vector<Session>& sessions,
   return found;
 }
 
+/// Labels in other units than a model's, or of far larger or smaller motion.
+void note_spread(const std::vector<Session>& sessions, const LoadedModel& model, json& notes) {
+  constexpr double max_ratio = 5.0;
+  for (const Session& session : sessions) {
+    const double ratio = position_spread_m(session.data) / position_spread_m(model.card.scaling);
+    if (session.data.activity == model.card.activity &&
+        (ratio > max_ratio || ratio < 1.0 / max_ratio))
+      notes.push_back(fmt::format(
+          "positions of {} spread {:.3g} times as far as those that {} was trained on: are both in "
+          "metres?",
+          session.name, ratio, model.path));
+  }
+}
+
 /// Properties in which compared models should agree.
 void note_mismatches(const std::vector<LoadedModel*>& models, json& notes) {
   const LoadedModel& first = *models.front();
@@ -53,6 +67,10 @@ void note_mismatches(const std::vector<LoadedModel*>& models, json& notes) {
       notes.push_back(fmt::format("{} was trained on other objects than {}: {} instead of {}",
                                   model->path, first.path, fmt::join(model->card.objects, ", "),
                                   fmt::join(first.card.objects, ", ")));
+    if (const auto difference = training_difference(first, *model);
+        model->card.name() != first.card.name() && !difference.empty())
+      notes.push_back(fmt::format("{} and {} were trained differently: {}", first.path, model->path,
+                                  difference));
     if (model->card.scaling.sigma != first.card.scaling.sigma)
       notes.push_back(
           fmt::format("{} was trained on other labels than {}; errors of both are in "
@@ -63,8 +81,10 @@ void note_mismatches(const std::vector<LoadedModel*>& models, json& notes) {
 
 void note_clips(const std::vector<std::string>& whole, json& notes) {
   if (!whole.empty())
-    notes.push_back(fmt::format("all clips are evaluated, as no model has seen any: {}",
-                                fmt::join(whole, ", ")));
+    notes.push_back(
+        fmt::format("all clips are evaluated, as their touch is that of no clip that a model was "
+                    "trained on: {}",
+                    fmt::join(whole, ", ")));
 }
 
 void note_bands(const std::vector<LoadedModel*>& models, json& notes) {
@@ -149,6 +169,7 @@ json evaluate_models(std::vector<Session> sessions, std::vector<LoadedModel>& mo
   for (const auto& [activity, candidates] : by_activity) {
     note_mismatches(candidates, document["notes"]);
     note_bands(candidates, document["notes"]);
+    note_spread(sessions, *candidates.front(), document["notes"]);
     const Comparison comparison = compare_models(sessions_of(sessions, candidates), candidates,
                                                  reference, options.stride, options.seed);
     note_baselines(comparison, document["notes"]);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "engine/base/error.h"
 #include "engine/base/json_text.h"
 
 namespace touchtrace::study {
@@ -15,6 +16,9 @@ using nlohmann::json;
 /// Options that do not change what a model is.
 constexpr const char* irrelevant_options[] = {
     "seed", "output", "resume", "checkpoint_seconds", "skip_not_finite", "recording", "labels"};
+
+/// Options that make a model's kind.
+constexpr const char* kind_options[] = {"without_touch", "object_encoder", "data"};
 
 /// Training options and hashes of the training data.
 json recipe(const LoadedModel& model) {
@@ -47,7 +51,26 @@ std::string text_of(const json& options) {
   return text;
 }
 
+void require_new_seed(const std::vector<LoadedModel*>& models, const LoadedModel& model) {
+  for (const LoadedModel* other : models)
+    if (other->card.provenance.seed == model.card.provenance.seed)
+      throw usage_error(fmt::format("{} and {} are trainings with the same options and seed {}",
+                                    other->path, model.path, model.card.provenance.seed),
+                        "give each training once: a copy is not another seed");
+}
+
 }  // namespace
+
+std::string training_difference(const LoadedModel& a, const LoadedModel& b) {
+  json of_a = recipe(a), of_b = recipe(b);
+  for (const char* option : kind_options) of_a.erase(option), of_b.erase(option);
+  const json own = distinction(of_a, {of_b}), other = distinction(of_b, {of_a});
+  std::vector<std::string> texts;
+  for (const auto& [key, value] : own.items())
+    texts.push_back(fmt::format("{} {} and {}", key, json_text(value),
+                                other.contains(key) ? json_text(other.at(key)) : "not given"));
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
 
 std::vector<ModelGroup> group_models(const std::vector<LoadedModel*>& models) {
   std::vector<ModelGroup> groups;
@@ -58,6 +81,7 @@ std::vector<ModelGroup> group_models(const std::vector<LoadedModel*>& models) {
     std::size_t i = 0;
     while (i < groups.size() && !(groups[i].kind == kind && recipes[i] == own)) ++i;
     if (i == groups.size()) groups.push_back({"", kind, {}, {}}), recipes.push_back(own);
+    require_new_seed(groups[i].models, *model);
     groups[i].models.push_back(model);
   }
   for (std::size_t i = 0; i < groups.size(); ++i) {

@@ -27,7 +27,12 @@ struct ModelGroup {
   nlohmann::json options = nlohmann::json::object();
 };
 
+/// Training options in which models of two kinds differ, other than those that make the kinds, as
+/// "updates 600 and 100, window 8 and 4"; empty: none.
+std::string training_difference(const LoadedModel& a, const LoadedModel& b);
+
 /// Groups models by kind, training options and training data, in the order of their first model.
+/// Throws usage_error if two of a group have the same seed: they are one training.
 std::vector<ModelGroup> group_models(const std::vector<LoadedModel*>& models);
 
 }  // namespace touchtrace::study

@@ -180,8 +180,10 @@ class Rows {
 void append_differences(json& document, const Comparison& comparison, const Rows& rows) {
   for (const Candidate& full : comparison.candidates)
     for (const Candidate& other : comparison.candidates)
-      if (full.kind == "full" && (other.kind == "without_touch" ||
-                                  other.kind == "without_embedding" || other.kind == "hold"))
+      if (full.kind == "full" &&
+          (other.kind == "without_touch" || other.kind == "without_embedding" ||
+           other.kind == "hold" ||
+           (other.kind == other_touch_kind && other.options == full.options)))
         document["differences"].push_back(rows.difference(full, other));
 }
 

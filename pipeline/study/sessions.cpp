@@ -15,12 +15,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// By its name, which `label` gives by default.
+bool is_labels_file(const fs::path& file) {
+  return file.filename() == "labels.h5" || file.filename().string().ends_with(".labels.h5");
+}
+
 /// Recordings in a folder, which are all .h5 files that are not labels.
 std::vector<fs::path> recordings_in(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (const auto name = entry.path().filename().string();
-        name.ends_with(".h5") && !name.ends_with("labels.h5"))
+    if (entry.path().extension() == ".h5" && !is_labels_file(entry.path()))
       files.push_back(entry.path());
   if (files.empty())
     throw usage_error(fmt::format("folder {} has no recording (.h5)", folder.string()),
@@ -60,7 +64,7 @@ std::vector<LabelledRecording> pair_files(const std::vector<std::string>& record
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (!fs::exists(files[i]))
       throw data_error(fmt::format("{} does not exist", files[i].string()), "check --recording");
-    if (files[i].string().ends_with("labels.h5"))
+    if (is_labels_file(files[i]))
       throw data_error(
           fmt::format("{} has labels; --recording takes recordings", files[i].string()),
           "give the recording; its labels are found by its name or given by --labels");

@@ -187,9 +187,14 @@ class Expansion {
                       matches.size(), key.empty() ? "cells" : "values"),
           "refer to a stage with fewer axes, or gather less");
     for (const std::size_t i : matches) {
-      paths.push_back(key.empty() ? json(cells_[i].output.string()) : value_of(cells_[i], key));
-      ids.push_back(key.empty() ? json("@" + cells_[i].id) : paths.back());
-      if (key.empty()) cell.inputs.push_back(i);
+      if (key.empty()) {
+        paths.push_back(cells_[i].output.string()), ids.push_back("@" + cells_[i].id);
+        cell.inputs.push_back(i);
+        continue;
+      }
+      const json& value = value_of(cells_[i], key);
+      for (const json& one : value.is_array() ? value : json::array({value}))
+        paths.push_back(one), ids.push_back(one);
     }
   }
 

@@ -96,7 +96,8 @@ TEST_F(LabelPreview, ContactSheetShowsFlaggedFramesToo) {
   flagged.hand.quality = flagged.object.quality;
   const auto height = [&](const Labels& labels) {
     const label::LabelOverlay overlay(recording_, calibration(), labels);
-    return cv::imdecode(label::contact_sheet_jpeg(overlay, frame_source(stage_), 1), cv::IMREAD_COLOR)
+    return cv::imdecode(label::contact_sheet_jpeg(overlay, frame_source(stage_), 1),
+                        cv::IMREAD_COLOR)
         .rows;
   };
   const int good_height = height(flagged);

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "engine/base/error.h"
 #include "engine/base/file_lock.h"
@@ -39,6 +40,7 @@ class Evaluation : public ::testing::Test {
     o.optimizer.seed = seed;
     Provenance provenance = start_provenance("touchtrace/model/1", "train");
     provenance.options = {{"resolution", data.rows}, {"seed", seed}, {"output", name}};
+    provenance.seed = seed;
     train_model(*runtime_, data, o, std::move(provenance), true);
     return o.output;
   }
@@ -107,6 +109,40 @@ TEST_F(Evaluation, SeedsOfOneModelAreOneRow) {
   EXPECT_NE(values[0], values[1]);
   EXPECT_NEAR(row(document, "full").at("l1_at_50").get<double>(), (values[0] + values[1]) / 2,
               1e-9);
+}
+
+TEST_F(Evaluation, OneTrainingIsNotTwoSeeds) {
+  const Dataset data = synthetic_dataset();
+  EXPECT_THROW(evaluate({{"s", data, {}}}, {train(data, "a"), train(data, "resumed")}), Error);
+}
+
+TEST_F(Evaluation, TheTouchOfOtherRolloutsIsTheControl) {
+  const Dataset data = synthetic_dataset();
+  const json document =
+      evaluate({{"s", data, {}}}, {train(data, "full"), train(data, "blind", 1, false)});
+  EXPECT_EQ(row(document, "other_touch").at("runs"), 1);
+  EXPECT_NE(row(document, "other_touch").at("l1_at_50"), row(document, "full").at("l1_at_50"));
+  std::set<std::string> others;
+  for (const auto& difference : document.at("differences")) others.insert(difference.at("other"));
+  EXPECT_EQ(others, (std::set<std::string>{"hold", "other_touch", "without_touch"}));
+  Dataset untouched = data;
+  std::ranges::fill(untouched.tactile, 0.0f);
+  const json without = evaluate({{"s", untouched, {}}}, {train(untouched, "untouched")});
+  EXPECT_EQ(row(without, "other_touch").at("l1_at_50"), row(without, "full").at("l1_at_50"));
+}
+
+TEST_F(Evaluation, DifferencesOfTrainingAndUnitsAreNoted) {
+  const Dataset fine = synthetic_dataset(), coarse = coarser(fine, 6);
+  Dataset millimetres = fine;
+  for (State& state : millimetres.label)
+    for (float& value : state) value *= 1e3f;
+  const auto full = train(fine, "full"), blind = train(coarse, "blind", 1, false);
+  const auto notes = [&](const Dataset& data, const std::vector<std::string>& models) {
+    return evaluate({{"s", data, {}}}, models, {.against = "labels"}).at("notes").dump();
+  };
+  EXPECT_NE(notes(fine, {full, blind}).find("resolution 8 and 6"), std::string::npos);
+  EXPECT_EQ(notes(fine, {full}).find("metres?"), std::string::npos);
+  EXPECT_NE(notes(millimetres, {full}).find("1e+03 times as far"), std::string::npos);
 }
 
 TEST_F(Evaluation, UntrustedLabelsReachNoMetric) {

@@ -29,6 +29,15 @@ TEST(SweepChain, EvaluatesAllModelsOfTheSameRecordingTogether) {
   EXPECT_EQ(evaluation.options.at("recording"), nlohmann::json{recording});
 }
 
+TEST(SweepChain, RecordingsOfOneTrainingAreEvaluatedTogether) {
+  const testing::TemporaryFolder folder;
+  const std::string a = (folder / "a.h5").string(), b = (folder / "b.h5").string();
+  for (const auto& recording : {a, b}) write_file(recording, "a recording", true);
+  const auto cells = cells_of("train+evaluate", {"recording=" + a + "," + b, "seed=1:2"});
+  ASSERT_EQ(cells.size(), 3u);
+  EXPECT_EQ(cells.back().options.at("recording"), (nlohmann::json{a, b}));
+}
+
 TEST(SweepChain, StagesUseWhatEarlierOnesWrite) {
   const auto cells =
       cells_of("simulate+label+train+evaluate", {"activity=wave,throw", "train.seed=1:3"});

@@ -96,6 +96,13 @@ TEST(TactileCheck, CountsRepetitionsPerFrame) {
   }
 }
 
+TEST(TactileCheck, JumpsBetweenTrialsAreNoInterpolation) {
+  GloveStream glove = resting_glove(420);
+  for (std::size_t i = 0; i < glove.counts.size(); ++i)
+    if (i / (30 * 42) % 2 == 1) glove.counts[i] += 500;
+  EXPECT_EQ(check_tactile(glove).upsampling, 1);
+}
+
 /// Clipped counts at rest, of which one changes between frames 19 and 20 and back 40 frames later.
 TEST(TactileCheck, FewChangesAreNoInterpolation) {
   GloveStream glove = resting_glove(200);

@@ -101,11 +101,10 @@ Surface points_on_hand(const SampledFrame& sample, const BoxedObject& boxed) {
   const auto hand = find_patch(sample.surface, Body::hand, *sample.hand_m, hand_patch_radius_m, 1);
   if (!hand || hand->likeness < min_hand_likeness) return {};
   Surface on_hand;
-  std::ranges::copy_if(
-      sample.surface, std::back_inserter(on_hand), [&](const SurfacePoint& point) {
-        return point.body != Body::rest &&
-               (point.position_m.cast<double>() - hand->centroid_m).norm() < hand_patch_radius_m;
-      });
+  std::ranges::copy_if(sample.surface, std::back_inserter(on_hand), [&](const SurfacePoint& point) {
+    return point.body != Body::rest &&
+           (point.position_m.cast<double>() - hand->centroid_m).norm() < hand_patch_radius_m;
+  });
   return on_hand;
 }
 

@@ -54,8 +54,8 @@ cv::Mat tiled(const std::vector<cv::Mat>& tiles) {
 
 }  // namespace
 
-std::vector<std::uint8_t> contact_sheet_jpeg(const LabelOverlay& overlay,
-                                             const FrameSource& frames, int num_threads) {
+std::vector<std::uint8_t> contact_sheet_jpeg(const LabelOverlay& overlay, const FrameSource& frames,
+                                             int num_threads) {
   const auto chosen = chosen_frames(overlay);
   const std::vector<std::size_t> shown(chosen.begin(), chosen.end());
   if (shown.empty()) return {};

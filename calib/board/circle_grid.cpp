@@ -1,6 +1,5 @@
 #include "calib/board/circle_grid.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "calib/board/circle_image.h"
 #include "calib/board/circle_lattice.h"
 #include "calib/board/upscaled_image.h"
+#include "calib/matrix/decomposition.h"
 #include "engine/base/statistics.h"
 
 namespace touchtrace {
@@ -123,7 +123,7 @@ class CirclePixels {
       const Eigen::Vector3d terms(offset_px.x(), offset_px.y(), 1.0);
       normal += terms * terms.transpose(), right += grey * terms;
     });
-    return normal.ldlt().solve(right);
+    return solve_semidefinite(normal, right);
   }
 
   Eigen::Vector2d centre_px_;

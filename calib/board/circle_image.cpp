@@ -1,8 +1,9 @@
 #include "calib/board/circle_image.h"
 
-#include <Eigen/QR>
 #include <cmath>
 #include <numbers>
+
+#include "calib/matrix/decomposition.h"
 
 namespace touchtrace {
 namespace {
@@ -36,9 +37,8 @@ std::optional<CircleImage> CircleImage::fit(const TargetCorners& circles,
     residuals.row(count++) = (circles.corners_px[i] - homography->image_of(place_m)).transpose();
   }
   if (count < min_circles) return result;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(places.topRows(count));
-  if (solver.rank() == 6)
-    result.distortion_px_ = solver.solve(residuals.topRows(count)).transpose();
+  const LeastSquares fit = least_squares(places.topRows(count), residuals.topRows(count));
+  if (fit.rank == 6) result.distortion_px_ = fit.x.transpose();
   return result;
 }
 

@@ -1,12 +1,12 @@
 #include "calib/board/marker_sides.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "calib/board/interpolated_grey.h"
+#include "calib/matrix/decomposition.h"
 
 namespace touchtrace {
 namespace {
@@ -41,7 +41,7 @@ class Side {
       ++num_profiles;
     }
     if (num_profiles < min_profiles || num_profiles < last_px) return false;
-    parabola_ = normal.ldlt().solve(right);
+    parabola_ = solve_semidefinite(normal, right);
     return true;
   }
 

@@ -1,9 +1,10 @@
 #include "calib/board/saddle.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "calib/matrix/decomposition.h"
 
 namespace touchtrace {
 namespace {
@@ -33,7 +34,7 @@ Quadric fit_quadric(const GreyImage& image, const Eigen::Vector2d& at, int radiu
       normal += weight * terms * terms.transpose();
       right += weight * image.pixels[static_cast<std::size_t>(v * image.width + u)] * terms;
     }
-  return normal.ldlt().solve(right);
+  return solve_semidefinite(normal, right);
 }
 
 }  // namespace

@@ -54,8 +54,7 @@ void Camera::set_parameters(const std::array<double, max_intrinsics>& values) {
 }
 
 Eigen::Vector2d Camera::project(const Eigen::Vector3d& point_m) const {
-  const auto intrinsics = parameters();
-  return with_lens(lens, [&](auto l) { return pixel_of(l, intrinsics, point_m); });
+  return project_point(lens, parameters().data(), point_m);
 }
 
 void Camera::project(std::span<const Eigen::Vector3f> points_m,

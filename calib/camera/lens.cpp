@@ -17,6 +17,15 @@ Eigen::Vector3d Equidistant::direction(const Eigen::Vector2d& m) {
   return {scale * m.x(), scale * m.y(), std::cos(angle)};
 }
 
+Eigen::Vector2d project_point(const Lens& lens, const double* intrinsics,
+                              const Eigen::Vector3d& p) {
+  return with_lens(lens, [&](auto l) -> Eigen::Vector2d {
+    if (!l.can_project(p))
+      return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+    return project_point<decltype(l)>(intrinsics, p);
+  });
+}
+
 std::string lens_name(const Lens& lens) {
   return with_lens(lens, [](auto l) { return l.name; });
 }
@@ -31,6 +40,10 @@ std::vector<std::string> intrinsic_names(const Lens& lens) {
   std::vector<std::string> names{"fx", "fy", "cx", "cy"};
   std::ranges::copy(coefficient_names(lens), std::back_inserter(names));
   return names;
+}
+
+int num_intrinsics(const Lens& lens) {
+  return 4 + with_lens(lens, [](auto l) { return static_cast<int>(l.coefficients.size()); });
 }
 
 std::vector<Lens> all_lenses() {

@@ -160,6 +160,9 @@ Vector2<T> project_point(const T* intrinsics, const Vector3<T>& p) {
   return {intrinsics[0] * m.x() + intrinsics[2], intrinsics[1] * m.y() + intrinsics[3]};
 }
 
+/// The same for any lens; NaN where it cannot project.
+Eigen::Vector2d project_point(const Lens& lens, const double* intrinsics, const Eigen::Vector3d& p);
+
 /// Calls `use` with the lens as its own type.
 template <class Use>
 decltype(auto) with_lens(const Lens& lens, Use&& use) {
@@ -169,8 +172,9 @@ decltype(auto) with_lens(const Lens& lens, Use&& use) {
 std::string lens_name(const Lens& lens);
 std::vector<std::string> coefficient_names(const Lens& lens);
 std::vector<std::string> intrinsic_names(const Lens& lens);  ///< fx fy cx cy, then coefficients
-std::vector<Lens> all_lenses();                              ///< in the order of `Lens`
-std::optional<Lens> find_lens(const std::string& name);      ///< nullopt for an unknown name
+int num_intrinsics(const Lens& lens);
+std::vector<Lens> all_lenses();                          ///< in the order of `Lens`
+std::optional<Lens> find_lens(const std::string& name);  ///< nullopt for an unknown name
 LensInterop lens_interop(const Lens& lens);
 bool is_perspective(const Lens& lens);  ///< false: fisheye
 

@@ -7,29 +7,49 @@
 namespace touchtrace {
 namespace {
 
-using Jet = ceres::Jet<double, 3>;
-
 template <class L>
-Eigen::Matrix<double, 2, 3> jacobian_of(const std::array<double, max_intrinsics>& intrinsics,
-                                        const Eigen::Vector3d& point_m) {
-  std::array<Jet, max_intrinsics> constants;
-  for (std::size_t i = 0; i < intrinsics.size(); ++i) constants[i] = Jet(intrinsics[i]);
-  const Vector3<Jet> point(Jet(point_m.x(), 0), Jet(point_m.y(), 1), Jet(point_m.z(), 2));
-  const Vector2<Jet> pixel = project_point<L>(constants.data(), point);
-  Eigen::Matrix<double, 2, 3> jacobian;
-  jacobian << pixel.x().v.transpose(), pixel.y().v.transpose();
-  return jacobian;
+ProjectionJacobian differentiate(const double* intrinsics, const Eigen::Vector3d& p) {
+  constexpr int num_coefficients = static_cast<int>(L::coefficients.size());
+  using Jet = ceres::Jet<double, 3 + num_coefficients>;
+  std::array<Jet, num_coefficients> k;
+  for (int i = 0; i < num_coefficients; ++i) k[std::size_t(i)] = Jet(intrinsics[4 + i], 3 + i);
+  const Vector2<Jet> distorted =
+      L::distort(k.data(), L::normalize(Vector3<Jet>(Jet(p.x(), 0), Jet(p.y(), 1), Jet(p.z(), 2))));
+  ProjectionJacobian result;
+  result.by_intrinsics.setZero();
+  for (int axis = 0; axis < 2; ++axis) {
+    const double focal_px = intrinsics[axis];
+    const auto& [value, derivatives] = distorted[axis];
+    result.pixel[axis] = focal_px * value + intrinsics[2 + axis];
+    result.by_point.row(axis) = focal_px * derivatives.template head<3>().transpose();
+    auto by_intrinsics = result.by_intrinsics.row(axis);
+    by_intrinsics[axis] = value, by_intrinsics[2 + axis] = 1.0;
+    by_intrinsics.template segment<num_coefficients>(4) =
+        focal_px * derivatives.template tail<num_coefficients>().transpose();
+  }
+  return result;
+}
+
+ProjectionJacobian not_a_projection() {
+  ProjectionJacobian result;
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  result.pixel.setConstant(nan), result.by_point.setConstant(nan);
+  result.by_intrinsics.setConstant(nan);
+  return result;
 }
 
 }  // namespace
 
-Eigen::Matrix<double, 2, 3> projection_jacobian(const Camera& camera,
-                                                const Eigen::Vector3d& point_m) {
-  return with_lens(camera.lens, [&](auto lens) -> Eigen::Matrix<double, 2, 3> {
-    if (!lens.can_project(point_m))
-      return Eigen::Matrix<double, 2, 3>::Constant(std::numeric_limits<double>::quiet_NaN());
-    return jacobian_of<decltype(lens)>(camera.parameters(), point_m);
+ProjectionJacobian projection_jacobian(const Lens& lens, const double* intrinsics,
+                                       const Eigen::Vector3d& point_m) {
+  return with_lens(lens, [&](auto l) {
+    return l.can_project(point_m) ? differentiate<decltype(l)>(intrinsics, point_m)
+                                  : not_a_projection();
   });
+}
+
+ProjectionJacobian projection_jacobian(const Camera& camera, const Eigen::Vector3d& point_m) {
+  return projection_jacobian(camera.lens, camera.parameters().data(), point_m);
 }
 
 }  // namespace touchtrace

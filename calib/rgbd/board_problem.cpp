@@ -1,6 +1,7 @@
 #include "calib/rgbd/board_problem.h"
 
 #include <ceres/ceres.h>
+#include <ceres/normal_prior.h>
 
 #include <algorithm>
 #include <limits>
@@ -11,18 +12,8 @@
 namespace touchtrace {
 namespace {
 
-template <class Error, int... sizes>
-ceres::CostFunction* autodiff(Error error) {
-  return new ceres::AutoDiffCostFunction<Error, sizes...>(new Error(std::move(error)));
-}
+using DepthCost = ceres::AutoDiffCostFunction<DepthError, 1, 6, 6, 4, 2, 2, 1>;
 
-template <int N>
-ceres::CostFunction* prior_of(const std::array<double, N>& mean,
-                              const std::array<double, N>& sigma) {
-  return autodiff<PriorError<N>, N, N>({mean, sigma});
-}
-
-template <class L>
 void add_corners(const BoardProblem& problem, std::size_t view, ceres::LossFunction* loss,
                  RgbdParameters& p, CeresProblem& ceres_problem) {
   const CalibrationTarget& board = problem.observations.board;
@@ -35,24 +26,21 @@ void add_corners(const BoardProblem& problem, std::size_t view, ceres::LossFunct
     if (has_free_deformation(problem))
       blocks.push_back(p.corner_offsets_m[std::size_t(corner)].data());
     ceres_problem.problem.AddResidualBlock(
-        new CornerCost<L>(flat_m, board.warp_basis(flat_m.head<2>()), seen.corners_px[i],
-                          problem.corner_sigma_px, ceres_problem.rotations[view],
-                          has_free_deformation(problem)),
+        new CornerCost(p.lens, flat_m, board.warp_basis(flat_m.head<2>()), seen.corners_px[i],
+                       problem.corner_sigma_px, ceres_problem.rotations[view],
+                       has_free_deformation(problem)),
         loss, blocks);
   }
 }
 
-template <class L>
 void add_color(const BoardProblem& problem, ceres::LossFunction* loss, RgbdParameters& p,
                CeresProblem& ceres_problem) {
-  constexpr int size = 4 + static_cast<int>(L::coefficients.size());
-  for (std::size_t view : used_views(problem))
-    add_corners<L>(problem, view, loss, p, ceres_problem);
-  PriorError<size> prior;
-  std::copy_n(problem.prior.color_mean.begin(), size, prior.mean.begin());
-  std::copy_n(problem.prior.color_sigma.begin(), size, prior.sigma.begin());
-  ceres_problem.problem.AddResidualBlock(autodiff<PriorError<size>, size, size>(prior), nullptr,
-                                         p.color.data());
+  const int size = num_intrinsics(p.lens);
+  for (std::size_t view : used_views(problem)) add_corners(problem, view, loss, p, ceres_problem);
+  ceres_problem.problem.AddResidualBlock(
+      gaussian_prior(std::span(problem.prior.color_mean).first(size),
+                     std::span(problem.prior.color_sigma).first(size)),
+      nullptr, p.color.data());
   std::vector<int> fixed;
   for (int i = 0; i < size; ++i)
     if (std::ranges::find(problem.free_color, i) == problem.free_color.end()) fixed.push_back(i);
@@ -65,8 +53,8 @@ void add_deformation(const BoardProblem& problem, RgbdParameters& p,
                      ceres::Problem& ceres_problem) {
   const double sigma_m = problem.prior.deformation_sigma_m;
   for (auto& offset_m : p.corner_offsets_m) {
-    ceres_problem.AddResidualBlock(prior_of<3>({}, {sigma_m, sigma_m, sigma_m}), nullptr,
-                                   offset_m.data());
+    ceres_problem.AddResidualBlock(gaussian_prior({}, std::array{sigma_m, sigma_m, sigma_m}),
+                                   nullptr, offset_m.data());
     if (problem.estimated != Estimated::everything)
       ceres_problem.SetParameterBlockConstant(offset_m.data());
   }
@@ -75,7 +63,7 @@ void add_deformation(const BoardProblem& problem, RgbdParameters& p,
 void add_depth(const BoardProblem& problem, ceres::LossFunction* loss, RgbdParameters& p,
                ceres::Problem& ceres_problem) {
   for (const auto& s : problem.samples)
-    ceres_problem.AddResidualBlock(autodiff<DepthError, 1, 6, 6, 4, 2, 2, 1>({s}), loss,
+    ceres_problem.AddResidualBlock(new DepthCost(new DepthError{s}), loss,
                                    p.camera_from_board[s.view].data(), p.depth_from_color.data(),
                                    p.depth.data(), p.depth_correction.data(), p.board_warp_m.data(),
                                    &p.depth_delay_s);
@@ -83,11 +71,12 @@ void add_depth(const BoardProblem& problem, ceres::LossFunction* loss, RgbdParam
   const auto add_prior = [&](ceres::CostFunction* error, double* block) {
     ceres_problem.AddResidualBlock(error, nullptr, block);
   };
-  add_prior(prior_of<6>({}, prior.pose_sigma), p.depth_from_color.data());
-  add_prior(prior_of<4>(prior.depth_mean, prior.depth_sigma), p.depth.data());
-  add_prior(prior_of<2>({1.0, 0.0}, prior.correction_sigma), p.depth_correction.data());
+  add_prior(gaussian_prior({}, prior.pose_sigma), p.depth_from_color.data());
+  add_prior(gaussian_prior(prior.depth_mean, prior.depth_sigma), p.depth.data());
+  add_prior(gaussian_prior(std::array{1.0, 0.0}, prior.correction_sigma),
+            p.depth_correction.data());
   if (problem.free_delay)
-    add_prior(prior_of<1>({0.0}, {prior.delay_sigma_s}), &p.depth_delay_s);
+    add_prior(gaussian_prior({}, {&prior.delay_sigma_s, 1}), &p.depth_delay_s);
   else
     ceres_problem.SetParameterBlockConstant(&p.depth_delay_s);
 }
@@ -139,10 +128,10 @@ std::unique_ptr<CeresProblem> make_problem(const BoardProblem& problem, RgbdPara
   auto result = std::make_unique<CeresProblem>(p);
   ceres::Problem& ceres_problem = result->problem;
   auto* loss = new ceres::HuberLoss(problem.loss_sigmas);
-  with_lens(p.lens, [&](auto l) { add_color<decltype(l)>(problem, loss, p, *result); });
+  add_color(problem, loss, p, *result);
   const double warp_sigma_m = problem.prior.warp_sigma_m;
-  ceres_problem.AddResidualBlock(prior_of<2>({}, {warp_sigma_m, warp_sigma_m}), nullptr,
-                                 p.board_warp_m.data());
+  ceres_problem.AddResidualBlock(gaussian_prior({}, std::array{warp_sigma_m, warp_sigma_m}),
+                                 nullptr, p.board_warp_m.data());
   if (has_free_deformation(problem)) add_deformation(problem, p, ceres_problem);
   if (!problem.samples.empty()) add_depth(problem, loss, p, ceres_problem);
   fix_parameters(problem, p, ceres_problem);
@@ -163,6 +152,14 @@ Eigen::Isometry3d pose_of(const std::array<double, 6>& p) {
   pose.linear() = rotation_matrix({p[0], p[1], p[2]});
   pose.translation() << p[3], p[4], p[5];
   return pose;
+}
+
+ceres::CostFunction* gaussian_prior(std::span<const double> mean, std::span<const double> sigma) {
+  const auto size = static_cast<Eigen::Index>(sigma.size());
+  Eigen::VectorXd centre = Eigen::VectorXd::Zero(size);
+  std::ranges::copy(mean, centre.begin());
+  const Eigen::Map<const Eigen::VectorXd> sigmas(sigma.data(), size);
+  return new ceres::NormalPrior(sigmas.cwiseInverse().asDiagonal().toDenseMatrix(), centre);
 }
 
 bool minimize(ceres::Problem& problem, const SolverLimits& limits) {
@@ -194,16 +191,14 @@ std::vector<Eigen::Vector2d> corner_residuals(const BoardObservations& observati
   std::vector<Eigen::Vector2d> residuals;
   const BoardView& seen = observations.views[view];
   const Eigen::Isometry3d pose = pose_of(p.camera_from_board[view]);
-  with_lens(p.lens, [&](auto l) {
-    for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
-      const Eigen::Vector3d point =
-          pose * deformed_corner_m(observations.board, seen.corner_id(i), p);
-      if (l.can_project(point))
-        residuals.push_back(seen.corners_px[i] - project_point<decltype(l)>(p.color.data(), point));
-      else
-        residuals.emplace_back(Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()));
-    }
-  });
+  for (std::size_t i = 0; i < seen.corners_px.size(); ++i) {
+    const Eigen::Vector2d pixel = project_point(
+        p.lens, p.color.data(), pose * deformed_corner_m(observations.board, seen.corner_id(i), p));
+    if (pixel.allFinite())
+      residuals.push_back(seen.corners_px[i] - pixel);
+    else
+      residuals.emplace_back(Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()));
+  }
   return residuals;
 }
 

@@ -133,8 +133,7 @@ Eigen::Isometry3d pose_from_json(const json& value, const std::string& name) {
 }
 
 RgbdCalibration calibration_from_json(const json& value) {
-  require(value.at("schema") == calibration_schema,
-          fmt::format("schema {} is not {}", value.at("schema").dump(), calibration_schema));
+  require_schema(value, calibration_schema);
   RgbdCalibration c;
   c.color = camera_from_json(value.at("color"));
   if (!value.at("depth").is_null()) c.depth = camera_from_json(value.at("depth"));
@@ -175,6 +174,16 @@ std::string checked_json_text(json document) {
   return with_checksum(document.dump(1) + "\n");
 }
 
+json parse_checked_json(const std::string& text) {
+  verify_checksum(text, text);
+  return json::parse(text);
+}
+
+void require_schema(const json& document, const std::string& schema) {
+  const json& found = document.at("schema");
+  require(found == schema, fmt::format("schema {} is not {}", found.dump(), schema));
+}
+
 FileTexts calibration_files(const RgbdCalibration& calibration) {
   FileTexts texts;
   texts["camera.yaml"] = camera_info_yaml("color", calibration.color);
@@ -209,8 +218,7 @@ RgbdCalibration read_calibration(const std::filesystem::path& folder_or_file) {
   const std::string text = read_file(path, max_bytes);
   if (is_file && is_foreign_json(text)) return read_foreign_calibration(path);
   try {
-    verify_checksum(text, text);
-    return calibration_from_json(json::parse(text));
+    return calibration_from_json(parse_checked_json(text));
   } catch (const std::exception& error) {
     throw data_error(fmt::format("cannot read calibration {}: {}", path.string(), error.what()),
                      "create it again with `touchtrace calibrate`");

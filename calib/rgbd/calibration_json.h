@@ -24,6 +24,9 @@ Eigen::Isometry3d pose_from_json(const nlohmann::json& value, const std::string&
 
 /// Text of a JSON document with its checksum.
 std::string checked_json_text(nlohmann::json document);
+/// Inverse of checked_json_text(). Throws if the text was changed.
+nlohmann::json parse_checked_json(const std::string& text);
+void require_schema(const nlohmann::json& document, const std::string& schema);
 
 using FileTexts = std::map<std::string, std::string>;  ///< by path relative to a folder
 

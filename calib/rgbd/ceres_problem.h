@@ -4,6 +4,7 @@
 #include <ceres/problem.h>
 
 #include <memory>
+#include <span>
 
 #include "calib/rgbd/board_problem.h"
 
@@ -42,6 +43,10 @@ struct SolverLimits {
   double cost_tolerance = 1e-10, parameter_tolerance = 1e-10;  ///< relative
   int num_threads = 1;
 };
+
+/// Gaussian prior of a parameter block: (value - mean) / sigma. An empty mean is 0. An infinite
+/// sigma gives a zero residual.
+ceres::CostFunction* gaussian_prior(std::span<const double> mean, std::span<const double> sigma);
 
 /// Minimises by Levenberg-Marquardt. Returns false if Ceres does not converge or the cost is not
 /// finite.

@@ -2,11 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "calib/matrix/decomposition.h"
 #include "calib/rgbd/projection_map.h"
 #include "calib/rgbd/rotation.h"
 #include "engine/base/error.h"
@@ -57,7 +57,7 @@ Eigen::Vector3d fit_rotation(const Camera& b, const std::vector<GridPoint>& poin
       normal += weight * jacobian.transpose() * jacobian;
       right -= weight * jacobian.transpose() * error;
     }
-    rotation += normal.ldlt().solve(right);
+    rotation += solve_semidefinite(normal, right);
   }
   return rotation;
 }

@@ -1,104 +1,82 @@
 #pragma once
 
 #include <ceres/cost_function.h>
-#include <ceres/jet.h>
 #include <ceres/rotation.h>
 
 #include <Eigen/Core>
-#include <array>
 
-#include "calib/camera/lens.h"
+#include "calib/camera/projection_jacobian.h"
 #include "calib/rgbd/board_problem.h"
 #include "calib/rgbd/ceres_problem.h"
 #include "calib/rgbd/rotation.h"
 
 namespace touchtrace {
 
-/// Reprojection error of one corner through the lens L: (projected - measured) / sigma [2].
-/// Parameter blocks: intrinsics, camera_from_board, the board's warp and, if the deformation is
-/// free, the corner's offset. Derivatives of the lens are automatic, all others analytic. Takes the
-/// rotation from `rotation` instead of camera_from_board: requires ViewRotations as the problem's
-/// evaluation callback.
-template <class L>
+/// Sets the derivative [2, ..] by a parameter block, unless the block is constant.
+template <class Derivative>
+void set_jacobian(double* jacobian, const Eigen::MatrixBase<Derivative>& derivative) {
+  if (jacobian == nullptr) return;
+  Eigen::Map<Eigen::Matrix<double, 2, Derivative::ColsAtCompileTime, Eigen::RowMajor>>(
+      jacobian, 2, derivative.cols()) = derivative;
+}
+
+/// Derivative of a projection by the pose that maps a point to `rotated` + translation. `by_point`:
+/// its derivative by the mapped point.
+inline Eigen::Matrix<double, 2, 6> derivative_by_pose(
+    const Eigen::Matrix<double, 2, 3>& by_point, const Eigen::Vector3d& rotated,
+    const Eigen::Matrix3d& left_rotation_jacobian) {
+  Eigen::Matrix<double, 2, 6> by_pose;
+  by_pose << -by_point * cross_matrix(rotated) * left_rotation_jacobian, by_point;
+  return by_pose;
+}
+
+/// Reprojection error of one corner: (projected - measured) / sigma [2]. Parameter blocks:
+/// intrinsics, camera_from_board, the board's warp and, if the deformation is free, the corner's
+/// offset. Takes the rotation from `rotation` instead of camera_from_board: requires ViewRotations
+/// as the problem's evaluation callback.
 class CornerCost final : public ceres::CostFunction {
  public:
-  CornerCost(const Eigen::Vector3d& flat_m, const Eigen::Vector2d& warp_basis,
+  CornerCost(const Lens& lens, const Eigen::Vector3d& flat_m, const Eigen::Vector2d& warp_basis,
              const Eigen::Vector2d& measured_px, double sigma_px,
              const ViewRotations::Rotation& rotation, bool free_offset)
-      : flat_m_(flat_m),
+      : lens_(lens),
+        flat_m_(flat_m),
         warp_basis_(warp_basis),
         measured_px_(measured_px),
         sigma_px_(sigma_px),
         rotation_(rotation),
         free_offset_(free_offset) {
     set_num_residuals(2);
-    *mutable_parameter_block_sizes() = {4 + num_coefficients, 6, 2};
+    *mutable_parameter_block_sizes() = {num_intrinsics(lens), 6, 2};
     if (free_offset) mutable_parameter_block_sizes()->push_back(3);
   }
 
   bool Evaluate(double const* const* parameters, double* residual,
                 double** jacobians) const override {
-    const double* intrinsics = parameters[0];
     const Eigen::Map<const Eigen::Vector3d> translation(parameters[1] + 3);
     Eigen::Vector3d on_board = flat_m_;
     on_board.z() += warp_basis_.dot(Eigen::Map<const Eigen::Vector2d>(parameters[2]));
     if (free_offset_) on_board += Eigen::Map<const Eigen::Vector3d>(parameters[3]);
     const Eigen::Vector3d rotated = rotation_.matrix * on_board, p = rotated + translation;
-    if (!L::can_project(p)) return false;
     Eigen::Map<Eigen::Vector2d> error(residual);
     if (jacobians == nullptr) {
-      error = (project_point<L>(intrinsics, p) - measured_px_) / sigma_px_;
-      return true;
+      error = (project_point(lens_, parameters[0], p) - measured_px_) / sigma_px_;
+      return error.allFinite();
     }
-    std::array<Jet, num_coefficients> k;
-    for (int i = 0; i < num_coefficients; ++i) k[std::size_t(i)] = Jet(intrinsics[4 + i], 3 + i);
-    const Vector2<Jet> distorted = L::distort(
-        k.data(), L::normalize(Vector3<Jet>(Jet(p.x(), 0), Jet(p.y(), 1), Jet(p.z(), 2))));
-    for (int axis = 0; axis < 2; ++axis)
-      error[axis] =
-          (intrinsics[axis] * distorted[axis].a + intrinsics[2 + axis] - measured_px_[axis]) /
-          sigma_px_;
-    differentiate(intrinsics, rotated, distorted, jacobians);
-    return true;
+    const ProjectionJacobian projection = projection_jacobian(lens_, parameters[0], p);
+    error = (projection.pixel - measured_px_) / sigma_px_;
+    const Eigen::Matrix<double, 2, 3> by_point = projection.by_point / sigma_px_,
+                                      by_board_point = by_point * rotation_.matrix;
+    set_jacobian(jacobians[0],
+                 projection.by_intrinsics.leftCols(parameter_block_sizes()[0]) / sigma_px_);
+    set_jacobian(jacobians[1], derivative_by_pose(by_point, rotated, rotation_.left_jacobian));
+    set_jacobian(jacobians[2], by_board_point.col(2) * warp_basis_.transpose());
+    if (free_offset_) set_jacobian(jacobians[3], by_board_point);
+    return error.allFinite();
   }
 
  private:
-  static constexpr int num_coefficients = static_cast<int>(L::coefficients.size());
-  using Jet = ceres::Jet<double, 3 + num_coefficients>;
-
-  void differentiate(const double* intrinsics, const Eigen::Vector3d& rotated,
-                     const Vector2<Jet>& distorted, double** jacobians) const {
-    Eigen::Matrix<double, 2, 3> by_point;
-    for (int axis = 0; axis < 2; ++axis)
-      by_point.row(axis) =
-          intrinsics[axis] / sigma_px_ * distorted[axis].v.template head<3>().transpose();
-    if (jacobians[0] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 2, 4 + num_coefficients, Eigen::RowMajor>> by_intrinsics(
-          jacobians[0]);
-      by_intrinsics.setZero();
-      for (int axis = 0; axis < 2; ++axis) {
-        by_intrinsics(axis, axis) = distorted[axis].a / sigma_px_;
-        by_intrinsics(axis, 2 + axis) = 1.0 / sigma_px_;
-        by_intrinsics.row(axis).template tail<num_coefficients>() =
-            intrinsics[axis] / sigma_px_ *
-            distorted[axis].v.template tail<num_coefficients>().transpose();
-      }
-    }
-    if (jacobians[1] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> by_pose(jacobians[1]);
-      by_pose.leftCols<3>() = -by_point * cross_matrix(rotated) * rotation_.left_jacobian;
-      by_pose.rightCols<3>() = by_point;
-    }
-    if (jacobians[2] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>> by_warp(jacobians[2]);
-      by_warp = by_point * rotation_.matrix.col(2) * warp_basis_.transpose();
-    }
-    if (free_offset_ && jacobians[3] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> by_offset(jacobians[3]);
-      by_offset = by_point * rotation_.matrix;
-    }
-  }
-
+  Lens lens_;
   Eigen::Vector3d flat_m_;
   Eigen::Vector2d warp_basis_, measured_px_;
   double sigma_px_;
@@ -138,19 +116,6 @@ struct DepthError {
         board_depth(sample, camera_from_board, depth_from_color, depth, warp_m, *delay_s);
     residual[0] =
         ((surface - correction[1]) / correction[0] - T(sample.measured_m)) / T(sample.sigma_m);
-    return true;
-  }
-};
-
-/// Gaussian prior of a parameter block of N values: (value - mean) / sigma. An infinite sigma gives
-/// a zero residual.
-template <int N>
-struct PriorError {
-  std::array<double, N> mean, sigma;
-
-  template <class T>
-  bool operator()(const T* values, T* residual) const {
-    for (int i = 0; i < N; ++i) residual[i] = (values[i] - T(mean[i])) / T(sigma[i]);
     return true;
   }
 };

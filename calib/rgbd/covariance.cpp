@@ -1,8 +1,8 @@
 #include <ceres/ceres.h>
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
-
+#include "calib/matrix/decomposition.h"
+#include "calib/matrix/product.h"
 #include "calib/rgbd/board_problem.h"
 #include "calib/rgbd/ceres_problem.h"
 #include "calib/rgbd/normal_equations.h"
@@ -39,40 +39,6 @@ ReducedEquations equations_at(CeresProblem& ceres_problem, const BoardProblem& p
   return eliminate_offsets(normal_equations(*evaluation));
 }
 
-/// Inverse of an information matrix, by a Cholesky decomposition with unit diagonal.
-struct ScaledInverse {
-  VectorXd scale;
-  Eigen::LLT<MatrixXd> cholesky;
-  bool is_valid = false;
-
-  explicit ScaledInverse(const MatrixXd& matrix) {
-    if (matrix.size() == 0) return;
-    scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
-    if (!scale.allFinite()) return;
-    cholesky.compute(scale.asDiagonal() * matrix * scale.asDiagonal());
-    is_valid = cholesky.info() == Eigen::Success;
-  }
-  /// Covariance of the first `size` parameters.
-  MatrixXd marginal(Index size) const {
-    const MatrixXd selection = MatrixXd::Identity(scale.size(), size);
-    const MatrixXd top = cholesky.solve(selection).topRows(size);
-    return scale.head(size).asDiagonal() * top * scale.head(size).asDiagonal();
-  }
-  /// Maps independent standard normal numbers to a draw from N(0, inverse).
-  VectorXd draw(const VectorXd& normal) const {
-    return scale.cwiseProduct(cholesky.matrixU().solve(normal));
-  }
-};
-
-/// Marginalises all but the first `size` parameters out; empty if that is not possible.
-MatrixXd marginal_information(const MatrixXd& all, Index size) {
-  const Index rest = all.rows() - size;
-  const MatrixXd across = all.bottomLeftCorner(rest, size);
-  const Eigen::LLT<MatrixXd> cholesky(all.bottomRightCorner(rest, rest));
-  if (cholesky.info() != Eigen::Success) return {};
-  return all.topLeftCorner(size, size) - across.transpose() * cholesky.solve(across);
-}
-
 void add_step(const BoardProblem& problem, RgbdParameters& p, const VectorXd& step) {
   Index at = 0;
   for (int i : problem.free_color) p.color[static_cast<std::size_t>(i)] += step[at++];
@@ -91,7 +57,7 @@ MatrixXd with_left_rotations(const BoardProblem& problem, const RgbdParameters& 
                              const MatrixXd& marginal) {
   if (marginal.size() == 0) return marginal;
   const MatrixXd jacobian = left_rotation_jacobian(problem, p, marginal.rows());
-  return jacobian * marginal * jacobian.transpose();
+  return congruence(jacobian, marginal);
 }
 
 }  // namespace
@@ -121,8 +87,8 @@ MatrixXd information(const BoardProblem& problem, RgbdParameters p) {
 }
 
 MatrixXd marginal_covariance(const MatrixXd& information, Eigen::Index size) {
-  const ScaledInverse inverse(information);
-  return inverse.is_valid ? inverse.marginal(size) : MatrixXd();
+  const Cholesky cholesky(information);
+  return cholesky.is_valid() ? cholesky.inverse_corner(size) : MatrixXd();
 }
 
 MatrixXd covariance(const BoardProblem& problem, const RgbdParameters& p) {
@@ -135,31 +101,34 @@ MatrixXd covariance_of_estimate(const BoardProblem& problem, const RgbdParameter
   const auto size = static_cast<Index>(parameter_names(problem, p.lens).size());
   const auto ceres_problem = make_problem(problem, p);
   const ReducedEquations here = equations_at(*ceres_problem, problem, p);
-  const ScaledInverse inverse(here.parameters);
-  if (!inverse.is_valid) return {};
+  const Cholesky cholesky(here.parameters);
+  if (!cholesky.is_valid()) return {};
   RandomStream random(1, "around the estimate");
   MatrixXd mean = MatrixXd::Zero(size, size);
   int num_valid = 0;
   for (int i = 0; i < num_draws; ++i) {
-    VectorXd normal(inverse.scale.size());
+    VectorXd normal(here.gradient.size());
     for (double& value : normal) value = random.normal();
-    const VectorXd step = inverse.draw(normal);
+    const VectorXd step = cholesky.solve_upper(normal);
     for (double sign : {1.0, -1.0}) {
       p = estimate;
       add_step(problem, p, sign * step);
       const ReducedEquations there = equations_at(*ceres_problem, problem, p);
       if (there.parameters.size() == 0) continue;  // the lens cannot project a corner
       if (there.squares - here.squares > max_excess * normal.squaredNorm()) continue;
-      const MatrixXd marginal = marginal_information(there.parameters, size);
+      const MatrixXd marginal = schur_complement(there.parameters, size);
       if (!marginal.allFinite() || marginal.size() == 0) continue;
       mean += marginal, ++num_valid;
     }
   }
-  const MatrixXd plain = inverse.marginal(size), root = cholesky_root(plain);
-  if (num_valid == 0 || root.size() == 0) return with_left_rotations(problem, estimate, plain);
+  const MatrixXd plain = cholesky.inverse_corner(size);
+  const Cholesky plain_cholesky(plain);
+  if (num_valid == 0 || !plain_cholesky.is_valid())
+    return with_left_rotations(problem, estimate, plain);
   // C S C as R (R' S R) R', which stays positive definite
-  const MatrixXd relative = root.transpose() * (mean / num_valid) * root;
-  return with_left_rotations(problem, estimate, root * relative * root.transpose());
+  const MatrixXd root = plain_cholesky.lower();
+  const MatrixXd relative = congruence(root.transpose(), mean / num_valid);
+  return with_left_rotations(problem, estimate, congruence(root, relative));
 }
 
 }  // namespace touchtrace

@@ -1,11 +1,13 @@
 #include "calib/rgbd/design_effect.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+
+#include "calib/matrix/decomposition.h"
+#include "calib/matrix/product.h"
 
 namespace touchtrace {
 namespace {
@@ -25,7 +27,7 @@ Eigen::VectorXd fitted_plane(const ViewResiduals& view) {
   for (Eigen::Index i = 0; i < count; ++i)
     design.row(i) << 1.0, view.pixels[static_cast<std::size_t>(i)].transpose();
   const Eigen::Map<const Eigen::VectorXd> values(view.values.data(), count);
-  return design * design.colPivHouseholderQr().solve(values);
+  return product(design, least_squares(design, values).x);
 }
 
 /// Sum of squares with expectation `freedom` for independent samples.

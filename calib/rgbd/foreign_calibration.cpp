@@ -3,12 +3,12 @@
 #include <fmt/core.h>
 #include <yaml-cpp/yaml.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
+#include "calib/matrix/decomposition.h"
 #include "calib/rgbd/calibration_json.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
@@ -180,7 +180,7 @@ FourCoefficients fit_radtan(const Camera& c) {
       design.row(row + 1) << y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y;
       displacement.segment<2>(row) << (pixel.x() - c.cx) / c.fx - x, (pixel.y() - c.cy) / c.fy - y;
     }
-  const Eigen::Vector4d k = design.colPivHouseholderQr().solve(displacement);
+  const Eigen::Vector4d k = least_squares(design, displacement).x;
   const Eigen::VectorXd error = design * k - displacement;
   FourCoefficients four{"radtan", {k[0], k[1], k[2], k[3]}};
   for (row = 0; row < error.size(); row += 2)

@@ -2,13 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "calib/matrix/decomposition.h"
 #include "calib/rgbd/board_problem.h"
 #include "calib/rgbd/projection_map.h"
 #include "calib/rgbd/verdict.h"
@@ -58,10 +57,7 @@ class ViewInformation {
     parameters_.camera_from_board = {{angle_axis.x(), angle_axis.y(), angle_axis.z(),
                                       position_m.x(), position_m.y(), position_m.z()}};
     const MatrixXd all = information(problem_, parameters_);
-    const Index size = all.rows() - 6;
-    const MatrixXd across = all.bottomLeftCorner(6, size);
-    return all.topLeftCorner(size, size) -
-           across.transpose() * all.bottomRightCorner(6, 6).llt().solve(across);
+    return schur_complement(all, all.rows() - 6);
   }
 
  private:
@@ -101,13 +97,14 @@ std::vector<NextView> candidates(const RgbdCalibration& c, const CalibrationTarg
 Eigen::Isometry3d camera_from_board(const NextView& view, const Camera& camera,
                                     const CalibrationTarget& board) {
   const Eigen::Vector3d ray =
-      camera.unproject({view.column * camera.width, view.row * camera.height});
+      camera.unproject({view.column * camera.width, view.row * camera.height}).normalized();
+  const Eigen::Quaterniond ray_from_z(1.0 + ray.z(), -ray.y(), ray.x(), 0.0);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray) *
+  pose.linear() = ray_from_z.normalized() *
                   Eigen::AngleAxisd(view.tilt_x_rad, Eigen::Vector3d::UnitX()) *
                   Eigen::AngleAxisd(view.tilt_y_rad, Eigen::Vector3d::UnitY()).matrix();
-  pose.translation() = view.distance_m * ray.normalized() -
-                       0.5 * pose.linear() * board.corner_m(board.num_corners() - 1);
+  pose.translation() =
+      view.distance_m * ray - 0.5 * pose.linear() * board.corner_m(board.num_corners() - 1);
   return pose;
 }
 
@@ -116,15 +113,15 @@ std::optional<NextView> find_next_view(const RgbdCalibration& calibration,
   ViewInformation view_information(calibration, board);
   RgbdCalibration then = calibration;
   const Index size = static_cast<Index>(color_parameter_indices(calibration).size()) + 2;
-  const Eigen::LLT<MatrixXd> covariance(calibration.covariance.topLeftCorner(size, size));
-  if (covariance.info() != Eigen::Success) return {};
-  const MatrixXd now = covariance.solve(MatrixXd::Identity(size, size));
+  const Cholesky covariance(calibration.covariance.topLeftCorner(size, size));
+  if (!covariance.is_valid()) return {};
+  const MatrixXd now = covariance.inverse_corner(size);
   std::optional<NextView> best;
   const double sigma_px = projection_sigma_quantile_px(calibration, judged_image_fraction);
   for (NextView view : candidates(calibration, board, sigma_px)) {
     const MatrixXd added = view_information.of(camera_from_board(view, calibration.color, board));
     if (added.size() == 0) continue;
-    then.covariance = (now + added).llt().solve(MatrixXd::Identity(size, size));
+    then.covariance = Cholesky(now + added).inverse_corner(size);
     view.then_px = projection_sigma_quantile_px(then, judged_image_fraction);
     if (!best || view.then_px < best->then_px) best = view;
   }

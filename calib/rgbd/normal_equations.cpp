@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "calib/matrix/product.h"
 #include "calib/rgbd/ceres_problem.h"
 
 namespace touchtrace {
@@ -58,8 +59,8 @@ Rows rows_from(const ceres::CRSMatrix& crs, const std::vector<double>& residuals
 
 void add_parameters(const Rows& rows, NormalEquations& sum) {
   const auto part = rows.jacobian.leftCols(rows.parameters);
-  const MatrixXd square = part.transpose() * part;
-  const VectorXd slope = part.transpose() * rows.residuals;
+  const MatrixXd square = product(part.transpose(), part);
+  const VectorXd slope = product(part.transpose(), rows.residuals);
   for (Index a = 0; a < rows.parameters; ++a) {
     sum.parameters_gradient[rows.columns[a]] += slope[a];
     for (Index b = 0; b < rows.parameters; ++b)
@@ -142,23 +143,16 @@ ReducedEquations eliminate_offsets(const NormalEquations& n, double weight) {
     const Eigen::Matrix3d square =
         n.offsets.middleCols<3>(at) + weight * Eigen::Matrix3d::Identity();
     const Eigen::LLT<Eigen::Matrix3d> cholesky(square);
+    const Eigen::Matrix3d inverse_lower = cholesky.matrixL().solve(Eigen::Matrix3d::Identity());
     scaled_coupling.middleCols<3>(at) =
-        cholesky.matrixL().solve(n.coupling.middleCols<3>(at).transpose()).transpose();
-    gradient.segment<3>(at) = cholesky.matrixL().solve(n.offsets_gradient.segment<3>(at));
+        n.coupling.middleCols<3>(at).lazyProduct(inverse_lower.transpose());
+    gradient.segment<3>(at) = inverse_lower * n.offsets_gradient.segment<3>(at);
     result.log_determinant += 2.0 * cholesky.matrixLLT().diagonal().array().log().sum();
   }
-  result.parameters -= scaled_coupling * scaled_coupling.transpose();
-  result.gradient -= scaled_coupling * gradient;
+  result.parameters -= product(scaled_coupling, scaled_coupling.transpose());
+  result.gradient -= product(scaled_coupling, gradient);
   result.squares -= gradient.squaredNorm();
   return result;
-}
-
-MatrixXd cholesky_root(const MatrixXd& covariance) {
-  const VectorXd sigmas = covariance.diagonal().cwiseSqrt();
-  const VectorXd scale = sigmas.cwiseInverse();
-  const Eigen::LLT<MatrixXd> cholesky(scale.asDiagonal() * covariance * scale.asDiagonal());
-  if (cholesky.info() != Eigen::Success) return {};
-  return sigmas.asDiagonal() * MatrixXd(cholesky.matrixL());
 }
 
 }  // namespace touchtrace

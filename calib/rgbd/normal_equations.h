@@ -59,8 +59,4 @@ struct ReducedEquations {
 /// `weight`: added to the diagonal of the offsets' J'J.
 ReducedEquations eliminate_offsets(const NormalEquations& equations, double weight = 0.0);
 
-/// Lower triangular root of a covariance, by way of unit variances: those of lens coefficients and
-/// of the warp differ by many orders of magnitude. Empty if it is not positive definite.
-Eigen::MatrixXd cholesky_root(const Eigen::MatrixXd& covariance);
-
 }  // namespace touchtrace

@@ -1,14 +1,14 @@
 #include "calib/rgbd/projection_map.h"
 
-#include <ceres/jet.h>
-
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 #include <vector>
 
+#include "calib/camera/projection_jacobian.h"
+#include "calib/matrix/decomposition.h"
+#include "calib/matrix/product.h"
 #include "calib/rgbd/rotation.h"
 
 namespace touchtrace {
@@ -17,26 +17,6 @@ namespace {
 using Eigen::Index, Eigen::MatrixXd;
 
 constexpr int num_weighting_rounds = 3;
-
-/// Derivative of a pixel with respect to all intrinsics, then to the point.
-using PixelJacobian = Eigen::Matrix<double, 2, max_intrinsics + 3>;
-
-PixelJacobian pixel_jacobian(const Camera& camera, const Eigen::Vector3d& direction) {
-  using Jet = ceres::Jet<double, max_intrinsics + 3>;
-  const auto values = camera.parameters();
-  std::array<Jet, max_intrinsics> intrinsics;
-  for (int i = 0; i < max_intrinsics; ++i)
-    intrinsics[std::size_t(i)] = Jet(values[std::size_t(i)], i);
-  const Vector3<Jet> point(Jet(direction.x(), max_intrinsics),
-                           Jet(direction.y(), max_intrinsics + 1),
-                           Jet(direction.z(), max_intrinsics + 2));
-  const Vector2<Jet> pixel = with_lens(camera.lens, [&](auto l) -> Vector2<Jet> {
-    return project_point<decltype(l)>(intrinsics.data(), point);
-  });
-  PixelJacobian jacobian;
-  jacobian << pixel.x().v.transpose(), pixel.y().v.transpose();
-  return jacobian;
-}
 
 /// Derivatives [2 pixels, ..] of the grid pixels; 0 where the lens cannot be inverted.
 struct GridJacobian {
@@ -52,17 +32,17 @@ GridJacobian grid_jacobian(const RgbdCalibration& c) {
     const Eigen::Vector3d direction = c.color.direction(ImageGrid::pixel(
         c.color.width, c.color.height, int(i % ImageGrid::columns), int(i / ImageGrid::columns)));
     if (!direction.allFinite()) continue;
-    const PixelJacobian jacobian = pixel_jacobian(c.color, direction);
+    const ProjectionJacobian jacobian = projection_jacobian(c.color, direction);
     for (std::size_t k = 0; k < indices.size(); ++k)
-      grid.by_intrinsics.block<2, 1>(2 * i, Index(k)) = jacobian.col(indices[k]);
-    grid.by_rotation.middleRows<2>(2 * i) = -jacobian.rightCols<3>() * cross_matrix(direction);
+      grid.by_intrinsics.block<2, 1>(2 * i, Index(k)) = jacobian.by_intrinsics.col(indices[k]);
+    grid.by_rotation.middleRows<2>(2 * i) = -jacobian.by_point * cross_matrix(direction);
   }
   return grid;
 }
 
 /// Variance [px^2] of each row's pixel; 0 where the lens cannot be inverted.
 Eigen::VectorXd row_variance(const MatrixXd& jacobian, const MatrixXd& covariance) {
-  return (jacobian * covariance).cwiseProduct(jacobian).rowwise().sum();
+  return product(jacobian, covariance).cwiseProduct(jacobian).rowwise().sum();
 }
 
 }  // namespace
@@ -76,9 +56,9 @@ MatrixXd rotation_free_jacobian(const RgbdCalibration& c) {
     const Eigen::VectorXd variance = row_variance(result, covariance);
     const Eigen::VectorXd weight =
         (variance.array() > 0.0).select(variance.cwiseSqrt().cwiseInverse(), 0.0);
-    const MatrixXd weighted = weight.asDiagonal() * grid.by_rotation;
-    result = grid.by_intrinsics - grid.by_rotation * weighted.colPivHouseholderQr().solve(MatrixXd(
-                                                         weight.asDiagonal() * grid.by_intrinsics));
+    const LeastSquares fit = least_squares(weight.asDiagonal() * grid.by_rotation,
+                                           weight.asDiagonal() * grid.by_intrinsics);
+    result = grid.by_intrinsics - product(grid.by_rotation, fit.x);
   }
   return result;
 }

@@ -1,10 +1,10 @@
 #include "calib/rgbd/target_deformation.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "calib/matrix/decomposition.h"
 #include "calib/rgbd/ceres_problem.h"
 #include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/lens_trials.h"
@@ -70,12 +70,12 @@ struct RestrictedLikelihood {
 
  private:
   Cost cost(const ReducedEquations& reduced) const {
-    const Eigen::LLT<Eigen::MatrixXd> cholesky(reduced.parameters);
+    const Cholesky cholesky(reduced.parameters);
     const double freedom = num_coordinates - double(reduced.parameters.rows());
-    const double taken = cholesky.matrixL().solve(reduced.gradient).squaredNorm();
+    const double taken = cholesky.solve_lower(reduced.gradient).squaredNorm();
     const double variance = std::max((reduced.squares - taken) / freedom, min_variance);
-    const double log_determinant = 2.0 * cholesky.matrixLLT().diagonal().array().log().sum();
-    return {freedom * std::log(variance) + log_determinant + reduced.log_determinant, variance};
+    return {freedom * std::log(variance) + cholesky.log_determinant() + reduced.log_determinant,
+            variance};
   }
 };
 

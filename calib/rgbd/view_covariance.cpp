@@ -1,10 +1,10 @@
 #include "calib/rgbd/view_covariance.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "calib/matrix/decomposition.h"
+#include "calib/matrix/product.h"
 #include "calib/rgbd/ceres_problem.h"
 #include "calib/rgbd/normal_equations.h"
 
@@ -26,17 +26,16 @@ struct Linearized {
 Linearized linearize(const NormalEquations& equations, const MatrixXd& left_rotations) {
   const auto reduced = eliminate_offsets(equations);
   const Index size = left_rotations.rows();
-  const MatrixXd marginal = marginal_covariance(reduced.parameters, size);
-  if (marginal.size() == 0) return {};
-  const VectorXd scale = reduced.parameters.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<MatrixXd> cholesky(scale.asDiagonal() * reduced.parameters * scale.asDiagonal());
-  const VectorXd step = scale.cwiseProduct(cholesky.solve(scale.cwiseProduct(reduced.gradient)));
-  return {-left_rotations * step.head(size),
-          left_rotations * marginal * left_rotations.transpose()};
+  const Cholesky cholesky(reduced.parameters);
+  if (!cholesky.is_valid()) return {};
+  const VectorXd step = cholesky.solve(reduced.gradient);
+  return {product(left_rotations, -step.head(size)),
+          congruence(left_rotations, cholesky.inverse_corner(size))};
 }
 
 MatrixXd inverse_root(const MatrixXd& symmetric) {
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric).operatorInverseSqrt();
+  const SymmetricEigen eigen(symmetric);
+  return eigen.with_values(eigen.values.cwiseSqrt().cwiseInverse());
 }
 
 /// Variance of the mean of each row.
@@ -47,9 +46,8 @@ VectorXd variances_of_means(const MatrixXd& values) {
 
 /// Eigenvalues raised to at least 1.
 MatrixXd at_least_identity(const MatrixXd& symmetric) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(symmetric);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(1.0).asDiagonal() *
-         eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen(symmetric);
+  return eigen.with_values(eigen.values.cwiseMax(1.0));
 }
 
 /// Contributions [parameters, views], as shrunk_second_moment() takes them; empty if one cannot be
@@ -57,17 +55,16 @@ MatrixXd at_least_identity(const MatrixXd& symmetric) {
 MatrixXd contributions_of_views(const Evaluation& evaluation, const MatrixXd& left_rotations) {
   const Index size = left_rotations.rows();
   const Linearized all = linearize(normal_equations(evaluation), left_rotations);
-  const MatrixXd root = cholesky_root(all.covariance);
-  if (root.size() == 0) return {};
-  const auto lower = root.triangularView<Eigen::Lower>();
+  const Cholesky cholesky(all.covariance);
+  if (!cholesky.is_valid()) return {};
   MatrixXd columns(size, (evaluation.num_parameters() - size) / 6);
   for (Index view = 0; view < columns.cols(); ++view) {
     const Linearized others =
         linearize(normal_equations_without_view(evaluation, size + 6 * view), left_rotations);
     if (others.step.size() == 0) return {};
-    const MatrixXd half = lower.solve(others.covariance);
-    const MatrixXd relative = lower.solve(half.transpose());
-    columns.col(view) = inverse_root(relative) * lower.solve(others.step);
+    const MatrixXd half = cholesky.solve_lower(others.covariance);
+    const MatrixXd relative = cholesky.solve_lower(half.transpose());
+    columns.col(view) = product(inverse_root(relative), cholesky.solve_lower(others.step));
   }
   return columns;
 }
@@ -125,7 +122,7 @@ bool is_excessive(const MatrixXd& contributions) {
 MatrixXd shrunk_second_moment(const MatrixXd& contributions,
                               const std::vector<Index>& block_sizes) {
   const auto n = static_cast<double>(contributions.cols());
-  const MatrixXd moment = contributions * contributions.transpose();
+  const MatrixXd moment = product(contributions, contributions.transpose());
   VectorXd target(moment.rows());
   Index first = 0;
   for (const Index size : block_sizes) {
@@ -158,13 +155,13 @@ ViewCovariance view_covariance(const Evaluation& evaluation,
                                const std::vector<std::string>& parameters,
                                const MatrixXd& left_rotations, const MatrixXd& independent) {
   const MatrixXd columns = contributions_of_views(evaluation, left_rotations);
-  const MatrixXd lower = cholesky_root(independent);
-  if (columns.cols() < min_views_for_scatter || lower.size() == 0 || !is_excessive(columns))
+  const Cholesky cholesky(independent);
+  if (columns.cols() < min_views_for_scatter || !cholesky.is_valid() || !is_excessive(columns))
     return {independent, independent};
   const MatrixXd relative =
       at_least_identity(shrunk_second_moment(columns, block_sizes(parameters)));
   if (!relative.allFinite()) return {independent, independent};
-  return {independent, lower * relative * lower.transpose(),
+  return {independent, congruence(cholesky.lower(), relative),
           std::sqrt(relative.trace() / static_cast<double>(relative.rows()))};
 }
 

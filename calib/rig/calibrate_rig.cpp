@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "calib/board/view_order.h"
+#include "calib/matrix/product.h"
 #include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/prior.h"
 #include "calib/rgbd/projection_map.h"
@@ -110,7 +111,7 @@ ViewCovariance rig_covariance(const RigProblem& problem, const RigParameters& p,
       eliminate_offsets(normal_equations(*evaluation)).parameters, left_rotations.rows());
   if (marginal.size() == 0) throw no_convergence();
   return view_covariance(*evaluation, parameters, left_rotations,
-                         left_rotations * marginal * left_rotations.transpose());
+                         congruence(left_rotations, marginal));
 }
 
 }  // namespace

@@ -2,15 +2,16 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
+#include "calib/matrix/decomposition.h"
 #include "engine/base/error.h"
 
 namespace touchtrace {
 namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 Matrix6d known_covariance(const RigCalibration& rig, std::size_t camera) {
   return rig.parameters.empty() ? Matrix6d(Matrix6d::Zero()) : pose_covariance(rig, camera);
@@ -20,11 +21,11 @@ PoseDifference compare_camera(const RigCalibration& a, const RigCalibration& b,
                               std::size_t camera) {
   const Eigen::Isometry3d &in_a = a.camera_from_rig[camera], &in_b = b.camera_from_rig[camera];
   const Eigen::AngleAxisd rotation(in_a.linear() * in_b.linear().transpose());
-  Eigen::Matrix<double, 6, 1> error;
+  Vector6d error;
   error << rotation.angle() * rotation.axis(), in_a.translation() - in_b.translation();
   const Matrix6d covariance = known_covariance(a, camera) + known_covariance(b, camera);
-  return {error.tail<3>().norm(), rotation.angle(),
-          std::sqrt(error.dot(covariance.ldlt().solve(error)) / 6.0)};
+  const Vector6d weighted = solve_semidefinite(covariance, error);
+  return {error.tail<3>().norm(), rotation.angle(), std::sqrt(error.dot(weighted) / 6.0)};
 }
 
 }  // namespace

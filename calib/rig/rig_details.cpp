@@ -2,12 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "calib/matrix/decomposition.h"
 #include "calib/rgbd/color_fit.h"
 #include "calib/rgbd/corner_error.h"
 #include "calib/rgbd/details.h"
@@ -39,7 +39,7 @@ void assess_camera(const RgbdCalibration& camera, const std::string& name, Verdi
 
 /// Largest standard deviation in any direction.
 double max_sigma(const Eigen::Matrix3d& covariance) {
-  return std::sqrt(covariance.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
+  return std::sqrt(SymmetricEigen(covariance).values.maxCoeff());
 }
 
 /// The error of a projection at 1 m that the pose's error makes has the limits of the projection

@@ -1,12 +1,10 @@
 #include <fmt/core.h>
 
 #include <opencv2/core.hpp>
-#include <stdexcept>
 
 #include "calib/rgbd/calibration_json.h"
 #include "calib/rgbd/foreign_calibration.h"
 #include "calib/rig/rig.h"
-#include "engine/base/checksum.h"
 #include "engine/base/error.h"
 #include "engine/base/files.h"
 
@@ -56,9 +54,7 @@ std::string stereo_yaml(const Camera& first, const Camera& second,
 
 /// Cameras without their covariance and details.
 RigCalibration rig_from_json(const json& value) {
-  if (value.at("schema") != rig_schema)
-    throw std::invalid_argument(
-        fmt::format("schema {} is not {}", value.at("schema").dump(), rig_schema));
+  require_schema(value, rig_schema);
   RigCalibration rig;
   for (const auto& camera : value.at("cameras")) {
     rig.names.push_back(camera.at("name"));
@@ -119,8 +115,7 @@ RigCalibration read_rig(const std::filesystem::path& folder_or_file) {
   const auto path = is_file ? folder_or_file : folder_or_file / "rig.json";
   const std::string text = read_file(path, max_bytes);
   try {
-    verify_checksum(text, text);
-    return rig_from_json(json::parse(text));
+    return rig_from_json(parse_checked_json(text));
   } catch (const std::exception& error) {
     throw data_error(fmt::format("cannot read rig {}: {}", path.string(), error.what()),
                      "create it again with `touchtrace calibrate --camera`");

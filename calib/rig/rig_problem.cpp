@@ -13,34 +13,61 @@ namespace {
 
 using Eigen::Index;
 
-template <class L>
-constexpr int num_intrinsics = 4 + static_cast<int>(L::coefficients.size());
-
-/// Reprojection error of one corner through the lens L: (projected - measured) / sigma [2].
-template <class L>
-struct RigCornerError {
-  Eigen::Vector3d flat_m;
-  Eigen::Vector2d warp_basis, measured_px;
-  double sigma_px;
-
-  template <class T>
-  bool operator()(const T* intrinsics, const T* camera_from_rig, const T* rig_from_board,
-                  const T* warp_m, const T* offset_m, T* residual) const {
-    Vector3<T> on_board = flat_m.cast<T>() + Eigen::Map<const Vector3<T>>(offset_m);
-    on_board.z() += T(warp_basis.x()) * warp_m[0] + T(warp_basis.y()) * warp_m[1];
-    Vector3<T> in_rig, p;
-    ceres::AngleAxisRotatePoint(rig_from_board, on_board.data(), in_rig.data());
-    in_rig += Eigen::Map<const Vector3<T>>(rig_from_board + 3);
-    ceres::AngleAxisRotatePoint(camera_from_rig, in_rig.data(), p.data());
-    p += Eigen::Map<const Vector3<T>>(camera_from_rig + 3);
-    if (!L::can_project(p)) return false;
-    const Vector2<T> pixel = project_point<L>(intrinsics, p);
-    for (int i = 0; i < 2; ++i) residual[i] = (pixel[i] - T(measured_px[i])) / T(sigma_px);
-    return true;
+/// Reprojection error of one corner: (projected - measured) / sigma [2]. Parameter blocks:
+/// intrinsics, camera_from_rig, rig_from_board, the board's warp, the corner's offset.
+class RigCornerCost final : public ceres::CostFunction {
+ public:
+  RigCornerCost(const Lens& lens, const Eigen::Vector3d& flat_m, const Eigen::Vector2d& warp_basis,
+                const Eigen::Vector2d& measured_px, double sigma_px)
+      : lens_(lens),
+        flat_m_(flat_m),
+        warp_basis_(warp_basis),
+        measured_px_(measured_px),
+        sigma_px_(sigma_px) {
+    set_num_residuals(2);
+    *mutable_parameter_block_sizes() = {num_intrinsics(lens), 6, 6, 2, 3};
   }
+
+  bool Evaluate(double const* const* parameters, double* residual,
+                double** jacobians) const override {
+    using Vector = Eigen::Map<const Eigen::Vector3d>;
+    const Vector camera_rotation(parameters[1]), board_rotation(parameters[2]);
+    const Eigen::Matrix3d camera_from_rig = rotation_matrix(camera_rotation),
+                          rig_from_board = rotation_matrix(board_rotation);
+    Eigen::Vector3d on_board = flat_m_ + Vector(parameters[4]);
+    on_board.z() += warp_basis_.dot(Eigen::Map<const Eigen::Vector2d>(parameters[3]));
+    const Eigen::Vector3d rotated_board = rig_from_board * on_board,
+                          rotated_rig =
+                              camera_from_rig * (rotated_board + Vector(parameters[2] + 3)),
+                          p = rotated_rig + Vector(parameters[1] + 3);
+    Eigen::Map<Eigen::Vector2d> error(residual);
+    if (jacobians == nullptr) {
+      error = (project_point(lens_, parameters[0], p) - measured_px_) / sigma_px_;
+      return error.allFinite();
+    }
+    const ProjectionJacobian projection = projection_jacobian(lens_, parameters[0], p);
+    error = (projection.pixel - measured_px_) / sigma_px_;
+    const Eigen::Matrix<double, 2, 3> by_point = projection.by_point / sigma_px_,
+                                      by_rig_point = by_point * camera_from_rig,
+                                      by_board_point = by_rig_point * rig_from_board;
+    set_jacobian(jacobians[0],
+                 projection.by_intrinsics.leftCols(parameter_block_sizes()[0]) / sigma_px_);
+    set_jacobian(jacobians[1],
+                 derivative_by_pose(by_point, rotated_rig, left_jacobian(camera_rotation)));
+    set_jacobian(jacobians[2],
+                 derivative_by_pose(by_rig_point, rotated_board, left_jacobian(board_rotation)));
+    set_jacobian(jacobians[3], by_board_point.col(2) * warp_basis_.transpose());
+    set_jacobian(jacobians[4], by_board_point);
+    return error.allFinite();
+  }
+
+ private:
+  Lens lens_;
+  Eigen::Vector3d flat_m_;
+  Eigen::Vector2d warp_basis_, measured_px_;
+  double sigma_px_;
 };
 
-template <class L>
 void add_view(const RigProblem& problem, std::size_t frame, std::size_t camera, RigParameters& p,
               ceres::LossFunction* loss, ceres::Problem& ceres_problem) {
   const BoardObservations& o = problem.observations[camera];
@@ -50,31 +77,24 @@ void add_view(const RigProblem& problem, std::size_t frame, std::size_t camera, 
     const int corner = view.corner_id(i);
     const Eigen::Vector3d flat_m = o.board.corner_m(corner);
     ceres_problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<RigCornerError<L>, 2, num_intrinsics<L>, 6, 6, 2, 3>(
-            new RigCornerError<L>{flat_m, o.board.warp_basis(flat_m.head<2>()), view.corners_px[i],
-                                  problem.corner_sigma_px[camera]}),
+        new RigCornerCost(c.lens, flat_m, o.board.warp_basis(flat_m.head<2>()), view.corners_px[i],
+                          problem.corner_sigma_px[camera]),
         loss, c.intrinsics.data(), c.camera_from_rig.data(), p.rig_from_board[frame].data(),
         p.board_warp_m.data(), p.corner_offsets_m[std::size_t(corner)].data());
   }
 }
 
-template <int N>
-ceres::CostFunction* prior_of(const PriorError<N>& prior) {
-  return new ceres::AutoDiffCostFunction<PriorError<N>, N, N>(new PriorError<N>(prior));
-}
-
-template <class L>
 void add_camera(const RigProblem& problem, std::size_t camera, RigParameters& p,
                 ceres::LossFunction* loss, ceres::Problem& ceres_problem) {
-  constexpr int size = num_intrinsics<L>;
   RigCamera& c = p.cameras[camera];
-  PriorError<size> prior;
-  std::copy_n(problem.priors[camera].color_mean.begin(), size, prior.mean.begin());
-  std::copy_n(problem.priors[camera].color_sigma.begin(), size, prior.sigma.begin());
-  ceres_problem.AddResidualBlock(prior_of(prior), nullptr, c.intrinsics.data());
+  const int size = num_intrinsics(c.lens);
+  const Prior& prior = problem.priors[camera];
+  ceres_problem.AddResidualBlock(gaussian_prior(std::span(prior.color_mean).first(size),
+                                                std::span(prior.color_sigma).first(size)),
+                                 nullptr, c.intrinsics.data());
   for (std::size_t frame = 0; frame < problem.frames.size(); ++frame)
     if (problem.used[frame] && problem.frames[frame].views[camera])
-      add_view<L>(problem, frame, camera, p, loss, ceres_problem);
+      add_view(problem, frame, camera, p, loss, ceres_problem);
   std::vector<int> fixed;
   for (int i = 0; i < size; ++i)
     if (std::ranges::find(problem.free[camera], i) == problem.free[camera].end())
@@ -90,12 +110,12 @@ void fix(double* block, ceres::Problem& ceres_problem) {
 
 void add_board(const RigProblem& problem, RigParameters& p, ceres::Problem& ceres_problem) {
   const double warp_m = problem.priors.front().warp_sigma_m, offset_m = problem.deformation_sigma_m;
-  ceres_problem.AddResidualBlock(prior_of<2>({{}, {warp_m, warp_m}}), nullptr,
+  ceres_problem.AddResidualBlock(gaussian_prior({}, std::array{warp_m, warp_m}), nullptr,
                                  p.board_warp_m.data());
   for (auto& offset : p.corner_offsets_m) {
     if (offset_m > 0.0)
-      ceres_problem.AddResidualBlock(prior_of<3>({{}, {offset_m, offset_m, offset_m}}), nullptr,
-                                     offset.data());
+      ceres_problem.AddResidualBlock(gaussian_prior({}, std::array{offset_m, offset_m, offset_m}),
+                                     nullptr, offset.data());
     else
       fix(offset.data(), ceres_problem);
   }
@@ -113,8 +133,7 @@ void fix_rig(RigParameters& p, ceres::Problem& ceres_problem) {
 void build(const RigProblem& problem, RigParameters& p, ceres::Problem& ceres_problem) {
   auto* loss = new ceres::HuberLoss(problem.loss_sigmas);
   for (std::size_t camera = 0; camera < p.cameras.size(); ++camera)
-    with_lens(p.cameras[camera].lens,
-              [&](auto l) { add_camera<decltype(l)>(problem, camera, p, loss, ceres_problem); });
+    add_camera(problem, camera, p, loss, ceres_problem);
   add_board(problem, p, ceres_problem);
   if (problem.fixed_rig) return fix_rig(p, ceres_problem);
   fix(p.cameras.front().camera_from_rig.data(), ceres_problem);

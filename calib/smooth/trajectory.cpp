@@ -80,7 +80,9 @@ typename Trajectory::Knots<model>::States Trajectory::extrapolate_backwards(
     const Knots<model>& knots, double time) const {
   auto step = knots.prior.in_contact(times_.front() - time);
   const auto noise = step.Q;
-  step.F = step.F.inverse().eval(), step.Q.setZero();
+  const Eigen::Matrix3d motion = step.F.template topLeftCorner<motion_size, motion_size>();
+  step.F.template topLeftCorner<motion_size, motion_size>() = motion.inverse();
+  step.Q.setZero();
   auto states = knots.smoothed.front();
   for (auto& state : states) {
     state.covariance += noise_scale_.front() * noise;

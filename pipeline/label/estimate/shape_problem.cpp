@@ -1,7 +1,7 @@
 #include "pipeline/label/estimate/shape_problem.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/SparseCore>
+#include "calib/matrix/decomposition.h"
+#include "calib/matrix/product.h"
 
 namespace touchtrace::label {
 namespace {
@@ -71,10 +71,12 @@ Eigen::MatrixXd ShapeProblem::normal_matrix() {
   }
   ceres::CRSMatrix crs;
   problem_.Evaluate(options, nullptr, nullptr, nullptr, &crs);
-  const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> jacobian(
-      crs.num_rows, crs.num_cols, static_cast<Eigen::Index>(crs.values.size()), crs.rows.data(),
-      crs.cols.data(), crs.values.data());
-  return Eigen::SparseMatrix<double>(jacobian.transpose() * jacobian);
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(crs.num_cols, crs.num_cols);
+  for (std::size_t row = 0; row + 1 < crs.rows.size(); ++row)
+    for (auto a = std::size_t(crs.rows[row]); a < std::size_t(crs.rows[row + 1]); ++a)
+      for (auto b = std::size_t(crs.rows[row]); b < std::size_t(crs.rows[row + 1]); ++b)
+        normal(crs.cols[a], crs.cols[b]) += crs.values[a] * crs.values[b];
+  return normal;
 }
 
 Eigen::Vector3d ShapeProblem::half_extent_sigma_m() {
@@ -82,7 +84,8 @@ Eigen::Vector3d ShapeProblem::half_extent_sigma_m() {
   normal.diagonal().array() += regularisation * normal.diagonal().maxCoeff();
   Eigen::MatrixXd half_extents = Eigen::MatrixXd::Zero(normal.rows(), 3);
   half_extents.topRows<4>() = residuals::half_extent_jacobian(core_).transpose();
-  const Eigen::MatrixXd covariance = half_extents.transpose() * normal.ldlt().solve(half_extents);
+  const Eigen::MatrixXd covariance =
+      product(half_extents.transpose(), solve_semidefinite(normal, half_extents));
   return point_sigma_m * covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 

@@ -103,7 +103,7 @@ class LabelOverlay::Canvas {
                        const cv::Scalar& color) {
     const auto at = pixel(point_m);
     if (!at || !covariance_m2.allFinite()) return;
-    const auto jacobian = projection_jacobian(camera_, point_m);
+    const auto jacobian = projection_jacobian(camera_, point_m).by_point;
     const Eigen::SelfAdjointEigenSolver<Matrix2d> axes(jacobian * covariance_m2 *
                                                        jacobian.transpose());
     const Vector2d half_px =

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/matrix/product.h"
+
 namespace touchtrace::label {
 namespace {
 
@@ -110,7 +112,7 @@ Eigen::Matrix<double, 6, 6> CalibrationError::covariance(
   jacobian.topRows<3>() = sensitivity(position_m) - velocity_m_per_s * delay_s_;
   jacobian.bottomRows<3>() = (sensitivity(position_m + step_m) - sensitivity(position_m - step_m)) /
                              (2.0 * velocity_step_s);
-  return jacobian * correlation_ * jacobian.transpose();
+  return congruence(jacobian, correlation_);
 }
 
 }  // namespace touchtrace::label

@@ -2,10 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "calib/matrix/decomposition.h"
+#include "calib/matrix/product.h"
 #include "pipeline/dataset/tactile_image.h"
 
 namespace touchtrace::label {
@@ -119,7 +120,7 @@ class SegmentLikelihood {
     memory_ = std::exp(-1.0 / (info.rate_hz * memory_s));
     read_offset_s_ = read_offset_s(by_row, info.scan_s);
     touch_ = standardized(whitened(touch));
-    touch_square_ = touch_.transpose() * touch_;
+    touch_square_ = product(touch_.transpose(), touch_);
   }
 
   /// Log-likelihood of each latency. The segment's times were computed with `assumed_latency_s`.
@@ -171,12 +172,11 @@ class SegmentLikelihood {
   /// covariance.
   double log_likelihood(const MatrixXd& inputs) const {
     const auto count = static_cast<double>(touch_.rows());
-    const MatrixXd across = inputs.transpose() * touch_;
-    const MatrixXd coefficients = (inputs.transpose() * inputs).ldlt().solve(across);
-    MatrixXd residual = (touch_square_ - across.transpose() * coefficients) / count;
+    const MatrixXd across = product(inputs.transpose(), touch_);
+    const MatrixXd coefficients = solve_semidefinite(product(inputs.transpose(), inputs), across);
+    MatrixXd residual = (touch_square_ - product(across.transpose(), coefficients)) / count;
     residual.diagonal().array() += min_variance;
-    const VectorXd diagonal = residual.llt().matrixLLT().diagonal();
-    return -count * diagonal.array().log().sum();
+    return -0.5 * count * Cholesky(residual).log_determinant();
   }
 
   const Segment& segment_;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 
+#include "engine/base/statistics.h"
 #include "pipeline/recording/stream_check.h"
 
 namespace touchtrace {

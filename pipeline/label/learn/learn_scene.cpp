@@ -176,6 +176,10 @@ SceneModel learn_scene(const RgbdCalibration& calibration, const CameraInfo& cam
   const auto without_background = std::make_shared<Segmenter>(*segmenter);
   const auto depths = scene_depths(frames, clips, num_threads);
   const auto noise_at_1m = depth_noise_at_1m(depths, camera.depth_unit_m);
+  if (!use_masks && depths.size() >= min_frames && !noise_at_1m)
+    Progress::warn(
+        "nothing in the images is at rest: if the camera moves, positions are relative to it, and "
+        "other things may be taken for hand and object; look at the labels with --preview");
   if (!use_masks)
     segmenter->set_background(frames.background_frames > 0
                                   ? median_depth(depths)

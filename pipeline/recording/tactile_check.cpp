@@ -168,19 +168,18 @@ std::vector<FrameChange> frame_changes(const Frames& frames) {
   return changes;
 }
 
-/// Whether one of every `factor` frames has nearly all changes, by the larger changes of each: the
-/// largest may all be jumps between clips.
+/// Whether one of every `factor` frames has nearly all changes, by medians: a few large ones may all
+/// be jumps between trials of one length.
 bool is_concentrated(const std::vector<FrameChange>& changes, std::size_t factor,
                      double FrameChange::*of) {
-  constexpr double large_quantile = 0.9;
   std::vector<std::vector<double>> of_phases(factor);
   for (const FrameChange& change : changes)
     of_phases[change.sequence % factor].push_back(change.*of);
-  std::vector<double> large;
+  std::vector<double> medians;
   for (auto& of_phase : of_phases)
-    large.push_back(of_phase.empty() ? 0.0 : quantile(std::move(of_phase), large_quantile));
-  std::ranges::sort(large, std::greater());
-  return large[1] < upsampled_ratio * large[0];
+    medians.push_back(of_phase.empty() ? 0.0 : median(std::move(of_phase)));
+  std::ranges::sort(medians, std::greater());
+  return medians[1] < upsampled_ratio * medians[0];
 }
 
 /// Number of frames of which all but one are interpolated or repeated; 1: none are.

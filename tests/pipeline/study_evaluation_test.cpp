@@ -137,8 +137,10 @@ TEST_F(Evaluation, DifferencesOfTrainingAndUnitsAreNoted) {
   for (State& state : millimetres.label)
     for (float& value : state) value *= 1e3f;
   const auto full = train(fine, "full"), blind = train(coarse, "blind", 1, false);
+  EvaluationOptions options;
+  options.against = "labels";
   const auto notes = [&](const Dataset& data, const std::vector<std::string>& models) {
-    return evaluate({{"s", data, {}}}, models, {.against = "labels"}).at("notes").dump();
+    return evaluate({{"s", data, {}}}, models, options).at("notes").dump();
   };
   EXPECT_NE(notes(fine, {full, blind}).find("resolution 8 and 6"), std::string::npos);
   EXPECT_EQ(notes(fine, {full}).find("metres?"), std::string::npos);
@@ -203,7 +205,7 @@ TEST_F(Evaluation, ReportsMetresWithoutTheShiftOfTheTruth) {
 
 TEST_F(Evaluation, ModelsOfOtherObjectsAreNamed) {
   const Dataset one = synthetic_dataset(), three = synthetic_dataset({.clips = 30, .objects = 3});
-  const auto a = train(one, "one"), b = train(three, "three");
+  const auto a = train(one, "one", 1), b = train(three, "three", 2);
   const json document = evaluate({{"u", synthetic_dataset({.seed = 3}), {}}}, {a, b});
   EXPECT_NE(document.at("notes").dump().find("other objects"), std::string::npos);
 }

@@ -167,7 +167,7 @@ TEST_P(WholeChain, EndsInMetricsAndAReport) {
   for (const char* model : {"full", "without_touch"}) expect_same_from_python(model);
   expect_predictions();
   // Even 40 updates learn more than a path of another time knows.
-  ASSERT_EQ(l1_at_20.size(), 7u) << "five baselines and two models";
+  ASSERT_EQ(l1_at_20.size(), 8u) << "five baselines, two models and a control";
   EXPECT_LT(l1_at_20.at("full"), l1_at_20.at("random"));
   EXPECT_LT(l1_at_20.at("without_touch"), l1_at_20.at("random"));
 }

@@ -143,8 +143,8 @@ TEST_F(Evaluation, DifferencesOfTrainingAndUnitsAreNoted) {
     return evaluate({{"s", data, {}}}, models, options).at("notes").dump();
   };
   EXPECT_NE(notes(fine, {full, blind}).find("resolution 8 and 6"), std::string::npos);
-  EXPECT_EQ(notes(fine, {full}).find("metres?"), std::string::npos);
-  EXPECT_NE(notes(millimetres, {full}).find("1e+03 times as far"), std::string::npos);
+  EXPECT_EQ(notes(fine, {full}).find("times as far"), std::string::npos);
+  EXPECT_NE(notes(millimetres, {full}).find("times as far"), std::string::npos);
 }
 
 TEST_F(Evaluation, UntrustedLabelsReachNoMetric) {

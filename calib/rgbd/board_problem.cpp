@@ -26,9 +26,9 @@ void add_corners(const BoardProblem& problem, std::size_t view, ceres::LossFunct
     if (has_free_deformation(problem))
       blocks.push_back(p.corner_offsets_m[std::size_t(corner)].data());
     ceres_problem.problem.AddResidualBlock(
-        new CornerCost(p.lens, flat_m, board.warp_basis(flat_m.head<2>()), seen.corners_px[i],
-                       problem.corner_sigma_px, ceres_problem.rotations[view],
-                       has_free_deformation(problem)),
+        new CornerCost({p.lens, flat_m, board.warp_basis(flat_m.head<2>()), seen.corners_px[i],
+                        problem.corner_sigma_px},
+                       ceres_problem.rotations[view], has_free_deformation(problem)),
         loss, blocks);
   }
 }

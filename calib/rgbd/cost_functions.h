@@ -30,56 +30,69 @@ inline Eigen::Matrix<double, 2, 6> derivative_by_pose(
   return by_pose;
 }
 
-/// Reprojection error of one corner: (projected - measured) / sigma [2]. Parameter blocks:
-/// intrinsics, camera_from_board, the board's warp and, if the deformation is free, the corner's
-/// offset. Takes the rotation from `rotation` instead of camera_from_board: requires ViewRotations
-/// as the problem's evaluation callback.
+/// A measured corner of the board. Reprojection errors are (projected - measured) / sigma [2].
+struct CornerMeasurement {
+  Lens lens;
+  Eigen::Vector3d flat_m;      ///< on the ideal board
+  Eigen::Vector2d warp_basis;  ///< CalibrationTarget::warp_basis() there
+  Eigen::Vector2d pixel;
+  double sigma_px;
+
+  /// Place on the warped board.
+  Eigen::Vector3d warped_m(const double* warp_m) const {
+    Eigen::Vector3d place_m = flat_m;
+    place_m.z() += warp_basis.dot(Eigen::Map<const Eigen::Vector2d>(warp_m));
+    return place_m;
+  }
+  /// Sets the error of the corner at `point_m` of the camera frame. Returns whether it is finite.
+  bool set_error(const double* intrinsics, const Eigen::Vector3d& point_m, double* error) const {
+    Eigen::Map<Eigen::Vector2d> set(error);
+    set = (project_point(lens, intrinsics, point_m) - pixel) / sigma_px;
+    return set.allFinite();
+  }
+  /// The error, as ProjectionJacobian::pixel, and its derivatives.
+  ProjectionJacobian differentiate(const double* intrinsics, const Eigen::Vector3d& point_m) const {
+    ProjectionJacobian error = projection_jacobian(lens, intrinsics, point_m);
+    error.pixel = (error.pixel - pixel) / sigma_px;
+    error.by_point /= sigma_px, error.by_intrinsics /= sigma_px;
+    return error;
+  }
+};
+
+/// Reprojection error of one corner. Parameter blocks: intrinsics, camera_from_board, the board's
+/// warp and, if the deformation is free, the corner's offset. Takes the rotation from `rotation`
+/// instead of camera_from_board: requires ViewRotations as the problem's evaluation callback.
 class CornerCost final : public ceres::CostFunction {
  public:
-  CornerCost(const Lens& lens, const Eigen::Vector3d& flat_m, const Eigen::Vector2d& warp_basis,
-             const Eigen::Vector2d& measured_px, double sigma_px,
-             const ViewRotations::Rotation& rotation, bool free_offset)
-      : lens_(lens),
-        flat_m_(flat_m),
-        warp_basis_(warp_basis),
-        measured_px_(measured_px),
-        sigma_px_(sigma_px),
-        rotation_(rotation),
-        free_offset_(free_offset) {
+  CornerCost(const CornerMeasurement& corner, const ViewRotations::Rotation& rotation,
+             bool free_offset)
+      : corner_(corner), rotation_(rotation), free_offset_(free_offset) {
     set_num_residuals(2);
-    *mutable_parameter_block_sizes() = {num_intrinsics(lens), 6, 2};
+    *mutable_parameter_block_sizes() = {num_intrinsics(corner.lens), 6, 2};
     if (free_offset) mutable_parameter_block_sizes()->push_back(3);
   }
 
   bool Evaluate(double const* const* parameters, double* residual,
                 double** jacobians) const override {
-    const Eigen::Map<const Eigen::Vector3d> translation(parameters[1] + 3);
-    Eigen::Vector3d on_board = flat_m_;
-    on_board.z() += warp_basis_.dot(Eigen::Map<const Eigen::Vector2d>(parameters[2]));
-    if (free_offset_) on_board += Eigen::Map<const Eigen::Vector3d>(parameters[3]);
-    const Eigen::Vector3d rotated = rotation_.matrix * on_board, p = rotated + translation;
-    Eigen::Map<Eigen::Vector2d> error(residual);
-    if (jacobians == nullptr) {
-      error = (project_point(lens_, parameters[0], p) - measured_px_) / sigma_px_;
-      return error.allFinite();
-    }
-    const ProjectionJacobian projection = projection_jacobian(lens_, parameters[0], p);
-    error = (projection.pixel - measured_px_) / sigma_px_;
-    const Eigen::Matrix<double, 2, 3> by_point = projection.by_point / sigma_px_,
-                                      by_board_point = by_point * rotation_.matrix;
-    set_jacobian(jacobians[0],
-                 projection.by_intrinsics.leftCols(parameter_block_sizes()[0]) / sigma_px_);
-    set_jacobian(jacobians[1], derivative_by_pose(by_point, rotated, rotation_.left_jacobian));
-    set_jacobian(jacobians[2], by_board_point.col(2) * warp_basis_.transpose());
+    using Vector = Eigen::Map<const Eigen::Vector3d>;
+    Eigen::Vector3d on_board = corner_.warped_m(parameters[2]);
+    if (free_offset_) on_board += Vector(parameters[3]);
+    const Eigen::Vector3d rotated = rotation_.matrix * on_board,
+                          p = rotated + Vector(parameters[1] + 3);
+    if (jacobians == nullptr) return corner_.set_error(parameters[0], p, residual);
+    const ProjectionJacobian error = corner_.differentiate(parameters[0], p);
+    Eigen::Map<Eigen::Vector2d>{residual} = error.pixel;
+    const Eigen::Matrix<double, 2, 3> by_board_point = error.by_point * rotation_.matrix;
+    set_jacobian(jacobians[0], error.by_intrinsics.leftCols(parameter_block_sizes()[0]));
+    set_jacobian(jacobians[1],
+                 derivative_by_pose(error.by_point, rotated, rotation_.left_jacobian));
+    set_jacobian(jacobians[2], by_board_point.col(2) * corner_.warp_basis.transpose());
     if (free_offset_) set_jacobian(jacobians[3], by_board_point);
-    return error.allFinite();
+    return error.pixel.allFinite();
   }
 
  private:
-  Lens lens_;
-  Eigen::Vector3d flat_m_;
-  Eigen::Vector2d warp_basis_, measured_px_;
-  double sigma_px_;
+  CornerMeasurement corner_;
   const ViewRotations::Rotation& rotation_;
   bool free_offset_;
 };

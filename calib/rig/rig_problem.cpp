@@ -13,19 +13,13 @@ namespace {
 
 using Eigen::Index;
 
-/// Reprojection error of one corner: (projected - measured) / sigma [2]. Parameter blocks:
-/// intrinsics, camera_from_rig, rig_from_board, the board's warp, the corner's offset.
+/// Reprojection error of one corner. Parameter blocks: intrinsics, camera_from_rig, rig_from_board,
+/// the board's warp, the corner's offset.
 class RigCornerCost final : public ceres::CostFunction {
  public:
-  RigCornerCost(const Lens& lens, const Eigen::Vector3d& flat_m, const Eigen::Vector2d& warp_basis,
-                const Eigen::Vector2d& measured_px, double sigma_px)
-      : lens_(lens),
-        flat_m_(flat_m),
-        warp_basis_(warp_basis),
-        measured_px_(measured_px),
-        sigma_px_(sigma_px) {
+  explicit RigCornerCost(const CornerMeasurement& corner) : corner_(corner) {
     set_num_residuals(2);
-    *mutable_parameter_block_sizes() = {num_intrinsics(lens), 6, 6, 2, 3};
+    *mutable_parameter_block_sizes() = {num_intrinsics(corner.lens), 6, 6, 2, 3};
   }
 
   bool Evaluate(double const* const* parameters, double* residual,
@@ -34,38 +28,28 @@ class RigCornerCost final : public ceres::CostFunction {
     const Vector camera_rotation(parameters[1]), board_rotation(parameters[2]);
     const Eigen::Matrix3d camera_from_rig = rotation_matrix(camera_rotation),
                           rig_from_board = rotation_matrix(board_rotation);
-    Eigen::Vector3d on_board = flat_m_ + Vector(parameters[4]);
-    on_board.z() += warp_basis_.dot(Eigen::Map<const Eigen::Vector2d>(parameters[3]));
-    const Eigen::Vector3d rotated_board = rig_from_board * on_board,
+    const Eigen::Vector3d rotated_board = rig_from_board *
+                                          (corner_.warped_m(parameters[3]) + Vector(parameters[4])),
                           rotated_rig =
                               camera_from_rig * (rotated_board + Vector(parameters[2] + 3)),
                           p = rotated_rig + Vector(parameters[1] + 3);
-    Eigen::Map<Eigen::Vector2d> error(residual);
-    if (jacobians == nullptr) {
-      error = (project_point(lens_, parameters[0], p) - measured_px_) / sigma_px_;
-      return error.allFinite();
-    }
-    const ProjectionJacobian projection = projection_jacobian(lens_, parameters[0], p);
-    error = (projection.pixel - measured_px_) / sigma_px_;
-    const Eigen::Matrix<double, 2, 3> by_point = projection.by_point / sigma_px_,
-                                      by_rig_point = by_point * camera_from_rig,
+    if (jacobians == nullptr) return corner_.set_error(parameters[0], p, residual);
+    const ProjectionJacobian error = corner_.differentiate(parameters[0], p);
+    Eigen::Map<Eigen::Vector2d>{residual} = error.pixel;
+    const Eigen::Matrix<double, 2, 3> by_rig_point = error.by_point * camera_from_rig,
                                       by_board_point = by_rig_point * rig_from_board;
-    set_jacobian(jacobians[0],
-                 projection.by_intrinsics.leftCols(parameter_block_sizes()[0]) / sigma_px_);
+    set_jacobian(jacobians[0], error.by_intrinsics.leftCols(parameter_block_sizes()[0]));
     set_jacobian(jacobians[1],
-                 derivative_by_pose(by_point, rotated_rig, left_jacobian(camera_rotation)));
+                 derivative_by_pose(error.by_point, rotated_rig, left_jacobian(camera_rotation)));
     set_jacobian(jacobians[2],
                  derivative_by_pose(by_rig_point, rotated_board, left_jacobian(board_rotation)));
-    set_jacobian(jacobians[3], by_board_point.col(2) * warp_basis_.transpose());
+    set_jacobian(jacobians[3], by_board_point.col(2) * corner_.warp_basis.transpose());
     set_jacobian(jacobians[4], by_board_point);
-    return error.allFinite();
+    return error.pixel.allFinite();
   }
 
  private:
-  Lens lens_;
-  Eigen::Vector3d flat_m_;
-  Eigen::Vector2d warp_basis_, measured_px_;
-  double sigma_px_;
+  CornerMeasurement corner_;
 };
 
 void add_view(const RigProblem& problem, std::size_t frame, std::size_t camera, RigParameters& p,
@@ -77,8 +61,8 @@ void add_view(const RigProblem& problem, std::size_t frame, std::size_t camera, 
     const int corner = view.corner_id(i);
     const Eigen::Vector3d flat_m = o.board.corner_m(corner);
     ceres_problem.AddResidualBlock(
-        new RigCornerCost(c.lens, flat_m, o.board.warp_basis(flat_m.head<2>()), view.corners_px[i],
-                          problem.corner_sigma_px[camera]),
+        new RigCornerCost({c.lens, flat_m, o.board.warp_basis(flat_m.head<2>()), view.corners_px[i],
+                           problem.corner_sigma_px[camera]}),
         loss, c.intrinsics.data(), c.camera_from_rig.data(), p.rig_from_board[frame].data(),
         p.board_warp_m.data(), p.corner_offsets_m[std::size_t(corner)].data());
   }

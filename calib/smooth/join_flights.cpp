@@ -13,7 +13,7 @@ namespace {
 /// Longest contact that may be a hit. A juggler holds a ball for 0.2 s and more.
 constexpr double max_contact_s = 0.15;
 /// A hit is searched from this before the contact to this after it, in steps that shrink.
-constexpr double margin_s = 0.05, first_step_s = 5e-3, last_step_s = 2e-4;
+constexpr double margin_s = 0.05, first_step_s = 2.5e-3, last_step_s = 2e-4;
 
 /// Two neighbouring flights and what may be between them: contact, a hit or nothing.
 class FlightPair {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,12 +48,9 @@ struct Normalization {
 
   State normalize(const State& state) const;
   State denormalize(const State& state) const;
+  /// Root of the summed variances of both bodies' positions.
+  double position_spread_m() const;
 };
-
-/// Root of the summed variances of both bodies' positions, over all trusted labels of a dataset or
-/// those that a scaling was fitted to.
-double position_spread_m(const Dataset& dataset);
-double position_spread_m(const Normalization& scaling);
 
 /// Smallest Normalization::sigma, 1 mm and 1 mm/s: a smaller spread is label noise.
 inline constexpr float min_sigma = 1e-3f;
@@ -60,5 +58,8 @@ inline constexpr float min_sigma = 1e-3f;
 /// Mean and standard deviation over the trusted labels of the training clips. Throws data_error if
 /// there are none.
 Normalization fit_normalization(const Dataset& dataset);
+
+/// The same over the clips of all splits; nullopt if they have no trusted label.
+std::optional<Normalization> fit_normalization_of_all_clips(const Dataset& dataset);
 
 }  // namespace touchtrace

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "engine/base/error.h"
 #include "pipeline/dataset/dataset.h"
@@ -9,14 +10,13 @@ namespace {
 
 using Sums = std::array<double, state_size>;
 
-constexpr std::array position_dimensions{0, 1, 2, 6, 7, 8};  ///< of State
-
-/// Adds term(d, value) of every trusted training label to sums[d]; returns the number of labels.
+/// Adds term(d, value) of every trusted label of a split, or of all clips, to sums[d]; returns the
+/// number of labels.
 template <class Term>
-std::size_t sum_over_training(const Dataset& dataset, Sums& sums, Term term) {
+std::size_t sum_over(const Dataset& dataset, std::optional<Split> split, Sums& sums, Term term) {
   std::size_t count = 0;
   for (const auto& sequence : dataset.sequences) {
-    if (sequence.split != Split::train) continue;
+    if (split && sequence.split != *split) continue;
     for (int frame = sequence.first_frame; frame < sequence.first_frame + sequence.frames;
          ++frame) {
       if (!dataset.trusted[frame]) continue;
@@ -27,39 +27,14 @@ std::size_t sum_over_training(const Dataset& dataset, Sums& sums, Term term) {
   return count;
 }
 
-}  // namespace
-
-double position_spread_m(const Normalization& scaling) {
-  double variance = 0.0;
-  for (const int d : position_dimensions) variance += scaling.sigma[d] * scaling.sigma[d];
-  return std::sqrt(variance);
-}
-
-double position_spread_m(const Dataset& dataset) {
-  double variance = 0.0;
-  for (const int d : position_dimensions) {
-    double sum = 0.0, squares = 0.0, count = 0.0;
-    for (int frame = 0; frame < dataset.frames(); ++frame) {
-      if (!dataset.trusted[frame]) continue;
-      const double value = dataset.label[frame][d];
-      sum += value, squares += value * value, count += 1.0;
-    }
-    variance += count > 0.0 ? squares / count - sum * sum / (count * count) : 0.0;
-  }
-  return std::sqrt(std::max(0.0, variance));
-}
-
-Normalization fit_normalization(const Dataset& dataset) {
+/// nullopt without labels.
+std::optional<Normalization> fit(const Dataset& dataset, std::optional<Split> split) {
   Sums mean{}, square{};
-  const auto count = sum_over_training(dataset, mean, [](int, double value) { return value; });
-  if (count == 0)
-    throw data_error(
-        "no training clip has a label of good quality",
-        "`touchtrace check` lists the flags of labels; label again with better boxes, record "
-        "more clips, or check that the times of your own labels are the recording's");
+  const auto count = sum_over(dataset, split, mean, [](int, double value) { return value; });
+  if (count == 0) return std::nullopt;
   for (double& value : mean) value /= static_cast<double>(count);
-  sum_over_training(dataset, square,
-                    [&](int d, double value) { return (value - mean[d]) * (value - mean[d]); });
+  sum_over(dataset, split, square,
+           [&](int d, double value) { return (value - mean[d]) * (value - mean[d]); });
   Normalization result;
   for (int d = 0; d < state_size; ++d) {
     result.mean[d] = static_cast<float>(mean[d]);
@@ -67,6 +42,26 @@ Normalization fit_normalization(const Dataset& dataset) {
         std::max(min_sigma, static_cast<float>(std::sqrt(square[d] / static_cast<double>(count))));
   }
   return result;
+}
+
+}  // namespace
+
+Normalization fit_normalization(const Dataset& dataset) {
+  if (const auto result = fit(dataset, Split::train)) return *result;
+  throw data_error(
+      "no training clip has a label of good quality",
+      "`touchtrace check` lists the flags of labels; label again with better boxes, record "
+      "more clips, or check that the times of your own labels are the recording's");
+}
+
+std::optional<Normalization> fit_normalization_of_all_clips(const Dataset& dataset) {
+  return fit(dataset, std::nullopt);
+}
+
+double Normalization::position_spread_m() const {
+  double variance = 0.0;
+  for (const int d : {0, 1, 2, 6, 7, 8}) variance += sigma[d] * sigma[d];
+  return std::sqrt(variance);
 }
 
 State Normalization::normalize(const State& state) const {

@@ -205,7 +205,7 @@ void LabelRun::smooth(const std::function<void(const Labels&)>& on_refusal) {
   };
   drop_lost_clips(clips_, tracks_);
   require_clip();
-  drop_objects_beside_boxes(scene_.segmenter->color_camera(), clips_, tracks_);
+  drop_objects_outside_boxes(scene_.segmenter->color_camera(), clips_, tracks_);
   add_box_uncertainty(scene_, clips_, tracks_);
   const Stopwatch smoothing;
   smooth_bodies();

@@ -168,8 +168,8 @@ std::vector<FrameChange> frame_changes(const Frames& frames) {
   return changes;
 }
 
-/// Whether one of every `factor` frames has nearly all changes, by medians: a few large ones may all
-/// be jumps between trials of one length.
+/// Whether one of every `factor` frames has nearly all changes, by medians: a few large ones may
+/// all be jumps between trials of one length.
 bool is_concentrated(const std::vector<FrameChange>& changes, std::size_t factor,
                      double FrameChange::*of) {
   std::vector<std::vector<double>> of_phases(factor);

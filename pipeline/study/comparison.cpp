@@ -64,8 +64,8 @@ void add_targets(Comparison& comparison, Reference reference, int stride) {
 /// Which touch a model gets.
 enum class Touch { own, of_other_rollouts };
 
-/// Exchanges the touch of roll-outs, each for one far away in the recording. States and objects
-/// stay.
+/// Gives each roll-out the touch of the one that is half of all away. States and objects stay. A
+/// single roll-out keeps its own.
 void exchange_touch(RolloutBatch& batch) {
   auto& frames = batch.first_frame;
   std::ranges::rotate(frames, frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2));

@@ -30,8 +30,9 @@ struct Run {
   std::vector<std::vector<CaseScore>> scores;  ///< [targets][cases]
 };
 
-/// Kind of the control of "full": the same weights with the touch of other roll-outs. What it gains
-/// over a model without touch does not come from touch.
+/// Kind of the control of "full": the same weights with the touch of other roll-outs. A gain over
+/// "without_touch" that it shares does not come from touch. Its own loss is no measure of a gain:
+/// wrong touch misleads a model that uses touch.
 inline constexpr const char* other_touch_kind = "other_touch";
 
 /// Models that differ in their seed only, or a baseline.

@@ -45,17 +45,19 @@ std::vector<const Session*> sessions_of(const std::vector<Session>& sessions,
   return found;
 }
 
-/// Labels in other units than a model's, or of far larger or smaller motion.
-void note_spread(const std::vector<Session>& sessions, const LoadedModel& model, json& notes) {
+/// Recordings whose labels may be in other units than a model's.
+void note_spread(const std::vector<const Session*>& sessions, const LoadedModel& model,
+                 json& notes) {
   constexpr double max_ratio = 5.0;
-  for (const Session& session : sessions) {
-    const double ratio = position_spread_m(session.data) / position_spread_m(model.card.scaling);
-    if (session.data.activity == model.card.activity &&
-        (ratio > max_ratio || ratio < 1.0 / max_ratio))
+  for (const Session* session : sessions) {
+    const auto labels = fit_normalization_of_all_clips(session->data);
+    if (!labels) continue;
+    const double ratio = labels->position_spread_m() / model.card.scaling.position_spread_m();
+    if (!(ratio >= 1.0 / max_ratio && ratio <= max_ratio))
       notes.push_back(fmt::format(
           "positions of {} spread {:.3g} times as far as those that {} was trained on: are both in "
           "metres?",
-          session.name, ratio, model.path));
+          session->name, ratio, model.path));
   }
 }
 
@@ -169,10 +171,10 @@ json evaluate_models(std::vector<Session> sessions, std::vector<LoadedModel>& mo
   for (const auto& [activity, candidates] : by_activity) {
     note_mismatches(candidates, document["notes"]);
     note_bands(candidates, document["notes"]);
-    note_spread(sessions, *candidates.front(), document["notes"]);
     const Comparison comparison = compare_models(sessions_of(sessions, candidates), candidates,
                                                  reference, options.stride, options.seed);
     note_baselines(comparison, document["notes"]);
+    note_spread(comparison.sessions, *candidates.front(), document["notes"]);
     append_results(document, comparison, options.seed);
     append_examples(document, comparison);
     document["scaling"][activity] = {{"mean", comparison.scaling.mean},

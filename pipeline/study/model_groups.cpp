@@ -64,11 +64,15 @@ void require_new_seed(const std::vector<LoadedModel*>& models, const LoadedModel
 std::string training_difference(const LoadedModel& a, const LoadedModel& b) {
   json of_a = recipe(a), of_b = recipe(b);
   for (const char* option : kind_options) of_a.erase(option), of_b.erase(option);
-  const json own = distinction(of_a, {of_b}), other = distinction(of_b, {of_a});
+  const auto text = [](const json& options, const std::string& key) {
+    return options.contains(key) ? json_text(options.at(key)) : "not given";
+  };
+  json different = distinction(of_a, {of_b});
+  different.update(distinction(of_b, {of_a}));
   std::vector<std::string> texts;
-  for (const auto& [key, value] : own.items())
-    texts.push_back(fmt::format("{} {} and {}", key, json_text(value),
-                                other.contains(key) ? json_text(other.at(key)) : "not given"));
+  for (const auto& entry : different.items())
+    texts.push_back(
+        fmt::format("{} {} and {}", entry.key(), text(of_a, entry.key()), text(of_b, entry.key())));
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 

@@ -66,13 +66,13 @@ TEST(BoxCentre, IgnoresBoxesAtTheImageBorder) {
   EXPECT_EQ(sigma_of({found_beside(0.0)}, {220, 220, 420, 40}), 0.0);
 }
 
-TEST(BoxCentre, AnObjectFoundBesideItsBoxIsLost) {
+TEST(BoxCentre, AnObjectFoundOutsideItsBoxIsLost) {
   const double half_width_m = 20.0 / drawing_focal_px * object_depth_m;
   std::vector tracks{found_beside(0.97 * half_width_m), found_beside(1.03 * half_width_m),
                      found_beside(1.03 * half_width_m), ClipTrack()};
   std::vector clips(tracks.size(), ClipFrames{0, 2, {}, {300, 220, 40, 40}, "bowl"});
   clips[2].has_mask_boxes = true;  // a mask's box does not contain what is hidden
-  drop_objects_beside_boxes(drawing_camera(), clips, tracks);
+  drop_objects_outside_boxes(drawing_camera(), clips, tracks);
   EXPECT_TRUE(tracks[0].object.front().found);
   EXPECT_FALSE(tracks[1].object.front().found);
   EXPECT_TRUE(tracks[2].object.front().found);

@@ -69,8 +69,8 @@ class Sets {
   std::vector<std::size_t> parent_;
 };
 
-/// Sets of connected cells. Of the 13 neighbours that come before a cell in the order of indices,
-/// nine are in three columns at x - 1, three in the column at y - 1, and one is below the cell.
+/// Sets of connected cells. Joins each cell with those of its 13 neighbours with smaller indices
+/// that exist: three columns at x - 1, the column at y - 1, and the cell below.
 Sets connected(const std::vector<Cell>& cells) {
   Sets sets(cells.size());
   for (const auto& [dx, dy] : {std::pair{-1, -1}, {-1, 0}, {-1, 1}, {0, -1}, {0, 0}}) {

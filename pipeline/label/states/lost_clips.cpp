@@ -108,13 +108,13 @@ void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tra
   }
 }
 
-void drop_objects_beside_boxes(const Camera& color, const std::vector<ClipFrames>& clips,
-                               std::vector<ClipTrack>& tracks) {
+void drop_objects_outside_boxes(const Camera& color, const std::vector<ClipFrames>& clips,
+                                std::vector<ClipTrack>& tracks) {
   for (std::size_t i = 0; i < clips.size(); ++i) {
-    if (!is_beside_box(color, clips[i], tracks[i])) continue;
+    if (!is_outside_box(color, clips[i], tracks[i])) continue;
     Progress::warn(fmt::format(
-        "clip {}: in its box frame the object is found beside its box, since other things have "
-        "its colours: all its labels are flagged as lost; masks help (`import --masks`)",
+        "clip {}: the object's centre is found outside its box: all its labels are flagged as "
+        "lost; other things may have its colours: give masks (`import --masks`)",
         i));
     tracks[i].object.assign(tracks[i].object.size(), {});
   }

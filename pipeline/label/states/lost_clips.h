@@ -12,9 +12,9 @@ inline constexpr double min_found_fraction = 0.5;  ///< of a clip's frames; less
 /// Warns of an object that was mostly hidden.
 void drop_lost_clips(std::vector<ClipFrames>& clips, std::vector<ClipTrack>& tracks);
 
-/// Drops the object's observations in clips in whose box frame it is beside its box, and warns.
-void drop_objects_beside_boxes(const Camera& color, const std::vector<ClipFrames>& clips,
-                               std::vector<ClipTrack>& tracks);
+/// Drops the object's observations in clips in whose box frame is_outside_box(), and warns.
+void drop_objects_outside_boxes(const Camera& color, const std::vector<ClipFrames>& clips,
+                                std::vector<ClipTrack>& tracks);
 
 /// Sets the problem of clips of which a body has measurements but no smoothed motion, hence no
 /// label, and drops their tracks and motions.

@@ -32,12 +32,12 @@ std::optional<Eigen::Vector3d> boxed_position_m(const Camera& color, const ClipF
 
 }  // namespace
 
-bool is_beside_box(const Camera& color, const ClipFrames& clip, const ClipTrack& track) {
+bool is_outside_box(const Camera& color, const ClipFrames& clip, const ClipTrack& track) {
   const auto position_m = boxed_position_m(color, clip, track);
   if (!position_m) return false;
   const Eigen::Vector2d offset_px = color.project(*position_m) - centre_px(clip.object_box);
-  return 2.0 * std::abs(offset_px.x()) > clip.object_box.width ||
-         2.0 * std::abs(offset_px.y()) > clip.object_box.height;
+  return !(2.0 * std::abs(offset_px.x()) <= clip.object_box.width &&
+           2.0 * std::abs(offset_px.y()) <= clip.object_box.height);
 }
 
 double box_centre_sigma_m(const Camera& color, const std::string& object,

@@ -9,7 +9,7 @@ namespace touchtrace::label {
 
 /// Whether the object's centre, as measured in the clip's box frame, is outside its drawn box: what
 /// was found is another body, or more than the body.
-bool is_beside_box(const Camera& color, const ClipFrames& clip, const ClipTrack& track);
+bool is_outside_box(const Camera& color, const ClipFrames& clip, const ClipTrack& track);
 
 /// Standard deviation [m], per axis, of an object's centre about its shape model's, from the boxes
 /// in the clips' box frames. Boxes contain the whole object, so they alone show what a hand hides

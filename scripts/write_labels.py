@@ -30,6 +30,16 @@ def frame_numbers(glove):
     return np.concatenate([[0], np.cumsum(steps)])
 
 
+def clips_of(source):
+    """Start and end [s] and object of each clip; without /clips one over all stamps."""
+    if "clips" in source:
+        return [source[f"clips/{name}"][:] for name in ("start_s", "end_s", "object")]
+    stamps = [source[f"{stream}/host_time_s"] for stream in ("color", "depth", "glove0") if stream in source]
+    stamps = [times for times in stamps if len(times)]
+    end_s = np.nextafter(max(times[-1] for times in stamps), np.inf)
+    return [np.array([min(times[0] for times in stamps)]), np.array([end_s]), np.array(["object"], dtype=h5py.string_dtype())]
+
+
 def frames_between(number, time_s, start_s, end_s):
     """Index of each frame of a clip, -1 for a lost one, and its time [s]. number, time_s: of all frames of the glove."""
     received = np.flatnonzero((time_s >= start_s) & (time_s < end_s))
@@ -55,11 +65,10 @@ def write_labels(path, recording, hand, object):
         stamps = [f"{stream}/host_time_s" for stream in ("color", "depth", "glove0")]
         first_s = min(source[name][0] for name in stamps if name in source and len(source[name]))
         origin_s = first_s if first_s > 1e6 else 0.0  # labels have no Unix time
-        for name in ("start_s", "end_s"):
-            file[f"clips/{name}"] = source[f"clips/{name}"][:] - origin_s
-        file["clips/object"] = source["clips/object"][:]
+        start_s, end_s, objects = clips_of(source)
+        file["clips/start_s"], file["clips/end_s"], file["clips/object"] = start_s - origin_s, end_s - origin_s, objects
         number, glove_s = frame_numbers(source["glove0"]), source["glove0/host_time_s"][:]
-        frames = [frames_between(number, glove_s, *span) for span in zip(source["clips/start_s"][:], source["clips/end_s"][:])]
+        frames = [frames_between(number, glove_s, *span) for span in zip(start_s, end_s)]
         time_s = np.concatenate([times for _, times in frames])
         file["label/glove_frame"], file["label/time_s"] = np.concatenate([index for index, _ in frames]), time_s - origin_s
         file["label/clip"] = np.repeat(np.arange(len(frames)), [len(index) for index, _ in frames])
@@ -129,8 +138,8 @@ def main(arguments):
     if not h5py.is_hdf5(recording):
         sys.exit(f"{recording} is not an HDF5 file")
     with h5py.File(recording) as source:
-        if "glove0" not in source or "clips" not in source:
-            sys.exit(f"{recording} is not a recording with a glove and clips")
+        if "glove0" not in source:
+            sys.exit(f"{recording} is not a recording with a glove")
         is_unix = len(source["glove0/host_time_s"]) and source["glove0/host_time_s"][0] > 1e6
         epoch_unix_s = 0.0 if is_unix else float(source.attrs.get("epoch_unix_s", 0.0))
     if os.path.exists(output) and not overwrite:

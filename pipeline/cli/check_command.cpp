@@ -108,9 +108,22 @@ void check_calibration(const CheckOptions& options, FileCheck& check) {
   }
 }
 
+/// A file that cannot be read has faults and nothing else.
+FileCheck check_readable(const CheckOptions& options, bool as_json) {
+  try {
+    FileCheck check = check_file(options.file, !options.quick, !options.calibration.empty());
+    check_calibration(options, check);
+    return check;
+  } catch (const Error& error) {
+    FileCheck faulty;
+    faulty.faults = {error.what()};
+    if (as_json && error.code() == ExitCode::data) fmt::print("{}\n", to_json(faulty).dump(2));
+    throw;
+  }
+}
+
 ExitCode run(const CheckOptions& options, const Invocation& invocation) {
-  FileCheck check = check_file(options.file, !options.quick, !options.calibration.empty());
-  check_calibration(options, check);
+  const FileCheck check = check_readable(options, invocation.json);
   if (invocation.json) {
     fmt::print("{}\n", to_json(check).dump(2));
   } else {

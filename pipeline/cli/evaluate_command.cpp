@@ -108,7 +108,9 @@ ExitCode run(const study::EvaluationOptions& options, const Invocation& invocati
   if (!options.output.empty())
     write_file(options.output, document.dump(1) + "\n", invocation.overwrite);
   if (invocation.json)
-    fmt::print("{}\n", json{{"results", document["results"]},
+    fmt::print("{}\n", json{{"against", document["against"]},
+                            {"results", document["results"]},
+                            {"differences", document["differences"]},
                             {"main_metrics", document["main_metrics"]},
                             {"notes", document["notes"]}}
                            .dump(2));

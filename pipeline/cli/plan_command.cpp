@@ -7,6 +7,7 @@
 #include "pipeline/cli/usable_device.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/recording/recording_file.h"
+#include "pipeline/scene/objects/object_file.h"
 #include "pipeline/study/model_options.h"
 #include "pipeline/study/plan.h"
 
@@ -36,6 +37,7 @@ void describe(OptionSet& set, PlanOptions& o) {
 
 study::PlanRequest request_of(const PlanOptions& options) {
   study::PlanRequest request;
+  for (const auto& object : options.objects) scene::load_object(object);  // throws if unknown
   if (!options.objects.empty()) request.objects = options.objects;
   GloveInfo glove;  // as the simulated one
   if (!options.recording.empty()) {

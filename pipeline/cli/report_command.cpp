@@ -45,10 +45,10 @@ ExitCode run(const ReportOptions& options, const Invocation& invocation) {
   append(inputs.calibrations, options.calibration);
   append(inputs.recordings, options.recording);
   append(inputs.figures, options.figures);
-  if (inputs.empty())
+  const nlohmann::json data = report::report_data(inputs);
+  if (data.at("artefacts").empty() && data.at("figures").empty())
     throw usage_error("no artefacts to report on",
                       "give --folder DIR, or files with --metrics, --labels, ...");
-  const nlohmann::json data = report::report_data(inputs);
   const std::string page = report::render(data);
   write_file(options.output, page, invocation.overwrite);
   if (invocation.json)

@@ -22,7 +22,7 @@ struct Sequence {
   std::string object;
   Split split = Split::train;
   int recording = 0, clip = 0;            ///< index of the recording, and of the clip within it
-  std::vector<std::string> fingerprints;  ///< of the clip's touch (fingerprint.h)
+  std::vector<std::string> fingerprints;  ///< of touch and motion (fingerprint.h)
 };
 
 /// Training and evaluation data of one or more labelled recordings.
@@ -38,6 +38,8 @@ struct Dataset {
   std::vector<double> time_s;         ///< [frames], when the glove measured the frame, host clock
   std::vector<Sequence> sequences;
   State truth_offset{};  ///< already added to `truth`
+  std::vector<std::string>
+      warnings;  ///< of the recordings' gloves and labels, with the file's name
 
   int frames() const { return static_cast<int>(label.size()); }
 };

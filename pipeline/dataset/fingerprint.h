@@ -3,7 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/recording/recording.h"
+#include "pipeline/recording/clip_range.h"
+#include "pipeline/recording/labels.h"
 
 namespace touchtrace {
 
@@ -12,11 +13,17 @@ namespace touchtrace {
 /// chosen by its hash (Broder, On the resemblance and containment of documents, 1997, "modulo m"),
 /// so that an excerpt keeps the same ones as the whole: of 60 frames it has fewer than two with a
 /// probability of 1 %.
-std::vector<std::string> clip_fingerprints(const GloveStream& glove, const Clip& clip);
+std::vector<std::string> touch_fingerprints(const GloveStream& glove, const Clip& clip);
 
-/// Whether `fingerprints` contain the hash of a whole known clip, or two known stretches. `known`:
-/// those of all known clips, sorted. Stretches of a glove at rest have no hash.
-bool is_known_touch(const std::vector<std::string>& fingerprints,
-                    const std::vector<std::string>& known);
+/// The same of stretches of the motion in the labels [first, last) of a clip: how far hand and
+/// object moved since the last label, and their distance, to 0.1 mm. They recognise a clip whose
+/// counts were changed, or whose positions are in another frame.
+std::vector<std::string> motion_fingerprints(const Labels& labels, IndexRange of_clip);
+
+/// Whether fingerprints of touch, then of motion, contain the hash of a whole known clip, or two
+/// known stretches. `known`: those of all known clips, sorted. Stretches of a glove, or of a hand
+/// and an object, at rest have no hash.
+bool is_known_clip(const std::vector<std::string>& fingerprints,
+                   const std::vector<std::string>& known);
 
 }  // namespace touchtrace

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/recording/clip_range.h"
+
 namespace touchtrace {
 namespace {
 
@@ -13,6 +15,8 @@ namespace {
 /// milliseconds, so a larger one means labels of another recording.
 constexpr double max_alignment_s = 1.0;
 constexpr double max_clip_difference_s = 1e-3;
+constexpr double min_labelled = 0.9;
+constexpr double min_unix_s = 1e9;
 
 std::string clip_fault(const Labels& labels, const Recording& recording) {
   const auto &clips = recording.clips, &labelled = labels.clips;
@@ -37,8 +41,11 @@ std::string time_fault(const Labels& labels, const Recording& recording, std::si
     return fmt::format("label {} is of glove frame {} of {}", i, frame, glove.frames());
   const double time_s = labels.time_s[i], arrival_s = glove.host_time_s[frame];
   if (!(std::abs(time_s - arrival_s) <= max_alignment_s))
-    return fmt::format("label {} at {:.3f} s is of glove frame {}, which arrived at {:.3f} s", i,
-                       time_s, frame, arrival_s);
+    return fmt::format("label {} at {:.3f} s is of glove frame {}, which arrived at {:.3f} s{}", i,
+                       time_s, frame, arrival_s,
+                       time_s > min_unix_s
+                           ? ": times of labels are on the recording's clock, not Unix times"
+                           : "");
   const auto& clip = recording.clips[static_cast<std::size_t>(labels.clip[i])];
   const double period_s = 1.0 / glove.info.rate_hz;
   if (!(time_s >= clip.start_s - period_s && time_s <= clip.end_s + period_s))
@@ -71,6 +78,17 @@ std::string label_frame_fault(const Labels& labels, const Recording& recording) 
     previous = i;
   }
   return {};
+}
+
+std::string missing_labels_warning(const Labels& labels, const Recording& recording) {
+  std::size_t frames = 0;
+  for (const Clip& clip : recording.clips)
+    frames += arrived_in(clip, recording.gloves.front().host_time_s).size();
+  const auto labelled = static_cast<std::size_t>(
+      std::ranges::count_if(labels.glove_frame, [](auto frame) { return frame >= 0; }));
+  if (static_cast<double>(labelled) >= min_labelled * static_cast<double>(frames)) return {};
+  return fmt::format("{} of the glove's {} frames in clips have no label", frames - labelled,
+                     frames);
 }
 
 }  // namespace touchtrace

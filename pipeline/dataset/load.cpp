@@ -11,13 +11,14 @@
 #include "engine/base/finite.h"
 #include "engine/base/progress.h"
 #include "engine/base/provenance.h"
-#include "pipeline/dataset/distinct_touch.h"
+#include "pipeline/dataset/distinct_clips.h"
 #include "pipeline/dataset/fingerprint.h"
 #include "pipeline/dataset/label_frames.h"
 #include "pipeline/dataset/tactile_image.h"
 #include "pipeline/recording/check.h"
 #include "pipeline/recording/label_check.h"
 #include "pipeline/recording/recording_file.h"
+#include "pipeline/recording/stream_check.h"
 
 namespace touchtrace {
 namespace {
@@ -56,8 +57,8 @@ class RecordingLoader {
         reader_(source.recording),
         labels_(std::move(labels)) {
     check_labels();
-    warn();
     check_compatible(resolution);
+    warn();
   }
 
   void add_clips() {
@@ -74,7 +75,7 @@ class RecordingLoader {
   const GloveStream& glove() const { return reader_.recording().gloves.front(); }
 
   void check_labels() const;
-  void warn() const;
+  void warn();
   void check_compatible(int resolution);
   void add_clip(int clip, std::size_t first, std::size_t last);
   Split split_of(int clip) const;
@@ -109,11 +110,15 @@ void RecordingLoader::check_labels() const {
   if (!fault.empty()) reject(source_, fault);
 }
 
-void RecordingLoader::warn() const {
-  for (const auto& warning : glove_warnings(reader_.recording()))
-    Progress::warn(fmt::format("{}: {}", source_.recording.string(), warning));
-  for (const auto& warning : label_warnings(labels_))
-    Progress::warn(fmt::format("{}: {}", source_.labels.string(), warning));
+void RecordingLoader::warn() {
+  const auto add = [&](const std::filesystem::path& file, const std::string& warning) {
+    dataset_.warnings.push_back(fmt::format("{}: {}", file.string(), warning));
+    Progress::warn(dataset_.warnings.back());
+  };
+  for (const auto& warning : glove_warnings(reader_.recording())) add(source_.recording, warning);
+  for (const auto& warning : label_warnings(labels_)) add(source_.labels, warning);
+  if (const auto warning = missing_labels_warning(labels_, reader_.recording()); !warning.empty())
+    add(source_.labels, warning);
 }
 
 void RecordingLoader::check_compatible(int resolution) {
@@ -122,7 +127,7 @@ void RecordingLoader::check_compatible(int resolution) {
   kind.activity = labels_.activity;
   const auto [rows, cols] = image_shape(info, resolution);
   kind.rows = rows, kind.cols = cols;
-  kind.rate_hz = info.rate_hz;
+  kind.rate_hz = plausible_rate_hz(glove(), reader_.recording().clips);
   if (number_ == 0) dataset_ = kind;
   if (kind.activity != dataset_.activity || kind.rows != dataset_.rows ||
       kind.cols != dataset_.cols ||
@@ -162,10 +167,11 @@ void RecordingLoader::add_clip(int clip, std::size_t first, std::size_t last) {
   const Clip& info = labels_.clips[static_cast<std::size_t>(clip)];
   while (first < last && labels_.glove_frame[first] < 0) ++first;
   if (info.object_fell || first == last) return;
-  dataset_.sequences.push_back(
-      {dataset_.frames(), static_cast<int>(last - first), info.object, split_of(clip), number_,
-       clip,
-       clip_fingerprints(glove(), reader_.recording().clips[static_cast<std::size_t>(clip)])});
+  auto fingerprints =
+      touch_fingerprints(glove(), reader_.recording().clips[static_cast<std::size_t>(clip)]);
+  std::ranges::copy(motion_fingerprints(labels_, {first, last}), std::back_inserter(fingerprints));
+  dataset_.sequences.push_back({dataset_.frames(), static_cast<int>(last - first), info.object,
+                                split_of(clip), number_, clip, std::move(fingerprints)});
   for (std::size_t i = first; i < last; ++i) {
     add_image(labels_.glove_frame[i]);
     const bool is_known = all_finite(label(i)) && all_finite(causal_label(i));
@@ -193,7 +199,7 @@ Split split_of_clip(int clip_of_object) {
 
 Dataset load_dataset(const std::vector<LabelledRecording>& sources, int resolution) {
   Dataset dataset;
-  DistinctTouch distinct;
+  DistinctClips distinct;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const std::size_t first = dataset.sequences.size();
     RecordingLoader(dataset, sources[i], read_labels(sources[i].labels), static_cast<int>(i),

@@ -22,8 +22,8 @@ struct LabelledRecording {
 /// - Warns of implausible frames of the gloves and of implausible labels.
 ///
 /// Throws data_error if a file is invalid, labels belong to another recording, activities, gloves
-/// or (by over 1 %) rates differ, recordings have touch in common, or no clip remains; usage_error
-/// if `resolution` exceeds the glove's.
+/// or (by over 1 %) rates differ, recordings have touch or motion in common, or no clip remains;
+/// usage_error if `resolution` exceeds the glove's.
 Dataset load_dataset(const std::vector<LabelledRecording>& sources,
                      int resolution = own_resolution);
 /// Loads one recording with labels that are in memory.

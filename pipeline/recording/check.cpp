@@ -134,16 +134,14 @@ bool FileCheck::is_usable() const {
 }
 
 std::vector<std::string> glove_warnings(const Recording& recording) {
-  constexpr double max_rate_difference = 0.05;
   std::vector<std::string> warnings;
   for (const auto& glove : recording.gloves) {
     const auto warn = [&](const std::string& warning) {
       warnings.push_back(fmt::format("glove '{}': {}", glove.info.name, warning));
     };
     std::ranges::for_each(check_tactile(glove).warnings(), warn);
-    const double rate_hz =
-        measure_stream_timing(glove.sequence, glove.host_time_s, recording.clips).rate_hz;
-    if (std::abs(rate_hz / glove.info.rate_hz - 1.0) > max_rate_difference)
+    if (const double rate_hz = plausible_rate_hz(glove, recording.clips);
+        rate_hz != glove.info.rate_hz)
       warn(fmt::format("frames arrive at {:.4g} Hz, rate_hz is {:.4g}", rate_hz,
                        glove.info.rate_hz));
   }
@@ -193,6 +191,8 @@ FileCheck check_labels(const Labels& labels) {
   for (std::size_t i = 0; i < labels.time_s.size(); ++i)
     good += labels.hand.quality[i] == quality_good && labels.object.quality[i] == quality_good;
   if (good == 0) missing.emplace_back("no label of good quality");
+  if (std::ranges::all_of(labels.glove_frame, [](auto frame) { return frame < 0; }))
+    missing.emplace_back("no label of a glove's frame");
   return check;
 }
 

@@ -20,6 +20,10 @@ constexpr double min_velocity_ratio = 0.5, max_velocity_ratio = 2.0;
 constexpr double max_interval_s = 0.1;
 constexpr double min_speed_m_per_s = 0.02;  // RMS of the differences: slower motion may be noise
 constexpr double max_outside_clip_s = 1.0;
+constexpr double max_jump_m = 0.5;  // beyond what the velocities explain
+constexpr double max_speed_m_per_s = 50.0;
+constexpr double max_asymmetry = 1e-6;  // of the largest element
+constexpr std::uint8_t known_quality = quality_lost | quality_follows_hand | quality_gap;
 
 using Rows = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>;
 
@@ -38,6 +42,62 @@ std::optional<std::string> distance_warning(const LabelledBody& body) {
                      distance_m);
 }
 
+/// Neighbouring good labels of one clip.
+bool are_neighbours(const Labels& labels, const LabelledBody& body, std::size_t i) {
+  const double interval_s = labels.time_s[i + 1] - labels.time_s[i];
+  return labels.clip[i] == labels.clip[i + 1] && body.quality[i] == quality_good &&
+         body.quality[i + 1] == quality_good && interval_s > 0.0 && interval_s <= max_interval_s;
+}
+
+/// One wrong label of many can set the scale of all errors.
+std::optional<std::string> jump_warning(const Labels& labels, const LabelledBody& body) {
+  const Rows position_m = rows_of(body.position_m), velocity = rows_of(body.velocity_m_per_s);
+  std::size_t jumps = 0, first = 0;
+  double first_m = 0.0;
+  for (std::size_t at = 0; at + 1 < labels.time_s.size(); ++at) {
+    if (!are_neighbours(labels, body, at)) continue;
+    const auto i = static_cast<Eigen::Index>(at);
+    const double interval_s = labels.time_s[at + 1] - labels.time_s[at],
+                 speed = std::max(velocity.row(i).norm(), velocity.row(i + 1).norm()),
+                 jump_m = (position_m.row(i + 1) - position_m.row(i)).norm();
+    if (jump_m <= max_jump_m + std::min(speed, max_speed_m_per_s) * interval_s) continue;
+    if (jumps++ == 0) first = at, first_m = jump_m;
+  }
+  if (jumps == 0) return {};
+  return fmt::format(
+      "jumps in {} places, first by {:.3g} m after label {}, further than its velocity explains: "
+      "labels where it was lost need quality 1",
+      jumps, first_m, first);
+}
+
+/// Good labels whose covariance is not one.
+std::optional<std::string> covariance_warning(const LabelledBody& body) {
+  std::size_t wrong = 0, first = 0;
+  for (std::size_t i = 0; i < body.quality.size(); ++i) {
+    if (body.quality[i] != quality_good) continue;
+    const Eigen::Map<const Eigen::Matrix<double, 6, 6>> covariance(&body.covariance[36 * i]);
+    const double scale = covariance.cwiseAbs().maxCoeff();
+    if (covariance.diagonal().minCoeff() >= 0.0 &&
+        (covariance - covariance.transpose()).cwiseAbs().maxCoeff() <= max_asymmetry * scale)
+      continue;
+    if (wrong++ == 0) first = i;
+  }
+  if (wrong == 0) return {};
+  return fmt::format(
+      "has {} good labels, the first {}, whose covariance has a negative variance or is not "
+      "symmetric",
+      wrong, first);
+}
+
+std::optional<std::string> quality_warning(const LabelledBody& body) {
+  const auto unknown = std::ranges::count_if(
+      body.quality, [](std::uint8_t quality) { return (quality & ~known_quality) != 0; });
+  if (unknown == 0) return {};
+  return fmt::format(
+      "has {} labels whose quality has other bits than 1, 2 and 4: they are not used as good ones",
+      unknown);
+}
+
 /// Regression of the mean velocity of neighbouring good labels on the difference of their positions
 /// over time; nullopt if the body hardly moves.
 std::optional<double> velocity_ratio(const Labels& labels, const LabelledBody& body) {
@@ -46,11 +106,8 @@ std::optional<double> velocity_ratio(const Labels& labels, const LabelledBody& b
   Eigen::Index count = 0;
   for (Eigen::Index i = 0; i + 1 < position_m.rows(); ++i) {
     const auto at = static_cast<std::size_t>(i);
+    if (!are_neighbours(labels, body, at)) continue;
     const double seconds = labels.time_s[at + 1] - labels.time_s[at];
-    const bool are_good = body.quality[at] == quality_good && body.quality[at + 1] == quality_good;
-    if (labels.clip[at] != labels.clip[at + 1] || !are_good ||
-        !(seconds > 0.0 && seconds <= max_interval_s))
-      continue;
     const Eigen::RowVector3d difference = (position_m.row(i + 1) - position_m.row(i)) / seconds,
                              mean = 0.5 * (velocity.row(i) + velocity.row(i + 1));
     if (!difference.allFinite() || !mean.allFinite()) continue;
@@ -100,7 +157,8 @@ std::vector<std::string> label_warnings(const Labels& labels) {
   std::vector<std::string> warnings;
   for (const auto& [name, body] : {std::pair{"hand", &labels.hand}, {"object", &labels.object}})
     for (const auto& warning :
-         {distance_warning(*body), velocity_warning(labels, *body), causal_warning(*body)})
+         {distance_warning(*body), jump_warning(labels, *body), covariance_warning(*body),
+          quality_warning(*body), velocity_warning(labels, *body), causal_warning(*body)})
       if (warning) warnings.push_back(fmt::format("the {} {}", name, *warning));
   if (const auto warning = time_warning(labels)) warnings.push_back(*warning);
   return warnings;

@@ -63,6 +63,14 @@ StreamTiming measure_stream_timing(const std::vector<std::uint64_t>& sequence,
   return timing;
 }
 
+double plausible_rate_hz(const GloveStream& glove, const std::vector<Clip>& clips) {
+  constexpr double max_difference = 0.05;
+  const double measured_hz =
+      measure_stream_timing(glove.sequence, glove.host_time_s, clips).rate_hz;
+  return std::abs(measured_hz / glove.info.rate_hz - 1.0) > max_difference ? measured_hz
+                                                                           : glove.info.rate_hz;
+}
+
 nlohmann::json to_json(const StreamTiming& timing) {
   return {{"frames", timing.frames},
           {"lost", timing.lost},

@@ -3,9 +3,6 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
-#include "engine/base/progress.h"
-#include "pipeline/recording/h5_file.h"
-#include "pipeline/recording/labels.h"
 #include "pipeline/report/report.h"
 
 namespace touchtrace::report {
@@ -26,50 +23,25 @@ std::vector<fs::path> files_of(const fs::path& folder) {
   return files;
 }
 
-/// Warns of an HDF5 file of another program.
-bool is_recording(const fs::path& file) {
-  try {
-    if (h5::schema_of(file).starts_with("touchtrace/recording/")) return true;
-    Progress::warn(fmt::format("skipped {}: it is not a recording", file.string()));
-  } catch (const Error& error) {
-    Progress::warn(fmt::format("skipped {}: {}", file.string(), error.what()));
-  }
-  return false;
-}
-
-/// Warns of labels that cannot be read.
-bool are_labels(const fs::path& file) {
-  try {
-    read_labels(file);
-    return true;
-  } catch (const Error& error) {
-    Progress::warn(fmt::format("skipped {}", error.what()));
-    return false;
-  }
-}
-
 void add_file(ReportInputs& inputs, const fs::path& file) {
   const std::string name = file.filename().string();
   if (name.starts_with('.')) return;
-  const bool is_labels_name = name.ends_with("labels.h5");
   if (name.ends_with("metrics.json"))
     inputs.metrics.push_back(file);
   else if (name.ends_with("figures.json"))
     inputs.figures.push_back(file);
   else if (name == "calibration.json")
     inputs.calibrations.push_back(file);
-  else if (is_labels_name && are_labels(file))
+  else if (name.ends_with("labels.h5"))
     inputs.labels.push_back(file);
-  else if (!is_labels_name && name.ends_with(".h5") && is_recording(file))
+  else if (name.ends_with(".h5"))
     inputs.recordings.push_back(file);
+  else
+    return;
+  inputs.found.insert(file);
 }
 
 }  // namespace
-
-bool ReportInputs::empty() const {
-  return metrics.empty() && labels.empty() && calibrations.empty() && recordings.empty() &&
-         figures.empty();
-}
 
 ReportInputs find_inputs(const fs::path& folder) {
   ReportInputs inputs;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,17 +16,17 @@ struct ReportInputs {
   std::vector<std::filesystem::path> recordings;    ///< only their provenance is read
   std::vector<std::filesystem::path> figures;       ///< from `touchtrace-verify --json`
 
-  bool empty() const;
+  std::set<std::filesystem::path> found;  ///< those of find_inputs
 };
 
 /// Finds inputs in a folder and its subfolders by name: *metrics.json, *labels.h5,
 /// calibration.json, *figures.json, other *.h5. A metrics.json directly in the folder replaces all
-/// other metrics files. Skips labels and recordings that cannot be read, with a warning. Throws
-/// data_error if the folder cannot be read.
+/// other metrics files. Throws data_error if the folder cannot be read.
 ReportInputs find_inputs(const std::filesystem::path& folder);
 
 /// Data of the page: {title, version, created, metrics, calibrations, smoothing, figures, stages,
-/// artefacts}; numbers rounded to 5 significant digits. Throws data_error for an invalid file.
+/// artefacts}; numbers rounded to 5 significant digits. Throws data_error for an invalid file; of
+/// those that were found in a folder, it skips invalid ones with a warning.
 nlohmann::json report_data(const ReportInputs& inputs);
 
 /// Renders a self-contained HTML page with styles, scripts and `data` embedded.

@@ -2,9 +2,12 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
+#include <set>
 
 #include "engine/base/error.h"
 #include "engine/base/files.h"
+#include "engine/base/progress.h"
 #include "engine/base/provenance.h"
 #include "pipeline/recording/recording_file.h"
 #include "pipeline/report/artefact_data.h"
@@ -21,6 +24,9 @@ constexpr std::uintmax_t max_json_bytes = 256u << 20;
 /// Arrays of a metrics file; those of several files are concatenated.
 constexpr const char* metrics_arrays[] = {"results",  "runs",   "differences",  "curves",
                                           "examples", "models", "label_errors", "notes"};
+
+/// Those that the report shows under their activity and object.
+constexpr const char* rows_of_groups[] = {"results", "runs", "differences", "curves"};
 
 /// Rounds to 5 significant digits, enough for any plot; NaN and infinity become null.
 void round_numbers(json& value) {
@@ -41,6 +47,9 @@ bool is_metrics(const json& document) {
     return false;
   for (const char* key : metrics_arrays)
     if (!document.contains(key) || !document.at(key).is_array()) return false;
+  for (const char* key : rows_of_groups)
+    for (const auto& row : document.at(key))
+      if (!row.is_object()) return false;
   for (const auto& model : document.at("models"))
     if (!model.is_object() || !model.value("path", json()).is_string() ||
         !model.value("provenance", json()).is_object())
@@ -65,8 +74,34 @@ void add_artefact(json& data, const fs::path& path, const json& provenance) {
                             {"device", provenance.value("device", "")}});
 }
 
+/// "wave.h5, throw.h5, against labels": what the rows of a metrics file were computed from.
+std::string data_set_of(const json& document) {
+  std::string name;
+  const json options = document.at("provenance").value("options", json::object());
+  if (options.is_object() && options.value("recording", json()).is_array())
+    for (const auto& recording : options.at("recording"))
+      if (recording.is_string()) name += recording.get<std::string>() + ", ";
+  return name + "against " + (document.value("against", json()) == "truth" ? "truth" : "labels");
+}
+
+/// Rows of one activity and object in several metrics files keep the name of their data set, if
+/// there are several.
+void separate_data_sets(json& metrics) {
+  std::map<json, std::set<json>> sets;
+  const auto group_of = [](const json& row) {
+    return json{row.value("activity", json()), row.value("object", json())};
+  };
+  for (const auto& row : metrics.at("results")) sets[group_of(row)].insert(row.at("data_set"));
+  for (const char* key : rows_of_groups)
+    for (auto& row : metrics.at(key))
+      if (sets[group_of(row)].size() < 2) row.erase("data_set");
+}
+
 void add_metrics(json& data, const fs::path& path) {
   json document = read_metrics(path);
+  const auto data_set = data_set_of(document);
+  for (const char* key : rows_of_groups)
+    for (auto& row : document.at(key)) row["data_set"] = data_set;
   for (const auto& model : document.at("models"))
     add_artefact(data, model.at("path").get<std::string>(), model.at("provenance"));
   add_artefact(data, path, document.at("provenance"));
@@ -91,6 +126,18 @@ void add_labels(json& data, const fs::path& path) {
     data["smoothing"].push_back(smoothing_data(labels, path.filename().string()));
 }
 
+template <class Add>
+void add_each(const ReportInputs& inputs, const std::vector<fs::path>& paths, Add add) {
+  for (const auto& path : paths) {
+    try {
+      add(path);
+    } catch (const Error& error) {
+      if (!inputs.found.contains(path)) throw;
+      Progress::warn(fmt::format("skipped: {}", error.what()));
+    }
+  }
+}
+
 }  // namespace
 
 json report_data(const ReportInputs& inputs) {
@@ -100,12 +147,15 @@ json report_data(const ReportInputs& inputs) {
   data["metrics"] = nullptr;
   for (const char* key : {"calibrations", "smoothing", "figures", "stages", "artefacts"})
     data[key] = json::array();
-  for (const auto& path : inputs.recordings)
+  add_each(inputs, inputs.recordings, [&](const fs::path& path) {
     add_artefact(data, path, RecordingReader(path).recording().provenance);
-  for (const auto& path : inputs.calibrations) add_calibration(data, path);
-  for (const auto& path : inputs.labels) add_labels(data, path);
-  for (const auto& path : inputs.metrics) add_metrics(data, path);
-  for (const auto& path : inputs.figures) data["figures"].push_back(figures_data(path));
+  });
+  add_each(inputs, inputs.calibrations, [&](const fs::path& path) { add_calibration(data, path); });
+  add_each(inputs, inputs.labels, [&](const fs::path& path) { add_labels(data, path); });
+  add_each(inputs, inputs.metrics, [&](const fs::path& path) { add_metrics(data, path); });
+  add_each(inputs, inputs.figures,
+           [&](const fs::path& path) { data["figures"].push_back(figures_data(path)); });
+  if (!data["metrics"].is_null()) separate_data_sets(data["metrics"]);
   round_numbers(data);
   return data;
 }

@@ -44,6 +44,20 @@ RolloutGrid grid_of(const Comparison& comparison, Split split, int stride) {
   return {split, horizon_steps, stride, comparison.history};
 }
 
+[[noreturn]] void reject_clips(const Comparison& comparison) {
+  int clips = 0, longest = 0;
+  for (const Session* session : comparison.sessions)
+    for (const Sequence& clip : session->data.sequences)
+      if (clip.split == Split::evaluation) ++clips, longest = std::max(longest, clip.frames);
+  throw data_error(
+      fmt::format("{} evaluation clips of {}, the longest of {} frames, hold fewer than two "
+                  "roll-outs: each needs {} frames of touch, a good label, and {} further frames",
+                  clips, comparison.sessions.front()->data.activity, longest, comparison.history,
+                  horizon_steps),
+      "record longer clips or more of them (every fifth is for evaluation), or evaluate recordings "
+      "that no model was trained on: all of their clips count");
+}
+
 void add_targets(Comparison& comparison, Reference reference, int stride) {
   const auto add = [&](const char* name, Reference source) {
     comparison.targets.push_back(
@@ -161,12 +175,7 @@ Comparison compare_models(const std::vector<const Session*>& sessions,
   for (const LoadedModel* model : models)
     comparison.history = std::max(comparison.history, required_history(model->card.spec));
   add_targets(comparison, reference, stride);
-  if (comparison.cases().count() < 2)
-    throw data_error(
-        fmt::format("the evaluation clips of {} hold fewer than two roll-outs of {} steps",
-                    models.front()->card.activity, horizon_steps),
-        "record more or longer clips, or evaluate recordings that no model was trained on: all of "
-        "their clips count");
+  if (comparison.cases().count() < 2) reject_clips(comparison);
   add_baselines(comparison, stride, seed);
   for (const ModelGroup& group : group_models(models)) {
     comparison.candidates.push_back(rolled_out(group, comparison, stride, Touch::own));

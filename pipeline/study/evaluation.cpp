@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "engine/base/error.h"
 #include "pipeline/study/evaluation_clips.h"
@@ -84,9 +85,20 @@ void note_mismatches(const std::vector<LoadedModel*>& models, json& notes) {
 void note_clips(const std::vector<std::string>& whole, json& notes) {
   if (!whole.empty())
     notes.push_back(
-        fmt::format("all clips are evaluated, as their touch is that of no clip that a model was "
-                    "trained on: {}",
+        fmt::format("all clips are evaluated, as their touch and motion are those of no clip that "
+                    "a model was trained on: {}",
                     fmt::join(whole, ", ")));
+}
+
+/// Of the evaluated recordings, and of those that the models were trained on.
+void note_warnings(const std::vector<Session>& sessions, const std::vector<LoadedModel>& models,
+                   json& notes) {
+  std::set<std::string> warnings;
+  for (const Session& session : sessions)
+    warnings.insert(session.data.warnings.begin(), session.data.warnings.end());
+  for (const LoadedModel& model : models)
+    warnings.insert(model.card.warnings.begin(), model.card.warnings.end());
+  for (const auto& warning : warnings) notes.push_back(warning);
 }
 
 void note_bands(const std::vector<LoadedModel*>& models, json& notes) {
@@ -166,6 +178,7 @@ json evaluate_models(std::vector<Session> sessions, std::vector<LoadedModel>& mo
        {"results", "runs", "differences", "curves", "examples", "models", "label_errors", "notes"})
     document[key] = json::array();
   note_clips(choose_evaluation_clips(sessions, models), document["notes"]);
+  note_warnings(sessions, models, document["notes"]);
   std::map<std::string, std::vector<LoadedModel*>> by_activity;
   for (LoadedModel& model : models) by_activity[model.card.activity].push_back(&model);
   for (const auto& [activity, candidates] : by_activity) {

@@ -5,14 +5,14 @@
 #include <algorithm>
 
 #include "engine/base/error.h"
-#include "pipeline/dataset/distinct_touch.h"
+#include "pipeline/dataset/distinct_clips.h"
 #include "pipeline/dataset/fingerprint.h"
 
 namespace touchtrace::study {
 namespace {
 
 bool has_seen(const LoadedModel& model, const Sequence& clip) {
-  return is_known_touch(clip.fingerprints, model.card.seen_clips);
+  return is_known_clip(clip.fingerprints, model.card.seen_clips);
 }
 
 /// Whether the models of the session's activity have seen a clip of it.
@@ -33,7 +33,7 @@ void require_unseen(const Session& session, const LoadedModel& model) {
 }
 
 void require_distinct(const std::vector<Session>& sessions) {
-  DistinctTouch distinct;
+  DistinctClips distinct;
   for (const Session& session : sessions) distinct.add(session.data.sequences, session.name);
 }
 

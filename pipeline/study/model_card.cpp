@@ -83,6 +83,7 @@ void to_json(nlohmann::json& json, const ModelCard& card) {
           {"state", state_dimensions},
           {"log", card.log},
           {"provenance", card.provenance}};
+  if (!card.warnings.empty()) json["warnings"] = card.warnings;
   if (!card.mean_embedding.empty()) json["mean_embedding"] = card.mean_embedding;
 }
 
@@ -98,6 +99,7 @@ void from_json(const nlohmann::json& json, ModelCard& card) {
   card.seen_clips = json.at("seen_clips").get<std::vector<std::string>>();
   card.log = json.at("log").get<std::vector<TrainingLogEntry>>();
   card.provenance = json.at("provenance");
+  card.warnings = json.value("warnings", std::vector<std::string>());
   card.mean_embedding = json.value("mean_embedding", std::vector<float>());
 }
 

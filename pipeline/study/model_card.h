@@ -36,6 +36,7 @@ struct ModelCard {
   int update = 0;        ///< whose weights the file holds: best L1@50 on validation clips
   BandScale band_scale;  ///< fitted on calibration clips; empty without them
   std::vector<std::string> seen_clips;  ///< sorted fingerprints of the clips of all these splits
+  std::vector<std::string> warnings;    ///< of the recordings and labels of the training
   std::vector<TrainingLogEntry> log;
   Provenance provenance;
   /// [embedding] Mean of the training objects, for live prediction before the object is known;

@@ -53,6 +53,7 @@ ModelCard make_card(const Dataset& data, const TrainingOptions& options, Provena
   std::ranges::sort(card.seen_clips);
   card.activity = data.activity;
   card.rate_hz = data.rate_hz;
+  card.warnings = data.warnings;
   card.provenance = std::move(provenance);
   return card;
 }

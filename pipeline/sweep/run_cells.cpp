@@ -215,8 +215,8 @@ std::vector<bool> cells_of(const Shard& shard, const std::vector<Cell>& cells) {
 }
 
 void report_failed(const Cell& cell) {
-  Progress::report(fmt::format("failed: {}\n{}\nlog: {}", cell.name(), message_of(cell.failure()),
-                               cell.log().string()));
+  Progress::warn(fmt::format("failed: {}\n{}\nlog: {}", cell.name(), message_of(cell.failure()),
+                             cell.log().string()));
 }
 
 SweepSummary run_cells(const std::vector<Cell>& cells, const std::vector<bool>& selected,

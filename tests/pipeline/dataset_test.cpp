@@ -108,18 +108,18 @@ TEST(Dataset, SplitCountsTheClipsOfEachObject) {
   EXPECT_EQ(load_dataset({files.write_files()}).sequences[1].split, Split::evaluation);
 }
 
-TEST(Dataset, FingerprintIsThatOfTheTouch) {
+TEST(Dataset, FingerprintOfTouchIsIndependentOfLabelsImagesAndBoxes) {
   Files files;
   const auto fingerprints = [&] {
     const Dataset data = load_dataset({files.write_files()});
-    return std::pair(data.sequences[0].fingerprints, data.sequences[1].fingerprints);
+    return std::pair(data.sequences[0].fingerprints[0], data.sequences[1].fingerprints[0]);
   };
   const auto first = fingerprints();
   EXPECT_NE(first.first, first.second);
   files.labels.object.position_m[0] += 1.0;
   files.sample.frames[0].color[0] ^= 1;
   files.sample.recording.clips[0].hand_box = {};
-  EXPECT_EQ(fingerprints(), first) << "labels, images and boxes do not matter";
+  EXPECT_EQ(fingerprints(), first);
   files.sample.recording.gloves[0].counts[3] ^= 1;
   EXPECT_NE(fingerprints().first, first.first);
   EXPECT_EQ(fingerprints().second, first.second);
@@ -144,23 +144,23 @@ TEST(Fingerprints, OfAShiftedOrTrimmedCopyAreKnown) {
     return glove;
   };
   const GloveStream glove = glove_at(0.0);
-  auto known = clip_fingerprints(glove, clip_of(0.0, 9.95, "ball"));
+  auto known = touch_fingerprints(glove, clip_of(0.0, 9.95, "ball"));
   EXPECT_GT(known.size(), 2u);
   std::ranges::sort(known);
   GloveStream shifted = glove, changed = glove;
   for (double& time_s : shifted.host_time_s) time_s += 5.0;
   changed.counts[300] ^= 1;
-  EXPECT_TRUE(is_known_touch(clip_fingerprints(shifted, clip_of(5.0, 14.95, "box")), known));
-  EXPECT_TRUE(is_known_touch(clip_fingerprints(changed, clip_of(0.0, 9.95, "ball")), known));
-  EXPECT_TRUE(is_known_touch(clip_fingerprints(glove, clip_of(2.0, 9.95, "ball")), known));
-  EXPECT_FALSE(is_known_touch(clip_fingerprints(glove_at(0.0), clip_of(0.0, 9.95, "ball")), known));
+  EXPECT_TRUE(is_known_clip(touch_fingerprints(shifted, clip_of(5.0, 14.95, "box")), known));
+  EXPECT_TRUE(is_known_clip(touch_fingerprints(changed, clip_of(0.0, 9.95, "ball")), known));
+  EXPECT_TRUE(is_known_clip(touch_fingerprints(glove, clip_of(2.0, 9.95, "ball")), known));
+  EXPECT_FALSE(is_known_clip(touch_fingerprints(glove_at(0.0), clip_of(0.0, 9.95, "ball")), known));
   // nothing but rest, in which two taxels flicker: only an exact copy is known
   GloveStream rest = glove;
   for (std::size_t i = 0; i < rest.counts.size(); ++i)
     rest.counts[i] = i % 6 < 2 ? static_cast<std::uint16_t>(random.below(2)) : 7;
-  known = clip_fingerprints(rest, clip_of(0.0, 9.95, "ball"));
+  known = touch_fingerprints(rest, clip_of(0.0, 9.95, "ball"));
   EXPECT_EQ(known.size(), 1u);
-  EXPECT_FALSE(is_known_touch(clip_fingerprints(rest, clip_of(2.0, 9.95, "ball")), known));
+  EXPECT_FALSE(is_known_clip(touch_fingerprints(rest, clip_of(2.0, 9.95, "ball")), known));
 }
 
 TEST(Fingerprints, OfAShortExcerptOfALongClipAreKnown) {
@@ -172,13 +172,46 @@ TEST(Fingerprints, OfAShortExcerptOfALongClipAreKnown) {
     for (int taxel = 0; taxel < 6; ++taxel)
       glove.counts.push_back(static_cast<std::uint16_t>(random.below(1000)));
   }
-  auto known = clip_fingerprints(glove, clip_of(0.0, 299.95, "ball"));
+  auto known = touch_fingerprints(glove, clip_of(0.0, 299.95, "ball"));
   std::ranges::sort(known);
   int found = 0;
   for (int i = 0; i < 50; ++i)
     found +=
-        is_known_touch(clip_fingerprints(glove, clip_of(5.0 * i, 5.0 * i + 5.95, "ball")), known);
+        is_known_clip(touch_fingerprints(glove, clip_of(5.0 * i, 5.0 * i + 5.95, "ball")), known);
   EXPECT_GE(found, 47) << "99 % are expected: of fifty, fewer in 2 of 1000 cases";
+}
+
+TEST(Fingerprints, OfMotionAreKnownInAnotherFrameOfReference) {
+  RandomStream random(3, "motion");
+  const auto walk = [&] {
+    LabelledBody body;
+    body.position_m = {0.0, 0.0, 1.0};
+    for (int i = 3; i < 900; ++i)
+      body.position_m.push_back(body.position_m[i - 3] + 0.1 * (random.uniform() - 0.5));
+    body.quality.assign(300, quality_good);
+    return body;
+  };
+  Labels labels;
+  labels.hand = walk(), labels.object = walk();
+  auto known = motion_fingerprints(labels, {0, 300});
+  EXPECT_GT(known.size(), 20u);
+  std::ranges::sort(known);
+  Labels turned = labels, other = labels;
+  for (auto* body : {&turned.hand, &turned.object})
+    for (std::size_t i = 0; i < 900; i += 3) {
+      const double x = body->position_m[i];
+      body->position_m[i] = -body->position_m[i + 1] + 1e-6, body->position_m[i + 1] = x + 2.0;
+    }
+  other.object = walk();
+  const auto count_known = [&](const Labels& copy) {
+    return std::ranges::count_if(motion_fingerprints(copy, {20, 280}), [&](const auto& hash) {
+      return std::ranges::binary_search(known, hash);
+    });
+  };
+  EXPECT_GT(count_known(turned), 10);
+  EXPECT_EQ(count_known(other), 0);
+  labels.hand.position_m.assign(900, 0.0), labels.object.position_m.assign(900, 0.0);
+  EXPECT_TRUE(motion_fingerprints(labels, {0, 300}).empty()) << "at rest";
 }
 
 TEST(Dataset, RejectsLabelsThatAreNotOnePerFrame) {
@@ -223,6 +256,17 @@ TEST(Dataset, LostFrameRepeatsThePreviousImage) {
   ASSERT_EQ(files.labels.glove_frame[7], -1);
   EXPECT_TRUE(std::ranges::equal(image(7), image(6)));
   EXPECT_FALSE(std::ranges::equal(image(8), image(7)));
+}
+
+TEST(Dataset, HasTheRateOfItsFrames) {
+  Files files;
+  EXPECT_EQ(load_dataset({files.write_files()}).rate_hz, 15.0);
+  files.sample.recording.gloves[0].info.rate_hz = 30.0;
+  const Dataset data = load_dataset({files.write_files()});
+  EXPECT_NEAR(data.rate_hz, 15.0, 0.05);
+  EXPECT_TRUE(std::ranges::any_of(data.warnings, [](const std::string& warning) {
+    return warning.find("rate_hz is 30") != std::string::npos;
+  }));
 }
 
 TEST(Dataset, StatesAreObjectThenHand) {

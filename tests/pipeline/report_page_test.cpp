@@ -107,14 +107,36 @@ TEST_F(ReportPage, RoundsNumbersAndListsStages) {
   EXPECT_EQ(data.at("stages")[0].at("wall_seconds"), 12.0);
 }
 
-TEST_F(ReportPage, LeavesOutHdf5FilesOfOtherPrograms) {
-  write("glove.h5", "not a recording");
-  EXPECT_TRUE(report::find_inputs(folder_.path()).empty());
+TEST_F(ReportPage, LeavesOutFilesOfAFolderThatCannotBeRead) {
+  for (const char* name : {"glove.h5", "a.labels.h5", "bad.metrics.json", "bad.figures.json"})
+    write(name, "of another program");
+  write("calibration.json", "{}");
+  const auto inputs = report::find_inputs(folder_.path());
+  EXPECT_EQ(inputs.found.size(), 5u);
+  const json data = report::report_data(inputs);
+  for (const char* key : {"calibrations", "smoothing", "figures", "artefacts"})
+    EXPECT_TRUE(data.at(key).empty()) << key;
+  EXPECT_TRUE(data.at("metrics").is_null());
 }
 
-TEST_F(ReportPage, LeavesOutLabelsThatCannotBeRead) {
-  write("a.labels.h5", "not labels");
-  EXPECT_TRUE(report::find_inputs(folder_.path()).empty());
+TEST_F(ReportPage, SeparatesDataSetsOfOneActivity) {
+  const auto document_of = [&](const char* recording) {
+    json document = metrics_document("wave");
+    document["provenance"]["options"]["recording"] = {recording};
+    return document.dump();
+  };
+  const auto names = [&] {
+    std::vector<std::string> found;
+    const json data = report::report_data(report::find_inputs(folder_.path()));
+    for (const json& row : data.at("metrics").at("results"))
+      found.push_back(row.value("data_set", ""));
+    return found;
+  };
+  write("a.metrics.json", document_of("a.h5"));
+  write("b.metrics.json", document_of("a.h5"));
+  EXPECT_EQ(names(), (std::vector<std::string>{"", ""}));
+  write("b.metrics.json", document_of("b.h5"));
+  EXPECT_EQ(names(), (std::vector<std::string>{"a.h5, against truth", "b.h5, against truth"}));
 }
 
 TEST_F(ReportPage, CombinesMetricsFiles) {
@@ -216,7 +238,7 @@ TEST_F(ReportPage, OmitsMissingInputs) {
   EXPECT_TRUE(data.at("metrics").is_null());
   for (const char* key : {"calibrations", "smoothing", "figures", "stages", "artefacts"})
     EXPECT_TRUE(data.at(key).empty()) << key;
-  EXPECT_TRUE(report::find_inputs(folder_.path()).empty());
+  EXPECT_TRUE(report::find_inputs(folder_.path()).found.empty());
 }
 
 TEST_F(ReportPage, RejectsInvalidMetrics) {

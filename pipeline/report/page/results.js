@@ -7,7 +7,7 @@ const resultColumns = [["l1_at_20", "L1@20", 3], ["l1_at_50", "L1@50", 3], ["hau
   ["object_hausdorff_m", "object Hausdorff, m", 3], ["runs", "seeds", 0], ["clips", "clips", 0], ["rollouts", "roll-outs", 0]];
 const lowerIsBetter = resultColumns.map(([key]) => key).filter((key) => /l1|hausdorff|error/.test(key));
 
-const groupOf = (row) => `${row.activity} · ${row.object}${row.split === "unseen" ? " (unseen)" : ""}`;
+const groupOf = (row) => `${row.activity} · ${row.object}${row.split === "unseen" ? " (unseen)" : ""}${row.data_set ? ` · ${row.data_set}` : ""}`;
 
 function groups(rows) {
   const found = new Map();

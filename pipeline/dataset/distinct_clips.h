@@ -8,9 +8,9 @@
 
 namespace touchtrace {
 
-/// Refuses recordings that have touch in common: copies are no further evidence, but would narrow
-/// intervals and weigh twice in training.
-class DistinctTouch {
+/// Refuses recordings that have touch or motion in common: copies are no further evidence, but
+/// would narrow intervals and weigh twice in training.
+class DistinctClips {
  public:
   /// Adds the clips of a recording. Throws data_error if one of them, whole or in part, is also in
   /// a recording that was added before.

@@ -1,4 +1,4 @@
-#include "pipeline/dataset/distinct_touch.h"
+#include "pipeline/dataset/distinct_clips.h"
 
 #include <fmt/core.h>
 
@@ -9,9 +9,9 @@
 
 namespace touchtrace {
 
-void DistinctTouch::add(std::span<const Sequence> clips, const std::string& recording) {
+void DistinctClips::add(std::span<const Sequence> clips, const std::string& recording) {
   for (const Sequence& clip : clips)
-    if (is_known_touch(clip.fingerprints, known_))
+    if (is_known_clip(clip.fingerprints, known_))
       throw data_error(
           fmt::format("clip {} of {} is also in another of the recordings, whole or in part",
                       clip.clip, recording),
